@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+#include "scenes/scene.h"
+
+namespace maquette {
+
+/// What the plan needs to know of a view.
+struct ViewInfo {
+  int width = 640;
+  int height = 360;
+  int msaa = 1;
+};
+
+/// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
+struct SceneFacts {
+  std::size_t triangle_count = 0;
+  int material_count = 0;
+  int measured_count = 0;
+  int analytic_count = 0;
+  bool has_textures = false;
+  bool has_normal_maps = false;
+  bool has_mask = false;
+  bool has_glass = false;
+  bool has_punctual_lights = false;
+  bool has_emissive_meshes = false;
+  bool has_subdivision = false;
+  bool enclosed = false;  ///< the eye region is closed in (decides shading.visibility = auto)
+};
+SceneFacts compute_facts(const Scene& scene, int variant);
+
+struct PlannedPass {
+  std::string name;    ///< gbuffer, bandwidth, pyramid, shade, upsample, ... (docs/vocabulary.md)
+  std::string reason;  ///< why it is there
+};
+struct LeftOut {
+  std::string what;  ///< one documented vocabulary
+  std::string why;
+};
+
+/// The passes and resources for this scene, camera and settings. A plain value, made without OpenGL.
+struct FramePlan {
+  std::string mode;
+  std::string visibility;  ///< none or baked, after `auto` was decided
+  bool texture_bandwidth = false;
+  bool lights = false;  ///< punctual lights or emissive meshes are sampled
+  bool glass = false;
+  int msaa = 1;
+  std::vector<PlannedPass> passes;
+  std::vector<LeftOut> left_out;
+};
+
+/// Throws Error when the mode cannot do what was asked (never falls back to another).
+FramePlan plan(const SceneFacts& facts, const std::string& mode, const Settings& settings, const ViewInfo& view);
+
+}  // namespace maquette

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/plan.h"
+#include "render/settings.h"
+#include "scenes/brdf.h"
+#include "scenes/environment.h"
+#include "scenes/image.h"
+#include "scenes/scene.h"
+
+namespace maquette {
+
+struct CameraView {
+  glm::vec3 eye{0.0f, 0.0f, 3.0f};
+  glm::vec3 target{0.0f};
+  glm::vec3 up{0.0f, 1.0f, 0.0f};
+  float fov_y_rad = 0.8f;
+  float near_m = 0.0f;  ///< 0: chosen from the scene bounds
+  float far_m = 0.0f;
+};
+bool operator==(const CameraView& a, const CameraView& b);
+
+/// Everything one frame depends on besides scene, environment and materials.
+struct FrameRequest {
+  std::string mode = "bandwidth";
+  CameraView camera;
+  int width = 640;
+  int height = 360;
+  int msaa = 1;     ///< samples a pixel: 1, 4 or 16
+  int samples = 0;  ///< shading samples a pixel before prediction scales it; 0: the mode's default
+  std::uint32_t seed = 0;
+  float env_rotation_rad = 0.0f;
+  float env_scale = 1.0f;
+  int variant = -1;
+  Settings settings;
+  bool operator==(const FrameRequest&) const = default;
+};
+
+struct PassTime {
+  std::string name;
+  double ms = 0.0;
+};
+
+struct FrameStats {
+  double frame_ms = 0.0;
+  std::vector<PassTime> passes;
+  std::map<std::string, std::size_t> gpu_bytes;
+  std::size_t visible_pixels = 0;
+  std::size_t shaded_pixels = 0;
+  std::size_t shading_samples = 0;
+  int accumulated_frames = 1;  ///< frames averaged in the picture: grows while nothing moves
+  std::map<std::string, double> technique;
+  FramePlan plan;
+};
+
+/// A background computation that a frame could use (the visibility bake): for the HUD.
+struct BackgroundWork {
+  std::string what;
+  double fraction = 0.0;
+};
+
+/// Owns the GL resources of one scene and draws frames of it. Needs a current OpenGL 4.5 context for its whole life.
+class Renderer {
+ public:
+  Renderer();
+  ~Renderer();
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
+
+  void set_scene(std::shared_ptr<const Scene> scene);
+  void set_environment(std::shared_ptr<const Environment> environment);
+  /// Replaces the BRDF of the material named so (`*`: all): a MERL path, `builtin:NAME`, `builtin:glass`; empty restores the
+  /// file's own. Throws Error (unknown material: the names nearest) and then changes nothing.
+  void set_material(const std::string& material_name, const std::string& source);
+  /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
+  void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
+  void set_node_visible(int node, bool visible);
+
+  /// Draws one frame into the radiance texture. With `accumulate`, averages with the frames before it
+  /// while request, scene, materials and environment stay the same.
+  FrameStats render(const FrameRequest& request, bool accumulate = false);
+  /// Waits until background work that the plan of `request` wants is done (batch rendering). True when all is ready.
+  bool finish_background_work(const FrameRequest& request);
+  std::vector<BackgroundWork> background_work() const;
+
+  /// The frame just drawn: linear RGBA, alpha 0 where only the sky is seen. Includes env_scale, no exposure.
+  Image read_radiance() const;
+  /// One of debug_view_names() as false colours or values, RGBA.
+  Image read_debug_view(const std::string& name) const;
+  static const std::vector<std::string>& debug_view_names();
+
+  /// Draws the frame, or a debug view of it, tone mapped into the currently bound framebuffer's rectangle.
+  void present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
+               const std::string& debug_view = {});
+
+  struct Pick {
+    bool hit = false;
+    int node = -1;
+    int primitive = -1;
+    int material = -1;
+    glm::vec3 position{0.0f};
+    glm::vec3 normal{0.0f, 1.0f, 0.0f};
+  };
+  /// What the pixel (from the top left) of the last frame shows.
+  Pick pick(int x, int y) const;
+
+  const Scene& scene() const;
+  const SceneFacts& facts() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then sRGB. Same formulas as the shader.
+Image tone_map(const Image& radiance, float exposure_ev, const std::string& tonemap);
+const std::vector<std::string>& tonemap_names();
+
+}  // namespace maquette

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace maquette {
+
+/// A file, a user's input or a driver that is not good enough: one line that says where, what was
+/// expected and found, and what to do. Our own mistakes are assertions, never this.
+class Error : public std::runtime_error {
+ public:
+  /// `where` is a path, an option or a key (may be empty); `what` names the fault; `remedy` what to do.
+  Error(const std::string& where, const std::string& what, const std::string& remedy = {})
+      : std::runtime_error((where.empty() ? "" : where + ": ") + what + (remedy.empty() ? "" : "; " + remedy)) {}
+};
+
+/// The call itself was wrong (unknown option, bad value): exit code 2 instead of 1.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+}  // namespace maquette

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "scenes/image.h"
+
+namespace maquette {
+
+/// Reads .exr or .hdr (Radiance) as linear float, 3 or 4 channels (R, G, B, then A if there is one).
+/// Throws Error: unreadable, truncated, missing R/G/B channels, absurd size.
+Image load_hdr_image(const std::string& path);
+
+/// Writes a linear image as EXR, 32-bit float (alpha kept), beside the target and renamed.
+/// `attributes` become string attributes of the header. Throws Error and leaves no partial file.
+void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes = {});
+
+/// Writes an already tone mapped image (display-encoded, 0..1) as 8-bit PNG, beside and renamed.
+void save_png(const std::string& path, const Image& image);
+
+}  // namespace maquette

@@ -1,0 +1,60 @@
+#include "scenes/scene.h"
+
+namespace maquette {
+
+std::vector<glm::mat4> compute_world_transforms(const Scene& scene) {
+  std::vector<glm::mat4> world(scene.nodes.size(), glm::mat4(1.0f));
+  std::vector<int> stack(scene.roots.rbegin(), scene.roots.rend());
+  while (!stack.empty()) {
+    const auto i = static_cast<std::size_t>(stack.back());
+    stack.pop_back();
+    const Node& node = scene.nodes[i];
+    world[i] = node.parent < 0 ? node.local : world[static_cast<std::size_t>(node.parent)] * node.local;
+    stack.insert(stack.end(), node.children.begin(), node.children.end());
+  }
+  return world;
+}
+
+namespace {
+
+void extend(Bounds* bounds, const glm::mat4& world_from_node, const glm::vec3& p) {
+  const glm::vec3 q(world_from_node * glm::vec4(p, 1.0f));
+  bounds->min = glm::min(bounds->min, q);
+  bounds->max = glm::max(bounds->max, q);
+}
+
+}  // namespace
+
+Bounds compute_bounds(const Scene& scene) {
+  Bounds bounds;
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (!node.visible) continue;
+    if (node.mesh >= 0) {
+      for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+        for (const glm::vec3& p : primitive.positions) extend(&bounds, world[i], p);
+    }
+    if (node.patch >= 0) {
+      for (const glm::vec3& p : scene.patches[static_cast<std::size_t>(node.patch)].points) extend(&bounds, world[i], p);
+    }
+  }
+  return bounds;
+}
+
+std::size_t count_triangles(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Node& node : scene.nodes) {
+    if (node.mesh < 0 || !node.visible) continue;
+    for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+      count += primitive.indices.size() / 3;
+  }
+  return count;
+}
+
+int material_of(const Primitive& primitive, int variant) {
+  const auto found = primitive.variant_materials.find(variant);
+  return variant >= 0 && found != primitive.variant_materials.end() ? found->second : primitive.material;
+}
+
+}  // namespace maquette

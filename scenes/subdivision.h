@@ -1,0 +1,38 @@
+#pragma once
+
+#include "scenes/scene.h"
+
+namespace maquette {
+
+/// Catmull-Clark limit surface of a cage (OpenSubdiv): limit positions, limit normals, UVs and triangles
+/// after `cage.levels` uniform refinements; `curvatures` (1/m, larger principal magnitude) if asked for.
+/// The stencil tables are topology only: keep the evaluator to move control points each frame.
+class SubdivisionEvaluator {
+ public:
+  explicit SubdivisionEvaluator(const SubdivisionCage& cage);
+  ~SubdivisionEvaluator();
+  SubdivisionEvaluator(SubdivisionEvaluator&&) noexcept;
+  SubdivisionEvaluator& operator=(SubdivisionEvaluator&&) noexcept;
+
+  /// Positions and normals of the limit surface for these control points (same count as the cage's).
+  void evaluate(const std::vector<glm::vec3>& control_points, std::vector<glm::vec3>* positions,
+                std::vector<glm::vec3>* normals, std::vector<float>* curvatures = nullptr) const;
+  /// Static part: indices and UVs, same order as evaluate()'s vertices.
+  const std::vector<std::uint32_t>& indices() const;
+  const std::vector<glm::vec2>& uvs() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Fills mesh.primitives[0] geometry from mesh.cage.
+void tessellate_cage(Mesh* mesh);
+/// Moves every control point within `radius_m` of `center` along `direction` by depth_m * smooth falloff (C2, 1 at the
+/// centre, 0 at the radius). Returns how many moved. Used by the mouse and by `render --dent`.
+int dent_cage(SubdivisionCage* cage, const glm::vec3& center, const glm::vec3& direction, float depth_m, float radius_m);
+
+/// Regular n x n triangulation of a bicubic patch with exact normals.
+Primitive tessellate_patch(const BezierPatch& patch, int n);
+
+}  // namespace maquette

@@ -18,19 +18,21 @@ struct DrawItem {
   std::uint32_t first_vertex = 0, vertex_count = 0;
 };
 
-/// All visible instances in world space, one shared index buffer (indices are absolute). Attribute arrays have the length of
-/// `positions`; missing normals are area-weighted, missing tangents come from UV 0 (or any frame without UVs).
+/// All visible instances in world space, one shared index buffer (indices are absolute). Attribute arrays have the
+/// length of `positions`; missing normals are area-weighted, missing tangents come from UV 0 (or any frame without
+/// UVs).
 struct FlatGeometry {
   std::vector<glm::vec3> positions;  ///< metres
   std::vector<glm::vec3> normals;    ///< unit
   std::vector<glm::vec4> tangents;   ///< unit, w: handedness
   std::vector<glm::vec2> uv0, uv1;
-  std::vector<glm::vec4> colors;     ///< 1 where the file has none
+  std::vector<glm::vec4> colors;  ///< 1 where the file has none
   std::vector<std::uint32_t> indices;
   std::vector<DrawItem> items;
 };
 
-/// Flattens `scene`; patches become `patch_side` x `patch_side` quads. Triangles that mirror (negative determinant) are rewound.
+/// Flattens `scene`; patches become `patch_side` x `patch_side` quads. Triangles that mirror (negative determinant) are
+/// rewound.
 FlatGeometry flatten(const Scene& scene, int patch_side = 32);
 
 }  // namespace maquette

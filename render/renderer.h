@@ -75,8 +75,8 @@ class Renderer {
 
   void set_scene(std::shared_ptr<const Scene> scene);
   void set_environment(std::shared_ptr<const Environment> environment);
-  /// Replaces the BRDF of the material named so (`*`: all): a MERL path, `builtin:NAME`, `builtin:glass`; empty restores the
-  /// file's own. Throws Error (unknown material: the names nearest) and then changes nothing.
+  /// Replaces the BRDF of the material named so (`*`: all): a MERL path, `builtin:NAME`, `builtin:glass`; empty
+  /// restores the file's own. Throws Error (unknown material: the names nearest) and then changes nothing.
   void set_material(const std::string& material_name, const std::string& source);
   /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
@@ -118,7 +118,8 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then sRGB. Same formulas as the shader.
+/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then sRGB. Same formulas as the
+/// shader.
 Image tone_map(const Image& radiance, float exposure_ev, const std::string& tonemap);
 const std::vector<std::string>& tonemap_names();
 

@@ -13,7 +13,8 @@ inline constexpr int kPhiDCount = 180;
 inline constexpr int kBrdfEntryCount = kThetaHCount * kThetaDCount * kPhiDCount;
 
 /// Isotropic BRDF as MERL tabulates it, in 1/sr, unmeasured entries already filled.
-/// rgb: [theta_h 90][theta_d 90][phi_d 180] of linear RGB; values sit at bin centres, theta_h bins are square-root spaced.
+/// rgb: [theta_h 90][theta_d 90][phi_d 180] of linear RGB; values sit at bin centres, theta_h bins are square-root
+/// spaced.
 struct BrdfTable {
   std::string name;
   std::vector<glm::vec3> rgb;
@@ -21,8 +22,9 @@ struct BrdfTable {
   std::uint64_t hash = 0;            ///< of the filled entries; key of all derived tables
 };
 
-/// MERL `.binary`. Unmeasured (negative, NaN) entries take the last measured value along theta_d; a column without any takes
-/// its theta_h neighbour. Throws Error for a wrong header, a truncated or oversized file, infinite or no measured values.
+/// MERL `.binary`. Unmeasured (negative, NaN) entries take the last measured value along theta_d; a column without any
+/// takes its theta_h neighbour. Throws Error for a wrong header, a truncated or oversized file, infinite or no measured
+/// values.
 BrdfTable load_merl(const std::string& path);
 /// Writes the 33 MB .binary form (used by `inspect`, tests and export).
 void save_merl(const std::string& path, const BrdfTable& table);

@@ -19,7 +19,8 @@ struct Environment {
 };
 
 /// .hdr or .exr, or `builtin:clear-sky`, `builtin:studio`. Throws Error (unreadable, not an image, zero size).
-/// NaN, infinite or negative texels become the mean of their valid neighbours (0 without any) and are reported in warnings.
+/// NaN, infinite or negative texels become the mean of their valid neighbours (0 without any) and are reported in
+/// warnings.
 Environment load_environment(const std::string& source);
 std::vector<std::string> builtin_environment_names();
 

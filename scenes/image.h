@@ -16,7 +16,9 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, int c, float fill = 0.0f)
-      : width(w), height(h), channels(c),
+      : width(w),
+        height(h),
+        channels(c),
         data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * static_cast<std::size_t>(c), fill) {}
 
   std::size_t index(int x, int y, int c = 0) const {

@@ -85,8 +85,8 @@ struct Primitive {
   std::vector<glm::vec4> tangents;  ///< w: handedness
   std::array<std::vector<glm::vec2>, 2> uvs;
   std::vector<glm::vec4> colors;
-  std::vector<std::uint32_t> indices;  ///< three per triangle, always present after import
-  int material = -1;                   ///< -1: glTF's default material
+  std::vector<std::uint32_t> indices;    ///< three per triangle, always present after import
+  int material = -1;                     ///< -1: glTF's default material
   std::map<int, int> variant_materials;  ///< variant index -> material index (KHR_materials_variants)
 };
 
@@ -149,7 +149,7 @@ struct Node {
 
 /// Everything a file or a built-in scene gives: values only, no OpenGL. Indices refer to the vectors here.
 struct Scene {
-  std::string name;    ///< path or builtin:NAME
+  std::string name;  ///< path or builtin:NAME
   std::vector<Node> nodes;
   std::vector<int> roots;
   std::vector<Mesh> meshes;

@@ -30,7 +30,8 @@ class SubdivisionEvaluator {
 void tessellate_cage(Mesh* mesh);
 /// Moves every control point within `radius_m` of `center` along `direction` by depth_m * smooth falloff (C2, 1 at the
 /// centre, 0 at the radius). Returns how many moved. Used by the mouse and by `render --dent`.
-int dent_cage(SubdivisionCage* cage, const glm::vec3& center, const glm::vec3& direction, float depth_m, float radius_m);
+int dent_cage(SubdivisionCage* cage, const glm::vec3& center, const glm::vec3& direction, float depth_m,
+              float radius_m);
 
 /// Regular n x n triangulation of a bicubic patch with exact normals.
 Primitive tessellate_patch(const BezierPatch& patch, int n);

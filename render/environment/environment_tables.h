@@ -10,13 +10,13 @@ namespace maquette {
 
 /// Tables derived once per environment and cached by content; independent of its rotation. No OpenGL.
 struct EnvironmentTables {
-  int width = 0, height = 0;            ///< of the importance grid: the environment's own
-  std::vector<float> marginal_cdf;      ///< [height + 1] over rows
-  std::vector<float> conditional_cdf;   ///< [height][width + 1]
-  double luminance_integral = 0.0;      ///< of Y over the sphere, stored units * sr; 0 for a black environment
+  int width = 0, height = 0;           ///< of the importance grid: the environment's own
+  std::vector<float> marginal_cdf;     ///< [height + 1] over rows
+  std::vector<float> conditional_cdf;  ///< [height][width + 1]
+  double luminance_integral = 0.0;     ///< of Y over the sphere, stored units * sr; 0 for a black environment
   int bandwidth_width = 0, bandwidth_height = 0;
-  /// nu_L: local angular bandwidth, cycles per radian of direction, [bandwidth_height][bandwidth_width], latlong; sin(theta) of
-  /// longitude undone. Daubechies-4 wavelets; local (a sun does not raise the whole sky).
+  /// nu_L: local angular bandwidth, cycles per radian of direction, [bandwidth_height][bandwidth_width], latlong;
+  /// sin(theta) of longitude undone. Daubechies-4 wavelets; local (a sun does not raise the whole sky).
   std::vector<float> bandwidth;
 };
 EnvironmentTables compute_environment_tables(const Environment& environment);
@@ -29,8 +29,8 @@ struct EnvironmentSample {
   glm::vec3 radiance;  ///< bilinear at the direction
   float padding = 0.0f;
 };
-/// `count` samples of a scrambled low-discrepancy sequence (any prefix or run of consecutive ones is well spread) warped by the
-/// importance tables. Deterministic for a seed. Empty for a black environment.
+/// `count` samples of a scrambled low-discrepancy sequence (any prefix or run of consecutive ones is well spread)
+/// warped by the importance tables. Deterministic for a seed. Empty for a black environment.
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
                                                   std::uint32_t seed, std::size_t count);
 

@@ -7,30 +7,32 @@
 
 namespace maquette {
 
-inline constexpr int kElevationCount = 32;   ///< view elevations theta_o = (e + 0.5) / 32 * pi/2
-inline constexpr int kThetaCellCount = 96;   ///< cells of t = 1 - cos(theta_h); see theta_cell_mass
-inline constexpr int kPhiCellCount = 16;     ///< equal-mass cells of phi_h in [0, pi] (the other half by symmetry)
-inline constexpr int kAlbedoCount = 64;      ///< theta_o = i / 63 * pi/2
+inline constexpr int kElevationCount = 32;  ///< view elevations theta_o = (e + 0.5) / 32 * pi/2
+inline constexpr int kThetaCellCount = 96;  ///< cells of t = 1 - cos(theta_h); see theta_cell_mass
+inline constexpr int kPhiCellCount = 16;    ///< equal-mass cells of phi_h in [0, pi] (the other half by symmetry)
+inline constexpr int kAlbedoCount = 64;     ///< theta_o = i / 63 * pi/2
 
 /// Tables derived once per BRDF and cached by content. No OpenGL.
 ///
 /// Importance of the half vector h for one view elevation (wo in the xz plane, +x side), with density proportional to
-/// Y(f) cos(theta_i) d omega_i / d omega_h (plus a small floor so that every cell is positive): the marginal over t = 1 - cos(theta_h) is cut
-/// into cells of *fixed* probability (theta_cell_mass: equal, then geometric towards the tail, so that sampling needs no search), each cell's conditional over
-/// phi_h into 16 equal-mass cells. Density inside a cell is constant over solid angle (d omega_h = dt dphi).
+/// Y(f) cos(theta_i) d omega_i / d omega_h (plus a small floor so that every cell is positive): the marginal over t = 1
+/// - cos(theta_h) is cut into cells of *fixed* probability (theta_cell_mass: equal, then geometric towards the tail, so
+/// that sampling needs no search), each cell's conditional over phi_h into 16 equal-mass cells. Density inside a cell
+/// is constant over solid angle (d omega_h = dt dphi).
 struct BrdfTables {
   std::vector<glm::vec2> theta_cells;  ///< [elevation 32][96] (t_begin, t_end), partition of [0, 1]
   std::vector<glm::vec2> phi_cells;    ///< [elevation 32][96][16] (phi_begin, phi_end), partition of [0, pi]
   std::vector<glm::vec3> albedo;       ///< [64] directional albedo, linear RGB
-  /// [theta_h 90][theta_d 90] local angular bandwidth nu_rho: cycles per radian of *direction* (of wi or wo, the other fixed)
-  /// holding 95 % of the local spectral energy; energy-weighted over phi_d. Daubechies-4 wavelets.
+  /// [theta_h 90][theta_d 90] local angular bandwidth nu_rho: cycles per radian of *direction* (of wi or wo, the other
+  /// fixed) holding 95 % of the local spectral energy; energy-weighted over phi_d. Daubechies-4 wavelets.
   std::vector<float> bandwidth;
 };
 BrdfTables compute_brdf_tables(const BrdfTable& brdf);
 /// compute_brdf_tables through the disk cache.
 BrdfTables load_brdf_tables(const BrdfTable& brdf);
 
-/// Lambert + one GGX lobe with Smith masking and Schlick Fresnel, least squares in cube-root space over cos-weighted bins: what other viewers do.
+/// Lambert + one GGX lobe with Smith masking and Schlick Fresnel, least squares in cube-root space over cos-weighted
+/// bins: what other viewers do.
 struct GgxFit {
   glm::vec3 diffuse{0.0f};   ///< albedo
   glm::vec3 specular{0.0f};  ///< F0

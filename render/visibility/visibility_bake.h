@@ -13,16 +13,17 @@ namespace maquette {
 
 inline constexpr int kVisibilitySide = 16;  ///< octahedral map of the world's sphere, 16 x 16 directions, one bit each
 
-/// Directional visibility of the distant environment per vertex of a FlatGeometry: bit b of vertex v is 1 when direction b is
-/// unoccluded; bit index = y * 16 + x of the octahedral map (shaders/shared/octahedral.glsl), word = b / 32.
+/// Directional visibility of the distant environment per vertex of a FlatGeometry: bit b of vertex v is 1 when
+/// direction b is unoccluded; bit index = y * 16 + x of the octahedral map (shaders/shared/octahedral.glsl), word = b
+/// / 32.
 struct VisibilityBake {
   std::vector<std::array<std::uint32_t, 8>> vertices;
   /// Per vertex: variation of visibility over the surface, cycles per metre; adds to nu_x.
   std::vector<float> bandwidth;
 };
 
-/// Rays by Embree on all cores (TBB). Items whose material is glass or blended neither occlude nor matter; alpha-masked occlude.
-/// `transmits[i]` says so for item i. Progress in [0, 1]; returns nullopt once `cancel` is set.
+/// Rays by Embree on all cores (TBB). Items whose material is glass or blended neither occlude nor matter; alpha-masked
+/// occlude. `transmits[i]` says so for item i. Progress in [0, 1]; returns nullopt once `cancel` is set.
 std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
                                               const std::atomic<bool>& cancel,
                                               const std::function<void(double)>& progress = {});

@@ -1,0 +1,5 @@
+// Closes what shared_begin.h opened.
+}  // namespace
+}  // namespace maquette::shader
+// NOLINTEND
+#pragma GCC diagnostic pop

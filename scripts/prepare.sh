@@ -1,0 +1,38 @@
+# shellcheck shell=bash
+# Sourced by scripts/run and scripts/test: installs the missing packages of scripts/packages.txt
+# and builds Release into build/.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+export root=$PWD
+
+missing_packages() {
+  local package
+  sed 's/#.*//' scripts/packages.txt | while read -r package; do
+    [ -z "$package" ] && continue
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
+  done
+}
+
+install_packages() {
+  local missing sudo=
+  missing=$(missing_packages)
+  [ -z "$missing" ] && return
+  # shellcheck disable=SC2086
+  echo "installing:" $missing
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || {
+      echo "error: packages are missing and neither root nor sudo is at hand; install the ones listed above" >&2
+      exit 1
+    }
+    sudo=sudo
+  fi
+  $sudo apt-get update -q
+  # shellcheck disable=SC2086
+  $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+}
+
+# build [ON|OFF]: with or without the tests.
+build() {
+  cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DMAQUETTE_TESTS="$1"
+  ninja -C build
+}

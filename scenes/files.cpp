@@ -1,0 +1,178 @@
+#include "scenes/files.h"
+
+#define XXH_INLINE_ALL
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Beside `path`, same extension, unlike any other process's or thread's.
+std::string temporary_path(const std::string& path) {
+  static std::atomic<unsigned> counter{0};
+  const fs::path target(path);
+  char marker[64];
+  std::snprintf(marker, sizeof marker, ".partial-%ld-%u", static_cast<long>(::getpid()), counter++);
+  std::string name = target.stem().string();
+  name.insert(0, 1, '.').append(marker).append(target.extension().string());
+  return (target.parent_path() / name).string();
+}
+
+void remove_quietly(const std::string& path) {
+  std::error_code ignored;
+  fs::remove(path, ignored);
+}
+
+/// Layout of a cache entry's start; 40 bytes, native endianness (the cache never leaves the machine).
+struct CacheHeader {
+  char magic[8] = {'M', 'A', 'Q', 'C', 'A', 'C', 'H', 'E'};
+  std::uint64_t version = 0;
+  std::uint64_t key = 0;
+  std::uint64_t size = 0;
+  std::uint64_t checksum = 0;
+};
+
+std::optional<fs::path> cache_folder() {
+  if (const char* own = std::getenv("MAQUETTE_CACHE")) {
+    return *own ? std::optional<fs::path>(own) : std::nullopt;
+  }
+  const char* xdg = std::getenv("XDG_CACHE_HOME");
+  if (xdg && *xdg) return fs::path(xdg) / "maquette";
+  const char* home = std::getenv("HOME");
+  if (home && *home) return fs::path(home) / ".cache" / "maquette";
+  return std::nullopt;
+}
+
+fs::path cache_entry(const fs::path& folder, const std::string& kind, int version, std::uint64_t key) {
+  char name[64];
+  std::snprintf(name, sizeof name, "-v%d-%016llx.bin", version, static_cast<unsigned long long>(key));
+  return folder / (kind + name);
+}
+
+}  // namespace
+
+std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes) {
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (!fs::exists(status)) throw Error(path, "does not exist", "check the path");
+  if (fs::is_directory(status)) throw Error(path, "is a folder, not a file", "name a file in it");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw Error(path, std::string("cannot be read (") + std::strerror(errno) + ")", "check its permissions");
+  std::vector<std::byte> bytes;
+  if (fs::is_regular_file(status)) {
+    const std::uintmax_t size = fs::file_size(path, code);
+    if (code) throw Error(path, "cannot be read (" + code.message() + ")");
+    if (size > max_bytes) {
+      throw Error(path, "has " + std::to_string(size) + " bytes, at most " + std::to_string(max_bytes) + " expected",
+                  "name another file");
+    }
+    bytes.resize(size);
+    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    bytes.resize(static_cast<std::size_t>(stream.gcount()));
+    return bytes;
+  }
+  // A pipe or device: no size known beforehand.
+  char chunk[65536];
+  while (stream.read(chunk, sizeof chunk), stream.gcount() > 0) {
+    const auto* begin = reinterpret_cast<const std::byte*>(chunk);
+    bytes.insert(bytes.end(), begin, begin + stream.gcount());
+    if (bytes.size() > max_bytes) {
+      throw Error(path, "has more than the " + std::to_string(max_bytes) + " bytes expected", "name another file");
+    }
+  }
+  return bytes;
+}
+
+void write_file_atomically(const std::string& path, std::span<const std::byte> bytes) {
+  write_atomically(path, [&](const std::string& temporary) {
+    std::ofstream stream(temporary, std::ios::binary);
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) {
+      throw Error(path, std::string("cannot be written (") + std::strerror(errno) + ")",
+                  "choose a writable folder with enough space");
+    }
+  });
+}
+
+void write_atomically(const std::string& path, const std::function<void(const std::string&)>& write) {
+  std::error_code code;
+  if (path.empty()) throw Error("", "no output file named", "give a file name");
+  if (fs::is_directory(path, code)) throw Error(path, "is a folder, not a file", "give a file name in it");
+  const fs::path parent = fs::path(path).parent_path();
+  if (!parent.empty() && !fs::is_directory(parent, code)) {
+    throw Error(path, "cannot be written, its folder does not exist", "create the folder " + parent.string());
+  }
+  const std::string temporary = temporary_path(path);
+  try {
+    write(temporary);
+    fs::rename(temporary, path, code);
+    if (code) throw Error(path, "cannot be written (" + code.message() + ")", "choose a writable folder");
+  } catch (...) {
+    remove_quietly(temporary);
+    throw;
+  }
+}
+
+std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t seed) {
+  return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
+}
+
+std::optional<std::vector<std::byte>> cache_load(const std::string& kind, int version, std::uint64_t key) {
+  const std::optional<fs::path> folder = cache_folder();
+  if (!folder) return std::nullopt;
+  std::ifstream stream(cache_entry(*folder, kind, version, key), std::ios::binary | std::ios::ate);
+  if (!stream) return std::nullopt;
+  const std::streamoff length = stream.tellg();
+  stream.seekg(0);
+  const CacheHeader expected;
+  CacheHeader header;
+  if (length < static_cast<std::streamoff>(sizeof header)) return std::nullopt;
+  stream.read(reinterpret_cast<char*>(&header), sizeof header);
+  if (!stream || std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 ||
+      header.version != static_cast<std::uint64_t>(version) || header.key != key ||
+      header.size != static_cast<std::uint64_t>(length) - sizeof header) {
+    return std::nullopt;
+  }
+  std::vector<std::byte> payload(header.size);
+  stream.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
+  if (!stream || content_hash(payload, key) != header.checksum) return std::nullopt;
+  return payload;
+}
+
+void cache_store(const std::string& kind, int version, std::uint64_t key, std::span<const std::byte> bytes) {
+  const std::optional<fs::path> folder = cache_folder();
+  if (!folder) return;
+  std::error_code code;
+  fs::create_directories(*folder, code);
+  CacheHeader header;
+  header.version = static_cast<std::uint64_t>(version);
+  header.key = key;
+  header.size = bytes.size();
+  header.checksum = content_hash(bytes, key);
+  try {
+    write_atomically(cache_entry(*folder, kind, version, key).string(), [&](const std::string& temporary) {
+      std::ofstream stream(temporary, std::ios::binary);
+      stream.write(reinterpret_cast<const char*>(&header), sizeof header);
+      stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      stream.close();
+      if (!stream) throw Error(temporary, "cannot be written");
+    });
+  } catch (const std::exception&) {
+    // Best effort: the table is computed again next time.
+  }
+}
+
+}  // namespace maquette

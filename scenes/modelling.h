@@ -1,0 +1,137 @@
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "scenes/scene.h"
+
+/// Solid modelling for the built-in scenes: parametric grids, lathes, sweeps and rounded solids in double precision,
+/// metres, +Y up. Every surface has exact or finite-difference normals that agree with the winding (counter-clockwise
+/// outside).
+namespace maquette::modelling {
+
+using Vec2 = glm::dvec2;
+using Vec3 = glm::dvec3;
+
+inline constexpr double kPi = 3.14159265358979323846;
+
+/// Linear sRGB from display-encoded 8-bit values.
+glm::vec3 srgb(int r, int g, int b);
+/// 0 at edge0, 1 at edge1, C2 in between.
+double smoother(double edge0, double edge1, double x);
+double mix(double a, double b, double t);
+
+/// Piecewise cubic through (x, y) knots with monotone-limited slopes (no overshoot). Clamped outside.
+/// Source: Fritsch and Carlson 1980, monotone piecewise cubic interpolation.
+class Curve {
+ public:
+  Curve(std::initializer_list<Vec2> knots);
+  double operator()(double x) const;
+
+ private:
+  std::vector<Vec2> knots_;
+  std::vector<double> slopes_;
+};
+
+using SurfaceFunction = std::function<Vec3(double u, double v)>;
+
+struct GridOptions {
+  bool wrap_u = false;
+  bool wrap_v = false;
+  Vec2 uv_scale{1.0, 1.0};  ///< texture coordinates are (u, v) times this
+  bool flip = false;        ///< turn the outside round; without it the outside is d/du x d/dv
+};
+
+/// (nu x nv) quads over [0, 1]^2; normals from central differences of `f`, stepping inside at poles.
+Primitive make_grid(int nu, int nv, const SurfaceFunction& f, const GridOptions& options = {});
+
+/// Sphere of equal-angle cube faces, n quads along each edge; normals are the exact directions.
+Primitive make_sphere(double radius, int n);
+/// Box of full size `size` around the origin with edges rounded by `radius` (k quads per quarter turn).
+Primitive make_rounded_box(const Vec3& size, double radius, int k = 3);
+/// Flat quad from corner `origin` along a and b (outside a x b), n x n quads, UV 0..uv_scale.
+Primitive make_quad(const Vec3& origin, const Vec3& a, const Vec3& b, int n = 1, const Vec2& uv_scale = {1.0, 1.0});
+
+/// Point of a planar outline with its unit outward normal.
+struct ProfilePoint {
+  Vec2 position;
+  Vec2 normal;
+};
+using Profile = std::vector<ProfilePoint>;
+
+/// Polyline with arcs of `radius` (shortened where edges are short) at its corners, `k` segments an arc.
+/// Normals point to the right of the direction of travel (outwards for a counter-clockwise closed outline).
+Profile round_corners(const std::vector<Vec2>& points, double radius, int k, bool closed);
+/// Ellipse, counter-clockwise.
+Profile make_ellipse(double rx, double ry, int n);
+
+/// Lathe about +Y: profile (radius, height), travelling upwards for an outside that faces away from the axis.
+Primitive revolve(const Profile& profile, int segments, double from_rad = 0.0, double to_rad = 2.0 * kPi);
+
+/// Place of a profile: profile x along `x`, profile y along `y`.
+struct Frame {
+  Vec3 origin;
+  Vec3 x;
+  Vec3 y;
+  Vec2 scale{1.0, 1.0};
+};
+/// Profile carried along frames (outside: the profile's normals, for frames that advance along x cross y).
+/// `caps` closes both ends with fans about the frames' origins.
+Primitive sweep(const std::vector<Frame>& frames, const Profile& profile, bool closed_profile, bool closed_path,
+                bool caps = false);
+/// Tube around a polyline that is smoothed by Catmull-Rom, `radius_m` at every point.
+Primitive make_tube(const std::vector<Vec3>& path, double radius_m, int around, int along, bool caps = true);
+/// Closed counter-clockwise outline (star-shaped about its centroid) in the xy plane pushed from z = 0 to `depth`,
+/// edges rounded by `bevel`.
+Primitive extrude(const Profile& outline, double depth, double bevel, int k = 2);
+
+void append(Primitive* into, const Primitive& other);
+Primitive merged(const std::vector<Primitive>& parts);
+Primitive transformed(const Primitive& primitive, const glm::dmat4& matrix);
+Primitive flipped(const Primitive& primitive);
+/// The same part on the other side of the x = 0 plane, rewound.
+Primitive mirrored_x(const Primitive& primitive);
+/// UVs from the position in metres: (x, z), (z, y) or (x, y), whichever plane the normal favours, times `scale`.
+void map_box_uvs(Primitive* primitive, double scale);
+
+glm::dmat4 translation(double x, double y, double z);
+glm::dmat4 rotation(double degrees, const Vec3& axis);
+/// Parent-from-local frame with columns right, up, backward at `origin`: local -Z looks towards `target`.
+glm::dmat4 look_at_frame(const Vec3& origin, const Vec3& target, const Vec3& up = {0.0, 1.0, 0.0});
+
+/// Fills a Scene: every call adds a node below the root.
+class SceneBuilder {
+ public:
+  explicit SceneBuilder(const std::string& name) { scene_.name = name; }
+  int add_material(const Material& material);
+  int material(const std::string& name) const;
+  int add_image(const TextureImage& image);
+  /// One mesh with one primitive and its node; returns the node.
+  int add_part(const std::string& name, Primitive primitive, int material, const glm::dmat4& place = glm::dmat4(1.0));
+  /// Another node of the mesh of `node`.
+  int add_instance(const std::string& name, int node, const glm::dmat4& place);
+  int add_cage(const std::string& name, const SubdivisionCage& cage, int material,
+               const glm::dmat4& place = glm::dmat4(1.0));
+  int add_patch(const BezierPatch& patch);
+  void add_camera(const std::string& name, const Vec3& eye, const Vec3& target, double fov_y_deg);
+  void add_empty(const std::string& name, const Vec3& position);
+  Scene& scene() { return scene_; }
+
+ private:
+  int add_node(Node node);
+  Scene scene_;
+};
+
+/// A material of the measured library with an analytic look-alike for viewers without it.
+Material measured_material(const std::string& name, const std::string& library_name, const glm::vec3& base_color,
+                           float metallic, float roughness);
+Material plain_material(const std::string& name, const glm::vec3& base_color, float metallic, float roughness);
+
+/// Periodic gradient noise in [-1, 1]: `period` lattice cells each way, a fixed hash of `seed`.
+double tileable_noise(double x, double y, int period, unsigned seed);
+/// Sum of octaves of tileable_noise, halving in amplitude.
+double tileable_fbm(double x, double y, int period, int octaves, unsigned seed);
+
+}  // namespace maquette::modelling

@@ -1,1 +1,134 @@
 #include "render/plan.h"
+
+#include "render/enclosure.h"
+#include "render/registry.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+bool has_texture(const Material& material) {
+  for (const TextureRef* texture :
+       {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
+        &material.occlusion_texture, &material.emissive_texture, &material.clearcoat_texture,
+        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture, &material.transmission_texture,
+        &material.specular_texture, &material.specular_color_texture, &material.sheen_color_texture,
+        &material.sheen_roughness_texture}) {
+    if (*texture) return true;
+  }
+  return false;
+}
+
+bool is_emissive(const Material& material) { return material.emissive != glm::vec3(0.0f); }
+
+/// Marks the materials that something visible uses; the last entry stands for glTF's default material.
+std::vector<bool> used_materials(const Scene& scene, int variant) {
+  std::vector<bool> used(scene.materials.size() + 1, false);
+  const auto mark = [&](int material) {
+    const bool named = material >= 0 && material < static_cast<int>(scene.materials.size());
+    used[named ? static_cast<std::size_t>(material) : scene.materials.size()] = true;
+  };
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    if (node.mesh >= 0) {
+      for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+        mark(material_of(primitive, variant));
+    }
+    if (node.patch >= 0) mark(scene.patches[static_cast<std::size_t>(node.patch)].material);
+  }
+  return used;
+}
+
+std::string decide_visibility(const SceneFacts& facts, const std::string& mode, const std::string& asked,
+                              FramePlan* plan) {
+  if (mode != "uniform" && mode != "bandwidth") {
+    plan->left_out.push_back({"visibility", "mode " + mode + " knows none"});
+    return "none";
+  }
+  if (asked == "baked" || (asked == "auto" && facts.enclosed)) {
+    plan->passes.push_back(
+        {"visibility", asked == "baked" ? "shading.visibility is baked"
+                                        : "the scene closes the eye in: without it light comes through the roof"});
+    return "baked";
+  }
+  plan->left_out.push_back(
+      {"visibility", asked == "none" ? "shading.visibility is none" : "the scene does not close the eye in"});
+  return "none";
+}
+
+void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Settings& settings, const ViewInfo& view) {
+  if (view.width < 1 || view.height < 1)
+    throw UsageError("--size", "a picture needs at least one pixel, not " + std::to_string(view.width) + "x" +
+                                   std::to_string(view.height));
+  if (view.msaa != 1 && view.msaa != 4 && view.msaa != 16)
+    throw UsageError("--msaa", std::to_string(view.msaa) + " samples a pixel are not offered", "use 1, 4 or 16");
+  for (const TechniqueInfo& technique : techniques()) {
+    if (!technique.check || (technique.kind != TechniqueKind::shared && technique.name != mode.name)) continue;
+    if (const std::optional<std::string> why = technique.check(facts, settings)) throw Error("", *why);
+  }
+}
+
+}  // namespace
+
+SceneFacts compute_facts(const Scene& scene, int variant) {
+  SceneFacts facts;
+  facts.triangle_count = count_triangles(scene);
+  const std::vector<bool> used = used_materials(scene, variant);
+  const Material default_material;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const Material& material = i < scene.materials.size() ? scene.materials[i] : default_material;
+    ++facts.material_count;
+    ++(material.measured.empty() ? facts.analytic_count : facts.measured_count);
+    facts.has_textures |= has_texture(material);
+    facts.has_normal_maps |=
+        static_cast<bool>(material.normal_texture) || static_cast<bool>(material.clearcoat_normal_texture);
+    facts.has_mask |= material.alpha_mode == AlphaMode::mask;
+    facts.has_glass |= material.glass || material.alpha_mode == AlphaMode::blend;
+    facts.has_emissive_meshes |= is_emissive(material);
+  }
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    facts.has_punctual_lights |= node.light >= 0;
+    facts.has_subdivision |= node.mesh >= 0 && scene.meshes[static_cast<std::size_t>(node.mesh)].cage != nullptr;
+  }
+  facts.enclosed = is_enclosed(scene, variant);
+  return facts;
+}
+
+FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Settings& settings, const ViewInfo& view) {
+  const TechniqueInfo& mode = find_mode(mode_name);
+  check_request(facts, mode, settings, view);
+  FramePlan plan;
+  plan.mode = mode_name;
+  plan.msaa = view.msaa;
+  plan.lights = facts.has_punctual_lights || facts.has_emissive_meshes;
+  plan.glass = facts.has_glass;
+  plan.passes.push_back(
+      {"gbuffer", std::to_string(facts.triangle_count) + " triangles: position, normal, curvature, material"});
+  plan.visibility = decide_visibility(facts, mode_name, settings.get_string("shading.visibility"), &plan);
+  if (plan.lights) {
+    plan.passes.push_back({"lights", facts.has_emissive_meshes ? "emissive surfaces light the scene"
+                                                               : "the scene has lights of its own"});
+  } else {
+    plan.left_out.push_back({"lights", "the scene has no lights and nothing that glows"});
+  }
+  mode.add_passes(facts, settings, view, &plan);
+  plan.passes.push_back({"sky", "the environment where nothing is hit"});
+  if (plan.glass)
+    plan.passes.push_back({"glass", "panes and blended surfaces, back to front"});
+  else
+    plan.left_out.push_back({"glass", "no material transmits or blends"});
+  if (view.msaa == 1) plan.left_out.push_back({"multisampling", "one sample a pixel was asked for"});
+  if (!facts.has_normal_maps) plan.left_out.push_back({"normal_maps", "no material has one"});
+  if (!facts.has_mask) plan.left_out.push_back({"alpha_mask", "no material is cut out"});
+  if (facts.measured_count == 0) plan.left_out.push_back({"measured_materials", "every material is analytic"});
+  if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
+  plan.left_out.push_back({"reflections", "--reflections off"});
+  plan.left_out.push_back({"octree", "no reflector technique asks for one"});
+  plan.left_out.push_back({"indirect", "shading.indirect is none"});
+  return plan;
+}
+
+}  // namespace maquette

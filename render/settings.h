@@ -17,9 +17,9 @@ struct SettingDeclaration {
   SettingValue default_value;
   double min = 0.0;  ///< numbers only; min == max means unbounded
   double max = 0.0;
-  std::string unit;
-  std::string help;
-  std::vector<std::string> choices;
+  std::string unit = {};
+  std::string help = {};
+  std::vector<std::string> choices = {};
 };
 
 /// The declarations of every technique, in registration order.

@@ -52,7 +52,8 @@ TEST(Includes, PointDownwardsOnly) {
     EXPECT_FALSE(files.empty()) << folder;
     for (const fs::path& file : files) {
       std::ifstream stream(file);
-      for (const std::string& include : upward_includes(stream, folder)) ADD_FAILURE() << file << " includes " << include;
+      for (const std::string& include : upward_includes(stream, folder))
+        ADD_FAILURE() << file << " includes " << include;
     }
   }
 }
@@ -61,7 +62,8 @@ TEST(Includes, ScenesKnowNoOpenGl) {
   static const std::regex kGl(R"(#\s*include\s*[<"](epoxy|GL|EGL|GLFW|imgui)[/.])");
   for (const fs::path& file : source_files("scenes")) {
     std::ifstream stream(file);
-    for (std::string line; std::getline(stream, line);) EXPECT_FALSE(std::regex_search(line, kGl)) << file << ": " << line;
+    for (std::string line; std::getline(stream, line);)
+      EXPECT_FALSE(std::regex_search(line, kGl)) << file << ": " << line;
   }
 }
 

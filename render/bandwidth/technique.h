@@ -1,0 +1,9 @@
+#pragma once
+
+#include "render/registry.h"
+
+namespace maquette {
+
+TechniqueInfo bandwidth_technique();
+
+}  // namespace maquette

@@ -1,0 +1,24 @@
+#include "render/sg/technique.h"
+
+namespace maquette {
+
+TechniqueInfo sg_technique() {
+  TechniqueInfo info;
+  info.name = "sg";
+  info.help = "spherical Gaussian fits per channel of every material";
+  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
+    if (settings.get_string("shading.visibility") == "baked")
+      return "mode sg knows no visibility (shading.visibility=baked); use mode bandwidth or uniform";
+    return std::nullopt;
+  };
+  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo& view, FramePlan* plan) {
+    plan->passes.push_back({"prefilter", "the environment filtered for each lobe sharpness, once"});
+    plan->passes.push_back({"shade", "every visible pixel, by lookups"});
+    if (view.msaa > 1) plan->passes.push_back({"resolve", "every sample of a pixel is shaded"});
+    plan->left_out.push_back({"bandwidth", "mode sg predicts nothing"});
+    plan->left_out.push_back({"sampling", "lookups take no samples: --samples has no effect"});
+  };
+  return info;
+}
+
+}  // namespace maquette

@@ -1,0 +1,33 @@
+#include "render/shading/technique.h"
+
+namespace maquette {
+
+/// What the modes that integrate the environment share: `uniform` and `bandwidth`.
+TechniqueInfo shading_technique() {
+  TechniqueInfo info;
+  info.name = "shading";
+  info.kind = TechniqueKind::shared;
+  info.help = "what uniform and bandwidth share";
+  info.settings = {
+      {.name = "shading.visibility",
+       .default_value = std::string("auto"),
+       .help = "shadows of the environment: none (the paper), baked (per vertex, found once in the background), traced "
+               "(not "
+               "available in this version); auto is baked in a scene that closes the eye in, else none",
+       .choices = {"auto", "none", "baked", "traced"}},
+      {.name = "shading.indirect",
+       .default_value = std::string("none"),
+       .help = "light that comes by way of other surfaces: none, baked (not available in this version)",
+       .choices = {"none", "baked"}},
+  };
+  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
+    if (settings.get_string("shading.visibility") == "traced")
+      return "shading.visibility=traced is not available in this version; use baked or none";
+    if (settings.get_string("shading.indirect") == "baked")
+      return "shading.indirect=baked is not available in this version; use none";
+    return std::nullopt;
+  };
+  return info;
+}
+
+}  // namespace maquette

@@ -1,0 +1,200 @@
+#include "render/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "render/enclosure.h"
+#include "render/registry.h"
+#include "scenes/error.h"
+
+namespace maquette {
+namespace {
+
+bool has_pass(const FramePlan& plan, const std::string& name) {
+  for (const PlannedPass& pass : plan.passes)
+    if (pass.name == name) return true;
+  return false;
+}
+
+bool leaves_out(const FramePlan& plan, const std::string& what) {
+  for (const LeftOut& left_out : plan.left_out)
+    if (left_out.what == what) return true;
+  return false;
+}
+
+/// A quad with its front towards `normal`, `size` wide, as one node of the scene.
+void add_quad(Scene* scene, const glm::vec3& center, const glm::vec3& normal, float size, int material) {
+  const glm::vec3 helper = std::abs(normal.y) < 0.9f ? glm::vec3(0, 1, 0) : glm::vec3(1, 0, 0);
+  const glm::vec3 u = 0.5f * size * glm::normalize(glm::cross(helper, normal));
+  const glm::vec3 v = 0.5f * size * glm::normalize(glm::cross(normal, u));
+  Primitive primitive;
+  primitive.positions = {center - u - v, center + u - v, center + u + v, center - u + v};
+  primitive.indices = {0, 1, 2, 0, 2, 3};
+  primitive.material = material;
+  Mesh mesh;
+  mesh.primitives = {primitive};
+  Node node;
+  node.mesh = static_cast<int>(scene->meshes.size());
+  scene->meshes.push_back(mesh);
+  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
+  scene->nodes.push_back(node);
+}
+
+/// Six quads of a 2 m cube around the origin; `inward`: seen from inside (a room), else a solid. The roof has
+/// material 1.
+Scene make_box(bool inward) {
+  Scene scene;
+  scene.materials.resize(2);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const float sign : {-1.0f, 1.0f}) {
+      glm::vec3 n(0.0f);
+      n[axis] = sign;
+      add_quad(&scene, n, inward ? -n : n, 2.0f, axis == 1 && sign > 0 ? 1 : 0);
+    }
+  }
+  return scene;
+}
+
+TEST(Enclosure, RoomSolidAndOpenGround) {
+  EXPECT_NEAR(covered_share(make_box(true), -1, glm::vec3(0.1f, 0.2f, -0.1f)), 1.0, 1e-9);
+  EXPECT_EQ(covered_share(make_box(false), -1, glm::vec3(0.0f)), 0.0);  // inside a solid: only back faces
+  Scene ground;
+  ground.materials.resize(1);
+  add_quad(&ground, glm::vec3(0.0f), glm::vec3(0, 1, 0), 1000.0f, 0);
+  EXPECT_EQ(covered_share(ground, -1, glm::vec3(0, 1, 0)), 0.0);
+  EXPECT_TRUE(is_enclosed(make_box(true), -1));
+  EXPECT_FALSE(is_enclosed(make_box(false), -1));
+  EXPECT_FALSE(is_enclosed(ground, -1));
+  EXPECT_FALSE(is_enclosed(Scene{}, -1));
+}
+
+TEST(Enclosure, ARoofCoversItsSolidAngle) {
+  Scene roof;
+  roof.materials.resize(1);
+  add_quad(&roof, glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), 2.0f, 0);
+  // A 2 m square 1 m above the eye is one face of the cube: a sixth of the sphere, a third of the hemisphere.
+  EXPECT_NEAR(covered_share(roof, -1, glm::vec3(0.0f)), 1.0 / 3.0, 0.002);
+  // Twice as wide, source: solid angle of a rectangle, 4 atan(ab / (h sqrt(a^2 + b^2 + h^2))) with half sides a = b
+  // = 2.
+  Scene wide;
+  wide.materials.resize(1);
+  add_quad(&wide, glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), 4.0f, 0);
+  EXPECT_NEAR(covered_share(wide, -1, glm::vec3(0.0f)), 4.0 * std::atan(4.0 / 3.0) / (2.0 * std::numbers::pi), 0.02);
+}
+
+TEST(Enclosure, PanesLetLightThroughAndDoubleSidedWallsDoNot) {
+  Scene box = make_box(true);
+  box.materials[1].glass = true;
+  EXPECT_NEAR(covered_share(box, -1, glm::vec3(0.0f)), 2.0 / 3.0, 0.002);  // the roof was a third
+  Scene solid = make_box(false);
+  solid.materials[0].double_sided = solid.materials[1].double_sided = true;
+  EXPECT_NEAR(covered_share(solid, -1, glm::vec3(0.0f)), 1.0, 1e-9);
+  solid.nodes[0].visible = false;
+  EXPECT_LT(covered_share(solid, -1, glm::vec3(0.0f)), 0.9);
+}
+
+TEST(Enclosure, MirroredNodesKeepTheirFront) {
+  Scene box = make_box(true);
+  for (Node& node : box.nodes) node.local[0][0] = -1.0f;
+  EXPECT_NEAR(covered_share(box, -1, glm::vec3(0.0f)), 1.0, 1e-9);
+}
+
+TEST(Facts, CountWhatIsUsedAndVisible) {
+  Scene scene = make_box(true);
+  scene.materials.resize(4);
+  scene.materials[0].measured = "builtin:leather-black";
+  scene.materials[1].normal_texture.image = 0;
+  scene.materials[2].glass = true;  // used by nothing
+  scene.materials[3].emissive = glm::vec3(5.0f);
+  scene.meshes[0].primitives[0].variant_materials[1] = 3;
+  const SceneFacts facts = compute_facts(scene, -1);
+  EXPECT_EQ(facts.triangle_count, 12u);
+  EXPECT_EQ(facts.material_count, 2);
+  EXPECT_EQ(facts.measured_count, 1);
+  EXPECT_EQ(facts.analytic_count, 1);
+  EXPECT_TRUE(facts.has_textures);
+  EXPECT_TRUE(facts.has_normal_maps);
+  EXPECT_FALSE(facts.has_glass);
+  EXPECT_FALSE(facts.has_emissive_meshes);
+  EXPECT_TRUE(facts.enclosed);
+  EXPECT_TRUE(compute_facts(scene, 1).has_emissive_meshes);
+}
+
+TEST(Plan, VisibilityIsDecidedByTheScene) {
+  SceneFacts facts;
+  Settings settings;
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).visibility, "none");
+  EXPECT_TRUE(leaves_out(plan(facts, "bandwidth", settings, {}), "visibility"));
+  facts.enclosed = true;
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).visibility, "baked");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "baked");
+  EXPECT_EQ(plan(facts, "splitsum", settings, {}).visibility, "none");
+  settings.set("shading.visibility", std::string("none"));
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "none");
+  facts.enclosed = false;
+  settings.set("shading.visibility", std::string("baked"));
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "baked");
+  EXPECT_TRUE(has_pass(plan(facts, "uniform", settings, {}), "visibility"));
+}
+
+TEST(Plan, NeverFallsBack) {
+  Settings traced;
+  traced.set("shading.visibility", std::string("traced"));
+  EXPECT_THROW(plan({}, "bandwidth", traced, {}), Error);
+  Settings indirect;
+  indirect.set("shading.indirect", std::string("baked"));
+  EXPECT_THROW(plan({}, "uniform", indirect, {}), Error);
+  Settings baked;
+  baked.set("shading.visibility", std::string("baked"));
+  EXPECT_THROW(plan({}, "splitsum", baked, {}), Error);
+  EXPECT_THROW(plan({}, "slf", {}, {}), Error);
+  EXPECT_THROW(plan({}, "nonsense", {}, {}), UsageError);
+  EXPECT_THROW(plan({}, "uniform", {}, {.msaa = 3}), UsageError);
+  EXPECT_THROW(plan({}, "uniform", {}, {.width = 0}), UsageError);
+}
+
+TEST(Plan, ASceneThatNeedsLittlePaysLittle) {
+  const FramePlan small = plan({}, "bandwidth", {}, {});
+  for (const char* what :
+       {"texture_bandwidth", "glass", "lights", "multisampling", "reflections", "octree", "visibility"})
+    EXPECT_TRUE(leaves_out(small, what)) << what;
+  SceneFacts rich;
+  rich.has_textures = rich.has_glass = rich.has_punctual_lights = rich.enclosed = true;
+  const FramePlan large = plan(rich, "bandwidth", {}, {.msaa = 4});
+  for (const char* what : {"texture_bandwidth", "glass", "lights", "multisampling", "visibility"})
+    EXPECT_FALSE(leaves_out(large, what)) << what;
+  EXPECT_TRUE(large.texture_bandwidth && large.glass && large.lights);
+  EXPECT_TRUE(has_pass(large, "resolve"));
+  Settings finest;
+  finest.set("bandwidth.max_level", 0);
+  EXPECT_FALSE(has_pass(plan(rich, "bandwidth", finest, {}), "upsample"));
+}
+
+TEST(Plan, EverythingHasAReasonAndNothingIsBothInAndOut) {
+  SceneFacts rich;
+  rich.has_textures = rich.has_normal_maps = rich.has_mask = rich.has_glass = rich.has_punctual_lights = true;
+  rich.has_emissive_meshes = rich.has_subdivision = rich.enclosed = true;
+  for (const std::string& mode : technique_names(TechniqueKind::mode)) {
+    for (const SceneFacts& facts : {SceneFacts{}, rich}) {
+      for (const int msaa : {1, 4}) {
+        const FramePlan made = plan(facts, mode, {}, {.msaa = msaa});
+        std::set<std::string> seen;
+        for (const PlannedPass& pass : made.passes) {
+          EXPECT_FALSE(pass.reason.empty());
+          EXPECT_TRUE(seen.insert(pass.name).second) << mode << ": " << pass.name << " twice";
+        }
+        for (const LeftOut& left_out : made.left_out) {
+          EXPECT_FALSE(left_out.why.empty());
+          EXPECT_TRUE(seen.insert(left_out.what).second) << mode << ": " << left_out.what << " twice";
+        }
+        EXPECT_EQ(made.passes.front().name, "gbuffer");
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace maquette

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/settings.h"
+
+namespace maquette {
+
+/// One `--dent x,y,z,depth,radius` in metres (world space).
+struct Dent {
+  glm::vec3 center{0.0f};
+  float depth_m = 0.0f;
+  float radius_m = 0.0f;
+};
+
+/// What the shared options of `view` and `render` say; the defaults are the program's defaults.
+struct SceneOptions {
+  std::string scene = "builtin:cockpit";
+  std::string mode = "bandwidth";
+  std::string reflections = "off";
+  std::string reflector;
+  std::string environment = "builtin:clear-sky";
+  float env_rotation_deg = 0.0f;
+  float env_scale = 1.0f;  ///< cd/m2 per stored unit
+  float exposure_ev = 0.0f;
+  std::string tonemap = "pbr-neutral";
+  std::vector<std::pair<std::string, std::string>> materials;  ///< material name (or `*`), source
+  std::string variant;                                         ///< empty: the file's default
+  std::string camera;  ///< empty: the first camera, or one that frames the scene
+  std::optional<glm::vec3> eye, target, up;
+  std::optional<float> fov_deg;  ///< vertical
+  int width = 1280;
+  int height = 720;
+  int samples = 0;  ///< 0: the mode's default
+  std::uint32_t seed = 0;
+  int msaa = 1;
+  int frames = 1;                      ///< measured frames; `render` runs warm-up before more than one
+  std::optional<double> target_error;  ///< relative RMSE
+  std::optional<double> time_s;
+  std::string debug_view;  ///< `--view NAME`; empty: the picture
+  std::vector<Dent> dents;
+  Settings settings;
+  std::string stats;      ///< JSON file; empty: none
+  std::string reference;  ///< EXR file; empty: none
+  std::string look;
+  std::string output;
+};
+
+using ViewOptions = SceneOptions;
+
+}  // namespace maquette

@@ -1,10 +1,13 @@
 // Directions and latitude-longitude maps, OpenEXR LATLONG: v = 0 is +Y, the centre (0.5, 0.5) is +Z, longitude atan2(x, z) is
 // +pi at u = 0 and -pi at u = 1. Texel centres are at ((x + 0.5) / W, (y + 0.5) / H).
-// Compiles as GLSL and, between shared_begin.h and shared_end.h, as C++.
+// Common subset of GLSL and C++ with GLM (render/environment/directions_shared.h).
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
 
 // atan(q) for q in [0, 1], odd polynomial of degree 11, error below 2e-6 rad.
 // Source: our own weighted least-squares fit (Lawson's iteration) of the maximum error over 4,000 Chebyshev points.
-float latlong_atan_unit(float q) {
+MAQUETTE_FN float latlong_atan_unit(float q) {
   float s = q * q;
   float p = -0.0117191300f;
   p = p * s + 0.0526473373f;
@@ -16,7 +19,7 @@ float latlong_atan_unit(float q) {
 }
 
 // atan2(y, x) in [-pi, pi], error below 4e-6 rad; 0 for (0, 0).
-float latlong_atan2(float y, float x) {
+MAQUETTE_FN float latlong_atan2(float y, float x) {
   float ax = abs(x);
   float ay = abs(y);
   float small_side = min(ax, ay);
@@ -29,14 +32,14 @@ float latlong_atan2(float y, float x) {
 
 // uv in [0, 1]^2 of a direction (any length above 0). Angular error below 1e-5 rad; the latitude comes from atan2, because
 // asin(y) loses half of the digits near the poles.
-vec2 latlong_uv_from_direction(vec3 d) {
+MAQUETTE_FN vec2 latlong_uv_from_direction(vec3 d) {
   float longitude = latlong_atan2(d.x, d.z);
   float latitude = latlong_atan2(d.y, sqrt(d.x * d.x + d.z * d.z));
   return vec2(0.5f - longitude * 0.15915494309f, 0.5f - latitude * 0.31830988618f);
 }
 
 // Unit direction of a point of the map.
-vec3 direction_from_latlong_uv(vec2 uv) {
+MAQUETTE_FN vec3 direction_from_latlong_uv(vec2 uv) {
   float longitude = 3.14159265359f - uv.x * 6.28318530718f;
   float latitude = 1.57079632679f - uv.y * 3.14159265359f;
   float c = cos(latitude);
@@ -45,6 +48,6 @@ vec3 direction_from_latlong_uv(vec2 uv) {
 
 // d turned about +Y by the angle whose cosine and sine are given, positive from +Z towards +X. The radiance that an environment
 // turned by +angle sends from direction d is the unturned map's at latlong_turn(d, cos(angle), -sin(angle)).
-vec3 latlong_turn(vec3 d, float cosine, float sine) {
+MAQUETTE_FN vec3 latlong_turn(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x);
 }

@@ -5,12 +5,7 @@
 #include <random>
 #include <vector>
 
-// clang-format off
-#include "shared_begin.h"
-#include "shared/latlong.glsl"
-#include "shared/octahedral.glsl"
-#include "shared_end.h"
-// clang-format on
+#include "render/environment/directions_shared.h"
 
 namespace maquette {
 namespace {
@@ -45,7 +40,7 @@ glm::dvec3 exact_direction(double u, double v) {
 TEST(Latlong, PolynomialUvIsWithinTenMicroradians) {
   double worst = 0.0;
   for (const glm::vec3& d : directions()) {
-    const glm::vec2 uv = shader::latlong_uv_from_direction(d);
+    const glm::vec2 uv = shared::latlong_uv_from_direction(d);
     ASSERT_GE(uv.x, -1e-6f);
     ASSERT_LE(uv.x, 1.0f + 1e-6f);
     worst = std::max(worst, angle_between(exact_direction(uv.x, uv.y), glm::dvec3(d)));
@@ -55,43 +50,43 @@ TEST(Latlong, PolynomialUvIsWithinTenMicroradians) {
 
 TEST(Latlong, FollowsTheOpenExrConvention) {
   const auto near = [](glm::vec2 a, glm::vec2 b) { return glm::distance(a, b) < 1e-5f; };
-  EXPECT_TRUE(near(shader::latlong_uv_from_direction({0, 0, 1}), {0.5f, 0.5f}));
-  EXPECT_TRUE(near(shader::latlong_uv_from_direction({1, 0, 0}), {0.25f, 0.5f}));
-  EXPECT_TRUE(near(shader::latlong_uv_from_direction({-1, 0, 0}), {0.75f, 0.5f}));
-  EXPECT_NEAR(shader::latlong_uv_from_direction({0, 1, 0}).y, 0.0f, 1e-5f);
-  EXPECT_NEAR(shader::latlong_uv_from_direction({0, -1, 0}).y, 1.0f, 1e-5f);
-  EXPECT_LT(angle_between(shader::direction_from_latlong_uv({0.25f, 0.5f}), {1, 0, 0}), 1e-6);
+  EXPECT_TRUE(near(shared::latlong_uv_from_direction({0, 0, 1}), {0.5f, 0.5f}));
+  EXPECT_TRUE(near(shared::latlong_uv_from_direction({1, 0, 0}), {0.25f, 0.5f}));
+  EXPECT_TRUE(near(shared::latlong_uv_from_direction({-1, 0, 0}), {0.75f, 0.5f}));
+  EXPECT_NEAR(shared::latlong_uv_from_direction({0, 1, 0}).y, 0.0f, 1e-5f);
+  EXPECT_NEAR(shared::latlong_uv_from_direction({0, -1, 0}).y, 1.0f, 1e-5f);
+  EXPECT_LT(angle_between(shared::direction_from_latlong_uv({0.25f, 0.5f}), {1, 0, 0}), 1e-6);
 }
 
 TEST(Latlong, RoundTrips) {
   for (const glm::vec3& d : directions()) {
-    const glm::vec3 back = shader::direction_from_latlong_uv(shader::latlong_uv_from_direction(d));
+    const glm::vec3 back = shared::direction_from_latlong_uv(shared::latlong_uv_from_direction(d));
     ASSERT_LT(angle_between(back, d), 1e-5);
   }
 }
 
 TEST(Latlong, TurnIsPositiveFromZTowardsX) {
-  EXPECT_LT(angle_between(shader::latlong_turn({0, 0, 1}, 0.0f, 1.0f), {1, 0, 0}), 1e-6);
+  EXPECT_LT(angle_between(shared::latlong_turn({0, 0, 1}, 0.0f, 1.0f), {1, 0, 0}), 1e-6);
   const glm::vec3 d(0.36f, 0.48f, 0.8f);
-  const glm::vec3 there = shader::latlong_turn(d, std::cos(0.7f), std::sin(0.7f));
-  EXPECT_LT(angle_between(shader::latlong_turn(there, std::cos(0.7f), -std::sin(0.7f)), d), 1e-6);
+  const glm::vec3 there = shared::latlong_turn(d, std::cos(0.7f), std::sin(0.7f));
+  EXPECT_LT(angle_between(shared::latlong_turn(there, std::cos(0.7f), -std::sin(0.7f)), d), 1e-6);
 }
 
 TEST(Octahedral, RoundTripsOverTheWholeSphere) {
   for (const glm::vec3& d : directions()) {
-    const glm::vec2 uv = shader::octahedral_from_direction(d);
+    const glm::vec2 uv = shared::octahedral_from_direction(d);
     ASSERT_GE(std::min(uv.x, uv.y), 0.0f);
     ASSERT_LE(std::max(uv.x, uv.y), 1.0f);
-    ASSERT_LT(angle_between(shader::direction_from_octahedral(uv), d), 1e-6) << d.x << ' ' << d.y << ' ' << d.z;
+    ASSERT_LT(angle_between(shared::direction_from_octahedral(uv), d), 1e-6) << d.x << ' ' << d.y << ' ' << d.z;
   }
 }
 
 TEST(Octahedral, PoleIsTheCentreAndAxesFollow) {
-  EXPECT_LT(glm::distance(shader::octahedral_from_direction({0, 1, 0}), glm::vec2(0.5f, 0.5f)), 1e-6f);
-  EXPECT_LT(glm::distance(shader::octahedral_from_direction({1, 0, 0}), glm::vec2(1.0f, 0.5f)), 1e-6f);
-  EXPECT_LT(glm::distance(shader::octahedral_from_direction({0, 0, 1}), glm::vec2(0.5f, 1.0f)), 1e-6f);
+  EXPECT_LT(glm::distance(shared::octahedral_from_direction({0, 1, 0}), glm::vec2(0.5f, 0.5f)), 1e-6f);
+  EXPECT_LT(glm::distance(shared::octahedral_from_direction({1, 0, 0}), glm::vec2(1.0f, 0.5f)), 1e-6f);
+  EXPECT_LT(glm::distance(shared::octahedral_from_direction({0, 0, 1}), glm::vec2(0.5f, 1.0f)), 1e-6f);
   for (const glm::vec2& corner : {glm::vec2(0, 0), glm::vec2(0, 1), glm::vec2(1, 0), glm::vec2(1, 1)})
-    EXPECT_LT(angle_between(shader::direction_from_octahedral(corner), {0, -1, 0}), 1e-6);
+    EXPECT_LT(angle_between(shared::direction_from_octahedral(corner), {0, -1, 0}), 1e-6);
 }
 
 }  // namespace

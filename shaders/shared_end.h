@@ -1,5 +1,0 @@
-// Closes what shared_begin.h opened.
-}  // namespace
-}  // namespace maquette::shader
-// NOLINTEND
-#pragma GCC diagnostic pop

@@ -36,7 +36,8 @@ Bounds compute_bounds(const Scene& scene) {
         for (const glm::vec3& p : primitive.positions) extend(&bounds, world[i], p);
     }
     if (node.patch >= 0) {
-      for (const glm::vec3& p : scene.patches[static_cast<std::size_t>(node.patch)].points) extend(&bounds, world[i], p);
+      for (const glm::vec3& p : scene.patches[static_cast<std::size_t>(node.patch)].points)
+        extend(&bounds, world[i], p);
     }
   }
   return bounds;
@@ -50,6 +51,12 @@ std::size_t count_triangles(const Scene& scene) {
       count += primitive.indices.size() / 3;
   }
   return count;
+}
+
+Scene load_scene(const std::string& source) {
+  constexpr std::string_view kBuiltin = "builtin:";
+  if (source.starts_with(kBuiltin)) return build_builtin_scene(source.substr(kBuiltin.size()));
+  return load_gltf(source);
 }
 
 int material_of(const Primitive& primitive, int variant) {

@@ -1,0 +1,311 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "scenes/error.h"
+#include "scenes/gltf_file.h"
+
+namespace maquette::gltf {
+namespace {
+
+/// glTF files nest about ten deep; recursion of the parsers behind us must stay bounded.
+constexpr int kMaxNesting = 200;
+/// Exact integers of a double: counts and offsets above are damage.
+constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
+
+constexpr std::array<std::string_view, 12> kReadExtensions = {
+    "KHR_draco_mesh_compression", "KHR_mesh_quantization",           "KHR_texture_transform",  "KHR_lights_punctual",
+    "KHR_materials_clearcoat",    "KHR_materials_transmission",      "KHR_materials_ior",      "KHR_materials_specular",
+    "KHR_materials_sheen",        "KHR_materials_emissive_strength", "KHR_materials_variants", "KHR_materials_unlit",
+};
+
+enum class Kind { index, natural, number, text, boolean, object, array };
+
+/// One member of the file. In `path`, `[]` steps into every element of an array and `{}` into every value of an object.
+struct Rule {
+  const char* path;
+  Kind kind;
+  bool required = false;
+  const char* target = nullptr;  ///< for an index: the top-level array it points into
+  std::size_t length = 0;        ///< for an array of numbers: its length
+};
+
+constexpr Rule kRules[] = {
+    {"asset", Kind::object, true},
+    {"asset.version", Kind::text, true},
+    {"asset.minVersion", Kind::text},
+    {"extensionsUsed[]", Kind::text},
+    {"extensionsRequired[]", Kind::text},
+    {"extensions", Kind::object},
+    {"buffers[].byteLength", Kind::natural, true},
+    {"buffers[].uri", Kind::text},
+    {"bufferViews[].buffer", Kind::index, true, "buffers"},
+    {"bufferViews[].byteOffset", Kind::natural},
+    {"bufferViews[].byteLength", Kind::natural, true},
+    {"bufferViews[].byteStride", Kind::natural},
+    {"accessors[].bufferView", Kind::index, false, "bufferViews"},
+    {"accessors[].byteOffset", Kind::natural},
+    {"accessors[].componentType", Kind::natural, true},
+    {"accessors[].count", Kind::natural, true},
+    {"accessors[].type", Kind::text, true},
+    {"accessors[].normalized", Kind::boolean},
+    {"accessors[].sparse", Kind::object},
+    {"accessors[].sparse.count", Kind::natural, true},
+    {"accessors[].sparse.indices", Kind::object, true},
+    {"accessors[].sparse.indices.bufferView", Kind::index, true, "bufferViews"},
+    {"accessors[].sparse.indices.byteOffset", Kind::natural},
+    {"accessors[].sparse.indices.componentType", Kind::natural, true},
+    {"accessors[].sparse.values", Kind::object, true},
+    {"accessors[].sparse.values.bufferView", Kind::index, true, "bufferViews"},
+    {"accessors[].sparse.values.byteOffset", Kind::natural},
+    {"images[].name", Kind::text},
+    {"images[].uri", Kind::text},
+    {"images[].bufferView", Kind::index, false, "bufferViews"},
+    {"samplers[].magFilter", Kind::natural},
+    {"samplers[].wrapS", Kind::natural},
+    {"samplers[].wrapT", Kind::natural},
+    {"textures[].source", Kind::index, false, "images"},
+    {"textures[].sampler", Kind::index, false, "samplers"},
+    {"materials[].name", Kind::text},
+    {"materials[].extensions", Kind::object},
+    {"meshes[].name", Kind::text},
+    {"meshes[].primitives", Kind::array, true},
+    {"meshes[].primitives[].attributes", Kind::object, true},
+    {"meshes[].primitives[].attributes{}", Kind::index, true, "accessors"},
+    {"meshes[].primitives[].indices", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].material", Kind::index, false, "materials"},
+    {"meshes[].primitives[].mode", Kind::natural},
+    {"meshes[].primitives[].targets", Kind::array},
+    {"meshes[].primitives[].extensions", Kind::object},
+    {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", Kind::index, true, "bufferViews"},
+    {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes", Kind::object, true},
+    {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes{}", Kind::natural, true},
+    {"meshes[].primitives[].extensions.KHR_materials_variants.mappings", Kind::array, true},
+    {"meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material", Kind::index, true, "materials"},
+    {"meshes[].primitives[].extensions.KHR_materials_variants.mappings[].variants[]", Kind::natural, true},
+    {"nodes[].name", Kind::text},
+    {"nodes[].mesh", Kind::index, false, "meshes"},
+    {"nodes[].camera", Kind::index, false, "cameras"},
+    {"nodes[].children[]", Kind::index, true, "nodes"},
+    {"nodes[].matrix", Kind::array, false, nullptr, 16},
+    {"nodes[].translation", Kind::array, false, nullptr, 3},
+    {"nodes[].rotation", Kind::array, false, nullptr, 4},
+    {"nodes[].scale", Kind::array, false, nullptr, 3},
+    {"nodes[].extensions.KHR_lights_punctual.light", Kind::natural, true},
+    {"scenes[].nodes[]", Kind::index, true, "nodes"},
+    {"scene", Kind::index, false, "scenes"},
+    {"cameras[].type", Kind::text, true},
+    {"cameras[].name", Kind::text},
+    {"cameras[].perspective", Kind::object},
+    {"cameras[].perspective.yfov", Kind::number, true},
+    {"cameras[].perspective.znear", Kind::number, true},
+    {"cameras[].perspective.zfar", Kind::number},
+    {"extensions.KHR_materials_variants.variants", Kind::array, true},
+    {"extensions.KHR_materials_variants.variants[].name", Kind::text, true},
+    {"extensions.KHR_lights_punctual.lights", Kind::array, true},
+    {"extensions.KHR_lights_punctual.lights[].type", Kind::text, true},
+};
+
+constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
+
+/// Walks the rules over one document; `trail_` is where it stands, put into words only when something is wrong.
+class Checker {
+ public:
+  Checker(const std::string& path, const Json& root) : path_(path), root_(root) {}
+
+  void run() {
+    if (!root_.is_object()) throw Error(path_, "is not a glTF file: its JSON is not an object");
+    for (const Rule& rule : kRules) visit(root_, rule.path, rule);
+  }
+
+ private:
+  struct Step {
+    std::string_view name;
+    std::ptrdiff_t index;
+  };
+
+  [[noreturn]] void fail(const std::string& what) const {
+    std::string where;
+    for (const Step& step : trail_) {
+      if (!where.empty() && !step.name.empty()) where.push_back('.');
+      where.append(step.name);
+      if (step.index >= 0) where.append("[").append(std::to_string(step.index)).append("]");
+    }
+    throw Error(at(path_, where), what, kRemedy);
+  }
+
+  void visit(const Json& parent, std::string_view rest, const Rule& rule) {
+    const std::size_t dot = rest.find('.');
+    std::string_view name = rest.substr(0, dot);
+    rest = dot == std::string_view::npos ? std::string_view{} : rest.substr(dot + 1);
+    const bool each_element = name.ends_with("[]");
+    const bool each_value = name.ends_with("{}");
+    if (each_element || each_value) name.remove_suffix(2);
+    if (!parent.is_object()) fail("expected an object");
+    const auto member = parent.find(name);
+    trail_.push_back({name, -1});
+    if (member == parent.end()) {
+      if (rest.empty() && rule.required && !each_element && !each_value) fail("is missing");
+    } else if (each_element) {
+      visit_elements(*member, rest, rule);
+    } else if (each_value) {
+      visit_values(*member, rest, rule);
+    } else if (rest.empty()) {
+      check(*member, rule);
+    } else {
+      visit(*member, rest, rule);
+    }
+    trail_.pop_back();
+  }
+
+  void visit_elements(const Json& array, std::string_view rest, const Rule& rule) {
+    if (!array.is_array()) fail("expected an array");
+    for (std::size_t i = 0; i < array.size(); ++i) {
+      trail_.back().index = static_cast<std::ptrdiff_t>(i);
+      rest.empty() ? check(array[i], rule) : visit(array[i], rest, rule);
+    }
+  }
+
+  void visit_values(const Json& object, std::string_view rest, const Rule& rule) {
+    if (!object.is_object()) fail("expected an object");
+    for (auto it = object.begin(); it != object.end(); ++it) {
+      trail_.push_back({it.key(), -1});
+      rest.empty() ? check(it.value(), rule) : visit(it.value(), rest, rule);
+      trail_.pop_back();
+    }
+  }
+
+  void check(const Json& value, const Rule& rule) const {
+    switch (rule.kind) {
+      case Kind::index:
+        check_index(value, rule.target);
+        break;
+      case Kind::natural:
+        if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMaxInteger)
+          fail("expected a whole number, found " + brief(value));
+        break;
+      case Kind::number:
+        if (!value.is_number()) fail("expected a number, found " + brief(value));
+        break;
+      case Kind::text:
+        if (!value.is_string()) fail("expected text, found " + brief(value));
+        break;
+      case Kind::boolean:
+        if (!value.is_boolean()) fail("expected true or false, found " + brief(value));
+        break;
+      case Kind::object:
+        if (!value.is_object()) fail("expected an object, found " + brief(value));
+        break;
+      case Kind::array:
+        check_array(value, rule.length);
+        break;
+    }
+  }
+
+  void check_index(const Json& value, const char* target) const {
+    const auto found = root_.find(target);
+    const std::size_t count = found != root_.end() && found->is_array() ? found->size() : 0;
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= count)
+      fail(brief(value) + " is out of range (the file has " + std::to_string(count) + " " + target + ")");
+  }
+
+  void check_array(const Json& value, std::size_t length) const {
+    if (!value.is_array()) fail("expected an array, found " + brief(value));
+    if (length == 0) return;
+    const bool numbers = std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_number(); });
+    if (value.size() != length || !numbers)
+      fail("expected " + std::to_string(length) + " numbers, found " + brief(value));
+  }
+
+  static std::string brief(const Json& value) {
+    if (value.is_array()) return "an array of " + std::to_string(value.size());
+    if (value.is_object()) return "an object";
+    std::string text = value.dump();
+    if (text.size() > 40) text = text.substr(0, 40) + "...";
+    return text;
+  }
+
+  const std::string& path_;
+  const Json& root_;
+  std::vector<Step> trail_;
+};
+
+void check_nesting(const std::string& path, std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kMaxNesting)
+        throw Error(path, "JSON is nested deeper than " + std::to_string(kMaxNesting), kRemedy);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+}
+
+/// Extensions used anywhere, also undeclared ones; `extras` are the author's own.
+void collect_extensions(const Json& value, std::set<std::string>* names) {
+  if (value.is_array()) {
+    for (const Json& item : value) collect_extensions(item, names);
+  } else if (value.is_object()) {
+    for (auto it = value.begin(); it != value.end(); ++it) {
+      if (it.key() == "extras" || !it.value().is_structured()) continue;
+      if (it.key() == "extensions" && it.value().is_object())
+        for (auto extension = it.value().begin(); extension != it.value().end(); ++extension)
+          names->insert(extension.key());
+      collect_extensions(it.value(), names);
+    }
+  }
+}
+
+bool is_read(const std::string& extension) {
+  return std::find(kReadExtensions.begin(), kReadExtensions.end(), extension) != kReadExtensions.end();
+}
+
+}  // namespace
+
+Json parse_checked(const std::string& path, std::string_view text) {
+  check_nesting(path, text);
+  Json root;
+  try {
+    root = Json::parse(text);
+  } catch (const Json::exception& e) {
+    const std::string message = e.what();
+    const std::size_t colon = message.find("] ");
+    throw Error(path, "is not valid JSON: " + (colon == std::string::npos ? message : message.substr(colon + 2)),
+                "the file is damaged or not glTF");
+  }
+  Checker(path, root).run();
+  const std::string version = root["asset"]["version"].get<std::string>();
+  const std::string required = root["asset"].value("minVersion", version);
+  if (!version.starts_with("2.") || (required != "2.0" && required != version))
+    throw Error(path, "is glTF " + std::max(version, required) + ", expected 2.0", "export as glTF 2.0");
+  return root;
+}
+
+void check_extensions(const std::string& path, const Json& root, Warnings* warnings) {
+  const auto required = root.find("extensionsRequired");
+  if (required != root.end()) {
+    for (const Json& name : *required)
+      if (!is_read(name.get<std::string>()))
+        throw Error(path, "requires the extension " + name.get<std::string>() + ", which is not supported",
+                    "export the file without it");
+  }
+  std::set<std::string> names;
+  if (const auto used = root.find("extensionsUsed"); used != root.end())
+    for (const Json& name : *used) names.insert(name.get<std::string>());
+  collect_extensions(root, &names);
+  for (const std::string& name : names)
+    if (!is_read(name)) warnings->add("the extension " + name + " is not supported and is ignored");
+}
+
+}  // namespace maquette::gltf

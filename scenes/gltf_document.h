@@ -1,0 +1,67 @@
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <array>
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "scenes/gltf_file.h"
+#include "scenes/scene.h"
+
+namespace maquette::gltf {
+
+/// One opened file while it is imported. Core members come from `model`; extensions and extras, which tinygltf would
+/// need a build of its own for, from `root`. Both have been checked: indices are valid, members have their type.
+struct Document {
+  std::string path;
+  std::vector<std::byte> file;
+  Json root;
+  tinygltf::Model model;  ///< without buffers, images, materials, extensions and extras
+  std::vector<std::vector<std::byte>> owned_buffers;
+  std::vector<Bytes> buffers;
+  Warnings warnings;
+};
+
+/// Throws Error naming `path` and the element at fault.
+Document open_document(const std::string& path);
+
+/// Bytes of a buffer view, checked against its buffer.
+Bytes view_bytes(const Document& document, std::size_t view);
+
+/// Accessors, converted to float: normalised integers mapped to [0, 1] or [-1, 1], sparse values put in place.
+/// Throws Error: wrong type, outside its view, absurd count.
+template <int N>
+std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor);
+/// VEC3 (alpha 1) or VEC4.
+std::vector<glm::vec4> read_colors(const Document& document, std::size_t accessor);
+/// SCALAR of an unsigned integer type.
+std::vector<std::uint32_t> read_indices(const Document& document, std::size_t accessor);
+std::vector<float> read_scalars(const Document& document, std::size_t accessor);
+
+/// Decodes images in parallel; one that cannot be read stays empty and is warned of.
+void import_images(Document* document, Scene* scene);
+/// Fills images, materials (textures included) and variants.
+void import_materials(Document* document, Scene* scene);
+/// Fills meshes, decoding primitives in parallel.
+void import_meshes(Document* document, Scene* scene);
+/// Fills nodes, roots, cameras, lights and patches; only what the default scene reaches.
+void import_nodes(Document* document, Scene* scene);
+
+/// `extras.maquette` of an element, or null.
+const Json* find_extras(const Json& element);
+const Json* find_extension(const Json& element, const char* name);
+/// Element of a top-level array of the JSON.
+const Json& element_json(const Document& document, const char* array, std::size_t index);
+
+/// Optional members with a default. Throw Error(where, ...) for the wrong type or length.
+float read_number(const Json& object, const char* key, float fallback, const std::string& where);
+bool read_flag(const Json& object, const char* key, bool fallback, const std::string& where);
+std::string read_text(const Json& object, const char* key, const std::string& where);
+template <int N>
+glm::vec<N, float> read_vector(const Json& object, const char* key, const glm::vec<N, float>& fallback,
+                               const std::string& where);
+
+}  // namespace maquette::gltf

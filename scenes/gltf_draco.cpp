@@ -1,0 +1,80 @@
+#include "scenes/gltf_draco.h"
+
+#include <draco/compression/decode.h>
+
+#include <cstring>
+#include <new>
+#include <stdexcept>
+
+#include "scenes/error.h"
+
+namespace maquette::gltf {
+namespace {
+
+constexpr const char* kRemedy = "the file is damaged; export it again";
+
+DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh, const std::string& name,
+                              std::uint32_t id) {
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
+  if (attribute == nullptr)
+    throw Error(where, "its Draco data has no attribute " + std::to_string(id) + " for " + name, kRemedy);
+  DracoAttribute out;
+  out.components = attribute->num_components();
+  if (out.components < 1 || out.components > 4)
+    throw Error(where, name + " has " + std::to_string(out.components) + " components in its Draco data", kRemedy);
+  const auto components = static_cast<std::size_t>(out.components);
+  const std::size_t count = mesh.num_points();
+  out.values.resize(count * components);
+  const bool plain = attribute->data_type() == draco::DT_FLOAT32 &&
+                     attribute->byte_stride() == static_cast<std::int64_t>(components * sizeof(float));
+  const std::size_t entry_count = attribute->size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const draco::AttributeValueIndex entry = attribute->mapped_index(draco::PointIndex(static_cast<std::uint32_t>(i)));
+    if (entry.value() >= entry_count) throw Error(where, "its Draco data points outside " + name, kRemedy);
+    float* target = out.values.data() + i * components;
+    if (plain) {
+      std::memcpy(target, attribute->GetAddress(entry), components * sizeof(float));
+    } else if (!attribute->ConvertValue<float>(entry, target)) {
+      throw Error(where, "its Draco data has an unreadable " + name, kRemedy);
+    }
+  }
+  return out;
+}
+
+DracoMesh convert(const std::string& where, const draco::Mesh& mesh,
+                  const std::map<std::string, std::uint32_t>& attribute_ids) {
+  DracoMesh out;
+  out.vertex_count = mesh.num_points();
+  out.indices.resize(std::size_t{3} * mesh.num_faces());
+  for (std::uint32_t f = 0; f < mesh.num_faces(); ++f) {
+    const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(f));
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint32_t index = face[corner].value();
+      if (index >= out.vertex_count) throw Error(where, "its Draco data has a triangle out of range", kRemedy);
+      out.indices[std::size_t{3} * f + corner] = index;
+    }
+  }
+  for (const auto& [name, id] : attribute_ids) out.attributes.emplace(name, read_attribute(where, mesh, name, id));
+  return out;
+}
+
+}  // namespace
+
+DracoMesh decode_draco(const std::string& where, std::span<const std::byte> bytes,
+                       const std::map<std::string, std::uint32_t>& attribute_ids) {
+  try {
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    draco::Decoder decoder;
+    const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!decoded.ok())
+      throw Error(where, std::string("its Draco data cannot be decoded: ") + decoded.status().error_msg(), kRemedy);
+    return convert(where, *decoded.value(), attribute_ids);
+  } catch (const std::bad_alloc&) {
+    throw Error(where, "its Draco data asks for more memory than there is", kRemedy);
+  } catch (const std::length_error&) {
+    throw Error(where, "its Draco data asks for more memory than there is", kRemedy);
+  }
+}
+
+}  // namespace maquette::gltf

@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "scenes/error.h"
+#include "scenes/gltf_document.h"
+
+namespace maquette::gltf {
+namespace {
+
+constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
+constexpr std::size_t kNearestFilter = 9728, kClampToEdge = 33071, kMirroredRepeat = 33648;
+
+/// Reads one material; keeps where it stands for error messages.
+class MaterialReader {
+ public:
+  MaterialReader(Document* document, const Scene& scene, std::size_t index)
+      : document_(*document),
+        scene_(scene),
+        json_(element_json(*document, "materials", index)),
+        name_(element("materials", index)),
+        where_(at(document->path, name_)) {}
+
+  Material read() {
+    read_core();
+    read_coat_and_glass();
+    read_specular_and_sheen();
+    read_extras();
+    return out_;
+  }
+
+ private:
+  const Json& member(const Json& object, const char* key) const {
+    static const Json kNone = Json::object();
+    const auto found = object.find(key);
+    if (found == object.end()) return kNone;
+    if (!found->is_object()) throw Error(where_ + "." + key, "expected an object", kRemedy);
+    return *found;
+  }
+  const Json& extension(const char* name) const {
+    static const Json kNone = Json::object();
+    const Json* found = find_extension(json_, name);
+    return found == nullptr ? kNone : *found;
+  }
+  float number(const Json& object, const char* key, float fallback) const {
+    return read_number(object, key, fallback, where_);
+  }
+  /// A factor that the specification keeps in [0, 1]: outside is repaired and reported.
+  float factor(const Json& object, const char* key, float fallback) {
+    const float value = number(object, key, fallback);
+    if (value < 0.0f || value > 1.0f) document_.warnings.add(std::string(key) + " outside 0..1 is clamped", name_);
+    return std::clamp(value, 0.0f, 1.0f);
+  }
+  template <int N>
+  glm::vec<N, float> colour(const Json& object, const char* key, const glm::vec<N, float>& fallback) {
+    const auto value = read_vector<N>(object, key, fallback, where_);
+    const auto sound = glm::max(value, glm::vec<N, float>(0.0f));
+    if (sound != value) document_.warnings.add(std::string(key) + " below 0 is clamped", name_);
+    return sound;
+  }
+
+  std::size_t texture_index(const Json& info, const std::string& where) const {
+    const auto found = info.find("index");
+    const std::size_t count = document_.model.textures.size();
+    if (found == info.end() || !found->is_number_unsigned() || found->get<std::size_t>() >= count)
+      throw Error(where + ".index", "is missing or out of range (the file has " + std::to_string(count) + " textures)",
+                  kRemedy);
+    return found->get<std::size_t>();
+  }
+
+  static Wrap wrap_of(const Json& sampler, const char* key) {
+    const auto mode = sampler.value(key, std::size_t{0});
+    return mode == kClampToEdge ? Wrap::clamp_to_edge : mode == kMirroredRepeat ? Wrap::mirrored_repeat : Wrap::repeat;
+  }
+
+  TextureRef texture(const Json& object, const char* key) {
+    TextureRef ref;
+    if (!object.contains(key)) return ref;
+    const Json& info = member(object, key);
+    const std::string where = where_ + "." + key;
+    const Json& source = element_json(document_, "textures", texture_index(info, where));
+    if (!source.contains("source")) {
+      document_.warnings.add("a texture without a readable image is left out", name_ + "." + key);
+      return ref;
+    }
+    const auto image = source["source"].get<std::size_t>();
+    if (scene_.images[image].width == 0) return ref;  // could not be read: warned of with the image
+    ref.image = static_cast<int>(image);
+    if (source.contains("sampler")) {
+      const Json& sampler = element_json(document_, "samplers", source["sampler"].get<std::size_t>());
+      ref.wrap_s = wrap_of(sampler, "wrapS");
+      ref.wrap_t = wrap_of(sampler, "wrapT");
+      ref.nearest = sampler.value("magFilter", std::size_t{0}) == kNearestFilter;
+    }
+    float uv_set = number(info, "texCoord", 0.0f);
+    if (const Json* transform = find_extension(info, "KHR_texture_transform"); transform != nullptr) {
+      ref.offset = read_vector<2>(*transform, "offset", ref.offset, where);
+      ref.scale = read_vector<2>(*transform, "scale", ref.scale, where);
+      ref.rotation_rad = read_number(*transform, "rotation", 0.0f, where);
+      uv_set = number(*transform, "texCoord", uv_set);
+    }
+    if (uv_set != 0.0f && uv_set != 1.0f) {
+      document_.warnings.add("textures on UV sets above 1 are left out", name_ + "." + key);
+      return {};
+    }
+    ref.uv_set = static_cast<int>(uv_set);
+    return ref;
+  }
+
+  void read_core() {
+    out_.name = read_text(json_, "name", where_);
+    if (out_.name.empty())
+      out_.name = "material-" + name_.substr(name_.find('[') + 1, name_.size() - name_.find('[') - 2);
+    const Json& pbr = member(json_, "pbrMetallicRoughness");
+    out_.base_color = colour<4>(pbr, "baseColorFactor", out_.base_color);
+    out_.metallic = factor(pbr, "metallicFactor", out_.metallic);
+    out_.roughness = factor(pbr, "roughnessFactor", out_.roughness);
+    out_.base_color_texture = texture(pbr, "baseColorTexture");
+    out_.metallic_roughness_texture = texture(pbr, "metallicRoughnessTexture");
+    out_.normal_texture = texture(json_, "normalTexture");
+    out_.normal_scale = number(member(json_, "normalTexture"), "scale", out_.normal_scale);
+    out_.occlusion_texture = texture(json_, "occlusionTexture");
+    out_.occlusion_strength = factor(member(json_, "occlusionTexture"), "strength", out_.occlusion_strength);
+    const float strength = number(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
+    out_.emissive = colour<3>(json_, "emissiveFactor", out_.emissive) * std::max(strength, 0.0f);
+    out_.emissive_texture = texture(json_, "emissiveTexture");
+    const std::string mode = read_text(json_, "alphaMode", where_);
+    if (mode == "MASK") {
+      out_.alpha_mode = AlphaMode::mask;
+    } else if (mode == "BLEND") {
+      out_.alpha_mode = AlphaMode::blend;
+    } else if (!mode.empty() && mode != "OPAQUE") {
+      document_.warnings.add("alphaMode \"" + mode + "\" is not known and taken as OPAQUE", name_);
+    }
+    out_.alpha_cutoff = std::max(number(json_, "alphaCutoff", out_.alpha_cutoff), 0.0f);
+    out_.double_sided = read_flag(json_, "doubleSided", false, where_);
+    out_.unlit = find_extension(json_, "KHR_materials_unlit") != nullptr;
+  }
+
+  void read_coat_and_glass() {
+    const Json& coat = extension("KHR_materials_clearcoat");
+    out_.clearcoat = factor(coat, "clearcoatFactor", out_.clearcoat);
+    out_.clearcoat_roughness = factor(coat, "clearcoatRoughnessFactor", out_.clearcoat_roughness);
+    out_.clearcoat_texture = texture(coat, "clearcoatTexture");
+    out_.clearcoat_roughness_texture = texture(coat, "clearcoatRoughnessTexture");
+    out_.clearcoat_normal_texture = texture(coat, "clearcoatNormalTexture");
+    const Json& transmission = extension("KHR_materials_transmission");
+    out_.transmission = factor(transmission, "transmissionFactor", out_.transmission);
+    out_.transmission_texture = texture(transmission, "transmissionTexture");
+    out_.glass = out_.transmission > 0.0f;
+    out_.ior = number(extension("KHR_materials_ior"), "ior", out_.ior);
+    if (out_.ior < 1.0f && out_.ior != 0.0f) {
+      document_.warnings.add("an ior below 1 is taken as 1", name_);
+      out_.ior = 1.0f;
+    }
+  }
+
+  void read_specular_and_sheen() {
+    const Json& specular = extension("KHR_materials_specular");
+    out_.specular = factor(specular, "specularFactor", out_.specular);
+    out_.specular_texture = texture(specular, "specularTexture");
+    out_.specular_color = colour<3>(specular, "specularColorFactor", out_.specular_color);
+    out_.specular_color_texture = texture(specular, "specularColorTexture");
+    const Json& sheen = extension("KHR_materials_sheen");
+    out_.sheen_color = colour<3>(sheen, "sheenColorFactor", out_.sheen_color);
+    out_.sheen_color_texture = texture(sheen, "sheenColorTexture");
+    out_.sheen_roughness = factor(sheen, "sheenRoughnessFactor", out_.sheen_roughness);
+    out_.sheen_roughness_texture = texture(sheen, "sheenRoughnessTexture");
+  }
+
+  void read_extras() {
+    const Json* extras = find_extras(json_);
+    if (extras == nullptr) return;
+    const std::string where = where_ + ".extras.maquette";
+    out_.measured = read_text(*extras, "measured", where);
+    if (!out_.measured.empty() && !out_.measured.starts_with("builtin:"))
+      out_.measured = (std::filesystem::path(document_.path).parent_path() / out_.measured).lexically_normal().string();
+    out_.tint_measured = read_flag(*extras, "tint_measured", false, where);
+    out_.glass = read_flag(*extras, "glass", out_.glass, where);
+  }
+
+  Document& document_;
+  const Scene& scene_;
+  const Json& json_;
+  std::string name_;
+  std::string where_;
+  Material out_;
+};
+
+}  // namespace
+
+void import_materials(Document* document, Scene* scene) {
+  import_images(document, scene);
+  if (const auto found = document->root.find("materials"); found != document->root.end())
+    for (std::size_t i = 0; i < found->size(); ++i)
+      scene->materials.push_back(MaterialReader(document, *scene, i).read());
+  if (const Json* variants = find_extension(document->root, "KHR_materials_variants"); variants != nullptr)
+    for (const Json& variant : (*variants)["variants"]) scene->variants.push_back(variant["name"].get<std::string>());
+}
+
+}  // namespace maquette::gltf

@@ -9,7 +9,8 @@ namespace {
 
 /// The real car beside the checkout: Draco streams in 51 primitives.
 TEST(Ferrari, LoadsWholeFromDraco) {
-  const std::filesystem::path path = std::filesystem::path(MAQUETTE_SOURCE_DIR) / "../shared/data/scenes/ferrari458.glb";
+  const std::filesystem::path path =
+      std::filesystem::path(MAQUETTE_SOURCE_DIR) / "../shared/data/scenes/ferrari458.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
   const Scene scene = load_scene(path.string());
   EXPECT_EQ(count_triangles(scene), 358788u);

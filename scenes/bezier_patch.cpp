@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/subdivision.h"
+
+namespace maquette {
+namespace {
+
+struct Cubic {
+  std::array<double, 4> value;
+  std::array<double, 4> derivative;
+};
+
+/// Bernstein polynomials of degree 3 and their derivatives.
+Cubic bernstein(double t) {
+  const double s = 1.0 - t;
+  return {{s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t},
+          {-3.0 * s * s, 3.0 * s * s - 6.0 * s * t, 6.0 * s * t - 3.0 * t * t, 3.0 * t * t}};
+}
+
+struct SurfacePoint {
+  glm::dvec3 position{0.0}, along_u{0.0}, along_v{0.0};
+};
+
+SurfacePoint evaluate(const BezierPatch& patch, double u, double v) {
+  const Cubic cubic_u = bernstein(u), cubic_v = bernstein(v);
+  SurfacePoint out;
+  for (std::size_t row = 0; row < 4; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) {
+      const glm::dvec3 point(patch.points[4 * row + column]);
+      out.position += cubic_v.value[row] * cubic_u.value[column] * point;
+      out.along_u += cubic_v.value[row] * cubic_u.derivative[column] * point;
+      out.along_v += cubic_v.derivative[row] * cubic_u.value[column] * point;
+    }
+  }
+  return out;
+}
+
+/// Unit normal along dS/du x dS/dv. Where an edge of the patch is collapsed to a point the product vanishes: its limit
+/// is then taken from a point just inside.
+glm::dvec3 normal_at(const BezierPatch& patch, double u, double v) {
+  constexpr double kDegenerate = 1e-9;  // of the product of the lengths: below, the direction is rounding
+  constexpr double kInside = 1e-4;
+  for (const double step : {0.0, kInside, 100.0 * kInside}) {
+    const SurfacePoint p = evaluate(patch, u + step * (0.5 - u), v + step * (0.5 - v));
+    const glm::dvec3 normal = glm::cross(p.along_u, p.along_v);
+    const double size = std::max(glm::dot(p.along_u, p.along_u), glm::dot(p.along_v, p.along_v));
+    if (glm::length(normal) > kDegenerate * size) return glm::normalize(normal);
+  }
+  return {0.0, 1.0, 0.0};
+}
+
+}  // namespace
+
+Primitive tessellate_patch(const BezierPatch& patch, int n) {
+  n = std::max(n, 1);
+  Primitive out;
+  out.material = patch.material;
+  for (int row = 0; row <= n; ++row) {
+    for (int column = 0; column <= n; ++column) {
+      const double u = static_cast<double>(column) / n, v = static_cast<double>(row) / n;
+      const SurfacePoint point = evaluate(patch, u, v);
+      out.positions.emplace_back(point.position);
+      out.normals.emplace_back(normal_at(patch, u, v));
+      out.uvs[0].emplace_back(u, v);
+    }
+  }
+  const auto side = static_cast<std::uint32_t>(n + 1);
+  for (std::uint32_t row = 0; row + 1 < side; ++row) {
+    for (std::uint32_t column = 0; column + 1 < side; ++column) {
+      const std::uint32_t a = row * side + column, b = a + 1, c = a + side, d = c + 1;
+      out.indices.insert(out.indices.end(), {a, b, d, a, d, c});
+    }
+  }
+  return out;
+}
+
+}  // namespace maquette

@@ -1,0 +1,142 @@
+#include "render/geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace maquette {
+namespace {
+
+/// A unit quad in z = 0 facing +z, two triangles, UVs along x and y.
+Primitive quad() {
+  Primitive out;
+  out.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  out.uvs[0] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  out.indices = {0, 1, 2, 0, 2, 3};
+  return out;
+}
+
+Scene scene_of(Primitive primitive, const glm::mat4& local = glm::mat4(1.0f)) {
+  Scene scene;
+  scene.meshes.emplace_back().primitives.push_back(std::move(primitive));
+  Node& node = scene.nodes.emplace_back();
+  node.mesh = 0;
+  node.local = local;
+  scene.roots = {0};
+  return scene;
+}
+
+glm::vec3 face_normal(const FlatGeometry& flat, std::size_t triangle) {
+  const std::uint32_t* t = &flat.indices[3 * triangle];
+  return glm::normalize(
+      glm::cross(flat.positions[t[1]] - flat.positions[t[0]], flat.positions[t[2]] - flat.positions[t[0]]));
+}
+
+void expect_sound(const FlatGeometry& flat) {
+  for (std::size_t i = 0; i < flat.positions.size(); ++i) {
+    EXPECT_NEAR(glm::length(flat.normals[i]), 1.0f, 1e-5f);
+    EXPECT_NEAR(glm::length(glm::vec3(flat.tangents[i])), 1.0f, 1e-5f);
+    EXPECT_NEAR(glm::dot(glm::vec3(flat.tangents[i]), flat.normals[i]), 0.0f, 1e-5f);
+    EXPECT_EQ(std::abs(flat.tangents[i].w), 1.0f);
+  }
+}
+
+TEST(Flatten, FillsWhatIsMissing) {
+  const FlatGeometry flat = flatten(scene_of(quad()));
+  expect_sound(flat);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_LT(glm::length(flat.normals[i] - glm::vec3(0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(flat.tangents[i] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+    EXPECT_EQ(flat.uv1[i], glm::vec2(0.0f));
+    EXPECT_EQ(flat.colors[i], glm::vec4(1.0f));
+  }
+}
+
+/// Two faces of a roof with areas 1 : 3 meet at an edge: the normal there leans towards the larger.
+TEST(Flatten, WeighsNormalsByArea) {
+  Primitive roof;
+  roof.positions = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 3, 0}};
+  roof.indices = {0, 1, 2, 0, 3, 1};  // normal +y with area 1/2, normal +x with area 3/2
+  const FlatGeometry flat = flatten(scene_of(roof));
+  EXPECT_LT(glm::length(flat.normals[0] - glm::normalize(glm::vec3(3, 1, 0))), 1e-6f);
+  EXPECT_LT(glm::length(flat.normals[2] - glm::vec3(0, 1, 0)), 1e-6f);
+  expect_sound(flat);
+}
+
+TEST(Flatten, RewindsMirroredInstances) {
+  for (const bool with_normals : {false, true}) {
+    Primitive primitive = quad();
+    if (with_normals) primitive.normals.assign(4, glm::vec3(0, 0, 1));
+    const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(-2, 1, 1))));
+    EXPECT_LT(glm::length(face_normal(flat, 0) - glm::vec3(0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(flat.normals[0] - glm::vec3(0, 0, 1)), 1e-6f);
+    // u now grows towards -x; bitangent = w cross(n, t) must still point along +y.
+    const glm::vec3 bitangent = flat.tangents[0].w * glm::cross(flat.normals[0], glm::vec3(flat.tangents[0]));
+    EXPECT_LT(glm::length(glm::vec3(flat.tangents[0]) - glm::vec3(-1, 0, 0)), 1e-6f);
+    EXPECT_LT(glm::length(bitangent - glm::vec3(0, 1, 0)), 1e-6f);
+  }
+}
+
+TEST(Flatten, MirrorsGivenTangents) {
+  Primitive primitive = quad();
+  primitive.normals.assign(4, glm::vec3(0, 0, 1));
+  primitive.tangents.assign(4, glm::vec4(1, 0, 0, 1));
+  const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(1, -1, 1))));
+  const glm::vec3 bitangent = flat.tangents[0].w * glm::cross(flat.normals[0], glm::vec3(flat.tangents[0]));
+  EXPECT_LT(glm::length(bitangent - glm::vec3(0, -1, 0)), 1e-6f);
+}
+
+/// Under a non-uniform scale normals follow the inverse transpose: still perpendicular to the surface.
+TEST(Flatten, TransformsNormalsUnderNonUniformScale) {
+  Primitive slope;
+  slope.positions = {{0, 0, 0}, {1, 1, 0}, {0, 0, -1}};
+  slope.indices = {0, 1, 2};
+  slope.normals.assign(3, glm::normalize(glm::vec3(-1, 1, 0)));
+  const FlatGeometry flat = flatten(scene_of(slope, glm::scale(glm::mat4(1.0f), glm::vec3(4, 1, 1))));
+  EXPECT_LT(glm::length(flat.normals[0] - face_normal(flat, 0)), 1e-6f);
+}
+
+TEST(Flatten, StaysSoundAtExtremeScalesAndForDegenerateTriangles) {
+  for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+    Primitive primitive = quad();
+    primitive.positions.push_back({2, 2, 0});  // belongs only to a triangle without area
+    primitive.uvs[0].push_back({0.5f, 0.5f});
+    primitive.indices.insert(primitive.indices.end(), {4, 4, 4});
+    const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(scale))));
+    expect_sound(flat);
+    EXPECT_LT(glm::length(flat.normals[0] - glm::vec3(0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(flat.tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+  }
+  expect_sound(flatten(scene_of(quad(), glm::mat4(0.0f))));  // scaled to nothing
+}
+
+TEST(Flatten, ListsInstancesAndPatchesAndSkipsTheHidden) {
+  Scene scene = scene_of(quad());
+  scene.patches.emplace_back();
+  for (std::size_t i = 0; i < 16; ++i)
+    scene.patches[0].points[i] = glm::vec3(static_cast<float>(i % 4), 0.0f, -static_cast<float>(i / 4));
+  scene.nodes.resize(4);
+  scene.nodes[1].mesh = 0;
+  scene.nodes[1].parent = 0;
+  scene.nodes[1].local = glm::translate(glm::mat4(1.0f), glm::vec3(0, 0, 5));
+  scene.nodes[0].children = {1};
+  scene.nodes[2].patch = 0;
+  scene.nodes[3].mesh = 0;
+  scene.nodes[3].visible = false;
+  scene.roots = {0, 2, 3};
+  const FlatGeometry flat = flatten(scene, 2);
+  ASSERT_EQ(flat.items.size(), 3u);
+  EXPECT_EQ(flat.items[1].first_vertex, 4u);
+  EXPECT_EQ(flat.items[1].first_index, 6u);
+  EXPECT_EQ(flat.positions[4], glm::vec3(0, 0, 5));
+  EXPECT_EQ(flat.items[2].patch, 0);
+  EXPECT_EQ(flat.items[2].mesh, -1);
+  EXPECT_EQ(flat.items[2].vertex_count, 9u);
+  EXPECT_EQ(flat.items[2].index_count, 24u);
+  for (std::size_t i = flat.items[2].first_index; i < flat.indices.size(); ++i) EXPECT_GE(flat.indices[i], 8u);
+  EXPECT_TRUE(flatten(Scene{}).positions.empty());
+}
+
+}  // namespace
+}  // namespace maquette

@@ -14,11 +14,15 @@ namespace maquette {
 inline constexpr int kVisibilitySide = 16;  ///< octahedral map of the world's sphere, 16 x 16 directions, one bit each
 
 /// Directional visibility of the distant environment per vertex of a FlatGeometry: bit b of vertex v is 1 when
-/// direction b is unoccluded; bit index = y * 16 + x of the octahedral map (shaders/shared/octahedral.glsl), word = b
-/// / 32.
+/// direction b is unoccluded; bit index = y * 16 + x of the octahedral map (shaders/shared/octahedral.glsl),
+/// word = b / 32. Read through shaders/shared/visibility.glsl.
+///
+/// The map covers the whole sphere, so that a sheet may be seen from both sides: cells above the tangent plane of the
+/// vertex normal hold what the side of +n sees, the others what the side of -n sees (nothing, inside a closed body).
 struct VisibilityBake {
   std::vector<std::array<std::uint32_t, 8>> vertices;
-  /// Per vertex: variation of visibility over the surface, cycles per metre; adds to nu_x.
+  /// Per vertex: variation of visibility over the surface, cycles per metre; adds to nu_x. See
+  /// compute_visibility_bandwidth.
   std::vector<float> bandwidth;
 };
 

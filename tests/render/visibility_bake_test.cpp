@@ -1,0 +1,570 @@
+#include "render/visibility/visibility_bake.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include "render/visibility/visibility_points.h"
+#include "render/visibility/visibility_shared.h"
+
+namespace maquette {
+namespace {
+
+const std::atomic<bool> kRun{false};
+
+bool is_open(const VisibilityBake& bake, std::size_t vertex, int bit) {
+  return ((bake.vertices[vertex][static_cast<std::size_t>(bit >> 5)] >> (bit & 31)) & 1u) != 0;
+}
+
+glm::vec3 cell_direction(int bit) { return shared::visibility_cell_direction(glm::ivec2(bit & 15, bit >> 4)); }
+
+/// Item of n x n quads over o + [0, 1] u + [0, 1] v with one normal.
+void add_grid(FlatGeometry* g, const glm::vec3& o, const glm::vec3& u, const glm::vec3& v, int n = 1) {
+  DrawItem item;
+  item.first_index = static_cast<std::uint32_t>(g->indices.size());
+  item.first_vertex = static_cast<std::uint32_t>(g->positions.size());
+  const glm::vec3 normal = glm::normalize(glm::cross(u, v));
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      g->positions.push_back(o + u * (static_cast<float>(i) / static_cast<float>(n)) +
+                             v * (static_cast<float>(j) / static_cast<float>(n)));
+      g->normals.push_back(normal);
+    }
+  }
+  const auto row = static_cast<std::uint32_t>(n + 1);
+  for (std::uint32_t j = 0; j + 1 < row; ++j) {
+    for (std::uint32_t i = 0; i + 1 < row; ++i) {
+      const std::uint32_t a = item.first_vertex + j * row + i;
+      for (std::uint32_t k : {a, a + 1, a + row + 1, a, a + row + 1, a + row}) g->indices.push_back(k);
+    }
+  }
+  item.index_count = static_cast<std::uint32_t>(g->indices.size()) - item.first_index;
+  item.vertex_count = static_cast<std::uint32_t>(g->positions.size()) - item.first_vertex;
+  g->items.push_back(item);
+}
+
+/// Six faces with outward normals, each its own four vertices: -x, +x, -y, +y, -z, +z.
+void add_box(FlatGeometry* g, const glm::vec3& low, const glm::vec3& high) {
+  const glm::vec3 x(high.x - low.x, 0.0f, 0.0f);
+  const glm::vec3 y(0.0f, high.y - low.y, 0.0f);
+  const glm::vec3 z(0.0f, 0.0f, high.z - low.z);
+  add_grid(g, low, z, y);
+  add_grid(g, low + x, y, z);
+  add_grid(g, low, x, z);
+  add_grid(g, low + y, z, x);
+  add_grid(g, low, y, x);
+  add_grid(g, low + z, x, y);
+}
+
+VisibilityBake bake_opaque(const FlatGeometry& g) {
+  auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), kRun);
+  EXPECT_TRUE(bake.has_value());
+  return bake.value_or(VisibilityBake{});
+}
+
+void transform(FlatGeometry* g, float scale, const glm::vec3& shift) {
+  for (glm::vec3& p : g->positions) p = p * scale + shift;
+}
+
+/// Share of the hemisphere of `normal`, weighted by cosine, that the bits leave open.
+double open_share(const VisibilityBake& bake, std::size_t vertex, const glm::vec3& normal) {
+  double open = 0.0;
+  double all = 0.0;
+  for (int b = 0; b < 256; ++b) {
+    const glm::vec3 d = cell_direction(b);
+    const double weight = std::pow(std::abs(d.x) + std::abs(d.y) + std::abs(d.z), 3.0) * glm::dot(d, normal);
+    if (weight <= 0.0) continue;
+    all += weight;
+    if (is_open(bake, vertex, b)) open += weight;
+  }
+  return open / all;
+}
+
+/// Double, all triangles, no acceleration. Nearest parameter of a hit with t > t_min, or infinity.
+double cast_ray(const FlatGeometry& g, const glm::dvec3& o, const glm::dvec3& d, double* edge_margin) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
+    const glm::dvec3 a(g.positions[g.indices[i]]);
+    const glm::dvec3 e1 = glm::dvec3(g.positions[g.indices[i + 1]]) - a;
+    const glm::dvec3 e2 = glm::dvec3(g.positions[g.indices[i + 2]]) - a;
+    const glm::dvec3 p = glm::cross(d, e2);
+    const double det = glm::dot(e1, p);
+    if (std::abs(det) < 1e-14) continue;
+    const double u = glm::dot(o - a, p) / det;
+    const glm::dvec3 q = glm::cross(o - a, e1);
+    const double v = glm::dot(d, q) / det;
+    const double t = glm::dot(e2, q) / det;
+    const double inside = std::min({u, v, 1.0 - u - v});
+    if (t > -1e-4) *edge_margin = std::min(*edge_margin, std::max(std::abs(inside), t < 0.0 ? -t : 0.0));
+    if (inside >= 0.0 && t > 0.0) nearest = std::min(nearest, t);
+  }
+  return nearest;
+}
+
+TEST(VisibilityBake, OpenPlaneSeesTheWholeSkyFromBothSides) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.25f, -1.0f}, {0.3f, 0.1f, 2.0f}, {2.0f, 0.2f, 0.0f}, 7);
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < bake.vertices.size(); ++v) {
+    for (int b = 0; b < 256; ++b) ASSERT_TRUE(is_open(bake, v, b)) << "vertex " << v << " bit " << b;
+    EXPECT_EQ(bake.bandwidth[v], 0.0f);
+  }
+}
+
+TEST(VisibilityBake, InsideOfAClosedBoxSeesNothing) {
+  FlatGeometry g;
+  add_box(&g, {-0.7f, 0.1f, -2.0f}, {1.1f, 1.3f, 0.4f});
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < bake.vertices.size(); ++v) {
+    for (int b = 0; b < 256; ++b) {
+      // The lift keeps the origin above the face; the inset keeps it off the walls.
+      const bool outside = glm::dot(g.normals[v], cell_direction(b)) > 0.0f;
+      ASSERT_EQ(is_open(bake, v, b), outside) << "vertex " << v << " bit " << b;
+    }
+  }
+}
+
+TEST(VisibilityBake, ScaleAndPlaceDoNotMatter) {
+  FlatGeometry g;
+  add_box(&g, {-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f});
+  add_grid(&g, {-2.0f, 0.0f, -2.0f}, {0.0f, 0.0f, 4.0f}, {4.0f, 0.0f, 0.0f}, 8);
+  const VisibilityBake bake = bake_opaque(g);
+  for (float scale : {1e-6f, 1e6f}) {
+    FlatGeometry scaled = g;
+    transform(&scaled, scale, glm::vec3(0.0f));
+    const VisibilityBake other = bake_opaque(scaled);
+    int different = 0;
+    for (std::size_t v = 0; v < bake.vertices.size(); ++v) {
+      for (int b = 0; b < 256; ++b) different += is_open(bake, v, b) != is_open(other, v, b) ? 1 : 0;
+      EXPECT_NEAR(other.bandwidth[v] * scale, bake.bandwidth[v], 2e-2f * bake.bandwidth[v] + 1e-6f);
+    }
+    EXPECT_LE(different, static_cast<int>(bake.vertices.size())) << scale;  // rounding at silhouettes only
+  }
+}
+
+TEST(VisibilityBake, AgreesWithBruteForceInRandomScenes) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+  const auto point = [&] { return glm::vec3(uniform(random), uniform(random), uniform(random)); };
+  int compared = 0;
+  int open = 0;
+  for (int scene = 0; scene < 6; ++scene) {
+    FlatGeometry g;
+    for (int i = 0; i < 30; ++i) add_grid(&g, point(), 0.7f * point(), 0.7f * point());
+    const VisibilityBake bake = bake_opaque(g);
+    const VisibilityPoints points = build_visibility_points(g, std::vector<bool>(g.items.size(), false), kRun);
+    for (std::size_t v = 0; v < g.positions.size(); ++v) {
+      const VisibilityPoint& at = points.points[points.point_of_vertex[v]];
+      for (int b = 0; b < 256; ++b) {
+        const glm::dvec3 d(cell_direction(b));
+        const double elevation = glm::dot(glm::dvec3(at.normal), d);
+        if (std::abs(elevation) < 0.02) continue;
+        const glm::dvec3 local = glm::dvec3(at.position + at.inset) +
+                                 glm::dvec3(at.normal) * (elevation > 0.0 ? 1.0 : -1.0) * static_cast<double>(at.lift);
+        double margin = 1.0;
+        const double t = cast_ray(g, points.center + points.scale_m * local, d, &margin);
+        if (margin < 1e-4) continue;  // within rounding of an edge
+        ASSERT_EQ(is_open(bake, v, b), std::isinf(t)) << "scene " << scene << " vertex " << v << " bit " << b;
+        ++compared;
+        open += std::isinf(t) ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(compared, 80000);
+  EXPECT_GT(open, compared / 5);
+  EXPECT_LT(open, compared * 4 / 5);
+}
+
+/// Infinite wall of height H at distance D from a floor point: it hides (1 - cos(atan(H / D))) / 2 of the
+/// cosine-weighted sky.
+TEST(VisibilityBake, WallAtAKnownDistanceHidesItsClosedForm) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {1.0f, 0.0f, 0.0f}, 40);
+  const float height = 0.6f;
+  add_grid(&g, {0.0f, 0.0f, -1000.0f}, {0.0f, 0.0f, 2000.0f}, {0.0f, height, 0.0f});
+  const VisibilityBake bake = bake_opaque(g);
+  double square = 0.0;
+  int count = 0;
+  for (std::size_t v = 0; v < 41 * 41; ++v) {
+    const double distance = -static_cast<double>(g.positions[v].x);
+    const double hidden = 0.5 * (1.0 - distance / std::hypot(distance, static_cast<double>(height)));
+    const double error = open_share(bake, v, {0.0f, 1.0f, 0.0f}) - (1.0 - hidden);
+    EXPECT_LT(std::abs(error), 0.06) << distance;  // 256 directions, no finer
+    square += error * error;
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(square / count), 0.02);
+}
+
+/// The row of floor vertices exactly on the foot of the wall belongs to the floor's side of it.
+TEST(VisibilityBake, VertexOnAnotherSurfaceTakesItsOwnSide) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {1.0f, 0.0f, 0.0f}, 10);  // x in [-1, 0]
+  add_grid(&g, {0.0f, 0.0f, -50.0f}, {0.0f, 0.0f, 100.0f}, {0.0f, 80.0f, 0.0f});   // wall at x = 0
+  add_grid(&g, {0.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {1.0f, 0.0f, 0.0f}, 10);   // x in [0, 1]
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < g.positions.size(); ++v) {
+    if (g.positions[v].x != 0.0f || g.positions[v].y != 0.0f || std::abs(g.positions[v].z) > 1.0f) continue;
+    const bool left = v < g.items[0].vertex_count;
+    for (int b = 0; b < 256; ++b) {
+      const glm::vec3 d = cell_direction(b);
+      if (d.y < 0.1f || std::abs(d.x) < 0.1f) continue;
+      ASSERT_EQ(is_open(bake, v, b), left == (d.x < 0.0f)) << "vertex " << v << " bit " << b;
+    }
+  }
+}
+
+/// A tall box beside a low one, sides touching; the low one's top edge lies on the tall one's side.
+TEST(VisibilityBake, TouchingBoxes) {
+  FlatGeometry g;
+  add_box(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.5f, 1.0f});
+  add_box(&g, {0.0f, 0.0f, -100.0f}, {1.0f, 100.0f, 100.0f});
+  const VisibilityBake bake = bake_opaque(g);
+  const std::size_t top = g.items[3].first_vertex;
+  for (std::size_t v = top; v < top + 4; ++v) {
+    if (g.positions[v].x != 0.0f) continue;
+    EXPECT_NEAR(open_share(bake, v, {0.0f, 1.0f, 0.0f}), 0.5, 0.06);
+    for (int b = 0; b < 256; ++b) {
+      const glm::vec3 d = cell_direction(b);
+      if (d.y > 0.0f && std::abs(d.x) > 0.05f) {
+        EXPECT_EQ(is_open(bake, v, b), d.x < 0.0f) << b;
+      }
+    }
+  }
+  // The low box's face towards the tall one touches it: dark.
+  const std::size_t side = g.items[1].first_vertex;
+  for (std::size_t v = side; v < side + 4; ++v) EXPECT_LT(open_share(bake, v, {1.0f, 0.0f, 0.0f}), 0.05);
+}
+
+TEST(VisibilityBake, CoincidentPanelsDoNotHideEachOther) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 5);  // normal +y
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {2.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 2.0f}, 3);  // normal -y, other vertices
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < g.positions.size(); ++v) {
+    EXPECT_EQ(open_share(bake, v, {0.0f, 1.0f, 0.0f}), 1.0) << v;
+    EXPECT_EQ(open_share(bake, v, {0.0f, -1.0f, 0.0f}), 1.0) << v;
+  }
+}
+
+/// One sheet as roof over a closed room: lit above, dark below, from the same vertices.
+TEST(VisibilityBake, OneSheetServesBothSides) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 1.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 8);
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f});
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {0.0f, 1.0f, 0.0f});
+  add_grid(&g, {1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {0.0f, 1.0f, 0.0f});
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {2.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+  add_grid(&g, {-1.0f, 0.0f, 1.0f}, {2.0f, 0.0f, 0.0f}, {0.0f, 1.0f, 0.0f});
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < g.items[0].vertex_count; ++v) {
+    EXPECT_EQ(open_share(bake, v, {0.0f, 1.0f, 0.0f}), 1.0) << v;
+    EXPECT_EQ(open_share(bake, v, {0.0f, -1.0f, 0.0f}), 0.0) << v;
+  }
+}
+
+/// Between the vertices of a coarse smooth sphere nothing above the interpolated horizon is dark.
+TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
+  FlatGeometry g;
+  const int n = 16;
+  for (int j = 0; j <= n; ++j) {
+    for (int i = 0; i <= 2 * n; ++i) {
+      const double t = std::numbers::pi * j / n;
+      const double p = std::numbers::pi * (i % (2 * n)) / n;
+      const glm::vec3 d(std::sin(t) * std::cos(p), std::cos(t), std::sin(t) * std::sin(p));
+      g.positions.push_back(d);
+      g.normals.push_back(d);
+    }
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < 2 * n; ++i) {
+      const auto a = static_cast<std::uint32_t>(j * (2 * n + 1) + i);
+      const auto b = static_cast<std::uint32_t>(a + 2 * n + 1);
+      for (std::uint32_t k : {a, a + 1, b, a + 1, b + 1, b}) g.indices.push_back(k);
+    }
+  }
+  DrawItem item;
+  item.index_count = static_cast<std::uint32_t>(g.indices.size());
+  item.vertex_count = static_cast<std::uint32_t>(g.positions.size());
+  g.items.push_back(item);
+  const VisibilityBake bake = bake_opaque(g);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  double closed = 0.0;
+  int tried = 0;
+  for (std::size_t i = 0; i < g.indices.size(); i += 3) {
+    const std::uint32_t* c = &g.indices[i];
+    const glm::vec3 normal = glm::normalize(g.normals[c[0]] + g.normals[c[1]] + g.normals[c[2]]);
+    for (int k = 0; k < 20; ++k) {
+      const glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
+      if (glm::dot(d, normal) <= 0.0f) continue;
+      const int bit = shared::visibility_dithered_bit(d, normal, {uniform(random), uniform(random)});
+      for (int corner = 0; corner < 3; ++corner) closed += is_open(bake, c[corner], bit) ? 0.0 : 1.0;
+      tried += 3;
+    }
+  }
+  EXPECT_GT(tried, 20000);
+  EXPECT_EQ(closed, 0.0);
+}
+
+TEST(VisibilityBake, PanesNeitherOccludeNorMatter) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 2);
+  add_grid(&g, {-9.0f, 0.1f, -9.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
+  const auto through = bake_visibility(g, {false, true}, kRun);
+  const auto blocked = bake_visibility(g, {false, false}, kRun);
+  ASSERT_TRUE(through && blocked);
+  EXPECT_EQ(open_share(*through, 4, {0.0f, 1.0f, 0.0f}), 1.0);
+  EXPECT_LT(open_share(*blocked, 4, {0.0f, 1.0f, 0.0f}), 0.02);
+  for (std::size_t v = g.items[1].first_vertex; v < g.positions.size(); ++v) {
+    EXPECT_EQ(open_share(*through, v, {0.0f, 1.0f, 0.0f}), 1.0);
+  }
+}
+
+TEST(VisibilityBake, BadGeometryIsLeftOut) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 2);
+  const auto first = static_cast<std::uint32_t>(g.positions.size());
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  g.positions.insert(g.positions.end(),
+                     {{nan, 1.0f, 0.0f}, {0.0f, 1.0f, 0.0f}, {0.0f, 2.0f, 0.0f}, {0.5f, 3.0f, 0.0f}});
+  g.normals.insert(g.normals.end(), {{0, 1, 0}, {nan, 0, 0}, {0, 0, 0}, {0, 1, 0}});
+  DrawItem item;
+  item.first_index = static_cast<std::uint32_t>(g.indices.size());
+  for (std::uint32_t k : {0u, 1u, 2u, 1u, 1u, 2u, 1u, 2u, 99u, 1u, 2u, 3u}) g.indices.push_back(first + k);
+  item.index_count = 12;
+  g.items.push_back(item);
+  const VisibilityBake bake = bake_opaque(g);
+  ASSERT_EQ(bake.vertices.size(), g.positions.size());
+  for (float bandwidth : bake.bandwidth) EXPECT_TRUE(std::isfinite(bandwidth) && bandwidth >= 0.0f);
+  EXPECT_EQ(open_share(bake, first, {0.0f, 1.0f, 0.0f}), 1.0);
+  FlatGeometry empty;
+  EXPECT_TRUE(bake_opaque(empty).vertices.empty());
+}
+
+/// Long thin triangles: needles of 10 m by 10 micrometres make up the floor; it must not shade itself.
+TEST(VisibilityBake, NeedlesDoNotShadeThemselves) {
+  FlatGeometry g;
+  for (int i = 0; i < 200; ++i) {
+    const float x = 1e-5f * static_cast<float>(i);
+    add_grid(&g, {x, 0.3f * x, -5.0f}, {0.0f, 0.0f, 10.0f}, {1e-5f, 0.3e-5f, 0.0f});
+  }
+  const VisibilityBake bake = bake_opaque(g);
+  for (std::size_t v = 0; v < g.positions.size(); ++v) EXPECT_EQ(open_share(bake, v, g.normals[v]), 1.0) << v;
+}
+
+TEST(VisibilityBake, SameAtAnyThreadCount) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 30);
+  add_box(&g, {-0.3f, 0.2f, -0.3f}, {0.4f, 0.6f, 0.5f});
+  const VisibilityBake all = bake_opaque(g);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const VisibilityBake single = bake_opaque(g);
+  EXPECT_EQ(all.vertices, single.vertices);
+  EXPECT_EQ(all.bandwidth, single.bandwidth);
+}
+
+TEST(VisibilityBake, ProgressRisesAndCancelStops) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 100);
+  std::atomic<bool> cancel{false};
+  double last = 0.0;
+  int calls = 0;
+  const std::vector<bool> opaque(g.items.size(), false);
+  const auto whole = bake_visibility(g, opaque, cancel, [&](double fraction) {
+    EXPECT_GE(fraction, last);
+    last = fraction;
+    ++calls;
+  });
+  EXPECT_TRUE(whole.has_value());
+  EXPECT_EQ(last, 1.0);
+  EXPECT_GT(calls, 20);
+  double reached = 0.0;
+  const auto stopped = bake_visibility(g, opaque, cancel, [&](double fraction) {
+    reached = fraction;
+    if (fraction > 0.1) cancel = true;
+  });
+  EXPECT_FALSE(stopped.has_value());
+  EXPECT_LT(reached, 0.9);
+  EXPECT_FALSE(bake_visibility(g, opaque, cancel).has_value());
+}
+
+class VisibilityCache : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("maquette-visibility-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+    const char* before = std::getenv("MAQUETTE_CACHE");
+    before_ = before ? before : "";
+    had_ = before != nullptr;
+    ::setenv("MAQUETTE_CACHE", folder_.c_str(), 1);
+  }
+  void TearDown() override {
+    had_ ? ::setenv("MAQUETTE_CACHE", before_.c_str(), 1) : ::unsetenv("MAQUETTE_CACHE");
+    std::filesystem::remove_all(folder_);
+  }
+  std::filesystem::path folder_;
+  std::string before_;
+  bool had_ = false;
+};
+
+TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
+  FlatGeometry g;
+  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 12);
+  add_box(&g, {-0.3f, 0.2f, -0.3f}, {0.4f, 0.6f, 0.5f});
+  std::vector<bool> transmits(g.items.size(), false);
+  const auto load = [&](int* calls) { return load_visibility(g, transmits, kRun, [calls](double) { ++*calls; }); };
+  int baked = 0;
+  int cached = 0;
+  const auto first = load(&baked);
+  const auto second = load(&cached);
+  ASSERT_TRUE(first && second);
+  EXPECT_GT(baked, 1);
+  EXPECT_EQ(cached, 1);
+  EXPECT_EQ(first->vertices, second->vertices);
+  EXPECT_EQ(first->bandwidth, second->bandwidth);
+  // Another geometry or another pane is another entry.
+  int other = 0;
+  transmits[1] = true;
+  load(&other);
+  EXPECT_GT(other, 1);
+  transmits[1] = false;
+  // Damage in the middle, then a cut: baked again, with the same result.
+  for (const bool cut : {false, true}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
+      if (!entry.is_regular_file()) continue;
+      const auto size = entry.file_size();
+      if (cut) {
+        std::filesystem::resize_file(entry.path(), size / 2);
+      } else {
+        std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+        file.seekg(static_cast<std::streamoff>(size / 2));
+        const char old = static_cast<char>(file.get());
+        file.seekp(static_cast<std::streamoff>(size / 2));
+        file.put(static_cast<char>(~old));
+      }
+    }
+    int again = 0;
+    const auto repaired = load(&again);
+    ASSERT_TRUE(repaired);
+    EXPECT_GT(again, 1) << (cut ? "cut" : "flipped");
+    EXPECT_EQ(repaired->vertices, first->vertices);
+  }
+}
+
+/// Bits that close column by column of cells along x: 16 columns over `length`, so a known change per metre.
+TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
+  for (int n : {16, 64}) {
+    FlatGeometry g;
+    const float length = 0.8f;
+    add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, length}, {length, 0.0f, 0.0f}, n);
+    const std::vector<bool> opaque(1, false);
+    const VisibilityPoints points = build_visibility_points(g, opaque, kRun);
+    std::vector<VisibilityBits> bits(points.points.size());
+    for (std::size_t v = 0; v < g.positions.size(); ++v) {
+      for (int b = 0; b < 256; ++b) {
+        // Direction b opens where x passes a threshold spread evenly by b.
+        const float threshold = length * (static_cast<float>((b * 97) % 256) + 0.5f) / 256.0f;
+        if (g.positions[v].x > threshold)
+          bits[points.point_of_vertex[v]][static_cast<std::size_t>(b / 32)] |= 1u << (b % 32);
+      }
+    }
+    const std::vector<float> bandwidth = compute_visibility_bandwidth(points, bits);
+    double sum = 0.0;
+    for (float value : bandwidth) sum += value;
+    // Everything turns over once along `length`: half a cycle.
+    EXPECT_NEAR(sum / static_cast<double>(bandwidth.size()), 0.5 / 0.8, 0.2 * 0.5 / 0.8) << n;
+  }
+}
+
+TEST(VisibilityBandwidth, StaysFiniteAcrossTinyEdges) {
+  FlatGeometry g;
+  add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}, 4);
+  add_grid(&g, {0.5f, 0.0f, 0.5f}, {0.0f, 0.0f, 1e-7f}, {1e-7f, 0.0f, 0.0f});
+  const VisibilityPoints points = build_visibility_points(g, {false, false}, kRun);
+  std::vector<VisibilityBits> bits(points.points.size());
+  for (std::size_t i = 0; i < bits.size(); i += 2) bits[i].fill(0xffffffffu);
+  const double bound = 0.25 * std::numbers::pi * 16384.0 / points.scale_m;
+  for (float value : compute_visibility_bandwidth(points, bits)) {
+    EXPECT_TRUE(std::isfinite(value));
+    EXPECT_LE(value, bound);
+  }
+}
+
+TEST(VisibilityShader, DitheredBitIsBilinearAcrossTheFold) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+  const int grid = 64;
+  double worst_angle = 0.0;
+  double worst_blend = 0.0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    glm::vec3 d(uniform(random), uniform(random), uniform(random));
+    if (trial % 4 == 0) d.y = -1.0f - std::abs(d.y);             // near the corners
+    if (trial % 4 == 1) d = glm::vec3(d.x, -0.5f, 0.01f * d.z);  // on the fold
+    d = glm::normalize(d);
+    std::array<int, 256> hits{};
+    const int side = trial < 200 ? grid : 4;
+    for (int j = 0; j < side; ++j) {
+      for (int i = 0; i < side; ++i) {
+        const glm::vec2 u((static_cast<float>(i) + 0.5f) / static_cast<float>(side),
+                          (static_cast<float>(j) + 0.5f) / static_cast<float>(side));
+        const int bit = shared::visibility_dithered_bit(d, d, u);
+        ASSERT_TRUE(bit >= 0 && bit < 256);
+        ++hits[static_cast<std::size_t>(bit)];
+        worst_angle =
+            std::max(worst_angle, std::acos(std::min(1.0, static_cast<double>(glm::dot(cell_direction(bit), d)))));
+      }
+    }
+    if (side != grid) continue;
+    // The blend of the centres comes back to the direction (inside a face of the octahedron exactly).
+    glm::dvec3 mean(0.0);
+    for (int b = 0; b < 256; ++b) {
+      const glm::dvec3 c(cell_direction(b));
+      const double l1 = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
+      mean += c / l1 * static_cast<double>(hits[static_cast<std::size_t>(b)]);
+    }
+    worst_blend = std::max(worst_blend, std::acos(std::min(1.0, glm::dot(glm::normalize(mean), glm::dvec3(d)))));
+  }
+  EXPECT_LT(worst_angle, 0.48);  // the bound that visibility_dithered_bit relies on
+  EXPECT_LT(worst_blend, 0.09);
+}
+
+TEST(VisibilityShader, BitsOfCellsAndWords) {
+  glm::uvec4 low(0u);
+  glm::uvec4 high(0u);
+  for (int b : {0, 31, 32, 127, 128, 200, 255}) {
+    (b < 128 ? low : high)[(b / 32) & 3] |= 1u << (b % 32);
+  }
+  for (int b = 0; b < 256; ++b) {
+    const bool set = b == 0 || b == 31 || b == 32 || b == 127 || b == 128 || b == 200 || b == 255;
+    EXPECT_EQ(shared::visibility_test(low, high, b), set ? 1.0f : 0.0f);
+    EXPECT_EQ(shared::visibility_bit(cell_direction(b)), b);
+  }
+}
+
+/// Near the horizon only cells of the viewer's side are taken.
+TEST(VisibilityShader, DitherStaysOnTheSideOfTheNormal) {
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  int across = 0;
+  int tried = 0;
+  for (int trial = 0; trial < 200000; ++trial) {
+    const glm::vec3 n = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
+    glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
+    d = glm::normalize(d - n * glm::dot(n, d) + n * (0.25f * uniform(random) + 1e-3f));
+    const int bit = shared::visibility_dithered_bit(d, n, {uniform(random), uniform(random)});
+    across += glm::dot(cell_direction(bit), n) <= 0.0f ? 1 : 0;
+    ++tried;
+  }
+  EXPECT_LT(across, tried / 1000);  // only where the four centres straddle a fold
+}
+
+}  // namespace
+}  // namespace maquette

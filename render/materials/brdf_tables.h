@@ -20,9 +20,11 @@ inline constexpr int kAlbedoCount = 64;     ///< theta_o = i / 63 * pi/2
 /// that sampling needs no search), each cell's conditional over phi_h into 16 equal-mass cells. Density inside a cell
 /// is constant over solid angle (d omega_h = dt dphi).
 struct BrdfTables {
-  std::vector<glm::vec2> theta_cells;  ///< [elevation 32][96] (t_begin, t_end), partition of [0, 1]
-  std::vector<glm::vec2> phi_cells;    ///< [elevation 32][96][16] (phi_begin, phi_end), partition of [0, pi]
-  std::vector<glm::vec3> albedo;       ///< [64] directional albedo, linear RGB
+  std::vector<glm::vec2>
+      theta_cells;  ///< [elevation 32][96] (t_begin, t_end), partition of the t that can reflect above the horizon
+  std::vector<glm::vec2>
+      phi_cells;  ///< [elevation 32][96][16] (phi_begin, phi_end), partition of the usable part of [0, pi]
+  std::vector<glm::vec3> albedo;  ///< [64] directional albedo, linear RGB
   /// [theta_h 90][theta_d 90] local angular bandwidth nu_rho: cycles per radian of *direction* (of wi or wo, the other
   /// fixed) holding 95 % of the local spectral energy; energy-weighted over phi_d. Daubechies-4 wavelets.
   std::vector<float> bandwidth;
@@ -30,6 +32,15 @@ struct BrdfTables {
 BrdfTables compute_brdf_tables(const BrdfTable& brdf);
 /// compute_brdf_tables through the disk cache.
 BrdfTables load_brdf_tables(const BrdfTable& brdf);
+
+inline constexpr int kGgxBandwidthCount = 64;
+/// Roughness (alpha) of row i of ggx_bandwidth: perceptual roughness (i + 0.5) / 64, squared.
+constexpr double ggx_bandwidth_alpha(int i) {
+  return (i + 0.5) / kGgxBandwidthCount * ((i + 0.5) / kGgxBandwidthCount);
+}
+/// Local angular bandwidth of analytic GGX lobes, by the same code from tabulated ones: [alpha 64][theta_h 90],
+/// cycles per radian of direction.
+std::vector<float> ggx_bandwidth();
 
 /// Lambert + one GGX lobe with Smith masking and Schlick Fresnel, least squares in cube-root space over cos-weighted
 /// bins: what other viewers do.

@@ -1,0 +1,109 @@
+// Importance sampling of a tabulated BRDF through its half-vector cells (render/materials/brdf_tables.h). Common subset of GLSL
+// and C++ with GLM. Needs merl.glsl, and two functions that the includer defines before:
+//   vec2 fetch_theta_cell(int elevation, int k)         (t_begin, t_end), t = 1 - cos(theta_h)
+//   vec2 fetch_phi_cell(int elevation, int k, int p)    (phi_begin, phi_end) in [0, pi]
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+
+const int kBrdfElevations = 32;
+const int kBrdfThetaCells = 96;
+const int kBrdfPhiCells = 16;
+
+// Probability of theta cell k: 32 cells of 1/64, then 64 cells, eight an octave, so that the tail is cut ever finer in
+// probability; the last one takes the rest. The masses add up to 1.
+MAQUETTE_FN float theta_cell_mass(int k) {
+  float tail = 0.5f * exp2(float(32 - k) * 0.125f);
+  float mass = k < 32 ? 0.015625f : tail * 0.0829959568f;  // 1 - 2^(-1/8)
+  return k == 95 ? tail : mass;
+}
+
+// Which theta cell a uniform number falls in, and where inside it (in [0, 1]).
+struct ThetaCellChoice {
+  int k;
+  float position;
+};
+
+MAQUETTE_FN ThetaCellChoice choose_theta_cell(float u) {
+  ThetaCellChoice choice;
+  float survival = max(2.0f - 2.0f * u, 1e-7f);  // 1 at the start of the tail
+  float octave_cell = clamp(floor(-8.0f * log2(survival)), 0.0f, 63.0f);
+  float begin = exp2(-0.125f * octave_cell);
+  float width = octave_cell < 62.5f ? begin * 0.0829959568f : begin;
+  float scaled = 64.0f * u;
+  bool equal_part = u < 0.5f;
+  choice.k = equal_part ? int(scaled) : 32 + int(octave_cell);
+  choice.position = equal_part ? scaled - floor(scaled) : clamp((begin - survival) / width, 0.0f, 1.0f);
+  return choice;
+}
+
+// Row of the tables nearest to a view direction.
+MAQUETTE_FN int brdf_elevation(vec3 wo) {
+  float theta = merl_atan(sqrt(wo.x * wo.x + wo.y * wo.y), max(wo.z, 0.0f));
+  return min(int(theta * 20.37183272f), kBrdfElevations - 1);  // 32 / (pi / 2)
+}
+
+// A sampled direction to the light and its density over solid angle. pdf = 0: below the horizon, worth nothing (but counts).
+struct BrdfSample {
+  vec3 wi;
+  float pdf;  // 1/sr
+};
+
+// Density over solid angle of h, 1/sr. Half, because the cells cover one side of the plane of view and normal.
+MAQUETTE_FN float half_vector_density(int k, vec2 theta_cell, vec2 phi_cell) {
+  return theta_cell_mass(k) / (2.0f * float(kBrdfPhiCells) * (theta_cell.y - theta_cell.x) * (phi_cell.y - phi_cell.x));
+}
+
+// u.x picks theta_h, u.y the side and phi_h.
+MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
+  int elevation = brdf_elevation(wo);
+  ThetaCellChoice choice = choose_theta_cell(u.x);
+  vec2 theta_cell = fetch_theta_cell(elevation, choice.k);
+  float side = u.y < 0.5f ? 1.0f : -1.0f;
+  float along = u.y < 0.5f ? 2.0f * u.y : 2.0f * u.y - 1.0f;
+  float scaled = float(kBrdfPhiCells) * along;
+  int p = min(int(scaled), kBrdfPhiCells - 1);
+  vec2 phi_cell = fetch_phi_cell(elevation, choice.k, p);
+  float t = theta_cell.x + choice.position * (theta_cell.y - theta_cell.x);
+  float phi = phi_cell.x + (scaled - float(p)) * (phi_cell.y - phi_cell.x);
+  // 1 - cos keeps small angles: sin^2 = t (2 - t).
+  float sin_theta = sqrt(t * (2.0f - t));
+  float along_view = sin_theta * cos(phi);
+  float across_view = side * sin_theta * sin(phi);
+  float length_xy = sqrt(wo.x * wo.x + wo.y * wo.y);
+  float cos_azimuth = length_xy > 0.0f ? wo.x / length_xy : 1.0f;
+  float sin_azimuth = length_xy > 0.0f ? wo.y / length_xy : 0.0f;
+  vec3 h = vec3(along_view * cos_azimuth - across_view * sin_azimuth,
+                along_view * sin_azimuth + across_view * cos_azimuth, 1.0f - t);
+  float projection = dot(wo, h);
+  BrdfSample result;
+  result.wi = (2.0f * projection) * h - wo;
+  bool above = projection > 0.0f && result.wi.z > 0.0f;
+  result.pdf = above ? half_vector_density(choice.k, theta_cell, phi_cell) / (4.0f * projection) : 0.0f;
+  return result;
+}
+
+// Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.
+MAQUETTE_FN float brdf_sample_pdf(vec3 wo, vec3 wi) {
+  vec3 sum = wi + wo;
+  float length_sum = sqrt(dot(sum, sum));
+  float xy = sum.x * sum.x + sum.y * sum.y;
+  // 1 - z / |H| without cancellation.
+  float t = xy / max(length_sum * (length_sum + sum.z), 1e-30f);
+  float c = sum.x * wo.x + sum.y * wo.y;
+  float s = abs(sum.x * wo.y - sum.y * wo.x);
+  float phi = c < 0.0f ? 3.1415926536f - merl_atan(s, -c) : merl_atan(s, c);
+  int elevation = brdf_elevation(wo);
+  int k = 0;
+  for (int i = 64; i > 0; i /= 2) {
+    int next = k + i;
+    k = next < kBrdfThetaCells && fetch_theta_cell(elevation, min(next, kBrdfThetaCells - 1)).x <= t ? next : k;
+  }
+  int p = 0;
+  for (int i = kBrdfPhiCells / 2; i > 0; i /= 2) {
+    p = fetch_phi_cell(elevation, k, p + i).x <= phi ? p + i : p;
+  }
+  float density = half_vector_density(k, fetch_theta_cell(elevation, k), fetch_phi_cell(elevation, k, p));
+  // wo . h = |H| / 2.
+  return wi.z > 0.0f && wo.z > 0.0f && length_sum > 0.0f ? density / (2.0f * length_sum) : 0.0f;
+}

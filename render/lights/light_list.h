@@ -1,26 +1,21 @@
 #pragma once
 
-#include <glm/glm.hpp>
 #include <vector>
 
 #include "render/geometry.h"
+#include "render/lights/lights_shared.h"
 
 namespace maquette {
 
-/// One sampled light of the GPU list: 64 bytes, std430.
-struct LightRecord {
-  glm::vec3 position;   ///< m; first vertex of an emissive triangle; unused for directional
-  std::uint32_t kind;   ///< 0 directional, 1 point, 2 spot, 3 emissive triangle
-  glm::vec3 direction;  ///< unit, where the light shines; triangle: edge 1 (m)
-  float range_m;        ///< 0: infinite
-  glm::vec3 color;      ///< lux, candela, or emitted radiance (cd/m2)
-  float selection_pdf;  ///< probability of choosing this light by power
-  glm::vec3 edge2;      ///< triangle: edge 2 (m); spot: (cos inner, cos outer, 0)
-  float cdf;            ///< cumulative selection probability, inclusive
-};
+/// 64 bytes, std430; declared for both sides in shaders/shared/lights.glsl.
+using LightRecord = shared::LightRecord;
 
 /// Punctual lights and the triangles of emissive materials. At most `max_triangles` triangles are kept, the strongest
 /// first; `dropped_power` is the share of the power left out (0 in ordinary scenes).
+///
+/// Power is luminous flux in lumens (of luminance Y); a directional light's is its lux times the cross-section of the
+/// scene's bounding sphere. Lights and triangles without power, without area or with values that are not finite are
+/// left out. A triangle's radiance is the mean of the emissive texture over it.
 struct LightList {
   std::vector<LightRecord> lights;
   double dropped_power = 0.0;

@@ -105,8 +105,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   plan.msaa = view.msaa;
   plan.lights = facts.has_punctual_lights || facts.has_emissive_meshes;
   plan.glass = facts.has_glass;
-  plan.passes.push_back(
-      {"gbuffer", std::to_string(facts.triangle_count) + " triangles: position, normal, curvature, material"});
+  plan.passes.push_back({"raster", std::to_string(facts.triangle_count) + " triangles: only their numbers and depth"});
+  plan.passes.push_back({"gbuffer", "normals, texture coordinates and curvature of what is visible, found on screen"});
   plan.visibility = decide_visibility(facts, mode_name, settings.get_string("shading.visibility"), &plan);
   if (plan.lights) {
     plan.passes.push_back({"lights", facts.has_emissive_meshes ? "emissive surfaces light the scene"
@@ -115,12 +115,15 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
     plan.left_out.push_back({"lights", "the scene has no lights and nothing that glows"});
   }
   mode.add_passes(facts, settings, view, &plan);
-  plan.passes.push_back({"sky", "the environment where nothing is hit"});
   if (plan.glass)
     plan.passes.push_back({"glass", "panes and blended surfaces, back to front"});
   else
     plan.left_out.push_back({"glass", "no material transmits or blends"});
-  if (view.msaa == 1) plan.left_out.push_back({"multisampling", "one sample a pixel was asked for"});
+  if (view.msaa > 1)
+    plan.passes.push_back({"multisampling", std::to_string(view.msaa) + " samples a pixel were asked for"});
+  else
+    plan.left_out.push_back({"multisampling", "one sample a pixel was asked for"});
+  plan.passes.push_back({"compose", "the sky where nothing is hit, and the average with the frames before"});
   if (!facts.has_normal_maps) plan.left_out.push_back({"normal_maps", "no material has one"});
   if (!facts.has_mask) plan.left_out.push_back({"alpha_mask", "no material is cut out"});
   if (facts.measured_count == 0) plan.left_out.push_back({"measured_materials", "every material is analytic"});

@@ -25,7 +25,7 @@ struct TechniqueInfo {
   int default_samples = 0;  ///< modes: shading samples a pixel when `--samples` is not given
   /// Why it cannot draw what is asked, or nothing. May be empty: it always can.
   std::function<std::optional<std::string>(const SceneFacts&, const Settings&)> check;
-  /// Modes: adds the passes between `gbuffer` and `sky`, and what it leaves out, each with its reason.
+  /// Modes: adds the passes between `gbuffer` and `compose`, and what it leaves out, each with its reason.
   std::function<void(const SceneFacts&, const Settings&, const ViewInfo&, FramePlan*)> add_passes;
 };
 

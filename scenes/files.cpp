@@ -44,6 +44,8 @@ struct CacheHeader {
   std::uint64_t checksum = 0;
 };
 
+}  // namespace
+
 std::optional<fs::path> cache_folder() {
   if (const char* own = std::getenv("MAQUETTE_CACHE")) {
     return *own ? std::optional<fs::path>(own) : std::nullopt;
@@ -54,6 +56,8 @@ std::optional<fs::path> cache_folder() {
   if (home && *home) return fs::path(home) / ".cache" / "maquette";
   return std::nullopt;
 }
+
+namespace {
 
 fs::path cache_entry(const fs::path& folder, const std::string& kind, int version, std::uint64_t key) {
   char name[64];

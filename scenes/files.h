@@ -27,6 +27,7 @@ std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t seed 
 /// Derived tables on disk, by content: `$XDG_CACHE_HOME/maquette` or `~/.cache/maquette`
 /// (`MAQUETTE_CACHE` overrides; empty value switches caching off). A damaged or unreadable entry counts as absent.
 /// `kind` and `version` name the format, so that changing an algorithm means raising its version.
+std::optional<std::filesystem::path> cache_folder();
 std::optional<std::vector<std::byte>> cache_load(const std::string& kind, int version, std::uint64_t key);
 /// Best effort: a cache that cannot be written is not an error.
 void cache_store(const std::string& kind, int version, std::uint64_t key, std::span<const std::byte> bytes);

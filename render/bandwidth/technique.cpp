@@ -25,7 +25,7 @@ TechniqueInfo bandwidth_technique() {
        .max = 16.0,
        .help = "scales the predicted sampling rate: 2 shades twice as densely along each axis"},
   };
-  info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo& view, FramePlan* plan) {
+  info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo&, FramePlan* plan) {
     plan->texture_bandwidth = facts.has_textures;
     plan->passes.push_back({"bandwidth", "predicts bandwidth and variance at every visible pixel"});
     if (settings.get_int("bandwidth.max_level") > 0) {
@@ -37,8 +37,10 @@ TechniqueInfo bandwidth_technique() {
       plan->left_out.push_back({"pyramid", "bandwidth.max_level is 0"});
       plan->left_out.push_back({"upsample", "bandwidth.max_level is 0"});
     }
-    if (view.msaa > 1) plan->passes.push_back({"resolve", "samples that an edge or the prediction asks for"});
-    if (!facts.has_textures) plan->left_out.push_back({"texture_bandwidth", "no material has a texture"});
+    if (facts.has_textures)
+      plan->passes.push_back({"texture_bandwidth", "textures vary over the surface"});
+    else
+      plan->left_out.push_back({"texture_bandwidth", "no material has a texture"});
   };
   return info;
 }

@@ -11,10 +11,9 @@ TechniqueInfo sg_technique() {
       return "mode sg knows no visibility (shading.visibility=baked); use mode bandwidth or uniform";
     return std::nullopt;
   };
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo& view, FramePlan* plan) {
+  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back({"prefilter", "the environment filtered for each lobe sharpness, once"});
     plan->passes.push_back({"shade", "every visible pixel, by lookups"});
-    if (view.msaa > 1) plan->passes.push_back({"resolve", "every sample of a pixel is shaded"});
     plan->left_out.push_back({"bandwidth", "mode sg predicts nothing"});
     plan->left_out.push_back({"sampling", "lookups take no samples: --samples has no effect"});
   };

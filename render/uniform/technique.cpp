@@ -15,9 +15,8 @@ TechniqueInfo uniform_technique() {
        .unit = "samples",
        .help = "shading samples a pixel (--samples wins)"},
   };
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo& view, FramePlan* plan) {
+  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back({"shade", "every visible pixel, a fixed count of samples"});
-    if (view.msaa > 1) plan->passes.push_back({"resolve", "every sample of a pixel is shaded"});
     plan->left_out.push_back({"bandwidth", "mode uniform predicts nothing"});
     plan->left_out.push_back({"upsample", "every pixel is shaded"});
   };

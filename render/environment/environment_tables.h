@@ -13,7 +13,10 @@ struct EnvironmentTables {
   int width = 0, height = 0;           ///< of the importance grid: the environment's own
   std::vector<float> marginal_cdf;     ///< [height + 1] over rows
   std::vector<float> conditional_cdf;  ///< [height][width + 1]
-  double luminance_integral = 0.0;     ///< of Y over the sphere, stored units * sr; 0 for a black environment
+  /// [height][width] density over solid angle of each texel's cell (1/sr): the pdf of EnvironmentSample and of any
+  /// direction in the cell. Proportional to the cell's mean bilinear (R + G + B) / 3, so 0 only where all of it is 0.
+  std::vector<float> density;
+  double luminance_integral = 0.0;  ///< of Y over the sphere, stored units * sr; 0 for a black environment
   int bandwidth_width = 0, bandwidth_height = 0;
   /// nu_L: local angular bandwidth, cycles per radian of direction, [bandwidth_height][bandwidth_width], latlong;
   /// sin(theta) of longitude undone. Daubechies-4 wavelets; local (a sun does not raise the whole sky).

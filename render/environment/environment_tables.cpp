@@ -1,0 +1,60 @@
+#include "render/environment/environment_tables.h"
+
+#include <cstring>
+#include <span>
+
+#include "render/environment/bandwidth.h"
+#include "render/environment/importance.h"
+#include "scenes/files.h"
+
+namespace maquette {
+namespace {
+
+constexpr const char* kCacheKind = "environment-bandwidth";
+constexpr int kCacheVersion = 1;
+
+/// Cached bytes: two int32 (width, height), then the bandwidths.
+bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& tables) {
+  const auto bytes = cache_load(kCacheKind, kCacheVersion, environment.hash);
+  std::int32_t size[2] = {0, 0};
+  if (!bytes || bytes->size() < sizeof size) return false;
+  std::memcpy(size, bytes->data(), sizeof size);
+  if (size[0] < 1 || size[1] < 1 || size[0] > 4096 || size[1] > 4096) return false;
+  const std::size_t count = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
+  if (bytes->size() != sizeof size + count * sizeof(float)) return false;
+  tables.bandwidth_width = size[0];
+  tables.bandwidth_height = size[1];
+  tables.bandwidth.resize(count);
+  std::memcpy(tables.bandwidth.data(), bytes->data() + sizeof size, count * sizeof(float));
+  return true;
+}
+
+void store_bandwidth(const Environment& environment, const EnvironmentTables& tables) {
+  const std::int32_t size[2] = {tables.bandwidth_width, tables.bandwidth_height};
+  const auto header = std::as_bytes(std::span(size));
+  const auto values = std::as_bytes(std::span(tables.bandwidth));
+  std::vector<std::byte> bytes(header.begin(), header.end());
+  bytes.insert(bytes.end(), values.begin(), values.end());
+  cache_store(kCacheKind, kCacheVersion, environment.hash, bytes);
+}
+
+}  // namespace
+
+EnvironmentTables compute_environment_tables(const Environment& environment) {
+  EnvironmentTables tables;
+  compute_importance(environment, tables);
+  compute_bandwidth(environment, tables);
+  return tables;
+}
+
+EnvironmentTables load_environment_tables(const Environment& environment) {
+  EnvironmentTables tables;
+  // The importance of a large map takes no longer to compute than to read.
+  compute_importance(environment, tables);
+  if (read_cached_bandwidth(environment, tables)) return tables;
+  compute_bandwidth(environment, tables);
+  store_bandwidth(environment, tables);
+  return tables;
+}
+
+}  // namespace maquette

@@ -1,0 +1,119 @@
+#include "render/environment/importance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace maquette {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Importance and luminance of a texel, summed over the three rows that the cell's bilinear radiance uses.
+struct Weighted {
+  double importance;
+  double luminance;
+};
+
+Weighted weigh(const glm::vec3& rgb, double weight) {
+  const double r = rgb.x, g = rgb.y, b = rgb.z;
+  return {weight * (r + g + b) / 3.0, weight * (0.2126 * r + 0.7152 * g + 0.0722 * b)};
+}
+
+/// Cell integrals of one row; returns the luminance's sum.
+double integrate_row(const Environment& environment, int y, std::vector<double>& cells) {
+  const auto width = static_cast<std::size_t>(environment.width);
+  const auto row = [&](int r) {
+    return environment.rgb.data() + static_cast<std::size_t>(std::clamp(r, 0, environment.height - 1)) * width;
+  };
+  const RowWeights weights = row_weights(y, environment.width, environment.height);
+  const glm::vec3 *above = row(y - 1), *here = row(y), *below = row(y + 1);
+  std::vector<double> columns(width);
+  double luminance = 0.0;
+  for (std::size_t x = 0; x < width; ++x) {
+    const Weighted a = weigh(above[x], weights.above), b = weigh(here[x], weights.here),
+                   c = weigh(below[x], weights.below);
+    columns[x] = a.importance + b.importance + c.importance;
+    luminance += a.luminance + b.luminance + c.luminance;
+  }
+  for (std::size_t x = 0; x < width; ++x) {
+    const std::size_t left = x == 0 ? width - 1 : x - 1;
+    const std::size_t right = x + 1 == width ? 0 : x + 1;
+    cells[x] = 0.125 * (columns[left] + columns[right]) + 0.75 * columns[x];
+  }
+  return luminance;
+}
+
+/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing.
+void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
+  const auto count = weights.size();
+  double sum = 0.0;
+  cdf[0] = 0.0f;
+  for (std::size_t i = 0; i < count; ++i) {
+    sum += weights[i];
+    cdf[i + 1] = static_cast<float>(total > 0.0 ? std::min(sum / total, 1.0)
+                                                : static_cast<double>(i + 1) / static_cast<double>(count));
+  }
+  cdf[count] = 1.0f;
+  // Cells without weight after the last one with some: their entries are 1 too, whatever the division rounded to.
+  if (total <= 0.0) return;
+  for (std::size_t i = count; i-- > 0 && weights[i] == 0.0;) cdf[i] = 1.0f;
+}
+
+}  // namespace
+
+RowWeights row_weights(int y, int width, int height) {
+  // 16-point midpoint rule a half cell: relative error below 1e-4 of a weight in the polar row, far less elsewhere.
+  constexpr int kPoints = 16;
+  const double row_rad = kPi / height;
+  RowWeights weights;
+  for (int i = 0; i < 2 * kPoints; ++i) {
+    const double t = (i + 0.5) / (2 * kPoints);  // 0 at the top of the cell, texel centre at 0.5
+    const double measure = std::sin((y + t) * row_rad) * row_rad / (2 * kPoints) * 2.0 * kPi / width;
+    weights.above += measure * std::max(0.5 - t, 0.0);
+    weights.below += measure * std::max(t - 0.5, 0.0);
+    weights.here += measure * (1.0 - std::abs(t - 0.5));
+  }
+  const double exact = 2.0 * kPi / width * (std::cos(y * row_rad) - std::cos((y + 1) * row_rad));
+  const double scale = exact / weights.solid_angle();
+  return {weights.above * scale, weights.here * scale, weights.below * scale};
+}
+
+void compute_importance(const Environment& environment, EnvironmentTables& tables) {
+  const auto width = static_cast<std::size_t>(environment.width);
+  const auto height = static_cast<std::size_t>(environment.height);
+  tables.width = environment.width;
+  tables.height = environment.height;
+  tables.marginal_cdf.resize(height + 1);
+  tables.conditional_cdf.resize(height * (width + 1));
+  tables.density.resize(height * width);
+  std::vector<double> row_sums(height), row_luminance(height);
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    std::vector<double> cells(width);
+    row_luminance[y] = integrate_row(environment, static_cast<int>(y), cells);
+    for (const double cell : cells) row_sums[y] += cell;
+    write_cdf(cells, row_sums[y], &tables.conditional_cdf[y * (width + 1)]);
+    const double solid_angle = row_weights(static_cast<int>(y), environment.width, environment.height).solid_angle();
+    // Relative to the row for now: the total is known after all rows, and neither scale may leave float's range.
+    const double scale = row_sums[y] > 0.0 ? 1.0 / (row_sums[y] * solid_angle) : 0.0;
+    for (std::size_t x = 0; x < width; ++x) tables.density[y * width + x] = static_cast<float>(cells[x] * scale);
+  });
+  double total = 0.0;
+  tables.luminance_integral = 0.0;
+  for (std::size_t y = 0; y < height; ++y) {
+    total += row_sums[y];
+    tables.luminance_integral += row_luminance[y];
+  }
+  write_cdf(row_sums, total, tables.marginal_cdf.data());
+  tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
+    const double scale = total > 0.0 ? row_sums[y] / total : 0.0;
+    for (std::size_t x = 0; x < width; ++x) {
+      float& density = tables.density[y * width + x];
+      density = static_cast<float>(density * scale);
+    }
+  });
+}
+
+}  // namespace maquette

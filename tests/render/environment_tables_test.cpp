@@ -1,0 +1,379 @@
+#include "render/environment/environment_tables.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "render/environment/wavelet_bandwidth.h"
+
+namespace maquette {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }
+
+Environment make_environment(int width, int height, const std::function<double(const glm::dvec3&, int, int)>& value) {
+  Environment e;
+  e.width = width;
+  e.height = height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      e.rgb.emplace_back(static_cast<float>(value(direction_from_latlong(x + 0.5, y + 0.5, width, height), x, y)));
+  return e;
+}
+
+Environment hot_texel(int width, int height, int hot_x, int hot_y, double background = 0.0) {
+  return make_environment(width, height,
+                          [&](const glm::dvec3&, int x, int y) { return x == hot_x && y == hot_y ? 1e6 : background; });
+}
+
+/// Integral of the bilinear luminance over the sphere by brute force: 16 x 16 midpoints a texel.
+double integrate_luminance(const Environment& e) {
+  constexpr int kSide = 16;
+  double sum = 0.0;
+  for (int y = 0; y < kSide * e.height; ++y) {
+    const double v = (y + 0.5) / kSide;
+    const double solid_angle = std::sin(kPi * v / e.height) * kPi / (kSide * e.height) * 2.0 * kPi / (kSide * e.width);
+    for (int x = 0; x < kSide * e.width; ++x)
+      sum += solid_angle *
+             luminance(evaluate_environment(e, direction_from_latlong((x + 0.5) / kSide, v, e.width, e.height)));
+  }
+  return sum;
+}
+
+/// nu_L at a direction (the cell it lies in).
+double bandwidth_at(const EnvironmentTables& t, const glm::dvec3& d) {
+  const glm::dvec2 p = latlong_from_direction(d, t.bandwidth_width, t.bandwidth_height);
+  const int x = std::min(static_cast<int>(p.x), t.bandwidth_width - 1);
+  const int y = std::min(static_cast<int>(p.y), t.bandwidth_height - 1);
+  return static_cast<double>(t.bandwidth[static_cast<std::size_t>(y * t.bandwidth_width + x)]);
+}
+
+std::vector<double> row_of(const EnvironmentTables& t, double latitude_deg) {
+  const int y = static_cast<int>((90.0 - latitude_deg) / 180.0 * t.bandwidth_height);
+  const auto begin = t.bandwidth.begin() + y * t.bandwidth_width;
+  return {begin, begin + t.bandwidth_width};
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+TEST(EnvironmentImportance, OneHotTexelIntegratesRight) {
+  // In the middle, on the seam, at both poles: the light spills half a texel in every direction by bilinear
+  // interpolation.
+  for (const auto& [x, y] : {std::pair{13, 7}, {0, 8}, {31, 9}, {5, 0}, {17, 15}}) {
+    const Environment e = hot_texel(32, 16, x, y);
+    const EnvironmentTables t = compute_environment_tables(e);
+    const double expected = integrate_luminance(e);
+    EXPECT_NEAR(t.luminance_integral / expected, 1.0, 2e-3);
+    const auto samples = sample_environment(e, t, 3, 16384);
+    ASSERT_EQ(samples.size(), 16384u);
+    double sum = 0.0;
+    for (const EnvironmentSample& s : samples) {
+      ASSERT_GT(s.pdf, 0.0f);
+      sum += luminance(s.radiance) / static_cast<double>(s.pdf);
+    }
+    EXPECT_NEAR(sum / 16384.0 / expected, 1.0, 5e-3) << x << ' ' << y;
+  }
+}
+
+TEST(EnvironmentImportance, EveryDirectionWithLightCanBeSampled) {
+  const Environment e = hot_texel(32, 16, 31, 4);
+  const EnvironmentTables t = compute_environment_tables(e);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform;
+  int lit = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = 32 * uniform(random), y = 16 * uniform(random);
+    if (evaluate_environment(e, direction_from_latlong(x, y, 32, 16)).x <= 0.0) continue;
+    ++lit;
+    ASSERT_GT(t.density[static_cast<std::size_t>(static_cast<int>(y) * 32 + static_cast<int>(x))], 0.0f);
+  }
+  EXPECT_GT(lit, 100);
+}
+
+TEST(EnvironmentImportance, DensityIsOneOverTheSphereAndMatchesTheCdfs) {
+  std::mt19937 random(2);
+  std::lognormal_distribution<double> value(0.0, 2.0);
+  const Environment e = make_environment(64, 32, [&](const glm::dvec3&, int, int) { return value(random); });
+  const EnvironmentTables t = compute_environment_tables(e);
+  double total = 0.0;
+  for (int y = 0; y < 32; ++y) {
+    const double solid_angle = 2.0 * kPi / 64 * (std::cos(kPi * y / 32) - std::cos(kPi * (y + 1) / 32));
+    const auto row = static_cast<std::size_t>(y);
+    for (std::size_t x = 0; x < 64; ++x) {
+      const double cell = static_cast<double>(t.density[row * 64 + x]) * solid_angle;
+      total += cell;
+      const double marginal = static_cast<double>(t.marginal_cdf[row + 1]) - static_cast<double>(t.marginal_cdf[row]);
+      const double conditional = static_cast<double>(t.conditional_cdf[row * 65 + x + 1]) -
+                                 static_cast<double>(t.conditional_cdf[row * 65 + x]);
+      EXPECT_NEAR(marginal * conditional, cell, 1e-6);
+    }
+  }
+  EXPECT_NEAR(total, 1.0, 1e-5);
+  EXPECT_NEAR(t.luminance_integral / integrate_luminance(e), 1.0, 1e-3);
+}
+
+TEST(EnvironmentImportance, SamplesFollowTheDensity) {
+  const Environment e = make_environment(
+      64, 32, [](const glm::dvec3& d, int, int) { return 1.0 + 3.0 * std::max(0.0, d.y) + (d.x > 0.9 ? 40.0 : 0.0); });
+  const EnvironmentTables t = compute_environment_tables(e);
+  constexpr std::size_t kCount = 65536;
+  std::vector<double> counts(8 * 4), expected(8 * 4);
+  for (const EnvironmentSample& s : sample_environment(e, t, 9, kCount)) {
+    EXPECT_NEAR(glm::length(s.direction), 1.0f, 1e-5f);
+    const glm::dvec2 p = latlong_from_direction(s.direction, 8, 4);
+    counts[static_cast<std::size_t>(std::min(static_cast<int>(p.y), 3) * 8 + std::min(static_cast<int>(p.x), 7))] +=
+        1.0;
+    const glm::dvec2 q = latlong_from_direction(s.direction, 64, 32);
+    // The pdf is that of the cell (not checked within float's rounding of its border).
+    if (std::abs(q.x - std::round(q.x)) > 1e-3 && std::abs(q.y - std::round(q.y)) > 1e-3) {
+      ASSERT_EQ(s.pdf, t.density[static_cast<std::size_t>(static_cast<int>(q.y) * 64 + static_cast<int>(q.x))]);
+    }
+  }
+  for (std::size_t y = 0; y < 32; ++y)
+    for (std::size_t x = 0; x < 64; ++x)
+      expected[y / 8 * 8 + x / 8] +=
+          kCount * static_cast<double>(t.density[y * 64 + x]) * 2.0 * kPi / 64 *
+          (std::cos(kPi * static_cast<double>(y) / 32) - std::cos(kPi * static_cast<double>(y + 1) / 32));
+  double chi_square = 0.0;
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    chi_square += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i];
+  // 31 degrees of freedom: 61 would be one in a thousand for random samples; these are better spread than random ones.
+  EXPECT_LT(chi_square, 31.0);
+}
+
+TEST(EnvironmentImportance, RunsOfConsecutiveSamplesAreWellSpread) {
+  const Environment e = make_environment(64, 32, [](const glm::dvec3&, int, int) { return 1.0; });
+  const auto samples = sample_environment(e, compute_environment_tables(e), 4, 65536);
+  // On a constant sky each aligned run of 256 has one sample in each of 16 x 16 equal-area boxes.
+  for (const std::size_t begin : {0u, 256u, 5120u, 65280u}) {
+    std::set<int> boxes;
+    for (std::size_t i = begin; i < begin + 256; ++i) {
+      const glm::vec3& d = samples[i].direction;
+      const double u = 0.5 - std::atan2(static_cast<double>(d.x), static_cast<double>(d.z)) / (2.0 * kPi);
+      const double v = 0.5 - 0.5 * static_cast<double>(d.y);
+      boxes.insert(std::min(static_cast<int>(v * 16), 15) * 16 + std::min(static_cast<int>(u * 16), 15));
+    }
+    EXPECT_GE(boxes.size(), 254u);  // the direction is rounded to float: a sample on a border may fall over it
+  }
+}
+
+TEST(EnvironmentImportance, SeedsDecideAlone) {
+  const Environment e = hot_texel(32, 16, 4, 4, 1.0);
+  const EnvironmentTables t = compute_environment_tables(e);
+  const auto a = sample_environment(e, t, 1, 64), b = sample_environment(e, t, 1, 128),
+             c = sample_environment(e, t, 2, 64);
+  EXPECT_EQ(a[63].direction, b[63].direction);
+  EXPECT_NE(a[63].direction, c[63].direction);
+}
+
+TEST(EnvironmentImportance, ExtremesAreSound) {
+  const Environment black = make_environment(32, 16, [](const glm::dvec3&, int, int) { return 0.0; });
+  const EnvironmentTables dark = compute_environment_tables(black);
+  EXPECT_EQ(dark.luminance_integral, 0.0);
+  EXPECT_TRUE(sample_environment(black, dark, 0, 100).empty());
+  EXPECT_EQ(dark.marginal_cdf.back(), 1.0f);
+  EXPECT_EQ(*std::max_element(dark.bandwidth.begin(), dark.bandwidth.end()), 0.0f);
+
+  const Environment one = make_environment(1, 1, [](const glm::dvec3&, int, int) { return 2.0; });
+  const EnvironmentTables t = compute_environment_tables(one);
+  EXPECT_NEAR(t.luminance_integral, 8.0 * kPi, 1e-5);
+  for (const EnvironmentSample& s : sample_environment(one, t, 0, 100)) EXPECT_NEAR(s.pdf, 1.0 / (4.0 * kPi), 1e-6);
+  EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
+
+  // Far below and above float's comfortable range.
+  for (const double scale : {1e-38, 1e15}) {
+    const Environment e = make_environment(
+        32, 16, [&](const glm::dvec3&, int x, int y) { return x == 3 && y == 3 ? scale : scale * 1e-3; });
+    const EnvironmentTables extreme = compute_environment_tables(e);
+    double sum = 0.0;
+    for (const EnvironmentSample& s : sample_environment(e, extreme, 0, 4096)) {
+      ASSERT_TRUE(std::isfinite(s.pdf) && s.pdf > 0.0f);
+      sum += luminance(s.radiance) / static_cast<double>(s.pdf) / 4096.0;
+    }
+    EXPECT_NEAR(sum / extreme.luminance_integral, 1.0, 0.01);
+    for (const float nu : extreme.bandwidth) ASSERT_TRUE(std::isfinite(nu) && nu >= 0.0f);
+  }
+}
+
+TEST(WaveletBandwidth, TransformKeepsEnergyAndKillsRamps) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  std::vector<float> signal(64), low(32), detail(32);
+  for (float& v : signal) v = normal(random);
+  d4_low_pass(signal.data(), 64, 1, 2, low.data());
+  d4_detail(signal.data(), 64, 1, 2, detail.data());
+  double before = 0.0, after = 0.0;
+  for (const float v : signal) before += static_cast<double>(v) * static_cast<double>(v);
+  for (std::size_t i = 0; i < 32; ++i) after += static_cast<double>(low[i] * low[i] + detail[i] * detail[i]);
+  EXPECT_NEAR(after / before, 1.0, 1e-5);
+  for (std::size_t i = 0; i < 64; ++i) signal[i] = 3.0f + 0.5f * static_cast<float>(i);
+  d4_detail(signal.data(), 64, 1, 2, detail.data());
+  for (std::size_t i = 0; i + 1 < 32; ++i)
+    EXPECT_NEAR(detail[i], 0.0f, 1e-4f);  // the last one sees the jump of the period
+}
+
+TEST(WaveletBandwidth, LevelEnergiesFollowTheResponseEverywhere) {
+  LevelEnergies energies(1024, 7);
+  for (const double cycles : {5.0, 16.0, 37.0, 64.0, 90.0, 128.0, 200.0}) {
+    for (std::size_t i = 0; i < 1024; ++i)
+      energies.signal()[i] =
+          static_cast<float>(std::sqrt(2.0) * std::cos(2.0 * kPi * cycles * static_cast<double>(i) / 1024.0 + 0.4));
+    energies.transform();
+    const std::vector<double> expected = d4_response(cycles / 1024.0, 7);
+    for (std::size_t begin = 0; begin < 1024; begin += 4)
+      for (int level = 1; level <= 7; ++level)
+        ASSERT_NEAR(energies.energy(level, begin, 4), expected[static_cast<std::size_t>(level - 1)], 0.2)
+            << cycles << ' ' << level << ' ' << begin;
+  }
+}
+
+TEST(WaveletBandwidth, LevelEnergiesAreWhereTheSignalIs) {
+  LevelEnergies energies(1024, 7);
+  std::fill(energies.signal().begin(), energies.signal().end(), 0.0f);
+  energies.signal()[500] = 1.0f;
+  energies.transform();
+  for (int level = 1; level <= 7; ++level) {
+    std::size_t best = 0;
+    for (std::size_t begin = 0; begin < 1024; ++begin)
+      if (energies.energy(level, begin, 1) > energies.energy(level, best, 1)) best = begin;
+    EXPECT_NEAR(static_cast<double>(best), 500.0, static_cast<double>(std::size_t{2} << level)) << level;
+  }
+}
+
+TEST(WaveletBandwidth, QuantileOfAToneIsItsFrequency) {
+  const LevelSpectrum spectrum(9);
+  for (double f = 1.0 / 200.0; f < 0.24; f *= 1.07) {
+    std::vector<float> energies;
+    double total = 0.0;
+    for (const double share : d4_response(f, 9)) {
+      energies.push_back(static_cast<float>(share));
+      total += share;
+    }
+    const double tail = 0.05 * total;
+    double result = 0.0;
+    spectrum.quantiles(energies.data(), &tail, 1, &result);
+    EXPECT_NEAR(result / f, 1.08, 0.1) << f;
+  }
+}
+
+TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
+  for (const int m : {6, 9, 14, 21, 34, 55}) {
+    const Environment e = make_environment(
+        256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + std::cos(m * std::atan2(d.x, d.z)); });
+    const EnvironmentTables t = compute_environment_tables(e);
+    const double expected = m / (2.0 * kPi);
+    const std::vector<double> equator = row_of(t, 0.3);
+    EXPECT_NEAR(median(equator) / expected, 1.0, 0.2) << m;
+    // In the dark troughs of a slow cosine the clipping of far brighter light shows.
+    EXPECT_LT(*std::max_element(equator.begin(), equator.end()) / expected, m < 14 ? 3.0 : 1.4) << m;
+    EXPECT_GT(*std::min_element(equator.begin(), equator.end()) / expected, 0.75) << m;
+    // On smaller circles of latitude the same period takes a smaller angle.
+    EXPECT_NEAR(median(row_of(t, 60.0)) * std::cos(60.0 * kPi / 180.0) / expected, 1.0, 0.25) << m;
+  }
+}
+
+TEST(EnvironmentBandwidth, CosineOfTheLatitudeHasItsClosedForm) {
+  for (const int m : {8, 12, 28, 52}) {
+    const Environment e =
+        make_environment(256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + std::cos(m * std::acos(d.y)); });
+    const EnvironmentTables t = compute_environment_tables(e);
+    for (const double latitude : {-50.0, 0.3, 40.0})
+      EXPECT_NEAR(median(row_of(t, latitude)) * 2.0 * kPi / m, 1.0, 0.2) << m << ' ' << latitude;
+  }
+}
+
+TEST(EnvironmentBandwidth, ContrastAndScaleDoNotMatter) {
+  const auto nu = [](double scale, double contrast) {
+    const Environment e = make_environment(256, 128, [&](const glm::dvec3& d, int, int) {
+      return scale * (1.0 + contrast * std::cos(20 * std::atan2(d.x, d.z)));
+    });
+    return median(row_of(compute_environment_tables(e), 0.3));
+  };
+  EXPECT_NEAR(nu(1.0, 1.0) / nu(1e5, 1.0), 1.0, 1e-3);
+  EXPECT_NEAR(nu(1.0, 1.0) / nu(1.0, 0.2), 1.0, 0.05);
+  EXPECT_EQ(nu(1.0, 0.005), 0.0);  // below what counts as a change
+}
+
+TEST(EnvironmentBandwidth, AConstantSkyHasNone) {
+  const EnvironmentTables t =
+      compute_environment_tables(make_environment(256, 128, [](const glm::dvec3&, int, int) { return 7.0; }));
+  EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
+}
+
+TEST(EnvironmentBandwidth, ASunRaisesOnlyItsNeighbourhood) {
+  const glm::dvec3 sun = direction_from_latlong(300.0, 90.0, 1024, 512);
+  const auto sky = [](const glm::dvec3& d) { return 2.0 + d.y + 0.3 * d.x; };
+  const auto with_sun = [&](const glm::dvec3& d, int, int) {
+    return sky(d) + (glm::dot(d, sun) > std::cos(0.006) ? 1e6 : 0.0);
+  };
+  const EnvironmentTables plain =
+      compute_environment_tables(make_environment(1024, 512, [&](const glm::dvec3& d, int, int) { return sky(d); }));
+  const EnvironmentTables sunny = compute_environment_tables(make_environment(1024, 512, with_sun));
+  // The disc is 0.012 rad wide: its bandwidth is of the order of 1 / 0.024 cycles per radian.
+  EXPECT_GT(bandwidth_at(sunny, sun), 20.0);
+  EXPECT_LT(bandwidth_at(plain, sun), 2.0);
+  double farthest_raised = 0.0;
+  int raised = 0;
+  for (std::size_t i = 0; i < sunny.bandwidth.size(); ++i) {
+    const auto w = static_cast<std::size_t>(sunny.bandwidth_width);
+    const glm::dvec3 d = direction_from_latlong(static_cast<double>(i % w) + 0.5, static_cast<double>(i / w) + 0.5,
+                                                sunny.bandwidth_width, sunny.bandwidth_height);
+    if (sunny.bandwidth[i] < plain.bandwidth[i] + 4.0f) continue;
+    ++raised;
+    farthest_raised = std::max(farthest_raised, std::acos(std::clamp(glm::dot(d, sun), -1.0, 1.0)));
+  }
+  EXPECT_LT(farthest_raised, 25.0 * kPi / 180.0);
+  EXPECT_LT(raised, static_cast<int>(sunny.bandwidth.size() / 200));
+}
+
+TEST(EnvironmentBandwidth, DetailBesideASunIsNotBuried) {
+  const glm::dvec3 sun = direction_from_latlong(256.0, 90.0, 512, 256);
+  const Environment e = make_environment(256, 128, [&](const glm::dvec3& d, int, int) {
+    return 1.0 + 0.5 * std::cos(40 * std::atan2(d.x, d.z)) + (glm::dot(d, sun) > std::cos(0.02) ? 1e6 : 0.0);
+  });
+  EXPECT_NEAR(median(row_of(compute_environment_tables(e), -20.0)) * std::cos(20.0 * kPi / 180.0) * 2.0 * kPi / 40, 1.0,
+              0.25);
+}
+
+TEST(EnvironmentBandwidth, ALargeMapKeepsItsFinestDetail) {
+  const Environment e = make_environment(4096, 2048, [&](const glm::dvec3&, int x, int) { return 1.0 + (x / 2) % 2; });
+  const double nu = median(row_of(compute_environment_tables(e), 0.3));
+  EXPECT_NEAR(nu / (1024 / (2.0 * kPi)), 1.0, 0.7);  // period of 4 texels, a square wave next to the Nyquist limit
+}
+
+TEST(EnvironmentTablesCache, GivesTheSameTables) {
+  const auto folder = std::filesystem::temp_directory_path() / ("maquette_tables_" + std::to_string(::getpid()));
+  const char* before = std::getenv("MAQUETTE_CACHE");
+  const std::string saved = before ? before : "";
+  ::setenv("MAQUETTE_CACHE", folder.c_str(), 1);
+  Environment e = hot_texel(64, 32, 7, 9, 1.0);
+  e.hash = 0x123456789abcdefull;
+  const EnvironmentTables computed = compute_environment_tables(e);
+  const EnvironmentTables first = load_environment_tables(e);
+  EXPECT_FALSE(std::filesystem::is_empty(folder));
+  const EnvironmentTables second = load_environment_tables(e);
+  for (const EnvironmentTables* t : {&first, &second}) {
+    EXPECT_EQ(t->bandwidth, computed.bandwidth);
+    EXPECT_EQ(t->bandwidth_width, computed.bandwidth_width);
+    EXPECT_EQ(t->density, computed.density);
+  }
+  before ? ::setenv("MAQUETTE_CACHE", saved.c_str(), 1) : ::unsetenv("MAQUETTE_CACHE");
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace maquette

@@ -12,11 +12,14 @@ namespace {
 
 constexpr int kSide = 16;
 constexpr double kEnclosedShare = 0.5;
+/// Below this share of front faces among all that is seen, the eye is inside a solid. Models of cars show many backs
+/// from inside.
+constexpr double kFrontShare = 0.1;
 
 /// Nearest hit per direction of a cube around the eye.
 struct Coverage {
   std::array<float, 6 * kSide * kSide> distance;
-  std::array<bool, 6 * kSide * kSide> blocks{};
+  std::array<bool, 6 * kSide * kSide> front{};
   Coverage() { distance.fill(std::numeric_limits<float>::infinity()); }
 };
 
@@ -42,30 +45,32 @@ struct CellRange {
   int end[2] = {kSide, kSide};
 };
 
-/// Cells of `face` whose centre may see the triangle; empty when it lies behind the face.
-CellRange cell_range(const Triangle& triangle, int face) {
+/// Cells of `face` whose centre may see the triangle with bounds `low`, `high`; empty when it lies outside the face.
+CellRange cell_range(const Triangle& triangle, const glm::vec3& low, const glm::vec3& high, int face) {
+  constexpr CellRange kNone{{0, 0}, {0, 0}};
   CellRange range;
   const int axis = face / 2;
   const float sign = face % 2 == 0 ? 1.0f : -1.0f;
-  float nearest = std::numeric_limits<float>::max(), farthest = -nearest;
-  for (const glm::vec3& p : triangle.corners) {
-    nearest = std::min(nearest, sign * p[axis]);
-    farthest = std::max(farthest, sign * p[axis]);
+  const float nearest = face % 2 == 0 ? low[axis] : -high[axis];
+  const float farthest = face % 2 == 0 ? high[axis] : -low[axis];
+  if (farthest <= 0.0f) return kNone;
+  for (int k = 0; k < 2; ++k) {
+    const int side = (axis + 1 + k) % 3;
+    if (low[side] > farthest || high[side] < -farthest) return kNone;  // beside the face's pyramid
   }
-  if (farthest <= 0.0f) range.end[0] = 0;
   if (nearest <= 0.0f) return range;  // crosses the plane of the eye: every cell may see it
   for (int k = 0; k < 2; ++k) {
-    float low = std::numeric_limits<float>::max(), high = -low;
+    float first = std::numeric_limits<float>::max(), last = -first;
     for (const glm::vec3& p : triangle.corners) {
       const float t = p[(axis + 1 + k) % 3] / (sign * p[axis]);
-      low = std::min(low, t);
-      high = std::max(high, t);
+      first = std::min(first, t);
+      last = std::max(last, t);
     }
     const auto cell = [](float t) {
       return std::clamp(0.5f * (t + 1.0f), -1.0f, 2.0f) * static_cast<float>(kSide) - 0.5f;
     };
-    range.begin[k] = std::max(0, static_cast<int>(std::ceil(cell(low) - 1e-3f)));
-    range.end[k] = std::min(kSide, static_cast<int>(std::floor(cell(high) + 1e-3f)) + 1);
+    range.begin[k] = std::max(0, static_cast<int>(std::ceil(cell(first) - 1e-3f)));
+    range.end[k] = std::min(kSide, static_cast<int>(std::floor(cell(last) + 1e-3f)) + 1);
   }
   return range;
 }
@@ -77,9 +82,10 @@ void cover(const Triangle& triangle, Coverage* coverage) {
   const glm::vec3 normal = glm::cross(b - a, c - a);
   const float offset = glm::dot(normal, a);  // < 0: the eye is on the front side
   if (offset == 0.0f || !std::isfinite(offset)) return;
-  const bool blocks = offset < 0.0f || triangle.double_sided;
+  const bool front = offset < 0.0f || triangle.double_sided;
+  const glm::vec3 low = glm::min(a, glm::min(b, c)), high = glm::max(a, glm::max(b, c));
   for (int face = 0; face < 6; ++face) {
-    const CellRange range = cell_range(triangle, face);
+    const CellRange range = cell_range(triangle, low, high, face);
     if (range.begin[0] >= range.end[0] || range.begin[1] >= range.end[1]) continue;
     const std::array<glm::vec3, 3> planes = {glm::cross(a, b), glm::cross(b, c), glm::cross(c, a)};
     for (int row = range.begin[1]; row < range.end[1]; ++row) {
@@ -91,7 +97,7 @@ void cover(const Triangle& triangle, Coverage* coverage) {
         const auto cell = static_cast<std::size_t>((face * kSide + row) * kSide + column);
         if (!(t > 0.0f) || t >= coverage->distance[cell]) continue;
         coverage->distance[cell] = t;
-        coverage->blocks[cell] = blocks;
+        coverage->front[cell] = front;
       }
     }
   }
@@ -116,8 +122,6 @@ void cover(const Primitive& primitive, const Material& material, const glm::mat4
         {points[primitive.indices[i]], points[primitive.indices[i + 1]], points[primitive.indices[i + 2]]},
         material.double_sided};
     if (mirrored) std::swap(triangle.corners[1], triangle.corners[2]);
-    const auto& [a, b, c] = triangle.corners;
-    if (a.y <= 0.0f && b.y <= 0.0f && c.y <= 0.0f) continue;  // only the upper hemisphere counts
     cover(triangle, coverage);
   }
 }
@@ -159,16 +163,20 @@ double covered_share(const Scene& scene, int variant, const glm::vec3& eye) {
         cover(control_net(patch), material, world[i], eye, &coverage);
     }
   }
-  double covered = 0.0, total = 0.0;
-  for (int cell = 0; cell < 6 * kSide * kSide; ++cell) {
-    const int row = cell / kSide % kSide, column = cell % kSide;
-    const glm::vec3 d =
-        cell_direction(cell / (kSide * kSide), static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f);
+  double above = 0.0, covered_above = 0.0, covered = 0.0, front = 0.0;
+  for (std::size_t cell = 0; cell < coverage.distance.size(); ++cell) {
+    const int row = static_cast<int>(cell) / kSide % kSide, column = static_cast<int>(cell) % kSide;
+    const glm::vec3 d = cell_direction(static_cast<int>(cell) / (kSide * kSide), static_cast<float>(column) + 0.5f,
+                                       static_cast<float>(row) + 0.5f);
+    const double weight = cell_weight(d);
+    const bool hit = std::isfinite(coverage.distance[cell]);
+    if (hit) covered += weight;
+    if (hit && coverage.front[cell]) front += weight;
     if (d.y <= 0.0f) continue;
-    total += cell_weight(d);
-    if (coverage.blocks[static_cast<std::size_t>(cell)]) covered += cell_weight(d);
+    above += weight;
+    if (hit) covered_above += weight;
   }
-  return covered / total;
+  return front < kFrontShare * covered ? 0.0 : covered_above / above;
 }
 
 bool is_enclosed(const Scene& scene, int variant) {

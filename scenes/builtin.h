@@ -8,5 +8,7 @@ namespace maquette::builtin {
 Scene build_sphere();
 Scene build_plate();
 Scene build_cornell();
+Scene build_cockpit();
+Scene build_seat();
 
 }  // namespace maquette::builtin

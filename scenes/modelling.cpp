@@ -20,31 +20,53 @@ double smoother(double edge0, double edge1, double x) {
 
 double mix(double a, double b, double t) { return a + (b - a) * t; }
 
-Curve::Curve(std::initializer_list<Vec2> knots) : knots_(knots), slopes_(knots.size(), 0.0) {
+double smooth_max(double a, double b, double k) {
+  const double h = std::max(k - std::abs(a - b), 0.0) / k;
+  return std::max(a, b) + h * h * h * k / 6.0;
+}
+
+double smooth_min(double a, double b, double k) { return -smooth_max(-a, -b, k); }
+
+Curve::Curve(std::initializer_list<Vec2> knots) : knots_(knots), bends_(knots.size(), 0.0) {
+  // Thomas algorithm for the tridiagonal system of second derivatives with free ends.
   const std::size_t n = knots_.size();
-  std::vector<double> secants(n - 1);
-  for (std::size_t i = 0; i + 1 < n; ++i)
-    secants[i] = (knots_[i + 1].y - knots_[i].y) / (knots_[i + 1].x - knots_[i].x);
-  slopes_[0] = secants[0];
-  slopes_[n - 1] = secants[n - 2];
+  std::vector<double> upper(n, 0.0), right(n, 0.0);
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double a = secants[i - 1], b = secants[i];
-    const double ha = knots_[i].x - knots_[i - 1].x, hb = knots_[i + 1].x - knots_[i].x;
-    const double parabola = (a * hb + b * ha) / (ha + hb);
-    const double limit = 3.0 * std::min(std::abs(a), std::abs(b));
-    slopes_[i] = a * b <= 0.0 ? 0.0 : std::clamp(parabola, -limit, limit);
+    const double h0 = knots_[i].x - knots_[i - 1].x, h1 = knots_[i + 1].x - knots_[i].x;
+    const double rise = (knots_[i + 1].y - knots_[i].y) / h1 - (knots_[i].y - knots_[i - 1].y) / h0;
+    const double pivot = 2.0 * (h0 + h1) - h0 * upper[i - 1];
+    upper[i] = h1 / pivot;
+    right[i] = (6.0 * rise - h0 * right[i - 1]) / pivot;
   }
+  for (std::size_t i = n - 1; i-- > 1;) bends_[i] = right[i] - upper[i] * bends_[i + 1];
 }
 
 double Curve::operator()(double x) const {
-  if (x <= knots_.front().x) return knots_.front().y;
-  if (x >= knots_.back().x) return knots_.back().y;
+  const std::size_t n = knots_.size();
   std::size_t i = 0;
-  while (x > knots_[i + 1].x) ++i;
-  const double h = knots_[i + 1].x - knots_[i].x, t = (x - knots_[i].x) / h;
-  const double t2 = t * t, t3 = t2 * t;
-  return (2 * t3 - 3 * t2 + 1) * knots_[i].y + (t3 - 2 * t2 + t) * h * slopes_[i] +
-         (3 * t2 - 2 * t3) * knots_[i + 1].y + (t3 - t2) * h * slopes_[i + 1];
+  while (i + 2 < n && x > knots_[i + 1].x) ++i;
+  const Vec2 a = knots_[i], b = knots_[i + 1];
+  const double h = b.x - a.x, secant = (b.y - a.y) / h;
+  if (x < a.x) return a.y + (x - a.x) * (secant - h * (2.0 * bends_[i] + bends_[i + 1]) / 6.0);
+  if (x > b.x) return b.y + (x - b.x) * (secant + h * (bends_[i] + 2.0 * bends_[i + 1]) / 6.0);
+  const double p = (b.x - x) / h, q = (x - a.x) / h;
+  return p * a.y + q * b.y + h * h / 6.0 * ((p * p * p - p) * bends_[i] + (q * q * q - q) * bends_[i + 1]);
+}
+
+Vec3 b_spline(const std::vector<Vec3>& points, double t) {
+  const int n = static_cast<int>(points.size());
+  // Phantom ends reflect the second point in the first, so that the curve starts there.
+  const auto control = [&](int i) {
+    if (i < 0) return 2.0 * points[0] - points[1];
+    if (i >= n) return 2.0 * points[static_cast<std::size_t>(n - 1)] - points[static_cast<std::size_t>(n - 2)];
+    return points[static_cast<std::size_t>(i)];
+  };
+  const double x = std::clamp(t, 0.0, 1.0) * (n - 1);
+  const int i = std::min(static_cast<int>(x), n - 2);
+  const double s = x - i, r = 1.0 - s;
+  return (r * r * r * control(i - 1) + (3.0 * s * s * s - 6.0 * s * s + 4.0) * control(i) +
+          (3.0 * r * r * r - 6.0 * r * r + 4.0) * control(i + 1) + s * s * s * control(i + 2)) /
+         6.0;
 }
 
 namespace {
@@ -238,6 +260,10 @@ Primitive sweep(const std::vector<Frame>& frames, const Profile& profile, bool c
                 bool caps) {
   Primitive p;
   const int rows = static_cast<int>(frames.size()) - (closed_path ? 0 : 1);
+  double advance = 0.0;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i)
+    advance += glm::dot(frames[i + 1].origin - frames[i].origin, glm::cross(frames[i].x, frames[i].y));
+  const bool forward = advance > 0.0;
   const int columns = static_cast<int>(profile.size()) - (closed_profile ? 0 : 1);
   for (int i = 0; i <= rows; ++i) {
     const Frame& f = frames[static_cast<std::size_t>(i) % frames.size()];
@@ -248,11 +274,11 @@ Primitive sweep(const std::vector<Frame>& frames, const Profile& profile, bool c
                  {static_cast<double>(i) / rows, static_cast<double>(j) / columns});
     }
   }
-  add_lattice(&p, 0, rows, columns, true);
+  add_lattice(&p, 0, rows, columns, forward);
   if (!caps) return p;
   for (const bool end : {false, true}) {
     const Frame& f = end ? frames.back() : frames.front();
-    const Vec3 normal = glm::normalize(glm::cross(f.x, f.y)) * (end ? 1.0 : -1.0);
+    const Vec3 normal = glm::normalize(glm::cross(f.x, f.y)) * (end == forward ? 1.0 : -1.0);
     const auto first = static_cast<std::uint32_t>(p.positions.size());
     add_vertex(&p, f.origin, normal, {0.5, 0.5});
     for (const ProfilePoint& q : profile)
@@ -261,7 +287,7 @@ Primitive sweep(const std::vector<Frame>& frames, const Profile& profile, bool c
     const auto n = static_cast<std::uint32_t>(profile.size());
     for (std::uint32_t j = 0; j < n; ++j) {
       const std::uint32_t a = first + 1 + j, b = first + 1 + (j + 1) % n;
-      add_quad(&p, first, a, b, first, !end);
+      add_quad(&p, first, a, b, first, end != forward);
     }
   }
   return p;
@@ -291,7 +317,14 @@ Primitive make_tube(const std::vector<Vec3>& path, double radius_m, int around, 
 Primitive extrude(const Profile& outline, double depth, double bevel, int k) {
   Primitive p;
   Vec2 centre(0.0);
-  for (const ProfilePoint& q : outline) centre += q.position / static_cast<double>(outline.size());
+  double area = 0.0;
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    const Vec2 a = outline[i].position, b = outline[(i + 1) % outline.size()].position;
+    const double doubled = a.x * b.y - a.y * b.x;
+    centre += (a + b) * (doubled / 3.0);
+    area += doubled;
+  }
+  centre /= area;
   const int n = static_cast<int>(outline.size());
   const auto ring = [&](double inset, double z, double lean, double nz) {
     for (int j = 0; j <= n; ++j) {

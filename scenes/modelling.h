@@ -23,8 +23,8 @@ glm::vec3 srgb(int r, int g, int b);
 double smoother(double edge0, double edge1, double x);
 double mix(double a, double b, double t);
 
-/// Piecewise cubic through (x, y) knots with monotone-limited slopes (no overshoot). Clamped outside.
-/// Source: Fritsch and Carlson 1980, monotone piecewise cubic interpolation.
+/// Natural cubic spline through (x, y) knots of increasing x: C2, so that highlights flow over the knots. Straight
+/// outside.
 class Curve {
  public:
   Curve(std::initializer_list<Vec2> knots);
@@ -32,8 +32,16 @@ class Curve {
 
  private:
   std::vector<Vec2> knots_;
-  std::vector<double> slopes_;
+  std::vector<double> bends_;  ///< second derivatives at the knots
 };
+
+/// Maximum and minimum with a C2 transition of width k: intersection and union of implicit solids with a rounded edge.
+/// Source: Quilez 2013, smooth minimum (cubic polynomial).
+double smooth_max(double a, double b, double k);
+double smooth_min(double a, double b, double k);
+
+/// Uniform cubic B-spline with its ends held: t in [0, 1] runs from the first to the last point.
+Vec3 b_spline(const std::vector<Vec3>& points, double t);
 
 using SurfaceFunction = std::function<Vec3(double u, double v)>;
 
@@ -77,7 +85,7 @@ struct Frame {
   Vec3 y;
   Vec2 scale{1.0, 1.0};
 };
-/// Profile carried along frames (outside: the profile's normals, for frames that advance along x cross y).
+/// Profile, counter-clockwise, carried along frames (outside: the profile's normals).
 /// `caps` closes both ends with fans about the frames' origins.
 Primitive sweep(const std::vector<Frame>& frames, const Profile& profile, bool closed_profile, bool closed_path,
                 bool caps = false);
@@ -86,6 +94,33 @@ Primitive make_tube(const std::vector<Vec3>& path, double radius_m, int around, 
 /// Closed counter-clockwise outline (star-shaped about its centroid) in the xy plane pushed from z = 0 to `depth`,
 /// edges rounded by `bevel`.
 Primitive extrude(const Profile& outline, double depth, double bevel, int k = 2);
+
+/// Signed function of a point; a cut keeps what is negative.
+using Field = std::function<double(const Vec3&)>;
+
+/// How the rim of a cut is finished: rolled by `radius_m`, then turned inwards by `depth_m`. The rim then ends
+/// `radius_m` outside the cut.
+struct Rim {
+  double radius_m = 0.003;
+  double depth_m = 0.012;
+  int segments = 2;
+};
+
+/// The part of `surface` where `field` < 0, its edge found along the triangles' edges; `rim` finishes the edge if
+/// given.
+Primitive clip(const Primitive& surface, const Field& field, const Rim* rim = nullptr);
+/// The strip of `surface` where from < field < to. Two cuts, so that it may be narrower than the triangles.
+Primitive clip_band(const Primitive& surface, const Field& field, double from, double to, const Rim* rim = nullptr);
+/// Every vertex moved by `distance_m` along its normal.
+Primitive offset(const Primitive& surface, double distance_m);
+
+/// Grid of control points with `columns` per row, closed around rows or columns if asked: a Catmull-Clark cage of quads
+/// whose outside is d/drow x d/dcolumn.
+SubdivisionCage make_grid_cage(const std::vector<Vec3>& points, int columns, bool wrap_rows, bool wrap_columns,
+                               int levels);
+/// Closed cage from rings of `columns` points each (outside: travel x column direction); both ends are
+/// are closed by strips between point i and point columns - 1 - i. `columns` is even.
+SubdivisionCage make_ring_cage(const std::vector<Vec3>& points, int columns, int levels);
 
 void append(Primitive* into, const Primitive& other);
 Primitive merged(const std::vector<Primitive>& parts);

@@ -121,6 +121,8 @@ Scene load_gltf(const std::string& path) {
   scene.name = path;
   gltf::import_materials(&document, &scene);
   gltf::import_meshes(&document, &scene);
+  gltf::import_cages(document, &scene);
+  gltf::import_patches(document, &scene);
   gltf::import_nodes(&document, &scene);
   if (count_triangles(scene) == 0 && scene.patches.empty())
     document.warnings.add("there is nothing to see: the default scene has no triangles");

@@ -50,6 +50,11 @@ void import_meshes(Document* document, Scene* scene);
 /// Fills nodes, roots, cameras, lights and patches; only what the default scene reaches.
 void import_nodes(Document* document, Scene* scene);
 
+/// What `extras.maquette` adds (docs/formats.md): control cages of meshes, Bezier patches, flags of nodes.
+void import_cages(const Document& document, Scene* scene);
+void import_patches(const Document& document, Scene* scene);
+void import_node_extras(const Json& json, const std::string& where, const Scene& scene, Node* node);
+
 /// `extras.maquette` of an element, or null.
 const Json* find_extras(const Json& element);
 const Json* find_extension(const Json& element, const char* name);

@@ -159,6 +159,8 @@ Node import_node(Document* document, std::size_t index, const std::vector<int>& 
   node.mesh = source.mesh;
   node.camera = source.camera < 0 ? -1 : cameras[static_cast<std::size_t>(source.camera)];
   node.light = light_of(*document, element_json(*document, "nodes", index), element("nodes", index), scene);
+  import_node_extras(element_json(*document, "nodes", index), at(document->path, element("nodes", index)), scene,
+                     &node);
   return node;
 }
 

@@ -64,6 +64,20 @@ Cell find_cell(const float* cdf, std::size_t count, double u) {
   return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
 }
 
+/// evaluate_environment at a point of the map (texel centres at whole numbers), in float.
+glm::vec3 bilinear(const Environment& environment, float x, float y) {
+  const float x0 = std::floor(x), y0 = std::floor(y);
+  const auto texel = [&](int column, int row) {
+    const auto wrapped = static_cast<std::size_t>((column + environment.width) % environment.width);
+    const auto clamped = static_cast<std::size_t>(std::clamp(row, 0, environment.height - 1));
+    return environment.rgb[clamped * static_cast<std::size_t>(environment.width) + wrapped];
+  };
+  const int column = static_cast<int>(x0), row = static_cast<int>(y0);
+  const glm::vec3 top = glm::mix(texel(column, row), texel(column + 1, row), x - x0);
+  const glm::vec3 bottom = glm::mix(texel(column, row + 1), texel(column + 1, row + 1), x - x0);
+  return glm::mix(top, bottom, y - y0);
+}
+
 }  // namespace
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
@@ -84,11 +98,12 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
     const double bottom = std::cos(kPi * static_cast<double>(row.index + 1) / static_cast<double>(height));
     const double y = std::clamp(top + (bottom - top) * row.position, -1.0, 1.0);
     const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
-    const double longitude =
-        kPi - 2.0 * kPi * (static_cast<double>(column.index) + column.position) / static_cast<double>(width);
-    const glm::dvec3 direction(std::sin(longitude) * r, y, std::cos(longitude) * r);
-    samples[i] = {glm::vec3(direction), tables.density[row.index * width + column.index],
-                  glm::vec3(evaluate_environment(environment, direction)), 0.0f};
+    const double x = static_cast<double>(column.index) + column.position;
+    const double longitude = kPi - 2.0 * kPi * x / static_cast<double>(width);
+    const double map_y = std::acos(y) / kPi * static_cast<double>(height);
+    samples[i] = {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
+                  tables.density[row.index * width + column.index],
+                  bilinear(environment, static_cast<float>(x) - 0.5f, static_cast<float>(map_y) - 0.5f), 0.0f};
   });
   return samples;
 }

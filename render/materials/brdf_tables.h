@@ -52,7 +52,9 @@ struct GgxFit {
 };
 GgxFit fit_ggx(const BrdfTable& brdf);
 
-/// Per channel: Lambert + 3 spherical Gaussian lobes of the half vector. Source: Wang et al. 2009, Sec. 4.
+/// Per channel f = diffuse / pi + sum over 3 lobes of amplitude * exp(sharpness (cos(theta_h) - 1)); least squares in
+/// cube-root space over cos-weighted bins. Source: Wang et al. 2009, Sec. 4. Differs: no Fresnel or masking factor on
+/// the lobes.
 struct SgFit {
   struct Lobe {
     glm::vec3 amplitude{0.0f};  ///< per channel
@@ -62,6 +64,7 @@ struct SgFit {
   std::vector<Lobe> lobes;
   float relative_error = 0.0f;
 };
+/// Through the disk cache.
 SgFit fit_sg(const BrdfTable& brdf);
 
 }  // namespace maquette

@@ -134,6 +134,8 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
   std::vector<double> counts(8 * 4), expected(8 * 4);
   for (const EnvironmentSample& s : sample_environment(e, t, 9, kCount)) {
     EXPECT_NEAR(glm::length(s.direction), 1.0f, 1e-5f);
+    const double exact = luminance(evaluate_environment(e, s.direction));
+    ASSERT_NEAR(luminance(s.radiance), exact, 0.002 * exact);
     const glm::dvec2 p = latlong_from_direction(s.direction, 8, 4);
     counts[static_cast<std::size_t>(std::min(static_cast<int>(p.y), 3) * 8 + std::min(static_cast<int>(p.x), 7))] +=
         1.0;

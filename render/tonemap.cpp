@@ -1,0 +1,129 @@
+#include "render/tonemap.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "render/renderer.h"
+#include "scenes/error.h"
+
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN inline
+#endif
+
+namespace maquette {
+namespace shared {
+using namespace glm;
+#include "shared/tonemap.glsl"
+}  // namespace shared
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kGrey = 0.18;
+constexpr double kGreyTarget =
+    0.20;                           ///< linear display value of a lit 18 % grey: a little above the photographic middle
+constexpr double kSkyLimit = 0.65;  ///< linear display value that the sky's log-average may reach
+
+struct LightSums {
+  double flux = 0.0;       ///< luminance times solid angle over the sphere
+  glm::dvec3 vector{0.0};  ///< the same times direction
+};
+
+double luminance(const glm::vec3& rgb) {
+  return 0.2126 * static_cast<double>(rgb.x) + 0.7152 * static_cast<double>(rgb.y) +
+         0.0722 * static_cast<double>(rgb.z);
+}
+
+LightSums sum_light(const Environment& environment) {
+  const auto width = static_cast<std::size_t>(environment.width);
+  std::vector<glm::dvec3> around(width);  // horizontal directions of the columns
+  for (std::size_t x = 0; x < width; ++x)
+    around[x] = direction_from_latlong(static_cast<double>(x) + 0.5, 0.5, environment.width, 1);
+  std::vector<LightSums> rows(static_cast<std::size_t>(environment.height));
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t y) {
+    const double theta = kPi * (static_cast<double>(y) + 0.5) / environment.height;
+    const double solid_angle = std::sin(theta) * kPi / environment.height * 2.0 * kPi / environment.width;
+    LightSums& row = rows[y];
+    for (std::size_t x = 0; x < width; ++x) {
+      const double value = luminance(environment.rgb[y * width + x]);
+      row.flux += value;
+      row.vector += value * around[x];
+    }
+    row.vector = solid_angle * (std::sin(theta) * row.vector + glm::dvec3(0.0, std::cos(theta) * row.flux, 0.0));
+    row.flux *= solid_angle;
+  });
+  LightSums sums;
+  for (const LightSums& row : rows) {
+    sums.flux += row.flux;
+    sums.vector += row.vector;
+  }
+  return sums;
+}
+
+/// exp of the mean log luminance over the sphere, from at most about 32,768 texels; darkness counts as 1e-4 of `mean`.
+double log_average(const Environment& environment, double mean) {
+  const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(environment.rgb.size()) / 32768.0)));
+  double sum = 0.0, weights = 0.0;
+  for (int y = step / 2; y < environment.height; y += step) {
+    const double weight = std::sin(kPi * (y + 0.5) / environment.height);
+    for (int x = step / 2; x < environment.width; x += step) {
+      const auto i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(environment.width) + static_cast<std::size_t>(x);
+      sum += weight * std::log(std::max(1e-4 * mean, luminance(environment.rgb[i])));
+      weights += weight;
+    }
+  }
+  return std::exp(sum / weights);
+}
+
+}  // namespace
+
+const std::vector<std::string>& tonemap_names() {
+  static const std::vector<std::string> kNames = {"linear", "reinhard", "aces", "agx", "pbr-neutral"};
+  return kNames;
+}
+
+int tonemap_index(const std::string& name) {
+  const auto& names = tonemap_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    std::string all;
+    for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+    throw UsageError("--tonemap", "no tone mapper \"" + name + "\"", "use one of " + all);
+  }
+  return static_cast<int>(found - names.begin());
+}
+
+Image tone_map(const Image& radiance, float exposure_ev, const std::string& tonemap) {
+  assert(radiance.channels >= 3);
+  const int curve = tonemap_index(tonemap);
+  const float exposure = std::exp2(exposure_ev);
+  Image result(radiance.width, radiance.height, radiance.channels);
+  tbb::parallel_for(0, radiance.height, [&](int y) {
+    for (int x = 0; x < radiance.width; ++x) {
+      const std::size_t i = radiance.index(x, y);
+      const glm::vec3 rgb(radiance.data[i], radiance.data[i + 1], radiance.data[i + 2]);
+      const glm::vec3 display = shared::tonemap(rgb, exposure, curve);
+      for (int c = 0; c < 3; ++c) result.data[i + static_cast<std::size_t>(c)] = display[c];
+      if (radiance.channels > 3) result.data[i + 3] = std::clamp(radiance.data[i + 3], 0.0f, 1.0f);
+    }
+  });
+  return result;
+}
+
+float suggest_exposure_ev(const Environment& environment) {
+  const LightSums sums = sum_light(environment);
+  if (!(sums.flux > 0.0)) return 0.0f;
+  // On a plane that faces the light: the vector irradiance for a sun, a quarter of the flux for an even sky.
+  const double irradiance = std::max(glm::length(sums.vector), sums.flux / 4.0);
+  const double lit_grey = kGrey * irradiance / kPi;
+  const double exposure =
+      std::min(kGreyTarget / lit_grey, kSkyLimit / log_average(environment, sums.flux / (4.0 * kPi)));
+  return static_cast<float>(std::clamp(std::log2(exposure), -40.0, 40.0));
+}
+
+}  // namespace maquette

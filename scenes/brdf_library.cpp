@@ -36,8 +36,8 @@ LayeredModel solid_paint(const glm::dvec3& pigment) {
 /// Aluminium flakes in tinted binder under clear coat: flat ones and tilted ones.
 LayeredModel metallic_paint(const glm::dvec3& pigment, const glm::dvec3& tint, double coverage, double alpha) {
   LayeredModel model = solid_paint(pigment);
-  const FresnelCurve aluminium = conductor_curve(kAluminiumEta, kAluminiumK, kCoatIndex);
-  model.flakes = {{alpha, 0.65 * coverage, 0.0, aluminium}, {2.2 * alpha, 0.35 * coverage, 0.0, aluminium}};
+  model.flake_reflectance = conductor_curve(kAluminiumEta, kAluminiumK, kCoatIndex);
+  model.flakes = {{alpha, 0.65 * coverage}, {2.2 * alpha, 0.35 * coverage}};
   model.flake_tint = tint;
   return model;
 }
@@ -45,8 +45,8 @@ LayeredModel metallic_paint(const glm::dvec3& pigment, const glm::dvec3& tint, d
 /// Interference flakes over a dark or white ground, under clear coat.
 LayeredModel flop_paint(const glm::dvec3& ground, const ThinFilm& film, double coverage, double alpha) {
   LayeredModel model = solid_paint(ground);
-  const FresnelCurve curve = thin_film_curve(film);
-  model.flakes = {{alpha, 0.7 * coverage, 0.0, curve}, {2.0 * alpha, 0.3 * coverage, 0.0, curve}};
+  model.flake_reflectance = thin_film_curve(film);
+  model.flakes = {{alpha, 0.7 * coverage}, {2.0 * alpha, 0.3 * coverage}};
   return model;
 }
 
@@ -72,8 +72,9 @@ LayeredModel cloth(const glm::dvec3& diffuse, double sigma_rad, const glm::dvec3
 LayeredModel bare_metal(const glm::dvec3& eta, const glm::dvec3& k, double alpha, double alpha_across,
                         const glm::dvec3& tint) {
   LayeredModel model;
-  model.flakes = {{alpha, 1.0, alpha_across, conductor_curve(eta, k, 1.0)}};
-  for (glm::vec3& value : model.flakes[0].reflectance) value *= glm::vec3(tint);
+  model.flakes = {{alpha, 1.0, alpha_across}};
+  model.flake_reflectance = conductor_curve(eta, k, 1.0);
+  for (glm::vec3& value : model.flake_reflectance) value *= glm::vec3(tint);
   return model;
 }
 

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,12 +26,6 @@ double ggx(double tan_squared, double alpha) {
   return a2 * square(1.0 + tan_squared) / (kPi * square(a2 + tan_squared));
 }
 
-/// Uncorrelated Smith masking over 4 cos cos, as a product of one factor per direction.
-double masking_factor(double cosine, double alpha) {
-  const double c = std::max(cosine, kLeastCosine), a2 = alpha * alpha;
-  return 1.0 / (c + std::sqrt(a2 + (1.0 - a2) * c * c));
-}
-
 /// Anisotropic GGX averaged over the azimuth of the brushing. Source: Heitz 2014, Eq. 85.
 double brushed_ggx(double tan_squared, double along, double across) {
   constexpr int kAngles = 64;
@@ -41,13 +36,6 @@ double brushed_ggx(double tan_squared, double along, double across) {
     sum += square(1.0 + tan_squared) / (kPi * along * across * square(1.0 + e));
   }
   return sum / kAngles;
-}
-
-glm::vec3 look_up(const FresnelCurve& curve, double cosine) {
-  const float x = static_cast<float>(std::clamp(cosine, 0.0, 1.0)) * (kFresnelCount - 1);
-  const auto i = std::min(static_cast<std::size_t>(x), std::size_t{kFresnelCount - 2});
-  const float f = x - static_cast<float>(i);
-  return curve[i] * (1.0f - f) + curve[i + 1] * f;
 }
 
 /// One lobe of CIE 1931 matching functions. Source: Wyman, Sloan & Shirley 2013, Sec. 2.2 (multi-lobe fit).
@@ -66,106 +54,145 @@ glm::dvec3 rec709_from_xyz(const glm::dvec3& xyz) {
           0.0556434 * xyz.x - 0.2040259 * xyz.y + 1.0572252 * xyz.z};
 }
 
-/// Everything of a model that depends on one angle alone, so that the inner loop is short.
+/// A row of constant theta_h and theta_d, phi_d in [0, pi / 2], padded to whole vector registers.
+constexpr int kLanes = 96;
+using Lanes = Eigen::Array<float, kLanes, 1>;
+
+/// Values over an interval, read with linear interpolation.
+template <std::size_t kCount>
+struct Curve {
+  std::array<glm::vec3, kCount> values;
+  glm::vec3 operator()(float unit) const {
+    const float x = std::clamp(unit, 0.0f, 1.0f) * static_cast<float>(kCount - 1);
+    const auto i = std::min(static_cast<std::size_t>(x), kCount - 2);
+    const float f = x - static_cast<float>(i);
+    return values[i] * (1.0f - f) + values[i + 1] * f;
+  }
+};
+
+/// Everything of a model that does not depend on the angles.
 struct Prepared {
   const LayeredModel& model;
   bool coated;
-  double index;
-  double diffuse_scale[3];
-  std::array<glm::vec3, 257> tint;  ///< over the path length factor, 1 to kLongestPath
-  double longest_path;
-  double oren_a, oren_b;
+  float index;
+  glm::vec3 diffuse;  ///< BRDF of the substrate as seen from outside, before the coat's transmission
+  Curve<kFresnelCount> reflectance;
+  Curve<65> tint;  ///< over the mean path factor 1 / cos, from 1 to longest_path
+  float longest_path;
+  float oren_a, oren_b;
 
-  explicit Prepared(const LayeredModel& m) : model(m), coated(m.coat_index > 0.0), index(coated ? m.coat_index : 1.0) {
+  explicit Prepared(const LayeredModel& m)
+      : model(m), coated(m.coat_index > 0.0), index(coated ? static_cast<float>(m.coat_index) : 1.0f) {
     // Light that the coat sends back down bounces again. Source: Saunderson 1942, Eq. 5; the internal diffuse
     // reflectance of the interface: Egan & Hilgeman 1973.
-    const double inverse = 1.0 / index;
-    const double outside = -1.440 * inverse * inverse + 0.710 * inverse + 0.668 + 0.0636 * index;
-    const double internal = coated ? outside : 0.0;
-    for (int c = 0; c < 3; ++c) {
-      diffuse_scale[c] = model.diffuse[c] / (kPi * index * index * (1.0 - model.diffuse[c] * internal));
+    const double n = coated ? m.coat_index : 1.0, inverse = 1.0 / n;
+    const double internal = coated ? -1.440 * inverse * inverse + 0.710 * inverse + 0.668 + 0.0636 * n : 0.0;
+    double covered = 0.0;
+    for (const FacetLobe& lobe : m.flakes) covered += lobe.weight;
+    const double open = 1.0 - std::min(covered, 1.0) * (1.0 - m.flake_transmission);
+    diffuse = glm::vec3(m.diffuse * open / (kPi * n * n * (1.0 - m.diffuse * internal)));
+    for (std::size_t i = 0; i < m.flake_reflectance.size(); ++i) reflectance.values[i] = m.flake_reflectance[i];
+    const double longest = coated ? 1.0 / std::sqrt(1.0 - inverse * inverse) : 4.0;
+    longest_path = static_cast<float>(longest);
+    for (std::size_t i = 0; i < tint.values.size(); ++i) {
+      const double path = 1.0 + (longest - 1.0) * static_cast<double>(i) / static_cast<double>(tint.values.size() - 1);
+      tint.values[i] = glm::vec3(glm::pow(m.flake_tint, glm::dvec3(path)));
     }
-    longest_path = coated ? 1.0 / std::sqrt(1.0 - 1.0 / (index * index)) : 4.0;
-    for (std::size_t i = 0; i < tint.size(); ++i) {
-      const double path = 1.0 + (longest_path - 1.0) * static_cast<double>(i) / static_cast<double>(tint.size() - 1);
-      tint[i] = glm::vec3(glm::pow(model.flake_tint, glm::dvec3(path)));
-    }
-    const double s2 = square(model.diffuse_sigma_rad);
-    oren_a = 1.0 - 0.5 * s2 / (s2 + 0.33);
-    oren_b = 0.45 * s2 / (s2 + 0.09);
-  }
-
-  glm::vec3 tint_at(double path) const {
-    const double x = std::clamp((path - 1.0) / (longest_path - 1.0), 0.0, 1.0) * static_cast<double>(tint.size() - 1);
-    return tint[static_cast<std::size_t>(x + 0.5)];
+    const double s2 = square(m.diffuse_sigma_rad);
+    oren_a = static_cast<float>(1.0 - 0.5 * s2 / (s2 + 0.33));
+    oren_b = static_cast<float>(0.45 * s2 / (s2 + 0.09));
   }
 };
 
-/// One pair of directions: `h` the half vector's angle, cosines of both to the normal, of both to h.
-struct Geometry {
-  double cos_h, sin_h, cos_d, cos_i, cos_o;
-  std::vector<double> brushed;  ///< distribution of each brushed lobe at this theta_h, 0 for others
-  double sheen = 0.0;           ///< distribution of fibres at this theta_h
+/// What depends on theta_h alone.
+struct HalfAngle {
+  double cosine, sine, coat = 0.0, sheen = 0.0;
+  std::vector<double> brushed;  ///< distribution of each brushed lobe, 0 for others
 };
 
-/// Oren & Nayar's shape factor; symmetric in both directions.
-double oren_nayar(const Prepared& p, const Geometry& g) {
-  if (p.model.diffuse_sigma_rad <= 0.0) return 1.0;
-  const double sin_i = std::sqrt(1.0 - square(g.cos_i)), sin_o = std::sqrt(1.0 - square(g.cos_o));
-  const double dot_xy = 2.0 * square(g.cos_d) - 1.0 - g.cos_i * g.cos_o;  // sin_i sin_o cos(phi)
-  const double largest_cos = std::max(std::max(g.cos_i, g.cos_o), 1e-3);
-  const double product = sin_i * sin_o;
-  return p.oren_a + (dot_xy > 0.0 && product > 0.0 ? p.oren_b * dot_xy / largest_cos : 0.0);
+HalfAngle make_half_angle(const LayeredModel& model, double theta_h) {
+  HalfAngle h{std::cos(theta_h), std::sin(theta_h), 0.0, 0.0, {}};
+  const double tan_squared = square(h.sine / h.cosine);
+  for (const FacetLobe& lobe : model.flakes) {
+    h.brushed.push_back(lobe.alpha_across > 0.0 ? brushed_ggx(tan_squared, lobe.alpha, lobe.alpha_across) : 0.0);
+  }
+  if (model.coat_index > 0.0) h.coat = ggx(tan_squared, model.coat_alpha) * model.coat_share;
+  const double exponent = 1.0 / model.sheen_roughness;
+  h.sheen = (2.0 + exponent) * std::pow(h.sine, exponent) / (2.0 * kPi);
+  return h;
+}
+
+/// Uncorrelated Smith masking over 4 cos cos, as a product of one factor per direction.
+Lanes masking_factor(const Lanes& cosine, double alpha) {
+  const auto a2 = static_cast<float>(alpha * alpha);
+  return (cosine + (a2 + (1.0f - a2) * cosine.square()).sqrt()).inverse();
+}
+
+/// Cosine behind a smooth interface, and what it lets through (1 - Fresnel).
+Lanes refracted_cosine(const Lanes& cosine, float index) {
+  return (1.0f - (1.0f - cosine.square()) / (index * index)).sqrt();
+}
+Lanes transmission(const Lanes& outside, const Lanes& inside, float index) {
+  const Lanes s = (outside - index * inside) / (outside + index * inside);
+  const Lanes p = (inside - index * outside) / (inside + index * outside);
+  return 1.0f - 0.5f * (s.square() + p.square());
 }
 
 /// Flakes seen through the coat (or bare): both directions refracted, then the facet model about their half vector.
-glm::vec3 flake_term(const Prepared& p, const Geometry& g, double cos_i, double cos_o) {
-  const LayeredModel& m = p.model;
-  const double h_xy = 2.0 * g.cos_d * g.sin_h / p.index;  // |(wi + wo)_xy| inside
-  const double h_z = cos_i + cos_o;
-  const double tan_squared = square(h_xy / h_z);
-  const double cos_d = std::min(0.5 * std::sqrt(square(h_xy) + square(h_z)), 1.0);
-  glm::vec3 sum(0.0f);
-  for (std::size_t l = 0; l < m.flakes.size(); ++l) {
-    const FacetLobe& lobe = m.flakes[l];
+void add_flakes(const Prepared& p, const HalfAngle& h, double cos_d, const Lanes& in_i, const Lanes& in_o,
+                glm::vec3* row) {
+  const auto h_xy = static_cast<float>(2.0 * cos_d * h.sine / static_cast<double>(p.index));  // |(wi + wo)_xy| inside
+  const Lanes h_z = in_i + in_o;
+  const Lanes tan_squared = (h_xy / h_z).square();
+  const Lanes inner_cos_d = 0.5f * (h_xy * h_xy + h_z.square()).sqrt();
+  Lanes shape = Lanes::Zero();
+  for (std::size_t l = 0; l < p.model.flakes.size(); ++l) {
+    const FacetLobe& lobe = p.model.flakes[l];
     const bool brushed = lobe.alpha_across > 0.0;
-    const double distribution = brushed ? g.brushed[l] : ggx(tan_squared, lobe.alpha);
     const double alpha = brushed ? std::sqrt(lobe.alpha * lobe.alpha_across) : lobe.alpha;
-    const double shape = lobe.weight * distribution * masking_factor(cos_i, alpha) * masking_factor(cos_o, alpha);
-    sum += look_up(lobe.reflectance, cos_d) * static_cast<float>(shape);
+    const auto a2 = static_cast<float>(alpha * alpha);
+    const auto scale = static_cast<float>(lobe.weight / square(static_cast<double>(p.index)));
+    const Lanes masked = scale * masking_factor(in_i, alpha) * masking_factor(in_o, alpha);
+    if (brushed) {
+      shape += static_cast<float>(h.brushed[l]) * masked;
+    } else {
+      shape += a2 / static_cast<float>(kPi) * ((1.0f + tan_squared) / (a2 + tan_squared)).square() * masked;
+    }
   }
-  return sum * p.tint_at(0.5 * (1.0 / cos_i + 1.0 / cos_o)) / static_cast<float>(square(p.index));
+  const Lanes path = (0.5f * (in_i.inverse() + in_o.inverse()) - 1.0f) / (p.longest_path - 1.0f);
+  for (int i = 0; i < kHalfPhiD; ++i) row[i] += p.reflectance(inner_cos_d[i]) * p.tint(path[i]) * shape[i];
 }
 
-double sheen_distribution(double sin_h, double roughness) {
-  return (2.0 + 1.0 / roughness) * std::pow(sin_h, 1.0 / roughness) / (2.0 * kPi);
+/// Oren & Nayar's shape factor; symmetric in both directions. sin sin cos(phi) = wi . wo - cos cos.
+Lanes oren_nayar(const Prepared& p, double cos_d, const Lanes& cos_i, const Lanes& cos_o) {
+  const Lanes dot_xy = static_cast<float>(2.0 * square(cos_d) - 1.0) - cos_i * cos_o;
+  return p.oren_a + p.oren_b * dot_xy.max(0.0f) / cos_i.max(cos_o);
 }
 
-double sheen_term(const Geometry& g) {
-  const double ci = std::max(g.cos_i, kLeastCosine), co = std::max(g.cos_o, kLeastCosine);
-  return g.sheen / (4.0 * (ci + co - ci * co));
-}
-
-glm::vec3 evaluate(const Prepared& p, const Geometry& g, double coat_lobe) {
+/// The row of one theta_h and theta_d, phi_d from 0 to pi / 2.
+void evaluate_row(const Prepared& p, const HalfAngle& h, double cos_d, double sin_d, const Lanes& cos_phi,
+                  glm::vec3* row) {
   const LayeredModel& m = p.model;
-  double transmitted = 1.0, inside_i = std::max(g.cos_i, kLeastCosine), inside_o = std::max(g.cos_o, kLeastCosine);
-  double reflected = 0.0;
+  const auto middle = static_cast<float>(h.cosine * cos_d);
+  const Lanes across = static_cast<float>(h.sine * sin_d) * cos_phi;
+  const Lanes cos_i = (middle - across).max(static_cast<float>(kLeastCosine)).min(1.0f);
+  const Lanes cos_o = (middle + across).max(static_cast<float>(kLeastCosine)).min(1.0f);
+  Lanes transmitted = Lanes::Ones(), reflected = Lanes::Zero(), in_i = cos_i, in_o = cos_o;
   if (p.coated) {
-    transmitted = (1.0 - fresnel_dielectric(inside_i, p.index)) * (1.0 - fresnel_dielectric(inside_o, p.index));
-    inside_i = std::sqrt(1.0 - (1.0 - square(inside_i)) / square(p.index));
-    inside_o = std::sqrt(1.0 - (1.0 - square(inside_o)) / square(p.index));
-    reflected =
-        m.coat_share * coat_lobe * masking_factor(g.cos_i, m.coat_alpha) * masking_factor(g.cos_o, m.coat_alpha);
+    in_i = refracted_cosine(cos_i, p.index);
+    in_o = refracted_cosine(cos_o, p.index);
+    transmitted = transmission(cos_i, in_i, p.index) * transmission(cos_o, in_o, p.index);
+    const auto lobe = static_cast<float>(h.coat * fresnel_dielectric(cos_d, m.coat_index));
+    reflected = lobe * masking_factor(cos_i, m.coat_alpha) * masking_factor(cos_o, m.coat_alpha);
   }
-  double covered = 0.0;
-  for (const FacetLobe& lobe : m.flakes) covered += lobe.weight;
-  const double diffuse = oren_nayar(p, g) * (1.0 - std::min(covered, 1.0) * (1.0 - m.flake_transmission));
-  glm::vec3 below(static_cast<float>(p.diffuse_scale[0] * diffuse), static_cast<float>(p.diffuse_scale[1] * diffuse),
-                  static_cast<float>(p.diffuse_scale[2] * diffuse));
-  if (!m.flakes.empty()) below += flake_term(p, g, inside_i, inside_o);
-  glm::vec3 result = below * static_cast<float>(transmitted) + glm::vec3(static_cast<float>(reflected));
-  if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0) result += glm::vec3(m.sheen * sheen_term(g));
-  return result;
+  const Lanes diffuse = m.diffuse_sigma_rad > 0.0 ? oren_nayar(p, cos_d, cos_i, cos_o) : Lanes(Lanes::Ones());
+  for (int i = 0; i < kHalfPhiD; ++i) row[i] = p.diffuse * diffuse[i];
+  if (!m.flakes.empty()) add_flakes(p, h, cos_d, in_i, in_o, row);
+  for (int i = 0; i < kHalfPhiD; ++i) row[i] = row[i] * transmitted[i] + glm::vec3(reflected[i]);
+  if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0) {
+    const Lanes fibres = static_cast<float>(0.25 * h.sheen) / (cos_i + cos_o - cos_i * cos_o);
+    for (int i = 0; i < kHalfPhiD; ++i) row[i] += glm::vec3(m.sheen) * fibres[i];
+  }
 }
 
 }  // namespace
@@ -228,30 +255,16 @@ FresnelCurve thin_film_curve(const ThinFilm& film) {
 std::vector<glm::vec3> tabulate_model(const LayeredModel& model) {
   std::vector<glm::vec3> rgb(kBrdfEntryCount);
   const Prepared prepared(model);
-  tbb::parallel_for(0, kThetaHCount, [&](int h) {
-    Geometry g;
-    const double theta_h = square((h + 0.5) / kThetaHCount) * kHalfPi;
-    g.cos_h = std::cos(theta_h);
-    g.sin_h = std::sin(theta_h);
-    const double tan_squared = square(g.sin_h / g.cos_h);
-    for (const FacetLobe& lobe : model.flakes) {
-      g.brushed.push_back(lobe.alpha_across > 0.0 ? brushed_ggx(tan_squared, lobe.alpha, lobe.alpha_across) : 0.0);
-    }
-    g.sheen = sheen_distribution(g.sin_h, model.sheen_roughness);
-    const double coat = prepared.coated ? ggx(tan_squared, model.coat_alpha) : 0.0;
+  Lanes cos_phi;
+  for (int i = 0; i < kLanes; ++i) cos_phi[i] = static_cast<float>(std::cos((i + 0.5) / kPhiDCount * kPi));
+  tbb::parallel_for(0, kThetaHCount, [&](int bin) {
+    const HalfAngle h = make_half_angle(model, square((bin + 0.5) / kThetaHCount) * kHalfPi);
     for (int d = 0; d < kThetaDCount; ++d) {
       const double theta_d = (d + 0.5) / kThetaDCount * kHalfPi;
-      g.cos_d = std::cos(theta_d);
-      const double sin_d = std::sin(theta_d);
-      const double coat_lobe = prepared.coated ? coat * fresnel_dielectric(g.cos_d, prepared.index) : 0.0;
-      glm::vec3* row = &rgb[static_cast<std::size_t>((h * kThetaDCount + d) * kPhiDCount)];
-      for (int p = 0; p < kHalfPhiD; ++p) {
-        const double across = g.sin_h * sin_d * std::cos((p + 0.5) / kPhiDCount * kPi);
-        g.cos_i = std::clamp(g.cos_h * g.cos_d - across, 0.0, 1.0);
-        g.cos_o = std::clamp(g.cos_h * g.cos_d + across, 0.0, 1.0);
-        // phi_d and pi - phi_d exchange both directions.
-        row[p] = row[kPhiDCount - 1 - p] = evaluate(prepared, g, coat_lobe);
-      }
+      glm::vec3* row = &rgb[static_cast<std::size_t>((bin * kThetaDCount + d) * kPhiDCount)];
+      evaluate_row(prepared, h, std::cos(theta_d), std::sin(theta_d), cos_phi, row);
+      // phi_d and pi - phi_d exchange both directions.
+      for (int p = 0; p < kHalfPhiD; ++p) row[kPhiDCount - 1 - p] = row[p];
     }
   });
   return rgb;

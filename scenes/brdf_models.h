@@ -36,7 +36,6 @@ struct FacetLobe {
   double alpha = 0.3;
   double weight = 0.0;        ///< share of the area that these facets cover
   double alpha_across = 0.0;  ///< > 0: brushed along `alpha`, all azimuths of the brushing mixed; bare facets only
-  FresnelCurve reflectance;
 };
 
 /// One paint or trim, from the top: an optional dielectric coat, metal or pigment flakes and a diffuse substrate under
@@ -48,6 +47,7 @@ struct LayeredModel {
   double coat_alpha = 0.012;
   double coat_share = 1.0;  ///< of the coat's own reflection that is left by pores and grain
   std::vector<FacetLobe> flakes;
+  FresnelCurve flake_reflectance;  ///< of all lobes; over the angle inside the coat
   double flake_transmission =
       0.0;  ///< share of the light on flakes that goes on to the ground (mica: most; metal: none)
   /// Transmission of the pigment around the flakes for the way in and out along the normal (Beer-Lambert at other
@@ -57,7 +57,7 @@ struct LayeredModel {
   double sheen_roughness = 0.3;
 };
 
-/// Fills [theta_h][theta_d][phi_d]. Reciprocal and mirror-symmetric by construction. Parallel, about 50 ms on one core.
+/// Fills [theta_h][theta_d][phi_d]. Reciprocal and mirror-symmetric by construction. Parallel; about 20 ms on one core.
 std::vector<glm::vec3> tabulate_model(const LayeredModel& model);
 
 }  // namespace maquette

@@ -26,8 +26,7 @@ glm::dvec3 integrate_phi(const SymmetricBrdf& brdf, double x, double theta_o) {
     const HalfVectorView view = view_of_half_vector(sin_h, cos_h, sin_phi, cos_phi, sin_o, cos_o);
     if (view.projection > 0.0 && view.cos_i > 0.0) {
       const glm::vec3 f =
-          SymmetricBrdf::interpolate(brdf.rgb, static_cast<float>(x - 0.5), static_cast<float>(view.theta_d_bin),
-                                     static_cast<float>(view.phi_d_rad));
+          SymmetricBrdf::interpolate(brdf.rgb, static_cast<float>(x - 0.5), view.theta_d_bin, view.phi_d_rad);
       sum += glm::dvec3(f) * (view.cos_i * 4.0 * view.projection);
     }
     const double next_sin = sin_phi * cos_step + cos_phi * sin_step;

@@ -79,8 +79,7 @@ void accumulate_view(const SymmetricBrdf& brdf, double theta_o, double weight, E
       if (view.projection > 0.0 && view.cos_i > 0.0) {
         const double jacobian = 4.0 * view.projection * view.cos_i * solid_angle;
         const float value =
-            SymmetricBrdf::interpolate(brdf.luminance, static_cast<float>(x), static_cast<float>(view.theta_d_bin),
-                                       static_cast<float>(view.phi_d_rad));
+            SymmetricBrdf::interpolate(brdf.luminance, static_cast<float>(x), view.theta_d_bin, view.phi_d_rad);
         row.mass[j] += static_cast<double>(value) * jacobian;
         floor_mass[i][j] += jacobian;
       }

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "render/materials/merl_shared.h"
 #include "scenes/brdf.h"
 
 namespace maquette {
@@ -48,8 +49,8 @@ inline double theta_h_of_bin_edge(double x) { return (x / kThetaHCount) * (x / k
 struct HalfVectorView {
   double projection;  ///< wo . h
   double cos_i;       ///< of the mirrored direction; negative below the horizon
-  double theta_d_bin;
-  double phi_d_rad;  ///< folded into [0, pi/2]
+  float theta_d_bin;  ///< where the projection is positive
+  float phi_d_rad;    ///< folded into [0, pi/2]
 };
 inline HalfVectorView view_of_half_vector(double sin_h, double cos_h, double sin_phi, double cos_phi, double sin_o,
                                           double cos_o) {
@@ -59,8 +60,11 @@ inline HalfVectorView view_of_half_vector(double sin_h, double cos_h, double sin
   HalfVectorView view;
   view.projection = sin_o * sin_h * cos_phi + cos_o * cos_h;
   view.cos_i = 2.0 * view.projection * cos_h - cos_o;
-  view.theta_d_bin = std::atan2(std::sqrt(x * x + y * y), view.projection) * (kThetaDCount / kHalfPi) - 0.5;
-  view.phi_d_rad = std::atan2(y, x);
+  const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+  const auto ahead = static_cast<float>(std::max(view.projection, 0.0));
+  view.theta_d_bin =
+      shared::merl_atan(std::sqrt(fx * fx + fy * fy), ahead) * static_cast<float>(kThetaDCount / kHalfPi) - 0.5f;
+  view.phi_d_rad = shared::merl_atan(fy, fx);
   return view;
 }
 

@@ -51,9 +51,10 @@ EnvironmentTables load_environment_tables(const Environment& environment) {
   EnvironmentTables tables;
   // The importance of a large map takes no longer to compute than to read.
   compute_importance(environment, tables);
-  if (read_cached_bandwidth(environment, tables)) return tables;
+  const bool cacheable = environment.hash != 0;  // 0: made in memory, not loaded
+  if (cacheable && read_cached_bandwidth(environment, tables)) return tables;
   compute_bandwidth(environment, tables);
-  store_bandwidth(environment, tables);
+  if (cacheable) store_bandwidth(environment, tables);
   return tables;
 }
 

@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 12> kReadExtensions = {
     "KHR_materials_sheen",        "KHR_materials_emissive_strength", "KHR_materials_variants", "KHR_materials_unlit",
 };
 
-enum class Kind { index, natural, number, text, boolean, object, array };
+enum class Kind { index, natural, stride, number, text, boolean, object, array };
 
 /// One member of the file. In `path`, `[]` steps into every element of an array and `{}` into every value of an object.
 struct Rule {
@@ -45,7 +45,7 @@ constexpr Rule kRules[] = {
     {"bufferViews[].buffer", Kind::index, true, "buffers"},
     {"bufferViews[].byteOffset", Kind::natural},
     {"bufferViews[].byteLength", Kind::natural, true},
-    {"bufferViews[].byteStride", Kind::natural},
+    {"bufferViews[].byteStride", Kind::stride},
     {"accessors[].bufferView", Kind::index, false, "bufferViews"},
     {"accessors[].byteOffset", Kind::natural},
     {"accessors[].componentType", Kind::natural, true},
@@ -187,6 +187,9 @@ class Checker {
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMaxInteger)
           fail("expected a whole number, found " + brief(value));
         break;
+      case Kind::stride:
+        check_stride(value);
+        break;
       case Kind::number:
         if (!value.is_number()) fail("expected a number, found " + brief(value));
         break;
@@ -210,6 +213,11 @@ class Checker {
     const std::size_t count = found != root_.end() && found->is_array() ? found->size() : 0;
     if (!value.is_number_unsigned() || value.get<std::uint64_t>() >= count)
       fail(brief(value) + " is out of range (the file has " + std::to_string(count) + " " + target + ")");
+  }
+
+  void check_stride(const Json& value) const {
+    const std::uint64_t stride = value.is_number_unsigned() ? value.get<std::uint64_t>() : 1;
+    if (stride % 4 != 0 || stride > 252) fail(brief(value) + " is not a multiple of 4 up to 252");
   }
 
   void check_array(const Json& value, std::size_t length) const {

@@ -1,0 +1,153 @@
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/glm.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "render/gl/context.h"
+#include "render/lights/light_list.h"
+#include "render/visibility/visibility_shared.h"
+#include "scenes/files.h"
+
+namespace maquette {
+namespace {
+
+std::string read_shader(const std::string& path) {
+  const auto bytes = read_file(std::string(MAQUETTE_SOURCE_DIR) + "/shaders/" + path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// One invocation a case: reads `Case in_cases[]`, writes `vec4 out_values[]`; `body` sets `result`.
+std::vector<glm::vec4> run_on_gpu(const std::vector<std::string>& files, const std::string& case_members,
+                                  const std::string& body, const void* cases, std::size_t case_bytes,
+                                  std::size_t count) {
+  std::string source = "#version 450 core\nlayout(local_size_x = 64) in;\n";
+  for (const std::string& file : files) source += read_shader(file) + "\n";
+  source += "struct Case {" + case_members + "};\n";
+  source += "layout(std430, binding = 0) readonly buffer In { Case in_cases[]; };\n";
+  source += "layout(std430, binding = 1) writeonly buffer Out { vec4 out_values[]; };\n";
+  source += "void main() {\n  uint i = gl_GlobalInvocationID.x;\n  if (i >= uint(in_cases.length())) return;\n";
+  source += "  Case c = in_cases[i];\n  vec4 result;\n" + body + "\n  out_values[i] = result;\n}\n";
+  const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+  const char* text = source.c_str();
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  GLint good = 0;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
+  char log[4096] = {};
+  glGetShaderInfoLog(shader, sizeof log, nullptr, log);
+  EXPECT_TRUE(good) << log;
+  const GLuint program = glCreateProgram();
+  glAttachShader(program, shader);
+  glLinkProgram(program);
+  GLuint buffers[2];
+  glCreateBuffers(2, buffers);
+  glNamedBufferStorage(buffers[0], static_cast<GLsizeiptr>(case_bytes * count), cases, 0);
+  glNamedBufferStorage(buffers[1], static_cast<GLsizeiptr>(16 * count), nullptr, 0);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffers[0]);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffers[1]);
+  std::vector<glm::vec4> values(count, glm::vec4(-7.0f));
+  if (good) {
+    glUseProgram(program);
+    glDispatchCompute(static_cast<GLuint>((count + 63) / 64), 1, 1);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(buffers[1], 0, static_cast<GLsizeiptr>(16 * count), values.data());
+  }
+  glDeleteBuffers(2, buffers);
+  glDeleteProgram(program);
+  glDeleteShader(shader);
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  return values;
+}
+
+class SharedFormulas : public ::testing::Test {
+ protected:
+  GlContext context_ = GlContext::create_headless();
+  std::mt19937 random_{42};
+  glm::vec3 vector() {
+    std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
+    return {uniform(random_), uniform(random_), uniform(random_)};
+  }
+  float unit() { return std::uniform_real_distribution<float>(0.0f, 1.0f)(random_); }
+};
+
+TEST_F(SharedFormulas, VisibilityChoosesTheSameBits) {
+  struct Case {
+    glm::vec4 direction, normal;
+    glm::uvec4 low, high;
+    glm::vec4 u;
+  };
+  std::vector<Case> cases(4000);
+  for (Case& c : cases) {
+    c.direction = glm::vec4(glm::normalize(vector()), 0.0f);
+    c.normal = glm::vec4(glm::normalize(vector()), 0.0f);
+    c.low = glm::uvec4(random_(), random_(), random_(), random_());
+    c.high = glm::uvec4(random_(), random_(), random_(), random_());
+    c.u = glm::vec4(unit(), unit(), 0.0f, 0.0f);
+  }
+  const auto got = run_on_gpu({"shared/octahedral.glsl", "shared/visibility.glsl"},
+                              "vec4 direction; vec4 normal; uvec4 low; uvec4 high; vec4 u;",
+                              "int bit = visibility_dithered_bit(c.direction.xyz, c.normal.xyz, c.u.xy);\n"
+                              "result = vec4(float(bit), visibility_test(c.low, c.high, bit), "
+                              "float(visibility_bit(c.direction.xyz)), 0.0);",
+                              cases.data(), sizeof(Case), cases.size());
+  int different = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    const int bit = shared::visibility_dithered_bit(glm::vec3(c.direction), glm::vec3(c.normal), glm::vec2(c.u));
+    different += got[i].x != static_cast<float>(bit) ? 1 : 0;
+    different += got[i].z != static_cast<float>(shared::visibility_bit(glm::vec3(c.direction))) ? 1 : 0;
+    const int same = static_cast<int>(got[i].x);
+    ASSERT_TRUE(same >= 0 && same < 256);
+    ASSERT_EQ(got[i].y, shared::visibility_test(c.low, c.high, same));
+  }
+  EXPECT_LE(different, 8);  // a direction on the border of two cells may round to either
+}
+
+TEST_F(SharedFormulas, LightsSampleTheSame) {
+  struct Case {
+    LightRecord light;
+    glm::vec4 point, u;
+  };
+  static_assert(sizeof(Case) == 96);
+  std::vector<Case> cases(4000);
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    Case& c = cases[i];
+    c.light.kind = static_cast<std::uint32_t>(i % 4);
+    c.light.position = vector();
+    c.light.direction = c.light.kind == shared::kLightTriangle ? vector() : glm::normalize(vector());
+    c.light.range_m = i % 8 < 4 ? 0.0f : 2.5f;
+    c.light.color = glm::vec3(unit(), unit(), unit());
+    c.light.edge2 = c.light.kind == shared::kLightSpot ? glm::vec3(0.9f, 0.4f, 0.0f) : vector();
+    c.light.selection_pdf = 0.5f;
+    c.light.cdf = 1.0f;
+    c.point = glm::vec4(2.0f * vector(), 0.0f);
+    c.u = glm::vec4(unit(), unit(), 0.0f, 0.0f);
+  }
+  const auto got = run_on_gpu({"shared/lights.glsl"}, "LightRecord light; vec4 point; vec4 u;",
+                              "LightSample s = light_sample(c.light, c.point.xyz, c.u.xy);\n"
+                              "result = vec4(s.radiance.x, s.wi.y, s.pdf, "
+                              "light_bandwidth(c.light, s.wi, s.distance_m, 3.0));",
+                              cases.data(), sizeof(Case), cases.size());
+  int lit = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Case& c = cases[i];
+    const auto s = shared::light_sample(c.light, glm::vec3(c.point), glm::vec2(c.u));
+    EXPECT_NEAR(got[i].x, s.radiance.x, 1e-4f * (1.0f + s.radiance.x)) << i;
+    if (s.radiance.x < 1e-4f) continue;
+    ++lit;
+    EXPECT_NEAR(got[i].y, s.wi.y, 1e-4f) << i;
+    EXPECT_NEAR(got[i].z, s.pdf, 1e-3f * s.pdf) << i;
+    const float nu = shared::light_bandwidth(c.light, s.wi, s.distance_m, 3.0f);
+    EXPECT_NEAR(got[i].w, nu, 1e-3f * nu) << i;
+  }
+  EXPECT_GT(lit, 1500);
+}
+
+}  // namespace
+}  // namespace maquette

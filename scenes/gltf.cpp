@@ -1,5 +1,6 @@
 #include <algorithm>
-#include <cstring>
+#include <new>
+#include <stdexcept>
 
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -115,7 +116,9 @@ Document open_document(const std::string& path) {
 
 namespace maquette {
 
-Scene load_gltf(const std::string& path) {
+namespace {
+
+Scene import_file(const std::string& path) {
   gltf::Document document = gltf::open_document(path);
   Scene scene;
   scene.name = path;
@@ -128,6 +131,19 @@ Scene load_gltf(const std::string& path) {
     document.warnings.add("there is nothing to see: the default scene has no triangles");
   scene.warnings = document.warnings.lines();
   return scene;
+}
+
+}  // namespace
+
+Scene load_gltf(const std::string& path) {
+  const Error too_large(path, "needs more memory than there is", "load a smaller model");
+  try {
+    return import_file(path);
+  } catch (const std::bad_alloc&) {
+    throw too_large;
+  } catch (const std::length_error&) {
+    throw too_large;
+  }
 }
 
 }  // namespace maquette

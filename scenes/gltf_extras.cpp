@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"

@@ -91,7 +91,9 @@ class Renderer {
 
   /// The frame just drawn: linear RGBA, alpha 0 where only the sky is seen. Includes env_scale, no exposure.
   Image read_radiance() const;
-  /// One of debug_view_names() as false colours or values, RGBA.
+  /// One of debug_view_names() of the last frame: values in the unit of the view (the same in R, G, B for scalars),
+  /// alpha 0 where only the sky is seen; at the shading grid's size. Throws Error when the frame's mode does not have
+  /// it.
   Image read_debug_view(const std::string& name) const;
   static const std::vector<std::string>& debug_view_names();
 
@@ -117,6 +119,10 @@ class Renderer {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Display-encoded picture of a debug view's values: false colours, or the colours themselves for normals and base
+/// colour.
+Image debug_view_picture(const Image& values, const std::string& name);
 
 /// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then sRGB. Same formulas as the
 /// shader.

@@ -1,0 +1,69 @@
+#include "render/environment_buffers.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/rgb9e5_shared.h"
+
+namespace maquette {
+
+namespace {
+
+int choose_bias(const Environment& environment) {
+  float largest = 0.0f;
+  for (const glm::vec3& c : environment.rgb) largest = std::max({largest, c.x, c.y, c.z});
+  if (!(largest > 0.0f)) return 24;
+  return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
+}
+
+/// 1 / integral of p^2, p the density proportional to luminance: how much of the sphere the light comes from.
+float effective_solid_angle(const Environment& e, double integral) {
+  if (integral <= 0.0) return 12.566f;
+  double sum = 0.0;
+  for (int y = 0; y < e.height; ++y) {
+    const double texel_sr = std::cos(1.5707963 - 3.14159265 * (y + 0.5) / e.height) * 6.2831853 * 3.14159265 /
+                            (static_cast<double>(e.width) * e.height);
+    for (int x = 0; x < e.width; ++x) {
+      const glm::vec3& c =
+          e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)];
+      const double p = (0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z) / integral;
+      sum += p * p * texel_sr;
+    }
+  }
+  return static_cast<float>(1.0 / std::max(sum, 1e-9));
+}
+
+}  // namespace
+
+EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> environment)
+    : environment_(std::move(environment)), tables_(load_environment_tables(*environment_)) {
+  bias_ = choose_bias(*environment_);
+  std::vector<std::uint32_t> words(environment_->rgb.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i)
+      words[i] = shared::pack_rgb9e5(environment_->rgb[i], bias_);
+  });
+  words_ = Buffer::from("environment", words);
+  word_view_ = Texture::make_buffer("environment", GL_R32UI, words_);
+  bandwidth_ = Buffer::from("environment bandwidth", tables_.bandwidth);
+  bandwidth_view_ = Texture::make_buffer("environment bandwidth", GL_R32F, bandwidth_);
+  effective_sr_ = effective_solid_angle(*environment_, tables_.luminance_integral);
+  list_ = Buffer("light samples", kListLength * sizeof(EnvironmentSample));
+  list_view_ = Texture::make_buffer("light samples", GL_RGBA32F, list_);
+  resample(0);
+}
+
+void EnvironmentBuffers::resample(std::uint32_t seed) {
+  const std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
+  if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
+}
+
+void EnvironmentBuffers::bind() const {
+  glBindTextureUnit(14, word_view_.get());
+  glBindTextureUnit(15, list_view_.get());
+  glBindTextureUnit(17, bandwidth_view_.get());
+}
+
+}  // namespace maquette

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "render/environment/environment_tables.h"
+#include "render/gl/objects.h"
+
+namespace maquette {
+
+/// One environment on the GPU: packed radiance, a list of light samples, local bandwidth. Rotation is the shaders'
+/// business.
+class EnvironmentBuffers {
+ public:
+  static constexpr int kListLength = 65536;  ///< light samples, a power of two
+  explicit EnvironmentBuffers(std::shared_ptr<const Environment> environment);
+  /// Draws the light samples anew (progressive rendering asks when it has used the list up).
+  void resample(std::uint32_t seed);
+  void bind() const;  ///< units 14, 15 and 17
+  int bias() const { return bias_; }
+  const Environment& environment() const { return *environment_; }
+  const EnvironmentTables& tables() const { return tables_; }
+  float effective_sr() const { return effective_sr_; }
+  std::size_t bytes() const { return words_.bytes() + list_.bytes() + bandwidth_.bytes(); }
+
+ private:
+  std::shared_ptr<const Environment> environment_;
+  EnvironmentTables tables_;
+  int bias_ = 0;
+  float effective_sr_ = 12.56f;
+  Buffer words_, list_, bandwidth_;
+  Texture word_view_, list_view_, bandwidth_view_;
+};
+
+}  // namespace maquette

@@ -1,0 +1,65 @@
+#include "render/frame_targets.h"
+
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include "scenes/error.h"
+
+namespace maquette {
+
+FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth, bool texture_bandwidth) {
+  GLint max_size = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
+  if (width * side > max_size || height * side > max_size)
+    throw Error("--size",
+                std::to_string(width) + "x" + std::to_string(height) + " with " + std::to_string(side * side) +
+                    " samples a pixel exceeds this driver's largest image (" + std::to_string(max_size) + ")",
+                "ask for a smaller picture or fewer samples a pixel");
+  FrameTargets t;
+  t.width = width;
+  t.height = height;
+  t.side = side;
+  t.bandwidth = bandwidth;
+  t.texture_bandwidth = texture_bandwidth;
+  const int w = t.grid_width(), h = t.grid_height();
+  t.triangle = Texture::make_2d("triangle", GL_R32UI, w, h);
+  t.depth_buffer = Texture::make_2d("depth buffer", GL_DEPTH_COMPONENT32F, w, h);
+  GLuint framebuffer = 0;
+  glCreateFramebuffers(1, &framebuffer);
+  t.framebuffer = GlName<FramebufferTraits>(framebuffer);
+  glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, t.triangle.get(), 0);
+  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, t.depth_buffer.get(), 0);
+  t.surface = Texture::make_2d("surface", GL_RGBA32UI, w, h);
+  t.depth = Texture::make_2d("depth", GL_R32F, w, h);
+  t.marks = Texture::make_2d("marks", GL_RGBA8UI, w, h);
+  t.radiance = Texture::make_2d("radiance", GL_RGBA32F, w, h);
+  t.picture = Texture::make_2d("picture", GL_RGBA32F, width, height);
+  if (texture_bandwidth) t.texture_nu = Texture::make_2d("texture bandwidth", GL_R16F, w, h);
+  if (bandwidth) {
+    const int qw = (w + 1) / 2, qh = (h + 1) / 2;
+    t.energy = Texture::make_2d("energy", GL_RGBA32F, qw, qh);
+    t.moments = Texture::make_2d("moments", GL_RGBA32F, qw, qh);
+    t.curvature = Texture::make_2d("curvature", GL_RGBA16F, qw, qh);
+    const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(qw, qh))));
+    t.pyramid = Texture::make_2d("pyramid", GL_RGBA32F, qw, qh, levels);
+    t.pyramid.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);
+  }
+  // One item a point in uniform, about eight in bandwidth (the sample counts average to the base count). The largest
+  // list stays below the 128 MiB that a storage buffer may have.
+  const int kBandPoints = bandwidth ? 1 << 19 : 1 << 20;
+  t.band_rows = std::clamp(kBandPoints / w / 32 * 32, 32, (h + 31) / 32 * 32);
+  const int band_points = w * std::min(t.band_rows, h);
+  t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : band_points;
+  t.counters = Buffer("counters", 2 * 8 * sizeof(unsigned));
+  for (int k = 0; k < 2; ++k) {
+    const auto items = static_cast<std::size_t>(t.item_capacity);
+    t.items[k] = Buffer("work items", items * 8);
+    t.points[k] = Buffer("shaded points", static_cast<std::size_t>(band_points) * 16);
+    t.partial[k] = Buffer("partial sums", items * 16);
+    t.partial_view[k] = Texture::make_buffer("partial sums", GL_RGBA32F, t.partial[k]);
+  }
+  return t;
+}
+
+}  // namespace maquette

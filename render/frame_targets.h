@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+
+#include "render/gl/objects.h"
+
+namespace maquette {
+
+/// Images and lists whose size follows the picture's. Grid: width * side, height * side points (side^2 samples a
+/// pixel).
+struct FrameTargets {
+  int width = 0, height = 0, side = 0;
+  bool bandwidth = false, texture_bandwidth = false;
+  int item_capacity = 0;  ///< work items of each list
+  int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
+  GlName<FramebufferTraits> framebuffer;
+  Texture triangle, depth_buffer, surface, depth, texture_nu;
+  Texture energy, moments, curvature, pyramid;
+  Texture marks, radiance, picture;
+  Buffer counters, items[2], points[2], partial[2];
+  Texture partial_view[2];
+
+  int grid_width() const { return width * side; }
+  int grid_height() const { return height * side; }
+};
+
+/// `chunked`: several work items a point (mode bandwidth). Throws Error when the picture is larger than the driver
+/// allows.
+FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth, bool texture_bandwidth);
+
+}  // namespace maquette

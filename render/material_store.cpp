@@ -1,0 +1,126 @@
+#include "render/material_store.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/rgb9e5_shared.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kBrdfBias = 24;  // as in shaders/shading/point.glsl
+constexpr std::size_t kThetaTexels = static_cast<std::size_t>(kElevationCount) * kThetaCellCount;
+constexpr std::size_t kPhiTexels = kThetaTexels * kPhiCellCount;
+
+std::vector<std::uint32_t> pack(const BrdfTable& brdf) {
+  std::vector<std::uint32_t> words(brdf.rgb.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 16200), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) words[i] = shared::pack_rgb9e5(brdf.rgb[i], kBrdfBias);
+  });
+  return words;
+}
+
+/// A larger buffer with the old content.
+Buffer grow(const std::string& label, const Buffer& old, std::size_t bytes) {
+  Buffer buffer(label, bytes);
+  if (old) glCopyNamedBufferSubData(old.get(), buffer.get(), 0, 0, static_cast<GLsizeiptr>(old.bytes()));
+  return buffer;
+}
+
+}  // namespace
+
+float effective_solid_angle(const BrdfTables& tables, int elevation) {
+  const double theta_o = (elevation + 0.5) / kElevationCount * 1.5707963267948966;
+  double integral = 0.0;
+  for (int k = 0; k < kThetaCellCount; ++k) {
+    const std::size_t cell = static_cast<std::size_t>(elevation * kThetaCellCount + k);
+    const glm::vec2 t = tables.theta_cells[cell];
+    const double mass =
+        k < 32 ? 1.0 / 64.0 : 0.5 * std::exp2(-(k - 32) / 8.0) * (k == 95 ? 1.0 : 1.0 - std::exp2(-0.125));
+    for (int j = 0; j < kPhiCellCount; ++j) {
+      const glm::vec2 phi = tables.phi_cells[cell * kPhiCellCount + static_cast<std::size_t>(j)];
+      const double part = mass / kPhiCellCount;
+      const double area = 2.0 * (t.y - t.x) * (phi.y - phi.x) * 4.0 * std::max(std::cos(theta_o), 0.2);
+      if (area > 1e-14) integral += part * part / area;
+    }
+  }
+  return static_cast<float>(1.0 / std::max(integral, 1e-9));
+}
+
+void MaterialStore::reserve(std::size_t slots) {
+  if (slots <= capacity_) return;
+  capacity_ = std::max(slots, capacity_ + capacity_ / 2);
+  words_ = grow("BRDF tables", words_, capacity_ * kBrdfEntryCount * 4);
+  theta_ = grow("theta cells", theta_, capacity_ * kThetaTexels * sizeof(glm::vec2));
+  phi_ = grow("phi cells", phi_, capacity_ * kPhiTexels * sizeof(glm::vec2));
+  albedo_ = grow("albedo", albedo_, capacity_ * kAlbedoCount * sizeof(float));
+  bandwidth_ = grow("BRDF bandwidth", bandwidth_, capacity_ * 8100 * sizeof(float));
+  word_view_ = Texture::make_buffer("BRDF tables", GL_R32UI, words_);
+  theta_view_ = Texture::make_buffer("theta cells", GL_RG32F, theta_);
+  phi_view_ = Texture::make_buffer("phi cells", GL_RG32F, phi_);
+  albedo_view_ = Texture::make_buffer("albedo", GL_R32F, albedo_);
+  bandwidth_view_ = Texture::make_buffer("BRDF bandwidth", GL_R32F, bandwidth_);
+}
+
+int MaterialStore::slot_of(const std::string& source) {
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (entries_[i].source == source) return static_cast<int>(i);
+  const BrdfTable brdf = load_brdf(source);
+  const BrdfTables tables = load_brdf_tables(brdf);
+  const std::size_t slot = entries_.size();
+  reserve(slot + 1);
+  const auto words = pack(brdf);
+  words_.update(slot * kBrdfEntryCount * 4, words.size() * 4, words.data());
+  theta_.update(slot * kThetaTexels * sizeof(glm::vec2), tables.theta_cells.size() * sizeof(glm::vec2),
+                tables.theta_cells.data());
+  phi_.update(slot * kPhiTexels * sizeof(glm::vec2), tables.phi_cells.size() * sizeof(glm::vec2),
+              tables.phi_cells.data());
+  std::vector<float> albedo;
+  for (const glm::vec3& a : tables.albedo) albedo.push_back(0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z);
+  albedo_.update(slot * kAlbedoCount * sizeof(float), albedo.size() * sizeof(float), albedo.data());
+  bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
+  Entry entry;
+  entry.source = source;
+  entry.lobe_sr = effective_solid_angle(tables, 12);
+  entries_.push_back(std::move(entry));
+  return static_cast<int>(slot);
+}
+
+float MaterialStore::brdf_share(int slot, float environment_sr) const {
+  const float lobe = std::sqrt(entries_[static_cast<std::size_t>(slot)].lobe_sr);
+  const float light = std::sqrt(std::max(environment_sr, 1e-6f));
+  // A narrow lobe must also see the dim sky beside a sun that dominates the density: never below half there.
+  return std::clamp(light / (light + lobe), lobe < 0.15f ? 0.5f : 0.2f, 0.75f);
+}
+
+void MaterialStore::fit(std::size_t slot) {
+  Entry& entry = entries_[slot];
+  if (entry.fitted) return;
+  const BrdfTable brdf = load_brdf(entry.source);
+  entry.ggx = fit_ggx(brdf);
+  entry.sg = fit_sg(brdf);
+  entry.fitted = true;
+}
+
+const GgxFit& MaterialStore::ggx(int slot) {
+  fit(static_cast<std::size_t>(slot));
+  return entries_[static_cast<std::size_t>(slot)].ggx;
+}
+
+const SgFit& MaterialStore::sg(int slot) {
+  fit(static_cast<std::size_t>(slot));
+  return entries_[static_cast<std::size_t>(slot)].sg;
+}
+
+void MaterialStore::bind() const {
+  glBindTextureUnit(10, word_view_.get());
+  glBindTextureUnit(11, theta_view_.get());
+  glBindTextureUnit(12, phi_view_.get());
+  glBindTextureUnit(13, albedo_view_.get());
+  glBindTextureUnit(16, bandwidth_view_.get());
+}
+
+}  // namespace maquette

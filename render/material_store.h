@@ -1,0 +1,48 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/gl/objects.h"
+#include "render/materials/brdf_tables.h"
+
+namespace maquette {
+
+/// Measured tables on the GPU, one slot each; a table that was loaded once stays, so that swapping back costs nothing.
+class MaterialStore {
+ public:
+  /// Slot of a BRDF source (`builtin:NAME` or a path), loading it if it is new. Throws Error and keeps the others.
+  int slot_of(const std::string& source);
+  /// Share of BRDF samples that balances a table's lobe against lights that cover `environment_sr` (effective solid
+  /// angle).
+  float brdf_share(int slot, float environment_sr) const;
+  const GgxFit& ggx(int slot);
+  const SgFit& sg(int slot);
+  void bind() const;  ///< units 10 to 13 and 16
+  std::size_t bytes() const {
+    return words_.bytes() + theta_.bytes() + phi_.bytes() + albedo_.bytes() + bandwidth_.bytes();
+  }
+  std::size_t count() const { return entries_.size(); }
+
+ private:
+  struct Entry {
+    std::string source;
+    float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
+    GgxFit ggx;
+    SgFit sg;
+    bool fitted = false;
+  };
+  void reserve(std::size_t slots);
+  void fit(std::size_t slot);
+  std::vector<Entry> entries_;
+  std::size_t capacity_ = 0;
+  Buffer words_, theta_, phi_, albedo_, bandwidth_;
+  Texture word_view_, theta_view_, phi_view_, albedo_view_, bandwidth_view_;
+};
+
+/// Effective solid angle 1 / (integral of p^2) of a density that the importance cells of `tables` give at one
+/// elevation.
+float effective_solid_angle(const BrdfTables& tables, int elevation);
+
+}  // namespace maquette

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+
+namespace maquette {
+
+/// Times the passes of one frame in order. A software device runs at once, so waiting after each pass is exact and
+/// free; on hardware, timestamps are queried at the end.
+class PassTimer {
+ public:
+  explicit PassTimer(bool software) : software_(software) {}
+  ~PassTimer() {
+    if (!queries_.empty()) glDeleteQueries(static_cast<GLsizei>(queries_.size()), queries_.data());
+  }
+  PassTimer(const PassTimer&) = delete;
+  PassTimer& operator=(const PassTimer&) = delete;
+
+  void start() {
+    mark();
+    names_.clear();
+  }
+  /// Ends the pass that began at the last mark.
+  void end(const std::string& name) {
+    names_.push_back(name);
+    mark();
+  }
+  std::vector<PassTime> finish();
+
+ private:
+  void mark() {
+    if (software_) {
+      glFinish();
+      times_.push_back(std::chrono::steady_clock::now());
+      return;
+    }
+    GLuint query = 0;
+    glGenQueries(1, &query);
+    glQueryCounter(query, GL_TIMESTAMP);
+    queries_.push_back(query);
+  }
+  bool software_;
+  std::vector<std::string> names_;
+  std::vector<std::chrono::steady_clock::time_point> times_;
+  std::vector<GLuint> queries_;
+};
+
+inline std::vector<PassTime> PassTimer::finish() {
+  std::vector<PassTime> result;
+  const auto add = [&](const std::string& name, double ms) {
+    for (PassTime& pass : result) {
+      if (pass.name == name) {
+        pass.ms += ms;
+        return;
+      }
+    }
+    result.push_back({name, ms});
+  };
+  for (std::size_t i = 0; i < names_.size(); ++i) {
+    if (software_) {
+      add(names_[i], std::chrono::duration<double, std::milli>(times_[i + 1] - times_[i]).count());
+    } else {
+      GLuint64 a = 0, b = 0;
+      glGetQueryObjectui64v(queries_[i], GL_QUERY_RESULT, &a);
+      glGetQueryObjectui64v(queries_[i + 1], GL_QUERY_RESULT, &b);
+      add(names_[i], static_cast<double>(b - a) * 1e-6);
+    }
+  }
+  return result;
+}
+
+}  // namespace maquette

@@ -1,0 +1,327 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+
+#include "render/renderer_impl.h"
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+bool operator==(const CameraView& a, const CameraView& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_rad == b.fov_y_rad && a.near_m == b.near_m &&
+         a.far_m == b.far_m;
+}
+
+Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
+Renderer::~Renderer() = default;
+
+const Scene& Renderer::scene() const {
+  impl_->require_ready();
+  return *impl_->scene;
+}
+const SceneFacts& Renderer::facts() const { return impl_->facts; }
+
+void Renderer::Impl::require_ready() const {
+  if (!scene || !buffers) throw Error("renderer", "no scene has been set");
+}
+
+void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
+  SceneBuffers buffers(*scene);
+  impl_->scene = std::move(scene);
+  impl_->buffers.emplace(std::move(buffers));
+  impl_->facts_variant = -2;
+  impl_->overrides.clear();
+  impl_->effective = impl_->effective_materials({});
+  impl_->upload_materials();
+  ++impl_->epoch;
+}
+
+void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
+  impl_->environment.emplace(std::move(environment));
+  if (impl_->buffers) impl_->upload_materials();
+  ++impl_->epoch;
+}
+
+std::vector<Material> Renderer::Impl::effective_materials(const std::map<std::string, std::string>& sources) const {
+  std::vector<Material> result = scene->materials;
+  for (Material& material : result) {
+    auto found = sources.find(material.name);
+    if (found == sources.end()) found = sources.find("*");
+    if (found == sources.end()) continue;
+    if (found->second == "builtin:glass") {
+      const bool double_sided = material.double_sided;
+      Material glass;
+      glass.name = material.name;
+      glass.glass = true;
+      glass.transmission = 1.0f;
+      glass.ior = 1.52f;
+      glass.roughness = 0.0f;
+      glass.metallic = 0.0f;
+      glass.double_sided = double_sided;
+      material = glass;
+    } else {
+      material.measured = found->second;
+      material.tint_measured = false;
+      material.glass = false;
+      material.transmission = 0.0f;
+      material.alpha_mode = material.alpha_mode == AlphaMode::blend ? AlphaMode::opaque : material.alpha_mode;
+    }
+  }
+  return result;
+}
+
+void Renderer::set_material(const std::string& material_name, const std::string& source) {
+  impl_->require_ready();
+  std::vector<std::string> names{"*"};
+  for (const Material& m : impl_->scene->materials) names.push_back(m.name);
+  if (std::find(names.begin(), names.end(), material_name) == names.end())
+    throw UsageError("--material", "the scene has no material '" + material_name + "'",
+                     did_you_mean(material_name, names));
+  std::map<std::string, std::string> sources = impl_->overrides;
+  if (material_name == "*") sources.clear();
+  if (source.empty())
+    sources.erase(material_name);
+  else
+    sources[material_name] = source;
+  if (!source.empty() && source != "builtin:glass") impl_->materials.slot_of(source);  // throws before anything changes
+  impl_->overrides = std::move(sources);
+  impl_->effective = impl_->effective_materials(impl_->overrides);
+  impl_->upload_materials();
+  impl_->facts_variant = -2;
+  ++impl_->epoch;
+}
+
+void Renderer::Impl::upload_materials() {
+  slots.clear();
+  std::vector<float> shares;
+  const float environment_sr = environment ? environment->effective_sr() : 12.566f;
+  for (const Material& m : effective) {
+    const int slot = m.measured.empty() ? -1 : materials.slot_of(m.measured);
+    slots.push_back(slot);
+    if (slot >= 0) {
+      shares.push_back(materials.brdf_share(slot, environment_sr));
+    } else {
+      const float gloss = std::clamp(1.0f - m.roughness, 0.0f, 1.0f);
+      shares.push_back(std::clamp(0.375f + 0.375f * gloss * std::max(m.metallic, m.clearcoat), 0.25f, 0.875f));
+    }
+  }
+  slots.push_back(-1);
+  shares.push_back(0.5f);
+  buffers->update_materials(effective, slots, shares);
+}
+
+void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {
+  impl_->require_ready();
+  impl_->buffers->update_mesh(*impl_->scene, mesh, positions, normals);
+  ++impl_->epoch;
+}
+
+void Renderer::set_node_visible(int node, bool visible) {
+  impl_->require_ready();
+  impl_->buffers->set_node_visible(node, visible);
+  ++impl_->epoch;
+}
+
+namespace {
+
+int default_samples(const FrameRequest& request) {
+  if (request.samples > 0) return request.samples;
+  if (request.mode == "uniform") return request.settings.get_int("uniform.samples");
+  if (request.mode == "bandwidth") return request.settings.get_int("bandwidth.samples");
+  return 1;
+}
+
+/// Work item size: one item a point in uniform, an eighth of the samples in bandwidth (2 to 32).
+int choose_chunk(const FrameRequest& request, int samples) {
+  if (request.mode != "bandwidth") return std::max(samples, 2);
+  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(samples / 8, 2)))), 2, 32);
+}
+
+/// The camera alone, for the picture before it is known how long this frame's passes take.
+glm::mat4 reverse_infinite_projection(float fov_y, float aspect, float near_m) {
+  const float f = 1.0f / std::tan(0.5f * fov_y);
+  glm::mat4 p(0.0f);
+  p[0][0] = f / aspect;
+  p[1][1] = f;
+  p[2][3] = -1.0f;
+  p[3][2] = near_m;
+  return p;
+}
+
+}  // namespace
+
+void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk) {
+  const CameraView& camera = request.camera;
+  const glm::vec3 forward = glm::normalize(camera.target - camera.eye);
+  glm::vec3 right = glm::cross(forward, camera.up);
+  if (glm::dot(right, right) < 1e-12f) right = glm::cross(forward, glm::vec3(0.0f, 0.0f, 1.0f));
+  if (glm::dot(right, right) < 1e-12f) right = glm::vec3(1.0f, 0.0f, 0.0f);
+  right = glm::normalize(right);
+  const glm::vec3 up = glm::cross(right, forward);
+  const float aspect = static_cast<float>(request.width) / static_cast<float>(request.height);
+  const float tan_y = std::tan(0.5f * camera.fov_y_rad);
+  Bounds bounds;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    bounds.min = glm::min(bounds.min, buffers->bounds(i).min);
+    bounds.max = glm::max(bounds.max, buffers->bounds(i).max);
+  }
+  const float extent = bounds.empty() ? 1.0f : bounds.radius() + glm::length(camera.eye - bounds.center());
+  const float near_m = camera.near_m > 0.0f ? camera.near_m : std::max(extent * 1e-4f, 1e-30f);
+
+  glm::mat4 view(1.0f);
+  for (int c = 0; c < 3; ++c) {
+    view[c][0] = right[c];
+    view[c][1] = up[c];
+    view[c][2] = -forward[c];
+  }
+  view[3] = glm::vec4(-glm::dot(right, camera.eye), -glm::dot(up, camera.eye), glm::dot(forward, camera.eye), 1.0f);
+  FrameConstants& c = constants;
+  c.clip_from_world = reverse_infinite_projection(camera.fov_y_rad, aspect, near_m) * view;
+  c.eye = glm::vec4(camera.eye, 0.0f);
+  const int side = targets->side;
+  c.forward = glm::vec4(forward, 2.0f * tan_y / static_cast<float>(request.height * side));
+  c.right = glm::vec4(right * (tan_y * aspect), 0.0f);
+  c.up = glm::vec4(up * tan_y, 0.0f);
+  c.environment = glm::vec4(std::cos(request.env_rotation_rad), std::sin(request.env_rotation_rad), request.env_scale,
+                            static_cast<float>(environment->tables().luminance_integral));
+  c.size = glm::ivec4(targets->grid_width(), targets->grid_height(), side,
+                      plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") : 0);
+  c.sampling = glm::ivec4(samples, chunk, accumulated * samples, static_cast<int>(request.seed));
+  c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
+                                  environment->bias(), EnvironmentBuffers::kListLength);
+  c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height, 0,
+                                accumulated * samples);
+  // While the picture converges, ever more of it is shaded itself, so that interpolation leaves no bias behind.
+  // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
+  // together.
+  const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f) *
+                        (1.0f + 0.5f * static_cast<float>(accumulated));
+  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
+  frame_block.update(0, sizeof(c), &c);
+}
+
+void Renderer::Impl::bind_frame() const {
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, frame_block.get());
+  buffers->bind_materials();
+  environment->bind();
+  if (materials.count() > 0) materials.bind();
+  glBindTextureUnit(8, targets->surface.get());
+  glBindTextureUnit(9, targets->depth.get());
+}
+
+void Renderer::Impl::dispatch(const Program& program, int x, int y) {
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
+  Impl& s = *impl_;
+  s.require_ready();
+  if (!s.environment) throw Error("renderer", "no environment has been set");
+  const auto begin = std::chrono::steady_clock::now();
+  if (s.facts_variant != request.variant) {
+    if (s.facts_variant != -2 || request.variant >= 0) s.buffers->update_variant(*s.scene, request.variant);
+    Scene planned = Scene(*s.scene);
+    planned.materials = s.effective;
+    s.facts = compute_facts(planned, request.variant);
+    s.facts_variant = request.variant;
+  }
+  const int side = request.msaa == 16 ? 4 : request.msaa == 4 ? 2 : 1;
+  const FramePlan plan =
+      maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  const bool bandwidth = plan.mode == "bandwidth";
+  const int samples = default_samples(request), chunk = choose_chunk(request, samples);
+  if (!s.targets || s.targets->width != request.width || s.targets->height != request.height ||
+      s.targets->side != side || s.targets->bandwidth != bandwidth ||
+      s.targets->texture_bandwidth != plan.texture_bandwidth) {
+    s.targets.reset();
+    s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
+    s.accumulated = 0;
+  }
+  if (!accumulate || s.drawn_epoch != s.epoch || !(s.last_request == request)) s.accumulated = 0;
+  s.drawn_epoch = s.epoch;
+  s.last_request = request;
+  s.prepare_constants(request, plan, samples, chunk);
+  s.bind_frame();
+  PassTimer timer(s.device.software);
+  timer.start();
+  s.draw_gbuffer(plan, &timer);
+  if (bandwidth) s.predict(plan, &timer);
+  s.shade(plan, chunk, &timer);
+  if (bandwidth) s.fill(&timer);
+  ++s.accumulated;
+  s.compose(1.0f / static_cast<float>(s.accumulated));
+  timer.end("compose");
+  s.last_plan = plan;
+  FrameStats stats;
+  stats.passes = timer.finish();
+  stats.plan = plan;
+  stats.accumulated_frames = s.accumulated;
+  stats.visible_pixels = s.visible_points;
+  stats.shaded_pixels = s.shaded_points;
+  stats.shading_samples = s.shading_samples;
+  stats.gpu_bytes["geometry"] = s.buffers->geometry_bytes();
+  if (s.buffers->has_textures()) stats.gpu_bytes["textures"] = s.buffers->texture_bytes();
+  if (s.materials.count() > 0) stats.gpu_bytes["materials"] = s.materials.bytes();
+  stats.gpu_bytes["environment"] = s.environment->bytes();
+  const FrameTargets& t = *s.targets;
+  stats.gpu_bytes["gbuffer"] = t.triangle.bytes() + t.depth_buffer.bytes() + t.surface.bytes() + t.depth.bytes();
+  stats.gpu_bytes["shading"] = t.marks.bytes() + t.radiance.bytes() + t.picture.bytes() +
+                               2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
+  if (bandwidth)
+    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.curvature.bytes() + t.pyramid.bytes();
+  if (plan.texture_bandwidth) stats.gpu_bytes["texture_bandwidth"] = t.texture_nu.bytes();
+  stats.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return stats;
+}
+
+bool Renderer::finish_background_work(const FrameRequest&) { return true; }
+std::vector<BackgroundWork> Renderer::background_work() const { return {}; }
+
+Image Renderer::read_radiance() const {
+  Image image(impl_->targets->width, impl_->targets->height, 4);
+  glGetTextureImage(impl_->targets->picture.get(), 0, GL_RGBA, GL_FLOAT,
+                    static_cast<GLsizei>(image.data.size() * sizeof(float)), image.data.data());
+  return image;
+}
+
+Renderer::Pick Renderer::pick(int x, int y) const {
+  Pick pick;
+  const FrameTargets& t = *impl_->targets;
+  if (x < 0 || y < 0 || x >= t.width || y >= t.height) return pick;
+  const int gx = x * t.side + t.side / 2, gy = y * t.side + t.side / 2;
+  std::uint32_t triangle = 0;
+  float depth = 0.0f;
+  glm::uvec4 surface(0u);
+  glGetTextureSubImage(t.triangle.get(), 0, gx, gy, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, 4, &triangle);
+  glGetTextureSubImage(t.depth.get(), 0, gx, gy, 0, 1, 1, 1, GL_RED, GL_FLOAT, 4, &depth);
+  if (triangle == 0) return pick;
+  const FrameConstants& c = impl_->constants;
+  const glm::vec2 ndc((2.0f * static_cast<float>(gx) + 1.0f) / static_cast<float>(t.grid_width()) - 1.0f,
+                      (2.0f * static_cast<float>(gy) + 1.0f) / static_cast<float>(t.grid_height()) - 1.0f);
+  const glm::vec3 ray = glm::vec3(c.forward) + ndc.x * glm::vec3(c.right) - ndc.y * glm::vec3(c.up);
+  pick.hit = true;
+  pick.position = glm::vec3(c.eye) + ray * depth;
+  const FlatGeometry& g = impl_->buffers->geometry();
+  const std::size_t first = 3 * (static_cast<std::size_t>(triangle) - 1);
+  const glm::vec3 a = g.positions[g.indices[first]], b = g.positions[g.indices[first + 1]],
+                  d = g.positions[g.indices[first + 2]];
+  pick.normal = glm::normalize(glm::cross(b - a, d - a));
+  if (glm::dot(pick.normal, ray) > 0.0f) pick.normal = -pick.normal;
+  for (std::size_t i = 0; i < g.items.size(); ++i) {
+    const DrawItem& item = g.items[i];
+    if (first < item.first_index || first >= item.first_index + item.index_count) continue;
+    pick.node = item.node;
+    pick.primitive = item.primitive;
+    pick.material = impl_->buffers->material(i);
+  }
+  return pick;
+}
+
+}  // namespace maquette

@@ -1,0 +1,227 @@
+// The passes of one frame, in the order of the plan.
+#include <algorithm>
+
+#include "render/renderer_impl.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kPredictionSamples = 8;  // directions a quad; neighbours pool to about 50
+
+int groups(int count, int size) { return (count + size - 1) / size; }
+
+/// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
+bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& b) {
+  int outside[5] = {};
+  for (int k = 0; k < 8; ++k) {
+    const glm::vec4 p = clip_from_world * glm::vec4(k & 1 ? b.max.x : b.min.x, k & 2 ? b.max.y : b.min.y,
+                                                    k & 4 ? b.max.z : b.min.z, 1.0f);
+    outside[0] += p.x < -p.w;
+    outside[1] += p.x > p.w;
+    outside[2] += p.y < -p.w;
+    outside[3] += p.y > p.w;
+    outside[4] += p.w < 0.0f;
+  }
+  return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
+}
+
+}  // namespace
+
+std::vector<ShaderVariant> all_shader_variants() {
+  const auto flag = [](int k) { return std::string(k ? "1" : "0"); };
+  const std::string samples = std::to_string(kPredictionSamples);
+  std::vector<ShaderVariant> variants;
+  for (int k = 0; k < 2; ++k) {
+    variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
+    variants.push_back({"bandwidth/predict.comp", "", {{"MEASURED", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
+    variants.push_back(
+        {"bandwidth/bandwidth.comp", "", {{"TEXTURE_BANDWIDTH", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
+    variants.push_back({"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(k)}}});
+    variants.push_back({"gbuffer/resolve.comp", "", {{"TEXTURES", "1"}, {"TEXTURE_BANDWIDTH", flag(k)}}});
+    variants.push_back({"shading/shade.comp", "", {{"MEASURED", flag(k)}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
+  }
+  variants.push_back({"gbuffer/resolve.comp", "", {{"TEXTURES", "0"}, {"TEXTURE_BANDWIDTH", "0"}}});
+  variants.push_back({"present/present.frag", "present/present.vert", {}});
+  for (const char* path : {"bandwidth/pyramid.comp", "bandwidth/fill.comp", "shading/arguments.comp",
+                           "shading/gather.comp", "shading/compose.comp"})
+    variants.push_back({path, "", {}});
+  return variants;
+}
+
+void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
+  FrameTargets& t = *targets;
+  const GLuint framebuffer = t.framebuffer.get();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, t.grid_width(), t.grid_height());
+  const GLuint no_triangle[4] = {0, 0, 0, 0};
+  const float far_depth = 0.0f;
+  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, no_triangle);
+  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CW);  // the clip origin is at the upper left: rows run down
+  glCullFace(GL_BACK);
+  buffers->bind_geometry();
+  glBindVertexArray(buffers->vertex_array());
+  const Program& opaque = programs.get({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", "0"}}});
+  const Material default_material;
+  for (int masked = 0; masked < 2; ++masked) {
+    const Program* program = &opaque;
+    if (masked) {
+      if (!facts.has_mask) break;
+      program = &programs.get({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", "1"}}});
+    }
+    glUseProgram(program->get());
+    for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+      const DrawItem& item = buffers->geometry().items[i];
+      const auto index = static_cast<std::size_t>(buffers->material(i));
+      const Material& m = index < effective.size() ? effective[index] : default_material;
+      const bool is_masked = m.alpha_mode == AlphaMode::mask && m.base_color_texture;
+      if (!buffers->visible(i) || m.glass || m.alpha_mode == AlphaMode::blend || is_masked != (masked == 1)) continue;
+      if (!may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
+      (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+      program->set("u_first_triangle", static_cast<int>(item.first_index / 3));
+      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+    }
+  }
+  glBindVertexArray(0);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  timer->end("raster");
+  glBindTextureUnit(0, t.triangle.get());
+  glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  const std::string textures = buffers->has_textures() ? "1" : "0";
+  dispatch(programs.get({"gbuffer/resolve.comp",
+                         "",
+                         {{"TEXTURES", textures}, {"TEXTURE_BANDWIDTH", plan.texture_bandwidth ? "1" : "0"}}}),
+           groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  timer->end("gbuffer");
+}
+
+void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
+  FrameTargets& t = *targets;
+  const int qw = t.energy.width(), qh = t.energy.height();
+  const std::string samples = std::to_string(kPredictionSamples);
+  glBindImageTexture(0, t.energy.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(1, t.moments.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  for (int measured = 0; measured < 2; ++measured) {
+    if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
+    dispatch(programs.get(
+                 {"bandwidth/predict.comp", "", {{"MEASURED", measured ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}}),
+             groups(qw, 8), groups(qh, 8));
+  }
+  timer->end("bandwidth");
+  glBindTextureUnit(18, t.energy.get());
+  glBindTextureUnit(19, t.moments.get());
+  if (plan.texture_bandwidth) glBindTextureUnit(20, t.texture_nu.get());
+  glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
+  dispatch(programs.get({"bandwidth/bandwidth.comp",
+                         "",
+                         {{"TEXTURE_BANDWIDTH", plan.texture_bandwidth ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}}),
+           groups(qw, 8), groups(qh, 8));
+  timer->end("bandwidth");
+  const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
+  glBindTextureUnit(21, t.pyramid.get());
+  int w = qw, h = qh;
+  for (int level = 0; w > 1 || h > 1; ++level) {
+    w = std::max(1, w / 2);
+    h = std::max(1, h / 2);
+    pyramid.set("u_level", level);
+    glBindImageTexture(0, t.pyramid.get(), level + 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    dispatch(pyramid, groups(w, 8), groups(h, 8));
+  }
+  glBindTextureUnit(21, t.pyramid.get());
+  timer->end("pyramid");
+}
+
+void Renderer::Impl::shade(const FramePlan& plan, int chunk, PassTimer* timer) {
+  visible_points = shaded_points = shading_samples = 0;
+  const int rows = targets->grid_height();
+  for (int row = 0; row < rows; row += targets->band_rows)
+    shade_band(plan, row, std::min(targets->band_rows, rows - row), chunk);
+  timer->end("shade");
+}
+
+void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, int chunk) {
+  FrameTargets& t = *targets;
+  for (GLuint k = 0; k < 2; ++k) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, t.points[k].get());
+  }
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
+  const bool bandwidth = plan.mode == "bandwidth";
+  const Program& mark = programs.get({"bandwidth/mark.comp", "", {{"BANDWIDTH", bandwidth ? "1" : "0"}}});
+  glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
+  mark.set("u_item_capacity", t.item_capacity);
+  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  unsigned counters[16];
+  // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
+  for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
+    t.counters.clear_to_zero();
+    mark.set("u_sample_scale", scale);
+    dispatch(mark, groups(groups(t.grid_width(), 4) * groups(rows, 4), 64), 1);
+    t.counters.read(0, sizeof(counters), counters);
+    const auto capacity = static_cast<unsigned>(t.item_capacity);
+    if (counters[0] <= capacity && counters[8] <= capacity) break;
+  }
+  visible_points += counters[6];
+  shaded_points += counters[1] + counters[9];
+  shading_samples += (static_cast<std::size_t>(counters[0]) + counters[8]) * static_cast<std::size_t>(chunk);
+  const Program& arguments = programs.get({"shading/arguments.comp", "", {}});
+  dispatch(arguments, 1, 1);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
+  const Program& gather = programs.get({"shading/gather.comp", "", {}});
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  for (int list = 0; list < 2; ++list) {
+    if (counters[8 * list] == 0) continue;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
+    const Program& program = programs.get(
+        {"shading/shade.comp", "", {{"MEASURED", list == 0 ? "1" : "0"}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
+    program.set("u_list", list);
+    glUseProgram(program.get());
+    glDispatchComputeIndirect(list * 32 + 8);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.points[list].get());
+    glBindTextureUnit(22, t.partial_view[list].get());
+    gather.set("u_list", list);
+    dispatch(gather, 256, 1);
+  }
+}
+
+void Renderer::Impl::fill(PassTimer* timer) {
+  FrameTargets& t = *targets;
+  const Program& program = programs.get({"bandwidth/fill.comp", "", {}});
+  glBindTextureUnit(21, t.curvature.get());
+  glBindTextureUnit(23, t.marks.get());
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  for (int level = constants.size.w - 1; level >= 0; --level) {
+    program.set("u_level", level);
+    const int side = 1 << level;
+    for (int middle = 0; middle < 2; ++middle) {
+      program.set("u_middle", middle);
+      dispatch(program, groups(groups(t.grid_width(), side) * groups(t.grid_height(), side), 64), 1);
+    }
+  }
+  timer->end("upsample");
+}
+
+void Renderer::Impl::compose(float blend) {
+  FrameTargets& t = *targets;
+  const Program& program = programs.get({"shading/compose.comp", "", {}});
+  program.set("u_blend", blend);
+  glBindTextureUnit(24, t.radiance.get());
+  glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch(program, groups(t.width, 8), groups(t.height, 8));
+}
+
+}  // namespace maquette

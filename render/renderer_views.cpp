@@ -1,0 +1,164 @@
+// What a frame shows on screen: the tone mapped picture, or an intermediate of it as false colours.
+#include <algorithm>
+#include <cmath>
+
+#include "render/false_color.h"
+#include "render/renderer_impl.h"
+#include "render/tonemap.h"
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+namespace {
+
+template <typename T>
+std::vector<T> read_texture(const Texture& texture, GLenum format, GLenum type, int channels) {
+  std::vector<T> data(static_cast<std::size_t>(texture.width()) * static_cast<std::size_t>(texture.height()) *
+                      static_cast<std::size_t>(channels));
+  glGetTextureImage(texture.get(), 0, format, type, static_cast<GLsizei>(data.size() * sizeof(T)), data.data());
+  return data;
+}
+
+glm::vec3 decode_normal(std::uint32_t packed) {
+  const auto part = [](std::uint32_t v) {
+    return std::clamp(static_cast<float>(static_cast<std::int16_t>(v & 0xffff)) / 32767.0f, -1.0f, 1.0f);
+  };
+  const float u = part(packed), v = part(packed >> 16);
+  glm::vec3 n(u, 1.0f - std::abs(u) - std::abs(v), v);
+  if (n.y < 0.0f) {
+    n.x = (1.0f - std::abs(v)) * (u >= 0.0f ? 1.0f : -1.0f);
+    n.z = (1.0f - std::abs(u)) * (v >= 0.0f ? 1.0f : -1.0f);
+  }
+  return glm::normalize(n);
+}
+
+struct ViewSource {
+  const char* name;
+  enum { marks, quads, axes, depth, surface } from;
+  int channel;
+};
+constexpr ViewSource kViews[] = {
+    {"shaded", ViewSource::marks, 0},           {"level", ViewSource::marks, 1},
+    {"samples", ViewSource::marks, 2},          {"bandwidth", ViewSource::quads, 0},
+    {"variance", ViewSource::quads, 2},         {"curvature", ViewSource::axes, 2},
+    {"angular_bandwidth", ViewSource::axes, 3}, {"depth", ViewSource::depth, 0},
+    {"normal", ViewSource::surface, 0},         {"base_color", ViewSource::surface, 1},
+    {"material", ViewSource::surface, 2},
+};
+
+}  // namespace
+
+const std::vector<std::string>& Renderer::debug_view_names() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> names;
+    for (const ViewSource& view : kViews) names.emplace_back(view.name);
+    return names;
+  }();
+  return kNames;
+}
+
+Image Renderer::read_debug_view(const std::string& name) const {
+  const FrameTargets& t = *impl_->targets;
+  const auto* view =
+      std::find_if(std::begin(kViews), std::end(kViews), [&](const ViewSource& v) { return name == v.name; });
+  if (view == std::end(kViews))
+    throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
+  if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
+    throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
+  const int w = t.grid_width(), h = t.grid_height();
+  Image image(w, h, 4);
+  const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);
+  const auto each = [&](auto&& value) {
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        if (depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] <= 0.0f)
+          continue;
+        const glm::vec3 v = value(x, y);
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = v[c];
+        image.at(x, y, 3) = 1.0f;
+      }
+  };
+  const auto at = [w](int x, int y) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+  };
+  if (view->from == ViewSource::depth) {
+    each([&](int x, int y) { return glm::vec3(depth[at(x, y)]); });
+  } else if (view->from == ViewSource::marks) {
+    const auto marks = read_texture<std::uint8_t>(t.marks, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, 4);
+    each([&](int x, int y) {
+      const float v = marks[4 * at(x, y) + static_cast<std::size_t>(view->channel)];
+      return glm::vec3(view->channel == 2 && v > 0.0f ? std::exp2(v) : v);
+    });
+  } else if (view->from == ViewSource::surface) {
+    const auto surface = read_texture<std::uint32_t>(t.surface, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
+    each([&](int x, int y) {
+      const std::uint32_t* g = &surface[4 * at(x, y)];
+      if (view->channel == 0) return decode_normal(g[0]);
+      if (view->channel == 2) return glm::vec3(static_cast<float>(g[2] >> 16));
+      const auto part = [&](int shift) {
+        const float v = static_cast<float>(g[1] >> shift & 255u) / 255.0f;
+        return v * v;
+      };
+      return glm::vec3(part(0), part(8), part(16));
+    });
+  } else {
+    const Texture& source = view->from == ViewSource::quads ? t.pyramid : t.curvature;
+    const auto quads = read_texture<float>(source, GL_RGBA, GL_FLOAT, 4);
+    const auto qw = static_cast<std::size_t>(source.width());
+    each([&](int x, int y) {
+      const float v = quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2)) +
+                            static_cast<std::size_t>(view->channel)];
+      return glm::vec3(view->channel == 2 && view->from == ViewSource::quads ? v * v : v);
+    });
+  }
+  return image;
+}
+
+Image debug_view_picture(const Image& values, const std::string& name) {
+  if (name != "normal" && name != "base_color") return false_color_image(values);
+  Image picture = values;
+  for (std::size_t i = 0; i < picture.data.size(); ++i) {
+    if (i % 4 == 3) continue;
+    float& v = picture.data[i];
+    v = name == "normal" ? (picture.data[i - i % 4 + 3] > 0.0f ? 0.5f * v + 0.5f : 0.0f)
+                         : std::pow(std::max(v, 0.0f), 1.0f / 2.2f);
+  }
+  return picture;
+}
+
+void Renderer::present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
+                       const std::string& debug_view) {
+  Impl& s = *impl_;
+  const FrameTargets& t = *s.targets;
+  Texture view;
+  GLuint texture = t.picture.get();
+  int curve = tonemap_index(tonemap);
+  if (!debug_view.empty()) {
+    const Image picture = debug_view_picture(read_debug_view(debug_view), debug_view);
+    view = Texture::make_2d("debug view", GL_RGBA32F, picture.width, picture.height);
+    view.upload(0, picture.width, picture.height, GL_RGBA, GL_FLOAT, picture.data.data());
+    texture = view.get();
+    curve = -1;
+  }
+  const Program& program = s.programs.get({"present/present.frag", "present/present.vert", {}});
+  program.set("u_exposure", std::exp2(exposure_ev));
+  program.set("u_curve", curve);
+  // Window coordinates put row 0 at the bottom, whatever the clip origin of the G-buffer pass.
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  program.set("u_flip", 1);
+  glViewport(x, y, width, height);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glBindTextureUnit(24, texture);
+  GLuint empty = 0;
+  glCreateVertexArrays(1, &empty);
+  const GlName<VertexArrayTraits> vertex_array(empty);
+  glBindVertexArray(empty);
+  glUseProgram(program.get());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+}
+
+}  // namespace maquette

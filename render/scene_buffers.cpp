@@ -1,0 +1,270 @@
+#include "render/scene_buffers.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "render/texture_bandwidth.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr std::size_t kVertexTexels = 4;
+
+std::uint32_t pack_color(const glm::vec4& c) {
+  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); };
+  return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16 | byte(c.a) << 24;
+}
+
+GLuint make_vertex_array(const Buffer& positions, const Buffer& uvs, const Buffer& indices) {
+  GLuint name = 0;
+  glCreateVertexArrays(1, &name);
+  glVertexArrayVertexBuffer(name, 0, positions.get(), 0, sizeof(glm::vec3));
+  glVertexArrayVertexBuffer(name, 1, uvs.get(), 0, sizeof(glm::vec2));
+  glEnableVertexArrayAttrib(name, 0);
+  glVertexArrayAttribFormat(name, 0, 3, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(name, 0, 0);
+  glEnableVertexArrayAttrib(name, 1);
+  glVertexArrayAttribFormat(name, 1, 2, GL_FLOAT, GL_FALSE, 0);
+  glVertexArrayAttribBinding(name, 1, 1);
+  glVertexArrayElementBuffer(name, indices.get());
+  return name;
+}
+
+Bounds item_bounds(const FlatGeometry& geometry, const DrawItem& item) {
+  Bounds bounds;
+  for (std::uint32_t v = item.first_vertex; v < item.first_vertex + item.vertex_count; ++v) {
+    bounds.min = glm::min(bounds.min, geometry.positions[v]);
+    bounds.max = glm::max(bounds.max, geometry.positions[v]);
+  }
+  return bounds;
+}
+
+/// Appends the mip chain of an image (box filter in the stored encoding) and returns the number of levels.
+int append_mips(const TextureImage& image, std::vector<std::uint32_t>* texels) {
+  std::vector<std::uint32_t> level(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+  std::memcpy(level.data(), image.rgba.data(), level.size() * 4);
+  int width = image.width, height = image.height, levels = 1;
+  texels->insert(texels->end(), level.begin(), level.end());
+  while (width > 1 || height > 1) {
+    const int w = std::max(1, width / 2), h = std::max(1, height / 2);
+    std::vector<std::uint32_t> next(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) {
+        std::uint32_t out = 0;
+        for (int shift = 0; shift < 32; shift += 8) {
+          std::uint32_t sum = 2;
+          for (int k = 0; k < 4; ++k) {
+            const int sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
+            sum += level[static_cast<std::size_t>(sy * width + sx)] >> shift & 255u;
+          }
+          out |= (sum / 4) << shift;
+        }
+        next[static_cast<std::size_t>(y * w + x)] = out;
+      }
+    }
+    texels->insert(texels->end(), next.begin(), next.end());
+    level = std::move(next);
+    width = w;
+    height = h;
+    ++levels;
+  }
+  return levels;
+}
+
+}  // namespace
+
+SceneBuffers::SceneBuffers(const Scene& scene) : geometry_(flatten(scene)) {
+  build_geometry();
+  update_variant(scene, -1);
+  build_textures(scene);
+}
+
+void SceneBuffers::build_geometry() {
+  const std::size_t count = geometry_.positions.size();
+  GLint max_texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
+  if (count * kVertexTexels > static_cast<std::size_t>(max_texels))
+    throw Error("scene",
+                std::to_string(count) + " vertices are more than this driver can address (" +
+                    std::to_string(static_cast<std::size_t>(max_texels) / kVertexTexels) + ")",
+                "use a lighter model");
+  positions_ = Buffer::from("positions", geometry_.positions);
+  uvs_ = Buffer::from("uv0", geometry_.uv0);
+  indices_ = Buffer::from("indices", geometry_.indices);
+  vertices_ = Buffer("vertices", count * kVertexTexels * sizeof(glm::vec4));
+  upload_vertices(0, static_cast<std::uint32_t>(count));
+  index_view_ = Texture::make_buffer("indices", GL_R32UI, indices_);
+  vertex_view_ = Texture::make_buffer("vertices", GL_RGBA32F, vertices_);
+  vertex_array_ = GlName<VertexArrayTraits>(make_vertex_array(positions_, uvs_, indices_));
+  bounds_.clear();
+  for (const DrawItem& item : geometry_.items) bounds_.push_back(item_bounds(geometry_, item));
+  visible_.assign(geometry_.items.size(), true);
+}
+
+void SceneBuffers::upload_vertices(std::uint32_t first, std::uint32_t count) {
+  std::vector<glm::vec4> texels(static_cast<std::size_t>(count) * kVertexTexels);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t v = first + i;
+    texels[4 * i] = glm::vec4(geometry_.positions[v], geometry_.uv0[v].x);
+    texels[4 * i + 1] = glm::vec4(geometry_.normals[v], geometry_.uv0[v].y);
+    texels[4 * i + 2] = geometry_.tangents[v];
+    texels[4 * i + 3] = glm::vec4(geometry_.uv1[v], std::bit_cast<float>(pack_color(geometry_.colors[v])), 0.0f);
+  }
+  vertices_.update(static_cast<std::size_t>(first) * kVertexTexels * sizeof(glm::vec4),
+                   texels.size() * sizeof(glm::vec4), texels.data());
+}
+
+void SceneBuffers::update_variant(const Scene& scene, int variant) {
+  const int default_material = static_cast<int>(scene.materials.size());
+  item_materials_.clear();
+  std::vector<std::uint16_t> triangles(geometry_.indices.size() / 3);
+  for (const DrawItem& item : geometry_.items) {
+    int material = item.patch >= 0 ? scene.patches[static_cast<std::size_t>(item.patch)].material
+                                   : material_of(scene.meshes[static_cast<std::size_t>(item.mesh)]
+                                                     .primitives[static_cast<std::size_t>(item.primitive)],
+                                                 variant);
+    if (material < 0 || material > default_material) material = default_material;
+    item_materials_.push_back(material);
+    std::fill_n(triangles.begin() + item.first_index / 3, item.index_count / 3, static_cast<std::uint16_t>(material));
+  }
+  triangle_materials_ = Buffer::from("triangle materials", triangles);
+  triangle_material_view_ = Texture::make_buffer("triangle materials", GL_R16UI, triangle_materials_);
+}
+
+int SceneBuffers::add_texture(const TextureRef& texture, bool srgb) {
+  texture_uses_.push_back({texture, srgb});
+  return static_cast<int>(texture_uses_.size()) - 1;
+}
+
+void SceneBuffers::build_textures(const Scene& scene) {
+  for (const Material& m : scene.materials) {
+    for (const auto& [reference, srgb] :
+         {std::pair(&m.base_color_texture, true), std::pair(&m.metallic_roughness_texture, false),
+          std::pair(&m.normal_texture, false), std::pair(&m.emissive_texture, true),
+          std::pair(&m.occlusion_texture, false), std::pair(&m.clearcoat_texture, false)})
+      if (*reference) add_texture(*reference, srgb);
+  }
+  if (texture_uses_.empty()) return;
+  std::vector<std::uint32_t> texels;
+  image_offsets_.assign(scene.images.size(), -1);
+  std::vector<int> levels(scene.images.size(), 0);
+  std::vector<float> bandwidth;
+  std::vector<glm::vec4> records;
+  for (const TextureUse& use : texture_uses_) {
+    const auto i = static_cast<std::size_t>(use.reference.image);
+    const TextureImage& image = scene.images[i];
+    if (image_offsets_[i] < 0) {
+      image_offsets_[i] = static_cast<int>(texels.size());
+      levels[i] = append_mips(image, &texels);
+    }
+    const TextureRef& r = use.reference;
+    const float c = std::cos(r.rotation_rad), s = std::sin(r.rotation_rad);
+    // KHR_texture_transform: uv' = translation * rotation * scale * uv, rotation counter-clockwise in UV with v down.
+    records.emplace_back(std::bit_cast<float>(image_offsets_[i]), image.width, image.height, levels[i]);
+    records.emplace_back(c * r.scale.x, s * r.scale.y, -s * r.scale.x, c * r.scale.y);
+    const int flags = (use.srgb ? 1 : 0) | (r.uv_set == 1 ? 2 : 0) | (r.nearest ? 4 : 0);
+    records.emplace_back(r.offset,
+                         static_cast<int>(r.wrap_s == Wrap::repeat            ? 0
+                                          : r.wrap_s == Wrap::mirrored_repeat ? 1
+                                                                              : 2) +
+                             4 * (r.wrap_t == Wrap::repeat            ? 0
+                                  : r.wrap_t == Wrap::mirrored_repeat ? 1
+                                                                      : 2),
+                         flags);
+    const std::vector<float> map = compute_texture_bandwidth(image);
+    bandwidth.insert(bandwidth.end(), map.begin(), map.end());
+  }
+  texels_ = Buffer::from("texels", texels);
+  texel_view_ = Texture::make_buffer("texels", GL_R32UI, texels_);
+  texture_records_ = Buffer::from("texture records", records);
+  texture_record_view_ = Texture::make_buffer("texture records", GL_RGBA32F, texture_records_);
+  texture_bandwidth_ = Buffer::from("texture bandwidth", bandwidth);
+  texture_bandwidth_view_ = Texture::make_buffer("texture bandwidth", GL_R32F, texture_bandwidth_);
+}
+
+void SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
+                                    const std::vector<float>& brdf_shares) {
+  constexpr std::uint32_t kNone = 0xffffffffu;
+  std::vector<glm::uvec4> words;
+  const auto bits = [](float x, float y, float z, float w) {
+    return glm::uvec4(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y), std::bit_cast<std::uint32_t>(z),
+                      std::bit_cast<std::uint32_t>(w));
+  };
+  std::uint32_t next_texture = 0;
+  const Material default_material;
+  for (std::size_t i = 0; i <= materials.size(); ++i) {
+    const Material& m = i < materials.size() ? materials[i] : default_material;
+    // In the order of build_textures; a measured material without tint does not read them.
+    std::array<std::uint32_t, 6> textures;
+    textures.fill(kNone);
+    const TextureRef* references[6] = {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                                       &m.emissive_texture,   &m.occlusion_texture,          &m.clearcoat_texture};
+    for (std::size_t k = 0; k < 6; ++k)
+      if (*references[k]) textures[k] = next_texture++;
+    const int slot = brdf_slots[i];
+    if (slot >= 0 && !m.tint_measured) textures[0] = kNone;
+    if (slot >= 0) textures[1] = textures[5] = kNone;
+    const std::uint32_t flags = (slot >= 0 ? 1u : 0u) | (slot >= 0 && m.tint_measured ? 2u : 0u) | (m.unlit ? 4u : 0u) |
+                                (m.double_sided ? 8u : 0u);
+    words.push_back(bits(m.base_color.r, m.base_color.g, m.base_color.b, m.alpha_cutoff));
+    words.push_back(bits(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
+    words.push_back(bits(m.emissive.r, m.emissive.g, m.emissive.b, m.ior));
+    words.push_back(bits(m.clearcoat, m.clearcoat_roughness, m.specular, m.transmission));
+    words.push_back(bits(m.specular_color.r, m.specular_color.g, m.specular_color.b, m.sheen_roughness));
+    words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, brdf_shares[i]));
+    words.emplace_back(flags, static_cast<std::uint32_t>(std::max(slot, 0)), textures[0], textures[1]);
+    words.emplace_back(textures[2], textures[3], textures[4], textures[5]);
+  }
+  materials_ = Buffer::from("materials", words);
+  material_view_ = Texture::make_buffer("materials", GL_RGBA32UI, materials_);
+}
+
+void SceneBuffers::update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,
+                               const std::vector<glm::vec3>& normals) {
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t i = 0; i < geometry_.items.size(); ++i) {
+    const DrawItem& item = geometry_.items[i];
+    if (item.mesh != mesh || item.primitive != 0) continue;
+    const glm::mat4& m = world[static_cast<std::size_t>(item.node)];
+    const glm::mat3 normal_matrix = glm::transpose(glm::inverse(glm::mat3(m)));
+    for (std::uint32_t v = 0; v < item.vertex_count && v < positions.size(); ++v) {
+      geometry_.positions[item.first_vertex + v] = glm::vec3(m * glm::vec4(positions[v], 1.0f));
+      geometry_.normals[item.first_vertex + v] = glm::normalize(normal_matrix * normals[v]);
+    }
+    positions_.update(item.first_vertex * sizeof(glm::vec3), item.vertex_count * sizeof(glm::vec3),
+                      &geometry_.positions[item.first_vertex]);
+    upload_vertices(item.first_vertex, item.vertex_count);
+    bounds_[i] = item_bounds(geometry_, item);
+  }
+}
+
+void SceneBuffers::set_node_visible(int node, bool visible) {
+  for (std::size_t i = 0; i < geometry_.items.size(); ++i)
+    if (geometry_.items[i].node == node) visible_[i] = visible;
+}
+
+void SceneBuffers::bind_geometry() const {
+  glBindTextureUnit(4, index_view_.get());
+  glBindTextureUnit(5, vertex_view_.get());
+  glBindTextureUnit(6, triangle_material_view_.get());
+  if (texture_bandwidth_view_) glBindTextureUnit(7, texture_bandwidth_view_.get());
+}
+
+void SceneBuffers::bind_materials() const {
+  glBindTextureUnit(1, material_view_.get());
+  if (texel_view_) {
+    glBindTextureUnit(2, texel_view_.get());
+    glBindTextureUnit(3, texture_record_view_.get());
+  }
+}
+
+std::size_t SceneBuffers::geometry_bytes() const {
+  return positions_.bytes() + uvs_.bytes() + indices_.bytes() + vertices_.bytes() + triangle_materials_.bytes();
+}
+
+}  // namespace maquette

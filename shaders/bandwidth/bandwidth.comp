@@ -1,0 +1,113 @@
+// Per 2 x 2 quad: pools the prediction over neighbours of the same surface, finds curvature on screen, and carries the bandwidth
+// through the bounce to cycles per pixel along both screen axes.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/frame.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/bandwidth.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 18) uniform sampler2D t_energy;
+layout(binding = 19) uniform sampler2D t_moments;
+#if TEXTURE_BANDWIDTH
+layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
+#endif
+layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
+layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), curvature (1/m), nu_theta (cycles/rad)
+
+struct Sample {
+  vec3 position, normal;
+  int material;
+  bool valid;
+};
+
+Sample load_sample(ivec2 pixel) {
+  Sample s;
+  pixel = clamp(pixel, ivec2(0), u_frame.size.xy - 1);
+  float depth = texelFetch(t_depth, pixel, 0).x;
+  uvec4 g = texelFetch(t_surface, pixel, 0);
+  s.valid = depth > 0.0;
+  s.position = ray_through(vec2(pixel) + 0.5) * depth;
+  s.normal = unpack_normal(g.x);
+  s.material = int(g.z >> 16u);
+  return s;
+}
+
+bool same_surface(Sample a, Sample b, float reach_m) {
+  return b.valid && a.material == b.material && abs(dot(b.position - a.position, a.normal)) < reach_m &&
+         dot(a.normal, b.normal) > 0.5;
+}
+
+/// Curvature and footprint of one pixel along a screen axis, from the smoother of both sides.
+vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
+  float cos_view = max(dot(c.normal, -normalize(c.position)), 0.02);
+  float tangent_m = pixel_m / cos_view;
+  vec2 best = vec2(0.0, tangent_m);
+  float best_turn = 1e30;
+  for (int side = -1; side <= 1; side += 2) {
+    ivec2 q = pixel + side * axis;
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
+    Sample s = load_sample(q);
+    if (!same_surface(c, s, 4.0 * tangent_m)) continue;
+    float step_m = max(length(s.position - c.position), 1e-12);
+    // The chord between unit normals keeps its digits where the arc cosine of their product loses them.
+    float turn = length(s.normal - c.normal);
+    if (turn < best_turn) {
+      best_turn = turn;
+      best = vec2(turn / step_m, step_m);
+    }
+  }
+  return best;
+}
+
+void main() {
+  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 quads = (u_frame.size.xy + 1) / 2;
+  if (any(greaterThanEqual(quad, quads))) return;
+  ivec2 pixel = ivec2(-1);
+  for (int k = 0; k < 4; ++k) {
+    int j = (k + quad.x + 2 * quad.y) & 3;
+    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
+    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+  }
+  if (pixel.x < 0) {
+    imageStore(o_bandwidth, quad, vec4(0.0));
+    imageStore(o_curvature, quad, vec4(0.0));
+    return;
+  }
+  Sample c = load_sample(pixel);
+  float depth = texelFetch(t_depth, pixel, 0).x;
+  float pixel_m = depth * u_frame.forward.w;
+  vec4 energy = vec4(0.0), moments = vec4(0.0);
+  for (int y = -1; y <= 1; ++y) {
+    for (int x = -1; x <= 1; ++x) {
+      ivec2 q = clamp(quad + ivec2(x, y), ivec2(0), quads - 1);
+      Sample s = load_sample(min(2 * q + 1, u_frame.size.xy - 1));
+      float w = (x == 0 && y == 0) ? 1.0
+                : (s.valid && s.material == c.material && dot(s.normal, c.normal) > 0.9) ? 0.7 : 0.0;
+      energy += w * texelFetch(t_energy, q, 0);
+      moments += w * texelFetch(t_moments, q, 0);
+    }
+  }
+  float nu_theta = energy.x / max(energy.y, 1e-20);
+  float nb = max(moments.z, 1.0), ne = max(moments.w, 1.0);
+  // Terms carry the balance weights for the prediction's own counts; n Var(sum of terms / n) is free of them.
+  float share_b = moments.z / max(moments.z + moments.w, 1.0);
+  float per_run = float(PREDICTION_SAMPLES);
+  float mean_b = energy.z / nb, mean_e = energy.w / ne;
+  float variance_b = max(moments.x / nb, 0.0), variance_e = max(moments.y / ne, 0.0);
+  float deviation = per_run * sqrt(max(share_b * variance_b + (1.0 - share_b) * variance_e, 0.0));
+  float radiance = (share_b * mean_b + (1.0 - share_b) * mean_e) * per_run;
+  vec2 kx = along_axis(c, pixel, ivec2(1, 0), pixel_m), ky = along_axis(c, pixel, ivec2(0, 1), pixel_m);
+  float nu_surface = 0.0;
+#if TEXTURE_BANDWIDTH
+  nu_surface += texelFetch(t_texture_bandwidth_map, pixel, 0).x;
+#endif
+  float angle = u_frame.forward.w;
+  vec2 nu = vec2(bandwidth_one_bounce(nu_theta, kx.x, nu_surface, angle, kx.y),
+                 bandwidth_one_bounce(nu_theta, ky.x, nu_surface, angle, ky.y));
+  imageStore(o_bandwidth, quad,
+             vec4(max(nu.x, nu.y), radiance * u_frame.environment.z, deviation * u_frame.environment.z, 1.0));
+  imageStore(o_curvature, quad, vec4(nu, max(kx.x, ky.x), nu_theta));
+}

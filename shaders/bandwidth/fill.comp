@@ -1,0 +1,62 @@
+// Bilateral upsampling, one level, in two dispatches: first the points between two coarser ones in a row or column, then those
+// in the middle of four, from the ones just filled. Along an axis four points carry a cubic (weights -1 9 9 -1 over 16, Deslauriers and
+// Dubuc 1989) where all lie on one smooth surface; else the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
+// along which the picture varies less counting more: an anisotropic kernel.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 21) uniform sampler2D t_axes;  // nu_x, nu_y
+layout(binding = 23) uniform usampler2D t_marks;
+#include "bandwidth/bilateral.glsl"
+layout(binding = 0, rgba32f) uniform image2D io_radiance;
+uniform int u_level;
+uniform int u_middle;  // 0: between two, 1: in the middle of four
+
+/// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
+vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
+  vec3 values[4];
+  float weights[4];
+  for (int k = 0; k < 4; ++k) {
+    ivec2 q = pixel + (2 * k - 3) * s * axis;
+    bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, u_frame.size.xy));
+    q = clamp(q, ivec2(0), u_frame.size.xy - 1);
+    weights[k] = inside ? bilateral_weight(center, load_guide(q), float(s) * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
+    values[k] = imageLoad(io_radiance, q).rgb;
+  }
+  if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) {
+    vec3 cubic = (9.0 * (values[1] + values[2]) - values[0] - values[3]) * 0.0625;
+    // Noise must not ring below the neighbours' range.
+    vec3 low = min(min(values[0], values[3]), min(values[1], values[2]));
+    return vec4(max(cubic, low * 0.5), 2.0);
+  }
+  float sum = weights[1] + weights[2];
+  return vec4((values[1] * weights[1] + values[2] * weights[2]) / max(sum, 1e-12), sum);
+}
+
+void main() {
+  int s = 1 << u_level;
+  ivec2 grid = (u_frame.size.xy + s - 1) / s;
+  int id = int(gl_GlobalInvocationID.x);
+  if (id >= grid.x * grid.y) return;
+  ivec2 cell = ivec2(id % grid.x, id / grid.x);
+  ivec2 odd = cell & 1;
+  if (odd.x + odd.y != 1 + u_middle) return;
+  ivec2 pixel = cell * s;
+  uvec4 mark = texelFetch(t_marks, pixel, 0);
+  if (mark.x != 0u || mark.w == 0u) return;
+  Guide center = load_guide(pixel);
+  vec4 value;
+  if (u_middle == 0) {
+    value = along(center, pixel, odd, s);
+  } else {
+    vec2 nu = texelFetch(t_axes, pixel / 2, 0).xy + 1e-4;
+    vec4 x = along(center, pixel, ivec2(1, 0), s), y = along(center, pixel, ivec2(0, 1), s);
+    vec2 w = vec2(nu.y * nu.y * x.w, nu.x * nu.x * y.w) + 1e-20;
+    value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
+  }
+  imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
+}

@@ -1,0 +1,169 @@
+// Decides which grid points are shaded. A point enters the grid at the largest level whose spacing divides its coordinates; it is
+// shaded when that is the coarsest level, when the predicted spacing is finer than the next coarser grid, or when the coarser points
+// around it lie on other surfaces. One invocation takes a 4 x 4 block and appends its points with one atomic per list.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+#if BANDWIDTH
+layout(binding = 21) uniform sampler2D t_pyramid;  // level 0: quads
+#include "bandwidth/bilateral.glsl"
+#endif
+layout(binding = 0, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
+struct Item {
+  uint pixel, first_sample;
+};
+struct ShadedPoint {
+  uint pixel, first_item, item_count, level;
+};
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
+};
+layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
+layout(std430, binding = 2) writeonly buffer MeasuredItems { Item b_measured_items[]; };
+layout(std430, binding = 3) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
+layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
+layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
+uniform ivec2 u_band;      // first row, rows (multiples of 32)
+uniform int u_item_capacity;
+uniform float u_sample_scale;
+
+#if BANDWIDTH
+/// Points per cycle of the predicted bandwidth at quality 1: the four-point interpolation of fill.comp errs by 1 % there
+/// (1 - 9/8 cos(pi x) + 1/8 cos(3 pi x) at x = 1/7); a linear one would need 17.
+const float kPointsPerCycle = 7.0;
+
+vec4 picture_mean() { return texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1); }
+
+/// True when points 2^level apart carry the bandwidth of the block around `pixel` and of its eight neighbours: what a
+/// neighbour varies by is seen here through the interpolation.
+bool carries(ivec2 pixel, int level, float mean_radiance) {
+  ivec2 size = textureSize(t_pyramid, level - 1);
+  ivec2 block = min(pixel >> level, size - 1);
+  float nu = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    vec4 b = texelFetch(t_pyramid, clamp(block + ivec2(k % 3, k / 3) - 1, ivec2(0), size - 1), level - 1);
+    // An error weighs by the radiance it is a share of; the square root stands for the eye's and the tone curve's compression.
+    nu = max(nu, b.x * clamp(sqrt(b.y / mean_radiance), 0.35, 3.0));
+  }
+  return nu * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
+}
+bool neighbours_agree(ivec2 pixel, int level) {
+  Guide center = load_guide(pixel);
+  int s = 1 << level;
+  ivec2 odd = (pixel >> level) & 1;
+  ivec2 lower = pixel - odd * s;
+  float sum = 0.0, least = 1.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 o = ivec2(k & 1, k >> 1);
+    if (any(greaterThan(o, odd))) continue;
+    ivec2 q = lower + 2 * o * s;
+    if (any(greaterThanEqual(q, u_frame.size.xy))) {
+      sum += 0.0;
+      continue;
+    }
+    sum += bilateral_weight(center, load_guide(q), float(s));
+  }
+  float count = float((1 + odd.x) * (1 + odd.y));
+  return sum > 0.55 * count;
+}
+#endif
+
+/// Shaded or not, its level, and its number of work items; 0 for not shaded.
+uvec3 decide(ivec2 pixel, int level, vec4 mean) {
+#if BANDWIDTH
+  int top = u_frame.size.w;
+  int enters = min(min(findLSB(pixel.x | (1 << top)), findLSB(pixel.y | (1 << top))), top);
+  bool shaded = enters >= top || level <= enters || !neighbours_agree(pixel, enters);
+  if (!shaded) return uvec3(0u, uint(level), 0u);
+  vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
+  float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
+  int spacing = min(level, enters);
+  // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; half of them everywhere, so
+  // that a light the prediction missed costs at most a factor of sqrt(2).
+  float samples = float(u_frame.sampling.x) * (0.5 + 0.5 * min(relative, 64.0)) * float(1 << spacing) * u_sample_scale;
+  uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
+  return uvec3(1u, uint(spacing), items);
+#else
+  return uvec3(1u, 0u, uint(max(u_frame.sampling.x / u_frame.sampling.y, 1)));
+#endif
+}
+
+void main() {
+  ivec2 blocks = ivec2((u_frame.size.x + 3) / 4, (u_band.y + 3) / 4);
+  int id = int(gl_GlobalInvocationID.x);
+  if (id >= blocks.x * blocks.y) return;
+  ivec2 corner = 4 * ivec2(id % blocks.x, id / blocks.x) + ivec2(0, u_band.x);
+  uint counts[16];
+  uvec2 items = uvec2(0u), points = uvec2(0u);
+  uint visible = 0u;
+  vec4 mean = vec4(0.0);
+  int block_level = 0;
+  bool quad_carries[4] = bool[4](false, false, false, false);
+#if BANDWIDTH
+  mean = picture_mean();
+  for (int k = 0; k < 4; ++k)
+    quad_carries[k] = u_frame.size.w >= 1 && carries(corner + 2 * ivec2(k & 1, k >> 1), 1, max(mean.y, 1e-30));
+  for (int l = 2; l <= u_frame.size.w; ++l) {
+    if (block_level == (l == 2 ? 0 : l - 1) && carries(corner, l, max(mean.y, 1e-30))) block_level = l;
+  }
+#endif
+  for (int k = 0; k < 16; ++k) {
+    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
+    counts[k] = 0u;
+    if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
+    if (texelFetch(t_depth, pixel, 0).x <= 0.0) {
+      imageStore(o_marks, pixel, uvec4(0u));
+      continue;
+    }
+    int material = int(texelFetch(t_surface, pixel, 0).z >> 16u);
+    uint flags = material_words(material, 6).x;
+    bool measured = (flags & kMaterialMeasured) != 0u;
+    int quad = ((k & 3) >> 1) + 2 * (k >> 3);
+    uvec3 d = decide(pixel, quad_carries[quad] ? max(block_level, 1) : 0, mean);
+    if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
+    ++visible;
+    imageStore(o_marks, pixel, uvec4(d.x, d.y, d.x == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
+    counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);
+    if (d.z > 0u) {
+      items += measured ? uvec2(d.z, 0u) : uvec2(0u, d.z);
+      points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
+    }
+  }
+  if (visible == 0u) return;
+  atomicAdd(b_lists[0].visible, visible);
+  uvec2 next_item = uvec2(0u), next_point = uvec2(0u);
+  if (points.x > 0u) {
+    next_item.x = atomicAdd(b_lists[0].items, items.x);
+    next_point.x = atomicAdd(b_lists[0].points, points.x);
+  }
+  if (points.y > 0u) {
+    next_item.y = atomicAdd(b_lists[1].items, items.y);
+    next_point.y = atomicAdd(b_lists[1].points, points.y);
+  }
+  for (int k = 0; k < 16; ++k) {
+    uint n = counts[k] & 0xfffffu;
+    if (n == 0u) continue;
+    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
+    uint packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
+    uint level = (counts[k] >> 20u) & 15u;
+    bool measured = (counts[k] & 0x80000000u) == 0u;
+    uint first = measured ? next_item.x : next_item.y;
+    // Over capacity nothing is written; the host sees the count and marks again with fewer samples.
+    uint kept = first + n <= uint(u_item_capacity) ? n : 0u;
+    ShadedPoint point = ShadedPoint(packed_pixel, first, kept, level);
+    if (measured) {
+      b_measured_points[next_point.x++] = point;
+      for (uint i = 0u; i < kept; ++i) b_measured_items[first + i] = Item(packed_pixel, i * uint(u_frame.sampling.y));
+      next_item.x += n;
+    } else {
+      b_analytic_points[next_point.y++] = point;
+      for (uint i = 0u; i < kept; ++i) b_analytic_items[first + i] = Item(packed_pixel, i * uint(u_frame.sampling.y));
+      next_item.y += n;
+    }
+  }
+}

@@ -1,0 +1,96 @@
+// Per 2 x 2 quad: a few directions of the estimator, their bandwidth weighted by energy (L rho cos), and the moments from
+// which the variance of the integrand follows. Sums, so that neighbours of the same surface can be pooled.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/frame.glsl"
+#include "shared/constants.glsl"
+#include "shared/latlong.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#include "shared/analytic.glsl"
+#include "shared/merl.glsl"
+#include "shading/point.glsl"
+layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
+layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width], cycles/rad
+layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;    // sum w nu, sum w, sum t_b, sum t_e
+layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;   // sum t_b^2, sum t_e^2 (both with the stratum factor), n_b, n_e
+
+struct Result {
+  vec4 energy;            // sum w nu, sum w, sum t_b, sum t_e
+  vec2 second;            // sum t_b^2, sum t_e^2
+  float stratum_samples;  // the count that shading will use
+};
+
+float environment_bandwidth(vec3 d) {
+  ivec2 size = u_frame.bandwidth_size.xy;
+  ivec2 p = clamp(ivec2(latlong_uv_from_direction(d) * vec2(size)), ivec2(0), size - 1);
+  return texelFetch(t_environment_bandwidth, p.y * size.x + p.x).x;
+}
+
+/// Lobe bandwidth of GGX around its peak in cycles per radian of direction: the 95 % box of the lobe D(h) seen over wi, fitted to
+/// wavelet bandwidths of tabulated lobes (tests/render). A Lambert lobe changes over the half sphere: kLambertNu.
+const float kLambertNu = 0.35;
+float ggx_nu(float alpha) { return 0.16 / alpha + kLambertNu; }
+
+float brdf_bandwidth(Point p, vec3 wi) {
+  if (p.slot >= 0) {
+    vec3 c = merl_coordinates(wi, p.wo);
+    int h = clamp(int(c.x + 0.5), 0, 89), d = clamp(int(c.y + 0.5), 0, 89);
+    return texelFetch(t_brdf_bandwidth, (p.slot * 90 + h) * 90 + d).x;
+  }
+  AnalyticLobes f = evaluate_analytic(p.analytic, wi, p.wo);
+  float total = max(luminance(f.total), 1e-12);
+  float rest = max(total - f.specular - f.coat, 0.0);
+  return (f.specular * ggx_nu(p.analytic.alpha) + f.coat * ggx_nu(p.analytic.coat_alpha) + rest * kLambertNu) / total;
+}
+
+void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf) {
+  float t = luminance(f * radiance) * weight;
+  float nu_l = environment_bandwidth(world);
+  float nu_r = brdf_bandwidth(p, wi);
+  r.energy.x += t * min(nu_l, nu_r);
+  r.energy.y += t;
+  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance.
+  float stratum = inversesqrt(kPi * max(r.stratum_samples * pdf, 1e-6));
+  float share = clamp(2.0 * (nu_l + nu_r) * stratum, 0.0, 1.0);
+  if (is_brdf) {
+    r.energy.z += t;
+    r.second.x += t * t * share;
+  } else {
+    r.energy.w += t;
+    r.second.y += t * t * share;
+  }
+}
+#define VISIBILITY 0
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf)
+#include "shading/integrate.glsl"
+
+void main() {
+  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 quads = (u_frame.size.xy + 1) / 2;
+  if (any(greaterThanEqual(quad, quads))) return;
+  // The first visible point of the quad stands for it; which one is tried first alternates.
+  ivec2 pixel = ivec2(-1);
+  for (int k = 0; k < 4; ++k) {
+    int j = (k + quad.x + 2 * quad.y) & 3;
+    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
+    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+  }
+  if (pixel.x < 0) {
+    imageStore(o_energy, quad, vec4(0.0));
+    imageStore(o_moments, quad, vec4(0.0));
+    return;
+  }
+  Point p = load_point(pixel);
+  if ((p.slot >= 0) != (MEASURED == 1)) return;
+  Result result;
+  result.energy = vec4(0.0);
+  result.second = vec2(0.0);
+  result.stratum_samples = float(u_frame.sampling.x);
+  int count = PREDICTION_SAMPLES;
+  integrate(p, pixel, 0u, count, result);
+  int brdf_count = brdf_sample_count(p, count);
+  imageStore(o_energy, quad, result.energy);
+  imageStore(o_moments, quad, vec4(result.second, float(brdf_count), float(count - brdf_count)));
+}

@@ -1,0 +1,24 @@
+// One level of the bandwidth pyramid: the largest bandwidth (reconstruction must not miss it), mean radiance and deviation.
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 21) uniform sampler2D t_fine;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_coarse;
+uniform int u_level;  // of t_fine
+void main() {
+  ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 fine = textureSize(t_fine, u_level);
+  if (any(greaterThanEqual(p, imageSize(o_coarse)))) return;
+  vec4 r = vec4(0.0);
+  vec2 sum = vec2(0.0);
+  for (int k = 0; k < 9; ++k) {
+    ivec2 q = 2 * p + ivec2(k % 3, k / 3);
+    // A third row or column only at the odd end of a level.
+    if ((k % 3 == 2 && (fine.x & 1) == 0) || (k / 3 == 2 && (fine.y & 1) == 0)) continue;
+    if ((k % 3 == 2 && q.x != fine.x - 1) || (k / 3 == 2 && q.y != fine.y - 1)) continue;
+    if (any(greaterThanEqual(q, fine))) continue;
+    vec4 v = texelFetch(t_fine, q, u_level);
+    r.x = max(r.x, v.x);
+    sum += v.yz * v.w;
+    r.w += v.w;
+  }
+  imageStore(o_coarse, p, vec4(r.x, r.w > 0.0 ? sum / r.w : vec2(0.0), r.w));
+}

@@ -1,0 +1,145 @@
+// From the triangle of each grid point to its surface: exact hit of the point's ray with the triangle, interpolated
+// normal and texture coordinates with analytic derivatives, material after textures.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/frame.glsl"
+#include "shared/constants.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#if TEXTURES
+#include "shared/texture_table.glsl"
+#endif
+layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = 4) uniform usamplerBuffer t_indices;
+layout(binding = 5) uniform samplerBuffer t_vertices;  // 4 texels: position, uv0.x | normal, uv0.y | tangent | uv1, colour bits, 0
+layout(binding = 6) uniform usamplerBuffer t_triangle_material;
+layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
+layout(binding = 1, r32f) uniform writeonly image2D o_depth;
+#if TEXTURE_BANDWIDTH
+layout(binding = 7) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 x 16], cycles per unit of UV
+layout(binding = 2, r16f) uniform writeonly image2D o_texture_bandwidth;
+#endif
+
+struct Hit {
+  float depth;
+  vec2 barycentric;  // weights of the second and third vertex
+};
+
+/// Moller and Trumbore 1997, without the range tests: the rasteriser has made them.
+Hit intersect(vec3 origin, vec3 direction, vec3 p0, vec3 e1, vec3 e2) {
+  vec3 p = cross(direction, e2);
+  float determinant = dot(e1, p);
+  float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
+  vec3 t = origin - p0;
+  vec3 q = cross(t, e1);
+  Hit hit;
+  hit.barycentric = vec2(dot(t, p), dot(direction, q)) * inverse;
+  hit.depth = dot(e2, q) * inverse;
+  return hit;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  int triangle = int(texelFetch(t_triangle, pixel, 0).x) - 1;
+  if (triangle < 0) {
+    imageStore(o_depth, pixel, vec4(0.0));
+    imageStore(o_surface, pixel, uvec4(0u));
+    return;
+  }
+  int v0 = 4 * int(texelFetch(t_indices, 3 * triangle).x);
+  int v1 = 4 * int(texelFetch(t_indices, 3 * triangle + 1).x);
+  int v2 = 4 * int(texelFetch(t_indices, 3 * triangle + 2).x);
+  vec4 p0 = texelFetch(t_vertices, v0), p1 = texelFetch(t_vertices, v1), p2 = texelFetch(t_vertices, v2);
+  vec4 n0 = texelFetch(t_vertices, v0 + 1), n1 = texelFetch(t_vertices, v1 + 1), n2 = texelFetch(t_vertices, v2 + 1);
+  vec3 e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
+  vec2 center = vec2(pixel) + 0.5;
+  vec3 ray = ray_through(center);
+  Hit hit = intersect(u_frame.eye.xyz, ray, p0.xyz, e1, e2);
+  // A grid point on a sliver's edge may miss by rounding: stay on the triangle.
+  vec2 b = clamp(hit.barycentric, 0.0, 1.0);
+  b *= 1.0 / max(1.0, b.x + b.y);
+  float b0 = 1.0 - b.x - b.y;
+  float depth = dot(p0.xyz + b.x * e1 + b.y * e2 - u_frame.eye.xyz, u_frame.forward.xyz);
+  vec3 geometric = cross(e1, e2);
+  vec3 normal = b0 * n0.xyz + b.x * n1.xyz + b.y * n2.xyz;
+  normal = dot(normal, normal) > 1e-20 ? normalize(normal) : normalize(geometric + vec3(0.0, 1e-30, 0.0));
+  int material = int(texelFetch(t_triangle_material, triangle).x);
+  vec4 m0 = material_floats(material, 0), m1 = material_floats(material, 1), m2 = material_floats(material, 2);
+  vec4 m3 = material_floats(material, 3);
+  vec4 color = b0 * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v0 + 3).z)) +
+               b.x * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v1 + 3).z)) +
+               b.y * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v2 + 3).z));
+  Surface surface;
+  surface.base_color = m0.rgb * color.rgb;
+  surface.metallic = m1.x;
+  surface.roughness = m1.y;
+  surface.clearcoat = m3.x;
+  surface.material = material;
+  vec3 emission = m2.rgb;
+  float texture_bandwidth = 0.0;
+#if TEXTURES
+  uvec4 w6 = material_words(material, 6), w7 = material_words(material, 7);
+  if ((w6.z & w6.w & w7.x & w7.y & w7.z & w7.w) != 0xffffffffu) {
+    Hit hx = intersect(u_frame.eye.xyz, ray_through(center + vec2(1.0, 0.0)), p0.xyz, e1, e2);
+    Hit hy = intersect(u_frame.eye.xyz, ray_through(center + vec2(0.0, 1.0)), p0.xyz, e1, e2);
+    vec2 bx = hx.barycentric - hit.barycentric, by = hy.barycentric - hit.barycentric;
+    vec4 u0 = texelFetch(t_vertices, v0 + 3), u1 = texelFetch(t_vertices, v1 + 3), u2 = texelFetch(t_vertices, v2 + 3);
+    vec2 s0 = vec2(p0.w, n0.w), s1 = vec2(p1.w, n1.w), s2 = vec2(p2.w, n2.w);
+    vec2 uv0 = b0 * s0 + b.x * s1 + b.y * s2, uv1 = b0 * u0.xy + b.x * u1.xy + b.y * u2.xy;
+    vec2 a1 = s1 - s0, a2 = s2 - s0, c1 = u1.xy - u0.xy, c2 = u2.xy - u0.xy;
+    vec2 dx0 = a1 * bx.x + a2 * bx.y, dy0 = a1 * by.x + a2 * by.y;
+    vec2 dx1 = c1 * bx.x + c2 * bx.y, dy1 = c1 * by.x + c2 * by.y;
+#define SAMPLE(texture_index)                                                                          \
+  sample_texture(int(texture_index), texture_coordinates(int(texture_index), uv0, uv1),                \
+                 texture_coordinates(int(texture_index), uv0 + dx0, uv1 + dx1) - texture_coordinates(int(texture_index), uv0, uv1), \
+                 texture_coordinates(int(texture_index), uv0 + dy0, uv1 + dy1) - texture_coordinates(int(texture_index), uv0, uv1))
+    if (w6.z != 0xffffffffu) surface.base_color *= SAMPLE(w6.z).rgb;
+    if (w6.w != 0xffffffffu) {
+      vec4 mr = SAMPLE(w6.w);
+      surface.metallic *= mr.b;
+      surface.roughness *= mr.g;
+    }
+    if (w7.y != 0xffffffffu) emission *= SAMPLE(w7.y).rgb;
+    if (w7.z != 0xffffffffu) surface.base_color *= mix(1.0, SAMPLE(w7.z).r, m1.w);
+    if (w7.w != 0xffffffffu) surface.clearcoat *= SAMPLE(w7.w).r;
+    if (w7.x != 0xffffffffu) {
+      vec4 t = b0 * texelFetch(t_vertices, v0 + 2) + b.x * texelFetch(t_vertices, v1 + 2) +
+               b.y * texelFetch(t_vertices, v2 + 2);
+      vec3 tangent = normalize(t.xyz - normal * dot(t.xyz, normal) + vec3(1e-20, 0.0, 0.0));
+      vec3 bitangent = cross(normal, tangent) * (t.w < 0.0 ? -1.0 : 1.0);
+      vec3 map = SAMPLE(w7.x).xyz * 2.0 - 1.0;
+      normal = normalize(tangent * (map.x * m1.z) + bitangent * (map.y * m1.z) + normal * max(map.z, 1e-3));
+    }
+#if TEXTURE_BANDWIDTH
+    // Cycles per unit of UV, times UV units per metre along the finer screen axis.
+    float footprint_m = depth * u_frame.forward.w;
+    for (int k = 0; k < 2; ++k) {
+      uint texture_index = k == 0 ? w6.z : w6.w;
+      if (texture_index == 0xffffffffu) continue;
+      vec2 uv = texture_coordinates(int(texture_index), uv0, uv1);
+      vec2 d = texture_coordinates(int(texture_index), uv0 + dx0, uv1 + dx1) - uv;
+      vec2 e = texture_coordinates(int(texture_index), uv0 + dy0, uv1 + dy1) - uv;
+      ivec2 cell = ivec2(fract(uv) * 16.0);
+      float cycles_per_uv = texelFetch(t_texture_bandwidth, int(texture_index) * 256 + cell.y * 16 + cell.x).x;
+      float span = sqrt(max(length(d) * length(e), 1e-20));
+      texture_bandwidth = max(texture_bandwidth, min(cycles_per_uv * span, 0.5) / footprint_m);
+    }
+#endif
+  }
+#endif
+  // Shade the side that is seen, whether or not the file's normals agree with its winding.
+  vec3 seen_side = dot(geometric, u_frame.eye.xyz - p0.xyz) < 0.0 ? -geometric : geometric;
+  if (dot(normal, seen_side) < 0.0) normal = -normal;
+  // Interpolated normals may lean away from the eye at silhouettes: bend them back to grazing.
+  vec3 view = -normalize(ray);
+  float facing = dot(normal, view);
+  if (facing < 0.004) normal = normalize(normal + view * (0.004 - facing));
+  surface.normal = normal;
+  imageStore(o_surface, pixel, pack_surface(surface, emission));
+  imageStore(o_depth, pixel, vec4(max(depth, 1e-30)));
+#if TEXTURE_BANDWIDTH
+  imageStore(o_texture_bandwidth, pixel, vec4(texture_bandwidth));
+#endif
+}

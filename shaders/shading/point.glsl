@@ -1,0 +1,140 @@
+// One shading point: its surface, frame and material, all in the environment's frame (rotation undone), so that turning the light
+// costs nothing. Needs frame, constants, latlong, octahedral, rgb9e5, gbuffer, material_table, analytic, merl included before.
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 10) uniform usamplerBuffer t_brdf;          // [slot][theta_h][theta_d][phi_d], shared exponent
+layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation][96], t begin and end
+layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
+layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
+layout(binding = 14) uniform usamplerBuffer t_environment;   // [height][width], shared exponent
+layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
+
+const int kBrdfBias = 24;
+const int kBrdfEntries = 1458000, kThetaCells = 96, kPhiCells = 16, kElevations = 32, kAlbedoEntries = 64;
+
+struct Point {
+  vec3 position;  // m, world
+  vec3 n, t, b;   // environment frame
+  vec3 wo;        // local frame
+  float distance_m;
+  int slot;       // measured table, or -1
+  float inverse_albedo;
+  float brdf_share;  // of the samples, in (0, 1)
+  vec3 tint;
+  AnalyticMaterial analytic;
+  vec3 lobe_weights;
+};
+
+/// Branch-free frame. Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+void make_frame(vec3 n, out vec3 t, out vec3 b) {
+  float s = n.z >= 0.0 ? 1.0 : -1.0;
+  float a = -1.0 / (s + n.z);
+  float c = n.x * n.y * a;
+  t = vec3(1.0 + s * n.x * n.x * a, s * c, -s * n.x);
+  b = vec3(c, s + n.y * n.y * a, -n.y);
+}
+
+vec3 to_local(Point p, vec3 d) { return vec3(dot(p.t, d), dot(p.b, d), dot(p.n, d)); }
+vec3 from_local(Point p, vec3 w) { return p.t * w.x + p.b * w.y + p.n * w.z; }
+
+Point load_point(ivec2 pixel) {
+  Point p;
+  uvec4 g = texelFetch(t_surface, pixel, 0);
+  float depth = texelFetch(t_depth, pixel, 0).x;
+  Surface s = unpack_surface(g);
+  vec3 ray = ray_through(vec2(pixel) + 0.5);
+  p.position = u_frame.eye.xyz + ray * depth;
+  p.distance_m = depth * length(ray);
+  p.n = environment_from_world(s.normal);
+  vec3 v = environment_from_world(-normalize(ray));
+  // The view lies in the local xz plane: measured tables are isotropic and their importance cells are stored so.
+  vec3 side = v - p.n * dot(p.n, v);
+  float side2 = dot(side, side);
+  if (side2 > 1e-10) {
+    p.t = side * inversesqrt(side2);
+    p.b = cross(p.n, p.t);
+  } else {
+    make_frame(p.n, p.t, p.b);
+  }
+  p.wo = vec3(sqrt(side2), 0.0, max(dot(p.n, v), 1e-3));
+  p.wo *= inversesqrt(dot(p.wo, p.wo));
+  uvec4 words = material_words(s.material, 6);
+  vec4 m5 = material_floats(s.material, 5);
+  p.brdf_share = m5.w;
+  p.tint = vec3(1.0);
+  p.slot = -1;
+  if ((words.x & kMaterialMeasured) != 0u) {
+    p.slot = int(words.y);
+    if ((words.x & kMaterialTinted) != 0u) p.tint = s.base_color;
+    float e = latlong_atan2(p.wo.x, p.wo.z) * (float(kAlbedoEntries - 1) * 0.63661977);
+    int i = min(int(e), kAlbedoEntries - 2);
+    float a = mix(texelFetch(t_albedo, p.slot * kAlbedoEntries + i).x, texelFetch(t_albedo, p.slot * kAlbedoEntries + i + 1).x,
+                  e - float(i));
+    p.inverse_albedo = 1.0 / max(a, 1e-6);
+  } else {
+    vec4 m2 = material_floats(s.material, 2), m3 = material_floats(s.material, 3), m4 = material_floats(s.material, 4);
+    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, m2.w, m3.z, m4.rgb, s.clearcoat, m3.y, m5.rgb, m4.w);
+    p.lobe_weights = analytic_lobe_weights(p.analytic, p.wo);
+    p.inverse_albedo = 1.0;
+  }
+  return p;
+}
+
+/// Measured BRDF: linear between bin centres along theta_h, where lobes are steep; along theta_d and phi_d one of the two
+/// neighbours is chosen with its linear weight by `xi`, so that the expectation is the trilinear value at a quarter of the fetches.
+/// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4.
+vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
+  vec3 c = merl_coordinates(wi, wo);
+  float theta_h = clamp(c.x, 0.0, 88.9999);
+  int theta_d = clamp(int(floor(c.y + xi.x)), 0, 89);
+  int phi_d = int(floor(c.z + xi.y));
+  phi_d = phi_d < 0 ? phi_d + 180 : (phi_d >= 180 ? phi_d - 180 : phi_d);
+  int i = int(theta_h);
+  int index = slot * kBrdfEntries + merl_index(i, theta_d, phi_d);
+  return mix(unpack_rgb9e5(texelFetch(t_brdf, index).x, kBrdfBias),
+             unpack_rgb9e5(texelFetch(t_brdf, index + kMerlPhiD * kMerlThetaD).x, kBrdfBias), theta_h - float(i));
+}
+
+/// Environment radiance (stored units): one of the four texels around with its bilinear weight, by `xi`.
+vec3 environment_stochastic(vec3 d, vec2 xi) {
+  ivec2 size = u_frame.environment_size.xy;
+  vec2 uv = latlong_uv_from_direction(d) * vec2(size);
+  ivec2 p = ivec2(floor(uv - 0.5 + xi));
+  p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
+  p.y = clamp(p.y, 0, size.y - 1);
+  return unpack_rgb9e5(texelFetch(t_environment, p.y * size.x + p.x).x, u_frame.environment_size.z);
+}
+
+
+
+struct BrdfSample {
+  vec3 wi;    // local; z <= 0 when the sample is lost
+  float pdf;  // true density of this sampler, 1/sr
+};
+
+BrdfSample sample_measured(int slot, vec3 wo, float u1, float u2) {
+  int elevation = min(int(latlong_atan2(wo.x, wo.z) * (float(kElevations) * 0.63661977)), kElevations - 1);
+  float cell = u1 < 0.5 ? u1 * 64.0 : min(32.0 - 8.0 * log2(2.0 - 2.0 * u1), 95.9999);
+  int k = int(cell);
+  int j = k - 32;
+  float mass = k < 32 ? 0.015625 : (k == 95 ? 0.5 * exp2(-7.875) : 0.5 * exp2(-0.125 * float(j)) * 0.0829959567953288);
+  float inside = cell - float(k);
+  int base = (slot * kElevations + elevation) * kThetaCells + k;
+  vec2 t = texelFetch(t_theta_cells, base).xy;
+  float side = u2 < 0.5 ? 1.0 : -1.0;
+  float v = fract(2.0 * u2) * float(kPhiCells);
+  int m = min(int(v), kPhiCells - 1);
+  vec2 phi = texelFetch(t_phi_cells, base * kPhiCells + m).xy;
+  float x = mix(t.x, t.y, inside);
+  float a = mix(phi.x, phi.y, v - float(m)) - 0.5 * kPi;
+  float a2 = a * a;
+  float s = a * (0.99999750 + a2 * (-0.16665168 + a2 * (0.00830950 - a2 * 0.00018447)));
+  float sin_theta = sqrt(max(0.0, x * (2.0 - x)));
+  vec3 h = vec3(-sin_theta * s, side * sin_theta * sqrt(max(0.0, 1.0 - s * s)), 1.0 - x);
+  float d = dot(wo, h);
+  BrdfSample r;
+  r.wi = h * (2.0 * d) - wo;
+  if (d <= 0.0) r.wi.z = -1.0;
+  r.pdf = mass * (1.0 / 128.0) / (max((t.y - t.x) * (phi.y - phi.x), 1e-20) * max(d, 1e-6));
+  return r;
+}

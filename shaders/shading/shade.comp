@@ -1,0 +1,59 @@
+// Shades work items: `chunk` samples of one point each, so that all lanes of a vector do the same count.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/constants.glsl"
+#include "shared/latlong.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#include "shared/analytic.glsl"
+#include "shared/merl.glsl"
+#include "shading/point.glsl"
+#if VISIBILITY
+#include "shading/visibility.glsl"
+#endif
+#if LIGHTS
+#include "shading/lights.glsl"
+#endif
+
+struct Item {
+  uint pixel;         // x | y << 16
+  uint first_sample;  // of the point's sequence
+};
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
+};
+layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
+uniform int u_list;
+layout(std430, binding = 2) readonly buffer Items { Item b_items[]; };
+layout(std430, binding = 3) writeonly buffer Partial { vec4 b_partial[]; };
+
+struct Result {
+  vec3 sum;
+#if VISIBILITY
+  VisibilityPoint visibility;
+#endif
+};
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
+#include "shading/integrate.glsl"
+
+void main() {
+  uint id = gl_GlobalInvocationID.x;
+  if (id >= b_lists[u_list].items) return;
+  Item item = b_items[id];
+  ivec2 pixel = ivec2(item.pixel & 65535u, item.pixel >> 16u);
+  Point p = load_point(pixel);
+  Result result;
+  result.sum = vec3(0.0);
+#if VISIBILITY
+  result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
+#endif
+  uint first_sample = item.first_sample + uint(u_frame.sampling.z);
+  integrate(p, pixel, first_sample, u_frame.sampling.y, result);
+  vec3 sum = result.sum * u_frame.environment.z;
+#if LIGHTS
+  sum += direct_lights(p, pixel, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample);
+#endif
+  b_partial[id] = vec4(sum, 1.0);
+}

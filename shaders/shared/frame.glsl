@@ -1,0 +1,18 @@
+#include "shared/frame_block.glsl"
+layout(std140, binding = 0) uniform Frame { FrameConstants u_frame; };
+
+/// Ray through a point of the shading grid (in grid units, y down), not normalised: depth 1 along the viewing axis.
+vec3 ray_through(vec2 point) {
+  vec2 ndc = 2.0 * point / vec2(u_frame.size.xy) - 1.0;
+  return u_frame.forward.xyz + ndc.x * u_frame.right.xyz - ndc.y * u_frame.up.xyz;
+}
+
+/// World direction to the environment's own frame (its rotation undone) and back. Positive rotation is from +Z towards +X.
+vec3 environment_from_world(vec3 d) {
+  return vec3(u_frame.environment.x * d.x - u_frame.environment.y * d.z, d.y,
+              u_frame.environment.y * d.x + u_frame.environment.x * d.z);
+}
+vec3 world_from_environment(vec3 d) {
+  return vec3(u_frame.environment.x * d.x + u_frame.environment.y * d.z, d.y,
+              -u_frame.environment.y * d.x + u_frame.environment.x * d.z);
+}

@@ -1,0 +1,12 @@
+// Material records: 8 texels of four words each. Written by render/scene_buffers.cpp in the same order.
+layout(binding = 1) uniform usamplerBuffer t_materials;
+const int kMaterialTexels = 8;
+const uint kMaterialMeasured = 1u, kMaterialTinted = 2u, kMaterialUnlit = 4u, kMaterialDoubleSided = 8u;
+
+vec4 material_floats(int material, int texel) {
+  return uintBitsToFloat(texelFetch(t_materials, material * kMaterialTexels + texel));
+}
+// Texel 0: base colour rgb, alpha cutoff. 1: metallic, roughness, normal scale, occlusion strength. 2: emission rgb, ior.
+// 3: clearcoat, coat roughness, specular, transmission. 4: specular colour rgb, sheen roughness. 5: sheen rgb, BRDF sample share.
+// 6 (words): flags, BRDF slot, base colour texture, metallic-roughness texture. 7: normal, emissive, occlusion, clearcoat textures.
+uvec4 material_words(int material, int texel) { return texelFetch(t_materials, material * kMaterialTexels + texel); }

@@ -1,0 +1,29 @@
+// Shared-exponent colour: three 9-bit mantissas and a 5-bit exponent in 32 bits, with a bias chosen by the table so that
+// measured BRDFs (6e-8 .. 65,000 1/sr) and skies with a sun (1e9 : 1) both fit. Rounding error: at most 1/1022 of the
+// largest channel. One word is one gather, which is what bounds the shading kernels.
+// Source: EXT_texture_shared_exponent. Differs: free bias.
+
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+
+/// `bias`: the exponent field e stands for a step of 2^(e - bias).
+MAQUETTE_FN uint pack_rgb9e5(vec3 c, int bias) {
+  float largest = max(max(c.x, c.y), c.z);
+  if (!(largest > 0.0f)) return 0u;
+  int e = clamp(int(ceil(log2(largest / 511.5f))) + bias, 0, 31);
+  float step_size = exp2(float(e - bias));
+  if (largest / step_size > 511.5f && e < 31) {
+    e += 1;
+    step_size *= 2.0f;
+  }
+  uint r = uint(clamp(c.x / step_size + 0.5f, 0.0f, 511.0f));
+  uint g = uint(clamp(c.y / step_size + 0.5f, 0.0f, 511.0f));
+  uint b = uint(clamp(c.z / step_size + 0.5f, 0.0f, 511.0f));
+  return r | (g << 9u) | (b << 18u) | (uint(e) << 27u);
+}
+
+MAQUETTE_FN vec3 unpack_rgb9e5(uint p, int bias) {
+  float step_size = uintBitsToFloat(uint(int(p >> 27u) + 127 - bias) << 23u);
+  return vec3(float(p & 511u), float((p >> 9u) & 511u), float((p >> 18u) & 511u)) * step_size;
+}

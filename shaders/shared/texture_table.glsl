@@ -1,0 +1,75 @@
+// All textures of a scene in one buffer of packed RGBA8 texels with their mip chains; filtered here. A texture is resolved once
+// per visible point, so this costs little, and it needs neither bindless textures nor arrays of equal sizes.
+// Record of texture i (3 texels of t_texture_records, floats): offset bits, width, height, levels | rotation and scale of the transform
+// (a 2x2 matrix) | transform offset, wrap code (s + 4 t), flags (1 sRGB, 2 UV set 1, 4 nearest).
+layout(binding = 2) uniform usamplerBuffer t_texels;
+layout(binding = 3) uniform samplerBuffer t_texture_records;
+
+vec4 texture_record(int texture_index, int row) { return texelFetch(t_texture_records, texture_index * 3 + row); }
+
+/// UV of the right set through KHR_texture_transform.
+vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
+  vec4 matrix = texture_record(texture_index, 1);
+  vec4 rest = texture_record(texture_index, 2);
+  vec2 uv = (int(rest.w) & 2) != 0 ? uv1 : uv0;
+  return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y) + rest.xy;
+}
+
+int wrap_texel(int i, int size, int mode) {
+  if (mode == 2) return clamp(i, 0, size - 1);
+  int m = i % size;
+  m = m < 0 ? m + size : m;
+  if (mode == 1) {
+    int two = i % (2 * size);
+    two = two < 0 ? two + 2 * size : two;
+    return two < size ? two : 2 * size - 1 - two;
+  }
+  return m;
+}
+
+vec3 linear_from_srgb(vec3 c) {
+  return mix(c * (1.0 / 12.92), pow((c + 0.055) * (1.0 / 1.055), vec3(2.4)), greaterThan(c, vec3(0.04045)));
+}
+
+vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
+  int x = wrap_texel(p.x, size.x, wrap & 3);
+  int y = wrap_texel(p.y, size.y, wrap >> 2);
+  vec4 c = unpackUnorm4x8(texelFetch(t_texels, offset + y * size.x + x).x);
+  return srgb ? vec4(linear_from_srgb(c.rgb), c.a) : c;
+}
+
+vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool srgb, bool nearest) {
+  vec2 p = uv * vec2(size);
+  if (nearest) return fetch_texel(offset, size, ivec2(floor(p)), wrap, srgb);
+  p -= 0.5;
+  ivec2 i = ivec2(floor(p));
+  vec2 f = p - vec2(i);
+  return mix(mix(fetch_texel(offset, size, i, wrap, srgb), fetch_texel(offset, size, i + ivec2(1, 0), wrap, srgb), f.x),
+             mix(fetch_texel(offset, size, i + ivec2(0, 1), wrap, srgb),
+                 fetch_texel(offset, size, i + ivec2(1, 1), wrap, srgb), f.x),
+             f.y);
+}
+
+/// Trilinear; the footprint is the geometric mean of the two derivatives, so that glancing surfaces stay readable.
+vec4 sample_texture(int texture_index, vec2 uv, vec2 duv_dx, vec2 duv_dy) {
+  vec4 a = texture_record(texture_index, 0);
+  vec4 rest = texture_record(texture_index, 2);
+  ivec2 size = ivec2(a.yz);
+  int levels = int(a.w);
+  int flags = int(rest.w);
+  float lx = dot(duv_dx * a.yz, duv_dx * a.yz);
+  float ly = dot(duv_dy * a.yz, duv_dy * a.yz);
+  float lod = clamp(0.25 * log2(max(lx * ly, 1e-12)), 0.0, float(levels - 1));
+  int level = int(lod);
+  int offset = floatBitsToInt(a.x);
+  for (int l = 0; l < level; ++l) {
+    offset += size.x * size.y;
+    size = max(size / 2, ivec2(1));
+  }
+  bool srgb = (flags & 1) != 0, nearest = (flags & 4) != 0;
+  int wrap = int(rest.z);
+  vec4 fine = sample_level(offset, size, uv, wrap, srgb, nearest);
+  float t = lod - float(level);
+  if (t <= 0.0 || level + 1 >= levels) return fine;
+  return mix(fine, sample_level(offset + size.x * size.y, max(size / 2, ivec2(1)), uv, wrap, srgb, nearest), t);
+}

@@ -63,7 +63,7 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
-  glFrontFace(GL_CW);  // the clip origin is at the upper left: rows run down
+  glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
   glCullFace(GL_BACK);
   buffers->bind_geometry();
   glBindVertexArray(buffers->vertex_array());

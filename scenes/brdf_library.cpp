@@ -104,7 +104,7 @@ std::vector<Entry> make_entries() {
   add("paint-solid-red", "Solid red paint", kSolid, [] { return solid_paint(V(0.58, 0.022, 0.018)); });
   add("paint-solid-white", "Solid white paint", kSolid, [] { return solid_paint(V(0.86, 0.86, 0.83)); });
   add("paint-red-metallic", "Red metallic paint", kMetallic,
-      [] { return metallic_paint(V(0.24, 0.008, 0.008), V(0.72, 0.04, 0.035), 0.6, 0.24); });
+      [] { return metallic_paint(V(0.30, 0.006, 0.006), V(0.76, 0.022, 0.02), 0.6, 0.24); });
   add("paint-blue-metallic", "Blue metallic paint", kMetallic,
       [] { return metallic_paint(V(0.004, 0.012, 0.06), V(0.035, 0.13, 0.52), 0.55, 0.25); });
   add("paint-silver-metallic", "Silver metallic paint", kMetallic,
@@ -122,8 +122,11 @@ std::vector<Entry> make_entries() {
         return flop_paint(V(0.004, 0.004, 0.006), {1.38, 380.0, 0.5, 0.5, kCoatIndex}, 0.75, 0.22);
       });
   add("paint-flop-gold-red", "Red to gold flop paint",
-      kFlop + std::string("; dark ground, magnesium fluoride film (n 1.38) of 268 nm in metal flakes"), [] {
-        return flop_paint(V(0.006, 0.004, 0.003), {1.38, 268.0, 0.55, 0.55, kCoatIndex}, 0.75, 0.22);
+      kFlop + std::string("; dark ground, magnesium fluoride film (n 1.38) of 465 nm in metal flakes, yellow binder"),
+      [] {
+        LayeredModel model = flop_paint(V(0.006, 0.004, 0.003), {1.38, 465.0, 0.5, 0.5, kCoatIndex}, 0.75, 0.22);
+        model.flake_tint = V(1.0, 0.85, 0.25);
+        return model;
       });
   add("leather-black", "Black leather", kPolymer, [] { return polymer(V(0.032, 0.030, 0.029), 0.36, 0.75, 0.35); });
   add("leather-tan", "Tan leather", kPolymer, [] { return polymer(V(0.42, 0.21, 0.095), 0.36, 0.75, 0.35); });

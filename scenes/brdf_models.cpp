@@ -261,7 +261,7 @@ std::vector<glm::vec3> tabulate_model(const LayeredModel& model) {
     const HalfAngle h = make_half_angle(model, square((bin + 0.5) / kThetaHCount) * kHalfPi);
     for (int d = 0; d < kThetaDCount; ++d) {
       const double theta_d = (d + 0.5) / kThetaDCount * kHalfPi;
-      glm::vec3* row = &rgb[static_cast<std::size_t>((bin * kThetaDCount + d) * kPhiDCount)];
+      glm::vec3* row = rgb.data() + (bin * kThetaDCount + d) * kPhiDCount;
       evaluate_row(prepared, h, std::cos(theta_d), std::sin(theta_d), cos_phi, row);
       // phi_d and pi - phi_d exchange both directions.
       for (int p = 0; p < kHalfPhiD; ++p) row[kPhiDCount - 1 - p] = row[p];

@@ -159,11 +159,11 @@ void add_signals(const BrdfTable& brdf, bool along_theta_h, int other, const Res
   std::array<float, 90> values;
   for (int s = 0; s < kPhiSamples; ++s) {
     const int phi = (2 * s + 1) * kPhiDCount / (2 * kPhiSamples);
+    const glm::vec3* column = brdf.rgb.data() + phi;
     for (int channel = 0; channel < 3; ++channel) {
       for (int i = 0; i < 90; ++i) {
         const int theta_h = along_theta_h ? i : other, theta_d = along_theta_h ? other : i;
-        values[static_cast<std::size_t>(i)] =
-            brdf.rgb[static_cast<std::size_t>(phi + kPhiDCount * (theta_d + kThetaDCount * theta_h))][channel];
+        values[static_cast<std::size_t>(i)] = column[kPhiDCount * (theta_d + kThetaDCount * theta_h)][channel];
       }
       resampler(values.data(), work.samples);
       work.spectrum.add(work.samples);
@@ -176,7 +176,7 @@ void add_signals(const BrdfTable& brdf, bool along_theta_h, int other, const Res
 std::vector<float> compute_bandwidth(const BrdfTable& brdf) {
   std::vector<float> bandwidth(std::size_t{kThetaHCount} * kThetaDCount);
   const auto at = [&](int theta_h, int theta_d) -> float& {
-    return bandwidth[static_cast<std::size_t>(theta_h * kThetaDCount + theta_d)];
+    return bandwidth.data()[theta_h * kThetaDCount + theta_d];
   };
   const AxisWork half_axis{LocalSpectrum(kFineLevels), {}}, difference_axis{LocalSpectrum(0), {}};
   const Resampler half_resampler(half_axis.spectrum.sample_angles(), true);
@@ -217,8 +217,7 @@ std::vector<float> ggx_bandwidth() {
     resampler(values.data(), samples);
     spectrum.add(samples);
     for (int h = 0; h < kThetaHCount; ++h) {
-      bandwidth[static_cast<std::size_t>(i * kThetaHCount + h)] =
-          static_cast<float>(0.5 * spectrum.frequency_95(theta_h_centre(h)));
+      bandwidth.data()[i * kThetaHCount + h] = static_cast<float>(0.5 * spectrum.frequency_95(theta_h_centre(h)));
     }
   });
   return bandwidth;

@@ -12,10 +12,10 @@ struct BrdfSampler {
   const BrdfTables& tables;
 
   vec2 fetch_theta_cell(int elevation, int k) const {
-    return tables.theta_cells[static_cast<std::size_t>(elevation * kThetaCellCount + k)];
+    return tables.theta_cells.data()[elevation * kThetaCellCount + k];
   }
   vec2 fetch_phi_cell(int elevation, int k, int p) const {
-    return tables.phi_cells[static_cast<std::size_t>((elevation * kThetaCellCount + k) * kPhiCellCount + p)];
+    return tables.phi_cells.data()[(elevation * kThetaCellCount + k) * kPhiCellCount + p];
   }
 #include "shared/brdf_sampling.glsl"
 };

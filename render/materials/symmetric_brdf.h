@@ -32,7 +32,7 @@ struct SymmetricBrdf {
     const int iy = std::min(static_cast<int>(cy), kThetaDCount - 2);
     const int iz = std::min(static_cast<int>(cz), kHalfPhiD - 2);
     const float fx = cx - static_cast<float>(ix), fy = cy - static_cast<float>(iy), fz = cz - static_cast<float>(iz);
-    const Value* p = &values[static_cast<std::size_t>((ix * kThetaDCount + iy) * kHalfPhiD + iz)];
+    const Value* p = values.data() + (ix * kThetaDCount + iy) * kHalfPhiD + iz;
     constexpr int kRow = kHalfPhiD, kSlice = kThetaDCount * kHalfPhiD;
     const auto along_phi = [&](const Value* q) { return q[0] * (1.0f - fz) + q[1] * fz; };
     const auto along_d = [&](const Value* q) { return along_phi(q) * (1.0f - fy) + along_phi(q + kRow) * fy; };

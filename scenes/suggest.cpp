@@ -13,6 +13,19 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+/// Distance to the nearest of the words that `candidate` is made of (`leather` in `leather-black`).
+int word_distance(std::string_view name, const std::string& candidate) {
+  int nearest = edit_distance(name, candidate);
+  std::size_t begin = 0;
+  while (begin < candidate.size()) {
+    const std::size_t end = std::min(candidate.find_first_of("-_.: ", begin), candidate.size());
+    if (end > begin)
+      nearest = std::min(nearest, 1 + edit_distance(name, std::string_view(candidate).substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 int edit_distance(std::string_view first, std::string_view second) {
@@ -40,7 +53,7 @@ std::vector<std::string> nearest_names(std::string_view name, const std::vector<
   const std::string wanted = lower(name);
   std::vector<std::pair<int, std::string>> ranked;
   for (const std::string& candidate : names) {
-    int distance = edit_distance(name, candidate);
+    int distance = word_distance(name, candidate);
     const bool part = wanted.size() >= 3 && lower(candidate).find(wanted) != std::string::npos;
     if (part) distance = std::min(distance, limit);
     if (distance <= limit) ranked.emplace_back(distance, candidate);

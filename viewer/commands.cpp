@@ -1,7 +1,49 @@
 #include "viewer/commands.h"
 
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <map>
+#include <new>
+
+#include "scenes/error.h"
+#include "viewer/command_line.h"
+
 namespace maquette {
 
-int run_program(int, char**) { return 2; }
+namespace {
+
+int fail(int code, const std::string& text) {
+  std::string line = text;
+  for (char& c : line)
+    if (c == '\n' || c == '\r') c = ' ';
+  std::fflush(stdout);
+  std::fprintf(stderr, "maquette: %s\n", line.c_str());
+  return code;
+}
+
+int run_command(const CommandLine& line) {
+  static const std::map<std::string, std::function<int(const CommandLine&)>> kRunners = {
+      {"view", run_view},       {"render", run_render}, {"compare", run_compare},
+      {"inspect", run_inspect}, {"doctor", run_doctor}, {"help", run_help},
+  };
+  return line.help ? run_help(line) : kRunners.at(line.command)(line);
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+  try {
+    const int code = run_command(parse_command_line(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc)));
+    if (std::fflush(stdout) != 0 || std::ferror(stdout)) return fail(1, "standard output: cannot be written");
+    return code;
+  } catch (const UsageError& error) {
+    return fail(2, error.what());
+  } catch (const std::bad_alloc&) {
+    return fail(1, "out of memory; close other programs or ask for less (--size, --msaa)");
+  } catch (const std::exception& error) {
+    return fail(1, error.what());
+  }
+}
 
 }  // namespace maquette

@@ -27,8 +27,8 @@ struct SceneOptions {
   std::string reflector;
   std::string environment = "builtin:clear-sky";
   float env_rotation_deg = 0.0f;
-  float env_scale = 1.0f;  ///< cd/m2 per stored unit
-  float exposure_ev = 0.0f;
+  float env_scale = 1.0f;            ///< cd/m2 per stored unit
+  std::optional<float> exposure_ev;  ///< absent: the one at which the environment looks right at once
   std::string tonemap = "pbr-neutral";
   std::vector<std::pair<std::string, std::string>> materials;  ///< material name (or `*`), source
   std::string variant;                                         ///< empty: the file's default
@@ -40,7 +40,7 @@ struct SceneOptions {
   int samples = 0;  ///< 0: the mode's default
   std::uint32_t seed = 0;
   int msaa = 1;
-  int frames = 1;                      ///< measured frames; `render` runs warm-up before more than one
+  int frames = 0;                      ///< measured frames after warm-up; 0: one, without warm-up
   std::optional<double> target_error;  ///< relative RMSE
   std::optional<double> time_s;
   std::string debug_view;  ///< `--view NAME`; empty: the picture
@@ -48,7 +48,6 @@ struct SceneOptions {
   Settings settings;
   std::string stats;      ///< JSON file; empty: none
   std::string reference;  ///< EXR file; empty: none
-  std::string look;
   std::string output;
 };
 

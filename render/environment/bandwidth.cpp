@@ -17,11 +17,11 @@ constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMinWidth = 32;
 constexpr std::size_t kMaxWidth = 4096;
 constexpr std::size_t kMaxCells = 256;
-constexpr float kClip = 4.0f;
+constexpr float kClip = 64.0f;
 constexpr float kClipStep = 4.0f;    ///< ratio of neighbouring clip thresholds
 constexpr int kMaxClipCount = 10;    ///< a wider range of brightness gets wider steps
 constexpr double kTailShare = 0.05;  ///< 95 % of the energy is inside
-constexpr double kTailContrast = 0.03;
+constexpr double kTailContrast = 0.01;
 constexpr double kMaxStretch = 4.0;  ///< largest 1 / sin(theta) that is undone
 
 /// Luminance, [height][width], width = 2 height = a power of two.

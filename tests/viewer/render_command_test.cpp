@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "scenes/image_io.h"
+#include "tests/viewer/run_program.h"
+#include "viewer/stats.h"
+
+namespace maquette {
+namespace {
+
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+Words render_words(const std::string& output, const Words& more = {}) {
+  Words words = {"render", "builtin:sphere", "--size", "40x24", "--samples", "8", "--output", output};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+Json run_with_stats(const TemporaryFolder& folder, const Words& more = {}) {
+  Words words = render_words(folder.file("a.exr"), {"--stats", folder.file("s.json")});
+  words.insert(words.end(), more.begin(), more.end());
+  const ProgramResult result = run_maquette(words);
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  return Json::parse(read_text(folder.file("s.json")));
+}
+
+TEST(Median, OddEvenAndEmpty) {
+  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 2.0, 3.0}), 2.5);
+  EXPECT_EQ(median({}), 0.0);
+}
+
+TEST(Render, WritesALinearExrAndNothingElse) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_maquette(render_words(folder.file("a.exr")));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(folder.names(), Words{"a.exr"});
+  const Image image = load_hdr_image(folder.file("a.exr"));
+  EXPECT_EQ(image.width, 40);
+  EXPECT_EQ(image.height, 24);
+  ASSERT_EQ(image.channels, 4);
+  for (const float value : image.data) EXPECT_TRUE(std::isfinite(value) && value >= 0.0f);
+  EXPECT_EQ(image.at(20, 12, 3), 1.0f);  // the sphere is in the middle
+  EXPECT_EQ(image.at(0, 0, 3), 0.0f);    // and the sky in the corner
+}
+
+TEST(Render, WritesAPng) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_maquette(render_words(folder.file("a.png"))).exit_code, 0);
+  const std::string bytes = read_text(folder.file("a.png"));
+  ASSERT_GT(bytes.size(), 24u);
+  EXPECT_EQ(bytes.substr(1, 3), "PNG");
+  EXPECT_EQ(static_cast<unsigned char>(bytes[19]), 40);
+  EXPECT_EQ(static_cast<unsigned char>(bytes[23]), 24);
+}
+
+TEST(Render, StatsHoldWhatTheContractSays) {
+  const TemporaryFolder folder;
+  const Json stats = run_with_stats(folder, {"--frames", "3", "--set", "bandwidth.max_level=3"});
+  EXPECT_EQ(stats["scene"], "builtin:sphere");
+  EXPECT_EQ(stats["mode"], "bandwidth");
+  EXPECT_EQ(stats["reflections"], "off");
+  EXPECT_EQ(stats["size"], Json::array({40, 24}));
+  EXPECT_FALSE(stats["device"].get<std::string>().empty());
+  EXPECT_EQ(stats["settings"]["bandwidth.max_level"], 3);
+  EXPECT_EQ(stats["settings"]["shading.visibility"], "auto");
+  EXPECT_EQ(stats["frames"], 3);
+  EXPECT_GT(stats["timing_ms"]["frame"].get<double>(), 0.0);
+  EXPECT_FALSE(stats["timing_ms"]["passes"].empty());
+  for (const auto& [name, ms] : stats["timing_ms"]["passes"].items()) EXPECT_GE(ms.get<double>(), 0.0) << name;
+  EXPECT_FALSE(stats["memory"]["gpu_bytes"].empty());
+  EXPECT_GT(stats["memory"]["peak_rss_bytes"].get<double>(), 1e6);
+  for (const char* key : {"visible_pixels", "shaded_pixels", "shading_samples"})
+    EXPECT_TRUE(stats["bandwidth"][key].is_number_unsigned()) << key;
+  EXPECT_TRUE(stats["technique"].is_object());
+  for (const Json& left_out : stats["left_out"]) {
+    EXPECT_FALSE(left_out["what"].get<std::string>().empty());
+    EXPECT_FALSE(left_out["why"].get<std::string>().empty());
+  }
+  EXPECT_FALSE(stats.contains("error"));
+}
+
+TEST(Render, ReferenceAddsTheError) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_maquette(render_words(folder.file("reference.exr"), {"--seed", "5"})).exit_code, 0);
+  const Json same = run_with_stats(folder, {"--seed", "5", "--reference", folder.file("reference.exr")});
+  EXPECT_EQ(same["error"]["rmse"], 0.0);  // deterministic by seed
+  EXPECT_TRUE(same["error"]["psnr"].is_null());
+  EXPECT_TRUE(same["error"]["flip"].is_null());
+  const Json other = run_with_stats(folder, {"--seed", "6", "--reference", folder.file("reference.exr")});
+  EXPECT_GT(other["error"]["relative_rmse"].get<double>(), 0.0);
+  const ProgramResult compare = run_maquette({"compare", folder.file("a.exr"), folder.file("reference.exr"), "--json"});
+  ASSERT_EQ(compare.exit_code, 0) << compare.error;
+  EXPECT_EQ(Json::parse(compare.out), other["error"]);
+  const ProgramResult size = run_maquette({"render", "builtin:sphere", "--size", "8x8", "-o", folder.file("b.exr"),
+                                           "--reference", folder.file("reference.exr")});
+  EXPECT_EQ(size.exit_code, 1);
+  EXPECT_NE(size.error.find("40x24"), std::string::npos) << size.error;
+}
+
+TEST(Render, TimeAveragesFramesAndTellsTheErrorLeft) {
+  const TemporaryFolder folder;
+  const Json stats = run_with_stats(folder, {"--time", "0.5", "--mode", "uniform"});
+  const int frames = stats["accumulation"]["frames"];
+  EXPECT_GE(frames, 1);
+  EXPECT_GE(stats["accumulation"]["seconds"].get<double>(), 0.5);
+  if (frames >= 2) {
+    EXPECT_GT(stats["accumulation"]["estimated_relative_rmse"].get<double>(), 0.0);
+  }
+}
+
+TEST(Render, TargetErrorStopsEarly) {
+  const TemporaryFolder folder;
+  const Json stats = run_with_stats(folder, {"--target-error", "0.5", "--time", "60", "--mode", "uniform"});
+  EXPECT_LE(stats["accumulation"]["estimated_relative_rmse"].get<double>(), 0.5);
+  EXPECT_LT(stats["accumulation"]["seconds"].get<double>(), 30.0);
+}
+
+TEST(Render, StatsToStandardOutputAreOnlyJson) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_maquette(render_words(folder.file("a.exr"), {"--stats", "-"}));
+  EXPECT_EQ(Json::parse(result.out)["mode"], "bandwidth");
+}
+
+}  // namespace
+}  // namespace maquette

@@ -1,0 +1,158 @@
+#include "viewer/session.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scenes/error.h"
+
+namespace maquette {
+namespace {
+
+template <typename Call>
+std::string usage_error(const Call& call) {
+  try {
+    call();
+  } catch (const UsageError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "no usage error";
+  return {};
+}
+
+/// One triangle in the plane z = 0, a camera at (0, 0, 5) named `front` and one below it named after its node, `low`.
+Scene make_scene() {
+  Scene scene;
+  scene.name = "test";
+  scene.variants = {"Day", "Night"};
+  scene.materials.resize(2);
+  scene.materials[0].name = "Paint";
+  scene.materials[1].name = "Chrome";
+  Primitive primitive;
+  primitive.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}};
+  primitive.indices = {0, 1, 2};
+  scene.meshes.emplace_back().primitives = {primitive};
+  scene.cameras = {{.name = "front", .fov_y_rad = 0.5f}, {.name = "", .fov_y_rad = 0.7f}};
+  for (int i = 0; i < 3; ++i) {
+    Node node;
+    node.mesh = i == 0 ? 0 : -1;
+    node.camera = i - 1;
+    if (i > 0) node.local[3] = glm::vec4(0, i == 1 ? 0 : -2, 5, 1);
+    node.name = i == 2 ? "low" : "node";
+    scene.roots.push_back(i);
+    scene.nodes.push_back(node);
+  }
+  return scene;
+}
+
+TEST(Session, CamerasByNameAndFirstByDefault) {
+  const Scene scene = make_scene();
+  EXPECT_EQ(camera_names(scene), (std::vector<std::string>{"front", "low"}));
+  const CameraView first = choose_camera(scene, {});
+  EXPECT_EQ(first.eye, glm::vec3(0, 0, 5));
+  EXPECT_EQ(first.target, glm::vec3(0, 0, 4));
+  EXPECT_FLOAT_EQ(first.fov_y_rad, 0.5f);
+  EXPECT_EQ(camera_by_name(scene, "low").eye, glm::vec3(0, -2, 5));
+  EXPECT_NE(usage_error([&] { camera_by_name(scene, "frnt"); }).find("did you mean front?"), std::string::npos);
+}
+
+TEST(Session, OptionsOverrideTheCamera) {
+  const Scene scene = make_scene();
+  SceneOptions options;
+  options.fov_deg = 90.0f;
+  EXPECT_NEAR(choose_camera(scene, options).fov_y_rad, 1.5707964f, 1e-6f);
+  options.eye = glm::vec3(3, 0, 0);
+  EXPECT_EQ(choose_camera(scene, options).target, glm::vec3(0.0f));  // the middle of the scene
+  options.eye = glm::vec3(0, 4, 0);                                  // looks straight down: another up is needed
+  const CameraView down = choose_camera(scene, options);
+  EXPECT_GT(glm::length(glm::cross(glm::normalize(down.target - down.eye), down.up)), 0.9f);
+  options.target = options.eye;
+  EXPECT_THROW(choose_camera(scene, options), UsageError);
+}
+
+TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
+  Scene scene = make_scene();
+  scene.nodes.resize(1);
+  scene.roots.resize(1);
+  scene.nodes[0].local[0][0] = 40.0f;  // wide
+  for (const auto& [width, height] : {std::pair{1280, 720}, std::pair{200, 900}}) {
+    SceneOptions options;
+    options.width = width;
+    options.height = height;
+    const CameraView view = choose_camera(scene, options);
+    const glm::vec3 forward = glm::normalize(view.target - view.eye);
+    const glm::vec3 right = glm::normalize(glm::cross(forward, view.up));
+    const glm::vec3 up = glm::cross(right, forward);
+    const float tan_y = std::tan(0.5f * view.fov_y_rad);
+    const float tan_x = tan_y * static_cast<float>(width) / static_cast<float>(height);
+    for (glm::vec3 p : scene.meshes[0].primitives[0].positions) {
+      p.x *= 40.0f;
+      const float depth = glm::dot(p - view.eye, forward);
+      EXPECT_GT(depth, 0.0f);
+      EXPECT_LE(std::abs(glm::dot(p - view.eye, right)), tan_x * depth);
+      EXPECT_LE(std::abs(glm::dot(p - view.eye, up)), tan_y * depth);
+    }
+  }
+  EXPECT_NE(usage_error([&] { camera_by_name(scene, "driver"); }).find("--eye"), std::string::npos);
+  EXPECT_NO_THROW(choose_camera(Scene{}, {}));
+}
+
+TEST(Session, VariantsAndMaterialsAreChecked) {
+  const Scene scene = make_scene();
+  EXPECT_EQ(find_variant(scene, ""), -1);
+  EXPECT_EQ(find_variant(scene, "Night"), 1);
+  EXPECT_NE(usage_error([&] { find_variant(scene, "Nigth"); }).find("did you mean Night?"), std::string::npos);
+  EXPECT_NO_THROW(check_material_name(scene, "*"));
+  EXPECT_NO_THROW(check_material_name(scene, "Chrome"));
+  EXPECT_NE(usage_error([&] { check_material_name(scene, "chrom"); }).find("did you mean Chrome?"), std::string::npos);
+}
+
+TEST(Session, ADentGoesInwardsAndStaysLocal) {
+  Scene scene = load_scene("builtin:seat");
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  std::size_t node = 0;
+  while (scene.nodes[node].mesh < 0 || !scene.meshes[static_cast<std::size_t>(scene.nodes[node].mesh)].cage) ++node;
+  const auto mesh = static_cast<std::size_t>(scene.nodes[node].mesh);
+  const Primitive before = scene.meshes[mesh].primitives[0];
+  // The highest point of the surface: its normal is near vertical, so a dent moves it down.
+  std::size_t top = 0;
+  const auto height = [&](const glm::vec3& p) { return (world[node] * glm::vec4(p, 1.0f)).y; };
+  for (std::size_t v = 0; v < before.positions.size(); ++v)
+    if (height(before.positions[v]) > height(before.positions[top])) top = v;
+  Dent dent;
+  dent.center = glm::vec3(world[node] * glm::vec4(before.positions[top], 1.0f));
+  dent.depth_m = 0.03f;
+  dent.radius_m = 0.25f;
+  press_dent(&scene, dent);
+  const Primitive& after = scene.meshes[mesh].primitives[0];
+  ASSERT_EQ(after.positions.size(), before.positions.size());
+  const float drop = height(before.positions[top]) - height(after.positions[top]);
+  EXPECT_GT(drop, 0.003f);
+  EXPECT_LT(drop, 0.031f);
+  for (std::size_t v = 0; v < after.positions.size(); ++v) {
+    const glm::vec3 p(world[node] * glm::vec4(before.positions[v], 1.0f));
+    // A control point moves the surface at most two faces around it.
+    if (glm::length(p - dent.center) > 0.7f) {
+      EXPECT_EQ(after.positions[v], before.positions[v]);
+    }
+  }
+}
+
+TEST(Session, ADentThatTouchesNothingSaysHowFar) {
+  Scene scene = load_scene("builtin:seat");
+  Dent dent;
+  dent.center = glm::vec3(50.0f, 0.0f, 0.0f);
+  dent.depth_m = 0.1f;
+  dent.radius_m = 0.2f;
+  try {
+    press_dent(&scene, dent);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("m away"), std::string::npos) << error.what();
+  }
+  Scene plain = make_scene();
+  EXPECT_THROW(press_dent(&plain, dent), Error);
+}
+
+}  // namespace
+}  // namespace maquette

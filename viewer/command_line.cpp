@@ -1,0 +1,156 @@
+#include "viewer/command_line.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+const std::vector<CommandDeclaration>& command_declarations() {
+  static const std::vector<CommandDeclaration> kCommands = {
+      {"view", "[SCENE]", 0, 1, "a scene in a window; without a scene, and without a command, the built-in cockpit",
+       ""},
+      {"render", "[SCENE]", 0, 1, "one frame without a window, to .exr or .png", ""},
+      {"bake", "KIND [SCENE]", 0, 2, "precomputes what a shading mode needs", "it serves the modes slf and prt"},
+      {"play", "PATH.json [SCENE]", 0, 2, "a recorded camera path, frame by frame", "use render for single frames"},
+      {"report", "[SCENE]", 0, 1, "error against run time, as charts", "use render --stats --reference"},
+      {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
+      {"inspect", "FILE", 1, 1,
+       "what is in a scene, BRDF or environment, what it would need, and the frame plan; `library` lists the built-in "
+       "materials and environments",
+       ""},
+      {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},
+      {"help", "[COMMAND]", 0, 1, "the manual, or the part for one command", ""},
+  };
+  return kCommands;
+}
+
+bool belongs_to(const OptionDeclaration& option, const std::string& command) {
+  return option.commands.empty() ||
+         std::find(option.commands.begin(), option.commands.end(), command) != option.commands.end();
+}
+
+namespace {
+
+const CommandDeclaration& find_command(const std::string& name) {
+  std::vector<std::string> names;
+  for (const CommandDeclaration& command : command_declarations()) {
+    if (command.name == name) return command;
+    names.push_back(command.name);
+  }
+  const bool scene = name.starts_with("builtin:") || name.find('.') != std::string::npos;
+  throw UsageError(name, "there is no such command",
+                   scene ? "to see a scene: maquette view " + name : did_you_mean(name, names));
+}
+
+/// The error for an argument that the command does not take.
+UsageError unexpected(const std::string& argument, const CommandDeclaration& command) {
+  if (!argument.starts_with('-')) {
+    const std::string takes = command.arguments.empty() ? "no arguments" : command.arguments;
+    return UsageError(argument, "one argument too many", "maquette " + command.name + " takes " + takes);
+  }
+  const std::string name = argument.substr(0, argument.find('='));
+  std::vector<std::string> names;
+  for (const OptionDeclaration& option : option_declarations()) {
+    if (belongs_to(option, command.name)) names.push_back(option.name);
+    if (option.name == name || (!option.alias.empty() && option.alias == name))
+      return UsageError(name, "this option is not one of maquette " + command.name,
+                        "it belongs to " + join(option.commands));
+  }
+  const std::vector<std::string> near = nearest_names(name, names);
+  return UsageError(name, "there is no such option",
+                    near.empty() ? "maquette " + command.name + " --help lists them" : did_you_mean(name, near));
+}
+
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// The texts given for one option, in order; a flag counts as one empty text.
+struct GivenOption {
+  const OptionDeclaration* declaration;
+  std::vector<std::string> texts;
+  bool flag = false;
+};
+
+std::vector<GivenOption> collect(const std::vector<std::string>& arguments, const CommandDeclaration& command,
+                                 std::vector<std::string>* files) {
+  CLI::App app;
+  app.set_help_flag();
+  app.allow_extras();
+  std::vector<GivenOption> given;
+  for (const OptionDeclaration& option : option_declarations())
+    if (belongs_to(option, command.name)) given.push_back({&option, {}, false});
+  for (GivenOption& option : given) {
+    const std::string names =
+        option.declaration->name + (option.declaration->alias.empty() ? "" : "," + option.declaration->alias);
+    if (option.declaration->argument.empty())
+      app.add_flag(names, option.flag);
+    else
+      app.add_option(names, option.texts)
+          ->expected(1)
+          ->allow_extra_args(false)
+          ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  }
+  // CLI11 takes the arguments in reverse order.
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
+  try {
+    app.parse(reversed);
+  } catch (const CLI::ParseError& error) {
+    throw UsageError("", one_line(error.what()), "maquette " + command.name + " --help");
+  }
+  for (const std::string& extra : app.remaining()) {
+    const bool is_option = extra.size() > 1 && extra.starts_with('-');
+    if (is_option || static_cast<int>(files->size()) >= command.max_files) throw unexpected(extra, command);
+    files->push_back(extra);
+  }
+  return given;
+}
+
+void check_combinations(const CommandLine& line) {
+  const SceneOptions& options = line.options;
+  if (!options.camera.empty() && options.eye)
+    throw UsageError("--camera", "it excludes --eye", "leave one of them out");
+  if (options.up && glm::length(*options.up) == 0.0f) throw UsageError("--up", "it has no direction");
+  if (options.eye && options.target && *options.eye == *options.target)
+    throw UsageError("--target", "it is where the eye is");
+  if (line.command != "render" || line.help) return;
+  if (options.output.empty() && options.stats.empty())
+    throw UsageError("", "render needs a file to write to", "add --output FILE.exr or FILE.png");
+  const bool accumulates = options.time_s || options.target_error;
+  if (options.frames > 0 && accumulates)
+    throw UsageError("--frames", "it excludes --time and --target-error", "leave one out");
+}
+
+}  // namespace
+
+CommandLine parse_command_line(const std::vector<std::string>& arguments) {
+  CommandLine line;
+  std::vector<std::string> rest = arguments;
+  if (!rest.empty() && !rest.front().starts_with('-')) {
+    line.command = find_command(rest.front()).name;
+    rest.erase(rest.begin());
+  } else if (!rest.empty() && (rest.front() == "--help" || rest.front() == "-h" || rest.front() == "--version")) {
+    line.command = "help";
+  }
+  const CommandDeclaration& command = find_command(line.command);
+  if (!command.later.empty() && std::find(rest.begin(), rest.end(), "--help") == rest.end())
+    throw Error("maquette " + command.name, "this command is not available in this version", command.later);
+  for (const GivenOption& option : collect(rest, command, &line.files)) {
+    if (option.texts.size() > 1 && !option.declaration->repeatable)
+      throw UsageError(option.declaration->name, "it is given twice");
+    for (const std::string& text : option.texts) option.declaration->apply(&line, text);
+    if (option.flag) option.declaration->apply(&line, {});
+  }
+  if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
+    throw UsageError("maquette " + command.name, "it needs " + command.arguments);
+  if ((line.command == "view" || line.command == "render") && !line.files.empty())
+    line.options.scene = line.files.front();
+  check_combinations(line);
+  return line;
+}
+
+}  // namespace maquette

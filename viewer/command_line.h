@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "viewer/options.h"
+
+namespace maquette {
+
+/// What the command line says, checked as far as words and numbers go; files are opened later.
+struct CommandLine {
+  std::string command = "view";
+  std::vector<std::string> files;  ///< positional arguments
+  SceneOptions options;
+  bool json = false;
+  bool markdown = false;
+  bool version = false;
+  bool help = false;
+};
+
+struct CommandDeclaration {
+  std::string name;
+  std::string arguments;  ///< as in `SCENE`; empty without
+  int min_files = 0;
+  int max_files = 0;
+  std::string help;
+  std::string later;  ///< not empty: the command arrives with a later version; says what it needs
+};
+const std::vector<CommandDeclaration>& command_declarations();
+
+/// One option, declared once: parser, `--help` and manual come from it.
+struct OptionDeclaration {
+  std::string name;      ///< `--mode`
+  std::string argument;  ///< `MODE`; empty for a flag
+  std::string help;
+  std::vector<std::string> commands;
+  std::function<void(CommandLine*, const std::string&)> apply;  ///< throws UsageError for a bad value
+  bool repeatable = false;
+  std::string alias = {};  ///< `-o`
+};
+const std::vector<OptionDeclaration>& option_declarations();
+bool belongs_to(const OptionDeclaration& option, const std::string& command);
+
+/// `arguments` without the program's name. Throws UsageError (unknown command, option or value: the nearest names) and
+/// Error (a name that arrives with a later version).
+CommandLine parse_command_line(const std::vector<std::string>& arguments);
+
+}  // namespace maquette

@@ -1,0 +1,213 @@
+#include "viewer/manual.h"
+
+#include <cstdio>
+
+#include "render/registry.h"
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+#include "viewer/command_line.h"
+#include "viewer/commands.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr std::size_t kColumns = 80;
+constexpr std::size_t kIndent = 2;
+constexpr std::size_t kHelpColumn = 28;
+
+struct Entry {
+  std::string term;
+  std::string help;
+};
+
+struct Section {
+  std::string title;
+  std::string text;  ///< before the entries
+  std::vector<Entry> entries;
+};
+
+std::string range_text(const SettingDeclaration& setting) {
+  if (!setting.choices.empty()) return join(setting.choices, " | ");
+  if (std::holds_alternative<bool>(setting.default_value)) return "true | false";
+  if (setting.min == setting.max)
+    return std::holds_alternative<std::string>(setting.default_value) ? "text" : "a number";
+  return to_text(setting.min) + " to " + to_text(setting.max) + (setting.unit.empty() ? "" : " " + setting.unit);
+}
+
+Section command_section() {
+  Section section{"Commands", "", {{"maquette", "the built-in cockpit in a window"}}};
+  for (const CommandDeclaration& command : command_declarations()) {
+    const std::string arguments = command.arguments.empty() ? "" : " " + command.arguments;
+    section.entries.push_back({"maquette " + command.name + arguments,
+                               command.help + (command.later.empty() ? "" : "; not available in this version")});
+  }
+  return section;
+}
+
+Section option_section(const std::string& command) {
+  Section section{"Options", "", {}};
+  if (command.empty()) section.text = "Of view and render, where nothing else is said. The default is in parentheses.";
+  for (const OptionDeclaration& option : option_declarations()) {
+    if (!command.empty() && !belongs_to(option, command)) continue;
+    const bool usual = option.commands.empty() || (option.commands.size() > 1 && belongs_to(option, "view"));
+    std::string help = option.help;
+    if (option.repeatable) help += "; may be repeated";
+    if (command.empty() && !usual) help += " [" + join(option.commands) + "]";
+    const std::string alias = option.alias.empty() ? "" : option.alias + ", ";
+    section.entries.push_back({alias + option.name + (option.argument.empty() ? "" : " " + option.argument), help});
+  }
+  return section;
+}
+
+Section mode_section() {
+  Section section{"Shading modes", "", {}};
+  for (const TechniqueInfo& technique : techniques())
+    if (technique.kind == TechniqueKind::mode) section.entries.push_back({technique.name, technique.help});
+  for (const LaterName& later : later_modes())
+    section.entries.push_back({later.name, later.help + "; not available in this version"});
+  return section;
+}
+
+Section setting_section() {
+  Section section{"Settings", "Given by --set SETTING=VALUE.", {}};
+  for (const SettingDeclaration& setting : setting_declarations())
+    section.entries.push_back({setting.name, setting.help + " [" + range_text(setting) + "; default " +
+                                                 to_text(setting.default_value) + "]"});
+  return section;
+}
+
+Section scene_section() {
+  return {
+      "Scenes",
+      "SCENE is a .gltf or .glb file, or one of these. The cockpit's cameras are driver, passenger, exterior and door.",
+      {{"builtin:cockpit", "a car interior with its door and windshield, life size (the default)"},
+       {"builtin:sphere", "a unit sphere at the origin"},
+       {"builtin:plate", "four statues of matte, plastic, paint and metal on a marble-textured floor"},
+       {"builtin:cornell", "a box with coloured walls, open to the viewer"},
+       {"builtin:seat", "a seat made of subdivision surfaces"}}};
+}
+
+Section file_section() {
+  return {"Files and environment",
+          "",
+          {{"MAQUETTE_CACHE",
+            "folder of derived tables, kept by content; empty: none are kept. Without it "
+            "$XDG_CACHE_HOME/maquette or ~/.cache/maquette. It can be removed at any time"},
+           {".exr", "linear Rec.709 in stored units times --env-scale, alpha 0 where only the sky is seen"},
+           {".png", "exposure, then the tone mapper, then sRGB"},
+           {"--stats", "one JSON object; docs/vocabulary.md says what its names mean"}}};
+}
+
+Section exit_section() {
+  return {"Exit codes",
+          "An error is one line on standard error that names the file and what to do.",
+          {{"0", "done"}, {"1", "the work failed"}, {"2", "the call was wrong"}}};
+}
+
+std::vector<Section> sections(const std::string& command) {
+  if (command.empty())
+    return {command_section(), option_section(command), scene_section(), mode_section(),
+            setting_section(), file_section(),          exit_section()};
+  std::vector<Section> chosen = {option_section(command)};
+  if (command == "view" || command == "render" || command == "inspect") {
+    chosen.push_back(scene_section());
+    chosen.push_back(mode_section());
+    chosen.push_back(setting_section());
+  }
+  return chosen;
+}
+
+/// `text` broken at spaces, every line but the first indented to `column`; the first starts there already.
+std::string wrap(const std::string& text, std::size_t column) {
+  std::string result;
+  std::size_t used = column;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    const bool first = used == column;
+    if (!first && used + 1 + word.size() > kColumns) {
+      result += "\n" + std::string(column, ' ') + word;
+      used = column + word.size();
+    } else {
+      result += (first ? "" : " ") + word;
+      used += word.size() + (first ? 0 : 1);
+    }
+    begin = end + 1;
+  }
+  return result;
+}
+
+std::string section_text(const Section& section) {
+  std::string text = section.title + "\n";
+  if (!section.text.empty()) text += std::string(kIndent, ' ') + wrap(section.text, kIndent) + "\n";
+  for (const Entry& entry : section.entries) {
+    std::string line = std::string(kIndent, ' ') + entry.term;
+    if (line.size() + 2 > kHelpColumn)
+      line += "\n" + std::string(kHelpColumn, ' ');
+    else
+      line.resize(kHelpColumn, ' ');
+    text += line + wrap(entry.help, kHelpColumn) + "\n";
+  }
+  return text + "\n";
+}
+
+/// Makes a table cell: a bar would end it.
+std::string cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '|' ? std::string("\\|") : std::string(1, c);
+  return result;
+}
+
+}  // namespace
+
+std::string manual_text(const std::string& command) {
+  std::string text;
+  if (command.empty()) {
+    text = "maquette: a viewer of virtual prototypes, measured materials under real light\n\n";
+  } else {
+    const CommandDeclaration* found = nullptr;
+    std::vector<std::string> names;
+    for (const CommandDeclaration& candidate : command_declarations()) {
+      names.push_back(candidate.name);
+      if (candidate.name == command) found = &candidate;
+    }
+    if (found == nullptr) throw UsageError(command, "there is no such command", did_you_mean(command, names));
+    text = "maquette " + found->name + (found->arguments.empty() ? "" : " " + found->arguments) + "\n" +
+           std::string(kIndent, ' ') + wrap(found->help, kIndent) + "\n\n";
+  }
+  for (const Section& section : sections(command)) text += section_text(section);
+  text.pop_back();
+  return text;
+}
+
+std::string manual_markdown() {
+  std::string text =
+      "# Manual\n\nMade by `maquette help --markdown` from the declarations that the program itself reads; a test "
+      "keeps it "
+      "current.\n";
+  for (const Section& section : sections({})) {
+    text += "\n## " + section.title + "\n\n";
+    if (!section.text.empty()) text += section.text + "\n\n";
+    text += "| | |\n|---|---|\n";
+    for (const Entry& entry : section.entries) text += "| `" + cell(entry.term) + "` | " + cell(entry.help) + " |\n";
+  }
+  return text;
+}
+
+int run_help(const CommandLine& line) {
+  if (line.version)
+    std::printf("maquette %s\n", MAQUETTE_VERSION);
+  else if (line.markdown)
+    std::fputs(manual_markdown().c_str(), stdout);
+  else
+    std::fputs(manual_text(line.command != "help" ? line.command
+                           : line.files.empty()   ? ""
+                                                  : line.files.front())
+                   .c_str(),
+               stdout);
+  return 0;
+}
+
+}  // namespace maquette

@@ -1,0 +1,283 @@
+#include <charconv>
+#include <cmath>
+
+#include "render/registry.h"
+#include "render/renderer.h"
+#include "scenes/environment.h"
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+#include "viewer/command_line.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kMaxSide = 16384;
+
+double parse_number(const std::string& text, const std::string& what) {
+  double value = 0.0;
+  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (error != std::errc() || stop != end || !std::isfinite(value))
+    throw UsageError(what, "\"" + text + "\" is not a number");
+  return value;
+}
+
+double parse_in(const std::string& text, const std::string& what, double min, double max) {
+  const double value = parse_number(text, what);
+  if (value < min || value > max)
+    throw UsageError(what, text + " is out of range", "it goes from " + to_text(min) + " to " + to_text(max));
+  return value;
+}
+
+/// A whole number in [min, max].
+std::int64_t parse_count(const std::string& text, const std::string& what, std::int64_t min, std::int64_t max) {
+  const double value = parse_in(text, what, static_cast<double>(min), static_cast<double>(max));
+  if (value != std::floor(value)) throw UsageError(what, "\"" + text + "\" is not a whole number");
+  return static_cast<std::int64_t>(value);
+}
+
+std::vector<double> parse_list(const std::string& text, const std::string& what, std::size_t count,
+                               const std::string& form) {
+  std::vector<double> values;
+  std::size_t begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, comma - begin);
+    values.push_back(part.empty() ? std::nan("") : parse_number(part, what));
+    begin = comma + 1;
+  }
+  bool whole = values.size() == count;
+  for (const double value : values) whole = whole && std::isfinite(value);
+  if (!whole) throw UsageError(what, "\"" + text + "\" is not of the form " + form);
+  return values;
+}
+
+glm::vec3 parse_point(const std::string& text, const std::string& what) {
+  const std::vector<double> v = parse_list(text, what, 3, "x,y,z");
+  return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
+}
+
+void parse_size(SceneOptions* options, const std::string& text) {
+  const std::size_t x = text.find('x');
+  if (x == std::string::npos) throw UsageError("--size", "\"" + text + "\" is not of the form WIDTHxHEIGHT");
+  options->width = static_cast<int>(parse_count(text.substr(0, x), "--size", 1, kMaxSide));
+  options->height = static_cast<int>(parse_count(text.substr(x + 1), "--size", 1, kMaxSide));
+}
+
+std::pair<std::string, std::string> parse_pair(const std::string& text, const std::string& what,
+                                               const std::string& form) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw UsageError(what, "\"" + text + "\" is not of the form " + form);
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+void parse_dent(SceneOptions* options, const std::string& text) {
+  const std::vector<double> v = parse_list(text, "--dent", 5, "x,y,z,depth,radius");
+  if (!(v[4] > 0.0)) throw UsageError("--dent", "the radius must be above 0");
+  options->dents.push_back({{static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])},
+                            static_cast<float>(v[3]),
+                            static_cast<float>(v[4])});
+}
+
+const std::string& check_name(const std::string& text, const std::string& what, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (name == text) return text;
+  throw UsageError(what, "there is no \"" + text + "\"", did_you_mean(text, names));
+}
+
+const std::string& check_file_name(const std::string& text, const std::string& what) {
+  if (text.empty()) throw UsageError(what, "the file name is empty");
+  return text;
+}
+
+void parse_msaa(SceneOptions* options, const std::string& text) {
+  options->msaa = static_cast<int>(parse_count(text, "--msaa", 1, 16));
+  if (options->msaa != 1 && options->msaa != 4 && options->msaa != 16)
+    throw UsageError("--msaa", text + " samples a pixel are not offered", "use 1, 4 or 16");
+}
+
+using Apply = std::function<void(SceneOptions*, const std::string&)>;
+
+/// An option of `view` and `render`.
+OptionDeclaration shared(std::string name, std::string argument, std::string help, const Apply& apply,
+                         bool repeatable = false) {
+  return {std::move(name),
+          std::move(argument),
+          std::move(help),
+          {"view", "render"},
+          [apply](CommandLine* line, const std::string& text) { apply(&line->options, text); },
+          repeatable};
+}
+
+/// An option of `inspect` as well: it shapes the frame plan.
+OptionDeclaration plan_option(OptionDeclaration option) {
+  option.commands = {"view", "render", "inspect"};
+  return option;
+}
+
+OptionDeclaration render_only(std::string name, std::string argument, std::string help, const Apply& apply) {
+  OptionDeclaration option = shared(std::move(name), std::move(argument), std::move(help), apply);
+  option.commands = {"render"};
+  return option;
+}
+
+std::string environment_choices() {
+  std::vector<std::string> names;
+  for (const std::string& name : builtin_environment_names()) names.push_back("builtin:" + name);
+  return join(names);
+}
+
+std::vector<OptionDeclaration> light_and_material_options() {
+  using O = SceneOptions;
+  return {
+      shared("--env", "FILE", "environment: .hdr, .exr or " + environment_choices() + " (builtin:clear-sky)",
+             [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }),
+      shared("--env-rotation", "DEG", "turns the environment about +Y, from +Z towards +X",
+             [](O* o, const std::string& t) {
+               o->env_rotation_deg = static_cast<float>(parse_in(t, "--env-rotation", -36000.0, 36000.0));
+             }),
+      shared(
+          "--env-scale", "X", "cd/m2 per stored unit (1)",
+          [](O* o, const std::string& t) { o->env_scale = static_cast<float>(parse_in(t, "--env-scale", 0.0, 1e12)); }),
+      shared("--exposure", "EV", "stops; only of the picture for the eye, never of .exr (what suits the environment)",
+             [](O* o, const std::string& t) {
+               o->exposure_ev = static_cast<float>(parse_in(t, "--exposure", -64.0, 64.0));
+             }),
+      shared("--tonemap", "NAME", join(tonemap_names()) + " (pbr-neutral)",
+             [](O* o, const std::string& t) { o->tonemap = check_name(t, "--tonemap", tonemap_names()); }),
+      shared(
+          "--material", "NAME=FILE",
+          "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
+          "builtin:glass; `maquette inspect library` lists the library",
+          [](O* o, const std::string& t) { o->materials.push_back(parse_pair(t, "--material", "NAME=FILE")); }, true),
+      plan_option(
+          shared("--variant", "NAME", "variant of the scene", [](O* o, const std::string& t) { o->variant = t; })),
+  };
+}
+
+std::vector<OptionDeclaration> camera_options() {
+  using O = SceneOptions;
+  return {
+      shared("--camera", "NAME", "camera of the scene (its first one)",
+             [](O* o, const std::string& t) { o->camera = t; }),
+      shared("--eye", "x,y,z", "eye in metres, instead of --camera",
+             [](O* o, const std::string& t) { o->eye = parse_point(t, "--eye"); }),
+      shared("--target", "x,y,z", "point to look at (the middle of the scene)",
+             [](O* o, const std::string& t) { o->target = parse_point(t, "--target"); }),
+      shared("--up", "x,y,z", "direction that is up in the picture (0,1,0)",
+             [](O* o, const std::string& t) { o->up = parse_point(t, "--up"); }),
+      shared("--fov", "DEG", "vertical field of view",
+             [](O* o, const std::string& t) { o->fov_deg = static_cast<float>(parse_in(t, "--fov", 0.1, 170.0)); }),
+      shared("--size", "WxH", "picture in pixels (1280x720)", parse_size),
+  };
+}
+
+std::vector<OptionDeclaration> quality_options() {
+  using O = SceneOptions;
+  return {
+      shared("--samples", "N", "shading samples a shaded pixel, scaled by the prediction in bandwidth (64)",
+             [](O* o, const std::string& t) { o->samples = static_cast<int>(parse_count(t, "--samples", 1, 65536)); }),
+      shared("--seed", "N", "of the sample sequence (0)",
+             [](O* o, const std::string& t) {
+               o->seed = static_cast<std::uint32_t>(parse_count(t, "--seed", 0, 4294967295));
+             }),
+      plan_option(shared("--msaa", "N", "samples a pixel: 1, 4 or 16 (1: rays through pixel centres)", parse_msaa)),
+      render_only(
+          "--frames", "N", "measures N frames after warm-up; the time is their median",
+          [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); }),
+      render_only(
+          "--target-error", "X",
+          "averages frames until the relative RMSE is X: against --reference, else as the frames themselves tell",
+          [](O* o, const std::string& t) { o->target_error = parse_in(t, "--target-error", 1e-6, 10.0); }),
+      render_only("--time", "S", "averages frames for S seconds (with --target-error: at most)",
+                  [](O* o, const std::string& t) { o->time_s = parse_in(t, "--time", 1e-3, 86400.0); }),
+      shared("--view", "NAME", "a debug view instead of the picture: " + join(Renderer::debug_view_names()),
+             [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); }),
+      shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)", parse_dent,
+             true),
+      plan_option(shared(
+          "--set", "SETTING=VALUE", "any setting of the list below",
+          [](O* o, const std::string& t) {
+            const auto [name, value] = parse_pair(t, "--set", "SETTING=VALUE");
+            o->settings.set_from_text(name, value);
+          },
+          true)),
+  };
+}
+
+std::vector<OptionDeclaration> technique_options() {
+  using O = SceneOptions;
+  return {
+      plan_option(shared("--mode", "MODE",
+                         "shading mode: " + join(technique_names(TechniqueKind::mode)) + " (bandwidth)",
+                         [](O* o, const std::string& t) { o->mode = find_mode(t).name; })),
+      shared("--reflections", "NAME", "reflector technique of mirrors and glass: off (off)",
+             [](O* o, const std::string& t) {
+               find_reflector_technique(t);
+               o->reflections = t;
+             }),
+      shared("--reflector", "NODE", "node that reflects; needs a reflector technique",
+             [](O*, const std::string& t) {
+               throw Error("--reflector " + t, "reflector techniques are not available in this version",
+                           "leave it out");
+             }),
+      shared("--look", "NAME", "look of a review file",
+             [](O*, const std::string& t) {
+               throw Error("--look " + t, "review files are not available in this version", "leave it out");
+             }),
+  };
+}
+
+std::vector<OptionDeclaration> output_options() {
+  using O = SceneOptions;
+  OptionDeclaration output =
+      render_only("--output", "FILE", ".exr (linear, cd/m2) or .png (tone mapped)",
+                  [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
+  output.alias = "-o";
+  return {
+      output,
+      render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
+                  [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
+      render_only("--reference", "FILE.exr", "adds the error against this picture to the stats",
+                  [](O* o, const std::string& t) { o->reference = check_file_name(t, "--reference"); }),
+      {"--json",
+       "",
+       "prints one JSON object",
+       {"compare", "inspect", "doctor"},
+       [](CommandLine* line, const std::string&) { line->json = true; }},
+      {"--version",
+       "",
+       "prints the program's version",
+       {"help"},
+       [](CommandLine* line, const std::string&) { line->version = true; }},
+      {"--markdown",
+       "",
+       "prints it as docs/manual.md holds it",
+       {"help"},
+       [](CommandLine* line, const std::string&) { line->markdown = true; }},
+  };
+}
+
+}  // namespace
+
+const std::vector<OptionDeclaration>& option_declarations() {
+  static const std::vector<OptionDeclaration> kOptions = [] {
+    std::vector<OptionDeclaration> all;
+    for (const auto& group :
+         {output_options(), technique_options(), light_and_material_options(), camera_options(), quality_options()})
+      all.insert(all.end(), group.begin(), group.end());
+    all.push_back({"--help",
+                   "",
+                   "this manual, or that of one command",
+                   {},
+                   [](CommandLine* line, const std::string&) { line->help = true; },
+                   false,
+                   "-h"});
+    return all;
+  }();
+  return kOptions;
+}
+
+}  // namespace maquette

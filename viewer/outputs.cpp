@@ -1,0 +1,50 @@
+#include "viewer/outputs.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "scenes/error.h"
+#include "scenes/files.h"
+
+namespace maquette {
+
+PictureFormat picture_format(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (extension == ".exr") return PictureFormat::exr;
+  if (extension == ".png") return PictureFormat::png;
+  throw UsageError("--output " + path, "the name must end in .exr (linear) or .png (tone mapped)");
+}
+
+void check_writable(const std::string& option, const std::string& path) {
+  if (path == "-") return;
+  const std::string where = option + " " + path;
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw Error(where, "this is a folder", "give a file name");
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (!std::filesystem::is_directory(folder, error))
+    throw Error(where, "there is no folder " + folder.string(), "make it first");
+  std::string probe = (folder / ".maquette-XXXXXX").string();
+  const int file = mkstemp(probe.data());
+  if (file < 0) throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another place");
+  close(file);
+  std::remove(probe.c_str());
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  if (path == "-") {
+    std::fputs(text.c_str(), stdout);
+    return;
+  }
+  write_file_atomically(path, std::as_bytes(std::span(text.data(), text.size())));
+}
+
+}  // namespace maquette

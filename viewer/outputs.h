@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace maquette {
+
+enum class PictureFormat { exr, png };
+
+/// By the extension of `path`. Throws UsageError for any other.
+PictureFormat picture_format(const std::string& path);
+
+/// Throws Error when a file cannot be written at `path`, found out by making one beside it and removing it again:
+/// called before the work, so that minutes of it are not lost. "-" is standard output.
+void check_writable(const std::string& option, const std::string& path);
+
+/// Writes text atomically; "-" prints it.
+void write_text(const std::string& path, const std::string& text);
+
+}  // namespace maquette

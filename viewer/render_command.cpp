@@ -1,0 +1,176 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <future>
+
+#include "render/gl/context.h"
+#include "render/metrics.h"
+#include "scenes/error.h"
+#include "scenes/image_io.h"
+#include "viewer/command_line.h"
+#include "viewer/commands.h"
+#include "viewer/outputs.h"
+#include "viewer/session.h"
+#include "viewer/stats.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kWarmUpFrames = 2;
+/// Without --time, --target-error gives up after this long.
+constexpr double kPatience_s = 600.0;
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void check_outputs(const SceneOptions& options) {
+  if (!options.output.empty()) {
+    picture_format(options.output);
+    check_writable("--output", options.output);
+  }
+  if (!options.stats.empty()) check_writable("--stats", options.stats);
+}
+
+std::optional<Image> load_reference(const SceneOptions& options) {
+  if (options.reference.empty()) return std::nullopt;
+  Image reference = load_hdr_image(options.reference);
+  if (reference.width != options.width || reference.height != options.height)
+    throw Error("--reference " + options.reference,
+                "it has " + std::to_string(reference.width) + "x" + std::to_string(reference.height) +
+                    " pixels, the picture " + std::to_string(options.width) + "x" + std::to_string(options.height),
+                "give both the same size");
+  return reference;
+}
+
+/// Relative RMSE of a mean of n frames, told from the mean of its first n / 2: the two halves are independent, so the
+/// difference between the mean of all and that of a half has the variance of the mean of all. It does not see what all
+/// frames have in common (interpolation).
+double estimate_error(const Image& all, const Image& half) {
+  double sum = 0.0, luminance = 0.0;
+  std::size_t count = 0;
+  for (int y = 0; y < all.height; ++y) {
+    for (int x = 0; x < all.width; ++x) {
+      if (all.channels > 3 && all.at(x, y, 3) < 1.0f) continue;
+      for (int c = 0; c < 3; ++c) {
+        const double difference = static_cast<double>(all.at(x, y, c)) - static_cast<double>(half.at(x, y, c));
+        sum += difference * difference;
+      }
+      luminance += 0.2126 * static_cast<double>(all.at(x, y, 0)) + 0.7152 * static_cast<double>(all.at(x, y, 1)) +
+                   0.0722 * static_cast<double>(all.at(x, y, 2));
+      ++count;
+    }
+  }
+  if (count == 0 || luminance <= 0.0) return 0.0;
+  const auto pixels = static_cast<double>(count);
+  return std::sqrt(sum / (3.0 * pixels)) / (luminance / pixels);
+}
+
+/// One frame, or with --frames the measured ones after warm-up.
+void render_frames(Renderer* renderer, const FrameRequest& request, const SceneOptions& options, RenderReport* report) {
+  if (options.frames > 0)
+    for (int i = 0; i < kWarmUpFrames; ++i) renderer->render(request);
+  const Clock::time_point start = Clock::now();
+  for (int i = 0; i < std::max(1, options.frames); ++i) report->frames.push_back(renderer->render(request));
+  report->total_s = seconds_since(start);
+}
+
+/// Averages frames until --time or --target-error. Returns whether the error asked for (if any) was reached.
+bool accumulate_frames(Renderer* renderer, const FrameRequest& request, const SceneOptions& options,
+                       const std::optional<Image>& reference, RenderReport* report) {
+  const double limit_s = options.time_s.value_or(kPatience_s);
+  const Clock::time_point start = Clock::now();
+  int next_check = 1;
+  Image half;
+  while (true) {
+    report->frames.push_back(renderer->render(request, true));
+    report->total_s = seconds_since(start);
+    const int count = report->frames.back().accumulated_frames;
+    const bool out_of_time = report->total_s >= limit_s;
+    if (options.target_error && reference) {
+      // Reading the picture back costs: look about every tenth more frame.
+      if (count < next_check && !out_of_time) continue;
+      next_check = count + std::max(1, count / 10);
+      if (compare_images(renderer->read_radiance(), *reference).relative_rmse.value_or(INFINITY) <=
+          *options.target_error)
+        return true;
+    } else if (count == next_check) {
+      Image all = renderer->read_radiance();
+      if (half.width > 0) report->estimated_error = estimate_error(all, half);
+      half = std::move(all);
+      next_check = 2 * count;
+      if (options.target_error && report->estimated_error && *report->estimated_error <= *options.target_error)
+        return true;
+    }
+    if (out_of_time) return !options.target_error;
+  }
+}
+
+std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
+  std::map<std::string, std::string> attributes = {
+      {"maquette.scene", options.scene},
+      {"maquette.environment", options.environment},
+      {"maquette.mode", request.mode},
+      {"maquette.seed", std::to_string(request.seed)},
+  };
+  for (const auto& [name, value] : request.settings.changed()) attributes["maquette." + name] = to_text(value);
+  return attributes;
+}
+
+void write_picture(const Renderer& renderer, const Image& radiance, float exposure_ev, const SceneOptions& options,
+                   const FrameRequest& request) {
+  const Image picture = options.debug_view.empty() ? radiance : renderer.read_debug_view(options.debug_view);
+  if (picture_format(options.output) == PictureFormat::exr)
+    save_exr(options.output, picture, provenance(options, request));
+  else
+    save_png(options.output, options.debug_view.empty() ? tone_map(picture, exposure_ev, options.tonemap)
+                                                        : debug_view_picture(picture, options.debug_view));
+}
+
+}  // namespace
+
+int run_render(const CommandLine& line) {
+  const SceneOptions& options = line.options;
+  check_outputs(options);
+  const std::optional<Image> reference = load_reference(options);
+  // The scene and the environment are read while the driver starts.
+  auto scene_job = std::async(std::launch::async, [&] { return load_session_scene(options); });
+  auto environment_job = std::async(
+      std::launch::async, [&] { return std::make_shared<const Environment>(load_environment(options.environment)); });
+  const GlContext context = GlContext::create_headless();
+  const DeviceInfo device = query_device();
+  const std::shared_ptr<Scene> scene = scene_job.get();
+  const std::shared_ptr<const Environment> environment = environment_job.get();
+  for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  for (const std::string& warning : environment->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+
+  Renderer renderer;
+  renderer.set_scene(scene);
+  renderer.set_environment(environment);
+  for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
+  const FrameRequest request = make_request(*scene, options);
+  renderer.finish_background_work(request);
+
+  RenderReport report;
+  bool reached = true;
+  if (options.time_s || options.target_error)
+    reached = accumulate_frames(&renderer, request, options, reference, &report);
+  else
+    render_frames(&renderer, request, options, &report);
+  const Image radiance = renderer.read_radiance();
+  if (reference) report.error = compare_images(radiance, *reference);
+  if (!options.output.empty()) {
+    write_picture(renderer, radiance, exposure_of(options, *environment), options, request);
+    if (options.stats != "-")
+      std::printf("%s: %dx%d, mode %s, %.1f ms a frame\n", options.output.c_str(), request.width, request.height,
+                  request.mode.c_str(), report.frames.back().frame_ms);
+  }
+  if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
+  if (!reached && !options.time_s)
+    throw Error("--target-error " + to_text(*options.target_error), "it was not reached within ten minutes",
+                "raise it, or give --time for as long as it may take");
+  return 0;
+}
+
+}  // namespace maquette

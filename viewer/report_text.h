@@ -1,0 +1,11 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace maquette {
+
+/// A JSON report as lines for people: `key: value`, nested objects indented, arrays one item a line.
+std::string report_text(const nlohmann::ordered_json& report);
+
+}  // namespace maquette

@@ -1,0 +1,201 @@
+#include "viewer/session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "render/tonemap.h"
+#include "scenes/error.h"
+#include "scenes/subdivision.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr float kDegree = 0.017453292519943295f;
+constexpr float kDefaultFov = 40.0f * kDegree;
+
+std::string camera_name(const Scene& scene, const Node& node) {
+  const std::string& name = scene.cameras[static_cast<std::size_t>(node.camera)].name;
+  return name.empty() ? node.name : name;
+}
+
+CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& world_from_node) {
+  CameraView view;
+  view.eye = glm::vec3(world_from_node[3]);
+  view.target = view.eye - glm::normalize(glm::vec3(world_from_node[2]));
+  view.up = glm::normalize(glm::vec3(world_from_node[1]));
+  view.fov_y_rad = scene.cameras[static_cast<std::size_t>(scene.nodes[node].camera)].fov_y_rad;
+  return view;
+}
+
+/// From the front (+Z), the right and above, so that the bounding sphere fits.
+CameraView frame_scene(const Bounds& bounds, float aspect) {
+  CameraView view;
+  view.fov_y_rad = kDefaultFov;
+  if (bounds.empty()) return view;
+  const float half = 0.5f * kDefaultFov;
+  const float narrow = std::min(half, std::atan(std::tan(half) * aspect));
+  const float distance = std::max(bounds.radius(), 1e-6f) / std::sin(narrow);
+  view.target = bounds.center();
+  view.eye = view.target + distance * glm::normalize(glm::vec3(0.7f, 0.4f, 1.0f));
+  return view;
+}
+
+/// Nearest vertex of a limit surface to the dent: where it is and its unit normal, in the world.
+struct Nearest {
+  float distance_m = std::numeric_limits<float>::max();
+  glm::vec3 normal{0.0f, 1.0f, 0.0f};
+};
+
+Nearest nearest_surface(const Scene& scene, const std::vector<glm::mat4>& world, const glm::vec3& center) {
+  Nearest nearest;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (!node.visible || node.mesh < 0 || !scene.meshes[static_cast<std::size_t>(node.mesh)].cage) continue;
+    const Primitive& surface = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives.front();
+    const glm::mat3 normal_matrix = glm::transpose(glm::inverse(glm::mat3(world[i])));
+    for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+      const float distance = glm::length(glm::vec3(world[i] * glm::vec4(surface.positions[v], 1.0f)) - center);
+      if (distance < nearest.distance_m) nearest = {distance, glm::normalize(normal_matrix * surface.normals[v])};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<std::string> camera_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Node& node : scene.nodes)
+    if (node.camera >= 0) names.push_back(camera_name(scene, node));
+  return names;
+}
+
+CameraView camera_by_name(const Scene& scene, const std::string& name) {
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (node.camera >= 0 && (camera_name(scene, node) == name || node.name == name))
+      return camera_of(scene, i, world[i]);
+  }
+  const std::vector<std::string> names = camera_names(scene);
+  throw UsageError("--camera " + name, scene.name + " has no such camera",
+                   names.empty() ? "it has none; use --eye and --target" : did_you_mean(name, names));
+}
+
+CameraView choose_camera(const Scene& scene, const SceneOptions& options) {
+  const std::vector<std::string> names = camera_names(scene);
+  const Bounds bounds = compute_bounds(scene);
+  CameraView view;
+  if (!options.camera.empty())
+    view = camera_by_name(scene, options.camera);
+  else if (!names.empty())
+    view = camera_by_name(scene, names.front());
+  else
+    view = frame_scene(bounds, static_cast<float>(options.width) / static_cast<float>(options.height));
+  if (options.eye) {
+    view.eye = *options.eye;
+    view.target = bounds.empty() ? glm::vec3(0.0f) : bounds.center();
+    if (view.target == view.eye) view.target = view.eye - glm::vec3(0.0f, 0.0f, 1.0f);
+    view.up = glm::vec3(0.0f, 1.0f, 0.0f);
+  }
+  if (options.target) view.target = *options.target;
+  if (options.up) view.up = glm::normalize(*options.up);
+  if (view.target == view.eye) throw UsageError("--target", "it is where the eye is");
+  const glm::vec3 forward = glm::normalize(view.target - view.eye);
+  if (glm::length(glm::cross(forward, view.up)) < 1e-4f)
+    view.up = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, -1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+  if (options.fov_deg) view.fov_y_rad = *options.fov_deg * kDegree;
+  return view;
+}
+
+int find_variant(const Scene& scene, const std::string& name) {
+  if (name.empty()) return -1;
+  const auto found = std::find(scene.variants.begin(), scene.variants.end(), name);
+  if (found != scene.variants.end()) return static_cast<int>(found - scene.variants.begin());
+  throw UsageError("--variant " + name, scene.name + " has no such variant",
+                   scene.variants.empty() ? "it has none" : did_you_mean(name, scene.variants));
+}
+
+void check_material_name(const Scene& scene, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Material& material : scene.materials) {
+    if (material.name == name) return;
+    if (!material.name.empty()) names.push_back(material.name);
+  }
+  if (name == "*") return;
+  throw UsageError("--material " + name, scene.name + " has no such material",
+                   names.empty() ? "use * for all" : did_you_mean(name, names));
+}
+
+void press_dent(Scene* scene, const Dent& dent) {
+  const std::vector<glm::mat4> world = compute_world_transforms(*scene);
+  const Nearest nearest = nearest_surface(*scene, world, dent.center);
+  int moved = 0;
+  std::vector<bool> done(scene->meshes.size(), false);  // a mesh with several instances is pressed once
+  for (std::size_t i = 0; i < scene->nodes.size(); ++i) {
+    const Node& node = scene->nodes[i];
+    if (!node.visible || node.mesh < 0 || done[static_cast<std::size_t>(node.mesh)]) continue;
+    Mesh& mesh = scene->meshes[static_cast<std::size_t>(node.mesh)];
+    if (!mesh.cage) continue;
+    const glm::mat4 node_from_world = glm::inverse(world[i]);
+    const glm::vec3 push = glm::mat3(node_from_world) * (-nearest.normal * dent.depth_m);
+    const float depth = glm::length(push);
+    if (!(depth > 0.0f)) continue;
+    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(node_from_world))));
+    SubdivisionCage cage = *mesh.cage;
+    const int count = dent_cage(&cage, glm::vec3(node_from_world * glm::vec4(dent.center, 1.0f)), push / depth, depth,
+                                dent.radius_m * scale);
+    if (count == 0) continue;
+    moved += count;
+    done[static_cast<std::size_t>(node.mesh)] = true;
+    mesh.cage = std::make_shared<const SubdivisionCage>(std::move(cage));
+    tessellate_cage(&mesh);
+  }
+  if (moved > 0 || dent.depth_m == 0.0f) return;
+  char text[96];
+  std::snprintf(text, sizeof(text), "%g,%g,%g", static_cast<double>(dent.center.x), static_cast<double>(dent.center.y),
+                static_cast<double>(dent.center.z));
+  const bool any = nearest.distance_m < std::numeric_limits<float>::max();
+  throw Error(std::string("--dent ") + text, "no control point of a subdivision surface is that near",
+              any ? "the nearest surface is " +
+                        to_text(SettingValue(std::round(static_cast<double>(nearest.distance_m) * 1e3) / 1e3)) +
+                        " m away; move it or widen the radius"
+                  : scene->name + " has no subdivision surface");
+}
+
+std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
+  auto scene = std::make_shared<Scene>(load_scene(options.scene));
+  find_variant(*scene, options.variant);
+  for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
+  choose_camera(*scene, options);
+  for (const Dent& dent : options.dents) press_dent(scene.get(), dent);
+  return scene;
+}
+
+float exposure_of(const SceneOptions& options, const Environment& environment) {
+  if (options.exposure_ev) return *options.exposure_ev;
+  if (!(options.env_scale > 0.0f)) return 0.0f;
+  return suggest_exposure_ev(environment) - std::log2(options.env_scale);
+}
+
+FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
+  FrameRequest request;
+  request.mode = options.mode;
+  request.camera = choose_camera(scene, options);
+  request.width = options.width;
+  request.height = options.height;
+  request.msaa = options.msaa;
+  request.samples = options.samples;
+  request.seed = options.seed;
+  request.env_rotation_rad = options.env_rotation_deg * kDegree;
+  request.env_scale = options.env_scale;
+  request.variant = find_variant(scene, options.variant);
+  request.settings = options.settings;
+  return request;
+}
+
+}  // namespace maquette

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "scenes/scene.h"
+#include "viewer/options.h"
+
+namespace maquette {
+
+/// Loads the scene of the options and presses its dents. Throws Error, and UsageError when a name of the options
+/// (camera, variant, material) is not in the scene.
+std::shared_ptr<Scene> load_session_scene(const SceneOptions& options);
+
+/// Camera names of the scene (the camera's, else its node's), in node order.
+std::vector<std::string> camera_names(const Scene& scene);
+/// View of a camera by name. Throws UsageError with the nearest names.
+CameraView camera_by_name(const Scene& scene, const std::string& name);
+/// What the options ask for: camera, eye, target, up, field of view; without any, the scene's first camera, or a view
+/// from the front and above that shows all of it.
+CameraView choose_camera(const Scene& scene, const SceneOptions& options);
+/// Index of the variant; -1 for an empty name. Throws UsageError with the nearest names.
+int find_variant(const Scene& scene, const std::string& name);
+/// Throws UsageError with the nearest names when the scene has no material `name` (`*` is all).
+void check_material_name(const Scene& scene, const std::string& name);
+
+/// Moves the control points of the subdivision surfaces within the dent's radius (m, world) inwards, against the
+/// surface normal at the nearest point, and rebuilds their limit surfaces. Throws Error when there is none that near.
+void press_dent(Scene* scene, const Dent& dent);
+
+/// `--exposure`, or the one at which the environment looks right at once.
+float exposure_of(const SceneOptions& options, const Environment& environment);
+
+FrameRequest make_request(const Scene& scene, const SceneOptions& options);
+
+}  // namespace maquette

@@ -57,13 +57,13 @@ double nose_slot(const Vec3& p) {
 double tail_lamp(const Vec3& p) {
   if (p.z > -1.55) return 1.0;
   const double a = heading_deg(p, false);
-  const double half = mix(0.016, 0.034, smoother(15.0, 50.0, a));
-  return smooth_max(std::abs(p.y - 0.815 - 0.0004 * a) - half, (a - 72.0) * 0.012, 0.03);
+  const double half = mix(0.014, 0.030, smoother(20.0, 48.0, a));
+  return smooth_max(std::abs(p.y - 0.822) - half, (a - 72.0) * 0.012, 0.03);
 }
 
 double diffuser(const Vec3& p) {
   if (p.z > -1.6) return 1.0;
-  return smooth_max(p.y - 0.345, p.x - 0.60 - 0.3 * (p.y - 0.3), 0.05);
+  return smooth_max(p.y - 0.385, p.x - 0.60 - 0.3 * (p.y - 0.3), 0.05);
 }
 
 double front_bumper(const Vec3& p) { return 1.70 + 0.75 * std::max(p.y - 0.49, -0.2) - p.z; }
@@ -79,12 +79,12 @@ double cladding(const Vec3& p) { return p.y - 0.215; }
 /// Height over the strip between door and side glass, and that strip.
 double above_belt(const Vec3& p) { return p.y - belt_height(p.z) + 0.004; }
 Primitive belt_strip(const Primitive& skin) {
-  const Field length = [](const Vec3& p) { return std::abs(p.z + 0.36) - 1.0; };
+  const Field length = [](const Vec3& p) { return std::abs(p.z + 0.44) - 0.92; };
   return clip(clip_band(skin, above_belt, -0.0085, 0.0085), length);
 }
 /// `skin` without that strip.
 Primitive without_belt_strip(const Primitive& skin) {
-  const Field front = [](const Vec3&p) { return 0.64 - p.z; }, back = [](const Vec3&p) { return p.z + 1.36; };
+  const Field front = [](const Vec3&p) { return 0.48 - p.z; }, back = [](const Vec3&p) { return p.z + 1.36; };
   const Primitive middle = clip(clip(skin, inverted(front)), inverted(back));
   Primitive rest = merged({clip(skin, front), clip(skin, back)});
   append(&rest, clip(middle, [](const Vec3& p) { return above_belt(p) + 0.0085; }));
@@ -128,7 +128,7 @@ void add_glazing(SceneBuilder* builder, const CockpitMaterials& m, const Primiti
   add_pair(builder, "side_glass", pane(skin, side_glass_outline, 0.010), m.glass);
   builder->add_part("rear_glass", symmetric(pane(skin, rear_glass_outline, 0.010)), m.glass);
   const Rim thin{0.002, 0.006, 2};
-  // Painted borders of the panes, the pillar between door and quarter glass, and the bright frame.
+  // Black borders of the panes, the pillar between door and quarter glass, and the bright frame.
   builder->add_part("windshield_border", symmetric(offset(clip_band(skin, windshield_outline, -0.022, 0.004), -0.0035)),
                     m.piano);
   builder->add_part("rear_glass_border", symmetric(offset(clip_band(skin, rear_glass_outline, -0.035, 0.004), -0.0035)),
@@ -201,7 +201,7 @@ void add_tail(SceneBuilder* builder, const CockpitMaterials& m, const Primitive&
 /// Roof lining and pillar covers: the skin from inside, its edges turned out towards the panes.
 Primitive make_lining(const Primitive& skin) {
   const Field cabin = [](const Vec3& p) {
-    return std::max({belt_height(p.z) - 0.03 - p.y, canopy(p) - 0.004, -1.95 - p.z});
+    return std::max({belt_height(p.z) - 0.06 - p.y, canopy(p) - 0.02, -1.95 - p.z});
   };
   const double depth = 0.034;
   Primitive inner = flipped(offset(clip(skin, cabin), -depth));

@@ -58,7 +58,8 @@ void add_rear_bench(SceneBuilder* builder, const CockpitMaterials& m) {
 Vec3 side_trim(double z, double v) {
   const double armrest = smoother(-0.62, -0.45, z) * smoother(0.42, 0.15, z),
                pocket = smoother(-0.60, -0.40, z) * smoother(0.62, 0.45, z);
-  const double top = belt_height(z) - 0.002, narrow = canopy_side({0.0, 0.95, z}) + 0.793;
+  const double top = belt_height(z) - 0.002 - 0.08 * smoother(0.36, 0.56, z),
+               narrow = canopy_side({0.0, 0.95, z}) + 0.793;
   const auto at = [&](double x, double y) { return Vec3(x - narrow, y, z); };
   return b_spline({at(0.800, 0.20),
                    at(0.770, 0.235),
@@ -75,10 +76,10 @@ Vec3 side_trim(double z, double v) {
                    at(0.722 - 0.068 * armrest, 0.684),
                    at(0.724 - 0.020 * armrest, 0.690),
                    at(0.730, 0.715),
-                   at(0.734, 0.77),
-                   at(0.732, 0.82),
-                   at(0.722, 0.858),
-                   at(0.714, 0.885),
+                   at(0.734, std::min(0.77, top - 0.105)),
+                   at(0.732, std::min(0.82, top - 0.08)),
+                   at(0.722, std::min(0.858, top - 0.055)),
+                   at(0.714, std::min(0.885, top - 0.032)),
                    at(0.722, top - 0.012),
                    at(0.748, top + 0.001),
                    at(0.775, top - 0.004),
@@ -88,8 +89,7 @@ Vec3 side_trim(double z, double v) {
 
 /// Part of the side between v0 and v1; rows forward, columns up: the outside of the grid faces the cabin.
 Primitive make_side_trim(double z0, double z1, int nz, double v0, double v1, int nv) {
-  return make_grid(nz, nv, [=](double u, double v) { return side_trim(mix(z0, z1, u), mix(v0, v1, v)); },
-                   {false, false, {1, 1}, true});
+  return make_grid(nz, nv, [=](double u, double v) { return side_trim(mix(z0, z1, u), mix(v0, v1, v)); });
 }
 
 void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
@@ -97,15 +97,15 @@ void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
   add_pair(builder, "door_trim_lower", make_side_trim(-0.655, 0.70, 44, 0.0, lower, 18), m.hard);
   add_pair(builder, "door_trim_middle", make_side_trim(-0.655, 0.70, 44, lower, upper, 24), m.trim);
   add_pair(builder, "door_trim_upper", make_side_trim(-0.655, 0.70, 44, upper, 1.0, 18), m.soft);
-  add_pair(builder, "quarter_trim_lower", make_side_trim(-1.80, -0.665, 30, 0.0, lower, 14), m.hard);
-  add_pair(builder, "quarter_trim_middle", make_side_trim(-1.80, -0.665, 30, lower, upper, 16), m.trim);
-  add_pair(builder, "quarter_trim_upper", make_side_trim(-1.80, -0.665, 30, upper, 1.0, 14), m.soft);
+  add_pair(builder, "quarter_trim_lower", make_side_trim(-1.42, -0.665, 24, 0.0, lower, 14), m.hard);
+  add_pair(builder, "quarter_trim_middle", make_side_trim(-1.42, -0.665, 24, lower, upper, 16), m.trim);
+  add_pair(builder, "quarter_trim_upper", make_side_trim(-1.42, -0.665, 24, upper, 1.0, 14), m.soft);
   // Decor blade with the light line under it, pull handle, window switches, loudspeaker.
   const auto blade = [](double u, double v) {
     return side_trim(mix(-0.60, 0.62, u), mix(0.672, 0.700, v)) -
            Vec3(0.006 * std::sin(kPi * std::clamp(v, 0.0, 1.0)), 0, 0);
   };
-  add_pair(builder, "door_decor", make_grid(44, 6, blade, {false, false, {1, 1}, true}), m.decor);
+  add_pair(builder, "door_decor", make_grid(44, 6, blade), m.decor);
   std::vector<Vec3> line;
   for (int i = 0; i <= 24; ++i) line.push_back(side_trim(mix(-0.58, 0.60, i / 24.0), 0.666) - Vec3(0.003, 0, 0));
   add_pair(builder, "door_ambient", make_tube(line, 0.002, 6, 48), m.ambient);
@@ -138,15 +138,15 @@ void add_overhead(SceneBuilder* builder, const CockpitMaterials& m) {
   builder->add_part("interior_mirror_stem",
                     make_tube({{0.0, 1.232, 0.135}, {0.0, 1.252, 0.155}, {0.0, 1.272, 0.160}}, 0.009, 12, 8), m.hard);
   add_pair(builder, "sun_visor",
-           transformed(make_rounded_box({0.38, 0.016, 0.14}, 0.007, 3),
-                       translation(0.345, 1.262, -0.01) * rotation(12.0, {1, 0, 0})),
+           transformed(make_rounded_box({0.31, 0.016, 0.13}, 0.007, 2),
+                       translation(0.325, 1.248, -0.015) * rotation(12.0, {1, 0, 0})),
            m.headliner);
   builder->add_part("overhead_console", make_rounded_box({0.15, 0.030, 0.17}, 0.012, 3), m.hard,
-                    translation(0.0, 1.305, -0.03) * rotation(7.0, {1, 0, 0}));
+                    translation(0.0, 1.290, -0.04) * rotation(7.0, {1, 0, 0}));
   Primitive lamps;
   for (const double x : {-0.035, 0.035})
     append(&lamps, transformed(make_rounded_box({0.045, 0.006, 0.045}, 0.0029, 2),
-                               translation(x, 1.289, -0.045) * rotation(7.0, {1, 0, 0})));
+                               translation(x, 1.274, -0.055) * rotation(7.0, {1, 0, 0})));
   builder->add_part("reading_lamps", lamps, m.lens);
 }
 

@@ -28,7 +28,7 @@ double across(double u) { return mix(-kHalfWidth_m, kHalfWidth_m, u); }
 Vec3 top_pad(double u, double v) {
   const double x = across(u), h = hood_weight(x), w = wrap(x);
   const double glass = std::min(0.79 - 0.46 * x * x, 0.79);
-  const double rise = 0.045 * h, reach = -0.045 * h + w;
+  const double rise = 0.062 * h, reach = -0.060 * h + w;
   const double base = 0.902 - 0.03 * x * x;
   return b_spline({{x, base - 0.030, glass + 0.01},
                    {x, base - 0.006, glass - 0.03},
@@ -120,6 +120,10 @@ void add_dashboard(SceneBuilder* builder, const CockpitMaterials& m) {
   std::vector<Vec3> seam;
   for (int i = 0; i <= 40; ++i) seam.push_back(decor_strip(i / 40.0, 0.985) + Vec3(0.0, 0.001, -0.004));
   builder->add_part("ambient_strip", make_tube(seam, 0.0022, 6, 80), m.ambient);
+
+  std::vector<Vec3> thread;
+  for (int i = 0; i <= 60; ++i) thread.push_back(lower_pad(i / 60.0, 0.235) + Vec3(0.0, 0.0005, -0.0006));
+  builder->add_part("dashboard_stitching", make_tube(thread, 0.0012, 5, 90), m.stitch);
 
   // Displays face the driver's eye.
   const glm::dmat4 cluster = look_at_frame({kDriver_m, 0.868, 0.398}, {kDriver_m, 0.620, 1.20});

@@ -10,8 +10,8 @@ using namespace modelling;
 
 namespace {
 
-constexpr int kColumns = 26;  ///< along the car
-constexpr int kRows = 16;     ///< upwards
+constexpr int kColumns = 23;  ///< along the car
+constexpr int kRows = 14;     ///< upwards
 
 /// z of the door's front or back edge at a height.
 double door_edge_z(double y, bool front) {
@@ -63,11 +63,15 @@ SubdivisionCage make_door_cage() {
   return make_grid_cage(points, columns, false, false, 2);
 }
 
+void turn_faces(SubdivisionCage* cage) {
+  for (std::size_t at = 0; at + 3 < cage->face_indices.size(); at += 4)
+    std::swap(cage->face_indices[at + 1], cage->face_indices[at + 3]);
+}
+
 SubdivisionCage mirrored_cage(const SubdivisionCage& left) {
   SubdivisionCage right = left;
   for (glm::vec3& p : right.positions) p.x = -p.x;
-  for (std::size_t at = 0; at + 3 < right.face_indices.size(); at += 4)
-    std::swap(right.face_indices[at + 1], right.face_indices[at + 3]);
+  turn_faces(&right);
   return right;
 }
 
@@ -116,7 +120,8 @@ void add_handle(SceneBuilder* builder, const CockpitMaterials& m) {
 }  // namespace
 
 void add_doors(SceneBuilder* builder, const CockpitMaterials& m) {
-  const SubdivisionCage left = make_door_cage();
+  SubdivisionCage left = make_door_cage();
+  turn_faces(&left);  // rows run forwards and columns up, which faces the cabin
   builder->add_cage("door_front_left", left, m.paint);
   builder->add_cage("door_front_right", mirrored_cage(left), m.paint);
   add_exterior_mirror(builder, m);

@@ -92,7 +92,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   builder->add_cage(
       name + "_cushion_insert",
       make_ring_cage(quilt_points(
-                         -0.33, 0.215, 7, cushion_face, [](double) { return Vec3(0.0, 0.98, -0.12); }, 0.152),
+                         -0.33, 0.215, 6, cushion_face, [](double) { return Vec3(0.0, 0.98, -0.12); }, 0.152),
                      12, 2),
       m.insert, at);
 
@@ -113,7 +113,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   };
   builder->add_cage(name + "_backrest_insert",
                     make_ring_cage(quilt_points(
-                                       0.06, 0.55, 7, back_face, [&](double) { return forward; }, 0.140),
+                                       0.06, 0.55, 6, back_face, [&](double) { return forward; }, 0.140),
                                    12, 2),
                     m.insert, at);
 

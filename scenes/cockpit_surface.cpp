@@ -139,7 +139,7 @@ double rear_glass_outline(const Vec3& p) {
 }
 
 double side_glass_outline(const Vec3& p) {
-  const double front = windshield_chart().height(p) + 0.060, top = canopy_roof(p) + 0.062;
+  const double front = smooth_max(windshield_chart().height(p) + 0.060, p.z - 0.46, 0.05), top = canopy_roof(p) + 0.062;
   // The tail of the side glass narrows to a point above the rear wheel.
   const double tail = glm::dot(Vec2(p.z + 1.36, p.y - 1.02), glm::normalize(Vec2(-0.42, 0.9)));
   const double upper = smooth_max(smooth_max(front, top, 0.05), tail, 0.10);
@@ -160,9 +160,9 @@ double wheel_arches(const Vec3& p) {
 
 namespace {
 
-constexpr int kFrontTurn = 54, kMiddle = 112, kRearTurn = 46;
+constexpr int kFrontTurn = 54, kMiddle = 104, kRearTurn = 46;
 constexpr int kStations = kFrontTurn + kMiddle + kRearTurn;
-constexpr int kRows = 88;
+constexpr int kRows = 71, kFineRows = 58;
 constexpr double kSpineFront_m = 1.25, kSpineRear_m = -1.50, kSpineHeight_m = 0.38;
 
 struct Ray {
@@ -172,7 +172,10 @@ struct Ray {
 
 /// Rays fan out of a spine in planes across the car, and turn with its ends.
 Ray skin_ray(int station, int row) {
-  const double elevation = mix(radians(-17.0), kPi / 2.0, static_cast<double>(row) / kRows);
+  // Up to the cant rail in steps of about 2 cm, over the roof in steps of 4 cm.
+  const double elevation = row <= kFineRows
+                               ? radians(mix(-17.0, 58.0, static_cast<double>(row) / kFineRows))
+                               : radians(mix(58.0, 90.0, static_cast<double>(row - kFineRows) / (kRows - kFineRows)));
   double heading = kPi / 2.0, z = 0.0;
   if (station < kFrontTurn) {
     heading = kPi / 2.0 * station / kFrontTurn;

@@ -29,6 +29,7 @@ double segment_distance(const Vec2& p, const Vec2& a, const Vec2& b) {
 double digit_distance(const Vec2& p, const Vec2& centre, double size, int digit) {
   static constexpr unsigned kSegments[10] = {0x3f, 0x06, 0x5b, 0x4f, 0x66, 0x6d, 0x7d, 0x07, 0x7f, 0x6f};
   const double w = 0.25 * size, h = 0.5 * size;
+  if (std::abs(p.x - centre.x) > size || std::abs(p.y - centre.y) > size) return size;
   const Vec2 c[6] = {{-w, -h}, {w, -h}, {w, 0}, {w, h}, {-w, h}, {-w, 0}};
   const int ends[7][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}, {5, 2}};
   double d = 1e9;

@@ -101,9 +101,9 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
   const glm::dmat4 axle = rotation(-90.0, {0, 0, 1});
   Primitive cap = revolve(round_corners({{0.034, 0.074}, {0.034, 0.084}, {0.0, 0.087}}, 0.004, 3, false), 32);
   Primitive disc =
-      revolve(round_corners({{0.0, 0.036}, {0.08, 0.036}, {0.08, 0.020}, {0.175, 0.020}, {0.175, 0.0}, {0.05, 0.0}},
+      revolve(round_corners({{0.05, 0.0}, {0.175, 0.0}, {0.175, 0.020}, {0.08, 0.020}, {0.08, 0.036}, {0.0, 0.036}},
                             0.002, 1, false),
-              56);
+              48);
   const auto place = [&](const Primitive& p) { return transformed(p, axle); };
   std::vector<int> parts;
   const char* corner[4] = {"front_left", "front_right", "rear_left", "rear_right"};
@@ -128,8 +128,8 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
     builder->add_part("caliper" + suffix, make_rounded_box({0.075, 0.20, 0.075}, 0.018, 3), m.caliper,
                       translation(right ? -track - 0.018 : track + 0.018, kWheelRadius_m + 0.015, z + back * 0.155));
   }
-  add_pair(builder, "wheel_housing_front", flipped(make_housing(kAxleFront_m)), m.hard);
-  add_pair(builder, "wheel_housing_rear", flipped(make_housing(kAxleRear_m)), m.hard);
+  add_pair(builder, "wheel_housing_front", make_housing(kAxleFront_m), m.hard);
+  add_pair(builder, "wheel_housing_rear", make_housing(kAxleRear_m), m.hard);
 }
 
 void add_ground(SceneBuilder* builder, const CockpitMaterials& m) {

@@ -18,13 +18,15 @@ TextureImage make_marble(int side) {
   std::size_t at = 0;
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) {
-      const double u = 4.0 * x / side, v = 4.0 * y / side;
-      const double warp_u = u + 0.9 * tileable_fbm(u, v, 4, 4, 11u), warp_v = v + 0.9 * tileable_fbm(u, v, 4, 4, 23u);
-      const double broad = std::abs(tileable_fbm(warp_u, warp_v, 4, 3, 5u));
-      const double fine = std::abs(tileable_fbm(2.0 * warp_u, 2.0 * warp_v, 8, 3, 7u));
-      const double vein = 0.75 * std::exp(-16.0 * broad) + 0.35 * std::exp(-30.0 * fine);
-      const double cloud = 0.5 + 0.5 * tileable_fbm(u, v, 4, 3, 31u);
-      const double shade = std::clamp(0.93 - 0.62 * vein - 0.1 * cloud, 0.0, 1.0);
+      const double u = 3.0 * x / side, v = 3.0 * y / side;
+      const double warp_u = u + 1.1 * tileable_fbm(u, v, 3, 5, 11u), warp_v = v + 1.1 * tileable_fbm(u, v, 3, 5, 23u);
+      // Veins are where warped noise changes sign, strong only in some places.
+      const double broad = std::abs(tileable_noise(warp_u, warp_v, 3, 5u));
+      const double fine = std::abs(tileable_noise(2.0 * warp_u + 0.37, 2.0 * warp_v, 6, 7u));
+      const double strength = smoother(-0.35, 0.35, tileable_noise(u + 0.5, v + 0.5, 3, 41u));
+      const double vein = (0.25 + 0.55 * strength) * std::exp(-34.0 * broad) + 0.28 * std::exp(-40.0 * fine);
+      const double cloud = 0.5 + 0.8 * tileable_fbm(warp_u, warp_v, 3, 3, 31u);
+      const double shade = std::clamp(0.94 - 0.62 * vein - 0.10 * cloud, 0.0, 1.0);
       const double tint[3] = {shade, shade * (1.0 - 0.03 * vein), shade * (1.0 - 0.1 * vein) - 0.02};
       for (const double c : tint)
         image.rgba[at++] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(c, 0.0, 1.0)));

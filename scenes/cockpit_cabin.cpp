@@ -30,7 +30,7 @@ Vec3 floor_pan(double u, double v) {
 
 void add_rear_bench(SceneBuilder* builder, const CockpitMaterials& m) {
   const auto pad = [&](const std::string& name, const Vec3& size, double radius, const glm::dmat4& place,
-                       int material) { builder->add_part(name, make_rounded_box(size, radius, 5), material, place); };
+                       int material) { builder->add_part(name, make_rounded_box(size, radius, 4), material, place); };
   pad("rear_cushion_left", {0.56, 0.16, 0.46}, 0.055, translation(0.315, 0.375, -1.02) * rotation(-8.0, {1, 0, 0}),
       m.seat);
   pad("rear_cushion_right", {0.56, 0.16, 0.46}, 0.055, translation(-0.315, 0.375, -1.02) * rotation(-8.0, {1, 0, 0}),
@@ -131,7 +131,7 @@ void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
 
 void add_overhead(SceneBuilder* builder, const CockpitMaterials& m) {
   const glm::dmat4 mirror = look_at_frame({0.0, 1.222, 0.125}, {-0.22, 1.265, 0.90});
-  builder->add_part("interior_mirror_housing", make_rounded_box({0.245, 0.070, 0.030}, 0.0149, 4), m.piano,
+  builder->add_part("interior_mirror_housing", make_rounded_box({0.245, 0.070, 0.030}, 0.0149, 2), m.piano,
                     mirror * translation(0, 0, -0.010));
   builder->add_part("interior_mirror", make_rounded_box({0.232, 0.058, 0.006}, 0.0029, 2), m.mirror,
                     mirror * translation(0, 0, 0.0035));
@@ -141,7 +141,7 @@ void add_overhead(SceneBuilder* builder, const CockpitMaterials& m) {
            transformed(make_rounded_box({0.31, 0.016, 0.13}, 0.007, 2),
                        translation(0.325, 1.248, -0.015) * rotation(12.0, {1, 0, 0})),
            m.headliner);
-  builder->add_part("overhead_console", make_rounded_box({0.15, 0.030, 0.17}, 0.012, 3), m.hard,
+  builder->add_part("overhead_console", make_rounded_box({0.15, 0.030, 0.17}, 0.012, 2), m.hard,
                     translation(0.0, 1.290, -0.04) * rotation(7.0, {1, 0, 0}));
   Primitive lamps;
   for (const double x : {-0.035, 0.035})

@@ -106,7 +106,7 @@ void add_vent(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
 void add_display(SceneBuilder* builder, const std::string& name, const glm::dmat4& place, const Vec2& size, int screen,
                  int housing) {
   builder->add_part(name + "_housing",
-                    transformed(make_rounded_box({size.x + 0.016, size.y + 0.016, 0.016}, 0.006, 3), place), housing);
+                    transformed(make_rounded_box({size.x + 0.016, size.y + 0.016, 0.016}, 0.006, 2), place), housing);
   const Primitive picture = make_quad({-size.x / 2.0, -size.y / 2.0, 0.0086}, {size.x, 0, 0}, {0, size.y, 0}, 8);
   builder->add_part(name, transformed(picture, place), screen);
 }
@@ -128,11 +128,11 @@ void add_dashboard(SceneBuilder* builder, const CockpitMaterials& m) {
   // Displays face the driver's eye.
   const glm::dmat4 cluster = look_at_frame({kDriver_m, 0.868, 0.398}, {kDriver_m, 0.620, 1.20});
   add_display(builder, "cluster_display", cluster, {0.30, 0.1125}, m.cluster, m.piano);
-  builder->add_part("cluster_base", make_rounded_box({0.22, 0.09, 0.05}, 0.015, 3), m.hard,
+  builder->add_part("cluster_base", make_rounded_box({0.22, 0.09, 0.05}, 0.015, 2), m.hard,
                     translation(kDriver_m, 0.845, 0.428));
   const glm::dmat4 center = look_at_frame({0.0, 0.868, 0.372}, {-0.13, 0.72, 1.20});
   add_display(builder, "center_display", center, {0.272, 0.17}, m.center_screen, m.piano);
-  builder->add_part("center_display_stem", make_rounded_box({0.10, 0.09, 0.05}, 0.015, 3), m.hard,
+  builder->add_part("center_display_stem", make_rounded_box({0.10, 0.09, 0.05}, 0.015, 2), m.hard,
                     translation(0.0, 0.855, 0.402));
 
   for (const double side : {1.0, -1.0}) {
@@ -143,7 +143,7 @@ void add_dashboard(SceneBuilder* builder, const CockpitMaterials& m) {
   }
   add_vent(builder, m, "vent_center", look_at_frame({0.0, 0.736, 0.352}, {0.0, 0.700, 1.35}), 0.25, 0.044);
   // Glove box line and its handle.
-  builder->add_part("glove_box_handle", make_rounded_box({0.11, 0.014, 0.012}, 0.005, 3), m.chrome,
+  builder->add_part("glove_box_handle", make_rounded_box({0.11, 0.014, 0.012}, 0.005, 2), m.chrome,
                     translation(-0.38, 0.735, 0.352));
   builder->add_part("dashboard_speaker",
                     transformed(revolve(round_corners({{0.05, 0.0}, {0.05, 0.006}, {0.0, 0.009}}, 0.003, 3, false), 40),
@@ -164,7 +164,7 @@ void add_console(SceneBuilder* builder, const CockpitMaterials& m) {
   builder->add_part("console", transformed(tunnel, turn), m.trim);
   const auto plate = [&](const char* name, const Vec3& at, const Vec3& size, double tilt_deg, double radius,
                          int material) {
-    builder->add_part(name, make_rounded_box(size, radius, 3), material,
+    builder->add_part(name, make_rounded_box(size, radius, 2), material,
                       translation(at.x, at.y, at.z) * rotation(tilt_deg, {1, 0, 0}));
   };
   plate("climate_panel", {0.0, 0.652, 0.290}, {0.20, 0.010, 0.125}, -39.0, 0.004, m.piano);
@@ -190,7 +190,7 @@ void add_console(SceneBuilder* builder, const CockpitMaterials& m) {
           revolve(round_corners({{0.034, 0.0}, {0.032, 0.006}, {0.016, 0.018}, {0.012, 0.03}}, 0.004, 3, false), 32),
           translation(0.0, 0.588, 0.058)),
       m.piano);
-  builder->add_part("gear_selector", make_rounded_box({0.036, 0.072, 0.048}, 0.016, 4), m.seat,
+  builder->add_part("gear_selector", make_rounded_box({0.036, 0.072, 0.048}, 0.016, 2), m.seat,
                     translation(0.0, 0.640, 0.055) * rotation(14.0, {1, 0, 0}));
   builder->add_part("gear_selector_cap", make_rounded_box({0.030, 0.006, 0.040}, 0.003, 2), m.chrome,
                     translation(0.0, 0.676, 0.064) * rotation(14.0, {1, 0, 0}));

@@ -91,7 +91,7 @@ void add_exterior_mirror(SceneBuilder* builder, const CockpitMaterials& m) {
   const glm::dmat4 place = translation(0.962, 0.995, 0.500) * rotation(-8.0, {0, 1, 0});
   const Field front = [](const Vec3& p) { return -0.040 - p.z; };
   const Rim rim{0.005, 0.010, 3};
-  Primitive housing = clip(make_pebble({0.112, 0.070, 0.110}, 0.72, 24), front, &rim);
+  Primitive housing = clip(make_pebble({0.112, 0.070, 0.110}, 0.72, 18), front, &rim);
   add_pair(builder, "mirror_housing", transformed(housing, place), m.paint);
   Primitive glass =
       extrude(round_corners({{-0.098, -0.056}, {0.098, -0.056}, {0.098, 0.056}, {-0.098, 0.056}}, 0.042, 8, true),
@@ -101,7 +101,7 @@ void add_exterior_mirror(SceneBuilder* builder, const CockpitMaterials& m) {
       transformed(glass, place * translation(0, 0, -0.046) * rotation(180.0, {0, 1, 0}) * rotation(-5.0, {0, 1, 0})),
       m.mirror);
   add_pair(builder, "mirror_foot",
-           transformed(make_rounded_box({0.17, 0.026, 0.060}, 0.012, 3),
+           transformed(make_rounded_box({0.17, 0.026, 0.060}, 0.012, 2),
                        translation(0.862, 0.938, 0.512) * rotation(18.0, {0, 0, 1})),
            m.piano);
 }

@@ -92,7 +92,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   builder->add_cage(
       name + "_cushion_insert",
       make_ring_cage(quilt_points(
-                         -0.33, 0.215, 6, cushion_face, [](double) { return Vec3(0.0, 0.98, -0.12); }, 0.152),
+                         -0.33, 0.215, 5, cushion_face, [](double) { return Vec3(0.0, 0.98, -0.12); }, 0.152),
                      12, 2),
       m.insert, at);
 
@@ -113,7 +113,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   };
   builder->add_cage(name + "_backrest_insert",
                     make_ring_cage(quilt_points(
-                                       0.06, 0.55, 6, back_face, [&](double) { return forward; }, 0.140),
+                                       0.06, 0.55, 5, back_face, [&](double) { return forward; }, 0.140),
                                    12, 2),
                     m.insert, at);
 
@@ -132,7 +132,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   for (const double x : {-0.19, 0.19})
     append(&base, transformed(make_rounded_box({0.045, 0.030, 0.56}, 0.008, 2), translation(x, 0.232, -0.08)));
   for (const double x : {-0.262, 0.262})
-    append(&base, transformed(make_rounded_box({0.022, 0.075, 0.44}, 0.010, 3), translation(x, 0.275, -0.12)));
+    append(&base, transformed(make_rounded_box({0.022, 0.075, 0.44}, 0.010, 2), translation(x, 0.275, -0.12)));
   builder->add_part(name + "_base", base, m.hard, at);
 }
 

@@ -89,9 +89,9 @@ void add_steering_wheel(SceneBuilder* builder, const CockpitMaterials& m) {
   builder->add_part("steering_wheel_spokes", spokes, m.hard, wheel);
   Primitive inlay;
   for (const double side : {-1.0, 1.0})
-    append(&inlay, transformed(make_rounded_box({0.062, 0.026, 0.008}, 0.0039, 3),
+    append(&inlay, transformed(make_rounded_box({0.062, 0.026, 0.008}, 0.0039, 2),
                                translation(side * 0.106, -0.012, 0.013) * rotation(side * 4.0, {0, 1, 0})));
-  append(&inlay, transformed(make_rounded_box({0.030, 0.052, 0.008}, 0.0039, 3),
+  append(&inlay, transformed(make_rounded_box({0.030, 0.052, 0.008}, 0.0039, 2),
                              translation(0.0, -0.112, 0.012) * rotation(-4.0, {1, 0, 0})));
   builder->add_part("steering_wheel_inlays", inlay, m.brushed, wheel);
   Primitive buttons;
@@ -110,7 +110,7 @@ void add_steering_wheel(SceneBuilder* builder, const CockpitMaterials& m) {
   for (const double side : {-1.0, 1.0})
     append(&paddles, transformed(make_rounded_box({0.042, 0.070, 0.005}, 0.0029, 2),
                                  translation(side * 0.112, 0.034, -0.032) * rotation(side * -14.0, {0, 0, 1})));
-  builder->add_part("shift_paddles", paddles, m.brushed, wheel);
+  builder->add_part("shift_paddles", paddles, m.gunmetal, wheel);
   Primitive stalks = make_tube({{0.045, 0.0, -0.075}, {0.12, 0.012, -0.075}, {0.185, 0.022, -0.068}}, 0.009, 12, 12);
   append(&stalks, make_tube({{-0.045, 0.0, -0.075}, {-0.12, 0.012, -0.075}, {-0.185, 0.022, -0.068}}, 0.009, 12, 12));
   builder->add_part("stalks", stalks, m.hard, wheel);

@@ -143,7 +143,7 @@ TextureImage make_asphalt_image() {
   return paint_image("asphalt", 256, 256, [](const Vec2& p) {
     const double stone = tileable_noise(p.x / 4.0, p.y / 4.0, 64, 3u),
                  patch = tileable_fbm(p.x / 64.0, p.y / 64.0, 4, 3, 9u);
-    const double shade = 0.46 + 0.035 * stone + 0.05 * patch;
+    const double shade = 0.46 + 0.045 * stone + 0.018 * patch;
     return Vec3(shade, shade * 0.995, shade * 0.98);
   });
 }

@@ -30,7 +30,7 @@ Primitive make_tyre() {
   outline.push_back({r - 0.045, w});
   outline.push_back({kRimRadius_m + 0.012, w - 0.006});
   outline.push_back({kRimRadius_m - 0.004, w - 0.022});
-  return revolve(round_corners(outline, 0.014, 1, false), 60);
+  return revolve(round_corners(outline, 0.014, 1, false), 50);
 }
 
 Primitive make_rim_barrel() {
@@ -49,7 +49,7 @@ Primitive make_rim_barrel() {
 /// One blade from hub to rim, leaning by `spread` at the rim.
 Primitive make_blade(double spread) {
   std::vector<Frame> frames;
-  const int n = 9;
+  const int n = 7;
   for (int i = 0; i <= n; ++i) {
     const double t = static_cast<double>(i) / n, r = mix(0.035, kRimRadius_m - 0.014, t);
     const double angle = spread * t, height = 0.070 + 0.026 * t * t - 0.012 * std::sin(kPi * t);
@@ -125,7 +125,7 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
       for (std::size_t k = 0; k < 5; ++k) builder->add_instance(names[k] + suffix, parts[k], at);
     }
     const double back = i < 2 ? -1.0 : 1.0;
-    builder->add_part("caliper" + suffix, make_rounded_box({0.075, 0.20, 0.075}, 0.018, 3), m.caliper,
+    builder->add_part("caliper" + suffix, make_rounded_box({0.075, 0.20, 0.075}, 0.018, 2), m.caliper,
                       translation(right ? -track - 0.018 : track + 0.018, kWheelRadius_m + 0.015, z + back * 0.155));
   }
   add_pair(builder, "wheel_housing_front", make_housing(kAxleFront_m), m.hard);

@@ -32,6 +32,7 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, t.depth_buffer.get(), 0);
   t.surface = Texture::make_2d("surface", GL_RGBA32UI, w, h);
   t.depth = Texture::make_2d("depth", GL_R32F, w, h);
+  t.guide = Texture::make_2d("guide", GL_RG32UI, w, h);
   t.marks = Texture::make_2d("marks", GL_RGBA8UI, w, h);
   t.radiance = Texture::make_2d("radiance", GL_RGBA32F, w, h);
   t.picture = Texture::make_2d("picture", GL_RGBA32F, width, height);

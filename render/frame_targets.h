@@ -14,7 +14,7 @@ struct FrameTargets {
   int item_capacity = 0;  ///< work items of each list
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
   GlName<FramebufferTraits> framebuffer;
-  Texture triangle, depth_buffer, surface, depth, texture_nu;
+  Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
   Texture energy, moments, curvature, pyramid;
   Texture marks, radiance, picture;
   Buffer counters, items[2], points[2], partial[2];

@@ -48,7 +48,7 @@ struct Renderer::Impl {
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
   void predict(const FramePlan& plan, PassTimer* timer);
   void shade(const FramePlan& plan, int chunk, PassTimer* timer);
-  void shade_band(const FramePlan& plan, int first_row, int rows, int chunk);
+  void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
   void fill(PassTimer* timer);
   void compose(float blend);
   void dispatch(const Program& program, int x, int y);

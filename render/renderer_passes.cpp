@@ -26,6 +26,14 @@ bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& b) {
   return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
 }
 
+ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors) {
+  return {"gbuffer/resolve.comp",
+          "",
+          {{"TEXTURES", textures ? "1" : "0"},
+           {"TEXTURE_BANDWIDTH", texture_bandwidth ? "1" : "0"},
+           {"VERTEX_COLORS", colors ? "1" : "0"}}};
+}
+
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
@@ -38,13 +46,15 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back(
         {"bandwidth/bandwidth.comp", "", {{"TEXTURE_BANDWIDTH", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
     variants.push_back({"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(k)}}});
-    variants.push_back({"gbuffer/resolve.comp", "", {{"TEXTURES", "1"}, {"TEXTURE_BANDWIDTH", flag(k)}}});
     variants.push_back({"shading/shade.comp", "", {{"MEASURED", flag(k)}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
   }
-  variants.push_back({"gbuffer/resolve.comp", "", {{"TEXTURES", "0"}, {"TEXTURE_BANDWIDTH", "0"}}});
+  for (int k = 0; k < 8; ++k) {
+    if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
+    variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
+  }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  for (const char* path : {"bandwidth/pyramid.comp", "bandwidth/fill.comp", "shading/arguments.comp",
-                           "shading/gather.comp", "shading/compose.comp"})
+  for (const char* path : {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/fill.comp",
+                           "shading/arguments.comp", "shading/gather.comp", "shading/compose.comp"})
     variants.push_back({path, "", {}});
   return variants;
 }
@@ -97,12 +107,11 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   glBindTextureUnit(0, t.triangle.get());
   glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
   if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
-  const std::string textures = buffers->has_textures() ? "1" : "0";
-  dispatch(programs.get({"gbuffer/resolve.comp",
-                         "",
-                         {{"TEXTURES", textures}, {"TEXTURE_BANDWIDTH", plan.texture_bandwidth ? "1" : "0"}}}),
+  dispatch(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
            groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  glBindTextureUnit(26, t.guide.get());
   timer->end("gbuffer");
 }
 
@@ -112,11 +121,22 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   const std::string samples = std::to_string(kPredictionSamples);
   glBindImageTexture(0, t.energy.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.moments.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  for (int measured = 0; measured < 2; ++measured) {
-    if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
-    dispatch(programs.get(
-                 {"bandwidth/predict.comp", "", {{"MEASURED", measured ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}}),
-             groups(qw, 8), groups(qh, 8));
+  t.counters.clear_to_zero();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
+  dispatch(programs.get({"bandwidth/classify.comp", "", {}}), groups(groups(qw, 2) * groups(qh, 2), 64), 1);
+  dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
+  for (int list = 0; list < 2; ++list) {
+    if ((list == 0 ? facts.measured_count : facts.analytic_count) == 0) continue;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
+    const Program& program = programs.get(
+        {"bandwidth/predict.comp", "", {{"MEASURED", list == 0 ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}});
+    program.set("u_list", list);
+    glUseProgram(program.get());
+    glDispatchComputeIndirect(list * 32 + 8);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
   }
   timer->end("bandwidth");
   glBindTextureUnit(18, t.energy.get());
@@ -147,11 +167,10 @@ void Renderer::Impl::shade(const FramePlan& plan, int chunk, PassTimer* timer) {
   visible_points = shaded_points = shading_samples = 0;
   const int rows = targets->grid_height();
   for (int row = 0; row < rows; row += targets->band_rows)
-    shade_band(plan, row, std::min(targets->band_rows, rows - row), chunk);
-  timer->end("shade");
+    shade_band(plan, row, std::min(targets->band_rows, rows - row), chunk, timer);
 }
 
-void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, int chunk) {
+void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer) {
   FrameTargets& t = *targets;
   for (GLuint k = 0; k < 2; ++k) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
@@ -173,6 +192,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
     const auto capacity = static_cast<unsigned>(t.item_capacity);
     if (counters[0] <= capacity && counters[8] <= capacity) break;
   }
+  timer->end("mark");
   visible_points += counters[6];
   shaded_points += counters[1] + counters[9];
   shading_samples += (static_cast<std::size_t>(counters[0]) + counters[8]) * static_cast<std::size_t>(chunk);
@@ -196,6 +216,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
     gather.set("u_list", list);
     dispatch(gather, 256, 1);
   }
+  timer->end("shade");
 }
 
 void Renderer::Impl::fill(PassTimer* timer) {
@@ -209,7 +230,8 @@ void Renderer::Impl::fill(PassTimer* timer) {
     const int side = 1 << level;
     for (int middle = 0; middle < 2; ++middle) {
       program.set("u_middle", middle);
-      dispatch(program, groups(groups(t.grid_width(), side) * groups(t.grid_height(), side), 64), 1);
+      const int pairs = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
+      dispatch(program, groups(middle ? pairs : 2 * pairs, 64), 1);
     }
   }
   timer->end("upsample");

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "render/texture_bandwidth.h"
 #include "scenes/error.h"
@@ -44,10 +45,23 @@ Bounds item_bounds(const FlatGeometry& geometry, const DrawItem& item) {
   return bounds;
 }
 
+/// sRGB bytes to square roots of linear light, which the shaders decode with one product. Alpha stays.
+void recode_srgb(std::vector<std::uint32_t>* texels) {
+  std::array<std::uint32_t, 256> code{};
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    const double v = static_cast<double>(i) / 255.0;
+    const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+    code[i] = static_cast<std::uint32_t>(std::sqrt(linear) * 255.0 + 0.5);
+  }
+  for (std::uint32_t& t : *texels)
+    t = code[t & 255u] | code[t >> 8 & 255u] << 8 | code[t >> 16 & 255u] << 16 | (t & 0xff000000u);
+}
+
 /// Appends the mip chain of an image (box filter in the stored encoding) and returns the number of levels.
-int append_mips(const TextureImage& image, std::vector<std::uint32_t>* texels) {
+int append_mips(const TextureImage& image, bool srgb, std::vector<std::uint32_t>* texels) {
   std::vector<std::uint32_t> level(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
   std::memcpy(level.data(), image.rgba.data(), level.size() * 4);
+  if (srgb) recode_srgb(&level);
   int width = image.width, height = image.height, levels = 1;
   texels->insert(texels->end(), level.begin(), level.end());
   while (width > 1 || height > 1) {
@@ -104,6 +118,8 @@ void SceneBuffers::build_geometry() {
   bounds_.clear();
   for (const DrawItem& item : geometry_.items) bounds_.push_back(item_bounds(geometry_, item));
   visible_.assign(geometry_.items.size(), true);
+  has_colors_ = std::any_of(geometry_.colors.begin(), geometry_.colors.end(),
+                            [](const glm::vec4& c) { return c != glm::vec4(1.0f); });
 }
 
 void SceneBuffers::upload_vertices(std::uint32_t first, std::uint32_t count) {
@@ -151,21 +167,24 @@ void SceneBuffers::build_textures(const Scene& scene) {
   }
   if (texture_uses_.empty()) return;
   std::vector<std::uint32_t> texels;
-  image_offsets_.assign(scene.images.size(), -1);
-  std::vector<int> levels(scene.images.size(), 0);
+  // An image that is read both as colour and as data is stored twice.
+  image_offsets_.assign(2 * scene.images.size(), -1);
+  std::vector<int> levels(2 * scene.images.size(), 0);
   std::vector<float> bandwidth;
+  std::map<std::size_t, std::vector<float>> maps;
   std::vector<glm::vec4> records;
   for (const TextureUse& use : texture_uses_) {
     const auto i = static_cast<std::size_t>(use.reference.image);
     const TextureImage& image = scene.images[i];
-    if (image_offsets_[i] < 0) {
-      image_offsets_[i] = static_cast<int>(texels.size());
-      levels[i] = append_mips(image, &texels);
+    const std::size_t stored = 2 * i + (use.srgb ? 1 : 0);
+    if (image_offsets_[stored] < 0) {
+      image_offsets_[stored] = static_cast<int>(texels.size());
+      levels[stored] = append_mips(image, use.srgb, &texels);
     }
     const TextureRef& r = use.reference;
     const float c = std::cos(r.rotation_rad), s = std::sin(r.rotation_rad);
     // KHR_texture_transform: uv' = translation * rotation * scale * uv, rotation counter-clockwise in UV with v down.
-    records.emplace_back(std::bit_cast<float>(image_offsets_[i]), image.width, image.height, levels[i]);
+    records.emplace_back(std::bit_cast<float>(image_offsets_[stored]), image.width, image.height, levels[stored]);
     records.emplace_back(c * r.scale.x, s * r.scale.y, -s * r.scale.x, c * r.scale.y);
     const int flags = (use.srgb ? 1 : 0) | (r.uv_set == 1 ? 2 : 0) | (r.nearest ? 4 : 0);
     records.emplace_back(r.offset,
@@ -176,8 +195,9 @@ void SceneBuffers::build_textures(const Scene& scene) {
                                   : r.wrap_t == Wrap::mirrored_repeat ? 1
                                                                       : 2),
                          flags);
-    const std::vector<float> map = compute_texture_bandwidth(image);
-    bandwidth.insert(bandwidth.end(), map.begin(), map.end());
+    const auto known = maps.try_emplace(i);
+    if (known.second) known.first->second = compute_texture_bandwidth(image);
+    bandwidth.insert(bandwidth.end(), known.first->second.begin(), known.first->second.end());
   }
   texels_ = Buffer::from("texels", texels);
   texel_view_ = Texture::make_buffer("texels", GL_R32UI, texels_);
@@ -209,6 +229,11 @@ void SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     const int slot = brdf_slots[i];
     if (slot >= 0 && !m.tint_measured) textures[0] = kNone;
     if (slot >= 0) textures[1] = textures[5] = kNone;
+    std::array<std::uint32_t, 6> list;
+    list.fill(kNone);
+    std::size_t used = 0;
+    for (std::uint32_t role = 0; role < 6; ++role)
+      if (textures[role] != kNone) list[used++] = textures[role] | role << 16;
     const std::uint32_t flags = (slot >= 0 ? 1u : 0u) | (slot >= 0 && m.tint_measured ? 2u : 0u) | (m.unlit ? 4u : 0u) |
                                 (m.double_sided ? 8u : 0u);
     words.push_back(bits(m.base_color.r, m.base_color.g, m.base_color.b, m.alpha_cutoff));
@@ -216,9 +241,10 @@ void SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     words.push_back(bits(m.emissive.r, m.emissive.g, m.emissive.b, m.ior));
     words.push_back(bits(m.clearcoat, m.clearcoat_roughness, m.specular, m.transmission));
     words.push_back(bits(m.specular_color.r, m.specular_color.g, m.specular_color.b, m.sheen_roughness));
-    words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, brdf_shares[i]));
-    words.emplace_back(flags, static_cast<std::uint32_t>(std::max(slot, 0)), textures[0], textures[1]);
-    words.emplace_back(textures[2], textures[3], textures[4], textures[5]);
+    words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, std::bit_cast<float>(list[4])));
+    words.emplace_back(flags, static_cast<std::uint32_t>(std::max(slot, 0)),
+                       std::bit_cast<std::uint32_t>(brdf_shares[i]), list[5]);
+    words.emplace_back(list[0], list[1], list[2], list[3]);
   }
   materials_ = Buffer::from("materials", words);
   material_view_ = Texture::make_buffer("materials", GL_RGBA32UI, materials_);

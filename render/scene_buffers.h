@@ -37,6 +37,7 @@ class SceneBuffers {
   void bind_geometry() const;   ///< units 4, 5, 6
   void bind_materials() const;  ///< units 1, 2, 3
   bool has_textures() const { return static_cast<bool>(texel_view_); }
+  bool has_colors() const { return has_colors_; }  ///< some vertex colour is not white
   std::size_t geometry_bytes() const;
   std::size_t texture_bytes() const { return texels_.bytes() + texture_records_.bytes(); }
   const Texture& texture_bandwidth() const { return texture_bandwidth_view_; }
@@ -51,6 +52,7 @@ class SceneBuffers {
   std::vector<Bounds> bounds_;
   std::vector<int> item_materials_;
   std::vector<bool> visible_;
+  bool has_colors_ = false;
   GlName<VertexArrayTraits> vertex_array_;
   Buffer positions_, uvs_, indices_, vertices_, triangle_materials_, materials_, texels_, texture_records_,
       texture_bandwidth_;

@@ -50,7 +50,7 @@ std::vector<float> compute_texture_bandwidth(const TextureImage& image) {
   std::vector<float> result(kSide * kSide, 0.0f);
   if (image.width < 2 || image.height < 2) return result;
   const auto largest = static_cast<unsigned>(std::max(image.width, image.height));
-  const std::size_t n = std::clamp<std::size_t>(std::bit_floor(largest), 32, 1024);
+  const std::size_t n = std::clamp<std::size_t>(std::bit_floor(largest), 32, 512);
   std::vector<float> values = resample(image, n);
   std::vector<std::array<double, 12>> energies(kSide *
                                                kSide);  // per region: [0] mean and coarser, then finer and finer

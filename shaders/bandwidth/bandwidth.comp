@@ -61,34 +61,18 @@ vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
   return best;
 }
 
-void main() {
-  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
-  ivec2 quads = (u_frame.size.xy + 1) / 2;
-  if (any(greaterThanEqual(quad, quads))) return;
-  ivec2 pixel = ivec2(-1);
-  for (int k = 0; k < 4; ++k) {
-    int j = (k + quad.x + 2 * quad.y) & 3;
-    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
-    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
-  }
-  if (pixel.x < 0) {
-    imageStore(o_bandwidth, quad, vec4(0.0));
-    imageStore(o_curvature, quad, vec4(0.0));
-    return;
-  }
+void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   Sample c = load_sample(pixel);
   float depth = texelFetch(t_depth, pixel, 0).x;
   float pixel_m = depth * u_frame.forward.w;
   vec4 energy = vec4(0.0), moments = vec4(0.0);
-  for (int y = -1; y <= 1; ++y) {
-    for (int x = -1; x <= 1; ++x) {
-      ivec2 q = clamp(quad + ivec2(x, y), ivec2(0), quads - 1);
-      Sample s = load_sample(min(2 * q + 1, u_frame.size.xy - 1));
-      float w = (x == 0 && y == 0) ? 1.0
-                : (s.valid && s.material == c.material && dot(s.normal, c.normal) > 0.9) ? 0.7 : 0.0;
-      energy += w * texelFetch(t_energy, q, 0);
-      moments += w * texelFetch(t_moments, q, 0);
-    }
+  vec4 own = texelFetch(t_moments, quad, 0);
+  for (int k = 0; k < 9; ++k) {
+    ivec2 q = clamp(quad + ivec2(k % 3, k / 3) - 1, ivec2(0), quads - 1);
+    vec4 m = texelFetch(t_moments, q, 0);
+    float w = k == 4 ? 1.0 : (m.w == own.w ? 0.7 : 0.0);
+    energy += w * texelFetch(t_energy, q, 0);
+    moments += w * vec4(m.xyz, m.w > 0.0 ? float(PREDICTION_SAMPLES) - m.z : 0.0);
   }
   float nu_theta = energy.x / max(energy.y, 1e-20);
   float nb = max(moments.z, 1.0), ne = max(moments.w, 1.0);
@@ -110,4 +94,21 @@ void main() {
   imageStore(o_bandwidth, quad,
              vec4(max(nu.x, nu.y), radiance * u_frame.environment.z, deviation * u_frame.environment.z, 1.0));
   imageStore(o_curvature, quad, vec4(nu, max(kx.x, ky.x), nu_theta));
+}
+
+void main() {
+  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 quads = (u_frame.size.xy + 1) / 2;
+  if (any(greaterThanEqual(quad, quads))) return;
+  ivec2 pixel = ivec2(-1);
+  for (int k = 0; k < 4; ++k) {
+    int j = (k + quad.x + 2 * quad.y) & 3;
+    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
+    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+  }
+  if (pixel.x < 0) {
+    imageStore(o_bandwidth, quad, vec4(0.0));
+    imageStore(o_curvature, quad, vec4(0.0));
+  }
+  if (pixel.x >= 0) find_bandwidth(quad, quads, pixel);
 }

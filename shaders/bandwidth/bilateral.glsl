@@ -7,14 +7,16 @@ struct Guide {
   bool valid;
 };
 
+layout(binding = 26) uniform usampler2D t_guide;
+
 Guide load_guide(ivec2 pixel) {
+  uvec2 packed_guide = texelFetch(t_guide, pixel, 0).xy;
+  float depth = uintBitsToFloat(packed_guide.x);
   Guide g;
-  float depth = texelFetch(t_depth, pixel, 0).x;
-  uvec4 s = texelFetch(t_surface, pixel, 0);
   g.valid = depth > 0.0;
   g.position = ray_through(vec2(pixel) + 0.5) * depth;
-  g.normal = unpack_normal(s.x);
-  g.material = int(s.z >> 16u);
+  g.normal = guide_normal(packed_guide.y);
+  g.material = int(packed_guide.y >> 24u);
   g.reach_m = depth * u_frame.forward.w;
   return g;
 }

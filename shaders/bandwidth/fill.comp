@@ -7,8 +7,6 @@ layout(local_size_x = 64) in;
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
 layout(binding = 21) uniform sampler2D t_axes;  // nu_x, nu_y
 layout(binding = 23) uniform usampler2D t_marks;
 #include "bandwidth/bilateral.glsl"
@@ -37,17 +35,7 @@ vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
   return vec4((values[1] * weights[1] + values[2] * weights[2]) / max(sum, 1e-12), sum);
 }
 
-void main() {
-  int s = 1 << u_level;
-  ivec2 grid = (u_frame.size.xy + s - 1) / s;
-  int id = int(gl_GlobalInvocationID.x);
-  if (id >= grid.x * grid.y) return;
-  ivec2 cell = ivec2(id % grid.x, id / grid.x);
-  ivec2 odd = cell & 1;
-  if (odd.x + odd.y != 1 + u_middle) return;
-  ivec2 pixel = cell * s;
-  uvec4 mark = texelFetch(t_marks, pixel, 0);
-  if (mark.x != 0u || mark.w == 0u) return;
+void fill(ivec2 pixel, ivec2 odd, int s) {
   Guide center = load_guide(pixel);
   vec4 value;
   if (u_middle == 0) {
@@ -59,4 +47,22 @@ void main() {
     value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
   }
   imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
+}
+
+void main() {
+  // The invocations are the points to fill and no others: (odd, odd), or (odd, even) and then (even, odd).
+  int s = 1 << u_level;
+  ivec2 pairs = (u_frame.size.xy + 2 * s - 1) / (2 * s);
+  int id = int(gl_GlobalInvocationID.x);
+  int count = pairs.x * pairs.y;
+  bool second = id >= count;
+  if (id >= (u_middle == 0 ? 2 * count : count)) return;
+  id = second ? id - count : id;
+  int row = int((float(id) + 0.5) / float(pairs.x));
+  row = row * pairs.x > id ? row - 1 : ((row + 1) * pairs.x <= id ? row + 1 : row);
+  ivec2 odd = u_middle == 1 ? ivec2(1, 1) : (second ? ivec2(0, 1) : ivec2(1, 0));
+  ivec2 pixel = (2 * ivec2(id - row * pairs.x, row) + odd) * s;
+  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  uvec4 mark = texelFetch(t_marks, pixel, 0);
+  if (mark.x == 0u && mark.w != 0u) fill(pixel, odd, s);
 }

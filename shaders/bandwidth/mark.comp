@@ -78,7 +78,8 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 #if BANDWIDTH
   int top = u_frame.size.w;
   int enters = min(min(findLSB(pixel.x | (1 << top)), findLSB(pixel.y | (1 << top))), top);
-  bool shaded = enters >= top || level <= enters || !neighbours_agree(pixel, enters);
+  bool shaded = enters >= top || level <= enters;
+  if (!shaded) shaded = !neighbours_agree(pixel, enters);
   if (!shaded) return uvec3(0u, uint(level), 0u);
   vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;

@@ -1,6 +1,6 @@
 // Per 2 x 2 quad: a few directions of the estimator, their bandwidth weighted by energy (L rho cos), and the moments from
 // which the variance of the integrand follows. Sums, so that neighbours of the same surface can be pooled.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
@@ -14,7 +14,14 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
 layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width], cycles/rad
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;    // sum w nu, sum w, sum t_b, sum t_e
-layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;   // sum t_b^2, sum t_e^2 (both with the stratum factor), n_b, n_e
+layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;   // sum t_b^2, sum t_e^2 (both with the stratum factor), n_b, 1 + material
+
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
+};
+layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
+layout(std430, binding = 2) readonly buffer Pixels { uint b_pixels[]; };  // every other word
+uniform int u_list;
 
 struct Result {
   vec4 energy;            // sum w nu, sum w, sum t_b, sum t_e
@@ -66,24 +73,8 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf)
 #include "shading/integrate.glsl"
 
-void main() {
-  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
-  ivec2 quads = (u_frame.size.xy + 1) / 2;
-  if (any(greaterThanEqual(quad, quads))) return;
-  // The first visible point of the quad stands for it; which one is tried first alternates.
-  ivec2 pixel = ivec2(-1);
-  for (int k = 0; k < 4; ++k) {
-    int j = (k + quad.x + 2 * quad.y) & 3;
-    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
-    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
-  }
-  if (pixel.x < 0) {
-    imageStore(o_energy, quad, vec4(0.0));
-    imageStore(o_moments, quad, vec4(0.0));
-    return;
-  }
+void predict(ivec2 quad, ivec2 pixel) {
   Point p = load_point(pixel);
-  if ((p.slot >= 0) != (MEASURED == 1)) return;
   Result result;
   result.energy = vec4(0.0);
   result.second = vec2(0.0);
@@ -92,5 +83,13 @@ void main() {
   integrate(p, pixel, 0u, count, result);
   int brdf_count = brdf_sample_count(p, count);
   imageStore(o_energy, quad, result.energy);
-  imageStore(o_moments, quad, vec4(result.second, float(brdf_count), float(count - brdf_count)));
+  imageStore(o_moments, quad, vec4(result.second, float(brdf_count), float(p.material + 1)));
+}
+
+void main() {
+  uint id = gl_GlobalInvocationID.x;
+  if (id >= b_lists[u_list].items) return;
+  uint packed_pixel = b_pixels[2u * id];
+  ivec2 pixel = ivec2(packed_pixel & 65535u, packed_pixel >> 16u);
+  predict(pixel / 2, pixel);
 }

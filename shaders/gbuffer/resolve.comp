@@ -16,6 +16,7 @@ layout(binding = 5) uniform samplerBuffer t_vertices;  // 4 texels: position, uv
 layout(binding = 6) uniform usamplerBuffer t_triangle_material;
 layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
 layout(binding = 1, r32f) uniform writeonly image2D o_depth;
+layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
 #if TEXTURE_BANDWIDTH
 layout(binding = 7) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 x 16], cycles per unit of UV
 layout(binding = 2, r16f) uniform writeonly image2D o_texture_bandwidth;
@@ -39,15 +40,7 @@ Hit intersect(vec3 origin, vec3 direction, vec3 p0, vec3 e1, vec3 e2) {
   return hit;
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
-  int triangle = int(texelFetch(t_triangle, pixel, 0).x) - 1;
-  if (triangle < 0) {
-    imageStore(o_depth, pixel, vec4(0.0));
-    imageStore(o_surface, pixel, uvec4(0u));
-    return;
-  }
+void resolve_surface(ivec2 pixel, int triangle) {
   int v0 = 4 * int(texelFetch(t_indices, 3 * triangle).x);
   int v1 = 4 * int(texelFetch(t_indices, 3 * triangle + 1).x);
   int v2 = 4 * int(texelFetch(t_indices, 3 * triangle + 2).x);
@@ -68,11 +61,14 @@ void main() {
   int material = int(texelFetch(t_triangle_material, triangle).x);
   vec4 m0 = material_floats(material, 0), m1 = material_floats(material, 1), m2 = material_floats(material, 2);
   vec4 m3 = material_floats(material, 3);
+#if VERTEX_COLORS
   vec4 color = b0 * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v0 + 3).z)) +
                b.x * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v1 + 3).z)) +
                b.y * unpackUnorm4x8(floatBitsToUint(texelFetch(t_vertices, v2 + 3).z));
+  m0.rgb *= color.rgb;
+#endif
   Surface surface;
-  surface.base_color = m0.rgb * color.rgb;
+  surface.base_color = m0.rgb;
   surface.metallic = m1.x;
   surface.roughness = m1.y;
   surface.clearcoat = m3.x;
@@ -80,8 +76,11 @@ void main() {
   vec3 emission = m2.rgb;
   float texture_bandwidth = 0.0;
 #if TEXTURES
-  uvec4 w6 = material_words(material, 6), w7 = material_words(material, 7);
-  if ((w6.z & w6.w & w7.x & w7.y & w7.z & w7.w) != 0xffffffffu) {
+  // The list of the material's textures, each a texture and what it is for. One loop, so that the sampling code runs as often as the
+  // longest list of a vector asks for: software drivers run every branch for every lane.
+  uvec4 list = material_words(material, 7);
+  uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
+  if (list.x != kNoTexture) {
     Hit hx = intersect(u_frame.eye.xyz, ray_through(center + vec2(1.0, 0.0)), p0.xyz, e1, e2);
     Hit hy = intersect(u_frame.eye.xyz, ray_through(center + vec2(0.0, 1.0)), p0.xyz, e1, e2);
     vec2 bx = hx.barycentric - hit.barycentric, by = hy.barycentric - hit.barycentric;
@@ -91,42 +90,40 @@ void main() {
     vec2 a1 = s1 - s0, a2 = s2 - s0, c1 = u1.xy - u0.xy, c2 = u2.xy - u0.xy;
     vec2 dx0 = a1 * bx.x + a2 * bx.y, dy0 = a1 * by.x + a2 * by.y;
     vec2 dx1 = c1 * bx.x + c2 * bx.y, dy1 = c1 * by.x + c2 * by.y;
-#define SAMPLE(texture_index)                                                                          \
-  sample_texture(int(texture_index), texture_coordinates(int(texture_index), uv0, uv1),                \
-                 texture_coordinates(int(texture_index), uv0 + dx0, uv1 + dx1) - texture_coordinates(int(texture_index), uv0, uv1), \
-                 texture_coordinates(int(texture_index), uv0 + dy0, uv1 + dy1) - texture_coordinates(int(texture_index), uv0, uv1))
-    if (w6.z != 0xffffffffu) surface.base_color *= SAMPLE(w6.z).rgb;
-    if (w6.w != 0xffffffffu) {
-      vec4 mr = SAMPLE(w6.w);
-      surface.metallic *= mr.b;
-      surface.roughness *= mr.g;
-    }
-    if (w7.y != 0xffffffffu) emission *= SAMPLE(w7.y).rgb;
-    if (w7.z != 0xffffffffu) surface.base_color *= mix(1.0, SAMPLE(w7.z).r, m1.w);
-    if (w7.w != 0xffffffffu) surface.clearcoat *= SAMPLE(w7.w).r;
-    if (w7.x != 0xffffffffu) {
-      vec4 t = b0 * texelFetch(t_vertices, v0 + 2) + b.x * texelFetch(t_vertices, v1 + 2) +
-               b.y * texelFetch(t_vertices, v2 + 2);
-      vec3 tangent = normalize(t.xyz - normal * dot(t.xyz, normal) + vec3(1e-20, 0.0, 0.0));
-      vec3 bitangent = cross(normal, tangent) * (t.w < 0.0 ? -1.0 : 1.0);
-      vec3 map = SAMPLE(w7.x).xyz * 2.0 - 1.0;
-      normal = normalize(tangent * (map.x * m1.z) + bitangent * (map.y * m1.z) + normal * max(map.z, 1e-3));
-    }
+    vec3 mapped = vec3(0.0, 0.0, 1.0);
+    for (int k = 0; k < 6; ++k) {
+      uint entry = k < 4 ? list[k & 3] : more[k & 1];
+      if (entry == kNoTexture) break;
+      int index = int(entry & 0xffffu);
+      uint role = entry >> 16u;
+      vec4 m = texture_record(index, 1), rest = texture_record(index, 2);
+      bool second = (int(rest.w) & 2) != 0;
+      vec2 uv = second ? uv1 : uv0, dx = second ? dx1 : dx0, dy = second ? dy1 : dy0;
+      mat2 t = mat2(m.x, m.z, m.y, m.w);
+      uv = t * uv + rest.xy;
+      dx = t * dx;
+      dy = t * dy;
+      vec4 value = sample_texture(index, uv, dx, dy);
+      surface.base_color *= role == kRoleBaseColor ? value.rgb : vec3(role == kRoleOcclusion ? mix(1.0, value.r, m1.w) : 1.0);
+      surface.metallic *= role == kRoleMetallicRoughness ? value.b : 1.0;
+      surface.roughness *= role == kRoleMetallicRoughness ? value.g : 1.0;
+      surface.clearcoat *= role == kRoleClearcoat ? value.r : 1.0;
+      emission *= role == kRoleEmissive ? value.rgb : vec3(1.0);
+      mapped = role == kRoleNormal ? value.xyz * 2.0 - 1.0 : mapped;
 #if TEXTURE_BANDWIDTH
-    // Cycles per unit of UV, times UV units per metre along the finer screen axis.
-    float footprint_m = depth * u_frame.forward.w;
-    for (int k = 0; k < 2; ++k) {
-      uint texture_index = k == 0 ? w6.z : w6.w;
-      if (texture_index == 0xffffffffu) continue;
-      vec2 uv = texture_coordinates(int(texture_index), uv0, uv1);
-      vec2 d = texture_coordinates(int(texture_index), uv0 + dx0, uv1 + dx1) - uv;
-      vec2 e = texture_coordinates(int(texture_index), uv0 + dy0, uv1 + dy1) - uv;
+      // Cycles per unit of UV, times UV units per metre of the pixel's footprint; no finer than the pixels resolve.
       ivec2 cell = ivec2(fract(uv) * 16.0);
-      float cycles_per_uv = texelFetch(t_texture_bandwidth, int(texture_index) * 256 + cell.y * 16 + cell.x).x;
-      float span = sqrt(max(length(d) * length(e), 1e-20));
-      texture_bandwidth = max(texture_bandwidth, min(cycles_per_uv * span, 0.5) / footprint_m);
-    }
+      float cycles_per_uv = texelFetch(t_texture_bandwidth, index * 256 + cell.y * 16 + cell.x).x;
+      float span = sqrt(max(length(dx) * length(dy), 1e-20));
+      float nu = role <= kRoleNormal ? min(cycles_per_uv * span, 0.5) / (depth * u_frame.forward.w) : 0.0;
+      texture_bandwidth = max(texture_bandwidth, nu);
 #endif
+    }
+    vec4 t = b0 * texelFetch(t_vertices, v0 + 2) + b.x * texelFetch(t_vertices, v1 + 2) +
+             b.y * texelFetch(t_vertices, v2 + 2);
+    vec3 tangent = normalize(t.xyz - normal * dot(t.xyz, normal) + vec3(1e-20, 0.0, 0.0));
+    vec3 bitangent = cross(normal, tangent) * (t.w < 0.0 ? -1.0 : 1.0);
+    normal = normalize(tangent * (mapped.x * m1.z) + bitangent * (mapped.y * m1.z) + normal * max(mapped.z, 1e-3));
   }
 #endif
   // Shade the side that is seen, whether or not the file's normals agree with its winding.
@@ -139,7 +136,20 @@ void main() {
   surface.normal = normal;
   imageStore(o_surface, pixel, pack_surface(surface, emission));
   imageStore(o_depth, pixel, vec4(max(depth, 1e-30)));
+  imageStore(o_guide, pixel, uvec4(pack_guide(max(depth, 1e-30), normal, material), 0u, 0u));
 #if TEXTURE_BANDWIDTH
   imageStore(o_texture_bandwidth, pixel, vec4(texture_bandwidth));
 #endif
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  int triangle = int(texelFetch(t_triangle, pixel, 0).x) - 1;
+  if (triangle < 0) {
+    imageStore(o_depth, pixel, vec4(0.0));
+    imageStore(o_guide, pixel, uvec4(0u));
+    imageStore(o_surface, pixel, uvec4(0u));
+  }
+  if (triangle >= 0) resolve_surface(pixel, triangle);
 }

@@ -17,6 +17,7 @@ struct Point {
   vec3 n, t, b;   // environment frame
   vec3 wo;        // local frame
   float distance_m;
+  int material;
   int slot;       // measured table, or -1
   float inverse_albedo;
   float brdf_share;  // of the samples, in (0, 1)
@@ -59,8 +60,8 @@ Point load_point(ivec2 pixel) {
   p.wo = vec3(sqrt(side2), 0.0, max(dot(p.n, v), 1e-3));
   p.wo *= inversesqrt(dot(p.wo, p.wo));
   uvec4 words = material_words(s.material, 6);
-  vec4 m5 = material_floats(s.material, 5);
-  p.brdf_share = m5.w;
+  p.material = s.material;
+  p.brdf_share = uintBitsToFloat(words.z);
   p.tint = vec3(1.0);
   p.slot = -1;
   if ((words.x & kMaterialMeasured) != 0u) {
@@ -73,6 +74,7 @@ Point load_point(ivec2 pixel) {
     p.inverse_albedo = 1.0 / max(a, 1e-6);
   } else {
     vec4 m2 = material_floats(s.material, 2), m3 = material_floats(s.material, 3), m4 = material_floats(s.material, 4);
+    vec4 m5 = material_floats(s.material, 5);
     p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, m2.w, m3.z, m4.rgb, s.clearcoat, m3.y, m5.rgb, m4.w);
     p.lobe_weights = analytic_lobe_weights(p.analytic, p.wo);
     p.inverse_albedo = 1.0;

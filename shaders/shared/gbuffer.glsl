@@ -36,3 +36,13 @@ Surface unpack_surface(uvec4 g) {
   s.material = int(g.z >> 16u);
   return s;
 }
+
+/// What upsampling compares, in one fetch: depth, and the normal (2 x 12 bits) with the low 8 bits of the material.
+uvec2 pack_guide(float depth, vec3 normal, int material) {
+  vec2 oct = octahedral_from_direction(normal);
+  return uvec2(floatBitsToUint(depth), uint(oct.x * 4095.0f + 0.5f) | (uint(oct.y * 4095.0f + 0.5f) << 12u) |
+                                           (uint(material & 255) << 24u));
+}
+vec3 guide_normal(uint y) {
+  return direction_from_octahedral(vec2(float(y & 4095u), float((y >> 12u) & 4095u)) * (1.0f / 4095.0f));
+}

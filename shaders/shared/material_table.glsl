@@ -7,6 +7,10 @@ vec4 material_floats(int material, int texel) {
   return uintBitsToFloat(texelFetch(t_materials, material * kMaterialTexels + texel));
 }
 // Texel 0: base colour rgb, alpha cutoff. 1: metallic, roughness, normal scale, occlusion strength. 2: emission rgb, ior.
-// 3: clearcoat, coat roughness, specular, transmission. 4: specular colour rgb, sheen roughness. 5: sheen rgb, BRDF sample share.
-// 6 (words): flags, BRDF slot, base colour texture, metallic-roughness texture. 7: normal, emissive, occlusion, clearcoat textures.
+// 3: clearcoat, coat roughness, specular, transmission. 4: specular colour rgb, sheen roughness. 5: sheen rgb, fifth texture.
+// 6: flags, BRDF slot, BRDF sample share (float), sixth texture. 7: first four textures.
+// A texture is its record's index with its role in the upper half; the list ends with kNoTexture.
+const uint kNoTexture = 0xffffffffu;
+const uint kRoleBaseColor = 0u, kRoleMetallicRoughness = 1u, kRoleNormal = 2u, kRoleEmissive = 3u, kRoleOcclusion = 4u,
+           kRoleClearcoat = 5u;
 uvec4 material_words(int material, int texel) { return texelFetch(t_materials, material * kMaterialTexels + texel); }

@@ -11,15 +11,17 @@
 MAQUETTE_FN uint pack_rgb9e5(vec3 c, int bias) {
   float largest = max(max(c.x, c.y), c.z);
   if (!(largest > 0.0f)) return 0u;
-  int e = clamp(int(ceil(log2(largest / 511.5f))) + bias, 0, 31);
-  float step_size = exp2(float(e - bias));
-  if (largest / step_size > 511.5f && e < 31) {
+  // Exponent of the largest channel from its bits: 2^x <= largest < 2^(x + 1), so a step of 2^(x - 8) keeps it below 512.
+  int x = int((floatBitsToUint(largest) >> 23u) & 255u) - 127;
+  int e = clamp(x - 8 + bias, 0, 31);
+  float inverse_step = uintBitsToFloat(uint(127 + bias - e) << 23u);
+  if (largest * inverse_step >= 511.5f && e < 31) {
     e += 1;
-    step_size *= 2.0f;
+    inverse_step *= 0.5f;
   }
-  uint r = uint(clamp(c.x / step_size + 0.5f, 0.0f, 511.0f));
-  uint g = uint(clamp(c.y / step_size + 0.5f, 0.0f, 511.0f));
-  uint b = uint(clamp(c.z / step_size + 0.5f, 0.0f, 511.0f));
+  uint r = uint(clamp(c.x * inverse_step + 0.5f, 0.0f, 511.0f));
+  uint g = uint(clamp(c.y * inverse_step + 0.5f, 0.0f, 511.0f));
+  uint b = uint(clamp(c.z * inverse_step + 0.5f, 0.0f, 511.0f));
   return r | (g << 9u) | (b << 18u) | (uint(e) << 27u);
 }
 

@@ -15,27 +15,21 @@ vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
   return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y) + rest.xy;
 }
 
+/// Remainders in float: integer division is scalar and slow on software drivers; sizes are far below 2^24.
 int wrap_texel(int i, int size, int mode) {
   if (mode == 2) return clamp(i, 0, size - 1);
-  int m = i % size;
-  m = m < 0 ? m + size : m;
-  if (mode == 1) {
-    int two = i % (2 * size);
-    two = two < 0 ? two + 2 * size : two;
-    return two < size ? two : 2 * size - 1 - two;
-  }
-  return m;
+  float period = float(mode == 1 ? 2 * size : size);
+  float m = float(i) - period * floor(float(i) / period);
+  m = mode == 1 && m >= float(size) ? period - 1.0 - m : m;
+  return clamp(int(m), 0, size - 1);
 }
 
-vec3 linear_from_srgb(vec3 c) {
-  return mix(c * (1.0 / 12.92), pow((c + 0.055) * (1.0 / 1.055), vec3(2.4)), greaterThan(c, vec3(0.04045)));
-}
-
+/// sRGB images are stored square-root coded (render/scene_buffers.cpp): decoding is one product, and filtering is in linear light.
 vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
   int x = wrap_texel(p.x, size.x, wrap & 3);
   int y = wrap_texel(p.y, size.y, wrap >> 2);
   vec4 c = unpackUnorm4x8(texelFetch(t_texels, offset + y * size.x + x).x);
-  return srgb ? vec4(linear_from_srgb(c.rgb), c.a) : c;
+  return srgb ? vec4(c.rgb * c.rgb, c.a) : c;
 }
 
 vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool srgb, bool nearest) {
@@ -68,8 +62,14 @@ vec4 sample_texture(int texture_index, vec2 uv, vec2 duv_dx, vec2 duv_dy) {
   }
   bool srgb = (flags & 1) != 0, nearest = (flags & 4) != 0;
   int wrap = int(rest.z);
-  vec4 fine = sample_level(offset, size, uv, wrap, srgb, nearest);
   float t = lod - float(level);
-  if (t <= 0.0 || level + 1 >= levels) return fine;
-  return mix(fine, sample_level(offset + size.x * size.y, max(size / 2, ivec2(1)), uv, wrap, srgb, nearest), t);
+  int last = t > 0.02 && level + 1 < levels ? 2 : 1;
+  vec4 sum = vec4(0.0);
+  for (int l = 0; l < last; ++l) {
+    float weight = last == 1 ? 1.0 : (l == 0 ? 1.0 - t : t);
+    sum += weight * sample_level(offset, size, uv, wrap, srgb, nearest);
+    offset += size.x * size.y;
+    size = max(size / 2, ivec2(1));
+  }
+  return sum;
 }

@@ -1,0 +1,55 @@
+// Lists the quads that have something to see, measured and analytic materials apart, so that the lanes of a vector run the
+// same code. The first visible point of a quad stands for it; which one is tried first alternates.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/material_table.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
+};
+layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
+layout(std430, binding = 2) writeonly buffer MeasuredPixels { uint b_measured[]; };
+layout(std430, binding = 4) writeonly buffer AnalyticPixels { uint b_analytic[]; };
+layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;
+layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;
+
+void main() {
+  ivec2 quads = (u_frame.size.xy + 1) / 2;
+  ivec2 blocks = (quads + 1) / 2;
+  int id = int(gl_GlobalInvocationID.x);
+  if (id >= blocks.x * blocks.y) return;
+  ivec2 corner = 2 * ivec2(id % blocks.x, id / blocks.x);
+  uint pixels[4];
+  uint measured_count = 0u, analytic_count = 0u;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 quad = corner + ivec2(k & 1, k >> 1);
+    pixels[k] = 0xffffffffu;
+    if (any(greaterThanEqual(quad, quads))) continue;
+    ivec2 pixel = ivec2(-1);
+    for (int j = 0; j < 4; ++j) {
+      int i = (j + quad.x + 2 * quad.y) & 3;
+      ivec2 q = min(2 * quad + ivec2(i & 1, i >> 1), u_frame.size.xy - 1);
+      if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+    }
+    if (pixel.x < 0) {
+      imageStore(o_energy, quad, vec4(0.0));
+      imageStore(o_moments, quad, vec4(0.0));
+      continue;
+    }
+    bool measured = (material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialMeasured) != 0u;
+    measured_count += measured ? 1u : 0u;
+    analytic_count += measured ? 0u : 1u;
+    pixels[k] = uint(pixel.x) | (uint(pixel.y) << 16u) | (measured ? 0u : 0x80000000u);
+  }
+  uint next_measured = 0u, next_analytic = 0u;
+  if (measured_count > 0u) next_measured = atomicAdd(b_lists[0].items, measured_count);
+  if (analytic_count > 0u) next_analytic = atomicAdd(b_lists[1].items, analytic_count);
+  for (int k = 0; k < 4; ++k) {
+    if (pixels[k] == 0xffffffffu) continue;
+    if ((pixels[k] & 0x80000000u) == 0u)
+      b_measured[2u * next_measured++] = pixels[k];
+    else
+      b_analytic[2u * next_analytic++] = pixels[k] & 0x7fffffffu;
+  }
+}

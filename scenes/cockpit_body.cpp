@@ -212,6 +212,14 @@ Primitive make_lining(const Primitive& skin) {
   return symmetric(inner);
 }
 
+/// Dark inside of bonnet and wings, which the driver sees over the dashboard.
+Primitive make_cowl(const Primitive& skin) {
+  const Field region = [](const Vec3& p) {
+    return std::max({0.48 - p.z, p.z - 1.9, 0.72 - p.y, -0.002 - windshield_outline(p), -side_glass_outline(p)});
+  };
+  return symmetric(flipped(offset(clip(skin, region), -0.018)));
+}
+
 }  // namespace
 
 void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
@@ -252,6 +260,7 @@ void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
   add_lamps(builder, m, skin);
   add_nose(builder, m, skin);
   add_tail(builder, m, skin);
+  builder->add_part("cowl", make_cowl(skin), m.hard);
   builder->add_part("roof_lining", make_lining(skin), m.headliner);
 }
 

@@ -19,6 +19,8 @@ namespace maquette {
 namespace {
 
 constexpr int kWarmUpFrames = 2;
+/// Of a long accumulation, the last ones are enough for a median.
+constexpr std::size_t kKeptFrames = 1000;
 /// Without --time, --target-error gives up after this long.
 constexpr double kPatience_s = 600.0;
 
@@ -84,6 +86,7 @@ bool accumulate_frames(Renderer* renderer, const FrameRequest& request, const Sc
   int next_check = 1;
   Image half;
   while (true) {
+    if (report->frames.size() == kKeptFrames) report->frames.erase(report->frames.begin());
     report->frames.push_back(renderer->render(request, true));
     report->total_s = seconds_since(start);
     const int count = report->frames.back().accumulated_frames;

@@ -83,6 +83,37 @@ TEST(Render, StatsHoldWhatTheContractSays) {
   EXPECT_FALSE(stats.contains("error"));
 }
 
+TEST(Render, PassesAndResourcesAreInTheVocabulary) {
+  const std::string vocabulary = read_text(MAQUETTE_SOURCE_DIR "/docs/vocabulary.md");
+  const TemporaryFolder folder;
+  for (const char* mode : {"bandwidth", "uniform"}) {
+    const Json stats = run_with_stats(folder, {"--mode", mode});
+    for (const auto& [name, ms] : stats["timing_ms"]["passes"].items())
+      EXPECT_NE(vocabulary.find("| `" + name + "` | *timed*"), std::string::npos) << name;
+    for (const auto& [name, bytes] : stats["memory"]["gpu_bytes"].items())
+      EXPECT_NE(vocabulary.find("| `" + name + "` |"), std::string::npos) << name;
+  }
+}
+
+TEST(Render, APictureOfOnePixel) {
+  const TemporaryFolder folder;
+  const ProgramResult result =
+      run_maquette({"render", "builtin:sphere", "--size", "1x1", "--samples", "8", "-o", folder.file("a.exr")});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Image image = load_hdr_image(folder.file("a.exr"));
+  ASSERT_EQ(image.data.size(), 4u);
+  EXPECT_GT(image.at(0, 0, 1), 0.0f);
+}
+
+TEST(Render, DebugViewsAreWrittenToo) {
+  const TemporaryFolder folder;
+  for (const char* name : {"level.png", "bandwidth.exr"}) {
+    const std::string view = std::filesystem::path(name).stem();
+    ASSERT_EQ(run_maquette(render_words(folder.file(name), {"--view", view})).exit_code, 0) << name;
+    EXPECT_GT(read_text(folder.file(name)).size(), 100u);
+  }
+}
+
 TEST(Render, ReferenceAddsTheError) {
   const TemporaryFolder folder;
   ASSERT_EQ(run_maquette(render_words(folder.file("reference.exr"), {"--seed", "5"})).exit_code, 0);

@@ -138,7 +138,8 @@ int default_samples(const FrameRequest& request) {
 /// Work item size: one item a point in uniform, a quarter of the samples in bandwidth (4 to 32).
 int choose_chunk(const FrameRequest& request, int samples) {
   if (request.mode != "bandwidth") return std::max(samples, 2);
-  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(samples / 4, 4)))), 4, 32);
+  const int per_point = std::max(samples / std::max(request.msaa, 1), 4);
+  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(per_point / 4, 4)))), 4, 32);
 }
 
 /// The camera alone, for the picture before it is known how long this frame's passes take.
@@ -188,8 +189,9 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.up = glm::vec4(up * tan_y, 0.0f);
   c.environment = glm::vec4(std::cos(request.env_rotation_rad), std::sin(request.env_rotation_rad), request.env_scale,
                             static_cast<float>(environment->tables().luminance_integral));
-  c.size = glm::ivec4(targets->grid_width(), targets->grid_height(), side,
-                      plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") : 0);
+  c.size = glm::ivec4(
+      targets->grid_width(), targets->grid_height(), side,
+      plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") + (side == 4 ? 2 : side / 2) : 0);
   c.sampling = glm::ivec4(samples, chunk, accumulated * samples, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);

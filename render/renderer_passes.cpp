@@ -45,6 +45,7 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back({"bandwidth/predict.comp", "", {{"MEASURED", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
     variants.push_back(
         {"bandwidth/bandwidth.comp", "", {{"TEXTURE_BANDWIDTH", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
+    variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}}});
     variants.push_back({"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(k)}}});
     variants.push_back({"shading/shade.comp", "", {{"MEASURED", flag(k)}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
   }
@@ -53,8 +54,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  for (const char* path : {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/fill.comp",
-                           "shading/arguments.comp", "shading/gather.comp", "shading/compose.comp"})
+  for (const char* path : {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp",
+                           "shading/gather.comp", "shading/compose.comp"})
     variants.push_back({path, "", {}});
   return variants;
 }
@@ -221,7 +222,8 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
 
 void Renderer::Impl::fill(PassTimer* timer) {
   FrameTargets& t = *targets;
-  const Program& program = programs.get({"bandwidth/fill.comp", "", {}});
+  const Program& program =
+      programs.get({"bandwidth/fill.comp", "", {{"TEXTURES", buffers->has_textures() ? "1" : "0"}}});
   glBindTextureUnit(21, t.curvature.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);

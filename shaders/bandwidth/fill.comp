@@ -14,6 +14,22 @@ layout(binding = 0, rgba32f) uniform image2D io_radiance;
 uniform int u_level;
 uniform int u_middle;  // 0: between two, 1: in the middle of four
 
+#if TEXTURES
+layout(binding = 8) uniform usampler2D t_surface;
+#include "shared/material_table.glsl"
+
+/// How much brighter `pixel` is for its base colour than the neutral grey that interpolation works in.
+vec3 base_factor(ivec2 pixel) {
+  uvec4 g = texelFetch(t_surface, pixel, 0);
+  vec4 y = unpackUnorm4x8(g.y);
+  vec3 c = y.xyz * y.xyz;
+  uint flags = material_words(int(g.z >> 16u), 6).x;
+  float share = base_color_share(c, y.w, (flags & kMaterialTinted) != 0u);
+  if ((flags & (kMaterialMeasured | kMaterialTinted)) == kMaterialMeasured) share = 0.0;
+  return mix(vec3(1.0), max(c, vec3(0.004)), share);
+}
+#endif
+
 /// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
 vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
   vec3 values[4];
@@ -24,6 +40,9 @@ vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
     q = clamp(q, ivec2(0), u_frame.size.xy - 1);
     weights[k] = inside ? bilateral_weight(center, load_guide(q), float(s) * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
     values[k] = imageLoad(io_radiance, q).rgb;
+#if TEXTURES
+    values[k] /= base_factor(q);
+#endif
   }
   if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) {
     vec3 cubic = (9.0 * (values[1] + values[2]) - values[0] - values[3]) * 0.0625;
@@ -46,6 +65,9 @@ void fill(ivec2 pixel, ivec2 odd, int s) {
     vec2 w = vec2(nu.y * nu.y * x.w, nu.x * nu.x * y.w) + 1e-20;
     value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
   }
+#if TEXTURES
+  value.rgb *= base_factor(pixel);
+#endif
   imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
 }
 

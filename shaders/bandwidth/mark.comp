@@ -73,6 +73,16 @@ bool neighbours_agree(ivec2 pixel, int level) {
 }
 #endif
 
+#if BANDWIDTH
+/// Sample count factor of a point that stands for blocks of 2^level grid points. Below one pixel (multisampling) the box filter
+/// averages the points, so together they take one pixel's samples; above, the count grows with the side of the block.
+float block_share(int level) {
+  int pixel_level = findMSB(u_frame.size.z);
+  int below = min(level - pixel_level, 0), above = max(level - pixel_level, 0);
+  return exp2(float(2 * below + above));
+}
+#endif
+
 /// Shaded or not, its level, and its number of work items; 0 for not shaded.
 uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 #if BANDWIDTH
@@ -86,7 +96,7 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   int spacing = min(level, enters);
   // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; half of them everywhere, so
   // that a light the prediction missed costs at most a factor of sqrt(2).
-  float samples = float(u_frame.sampling.x) * (0.5 + 0.5 * min(relative, 64.0)) * float(1 << spacing) * u_sample_scale;
+  float samples = float(u_frame.sampling.x) * (0.5 + 0.5 * min(relative, 64.0)) * block_share(spacing) * u_sample_scale;
   uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
   return uvec3(1u, uint(spacing), items);
 #else

@@ -91,6 +91,7 @@ void resolve_surface(ivec2 pixel, int triangle) {
     vec2 dx0 = a1 * bx.x + a2 * bx.y, dy0 = a1 * by.x + a2 * by.y;
     vec2 dx1 = c1 * bx.x + c2 * bx.y, dy1 = c1 * by.x + c2 * by.y;
     vec3 mapped = vec3(0.0, 0.0, 1.0);
+    uint tint_flags = material_words(material, 6).x;
     for (int k = 0; k < 6; ++k) {
       uint entry = k < 4 ? list[k & 3] : more[k & 1];
       if (entry == kNoTexture) break;
@@ -115,6 +116,9 @@ void resolve_surface(ivec2 pixel, int triangle) {
       ivec2 cell = ivec2(fract(uv) * 16.0);
       float cycles_per_uv = texelFetch(t_texture_bandwidth, index * 256 + cell.y * 16 + cell.x).x;
       float span = sqrt(max(length(dx) * length(dy), 1e-20));
+      // Upsampling divides by the base colour and multiplies by it again (fill.comp); only the rest of the light carries its detail.
+      if (role == kRoleBaseColor)
+        cycles_per_uv *= 1.0 - base_color_share(surface.base_color, surface.metallic, (tint_flags & kMaterialTinted) != 0u);
       float nu = role <= kRoleNormal ? min(cycles_per_uv * span, 0.5) / (depth * u_frame.forward.w) : 0.0;
       texture_bandwidth = max(texture_bandwidth, nu);
 #endif

@@ -34,6 +34,9 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
   impl_->scene = std::move(scene);
   impl_->buffers.emplace(std::move(buffers));
   impl_->facts_variant = -2;
+  impl_->lights_stale = true;
+  impl_->visibility.clear();
+  ++impl_->geometry_epoch;
   impl_->overrides.clear();
   impl_->effective = impl_->effective_materials({});
   impl_->upload_materials();
@@ -42,6 +45,7 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
 
 void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
   impl_->environment.emplace(std::move(environment));
+  impl_->irradiance = Texture();
   if (impl_->buffers) impl_->upload_materials();
   ++impl_->epoch;
 }
@@ -92,6 +96,7 @@ void Renderer::set_material(const std::string& material_name, const std::string&
   impl_->effective = impl_->effective_materials(impl_->overrides);
   impl_->upload_materials();
   impl_->facts_variant = -2;
+  impl_->lights_stale = true;
   ++impl_->epoch;
 }
 
@@ -117,12 +122,18 @@ void Renderer::Impl::upload_materials() {
 void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {
   impl_->require_ready();
   impl_->buffers->update_mesh(*impl_->scene, mesh, positions, normals);
+  for (std::size_t i = 0; i < impl_->buffers->geometry().items.size(); ++i) {
+    const bool shines = impl_->material_of_item(i).emissive != glm::vec3(0.0f);
+    impl_->lights_stale |= shines && impl_->buffers->geometry().items[i].mesh == mesh;
+  }
+  ++impl_->geometry_epoch;
   ++impl_->epoch;
 }
 
 void Renderer::set_node_visible(int node, bool visible) {
   impl_->require_ready();
   impl_->buffers->set_node_visible(node, visible);
+  impl_->lights_stale = true;
   ++impl_->epoch;
 }
 
@@ -195,8 +206,8 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.sampling = glm::ivec4(samples, chunk, accumulated * samples, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
-  c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height, 0,
-                                accumulated * samples);
+  c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
+                                lights ? lights->count() : 0, accumulated * samples);
   // While the picture converges, ever more of it is shaded itself, so that interpolation leaves no bias behind.
   // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
   // together.
@@ -212,6 +223,8 @@ void Renderer::Impl::bind_frame() const {
   buffers->bind_materials();
   environment->bind();
   if (materials.count() > 0) materials.bind();
+  if (lights) lights->bind();
+  if (visibility.ready()) visibility.bind();
   glBindTextureUnit(8, targets->surface.get());
   glBindTextureUnit(9, targets->depth.get());
 }
@@ -227,22 +240,20 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.require_ready();
   if (!s.environment) throw Error("renderer", "no environment has been set");
   const auto begin = std::chrono::steady_clock::now();
-  if (s.facts_variant != request.variant) {
-    if (s.facts_variant != -2 || request.variant >= 0) s.buffers->update_variant(*s.scene, request.variant);
-    Scene planned = Scene(*s.scene);
-    planned.materials = s.effective;
-    s.facts = compute_facts(planned, request.variant);
-    s.facts_variant = request.variant;
-  }
+  s.update_facts(request.variant);
   const int side = request.msaa == 16 ? 4 : request.msaa == 4 ? 2 : 1;
-  const FramePlan plan =
+  FramePlan plan =
       maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  s.update_visibility(&plan);
+  plan.lights = plan.lights && s.lights;  // what glows may be too dim to count
   const bool bandwidth = plan.mode == "bandwidth";
   const int samples = default_samples(request), chunk = choose_chunk(request, samples);
   if (!s.targets || s.targets->width != request.width || s.targets->height != request.height ||
       s.targets->side != side || s.targets->bandwidth != bandwidth ||
       s.targets->texture_bandwidth != plan.texture_bandwidth) {
     s.targets.reset();
+    s.glass_framebuffer.reset();
+    s.near_terms = Texture();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.accumulated = 0;
   }
@@ -258,8 +269,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.shade(plan, chunk, &timer);
   if (bandwidth) s.fill(&timer);
   ++s.accumulated;
-  s.compose(1.0f / static_cast<float>(s.accumulated));
-  timer.end("compose");
+  s.compose(plan, 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
   FrameStats stats;
   stats.passes = timer.finish();
@@ -277,14 +287,15 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   stats.gpu_bytes["shading"] = t.marks.bytes() + t.radiance.bytes() + t.picture.bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
-    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.curvature.bytes() + t.pyramid.bytes();
+    stats.gpu_bytes["bandwidth"] =
+        t.energy.bytes() + t.moments.bytes() + t.curvature.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
+  if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
+  if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
+  if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();
   if (plan.texture_bandwidth) stats.gpu_bytes["texture_bandwidth"] = t.texture_nu.bytes();
   stats.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return stats;
 }
-
-bool Renderer::finish_background_work(const FrameRequest&) { return true; }
-std::vector<BackgroundWork> Renderer::background_work() const { return {}; }
 
 Image Renderer::read_radiance() const {
   Image image(impl_->targets->width, impl_->targets->height, 4);

@@ -10,15 +10,16 @@
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
 #include "render/gl/context.h"
+#include "render/lights/light_buffers.h"
 #include "render/material_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
+#include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
 
-/// A point light list, a visibility bake, prefiltered maps: made when a plan first needs them (render/*_resources.h).
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -32,6 +33,13 @@ struct Renderer::Impl {
   std::vector<Material> effective;               ///< the scene's materials with the overrides
   std::vector<int> slots;                        ///< BRDF slot of each effective material, and of the default one
   std::optional<EnvironmentBuffers> environment;
+  VisibilityBuffers visibility;
+  std::uint32_t geometry_epoch = 0;    ///< raised by every change of what may occlude
+  std::optional<LightBuffers> lights;  ///< empty when nothing shines
+  bool lights_stale = true;
+  Texture irradiance;  ///< what a white Lambertian shows under the environment; made when something blends
+  Texture near_terms;  ///< of the prediction: bandwidth of masks and near lights; [grid / 2]
+  GlName<FramebufferTraits> glass_framebuffer;  ///< the radiance image over the depth buffer
   std::optional<FrameTargets> targets;
   FrameConstants constants{};
   FrameRequest last_request;
@@ -42,6 +50,11 @@ struct Renderer::Impl {
   std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0;
 
   void require_ready() const;
+  void update_facts(int variant);
+  const Material& material_of_item(std::size_t item) const;
+  /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
+  void update_visibility(FramePlan* plan);
+  std::vector<bool> transmitting_items() const;
   std::vector<Material> effective_materials(const std::map<std::string, std::string>& sources) const;
   void upload_materials();
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
@@ -50,9 +63,14 @@ struct Renderer::Impl {
   void shade(const FramePlan& plan, int chunk, PassTimer* timer);
   void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
   void fill(PassTimer* timer);
-  void compose(float blend);
+  void compose(const FramePlan& plan, float blend, PassTimer* timer);
+  void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);
   void bind_frame() const;
 };
+
+/// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
+bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds);
+ShaderVariant glass_variant(const FramePlan& plan, bool textures);
 
 }  // namespace maquette

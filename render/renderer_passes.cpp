@@ -11,19 +11,32 @@ constexpr int kPredictionSamples = 8;  // directions a quad; neighbours pool to 
 
 int groups(int count, int size) { return (count + size - 1) / size; }
 
-/// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
-bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& b) {
-  int outside[5] = {};
-  for (int k = 0; k < 8; ++k) {
-    const glm::vec4 p = clip_from_world * glm::vec4(k & 1 ? b.max.x : b.min.x, k & 2 ? b.max.y : b.min.y,
-                                                    k & 4 ? b.max.z : b.min.z, 1.0f);
-    outside[0] += p.x < -p.w;
-    outside[1] += p.x > p.w;
-    outside[2] += p.y < -p.w;
-    outside[3] += p.y > p.w;
-    outside[4] += p.w < 0.0f;
-  }
-  return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
+std::string flag(int k) { return k ? "1" : "0"; }
+
+ShaderVariant predict_variant(const FramePlan& plan, int measured) {
+  return {"bandwidth/predict.comp",
+          "",
+          {{"MEASURED", flag(measured)},
+           {"SHADOWED", flag(plan.visibility == "baked")},
+           {"LIGHTS", flag(plan.lights)},
+           {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
+}
+
+bool has_near_terms(const FramePlan& plan) { return plan.visibility == "baked" || plan.lights; }
+
+ShaderVariant bandwidth_variant(const FramePlan& plan) {
+  return {"bandwidth/bandwidth.comp",
+          "",
+          {{"TEXTURE_BANDWIDTH", flag(plan.texture_bandwidth)},
+           {"NEAR", flag(has_near_terms(plan))},
+           {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
+}
+
+ShaderVariant shade_variant(const FramePlan& plan, int measured) {
+  return {
+      "shading/shade.comp",
+      "",
+      {{"MEASURED", flag(measured)}, {"VISIBILITY", flag(plan.visibility == "baked")}, {"LIGHTS", flag(plan.lights)}}};
 }
 
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors) {
@@ -37,26 +50,34 @@ ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
-  const auto flag = [](int k) { return std::string(k ? "1" : "0"); };
-  const std::string samples = std::to_string(kPredictionSamples);
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
     variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
-    variants.push_back({"bandwidth/predict.comp", "", {{"MEASURED", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
-    variants.push_back(
-        {"bandwidth/bandwidth.comp", "", {{"TEXTURE_BANDWIDTH", flag(k)}, {"PREDICTION_SAMPLES", samples}}});
     variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}}});
+    variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
+    for (int j = 0; j < 4; ++j) {
+      FramePlan plan;
+      plan.visibility = j & 1 ? "baked" : "none";
+      plan.lights = j >= 2;
+      plan.texture_bandwidth = j & 1;
+      variants.push_back(predict_variant(plan, k));
+      variants.push_back(shade_variant(plan, k));
+      if (k == 0) variants.push_back(glass_variant(plan, j >= 2));
+      plan.visibility = k ? "baked" : "none";
+      plan.lights = false;
+      if (j < 2) variants.push_back(bandwidth_variant(plan));
+    }
     variants.push_back({"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(k)}}});
-    variants.push_back({"shading/shade.comp", "", {{"MEASURED", flag(k)}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
   }
   for (int k = 0; k < 8; ++k) {
     if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  for (const char* path : {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp",
-                           "shading/gather.comp", "shading/compose.comp"})
+  for (const char* path :
+       {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp", "shading/gather.comp"})
     variants.push_back({path, "", {}});
+  variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   return variants;
 }
 
@@ -79,7 +100,6 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   buffers->bind_geometry();
   glBindVertexArray(buffers->vertex_array());
   const Program& opaque = programs.get({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", "0"}}});
-  const Material default_material;
   for (int masked = 0; masked < 2; ++masked) {
     const Program* program = &opaque;
     if (masked) {
@@ -89,13 +109,17 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
     glUseProgram(program->get());
     for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
       const DrawItem& item = buffers->geometry().items[i];
-      const auto index = static_cast<std::size_t>(buffers->material(i));
-      const Material& m = index < effective.size() ? effective[index] : default_material;
+      const Material& m = material_of_item(i);
       const bool is_masked = m.alpha_mode == AlphaMode::mask && m.base_color_texture;
       if (!buffers->visible(i) || m.glass || m.alpha_mode == AlphaMode::blend || is_masked != (masked == 1)) continue;
       if (!may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
       (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
       program->set("u_first_triangle", static_cast<int>(item.first_index / 3));
+      if (masked) {
+        program->set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));
+        program->set("u_alpha", m.base_color.a);
+        program->set("u_cutoff", m.alpha_cutoff);
+      }
       glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
                      reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
     }
@@ -119,7 +143,12 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
 void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   FrameTargets& t = *targets;
   const int qw = t.energy.width(), qh = t.energy.height();
-  const std::string samples = std::to_string(kPredictionSamples);
+  if (has_near_terms(plan)) {
+    if (!near_terms) near_terms = Texture::make_2d("near terms", GL_RGBA32F, qw, qh);
+    glBindImageTexture(2, near_terms.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindTextureUnit(0, t.triangle.get());
+    glBindTextureUnit(28, near_terms.get());
+  }
   glBindImageTexture(0, t.energy.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.moments.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   t.counters.clear_to_zero();
@@ -132,8 +161,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   for (int list = 0; list < 2; ++list) {
     if ((list == 0 ? facts.measured_count : facts.analytic_count) == 0) continue;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
-    const Program& program = programs.get(
-        {"bandwidth/predict.comp", "", {{"MEASURED", list == 0 ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}});
+    const Program& program = programs.get(predict_variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);
@@ -145,10 +173,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   if (plan.texture_bandwidth) glBindTextureUnit(20, t.texture_nu.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  dispatch(programs.get({"bandwidth/bandwidth.comp",
-                         "",
-                         {{"TEXTURE_BANDWIDTH", plan.texture_bandwidth ? "1" : "0"}, {"PREDICTION_SAMPLES", samples}}}),
-           groups(qw, 8), groups(qh, 8));
+  dispatch(programs.get(bandwidth_variant(plan)), groups(qw, 8), groups(qh, 8));
   timer->end("bandwidth");
   const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
   glBindTextureUnit(21, t.pyramid.get());
@@ -206,8 +231,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
     if (counters[8 * list] == 0) continue;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
-    const Program& program = programs.get(
-        {"shading/shade.comp", "", {{"MEASURED", list == 0 ? "1" : "0"}, {"VISIBILITY", "0"}, {"LIGHTS", "0"}}});
+    const Program& program = programs.get(shade_variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);
@@ -239,13 +263,22 @@ void Renderer::Impl::fill(PassTimer* timer) {
   timer->end("upsample");
 }
 
-void Renderer::Impl::compose(float blend) {
+void Renderer::Impl::compose(const FramePlan& plan, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
-  const Program& program = programs.get({"shading/compose.comp", "", {}});
+  if (plan.glass) {
+    glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    dispatch(programs.get({"shading/compose.comp", "", {{"STAGE", "1"}}}), groups(t.grid_width(), 8),
+             groups(t.grid_height(), 8));
+    timer->end("compose");
+    draw_glass(plan);
+    timer->end("glass");
+  }
+  const Program& program = programs.get({"shading/compose.comp", "", {{"STAGE", plan.glass ? "2" : "0"}}});
   program.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch(program, groups(t.width, 8), groups(t.height, 8));
+  timer->end("compose");
 }
 
 }  // namespace maquette

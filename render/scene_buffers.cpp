@@ -210,6 +210,7 @@ void SceneBuffers::build_textures(const Scene& scene) {
 void SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                                     const std::vector<float>& brdf_shares) {
   constexpr std::uint32_t kNone = 0xffffffffu;
+  base_color_textures_.clear();
   std::vector<glm::uvec4> words;
   const auto bits = [](float x, float y, float z, float w) {
     return glm::uvec4(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y), std::bit_cast<std::uint32_t>(z),
@@ -226,6 +227,7 @@ void SceneBuffers::update_materials(const std::vector<Material>& materials, cons
                                        &m.emissive_texture,   &m.occlusion_texture,          &m.clearcoat_texture};
     for (std::size_t k = 0; k < 6; ++k)
       if (*references[k]) textures[k] = next_texture++;
+    base_color_textures_.push_back(static_cast<int>(textures[0]));
     const int slot = brdf_slots[i];
     if (slot >= 0 && !m.tint_measured) textures[0] = kNone;
     if (slot >= 0) textures[1] = textures[5] = kNone;

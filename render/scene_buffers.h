@@ -29,6 +29,10 @@ class SceneBuffers {
   const Bounds& bounds(std::size_t i) const { return bounds_[i]; }
   /// Material of item i under the current variant; materials.size() for the default one.
   int material(std::size_t i) const { return item_materials_[i]; }
+  /// Index of the base colour's texture of a material in the texture records, or -1.
+  int base_color_texture(std::size_t material) const {
+    return material < base_color_textures_.size() ? base_color_textures_[material] : -1;
+  }
   /// Items with this flag off are not drawn.
   bool visible(std::size_t i) const { return visible_[i]; }
   void set_node_visible(int node, bool visible);
@@ -53,6 +57,7 @@ class SceneBuffers {
   std::vector<int> item_materials_;
   std::vector<bool> visible_;
   bool has_colors_ = false;
+  std::vector<int> base_color_textures_;
   GlName<VertexArrayTraits> vertex_array_;
   Buffer positions_, uvs_, indices_, vertices_, triangle_materials_, materials_, texels_, texture_records_,
       texture_bandwidth_;

@@ -137,6 +137,7 @@ std::vector<WeightedLight> collect_triangles(const Scene& scene, const FlatGeome
   std::vector<WeightedLight> lights;
   for (const DrawItem& item : geometry.items) {
     const Material* material = material_of_item(scene, item, variant);
+    if (item.node >= 0 && !scene.nodes[static_cast<std::size_t>(item.node)].visible) continue;
     if (!material || !(luminance(glm::dvec3(material->emissive)) > 0.0)) continue;
     for (std::uint32_t k = 0; k + 2 < item.index_count; k += 3) {
       const WeightedLight light =

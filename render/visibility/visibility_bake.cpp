@@ -27,7 +27,7 @@ constexpr int kPacket = 16;  // a 4 x 4 block of cells: rays of one origin withi
 /// Rays keep at least this above the tangent plane (sine of the elevation).
 constexpr float kMinElevation = 0.01f;
 constexpr std::size_t kPointsPerTask = 16;
-constexpr int kCacheVersion = 1;
+constexpr int kCacheVersion = 2;
 static_assert(kVisibilitySide == shared::kVisibilityCells);
 
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
@@ -154,7 +154,10 @@ class ProgressReport {
 std::vector<VisibilityBits> trace_points(const VisibilityPoints& points, const std::atomic<bool>& cancel,
                                          const std::function<void(double)>& progress) {
   std::vector<VisibilityBits> bits(points.points.size());
-  if (points.points.empty()) return bits;
+  if (points.triangles.empty()) {
+    for (VisibilityBits& open : bits) open.fill(0xffffffffu);
+    return bits;
+  }
   const DevicePointer device(rtcNewDevice(nullptr), &rtcReleaseDevice);
   if (!device) throw Error("visibility", "the ray tracer does not start", "set shading.visibility=none");
   const ScenePointer scene = build_occluders(device.get(), points, cancel);

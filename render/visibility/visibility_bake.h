@@ -26,8 +26,9 @@ struct VisibilityBake {
   std::vector<float> bandwidth;
 };
 
-/// Rays by Embree on all cores (TBB). Items whose material is glass or blended neither occlude nor matter; alpha-masked
-/// occlude. `transmits[i]` says so for item i. Progress in [0, 1]; returns nullopt once `cancel` is set.
+/// Rays by Embree on all cores (TBB). Items whose material is glass or blended do not occlude; they see (what mirrors
+/// in a pane). Alpha-masked ones occlude. `transmits[i]` says so for item i. Progress in [0, 1]; returns nullopt once
+/// `cancel` is set.
 std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
                                               const std::atomic<bool>& cancel,
                                               const std::function<void(double)>& progress = {});

@@ -64,22 +64,33 @@ bool is_usable(const FlatGeometry& geometry, const std::uint32_t* corner) {
   return corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0];
 }
 
-/// Corners of the usable triangles of items that do not transmit; `item_ends`: triangles so far, after each item.
+/// Corners of the usable triangles; `item_ends`: triangles so far, after each item.
 std::vector<std::array<std::uint32_t, 3>> collect_triangles(const FlatGeometry& geometry,
-                                                            const std::vector<bool>& transmits,
                                                             std::vector<std::size_t>* item_ends) {
-  assert(transmits.size() == geometry.items.size());
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  for (std::size_t i = 0; i < geometry.items.size(); ++i) {
-    const DrawItem& item = geometry.items[i];
-    const std::uint32_t count = i < transmits.size() && transmits[i] ? 0 : item.index_count;
-    for (std::uint32_t k = 0; k + 2 < count; k += 3) {
+  for (const DrawItem& item : geometry.items) {
+    for (std::uint32_t k = 0; k + 2 < item.index_count; k += 3) {
       const std::uint32_t* corner = &geometry.indices[item.first_index + k];
       if (is_usable(geometry, corner)) triangles.push_back({corner[0], corner[1], corner[2]});
     }
     item_ends->push_back(triangles.size());
   }
   return triangles;
+}
+
+/// Panes see, but do not hide anything.
+void drop_transmitting(const std::vector<bool>& transmits, const std::vector<std::size_t>& item_ends,
+                       VisibilityPoints* points) {
+  std::vector<std::array<std::uint32_t, 3>> kept;
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < item_ends.size(); ++i) {
+    const auto begin = points->triangles.begin();
+    if (i >= transmits.size() || !transmits[i])
+      kept.insert(kept.end(), begin + static_cast<std::ptrdiff_t>(first),
+                  begin + static_cast<std::ptrdiff_t>(item_ends[i]));
+    first = item_ends[i];
+  }
+  points->triangles = std::move(kept);
 }
 
 void fit_scale(const FlatGeometry& geometry, VisibilityPoints* points) {
@@ -221,14 +232,16 @@ void average_with_neighbours(const VisibilityPoints& points, std::vector<glm::ve
 
 VisibilityPoints build_visibility_points(const FlatGeometry& geometry, const std::vector<bool>& transmits,
                                          const std::atomic<bool>& cancel) {
+  assert(transmits.size() == geometry.items.size());
   VisibilityPoints points;
   std::vector<std::size_t> item_ends;
-  points.triangles = collect_triangles(geometry, transmits, &item_ends);
+  points.triangles = collect_triangles(geometry, &item_ends);
   if (cancel) return points;
   fit_scale(geometry, &points);
   weld(geometry, item_ends, &points, cancel);
   if (cancel) return points;
   place_origins(&points);
+  drop_transmitting(transmits, item_ends, &points);
   return points;
 }
 

@@ -27,10 +27,10 @@ struct VisibilityPoint {
 
 inline constexpr std::uint32_t kNoPoint = 0xffffffffu;
 
-/// The occluding surface, welded and scaled to the unit sphere (float rays keep their accuracy at any scene scale).
+/// The surface, welded and scaled to the unit sphere (float rays keep their accuracy at any scene scale).
 struct VisibilityPoints {
   std::vector<VisibilityPoint> points;
-  std::vector<std::uint32_t> point_of_vertex;           ///< kNoPoint: in no occluding triangle, or not finite
+  std::vector<std::uint32_t> point_of_vertex;           ///< kNoPoint: in no triangle, or not finite
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of points; of the items that do not transmit
   glm::dvec3 center{0.0};                               ///< m
   double scale_m = 1.0;

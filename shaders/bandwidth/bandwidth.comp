@@ -13,6 +13,9 @@ layout(binding = 19) uniform sampler2D t_moments;
 #if TEXTURE_BANDWIDTH
 layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
 #endif
+#if NEAR
+layout(binding = 28) uniform sampler2D t_near;
+#endif
 layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
 layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), curvature (1/m), nu_theta (cycles/rad)
 
@@ -65,7 +68,7 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   Sample c = load_sample(pixel);
   float depth = texelFetch(t_depth, pixel, 0).x;
   float pixel_m = depth * u_frame.forward.w;
-  vec4 energy = vec4(0.0), moments = vec4(0.0);
+  vec4 energy = vec4(0.0), moments = vec4(0.0), near = vec4(0.0);
   vec4 own = texelFetch(t_moments, quad, 0);
   for (int k = 0; k < 9; ++k) {
     ivec2 q = clamp(quad + ivec2(k % 3, k / 3) - 1, ivec2(0), quads - 1);
@@ -73,6 +76,9 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
     float w = k == 4 ? 1.0 : (m.w == own.w ? 0.7 : 0.0);
     energy += w * texelFetch(t_energy, q, 0);
     moments += w * vec4(m.xyz, m.w > 0.0 ? float(PREDICTION_SAMPLES) - m.z : 0.0);
+#if NEAR
+    if (w > 0.0) near += w * texelFetch(t_near, q, 0);
+#endif
   }
   float nu_theta = energy.x / max(energy.y, 1e-20);
   float nb = max(moments.z, 1.0), ne = max(moments.w, 1.0);
@@ -85,14 +91,24 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   float radiance = (share_b * mean_b + (1.0 - share_b) * mean_e) * per_run;
   vec2 kx = along_axis(c, pixel, ivec2(1, 0), pixel_m), ky = along_axis(c, pixel, ivec2(0, 1), pixel_m);
   float nu_surface = 0.0;
+#if NEAR
+  // Masks and near lights vary over the surface. The lights have one sample for eight of the environment.
+  nu_surface += near.x / max(energy.y, 1e-20);
+  if (near.w > 0.0) {
+    float mean = near.y / near.w;
+    radiance += mean;
+    deviation = sqrt(deviation * deviation + 8.0 * max(near.z / near.w - mean * mean, 0.0));
+  }
+#endif
 #if TEXTURE_BANDWIDTH
   nu_surface += texelFetch(t_texture_bandwidth_map, pixel, 0).x;
 #endif
+  float scale = max(u_frame.environment.z, 1e-12);
   float angle = u_frame.forward.w;
   vec2 nu = vec2(bandwidth_one_bounce(nu_theta, kx.x, nu_surface, angle, kx.y),
                  bandwidth_one_bounce(nu_theta, ky.x, nu_surface, angle, ky.y));
   imageStore(o_bandwidth, quad,
-             vec4(max(nu.x, nu.y), radiance * u_frame.environment.z, deviation * u_frame.environment.z, 1.0));
+             vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0));
   imageStore(o_curvature, quad, vec4(nu, max(kx.x, ky.x), nu_theta));
 }
 

@@ -1,2 +1,73 @@
-// Sampled lights of the scene: filled in below from shared/lights.glsl.
-vec3 direct_lights(Point p, ivec2 pixel, uint rotation, uint first_sample) { return vec3(0.0); }
+// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by power. No
+// shadows: the baked masks hold the distant sky only, not where a lamp nearby is hidden. environment_scale does not touch them.
+#include "shared/lights.glsl"
+layout(binding = 27) uniform samplerBuffer t_lights;  // four texels a LightRecord
+
+const int kLightStride = 8;
+/// A sample of an emissive triangle may add as much as this many mirrors of it. The truth never exceeds one; without a limit, samples
+/// close to a triangle or in a narrow lobe are fireflies. Energy is lost only nearer than about a fifth of the triangle's size, and in
+/// lobes narrower than about 5 degrees.
+const float kMaxMirrors = 4.0;
+
+LightRecord fetch_light(int i) {
+  vec4 a = texelFetch(t_lights, 4 * i), b = texelFetch(t_lights, 4 * i + 1), c = texelFetch(t_lights, 4 * i + 2);
+  vec4 d = texelFetch(t_lights, 4 * i + 3);
+  return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w, d.xyz, d.w);
+}
+
+/// First light whose cumulative probability exceeds u.
+int choose_light(float u) {
+  int low = 0, high = u_frame.bandwidth_size.z - 1;
+  while (low < high) {
+    int middle = (low + high) >> 1;
+    if (texelFetch(t_lights, 4 * middle + 3).w > u) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+struct LightDraw {
+  LightRecord light;
+  vec3 wi;          // local
+  vec3 world;       // to the light
+  float distance_m;
+  vec3 outgoing;    // cd/m2, already divided by the probabilities; 0 where it does not shine
+};
+
+LightDraw draw_light(Point p, vec3 u, vec2 xi) {
+  LightDraw r;
+  r.light = fetch_light(choose_light(u.x));
+  LightSample s = light_sample(r.light, p.position, u.yz);
+  r.world = s.wi;
+  r.wi = to_local(p, environment_from_world(s.wi));
+  r.distance_m = s.distance_m;
+  r.outgoing = vec3(0.0);
+  if (r.wi.z <= 0.0) return r;
+#if MEASURED
+  vec3 f = measured_brdf(p.slot, r.wi, p.wo, xi) * p.tint;
+#else
+  vec3 f = evaluate_analytic(p.analytic, r.wi, p.wo).total;
+#endif
+  r.outgoing = f * s.radiance * r.wi.z;
+  if (r.light.kind == kLightTriangle) r.outgoing = min(r.outgoing, kMaxMirrors * r.light.color);
+  r.outgoing /= max(r.light.selection_pdf, 1e-20);
+  return r;
+}
+
+/// Random numbers of sample `index` of a point.
+vec3 light_numbers(uint rotation, uint index) {
+  return vec3(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
+              unit_float(hash(rotation ^ 0x510e527fu) + index * 0x91E10DA5u));
+}
+
+/// Mean over this work item's light samples, cd/m2.
+vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
+  int samples = max(count / kLightStride, 1);
+  uint first = first_sample / uint(min(count, kLightStride));
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < samples; ++i) {
+    uint index = first + uint(i);
+    sum += draw_light(p, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u))).outgoing;
+  }
+  return sum / float(samples);
+}

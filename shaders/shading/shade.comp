@@ -13,9 +13,6 @@ layout(local_size_x = 64) in;
 #if VISIBILITY
 #include "shading/visibility.glsl"
 #endif
-#if LIGHTS
-#include "shading/lights.glsl"
-#endif
 
 struct Item {
   uint pixel;         // x | y << 16
@@ -37,6 +34,9 @@ struct Result {
 };
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
 #include "shading/integrate.glsl"
+#if LIGHTS
+#include "shading/lights.glsl"
+#endif
 
 void main() {
   uint id = gl_GlobalInvocationID.x;
@@ -53,7 +53,7 @@ void main() {
   integrate(p, pixel, first_sample, u_frame.sampling.y, result);
   vec3 sum = result.sum * u_frame.environment.z;
 #if LIGHTS
-  sum += direct_lights(p, pixel, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample);
+  sum += direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, u_frame.sampling.y);
 #endif
   b_partial[id] = vec4(sum, 1.0);
 }

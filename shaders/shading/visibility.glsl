@@ -1,4 +1,5 @@
-// Baked visibility at a shading point: the masks of its triangle's vertices blended by barycentrics, one bit a sample.
+// Baked visibility at a shading point: the masks of its triangle's vertices blended by barycentrics. Per sample one dithered bit index and
+// one word of each vertex.
 #include "shared/visibility.glsl"
 layout(binding = 0) uniform usampler2D t_triangle;
 layout(binding = 4) uniform usamplerBuffer t_indices;
@@ -6,13 +7,13 @@ layout(binding = 5) uniform samplerBuffer t_vertices;
 layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
 
 struct VisibilityPoint {
-  ivec3 words;       // first word of each vertex
+  ivec3 vertices;
   vec3 barycentric;
-  vec3 normal;       // world
+  vec3 normal;  // of the bake's tangent plane: interpolated from the vertices, turned to the viewer, world
 };
 
 VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
-  int triangle = int(texelFetch(t_triangle, pixel, 0).x) - 1;
+  int triangle = max(int(texelFetch(t_triangle, pixel, 0).x), 1) - 1;
   ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x,
                   texelFetch(t_indices, 3 * triangle + 2).x);
   vec3 p0 = texelFetch(t_vertices, 4 * v.x).xyz;
@@ -22,17 +23,20 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
   vec2 w = clamp(vec2(c * f - b * g, a * g - b * f) * inverse, 0.0, 1.0);
   w /= max(1.0, w.x + w.y);
   VisibilityPoint r;
-  r.words = 8 * v;
+  r.vertices = v;
   r.barycentric = vec3(1.0 - w.x - w.y, w);
-  r.normal = normal;
+  // A normal map bends the shading normal only; the masks' horizon is that of the vertices.
+  vec3 n = mat3(texelFetch(t_vertices, 4 * v.x + 1).xyz, texelFetch(t_vertices, 4 * v.y + 1).xyz,
+                texelFetch(t_vertices, 4 * v.z + 1).xyz) * r.barycentric;
+  n = dot(n, n) > 1e-12 ? normalize(n) : normal;
+  r.normal = dot(n, normal) < 0.0 ? -n : n;
   return r;
 }
 
+/// In [0, 1]; `u` picks the bit (dithering between the cells of the map).
 float visibility_of(VisibilityPoint p, vec3 world, vec2 u) {
   int bit = visibility_dithered_bit(world, p.normal, u);
-  int word = bit >> 5;
-  uint shift = uint(bit & 31);
-  return p.barycentric.x * float((texelFetch(t_visibility, p.words.x + word).x >> shift) & 1u) +
-         p.barycentric.y * float((texelFetch(t_visibility, p.words.y + word).x >> shift) & 1u) +
-         p.barycentric.z * float((texelFetch(t_visibility, p.words.z + word).x >> shift) & 1u);
+  ivec3 words = 8 * p.vertices + (bit >> 5);
+  uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
+  return dot(p.barycentric, vec3((bits >> uint(bit & 31)) & 1u));
 }

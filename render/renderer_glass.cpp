@@ -1,0 +1,116 @@
+// Panes and blended surfaces over the finished opaque picture.
+#include <algorithm>
+
+#include "render/environment/prefilter.h"
+#include "render/renderer_impl.h"
+
+namespace maquette {
+
+namespace {
+
+/// Latitude-longitude image as a filtered texture that wraps around.
+Texture make_irradiance(const Environment& environment) {
+  const Image map = prefilter_diffuse(environment);
+  std::vector<float> texels;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      for (int c = 0; c < 3; ++c) texels.push_back(map.at(x, y, c));
+      texels.push_back(1.0f);
+    }
+  Texture texture = Texture::make_2d("irradiance", GL_RGBA32F, map.width, map.height);
+  texture.upload(0, map.width, map.height, GL_RGBA, GL_FLOAT, texels.data());
+  texture.set_filter(GL_LINEAR, GL_LINEAR);
+  texture.set_wrap(GL_REPEAT, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
+  const glm::vec3 d = bounds.center() - eye;
+  return glm::dot(d, d);
+}
+
+/// Share of a material that is a pane; the rest of it is a surface. `builtin:glass` and `extras` may leave the factor
+/// 0.
+float pane_share(const Material& m) { return !m.glass ? 0.0f : m.transmission > 0.0f ? m.transmission : 1.0f; }
+
+}  // namespace
+
+bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds) {
+  int outside[5] = {};
+  for (int k = 0; k < 8; ++k) {
+    const glm::vec4 p =
+        clip_from_world * glm::vec4(k & 1 ? bounds.max.x : bounds.min.x, k & 2 ? bounds.max.y : bounds.min.y,
+                                    k & 4 ? bounds.max.z : bounds.min.z, 1.0f);
+    outside[0] += p.x < -p.w;
+    outside[1] += p.x > p.w;
+    outside[2] += p.y < -p.w;
+    outside[3] += p.y > p.w;
+    outside[4] += p.w < 0.0f;
+  }
+  return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
+}
+
+ShaderVariant glass_variant(const FramePlan& plan, bool textures) {
+  return {"glass/glass.frag",
+          "glass/glass.vert",
+          {{"VISIBILITY", plan.visibility == "baked" ? "1" : "0"}, {"TEXTURES", textures ? "1" : "0"}}};
+}
+
+void Renderer::Impl::draw_glass(const FramePlan& plan) {
+  FrameTargets& t = *targets;
+  std::vector<std::size_t> items;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const Material& m = material_of_item(i);
+    const bool drawn = buffers->visible(i) && (m.glass || m.alpha_mode == AlphaMode::blend);
+    if (drawn && may_be_seen(constants.clip_from_world, buffers->bounds(i))) items.push_back(i);
+  }
+  if (items.empty()) return;
+  const glm::vec3 eye(constants.eye);
+  std::stable_sort(items.begin(), items.end(), [&](std::size_t a, std::size_t b) {
+    return squared_distance(buffers->bounds(a), eye) > squared_distance(buffers->bounds(b), eye);
+  });
+  if (!irradiance) irradiance = make_irradiance(environment->environment());
+  if (!glass_framebuffer) {
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    glass_framebuffer = GlName<FramebufferTraits>(name);
+    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, t.radiance.get(), 0);
+    glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, t.depth_buffer.get(), 0);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, glass_framebuffer.get());
+  glViewport(0, 0, t.grid_width(), t.grid_height());
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_FALSE);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ZERO, GL_ONE);  // alpha stays: 0 where only the sky is behind
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  glBindTextureUnit(29, irradiance.get());
+  glBindVertexArray(buffers->vertex_array());
+  const Program& program = programs.get(glass_variant(plan, buffers->has_textures()));
+  glUseProgram(program.get());
+  for (std::size_t i : items) {
+    const DrawItem& item = buffers->geometry().items[i];
+    const Material& m = material_of_item(i);
+    (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    const float alpha = m.alpha_mode == AlphaMode::blend ? m.base_color.a : 1.0f;
+    glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
+    glUniform4f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b, m.unlit ? 1.0f : 0.0f);
+    glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));
+    if (buffers->has_textures())
+      program.set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+  }
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  glDisable(GL_CULL_FACE);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+}  // namespace maquette

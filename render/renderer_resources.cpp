@@ -1,0 +1,80 @@
+// What a plan needs besides the scene itself, made when it is first needed: facts, lights, the visibility bake.
+#include <cmath>
+#include <cstdio>
+
+#include "render/renderer_impl.h"
+
+namespace maquette {
+
+namespace {
+
+std::string percent(double fraction) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", std::floor(100.0 * fraction));
+  return text;
+}
+
+}  // namespace
+
+const Material& Renderer::Impl::material_of_item(std::size_t item) const {
+  static const Material kDefault;
+  const auto index = static_cast<std::size_t>(buffers->material(item));
+  return index < effective.size() ? effective[index] : kDefault;
+}
+
+void Renderer::Impl::update_facts(int variant) {
+  const bool replan = facts_variant != variant;
+  if (!replan && !lights_stale) return;
+  if (replan && (facts_variant != -2 || variant >= 0)) buffers->update_variant(*scene, variant);
+  Scene planned = *scene;
+  planned.materials = effective;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const int node = buffers->geometry().items[i].node;
+    if (node >= 0) planned.nodes[static_cast<std::size_t>(node)].visible = buffers->visible(i);
+  }
+  facts = compute_facts(planned, variant);
+  facts_variant = variant;
+  lights.reset();
+  lights_stale = false;
+  if (!facts.has_punctual_lights && !facts.has_emissive_meshes) return;
+  const LightList list = build_light_list(planned, buffers->geometry(), variant);
+  if (!list.lights.empty()) lights.emplace(list);
+}
+
+std::vector<bool> Renderer::Impl::transmitting_items() const {
+  std::vector<bool> transmits;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const Material& m = material_of_item(i);
+    transmits.push_back(m.glass || m.alpha_mode == AlphaMode::blend || !buffers->visible(i));
+  }
+  return transmits;
+}
+
+void Renderer::Impl::update_visibility(FramePlan* plan) {
+  if (plan->visibility != "baked") return;
+  if (visibility.update(buffers->geometry(), transmitting_items(), geometry_epoch)) ++epoch;
+  if (visibility.ready()) return;
+  plan->visibility = "none";
+  std::erase_if(plan->passes, [](const PlannedPass& pass) { return pass.name == "visibility"; });
+  plan->left_out.push_back({"visibility", "its bake is not ready yet: " + percent(visibility.progress())});
+}
+
+bool Renderer::finish_background_work(const FrameRequest& request) {
+  Impl& s = *impl_;
+  s.require_ready();
+  s.update_facts(request.variant);
+  FramePlan plan =
+      maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  if (plan.visibility != "baked") return true;
+  s.update_visibility(&plan);
+  s.visibility.wait();
+  if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.geometry_epoch)) ++s.epoch;
+  return s.visibility.ready();
+}
+
+std::vector<BackgroundWork> Renderer::background_work() const {
+  if (!impl_->visibility.busy()) return {};
+  return {{"visibility", impl_->visibility.progress()}};
+}
+
+}  // namespace maquette

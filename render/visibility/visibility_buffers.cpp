@@ -1,0 +1,56 @@
+#include "render/visibility/visibility_buffers.h"
+
+#include <string>
+
+#include "scenes/error.h"
+
+namespace maquette {
+
+bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<bool>& transmits,
+                               std::uint32_t geometry_epoch) {
+  if (!worker_) worker_ = std::make_unique<VisibilityWorker>();
+  if (!asked_ || geometry_epoch != geometry_epoch_ || transmits != transmits_) {
+    GLint max_texels = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
+    if (geometry.positions.size() * 8 > static_cast<std::size_t>(max_texels))
+      throw Error("visibility", std::to_string(geometry.positions.size()) + " vertices are more than this driver holds",
+                  "set shading.visibility=none");
+    VisibilityWorker::Job job;
+    job.geometry.positions = geometry.positions;
+    job.geometry.normals = geometry.normals;
+    job.geometry.indices = geometry.indices;
+    job.geometry.items = geometry.items;
+    job.transmits = transmits;
+    worker_->submit(std::move(job));
+    asked_ = true;
+    geometry_epoch_ = geometry_epoch;
+    transmits_ = transmits;
+  }
+  const std::optional<VisibilityBake> bake = worker_->take();
+  if (!bake || bake->vertices.empty()) return false;
+  words_ = Buffer::from("visibility", bake->vertices);
+  bandwidth_ = Buffer::from("visibility bandwidth", bake->bandwidth);
+  word_view_ = Texture::make_buffer("visibility", GL_R32UI, words_);
+  bandwidth_view_ = Texture::make_buffer("visibility bandwidth", GL_R32F, bandwidth_);
+  return true;
+}
+
+void VisibilityBuffers::wait() {
+  if (worker_) worker_->wait();
+}
+
+void VisibilityBuffers::clear() {
+  if (worker_) worker_->cancel();
+  asked_ = false;
+  word_view_ = Texture();
+  bandwidth_view_ = Texture();
+  words_ = Buffer();
+  bandwidth_ = Buffer();
+}
+
+void VisibilityBuffers::bind() const {
+  glBindTextureUnit(25, word_view_.get());
+  glBindTextureUnit(30, bandwidth_view_.get());
+}
+
+}  // namespace maquette

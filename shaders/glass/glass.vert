@@ -1,0 +1,45 @@
+// Panes and blended surfaces. What varies slowly is found here: how much of the sky the mirror direction sees.
+#include "shared/frame.glsl"
+#include "shared/octahedral.glsl"
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec2 a_uv;
+layout(binding = 5) uniform samplerBuffer t_vertices;
+#if VISIBILITY
+#include "shared/visibility.glsl"
+layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
+#endif
+out vec3 v_position;  // m, relative to the eye
+out vec3 v_normal;
+out vec2 v_uv;
+out float v_open;     // share of the mirror direction that is not occluded
+
+#if VISIBILITY
+/// Bilinear between the four cells around; cells on the far side of the pane belong to its other face.
+float open_share(vec3 direction, vec3 normal) {
+  VisibilityCorner corner = visibility_corner(direction);
+  float sum = 0.0, weights = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 o = ivec2(k & 1, k >> 1);
+    ivec2 cell = visibility_wrap(corner.lower + o);
+    if (dot(visibility_cell_direction(cell), normal) <= 0.0) continue;
+    vec2 f = mix(1.0 - corner.fraction, corner.fraction, vec2(o));
+    int bit = cell.y * kVisibilityCells + cell.x;
+    uint word = texelFetch(t_visibility, 8 * gl_VertexID + (bit >> 5)).x;
+    sum += f.x * f.y * float((word >> uint(bit & 31)) & 1u);
+    weights += f.x * f.y;
+  }
+  return weights > 0.0 ? sum / weights : 0.0;
+}
+#endif
+
+void main() {
+  gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  v_position = a_position - u_frame.eye.xyz;
+  v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
+  v_uv = a_uv;
+  v_open = 1.0;
+#if VISIBILITY
+  vec3 n = dot(v_normal, v_position) > 0.0 ? -v_normal : v_normal;
+  v_open = open_share(reflect(normalize(v_position), n), n);
+#endif
+}

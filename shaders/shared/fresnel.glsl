@@ -1,0 +1,32 @@
+// Exact Fresnel reflectance of dielectrics and of a pane. Common subset of GLSL and C++ with GLM (render/fresnel_shared.h).
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+
+// Reflectance of one surface for s and p polarisation; cos_i in [0, 1] on the side of air, n: refractive index, at least 1.
+// Source: Born and Wolf 1999, "Principles of Optics", Sec. 1.5.2, Eq. 21.
+MAQUETTE_FN vec2 fresnel_sp(float cos_i, float n) {
+  float c = clamp(cos_i, 0.0f, 1.0f);
+  float cos_t = sqrt(max(1.0f - (1.0f - c * c) / (n * n), 0.0f));
+  float s = (c - n * cos_t) / max(c + n * cos_t, 1.0e-20f);
+  float p = (n * c - cos_t) / max(n * c + cos_t, 1.0e-20f);
+  return vec2(s * s, p * p);
+}
+
+MAQUETTE_FN float fresnel_surface(float cos_i, float n) {
+  vec2 r = fresnel_sp(cos_i, n);
+  return 0.5f * (r.x + r.y);
+}
+
+// Reflectance (x) and transmittance (y) of a pane: all bounces between its faces, without interference, per polarisation and then
+// averaged. `inside`: internal transmittance of one crossing, in [0, 1]; at 1 both sum to 1.
+// Source: Stokes 1862, "On the Intensity of the Light Reflected from or Transmitted through a Pile of Plates".
+MAQUETTE_FN vec2 fresnel_pane(float cos_i, float n, float inside) {
+  vec2 r = fresnel_sp(cos_i, n);
+  vec2 q = vec2(1.0f - r.x, 1.0f - r.y);
+  // At grazing incidence both faces reflect all; 1 - r^2 t^2 is then 0 for a clear pane.
+  vec2 d = vec2(max(1.0f - r.x * r.x * inside * inside, 1.0e-12f), max(1.0f - r.y * r.y * inside * inside, 1.0e-12f));
+  vec2 reflected = vec2(r.x + q.x * q.x * r.x * inside * inside / d.x, r.y + q.y * q.y * r.y * inside * inside / d.y);
+  vec2 transmitted = vec2(q.x * q.x * inside / d.x, q.y * q.y * inside / d.y);
+  return vec2(0.5f * (reflected.x + reflected.y), 0.5f * (transmitted.x + transmitted.y));
+}

@@ -1,0 +1,393 @@
+// Baked visibility, the scene's own lights and panes in whole frames, against closed forms.
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "render/fresnel_shared.h"
+#include "render/gl/context.h"
+#include "render/renderer.h"
+
+namespace maquette {
+namespace {
+
+Material matte(const std::string& name, float albedo) {
+  Material m;
+  m.name = name;
+  m.base_color = glm::vec4(albedo, albedo, albedo, 1.0f);
+  m.metallic = 0.0f;
+  m.roughness = 1.0f;
+  m.specular = 0.0f;
+  m.double_sided = true;
+  return m;
+}
+
+/// `side` x `side` quads from `corner`; normal along cross(u, v).
+Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, int side, int material) {
+  Primitive p;
+  p.material = material;
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) {
+      p.positions.push_back(corner + u * (static_cast<float>(i) / static_cast<float>(side)) +
+                            v * (static_cast<float>(j) / static_cast<float>(side)));
+      p.normals.push_back(glm::normalize(glm::cross(u, v)));
+    }
+  const auto at = [side](int i, int j) { return static_cast<std::uint32_t>(j * (side + 1) + i); };
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i)
+      p.indices.insert(p.indices.end(),
+                       {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+  return p;
+}
+
+void add(Scene* scene, Primitive primitive) {
+  Node node;
+  node.mesh = static_cast<int>(scene->meshes.size());
+  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
+  scene->nodes.push_back(node);
+  scene->meshes.emplace_back();
+  scene->meshes.back().primitives.push_back(std::move(primitive));
+}
+
+Scene floor_scene() {
+  Scene scene;
+  scene.materials.push_back(matte("floor", 0.5f));
+  add(&scene, make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 8, 0));
+  return scene;
+}
+
+/// Six walls around [-1, 1]^3, seen from inside; `walls` of them.
+Scene box_scene(int walls) {
+  Scene scene;
+  scene.materials.push_back(matte("wall", 0.5f));
+  add(&scene, make_grid({-1, -1, 1}, {2, 0, 0}, {0, 0, -2}, 6, 0));
+  add(&scene, make_grid({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, 6, 0));
+  add(&scene, make_grid({-1, -1, 1}, {0, 0, -2}, {0, 2, 0}, 6, 0));
+  add(&scene, make_grid({1, -1, -1}, {0, 0, 2}, {0, 2, 0}, 6, 0));
+  add(&scene, make_grid({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}, 6, 0));
+  add(&scene, make_grid({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 6, 0));
+  scene.nodes.resize(static_cast<std::size_t>(walls));
+  scene.roots.resize(static_cast<std::size_t>(walls));
+  return scene;
+}
+
+std::shared_ptr<const Environment> constant_sky(float radiance) {
+  auto sky = std::make_shared<Environment>();
+  sky->name = "constant";
+  sky->width = 32;
+  sky->height = 16;
+  sky->rgb.assign(32 * 16, glm::vec3(radiance));
+  return sky;
+}
+
+FrameRequest request_of(const std::string& mode, const std::string& visibility) {
+  FrameRequest r;
+  r.mode = mode;
+  r.width = 48;
+  r.height = 48;
+  r.samples = 64;
+  r.settings.set_from_text("shading.visibility", visibility);
+  return r;
+}
+
+/// The only place that draws: nothing that is drawn may hold NaN or make a GL error.
+Image draw(Renderer* renderer, const FrameRequest& request) {
+  EXPECT_TRUE(renderer->finish_background_work(request));
+  renderer->render(request);
+  const Image image = renderer->read_radiance();
+  for (float v : image.data) EXPECT_TRUE(std::isfinite(v) && v >= 0.0f);
+  const auto errors = take_gl_errors();
+  EXPECT_TRUE(errors.empty()) << errors.front();
+  return image;
+}
+
+/// A ray along the edge where two walls meet may go either way: a few samples in 10,000.
+constexpr double kLeak = 5e-4;
+
+double mean(const Image& image) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < image.data.size(); i += 4) sum += image.data[i];
+  return sum / (static_cast<double>(image.data.size()) / 4.0);
+}
+
+class LightAndGlass : public ::testing::TestWithParam<std::string> {
+ protected:
+  GlContext context_ = GlContext::create_headless();
+  void SetUp() override { install_debug_output(); }
+};
+INSTANTIATE_TEST_SUITE_P(Modes, LightAndGlass, ::testing::Values("uniform", "bandwidth"),
+                         [](const auto& mode) { return mode.param; });
+
+TEST_P(LightAndGlass, ClosedBoxIsBlackInsideAndOnlyWithVisibility) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(box_scene(6)));
+  renderer.set_environment(constant_sky(1.0f));
+  FrameRequest request = request_of(GetParam(), "baked");
+  request.camera.eye = {0.3f, 0.2f, 0.8f};
+  request.camera.target = {0.0f, 0.0f, -1.0f};
+  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+  request.settings.set_from_text("shading.visibility", "none");
+  EXPECT_NEAR(mean(draw(&renderer, request)), 0.5, 0.02);
+  request.settings.set_from_text("shading.visibility", "auto");  // it closes the eye in
+  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+}
+
+TEST_P(LightAndGlass, OpenPlaneIsTheSameWithVisibility) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(floor_scene()));
+  renderer.set_environment(constant_sky(2.0f));
+  FrameRequest request = request_of(GetParam(), "baked");
+  request.camera.eye = {0.0f, 1.0f, 1.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  request.camera.fov_y_rad = 0.5f;
+  const double baked = mean(draw(&renderer, request));
+  request.settings.set_from_text("shading.visibility", "none");
+  EXPECT_NEAR(baked, 1.0, 0.02);
+  EXPECT_NEAR(baked, mean(draw(&renderer, request)), 0.02);
+}
+
+/// Under an open-topped box of height 2: the view factor of a 2 x 2 square from a point under its middle. The map's
+/// cells are 0.22 rad wide and the opening 0.93, so 20 % is what it can tell. Source: Howell, "A Catalog of Radiation
+/// Heat Transfer Configuration Factors", B-3 (a quarter, from its corner).
+TEST_P(LightAndGlass, OpenTopLightsTheFloorByItsViewFactor) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(box_scene(5)));
+  renderer.set_environment(constant_sky(1.0f));
+  FrameRequest request = request_of(GetParam(), "baked");
+  request.samples = 256;
+  request.camera.eye = {0.0f, 0.9f, 0.0f};
+  request.camera.target = {0.0f, -1.0f, 0.0f};
+  request.camera.up = {0.0f, 0.0f, -1.0f};
+  request.camera.fov_y_rad = 0.1f;
+  const double x = 0.5;  // half side over distance
+  const double root = std::sqrt(1.0 + x * x);
+  const double corner = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
+  EXPECT_NEAR(mean(draw(&renderer, request)), 0.5 * 4.0 * corner, 0.2 * 0.5 * 4.0 * corner);
+}
+
+TEST_P(LightAndGlass, PictureIsDrawnWithoutTheBakeUntilItIsReady) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(box_scene(6)));
+  renderer.set_environment(constant_sky(1.0f));
+  const FrameRequest request = request_of(GetParam(), "baked");
+  FrameStats stats = renderer.render(request);
+  if (stats.plan.visibility == "none") {  // the bake may have been quick
+    const auto& out = stats.plan.left_out;
+    EXPECT_TRUE(std::any_of(out.begin(), out.end(), [](const LeftOut& o) { return o.what == "visibility"; }));
+  }
+  ASSERT_TRUE(renderer.finish_background_work(request));
+  EXPECT_TRUE(renderer.background_work().empty());
+  stats = renderer.render(request);
+  EXPECT_EQ(stats.plan.visibility, "baked");
+  EXPECT_GT(stats.gpu_bytes.at("visibility"), 0u);
+}
+
+/// The roof is pushed aside: the old bake stays until the new one is there.
+TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
+  const auto scene = std::make_shared<Scene>(box_scene(6));
+  Renderer renderer;
+  renderer.set_scene(scene);
+  renderer.set_environment(constant_sky(1.0f));
+  FrameRequest request = request_of(GetParam(), "baked");
+  request.camera.eye = {0.0f, 0.9f, 0.0f};
+  request.camera.target = {0.0f, -1.0f, 0.01f};
+  EXPECT_LT(mean(draw(&renderer, request)), kLeak);
+  const Primitive& roof = scene->meshes[5].primitives[0];
+  std::vector<glm::vec3> positions = roof.positions;
+  for (glm::vec3& p : positions) p.x += 100.0f;
+  renderer.update_mesh(5, positions, roof.normals);
+  EXPECT_EQ(renderer.render(request).plan.visibility, "baked");
+  EXPECT_GT(mean(draw(&renderer, request)), 0.05);
+}
+
+/// E = I cos / d^2 under a point light, and a spot light's axis; a directional light's lux.
+TEST_P(LightAndGlass, PunctualLightsMeetTheClosedForm) {
+  for (const auto kind : {PunctualLight::Kind::point, PunctualLight::Kind::spot, PunctualLight::Kind::directional}) {
+    Scene scene = floor_scene();
+    PunctualLight light;
+    light.kind = kind;
+    light.intensity = 10.0f;
+    light.inner_cone_rad = 0.3f;
+    scene.lights.push_back(light);
+    Node node;
+    node.light = 0;
+    node.local[1] = glm::vec4(0.0f, 0.0f, -1.0f, 0.0f);  // -z of the node points down
+    node.local[2] = glm::vec4(0.0f, 1.0f, 0.0f, 0.0f);
+    node.local[3] = glm::vec4(0.0f, 2.0f, 0.0f, 1.0f);
+    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+    scene.nodes.push_back(node);
+    Renderer renderer;
+    renderer.set_scene(std::make_shared<Scene>(scene));
+    renderer.set_environment(constant_sky(0.0f));
+    FrameRequest request = request_of(GetParam(), "none");
+    request.env_scale = 7.0f;  // does not touch the scene's lights
+    request.camera.eye = {0.0f, 3.0f, 0.0f};
+    request.camera.target = {0.0f, 0.0f, 0.0f};
+    request.camera.up = {0.0f, 0.0f, -1.0f};
+    request.camera.fov_y_rad = 0.01f;
+    const double lux = kind == PunctualLight::Kind::directional ? 10.0 : 10.0 / 4.0;
+    EXPECT_NEAR(mean(draw(&renderer, request)), 0.5 / 3.14159265 * lux, 0.004 * lux) << static_cast<int>(kind);
+  }
+}
+
+/// A square that glows over the middle of the floor: E = L * 4 * view factor of a quarter * pi.
+TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
+  Scene scene = floor_scene();
+  Material lamp = matte("lamp", 0.0f);
+  lamp.emissive = glm::vec3(5.0f);
+  lamp.double_sided = false;
+  scene.materials.push_back(lamp);
+  add(&scene, make_grid({-0.5f, 1.0f, -0.5f}, {1, 0, 0}, {0, 0, 1}, 3, 1));
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(0.0f));
+  FrameRequest request = request_of(GetParam(), "none");
+  request.samples = 256;
+  request.camera.eye = {0.0f, 0.8f, 0.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  request.camera.up = {0.0f, 0.0f, -1.0f};
+  request.camera.fov_y_rad = 0.05f;
+  const double x = 0.5, root = std::sqrt(1.0 + x * x);
+  const double quarter = 2.0 / (2.0 * 3.14159265358979) * (x / root) * std::atan(x / root);
+  const double expected = 0.5 * 5.0 * 4.0 * quarter;
+  EXPECT_NEAR(mean(draw(&renderer, request)), expected, 0.02 * expected);
+}
+
+/// A lamp almost touching the floor: no sample may stand for more than a few mirrors of it.
+TEST_P(LightAndGlass, LampCloseToASurfaceMakesNoFireflies) {
+  Scene scene = floor_scene();
+  Material lamp = matte("lamp", 0.0f);
+  lamp.emissive = glm::vec3(5.0f);
+  scene.materials.push_back(lamp);
+  add(&scene, make_grid({-0.4f, 0.02f, -0.4f}, {0.4f, 0, 0}, {0, 0.4f, 0}, 1, 1));
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(0.1f));
+  FrameRequest request = request_of(GetParam(), "none");
+  request.camera.eye = {0.0f, 2.0f, 1.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  const Image image = draw(&renderer, request);
+  EXPECT_LE(*std::max_element(image.data.begin(), image.data.end()), 2.0f * 5.0f);
+}
+
+Scene pane_scene(const glm::vec4& tint) {
+  Scene scene;
+  Material glass;
+  glass.name = "glass";
+  glass.glass = true;
+  glass.transmission = 1.0f;
+  glass.ior = 1.52f;
+  glass.base_color = tint;
+  glass.double_sided = true;
+  scene.materials.push_back(glass);
+  add(&scene, make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 0));
+  return scene;
+}
+
+/// Furnace: what a clear pane takes from the light behind it gives back by the mirrored light.
+TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
+  for (int msaa : {1, 4}) {
+    Renderer renderer;
+    renderer.set_scene(std::make_shared<Scene>(pane_scene(glm::vec4(1.0f))));
+    renderer.set_environment(constant_sky(3.0f));
+    FrameRequest request = request_of(GetParam(), "none");
+    request.msaa = msaa;
+    request.camera.eye = {2.0f, 0.5f, 1.0f};
+    const Image image = draw(&renderer, request);
+    for (std::size_t i = 0; i < image.data.size(); i += 4) {
+      ASSERT_NEAR(image.data[i], 3.0f, 0.01f);
+      ASSERT_EQ(image.data[i + 3], 0.0f);  // only the sky is seen
+    }
+  }
+}
+
+TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(pane_scene(glm::vec4(0.8f, 1.0f, 0.5f, 1.0f))));
+  renderer.set_environment(constant_sky(1.0f));
+  FrameRequest request = request_of(GetParam(), "none");
+  request.camera.eye = {2.0f, 0.0f, 2.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  request.camera.fov_y_rad = 0.02f;
+  const Image image = draw(&renderer, request);
+  const float cosine = std::sqrt(0.5f);
+  for (int c : {0, 1, 2}) {
+    const glm::vec2 pane = shared::fresnel_pane(cosine, 1.52f, c == 0 ? 0.8f : c == 1 ? 1.0f : 0.5f);
+    EXPECT_NEAR(image.at(24, 24, c), pane.x + pane.y, 2e-3f);
+  }
+  // While the picture converges the pane is drawn once a frame, not over the frames before.
+  renderer.render(request, true);
+  renderer.render(request, true);
+  EXPECT_NEAR(renderer.read_radiance().at(24, 24, 2), image.at(24, 24, 2), 2e-3f);
+}
+
+TEST_P(LightAndGlass, PanesDoNotOccludeAndHaveDepth) {
+  Scene scene = floor_scene();
+  const Scene pane = pane_scene(glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+  scene.materials.push_back(pane.materials[0]);
+  add(&scene, make_grid({-1, -0.5f, 1}, {2, 0, 0}, {0, 0, -2}, 2, 1));  // below the floor: not seen
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(2.0f));
+  FrameRequest request = request_of(GetParam(), "baked");
+  request.camera.eye = {0.0f, 1.0f, 0.5f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  request.camera.fov_y_rad = 0.3f;
+  EXPECT_NEAR(mean(draw(&renderer, request)), 1.0, 0.02);
+}
+
+TEST_P(LightAndGlass, BlendedSurfaceCoversByAlpha) {
+  Scene scene;
+  Material veil = matte("veil", 0.5f);
+  veil.alpha_mode = AlphaMode::blend;
+  veil.base_color.a = 0.25f;
+  scene.materials.push_back(veil);
+  add(&scene, make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 0));
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(4.0f));
+  FrameRequest request = request_of(GetParam(), "none");
+  request.camera.eye = {0.0f, 0.0f, 1.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  EXPECT_NEAR(draw(&renderer, request).at(24, 24, 1), 0.75f * 4.0f + 0.25f * 0.5f * 4.0f, 0.01f);
+}
+
+TEST_P(LightAndGlass, ResourcesAreReleased) {
+  Scene scene = box_scene(5);
+  scene.materials.push_back(pane_scene(glm::vec4(1.0f)).materials[0]);
+  scene.materials[0].emissive = glm::vec3(0.1f);
+  add(&scene, make_grid({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 1, 1));
+  const auto shared_scene = std::make_shared<Scene>(scene);
+  const auto sky = constant_sky(1.0f);
+  for (int round = 0; round < 20; ++round) {
+    Renderer renderer;
+    renderer.set_scene(shared_scene);
+    renderer.set_environment(sky);
+    FrameRequest request = request_of(GetParam(), "baked");
+    request.width = request.height = 8;
+    if (round % 5 == 0) {
+      draw(&renderer, request);
+    } else {
+      renderer.render(request);  // goes away while its bake runs
+    }
+  }
+  int buffers = 0, textures = 0, framebuffers = 0, programs = 0, arrays = 0;
+  for (GLuint name = 1; name < 20000; ++name) {
+    buffers += glIsBuffer(name);
+    textures += glIsTexture(name);
+    framebuffers += glIsFramebuffer(name);
+    programs += glIsProgram(name);
+    arrays += glIsVertexArray(name);
+  }
+  EXPECT_EQ(buffers, 0);
+  EXPECT_EQ(textures, 0);
+  EXPECT_EQ(framebuffers, 0);
+  EXPECT_LE(programs, 1);  // the driver keeps the one last in use
+  EXPECT_EQ(arrays, 0);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+}  // namespace
+}  // namespace maquette

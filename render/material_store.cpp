@@ -84,6 +84,8 @@ int MaterialStore::slot_of(const std::string& source) {
   bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
   Entry entry;
   entry.source = source;
+  entry.hash = brdf.hash;
+  entry.albedo = tables.albedo;
   entry.lobe_sr = effective_solid_angle(tables, 12);
   entries_.push_back(std::move(entry));
   return static_cast<int>(slot);
@@ -96,23 +98,31 @@ float MaterialStore::brdf_share(int slot, float environment_sr) const {
   return std::clamp(light / (light + lobe), lobe < 0.15f ? 0.5f : 0.2f, 0.75f);
 }
 
-void MaterialStore::fit(std::size_t slot) {
-  Entry& entry = entries_[slot];
-  if (entry.fitted) return;
-  const BrdfTable brdf = load_brdf(entry.source);
-  entry.ggx = fit_ggx(brdf);
-  entry.sg = fit_sg(brdf);
-  entry.fitted = true;
+BrdfTable MaterialStore::read_table(std::size_t slot) const {
+  std::vector<std::uint32_t> words(kBrdfEntryCount);
+  words_.read(slot * kBrdfEntryCount * 4, words.size() * 4, words.data());
+  BrdfTable brdf;
+  brdf.name = entries_[slot].source;
+  brdf.hash = entries_[slot].hash;
+  brdf.rgb.resize(words.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 16200), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) brdf.rgb[i] = shared::unpack_rgb9e5(words[i], kBrdfBias);
+  });
+  return brdf;
 }
 
 const GgxFit& MaterialStore::ggx(int slot) {
-  fit(static_cast<std::size_t>(slot));
-  return entries_[static_cast<std::size_t>(slot)].ggx;
+  const auto i = static_cast<std::size_t>(slot);
+  if (!entries_[i].has_ggx) entries_[i].ggx = fit_ggx(read_table(i));
+  entries_[i].has_ggx = true;
+  return entries_[i].ggx;
 }
 
 const SgFit& MaterialStore::sg(int slot) {
-  fit(static_cast<std::size_t>(slot));
-  return entries_[static_cast<std::size_t>(slot)].sg;
+  const auto i = static_cast<std::size_t>(slot);
+  if (!entries_[i].has_sg) entries_[i].sg = fit_sg(read_table(i));
+  entries_[i].has_sg = true;
+  return entries_[i].sg;
 }
 
 void MaterialStore::bind() const {

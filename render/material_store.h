@@ -1,6 +1,6 @@
 #pragma once
 
-#include <map>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,8 +17,11 @@ class MaterialStore {
   /// Share of BRDF samples that balances a table's lobe against lights that cover `environment_sr` (effective solid
   /// angle).
   float brdf_share(int slot, float environment_sr) const;
+  /// Fitted when first asked for, from the table as the GPU has it: no file is read again.
   const GgxFit& ggx(int slot);
   const SgFit& sg(int slot);
+  /// BrdfTables::albedo of a slot.
+  const std::vector<glm::vec3>& albedo(int slot) const { return entries_[static_cast<std::size_t>(slot)].albedo; }
   void bind() const;  ///< units 10 to 13 and 16
   std::size_t bytes() const {
     return words_.bytes() + theta_.bytes() + phi_.bytes() + albedo_.bytes() + bandwidth_.bytes();
@@ -31,10 +34,12 @@ class MaterialStore {
     float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
     GgxFit ggx;
     SgFit sg;
-    bool fitted = false;
+    std::uint64_t hash = 0;  ///< of the table: key of its fits in the disk cache
+    std::vector<glm::vec3> albedo;
+    bool has_ggx = false, has_sg = false;
   };
   void reserve(std::size_t slots);
-  void fit(std::size_t slot);
+  BrdfTable read_table(std::size_t slot) const;
   std::vector<Entry> entries_;
   std::size_t capacity_ = 0;
   Buffer words_, theta_, phi_, albedo_, bandwidth_;

@@ -46,6 +46,7 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
 void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
   impl_->environment.emplace(std::move(environment));
   impl_->irradiance = Texture();
+  impl_->lookup_modes.clear();
   if (impl_->buffers) impl_->upload_materials();
   ++impl_->epoch;
 }
@@ -266,7 +267,10 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   timer.start();
   s.draw_gbuffer(plan, &timer);
   if (bandwidth) s.predict(plan, &timer);
-  s.shade(plan, chunk, &timer);
+  if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
+    s.shade_by_lookup(*lookup, &timer);
+  else
+    s.shade(plan, chunk, &timer);
   if (bandwidth) s.fill(&timer);
   ++s.accumulated;
   s.compose(plan, 1.0f / static_cast<float>(s.accumulated), &timer);
@@ -292,6 +296,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();
+  for (const auto& [name, mode] : s.lookup_modes) stats.gpu_bytes["prefilter"] += mode->bytes();
   if (plan.texture_bandwidth) stats.gpu_bytes["texture_bandwidth"] = t.texture_nu.bytes();
   stats.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return stats;

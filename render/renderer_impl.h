@@ -11,6 +11,7 @@
 #include "render/frame_targets.h"
 #include "render/gl/context.h"
 #include "render/lights/light_buffers.h"
+#include "render/lookup_mode.h"
 #include "render/material_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
@@ -40,6 +41,7 @@ struct Renderer::Impl {
   Texture irradiance;  ///< what a white Lambertian shows under the environment; made when something blends
   Texture near_terms;  ///< of the prediction: bandwidth of masks and near lights; [grid / 2]
   GlName<FramebufferTraits> glass_framebuffer;  ///< the radiance image over the depth buffer
+  std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
   FrameConstants constants{};
   FrameRequest last_request;
@@ -62,6 +64,7 @@ struct Renderer::Impl {
   void predict(const FramePlan& plan, PassTimer* timer);
   void shade(const FramePlan& plan, int chunk, PassTimer* timer);
   void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
+  void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   void fill(PassTimer* timer);
   void compose(const FramePlan& plan, float blend, PassTimer* timer);
   void draw_glass(const FramePlan& plan);

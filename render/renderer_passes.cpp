@@ -74,8 +74,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  for (const char* path :
-       {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp", "shading/gather.comp"})
+  for (const char* path : {"bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp",
+                           "shading/gather.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   return variants;

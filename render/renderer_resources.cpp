@@ -52,11 +52,13 @@ std::vector<bool> Renderer::Impl::transmitting_items() const {
 
 void Renderer::Impl::update_visibility(FramePlan* plan) {
   if (plan->visibility != "baked") return;
-  if (visibility.update(buffers->geometry(), transmitting_items(), geometry_epoch)) ++epoch;
+  const bool empty = buffers->geometry().positions.empty();
+  if (!empty && visibility.update(buffers->geometry(), transmitting_items(), geometry_epoch)) ++epoch;
   if (visibility.ready()) return;
   plan->visibility = "none";
   std::erase_if(plan->passes, [](const PlannedPass& pass) { return pass.name == "visibility"; });
-  plan->left_out.push_back({"visibility", "its bake is not ready yet: " + percent(visibility.progress())});
+  plan->left_out.push_back({"visibility", empty ? "nothing is there to occlude"
+                                                : "its bake is not ready yet: " + percent(visibility.progress())});
 }
 
 bool Renderer::finish_background_work(const FrameRequest& request) {
@@ -65,7 +67,7 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   s.update_facts(request.variant);
   FramePlan plan =
       maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
-  if (plan.visibility != "baked") return true;
+  if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;
   s.update_visibility(&plan);
   s.visibility.wait();
   if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.geometry_epoch)) ++s.epoch;

@@ -184,6 +184,13 @@ TEST_P(LightAndGlass, PictureIsDrawnWithoutTheBakeUntilItIsReady) {
   EXPECT_GT(stats.gpu_bytes.at("visibility"), 0u);
 }
 
+TEST_P(LightAndGlass, EmptySceneHasNothingToBake) {
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>());
+  renderer.set_environment(constant_sky(2.0f));
+  EXPECT_NEAR(mean(draw(&renderer, request_of(GetParam(), "baked"))), 2.0, 0.01);
+}
+
 /// The roof is pushed aside: the old bake stays until the new one is there.
 TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
   const auto scene = std::make_shared<Scene>(box_scene(6));

@@ -103,7 +103,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   FramePlan plan;
   plan.mode = mode_name;
   plan.msaa = view.msaa;
-  plan.lights = facts.has_punctual_lights || facts.has_emissive_meshes;
+  const bool shines = facts.has_punctual_lights || facts.has_emissive_meshes;
+  plan.lights = shines && (mode_name == "uniform" || mode_name == "bandwidth");
   plan.glass = facts.has_glass;
   plan.passes.push_back({"raster", std::to_string(facts.triangle_count) + " triangles: only their numbers and depth"});
   plan.passes.push_back({"gbuffer", "normals, texture coordinates and curvature of what is visible, found on screen"});
@@ -111,6 +112,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (plan.lights) {
     plan.passes.push_back({"lights", facts.has_emissive_meshes ? "emissive surfaces light the scene"
                                                                : "the scene has lights of its own"});
+  } else if (shines) {
+    plan.left_out.push_back({"lights", "mode " + mode_name + " knows the environment only"});
   } else {
     plan.left_out.push_back({"lights", "the scene has no lights and nothing that glows"});
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -172,6 +173,18 @@ TEST(Plan, ASceneThatNeedsLittlePaysLittle) {
   Settings finest;
   finest.set("bandwidth.max_level", 0);
   EXPECT_FALSE(has_pass(plan(rich, "bandwidth", finest, {}), "upsample"));
+}
+
+TEST(Plan, PrefilteredModesSayThatTheyLeaveLightsOut) {
+  SceneFacts facts;
+  facts.has_punctual_lights = facts.has_emissive_meshes = true;
+  for (const char* mode : {"splitsum", "sg"}) {
+    const FramePlan made = plan(facts, mode, {}, {});
+    EXPECT_FALSE(made.lights) << mode;
+    EXPECT_TRUE(std::any_of(made.left_out.begin(), made.left_out.end(), [](const LeftOut& out) {
+      return out.what == "lights";
+    })) << mode;
+  }
 }
 
 /// The words in backquotes at the start of the table rows of docs/vocabulary.md.

@@ -69,18 +69,20 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   float depth = texelFetch(t_depth, pixel, 0).x;
   float pixel_m = depth * u_frame.forward.w;
   vec4 energy = vec4(0.0), moments = vec4(0.0), near = vec4(0.0);
-  vec4 own = texelFetch(t_moments, quad, 0);
+  float own = float(c.material + 1);
   for (int k = 0; k < 9; ++k) {
     ivec2 q = clamp(quad + ivec2(k % 3, k / 3) - 1, ivec2(0), quads - 1);
     vec4 m = texelFetch(t_moments, q, 0);
-    float w = k == 4 ? 1.0 : (m.w == own.w ? 0.7 : 0.0);
+    float w = m.w == own ? (k == 4 ? 1.0 : 0.7) : 0.0;
     energy += w * texelFetch(t_energy, q, 0);
     moments += w * vec4(m.xyz, m.w > 0.0 ? float(PREDICTION_SAMPLES) - m.z : 0.0);
 #if NEAR
     if (w > 0.0) near += w * texelFetch(t_near, q, 0);
 #endif
   }
-  float nu_theta = energy.x / max(energy.y, 1e-20);
+  // Nothing was predicted for a surface this small: it is shaded itself.
+  bool unknown = moments.z + moments.w <= 0.0;
+  float nu_theta = unknown ? 1e4 : energy.x / max(energy.y, 1e-20);
   float nb = max(moments.z, 1.0), ne = max(moments.w, 1.0);
   // Terms carry the balance weights for the prediction's own counts; n Var(sum of terms / n) is free of them.
   float share_b = moments.z / max(moments.z + moments.w, 1.0);

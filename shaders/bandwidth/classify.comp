@@ -32,6 +32,8 @@ void main() {
       ivec2 q = min(2 * quad + ivec2(i & 1, i >> 1), u_frame.size.xy - 1);
       if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
     }
+    // With several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp).
+    if (u_frame.size.z > 1 && ((quad.x | quad.y) & 1) != 0) pixel.x = -1;
     if (pixel.x < 0) {
       imageStore(o_energy, quad, vec4(0.0));
       imageStore(o_moments, quad, vec4(0.0));

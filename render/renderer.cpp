@@ -147,11 +147,11 @@ int default_samples(const FrameRequest& request) {
   return 1;
 }
 
-/// Work item size: one item a point in uniform, a quarter of the samples in bandwidth (4 to 32).
+/// Work item size: one item a point in uniform, a quarter of the samples in bandwidth (at least 4).
 int choose_chunk(const FrameRequest& request, int samples) {
   if (request.mode != "bandwidth") return std::max(samples, 2);
   const int per_point = std::max(samples / std::max(request.msaa, 1), 4);
-  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(per_point / 4, 4)))), 4, 32);
+  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(per_point / 4, 4)))), 4, 4096);
 }
 
 /// The camera alone, for the picture before it is known how long this frame's passes take.

@@ -33,9 +33,9 @@ uniform int u_item_capacity;
 uniform float u_sample_scale;
 
 #if BANDWIDTH
-/// Points per cycle of the predicted bandwidth at quality 1: the four-point interpolation of fill.comp errs by 1 % there
-/// (1 - 9/8 cos(pi x) + 1/8 cos(3 pi x) at x = 1/7); a linear one would need 17.
-const float kPointsPerCycle = 7.0;
+/// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
+/// below it, and of 2.5 to 7 this gave the least error in the same time (spheres under Grace Cathedral, docs/performance.md).
+const float kPointsPerCycle = 3.0;
 
 vec4 picture_mean() { return texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1); }
 
@@ -94,9 +94,9 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
   int spacing = min(level, enters);
-  // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; half of them everywhere, so
-  // that a light the prediction missed costs at most a factor of sqrt(2).
-  float samples = float(u_frame.sampling.x) * (0.5 + 0.5 * min(relative, 64.0)) * block_share(spacing) * u_sample_scale;
+  // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; a quarter of them everywhere, so
+  // that a light the prediction missed costs at most a factor of two.
+  float samples = float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(spacing) * u_sample_scale;
   uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
   return uvec3(1u, uint(spacing), items);
 #else

@@ -184,9 +184,9 @@ std::vector<OptionDeclaration> quality_options() {
                o->seed = static_cast<std::uint32_t>(parse_count(t, "--seed", 0, 4294967295));
              }),
       plan_option(shared("--msaa", "N", "samples a pixel: 1, 4 or 16 (1: rays through pixel centres)", parse_msaa)),
-      render_only(
-          "--frames", "N", "measures N frames after warm-up; the time is their median",
-          [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); }),
+      shared("--frames", "N",
+             "`render`: measures N frames after warm-up, the time is their median; `view`: frames before --screenshot",
+             [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); }),
       render_only(
           "--target-error", "X",
           "averages frames until the relative RMSE is X: against --reference, else as the frames themselves tell",
@@ -238,6 +238,11 @@ std::vector<OptionDeclaration> output_options() {
   output.alias = "-o";
   return {
       output,
+      {"--screenshot",
+       "FILE.png",
+       "the whole window after --frames drawn frames (1); then it closes",
+       {"view"},
+       [](CommandLine* line, const std::string& t) { line->options.screenshot = check_file_name(t, "--screenshot"); }},
       render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
                   [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
       render_only("--reference", "FILE.exr", "adds the error against this picture to the stats",

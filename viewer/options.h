@@ -49,6 +49,7 @@ struct SceneOptions {
   std::string stats;      ///< JSON file; empty: none
   std::string reference;  ///< EXR file; empty: none
   std::string output;
+  std::string screenshot;  ///< `view`: PNG of the window after `frames` drawn frames, then it closes
 };
 
 using ViewOptions = SceneOptions;

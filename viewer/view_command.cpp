@@ -3,6 +3,8 @@
 #include "scenes/error.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/outputs.h"
+#include "viewer/window.h"
 
 namespace maquette {
 
@@ -15,11 +17,12 @@ bool is_set(const char* name) {
 
 }  // namespace
 
-int run_view(const CommandLine&) {
+int run_view(const CommandLine& line) {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
     throw Error("maquette view", "there is no display (DISPLAY and WAYLAND_DISPLAY are empty)",
                 "maquette render --output FILE.png draws without one");
-  throw Error("maquette view", "the window is not available in this build", "use maquette render --output FILE.png");
+  if (!line.options.screenshot.empty()) check_writable("--screenshot", line.options.screenshot);
+  return run_window(line.options);
 }
 
 }  // namespace maquette

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+
+#include "ui/editor.h"
+
+namespace maquette::test {
+
+/// The panels without a window and without OpenGL: frames are laid out and thrown away, the mouse is set by hand.
+class HeadlessEditor {
+ public:
+  HeadlessEditor(float width, float height, float scale = 1.0f) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {width, height};
+    io.DeltaTime = 1.0f / 30.0f;
+    apply_theme(scale);
+    unsigned char* pixels = nullptr;
+    int w = 0, h = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &w, &h);
+  }
+  ~HeadlessEditor() { ImGui::DestroyContext(); }
+  HeadlessEditor(const HeadlessEditor&) = delete;
+  HeadlessEditor& operator=(const HeadlessEditor&) = delete;
+
+  void step(int frames = 1) {
+    for (int i = 0; i < frames; ++i) {
+      actions = {};
+      ImGui::NewFrame();
+      frame = draw_editor(&state, facts, &actions);
+      ImGui::Render();
+    }
+  }
+  /// Presses and releases the left button at the middle of an item; `actions` are those of the release.
+  bool click(const std::string& item) {
+    step(2);
+    const auto found = frame.items.find(item);
+    if (found == frame.items.end()) return false;
+    ImGuiIO& io = ImGui::GetIO();
+    const Rect& r = found->second;
+    io.MousePos = {r.x + 0.5f * r.width, r.y + 0.5f * r.height};
+    step();
+    io.MouseDown[0] = true;
+    step();
+    io.MouseDown[0] = false;
+    step();
+    const EditorActions done = actions;
+    io.MousePos = {-1.0f, -1.0f};
+    step(2);
+    actions = done;
+    return true;
+  }
+
+  EditorState state;
+  EditorFacts facts;
+  EditorActions actions;
+  EditorFrame frame;
+};
+
+}  // namespace maquette::test

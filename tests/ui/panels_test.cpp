@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include "scenes/brdf.h"
+#include "tests/ui/headless_editor.h"
+
+namespace maquette {
+namespace {
+
+using test::HeadlessEditor;
+
+Scene small_scene() {
+  Scene scene;
+  scene.name = "small.glb";
+  for (const char* name : {"paint", "leather", "a material with a name that is much too long for its row"}) {
+    Material material;
+    material.name = name;
+    scene.materials.push_back(material);
+  }
+  Mesh mesh;
+  mesh.name = "door";
+  mesh.primitives.resize(1);
+  mesh.primitives[0].material = 1;
+  scene.meshes.push_back(mesh);
+  Node root, door;
+  root.name = "car";
+  root.children = {1};
+  door.name = "door_left";
+  door.parent = 0;
+  door.mesh = 0;
+  scene.nodes = {root, door};
+  scene.roots = {0};
+  scene.variants = {"base", "touring"};
+  return scene;
+}
+
+FrameStats busy_stats() {
+  FrameStats stats;
+  stats.frame_ms = 123.4;
+  for (int i = 0; i < 12; ++i) stats.passes.push_back({"pass " + std::to_string(i), 1.0 * i});
+  for (int i = 0; i < 12; ++i)
+    stats.plan.passes.push_back({"pass", "a reason that takes more than one line in a narrow panel, as reasons do"});
+  for (int i = 0; i < 12; ++i) stats.plan.left_out.push_back({"what", "and why it was left out of this frame"});
+  stats.visible_pixels = 1234567;
+  stats.shaded_pixels = 123456;
+  return stats;
+}
+
+void expect_windows_apart(const HeadlessEditor& editor) {
+  auto rects = std::vector<std::pair<std::string, Rect>>(editor.frame.windows.begin(), editor.frame.windows.end());
+  rects.emplace_back("picture", editor.frame.layout.picture);
+  for (std::size_t i = 0; i < rects.size(); ++i)
+    for (std::size_t j = i + 1; j < rects.size(); ++j)
+      EXPECT_FALSE(overlap(rects[i].second, rects[j].second)) << rects[i].first << " over " << rects[j].first;
+}
+
+TEST(Panels, NothingOverlapsAt1280x720) {
+  const Scene scene = small_scene();
+  const FrameStats stats = busy_stats();
+  const std::vector<Message> messages = {{MessageLevel::error, std::string(400, 'x') + " a long error", true}};
+  for (const float scale : {1.0f, 1.25f}) {
+    HeadlessEditor editor(1280.0f, 720.0f, scale);
+    editor.facts.scene = &scene;
+    editor.facts.stats = &stats;
+    editor.facts.messages = &messages;
+    editor.facts.background = {{"visibility", 0.4}};
+    for (int tab = 0; tab < 3; ++tab) {
+      editor.state.left_tab = editor.state.right_tab = tab;
+      editor.step(3);
+      EXPECT_EQ(editor.frame.windows.size(), 5u) << "toolbar, status, strip, left, right";
+      expect_windows_apart(editor);
+    }
+  }
+}
+
+TEST(Panels, ControlsStayInsideTheirSide) {
+  const Scene scene = small_scene();
+  const FrameStats stats = busy_stats();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.facts.stats = &stats;
+  editor.facts.cameras = {"driver", "passenger"};
+  editor.state.selected_material = 2;
+  for (int tab = 0; tab < 3; ++tab) {
+    editor.state.left_tab = editor.state.right_tab = tab;
+    editor.step(3);
+    const Layout& layout = editor.frame.layout;
+    for (const auto& [name, rect] : editor.frame.items) {
+      const bool left = rect.x < layout.picture.x, right = rect.x >= layout.right.x;
+      if (rect.y < layout.picture.y || (!left && !right)) continue;
+      const Rect& side = left ? layout.left : layout.right;
+      EXPECT_LE(rect.x + rect.width, side.x + side.width) << name;
+    }
+  }
+}
+
+TEST(Panels, ToolbarFitsSideBySide) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.step(2);
+  const char* const kOrder[] = {"toggle/left", "open", "frame", "dent", "undo", "toggle/right"};
+  for (std::size_t i = 1; i < std::size(kOrder); ++i) {
+    const Rect &a = editor.frame.items.at(kOrder[i - 1]), &b = editor.frame.items.at(kOrder[i]);
+    EXPECT_LE(a.x + a.width, b.x) << kOrder[i - 1] << " over " << kOrder[i];
+  }
+}
+
+TEST(Panels, AMaterialTakesAPaintByTwoClicks) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  ASSERT_TRUE(editor.click("material/leather"));
+  EXPECT_EQ(editor.state.selected_material, 1);
+  const std::string paint = "builtin:" + builtin_brdfs()[2].name;
+  ASSERT_TRUE(editor.click("library/" + paint));
+  EXPECT_EQ(editor.state.edits.materials, (std::map<std::string, std::string>{{"leather", paint}}));
+  ASSERT_TRUE(editor.click("restore"));
+  EXPECT_TRUE(editor.state.edits.materials.empty());
+}
+
+TEST(Panels, SearchNarrowsTheMaterials) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  std::snprintf(editor.state.material_search.data(), editor.state.material_search.size(), "LEATH");
+  editor.step(2);
+  EXPECT_TRUE(editor.frame.items.contains("material/leather"));
+  EXPECT_FALSE(editor.frame.items.contains("material/paint"));
+}
+
+TEST(Panels, ANodeHidesAndIsChosen) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.state.left_tab = 1;
+  ASSERT_TRUE(editor.click("visible/door_left"));
+  EXPECT_EQ(editor.state.edits.hidden_nodes, std::set<int>{1});
+  ASSERT_TRUE(editor.click("node/door_left"));
+  EXPECT_EQ(editor.state.selected_node, 1);
+  EXPECT_EQ(editor.state.selected_material, 1) << "its material is chosen with it";
+}
+
+TEST(Panels, VariantsAndToolsAreClicks) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 900.0f);
+  editor.facts.scene = &scene;
+  editor.facts.can_undo = true;
+  ASSERT_TRUE(editor.click("variant/touring"));
+  EXPECT_EQ(editor.state.edits.variant, 1);
+  ASSERT_TRUE(editor.click("dent"));
+  EXPECT_EQ(editor.state.tool, Tool::dent);
+  ASSERT_TRUE(editor.click("undo"));
+  EXPECT_TRUE(editor.actions.undo);
+  ASSERT_TRUE(editor.click("toggle/right"));
+  EXPECT_FALSE(editor.state.right_open);
+  EXPECT_FALSE(editor.frame.layout.right_shown);
+}
+
+TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 2000.0f);
+  editor.facts.scene = &scene;
+  editor.state.mode = "bandwidth";
+  editor.state.right_tab = 1;
+  editor.step(3);
+  int shown = 0;
+  for (const SettingDeclaration& declaration : setting_declarations()) {
+    const bool mine = declaration.name.starts_with("bandwidth.") || declaration.name.starts_with("shading.");
+    EXPECT_EQ(editor.frame.items.contains("setting/" + declaration.name), mine) << declaration.name;
+    shown += mine ? 1 : 0;
+  }
+  EXPECT_GE(shown, 4);
+}
+
+TEST(Panels, OneByOneAndHugeWindowsDoNoHarm) {
+  const Scene scene = small_scene();
+  for (const auto& [width, height] : {std::pair{1.0f, 1.0f}, {7680.0f, 4320.0f}, {300.0f, 200.0f}}) {
+    HeadlessEditor editor(width, height);
+    editor.facts.scene = &scene;
+    editor.step(3);
+    expect_windows_apart(editor);
+  }
+}
+
+}  // namespace
+}  // namespace maquette

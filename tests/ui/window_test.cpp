@@ -1,0 +1,194 @@
+// The real window on a screen of its own, driven by a real mouse and keyboard.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "scenes/scene.h"
+#include "tests/ui/desktop.h"
+#include "tests/ui/headless_editor.h"
+#include "viewer/session.h"
+
+namespace maquette {
+namespace {
+
+using test::Desktop;
+using test::difference;
+using test::HeadlessEditor;
+using test::ScreenPicture;
+
+constexpr float kWidth = 960.0f, kHeight = 440.0f;  // small: software draws it
+const char* const kSize = "960x440";
+constexpr double kPatience_s = 40.0;  // of a loaded machine; nothing waits so long on an idle one
+constexpr double kSettle_s = 8.0;     // a picture that is still noisy then is taken as it is
+constexpr double kSeen = 0.6;         // mean difference that a change of the picture at least makes
+
+/// Where the controls are: the same panels laid out here, with the same scene.
+class Controls {
+ public:
+  explicit Controls(const Scene& scene) : editor_(kWidth, kHeight) {
+    editor_.facts.scene = &scene;
+    editor_.facts.cameras = camera_names(scene);
+    editor_.facts.can_undo = true;
+  }
+  Rect item(const std::string& name) {
+    editor_.step(3);
+    return editor_.frame.items.at(name);
+  }
+  Rect picture() {
+    editor_.step();
+    return editor_.frame.layout.picture;
+  }
+  EditorState& state() { return editor_.state; }
+
+ private:
+  HeadlessEditor editor_;
+};
+
+Rect middle_of(const Rect& r) { return {r.x + 0.2f * r.width, r.y + 0.2f * r.height, 0.6f * r.width, 0.6f * r.height}; }
+
+class Window : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string missing = Desktop::missing_tools();
+    if (!missing.empty()) GTEST_SKIP() << missing;
+    desktop_ = std::make_unique<Desktop>(static_cast<int>(kWidth), static_cast<int>(kHeight));
+  }
+  void start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"view", "--size", kSize});
+    desktop_->start(arguments);
+  }
+  /// Waits until something is drawn in the rectangle, and for the first coarse moments to pass.
+  bool wait_for_picture(const Rect& rect) {
+    return desktop_->wait_until([&](const ScreenPicture& p) { return test::contrast(p, rect) > 8.0; }, kPatience_s);
+  }
+  bool wait_for_change(const ScreenPicture& before, const Rect& rect, double least = kSeen) {
+    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; },
+                                kPatience_s);
+  }
+  /// A picture that stays as it is for a second, but for what averaging still changes.
+  ScreenPicture settled(const Rect& rect) {
+    ScreenPicture last = desktop_->grab();
+    int still = 0;
+    desktop_->wait_until(
+        [&](const ScreenPicture& now) {
+          still = difference(last, now, rect) < 0.25 * kSeen ? still + 1 : 0;
+          last = now;
+          return still >= 3;
+        },
+        kSettle_s);
+    return last;
+  }
+  std::unique_ptr<Desktop> desktop_;
+};
+
+TEST_F(Window, MouseAndKeysChangeThePicture) {
+  const Scene scene = load_scene("builtin:cockpit");
+  Controls controls(scene);
+  const Rect picture = controls.picture(), middle = middle_of(picture);
+  start({"builtin:cockpit", "--camera", "door", "--samples", "4", "--set", "shading.visibility=none"});
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+
+  ScreenPicture before = settled(middle);
+  const float cx = picture.x + 0.5f * picture.width, cy = picture.y + 0.5f * picture.height;
+  desktop_->move(cx, cy);
+  desktop_->input({"click", "4", "click", "4", "click", "4"});
+  EXPECT_TRUE(wait_for_change(before, middle)) << "the wheel moves the camera";
+
+  before = settled(middle);
+  desktop_->input({"keydown", "ctrl", "mousedown", "1"});
+  desktop_->move(cx + 120.0f, cy);
+  desktop_->input({"mouseup", "1", "keyup", "ctrl"});
+  EXPECT_TRUE(wait_for_change(before, middle)) << "Ctrl and drag turn the light";
+  EXPECT_TRUE(wait_for_change(before, controls.item("rotation"), 0.2)) << "and the slider shows it";
+
+  before = settled(middle);
+  desktop_->move(cx, cy);
+  desktop_->input({"key", "d"});
+  desktop_->input({"mousedown", "1"});
+  desktop_->move(cx, cy + 60.0f);
+  desktop_->input({"mouseup", "1"});
+  EXPECT_TRUE(wait_for_change(before, middle)) << "the dent";
+  const ScreenPicture dented = settled(middle);
+  desktop_->input({"key", "ctrl+z"});
+  EXPECT_TRUE(desktop_->wait_until(
+      [&](const ScreenPicture& p) { return difference(before, p, middle) < 0.5 * difference(before, dented, middle); },
+      kPatience_s))
+      << "undo takes the dent back";
+  desktop_->input({"key", "d"});
+
+  desktop_->input({"key", "ctrl+q"});
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->errors(), "");
+}
+
+TEST_F(Window, APaintIsTwoClicks) {
+  const Scene scene = load_scene("builtin:sphere");
+  Controls controls(scene);
+  const Rect picture = controls.picture(), middle = middle_of(picture);
+  start({"builtin:sphere", "--samples", "4"});
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const ScreenPicture before = settled(middle);
+  desktop_->click(controls.item("material/" + scene.materials.front().name));
+  controls.state().selected_material = 0;
+  const std::string current = scene.materials.front().measured;
+  const std::string paint = "builtin:" + builtin_brdfs()[current.ends_with(builtin_brdfs()[1].name) ? 2 : 1].name;
+  ASSERT_TRUE(wait_for_change(before, controls.item("library/" + paint), 2.0)) << "the library opens";
+  desktop_->click(controls.item("library/" + paint));
+  EXPECT_TRUE(wait_for_change(before, middle)) << "the sphere takes the paint";
+  const ScreenPicture painted = settled(middle);
+  desktop_->click(controls.item("undo"));
+  EXPECT_TRUE(desktop_->wait_until(
+      [&](const ScreenPicture& p) { return difference(before, p, middle) < 0.5 * difference(before, painted, middle); },
+      kPatience_s))
+      << "undo takes it back";
+}
+
+TEST_F(Window, AnErrorIsShownAndThePictureStays) {
+  const Scene scene = load_scene("builtin:sphere");
+  Controls controls(scene);
+  const Rect picture = controls.picture(), middle = middle_of(picture);
+  start({"builtin:sphere", "--samples", "4"});
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const ScreenPicture before = settled(middle);
+  desktop_->input({"key", "o"});
+  desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, middle) > 0.2; }, 5.0);
+  desktop_->input({"type", "--delay", "80", "/nowhere/to/be/found.hdr"});
+  desktop_->input({"key", "Return"});
+  const Rect strip{picture.x, picture.y + picture.height - 34.0f, picture.width, 30.0f};
+  EXPECT_TRUE(
+      desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, strip) > 5.0; }, kPatience_s))
+      << "the error appears below the picture";
+  EXPECT_TRUE(desktop_->running());
+  const ScreenPicture after = settled(middle);
+  EXPECT_GT(test::contrast(after, middle), 0.5 * test::contrast(before, middle)) << "the last good picture stays";
+}
+
+TEST_F(Window, ClosesByItselfWithAScreenshot) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("maquette-screenshot-" + std::to_string(::getpid()) + ".png");
+  start({"builtin:sphere", "--samples", "2", "--frames", "2", "--screenshot", file.string()});
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_TRUE(std::filesystem::exists(file));
+  std::filesystem::remove(file);
+}
+
+TEST(WindowWithoutDisplay, NamesRender) {
+  const std::string command = std::string("env -u DISPLAY -u WAYLAND_DISPLAY ") + MAQUETTE_PROGRAM + " view 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  ASSERT_NE(pipe, nullptr);
+  std::string text;
+  char buffer[256];
+  while (std::fgets(buffer, sizeof(buffer), pipe)) text += buffer;
+  const int status = pclose(pipe);
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(text.find("maquette render"), std::string::npos) << text;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
+}
+
+}  // namespace
+}  // namespace maquette

@@ -1,0 +1,173 @@
+// The bars across the window: tools on top, figures at the bottom, unread messages above them.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+constexpr int kMaxStripLines = 3;
+
+bool toggle_button(const char* label, bool on) {
+  if (on) {
+    ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(kAccent.x * 0.75f, kAccent.y * 0.75f, kAccent.z * 0.75f, 1.0f));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kAccent);
+  }
+  const bool clicked = ImGui::Button(label);
+  if (on) ImGui::PopStyleColor(2);
+  return clicked;
+}
+
+std::string scene_title(const EditorFacts& facts) {
+  if (!facts.scene) return "no scene";
+  const std::string& name = facts.scene->name;
+  if (name.starts_with("builtin:")) return name.substr(8);
+  return std::filesystem::path(name).filename().string();
+}
+
+void draw_open_popup(Ui& ui) {
+  if (ui.state.open_path_popup) ImGui::OpenPopup("open path");
+  ui.state.open_path_popup = false;
+  if (!ImGui::BeginPopup("open path")) return;
+  ImGui::TextUnformatted("Path of a scene, an environment or a measured material");
+  dim_text(".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)");
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(scaled(460.0f));
+  const bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
+                                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  ImGui::SameLine();
+  if ((ImGui::Button("Open") || entered) && ui.state.path[0] != 0) {
+    ui.actions.open_path = ui.state.path.data();
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
+}
+
+void draw_camera_combo(Ui& ui) {
+  ImGui::SetNextItemWidth(scaled(118.0f));
+  if (!ImGui::BeginCombo("##camera", "Cameras")) {
+    tooltip("Scene cameras, also on the keys 1 to 9");
+    return;
+  }
+  if (ui.facts.cameras.empty()) dim_text("the scene has none");
+  for (std::size_t i = 0; i < ui.facts.cameras.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    const std::string key = i < 9 ? std::to_string(i + 1) + "   " : "    ";
+    if (ImGui::Selectable((key + ui.facts.cameras[i]).c_str())) ui.actions.go_to_camera = static_cast<int>(i);
+    ImGui::PopID();
+  }
+  ImGui::EndCombo();
+}
+
+}  // namespace
+
+void draw_toolbar(Ui& ui) {
+  EditorState& state = ui.state;
+  if (ImGui::Button(state.left_open ? glyph("\u25c2", "<") : glyph("\u25b8", ">"), {ImGui::GetFrameHeight(), 0.0f}))
+    state.left_open = !state.left_open;
+  mark_item(ui, "toggle/left");
+  tooltip("Materials, scene and help (Tab hides both sides)");
+  ImGui::SameLine();
+  ImGui::TextColored(kAccent, "Maquette");
+  ImGui::SameLine();
+  ImGui::TextColored(kDim, "%s", elide(scene_title(ui.facts), scaled(190.0f)).c_str());
+  if (ui.facts.scene) tooltip(ui.facts.scene->name);
+  ImGui::SameLine(scaled(296.0f) + ImGui::GetStyle().WindowPadding.x);
+  if (ImGui::Button("Open...")) state.open_path_popup = true;
+  mark_item(ui, "open");
+  tooltip("A scene, an environment or a measured material (O)");
+  draw_open_popup(ui);
+  ImGui::SameLine();
+  draw_camera_combo(ui);
+  ImGui::SameLine();
+  if (ImGui::Button("Frame")) ui.actions.frame_scene = true;
+  mark_item(ui, "frame");
+  tooltip("Shows the whole scene (F)");
+  ImGui::SameLine();
+  if (toggle_button("Dent", state.tool == Tool::dent))
+    state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
+  mark_item(ui, "dent");
+  tooltip("Press the mouse on a subdivision surface, such as the door, and drag down to push deeper (D)");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!ui.facts.can_undo);
+  if (ImGui::Button("Undo")) ui.actions.undo = true;
+  mark_item(ui, "undo");
+  ImGui::EndDisabled();
+  tooltip("Takes back dents, materials, light, variant and visibility (Ctrl+Z)");
+  const float right = ImGui::GetWindowWidth() - ImGui::GetStyle().WindowPadding.x - ImGui::GetFrameHeight();
+  ImGui::SameLine(right);
+  if (ImGui::Button(state.right_open ? glyph("\u25b8", ">") : glyph("\u25c2", "<"), {ImGui::GetFrameHeight(), 0.0f}))
+    state.right_open = !state.right_open;
+  mark_item(ui, "toggle/right");
+  tooltip("Look, rendering and frame (Tab hides both sides)");
+}
+
+void draw_status(Ui& ui) {
+  char text[256];
+  const EditorFacts& facts = ui.facts;
+  if (facts.stats) {
+    const FrameStats& stats = *facts.stats;
+    std::snprintf(text, sizeof(text), "%s    %d x %d    %.1f ms    %s %d frame%s", ui.state.mode.c_str(),
+                  facts.picture_px.x, facts.picture_px.y, stats.frame_ms, facts.converged ? "converged," : "average of",
+                  stats.accumulated_frames, stats.accumulated_frames == 1 ? "" : "s");
+    ImGui::TextUnformatted(text);
+    ImGui::SameLine(0.0f, scaled(28.0f));
+  }
+  if (!facts.loading.empty()) {
+    ImGui::TextColored(kWarning, "reading %s ...", elide(facts.loading, scaled(300.0f)).c_str());
+    ImGui::SameLine(0.0f, scaled(20.0f));
+  }
+  for (const BackgroundWork& work : facts.background) {
+    ImGui::TextColored(kWarning, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
+    ImGui::SameLine(0.0f, scaled(20.0f));
+  }
+  const std::string hint = ui.state.tool == Tool::dent ? "Dent: press on a surface and drag; D leaves"
+                           : facts.loading.empty() && facts.background.empty() ? facts.device
+                                                                               : std::string();
+  const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x;
+  const std::string shown = elide(hint, room);
+  const float width = ImGui::CalcTextSize(shown.c_str()).x;
+  ImGui::SameLine(ImGui::GetWindowWidth() - width - ImGui::GetStyle().WindowPadding.x);
+  ImGui::TextColored(kDim, "%s", shown.c_str());
+}
+
+namespace {
+
+const Message* last_unread(const EditorFacts& facts) {
+  if (!facts.messages) return nullptr;
+  for (auto it = facts.messages->rbegin(); it != facts.messages->rend(); ++it)
+    if (it->unread && it->level != MessageLevel::note) return &*it;
+  return nullptr;
+}
+
+}  // namespace
+
+float strip_height(const EditorFacts& facts, float width) {
+  const Message* message = last_unread(facts);
+  if (!message) return 0.0f;
+  const float line = ImGui::GetTextLineHeight();
+  const float wrap = std::max(width - scaled(110.0f), scaled(80.0f));
+  const float text = ImGui::CalcTextSize(message->text.c_str(), nullptr, false, wrap).y;
+  return std::min(text, kMaxStripLines * line) + scaled(18.0f);
+}
+
+void draw_strip(Ui& ui) {
+  const Message* message = last_unread(ui.facts);
+  if (!message) return;
+  const float wrap = std::max(ImGui::GetWindowWidth() - scaled(110.0f), scaled(80.0f));
+  ImGui::PushStyleColor(ImGuiCol_Text, message->level == MessageLevel::error ? kError : kWarning);
+  ImGui::SetCursorPosY(scaled(9.0f));
+  ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
+  ImGui::TextUnformatted(message->text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::PopStyleColor();
+  tooltip(message->text);
+  ImGui::SetCursorPos({ImGui::GetWindowWidth() - scaled(82.0f), scaled(7.0f)});
+  if (ImGui::SmallButton("Dismiss")) ui.actions.dismiss_messages = true;
+  mark_item(ui, "dismiss");
+}
+
+}  // namespace maquette::panels

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "render/settings.h"
+#include "scenes/scene.h"
+
+/// What the window edits and shows, as plain values: panels read and change them, viewer/ carries them out.
+namespace maquette {
+
+/// What undo restores.
+struct Edits {
+  std::string environment = "builtin:clear-sky";
+  float env_rotation_deg = 0.0f;
+  float env_scale = 1.0f;
+  int variant = -1;
+  std::map<std::string, std::string> materials;  ///< material name -> source; absent: as in the file
+  /// Control points of the dented meshes' cages, by mesh.
+  std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
+  std::set<int> hidden_nodes;
+  bool operator==(const Edits&) const = default;
+};
+
+enum class Tool { camera, dent };
+
+/// Everything the panels change.
+struct EditorState {
+  Edits edits;
+  CameraView camera;
+  std::string mode = "bandwidth";
+  Settings settings;
+  int msaa = 1;
+  float exposure_ev = 0.0f;
+  std::string tonemap = "pbr-neutral";
+  std::string debug_view;     ///< empty: the picture
+  float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
+  float moving_scale = 0.0f;  ///< and while something does; 0: what keeps it fluid
+  Tool tool = Tool::camera;
+  float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
+  float dent_radius_m = 0.2f;
+  float fly_speed = 0.25f;  ///< scene radii a second
+
+  int selected_node = -1;
+  int selected_material = -1;
+  int reveal_node = -1;  ///< the tree opens and scrolls there once
+  bool reveal_material = false;
+  bool left_open = true;
+  bool right_open = true;
+  int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help
+  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame
+  bool open_path_popup = false;
+  std::array<char, 256> material_search{};
+  std::array<char, 256> node_search{};
+  std::array<char, 1024> path{};
+};
+
+enum class MessageLevel { note, warning, error };
+struct Message {
+  MessageLevel level = MessageLevel::note;
+  std::string text;
+  bool unread = true;  ///< shown in the strip below the picture until dismissed
+};
+
+/// Read-only news from the renderer and the session.
+struct EditorFacts {
+  const Scene* scene = nullptr;
+  const FrameStats* stats = nullptr;  ///< of the last frame, nullptr before the first
+  std::vector<std::string> cameras;   ///< bookmarks, in order of the keys 1 to 9
+  std::vector<BackgroundWork> background;
+  std::string loading;  ///< what is read at this moment; empty: nothing
+  std::string device;
+  std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones
+  std::vector<std::string> brdf_files;
+  const std::vector<Message>* messages = nullptr;
+  const std::map<std::string, unsigned>* swatches = nullptr;  ///< texture of each library BRDF's ball, where ready
+  std::vector<float> frame_history_ms;                        ///< oldest first
+  std::vector<PassTime> smooth_passes;
+  glm::ivec2 picture_px{0};
+  float suggested_exposure_ev = 0.0f;
+  bool can_undo = false;
+  bool converged = false;  ///< the accumulation limit is reached
+};
+
+/// What the panels ask to be done once.
+struct EditorActions {
+  std::string open_path;  ///< scene, environment or BRDF, by its extension
+  int go_to_camera = -1;
+  bool frame_scene = false;
+  bool undo = false;
+  bool dismiss_messages = false;
+};
+
+}  // namespace maquette

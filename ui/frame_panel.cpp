@@ -1,0 +1,135 @@
+// What the frame cost, what it was made of and why, and what happened so far.
+#include <algorithm>
+#include <cstdio>
+
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+std::string thousands(std::size_t value) {
+  std::string text = std::to_string(value);
+  for (int i = static_cast<int>(text.size()) - 3; i > 0; i -= 3) text.insert(static_cast<std::size_t>(i), " ");
+  return text;
+}
+
+std::string byte_text(std::size_t bytes) {
+  char text[32];
+  const double mib = static_cast<double>(bytes) / 1048576.0;
+  std::snprintf(text, sizeof(text), mib < 10.0 ? "%.1f MiB" : "%.0f MiB", mib);
+  return text;
+}
+
+void value_row(const char* label, const std::string& value) {
+  ImGui::TextColored(kDim, "%s", label);
+  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(value.c_str()).x);
+  ImGui::TextUnformatted(value.c_str());
+}
+
+void bar_row(const std::string& label, double value, double whole, const char* text) {
+  const float width = ImGui::GetContentRegionAvail().x;
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float height = ImGui::GetTextLineHeight() + scaled(4.0f);
+  const float fraction = whole > 0.0 ? static_cast<float>(std::clamp(value / whole, 0.0, 1.0)) : 0.0f;
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), scaled(3.0f));
+  if (fraction > 0.004f)
+    list->AddRectFilled(at, {at.x + width * fraction, at.y + height},
+                        ImGui::ColorConvertFloat4ToU32({kAccent.x, kAccent.y, kAccent.z, 0.45f}), scaled(3.0f));
+  const float text_y = at.y + scaled(2.0f);
+  list->AddText({at.x + scaled(6.0f), text_y}, ImGui::GetColorU32(ImGuiCol_Text), label.c_str());
+  list->AddText({at.x + width - ImGui::CalcTextSize(text).x - scaled(6.0f), text_y}, ImGui::GetColorU32(ImGuiCol_Text),
+                text);
+  ImGui::Dummy({width, height - ImGui::GetStyle().ItemSpacing.y + scaled(3.0f)});
+}
+
+void draw_timings(Ui& ui) {
+  const FrameStats& stats = *ui.facts.stats;
+  const std::vector<float>& history = ui.facts.frame_history_ms;
+  char text[64];
+  if (!history.empty()) {
+    const float peak = *std::max_element(history.begin(), history.end());
+    std::snprintf(text, sizeof(text), "%.1f ms, %.1f frames/s", stats.frame_ms,
+                  1000.0 / std::max(stats.frame_ms, 1e-3));
+    ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, text, 0.0f, 1.25f * peak,
+                     {ImGui::GetContentRegionAvail().x, scaled(64.0f)});
+  }
+  double total = 0.0;
+  for (const PassTime& pass : ui.facts.smooth_passes) total += pass.ms;
+  for (const PassTime& pass : ui.facts.smooth_passes) {
+    std::snprintf(text, sizeof(text), "%.2f ms", pass.ms);
+    bar_row(pass.name, pass.ms, total, text);
+  }
+  ImGui::Spacing();
+  value_row("Visible pixels", thousands(stats.visible_pixels));
+  std::string shaded = thousands(stats.shaded_pixels);
+  if (stats.visible_pixels > 0) {
+    std::snprintf(text, sizeof(text), "  (%.1f %%)",
+                  100.0 * static_cast<double>(stats.shaded_pixels) / static_cast<double>(stats.visible_pixels));
+    shaded += text;
+  }
+  value_row("Shaded pixels", shaded);
+  value_row("Shading samples", thousands(stats.shading_samples));
+  value_row("Frames averaged", std::to_string(stats.accumulated_frames));
+  for (const auto& [name, value] : stats.technique) {
+    std::snprintf(text, sizeof(text), "%g", value);
+    value_row(name.c_str(), text);
+  }
+}
+
+void draw_plan(const FramePlan& plan) {
+  for (const PlannedPass& pass : plan.passes) {
+    ImGui::TextColored(kAccent, "%s", glyph("\u25b8", ">"));
+    ImGui::SameLine(0.0f, scaled(5.0f));
+    ImGui::TextUnformatted(pass.name.c_str());
+    ImGui::Indent();
+    dim_text(pass.reason);
+    ImGui::Unindent();
+  }
+  if (plan.left_out.empty()) return;
+  ImGui::Spacing();
+  ImGui::TextUnformatted("Left out");
+  ImGui::Separator();
+  for (const LeftOut& left : plan.left_out) {
+    ImGui::TextUnformatted(left.what.c_str());
+    ImGui::Indent();
+    dim_text(left.why);
+    ImGui::Unindent();
+  }
+}
+
+void draw_messages(Ui& ui) {
+  if (!ui.facts.messages || ui.facts.messages->empty()) {
+    dim_text("Nothing so far.");
+    return;
+  }
+  for (auto it = ui.facts.messages->rbegin(); it != ui.facts.messages->rend(); ++it) {
+    const ImVec4 color = it->level == MessageLevel::error     ? kError
+                         : it->level == MessageLevel::warning ? kWarning
+                                                              : kDim;
+    ImGui::PushStyleColor(ImGuiCol_Text, color);
+    ImGui::TextWrapped("%s", it->text.c_str());
+    ImGui::PopStyleColor();
+  }
+}
+
+}  // namespace
+
+void draw_frame_panel(Ui& ui) {
+  if (ui.facts.stats) {
+    if (section("Timings")) draw_timings(ui);
+    if (section("Plan")) draw_plan(ui.facts.stats->plan);
+    if (section("Memory", false)) {
+      std::size_t total = 0;
+      for (const auto& [name, bytes] : ui.facts.stats->gpu_bytes) {
+        value_row(name.c_str(), byte_text(bytes));
+        total += bytes;
+      }
+      value_row("Sum", byte_text(total));
+    }
+  }
+  if (section("Messages")) draw_messages(ui);
+}
+
+}  // namespace maquette::panels

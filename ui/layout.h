@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace maquette {
+
+/// In ImGui units (window coordinates), y down.
+struct Rect {
+  float x = 0.0f, y = 0.0f, width = 0.0f, height = 0.0f;
+  bool empty() const { return width <= 0.0f || height <= 0.0f; }
+  bool contains(float px, float py) const { return px >= x && py >= y && px < x + width && py < y + height; }
+};
+bool overlap(const Rect& a, const Rect& b);
+
+/// Where the parts of the window are: fixed, side by side, nothing over anything else.
+struct Layout {
+  Rect toolbar, left, right, strip, status, picture;
+  bool left_shown = false, right_shown = false;
+  std::vector<std::pair<std::string, Rect>> parts() const;
+};
+
+struct LayoutRequest {
+  float width = 1280.0f, height = 720.0f;
+  float scale = 1.0f;  ///< of the font, with the display's content scale
+  bool left_open = true, right_open = true;
+  float strip_height = 0.0f;  ///< of unread messages, 0: none
+};
+/// The sides give way (right first) when the picture would get narrower than a third of the window. The picture is at
+/// least 1 x 1.
+Layout compute_layout(const LayoutRequest& request);
+
+}  // namespace maquette

@@ -1,0 +1,88 @@
+// Shading mode, its settings as declared, resolution and debug views.
+#include "render/registry.h"
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+const char* const kScaleNames[] = {"25 %", "50 %", "100 %", "automatic"};
+constexpr float kScales[] = {0.25f, 0.5f, 1.0f, 0.0f};
+
+void scale_combo(const char* id, float* scale, int count) {
+  int index = 2;
+  for (int i = 0; i < count; ++i)
+    if (*scale == kScales[i]) index = i;
+  if (ImGui::Combo(id, &index, kScaleNames, count)) *scale = kScales[index];
+}
+
+void draw_mode(Ui& ui) {
+  row_label("Mode");
+  if (ImGui::BeginCombo("##mode", ui.state.mode.c_str())) {
+    for (const TechniqueInfo& technique : techniques()) {
+      if (technique.kind != TechniqueKind::mode) continue;
+      if (ImGui::Selectable(technique.name.c_str(), technique.name == ui.state.mode)) ui.state.mode = technique.name;
+      mark_item(ui, "mode/" + technique.name);
+      tooltip(technique.help);
+    }
+    ImGui::EndCombo();
+  } else {
+    mark_item(ui, "mode");
+  }
+  for (const TechniqueInfo& technique : techniques())
+    if (technique.name == ui.state.mode) dim_text(technique.help);
+}
+
+void draw_settings(Ui& ui) {
+  bool any = false;
+  for (const TechniqueInfo& technique : techniques()) {
+    const bool mine = technique.kind == TechniqueKind::shared ||
+                      (technique.kind == TechniqueKind::mode && technique.name == ui.state.mode);
+    if (!mine) continue;
+    for (const SettingDeclaration& declaration : technique.settings) {
+      setting_row(ui, declaration);
+      any = true;
+    }
+  }
+  if (!any) dim_text("This mode has no settings.");
+  if (ui.state.settings.changed().empty()) return;
+  if (ImGui::Button("Reset all")) ui.state.settings = Settings();
+  mark_item(ui, "reset all");
+}
+
+void draw_resolution(Ui& ui) {
+  row_label("Still", "Picture pixels a window pixel when nothing moves");
+  scale_combo("##still", &ui.state.still_scale, 3);
+  row_label("Moving", "And while the camera, the light or a surface moves");
+  scale_combo("##moving", &ui.state.moving_scale, 4);
+  row_label("Antialiasing", "Samples a pixel; shading is shared where it varies little");
+  constexpr int kCounts[] = {1, 4, 16};
+  static const char* const kNames[] = {"off", "4 samples", "16 samples"};
+  int index = ui.state.msaa >= 16 ? 2 : ui.state.msaa >= 4 ? 1 : 0;
+  if (ImGui::Combo("##msaa", &index, kNames, 3)) ui.state.msaa = kCounts[index];
+  mark_item(ui, "msaa");
+}
+
+void draw_debug_views(Ui& ui) {
+  row_label("View", "An intermediate of the frame instead of the picture");
+  const std::string shown = ui.state.debug_view.empty() ? "picture" : ui.state.debug_view;
+  if (ImGui::BeginCombo("##view", shown.c_str(), ImGuiComboFlags_HeightLarge)) {
+    if (ImGui::Selectable("picture", ui.state.debug_view.empty())) ui.state.debug_view.clear();
+    for (const std::string& name : Renderer::debug_view_names())
+      if (ImGui::Selectable(name.c_str(), name == ui.state.debug_view)) ui.state.debug_view = name;
+    ImGui::EndCombo();
+  }
+  mark_item(ui, "view");
+  if (!ui.state.debug_view.empty() && ImGui::Button("Back to the picture")) ui.state.debug_view.clear();
+}
+
+}  // namespace
+
+void draw_render_panel(Ui& ui) {
+  if (section("Shading mode")) draw_mode(ui);
+  if (section("Settings")) draw_settings(ui);
+  if (section("Resolution")) draw_resolution(ui);
+  if (section("Debug view")) draw_debug_views(ui);
+}
+
+}  // namespace maquette::panels

@@ -1,0 +1,124 @@
+// The node tree with search, visibility and selection.
+#include <vector>
+
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+const char* kind_of(const Scene& scene, const Node& node) {
+  if (node.mesh >= 0) return scene.meshes[static_cast<std::size_t>(node.mesh)].cage ? "subdivision" : "mesh";
+  if (node.patch >= 0) return "patch";
+  if (node.camera >= 0) return "camera";
+  if (node.light >= 0) return "light";
+  return "";
+}
+
+void select_node(Ui& ui, int index) {
+  ui.state.selected_node = index;
+  const Node& node = ui.facts.scene->nodes[static_cast<std::size_t>(index)];
+  if (node.mesh < 0) return;
+  const Mesh& mesh = ui.facts.scene->meshes[static_cast<std::size_t>(node.mesh)];
+  if (mesh.primitives.empty()) return;
+  const int material = material_of(mesh.primitives.front(), ui.state.edits.variant);
+  if (material >= 0) ui.state.selected_material = material;
+}
+
+void visibility_box(Ui& ui, int index) {
+  bool shown = !ui.state.edits.hidden_nodes.contains(index);
+  ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {scaled(1.0f), scaled(1.0f)});
+  if (ImGui::Checkbox("##visible", &shown)) {
+    if (shown)
+      ui.state.edits.hidden_nodes.erase(index);
+    else
+      ui.state.edits.hidden_nodes.insert(index);
+  }
+  ImGui::PopStyleVar();
+  tooltip("Shown, with everything below it");
+  mark_item(ui, "visible/" + ui.facts.scene->nodes[static_cast<std::size_t>(index)].name);
+}
+
+/// One line; true when its children are to be drawn.
+bool draw_line(Ui& ui, int index, bool leaf, bool open) {
+  const Scene& scene = *ui.facts.scene;
+  const Node& node = scene.nodes[static_cast<std::size_t>(index)];
+  visibility_box(ui, index);
+  ImGui::SameLine(0.0f, scaled(4.0f));
+  ImGuiTreeNodeFlags flags = ImGuiTreeNodeFlags_OpenOnArrow | ImGuiTreeNodeFlags_OpenOnDoubleClick |
+                             ImGuiTreeNodeFlags_SpanAvailWidth | (open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  if (leaf) flags |= ImGuiTreeNodeFlags_Leaf | ImGuiTreeNodeFlags_NoTreePushOnOpen;
+  if (ui.state.selected_node == index) flags |= ImGuiTreeNodeFlags_Selected;
+  const char* kind = kind_of(scene, node);
+  const bool expanded = ImGui::TreeNodeEx("##node", flags, "%s", node.name.empty() ? "(no name)" : node.name.c_str());
+  if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) select_node(ui, index);
+  mark_item(ui, "node/" + node.name);
+  if (*kind) tooltip(node.name + "\n" + kind);
+  return expanded && !leaf;
+}
+
+bool is_ancestor(const Scene& scene, int ancestor, int node) {
+  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
+    if (i == ancestor) return true;
+    i = scene.nodes[static_cast<std::size_t>(i)].parent;
+  }
+  return false;
+}
+
+void draw_tree(Ui& ui, int index, int depth) {
+  const Scene& scene = *ui.facts.scene;
+  const Node& node = scene.nodes[static_cast<std::size_t>(index)];
+  ImGui::PushID(index);
+  const int reveal = ui.state.reveal_node;
+  if (reveal >= 0 && reveal != index && is_ancestor(scene, index, reveal)) ImGui::SetNextItemOpen(true);
+  const bool expanded = draw_line(ui, index, node.children.empty(), depth == 0 && scene.roots.size() == 1);
+  if (reveal == index) {
+    ImGui::SetScrollHereY();
+    ui.state.reveal_node = -1;
+  }
+  if (expanded) {
+    for (const int child : node.children) draw_tree(ui, child, depth + 1);
+    ImGui::TreePop();
+  }
+  ImGui::PopID();
+}
+
+void draw_matches(Ui& ui) {
+  const Scene& scene = *ui.facts.scene;
+  bool any = false;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (!contains(scene.nodes[i].name, ui.state.node_search.data())) continue;
+    any = true;
+    ImGui::PushID(static_cast<int>(i));
+    draw_line(ui, static_cast<int>(i), true, false);
+    ImGui::PopID();
+  }
+  if (!any) dim_text("No node has this in its name.");
+}
+
+}  // namespace
+
+void draw_scene_panel(Ui& ui) {
+  if (!ui.facts.scene) return;
+  const Scene& scene = *ui.facts.scene;
+  const bool searching =
+      search_box("##search", "Search nodes", ui.state.node_search.data(), ui.state.node_search.size());
+  const float foot = ImGui::GetTextLineHeightWithSpacing();
+  if (ImGui::BeginChild("tree", {0.0f, ImGui::GetContentRegionAvail().y - foot - scaled(4.0f)})) {
+    if (searching) {
+      draw_matches(ui);
+    } else {
+      for (const int root : scene.roots) draw_tree(ui, root, 0);
+    }
+  }
+  ImGui::EndChild();
+  const std::size_t hidden = ui.state.edits.hidden_nodes.size();
+  dim_text(std::to_string(scene.nodes.size()) + " nodes" +
+           (hidden > 0 ? ", " + std::to_string(hidden) + " hidden" : std::string()));
+  if (hidden > 0) {
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Show all")) ui.state.edits.hidden_nodes.clear();
+  }
+}
+
+}  // namespace maquette::panels

@@ -1,0 +1,180 @@
+#include "ui/widgets.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+
+#include "scenes/error.h"
+
+namespace maquette::panels {
+
+const ImVec4 kDim{0.55f, 0.55f, 0.57f, 1.0f};
+const ImVec4 kAccent{0.30f, 0.58f, 0.80f, 1.0f};
+const ImVec4 kWarning{0.90f, 0.71f, 0.36f, 1.0f};
+const ImVec4 kError{0.93f, 0.45f, 0.42f, 1.0f};
+
+namespace {
+constexpr float kThemeFontSize = 15.0f;
+constexpr float kLabelWidth = 104.0f;
+
+std::string pretty(std::string name) {
+  if (const std::size_t dot = name.find('.'); dot != std::string::npos) name.erase(0, dot + 1);
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (!name.empty()) name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
+  return name;
+}
+
+std::string full_help(const SettingDeclaration& declaration) {
+  std::string text = declaration.name + "\n" + declaration.help + "\nDefault " + to_text(declaration.default_value);
+  if (!declaration.unit.empty()) text += " " + declaration.unit;
+  if (declaration.min != declaration.max)
+    text += ", from " + to_text(declaration.min) + " to " + to_text(declaration.max);
+  return text;
+}
+
+/// The control of one setting; true and the new value when it changed.
+bool setting_control(const SettingDeclaration& declaration, SettingValue* value) {
+  const bool wide = declaration.min > 0.0 && declaration.max / declaration.min > 50.0;
+  const ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (wide ? ImGuiSliderFlags_Logarithmic : 0);
+  const bool bounded = declaration.min != declaration.max;
+  if (bool* flag = std::get_if<bool>(value)) return ImGui::Checkbox("##value", flag);
+  if (int* number = std::get_if<int>(value)) {
+    if (!bounded) return ImGui::DragInt("##value", number);
+    return ImGui::SliderInt("##value", number, static_cast<int>(declaration.min), static_cast<int>(declaration.max),
+                            "%d", flags);
+  }
+  if (double* number = std::get_if<double>(value)) {
+    auto real = static_cast<float>(*number);
+    const bool changed = bounded ? ImGui::SliderFloat("##value", &real, static_cast<float>(declaration.min),
+                                                      static_cast<float>(declaration.max), "%.3g", flags)
+                                 : ImGui::DragFloat("##value", &real, 0.01f);
+    if (changed) *number = static_cast<double>(real);
+    return changed;
+  }
+  auto& text = std::get<std::string>(*value);
+  if (!declaration.choices.empty()) return combo("##value", &text, declaration.choices);
+  char buffer[1024];
+  std::snprintf(buffer, sizeof(buffer), "%s", text.c_str());
+  if (!ImGui::InputText("##value", buffer, sizeof(buffer), ImGuiInputTextFlags_EnterReturnsTrue)) return false;
+  text = buffer;
+  return true;
+}
+
+}  // namespace
+
+float scaled(float units) { return std::round(units * ImGui::GetFontSize() / kThemeFontSize); }
+
+void mark_item(Ui& ui, const std::string& name) {
+  const ImVec2 a = ImGui::GetItemRectMin(), b = ImGui::GetItemRectMax();
+  ui.frame.items[name] = {a.x, a.y, b.x - a.x, b.y - a.y};
+}
+
+void tooltip(const std::string& text) {
+  if (text.empty() || !ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(scaled(340.0f));
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+void row_label(const char* label, const std::string& help) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored({0.72f, 0.72f, 0.74f, 1.0f}, "%s", label);
+  tooltip(help);
+  ImGui::SameLine(scaled(kLabelWidth) + ImGui::GetStyle().WindowPadding.x);
+  ImGui::SetNextItemWidth(-FLT_MIN);
+}
+
+bool section(const char* title, bool open) {
+  ImGui::PushStyleColor(ImGuiCol_Header, ImVec4(0.175f, 0.175f, 0.182f, 1.0f));
+  ImGui::PushStyleColor(ImGuiCol_HeaderActive, ImVec4(0.25f, 0.25f, 0.256f, 1.0f));
+  const bool shown = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
+  ImGui::PopStyleColor(2);
+  return shown;
+}
+
+void dim_text(const std::string& text) {
+  ImGui::PushStyleColor(ImGuiCol_Text, kDim);
+  ImGui::TextWrapped("%s", text.c_str());
+  ImGui::PopStyleColor();
+}
+
+const char* glyph(const char* icon, const char* text) {
+  // Two- and three-byte UTF-8 is all that the icons use.
+  const auto* u = reinterpret_cast<const unsigned char*>(icon);
+  const unsigned code = u[0] < 0x80   ? u[0]
+                        : u[0] < 0xe0 ? (u[0] & 31u) << 6 | (u[1] & 63u)
+                                      : (u[0] & 15u) << 12 | (u[1] & 63u) << 6 | (u[2] & 63u);
+  return ImGui::GetFont()->FindGlyphNoFallback(static_cast<ImWchar>(code)) ? icon : text;
+}
+
+std::string elide(const std::string& text, float width) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  std::size_t low = 0, high = text.size();
+  while (low < high) {
+    const std::size_t middle = (low + high + 1) / 2;
+    if (ImGui::CalcTextSize((text.substr(0, middle) + "...").c_str()).x <= width)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  while (low > 0 && (static_cast<unsigned char>(text[low]) & 0xc0u) == 0x80u) --low;  // not inside a UTF-8 letter
+  return text.substr(0, low) + "...";
+}
+
+bool search_box(const char* id, const char* hint, char* text, std::size_t size) {
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  ImGui::InputTextWithHint(id, hint, text, size);
+  return text[0] != 0;
+}
+
+bool contains(const std::string& text, const char* part) {
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  return std::search(text.begin(), text.end(), part, part + std::strlen(part), same) != text.end() || *part == 0;
+}
+
+bool combo(const char* id, std::string* value, const std::vector<std::string>& names) {
+  bool changed = false;
+  if (!ImGui::BeginCombo(id, value->c_str())) return false;
+  for (const std::string& name : names) {
+    const bool selected = name == *value;
+    if (ImGui::Selectable(name.c_str(), selected) && !selected) {
+      *value = name;
+      changed = true;
+    }
+    if (selected) ImGui::SetItemDefaultFocus();
+  }
+  ImGui::EndCombo();
+  return changed;
+}
+
+void setting_row(Ui& ui, const SettingDeclaration& declaration) {
+  ImGui::PushID(declaration.name.c_str());
+  const std::string label = pretty(declaration.name);
+  row_label(elide(label, scaled(kLabelWidth - 6.0f)).c_str(), full_help(declaration));
+  const bool changed = ui.state.settings.changed().contains(declaration.name);
+  const float reset_width = ImGui::GetFrameHeight() + ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::SetNextItemWidth(-reset_width);
+  SettingValue value = ui.state.settings.get(declaration.name);
+  if (setting_control(declaration, &value)) {
+    try {
+      ui.state.settings.set(declaration.name, value);
+    } catch (const Error&) {
+      // The control held a value out of range for a moment: the last good one stays.
+    }
+  }
+  tooltip(full_help(declaration));
+  mark_item(ui, "setting/" + declaration.name);
+  if (changed) {
+    ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
+    if (ImGui::Button(glyph("\u21ba", "x"), {ImGui::GetFrameHeight(), 0.0f})) ui.state.settings.reset(declaration.name);
+    tooltip("Back to the default, " + to_text(declaration.default_value));
+  }
+  ImGui::PopID();
+}
+
+}  // namespace maquette::panels

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+#include "ui/editor.h"
+
+/// Pieces that the panels share. Internal to ui/.
+namespace maquette::panels {
+
+/// What every panel gets.
+struct Ui {
+  EditorState& state;
+  const EditorFacts& facts;
+  EditorActions& actions;
+  EditorFrame& frame;
+};
+
+/// Length in units of the theme's scale (1 at 96 dpi).
+float scaled(float units);
+extern const ImVec4 kDim, kAccent, kWarning, kError;
+
+/// Remembers the rectangle of the last item under a name.
+void mark_item(Ui& ui, const std::string& name);
+/// Explains the last item when the mouse rests on it.
+void tooltip(const std::string& text);
+/// "Name ......" on the left; the next control fills the rest of the row.
+void row_label(const char* label, const std::string& help = {});
+/// Small grey caps-free heading with a rule; true when open.
+bool section(const char* title, bool open = true);
+void dim_text(const std::string& text);
+/// `icon` where the font has it, else `text`.
+const char* glyph(const char* icon, const char* text);
+/// Text cut to `width` with an ellipsis.
+std::string elide(const std::string& text, float width);
+/// Search field over the whole width; true when it has text.
+bool search_box(const char* id, const char* hint, char* text, std::size_t size);
+/// Case-insensitive.
+bool contains(const std::string& text, const char* part);
+/// Combo over names; true when `value` changed.
+bool combo(const char* id, std::string* value, const std::vector<std::string>& names);
+/// Slider, combo or box made from the declaration, with its unit, help and a reset button where it was changed.
+void setting_row(Ui& ui, const SettingDeclaration& declaration);
+
+void draw_toolbar(Ui& ui);
+void draw_status(Ui& ui);
+void draw_strip(Ui& ui);
+float strip_height(const EditorFacts& facts, float width);
+void draw_materials_panel(Ui& ui);
+void draw_scene_panel(Ui& ui);
+void draw_help_panel(Ui& ui);
+void draw_look_panel(Ui& ui);
+void draw_render_panel(Ui& ui);
+void draw_frame_panel(Ui& ui);
+
+}  // namespace maquette::panels

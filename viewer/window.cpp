@@ -1,0 +1,425 @@
+#include "viewer/window.h"
+
+#include <epoxy/gl.h>
+// epoxy before GLFW
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/gl/context.h"
+#include "scenes/error.h"
+#include "scenes/image_io.h"
+#include "ui/editor.h"
+#include "viewer/swatches.h"
+#include "viewer/window_input.h"
+#include "viewer/window_picture.h"
+#include "viewer/window_session.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr double kPollWait_s = 1.0 / 60.0;
+constexpr double kRestWait_s = 0.1;
+constexpr double kBusyMouse_s = 0.15;  // the picture waits so long for a mouse that moves over panels
+
+std::string glfw_fault() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text ? text : "no reason given";
+}
+
+struct KeyEvent {
+  int key = 0;
+  bool ctrl = false;
+};
+
+/// What the callbacks collect between two frames.
+struct Inbox {
+  std::vector<PointerEvent> pointer;
+  std::vector<KeyEvent> keys;
+  std::vector<std::string> dropped;
+  double last_event_s = -1e9;
+  /// By the events so far: glfwGetCursorPos may be ahead of a press that waited.
+  double x = 0.0, y = 0.0;
+  bool cursor_known = false;
+};
+
+Inbox& inbox_of(GLFWwindow* window) { return *static_cast<Inbox*>(glfwGetWindowUserPointer(window)); }
+
+void track_cursor(GLFWwindow* window) {
+  Inbox& inbox = inbox_of(window);
+  glfwGetCursorPos(window, &inbox.x, &inbox.y);
+  inbox.cursor_known = true;
+}
+
+void push_pointer(GLFWwindow* window, PointerEvent event) {
+  Inbox& inbox = inbox_of(window);
+  if (!inbox.cursor_known) track_cursor(window);
+  event.x = static_cast<float>(inbox.x);
+  event.y = static_cast<float>(inbox.y);
+  inbox.last_event_s = glfwGetTime();
+  inbox.pointer.push_back(event);
+}
+
+/// ImGui's back end installs its own callbacks after these and calls them.
+void install_callbacks(GLFWwindow* window) {
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
+    PointerEvent event;
+    event.shift = (mods & GLFW_MOD_SHIFT) != 0;
+    event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
+    event.kind = action == GLFW_PRESS ? PointerEvent::Kind::press : PointerEvent::Kind::release;
+    event.button = button;
+    push_pointer(w, event);
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+    Inbox& inbox = inbox_of(w);
+    inbox.x = x;
+    inbox.y = y;
+    inbox.cursor_known = true;
+    push_pointer(w, {});
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double dy) {
+    PointerEvent event;
+    event.kind = PointerEvent::Kind::wheel;
+    event.wheel = static_cast<float>(dy);
+    push_pointer(w, event);
+  });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+    inbox_of(w).last_event_s = glfwGetTime();
+    if (action != GLFW_RELEASE) inbox_of(w).keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0});
+  });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    for (int i = 0; i < count; ++i) inbox_of(w).dropped.emplace_back(paths[i]);
+  });
+}
+
+/// GLFW, its window and its OpenGL 4.5 context.
+class GlfwWindow {
+ public:
+  GlfwWindow(int width, int height, Inbox* inbox) {
+    if (!glfwInit())
+      throw Error("maquette view", "there is no display (" + glfw_fault() + ")",
+                  "maquette render --output FILE.png draws without one");
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
+    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
+    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+    glfwWindowHint(GLFW_DEPTH_BITS, 0);
+    glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    window_ = glfwCreateWindow(width, height, "Maquette", nullptr, nullptr);
+    if (!window_) {
+      const std::string fault = glfw_fault();
+      glfwTerminate();
+      throw Error("graphics", "OpenGL 4.5 core is needed for a window (" + fault + ")",
+                  "install a newer driver or Mesa's llvmpipe (libgl1-mesa-dri); `maquette doctor` says more");
+    }
+    glfwMakeContextCurrent(window_);
+    glfwSwapInterval(1);
+    glfwSetWindowUserPointer(window_, inbox);
+    install_callbacks(window_);
+  }
+  ~GlfwWindow() {
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+  }
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+  GLFWwindow* get() const { return window_; }
+
+ private:
+  GLFWwindow* window_ = nullptr;
+};
+
+/// ImGui's context and back ends, with font and style of the display's scale.
+class ImGuiHost {
+ public:
+  explicit ImGuiHost(GLFWwindow* window) : window_(window) {
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    refresh_scale();
+    ImGui_ImplGlfw_InitForOpenGL(window, true);
+    ImGui_ImplOpenGL3_Init("#version 450 core");
+  }
+  ~ImGuiHost() {
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+  }
+  ImGuiHost(const ImGuiHost&) = delete;
+  ImGuiHost& operator=(const ImGuiHost&) = delete;
+
+  /// The back end asks where the mouse is now; at a few frames a second that is not where it was clicked. So ImGui gets
+  /// the events themselves.
+  void begin_frame(const std::vector<PointerEvent>& events, const std::vector<KeyEvent>& keys) {
+    if (refresh_scale()) ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    for (const PointerEvent& event : events) {
+      mouse_ = {event.x, event.y};
+      if (event.button < 0 || event.button >= 3) continue;
+      if (event.kind == PointerEvent::Kind::press) down_[event.button] = true;
+      if (event.kind == PointerEvent::Kind::release) down_[event.button] = false;
+    }
+    io.MousePos = mouse_;
+    for (int i = 0; i < 3; ++i) io.MouseDown[i] = down_[i];
+    for (const int key : tapped_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
+    tapped_.clear();
+    for (const KeyEvent& event : keys) {
+      if (event.key < 0 || event.key >= IM_ARRAYSIZE(io.KeysDown)) continue;
+      io.KeysDown[event.key] = true;  // even when it is up again by now
+      tapped_.push_back(event.key);
+    }
+    ImGui::NewFrame();
+  }
+  void end_frame() {
+    ImGui::Render();
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  }
+
+ private:
+  bool refresh_scale() {
+    float scale = 1.0f, unused = 1.0f;
+    glfwGetWindowContentScale(window_, &scale, &unused);
+    int window_width = 0, width = 0, height = 0;
+    glfwGetWindowSize(window_, &window_width, &height);
+    glfwGetFramebufferSize(window_, &width, &height);
+    const float ratio =
+        window_width > 0 && width > 0 ? static_cast<float>(width) / static_cast<float>(window_width) : 1.0f;
+    if (scale == scale_ && ratio == ratio_) return false;
+    const bool first = scale_ == 0.0f;
+    scale_ = scale;
+    ratio_ = ratio;
+    apply_theme(scale, ratio);
+    return !first;
+  }
+
+  GLFWwindow* window_;
+  float scale_ = 0.0f, ratio_ = 0.0f;
+  ImVec2 mouse_{-1.0f, -1.0f};
+  bool down_[3] = {false, false, false};
+  std::vector<int> tapped_;
+};
+
+/// The program while its window is open.
+class App {
+ public:
+  App(const SceneOptions& options, GLFWwindow* window, Inbox* inbox)
+      : options_(options), window_(window), inbox_(inbox), host_(window), session_(options) {
+    const DeviceInfo device = query_device();
+    facts_.device = device.renderer;
+    last_frame_s_ = glfwGetTime();
+  }
+
+  int run() {
+    while (!glfwWindowShouldClose(window_)) {
+      wait();
+      frame();
+      if (!options_.screenshot.empty() && drawn_frames_ >= std::max(options_.frames, 1)) {
+        save_screenshot();
+        glfwSwapBuffers(window_);
+        break;
+      }
+      glfwSwapBuffers(window_);
+    }
+    return 0;
+  }
+
+ private:
+  void wait() {
+    const double now = glfwGetTime();
+    const bool busy_mouse = now - inbox_->last_event_s < kBusyMouse_s;
+    if (picture_.resting(now) && !busy_mouse)
+      glfwWaitEventsTimeout(kRestWait_s);
+    else if (!drew_ && inbox_->pointer.empty())
+      glfwWaitEventsTimeout(kPollWait_s);
+    else
+      glfwPollEvents();
+  }
+
+  void frame() {
+    const double now = glfwGetTime();
+    const std::vector<PointerEvent> events = next_events();
+    host_.begin_frame(events, inbox_->keys);
+    collect_facts();
+    EditorActions actions;
+    editor_ = draw_editor(&session_.state, facts_, &actions);
+    handle_keys(&actions);
+    handle_pointer(events);
+    fly(static_cast<float>(now - last_frame_s_));
+    last_frame_s_ = now;
+    for (const std::string& path : inbox_->dropped) session_.open(path, material_under_mouse());
+    inbox_->dropped.clear();
+    carry_out(actions);
+    session_.update(editor_.editing || input_.dragging());
+    draw(now);
+    host_.end_frame();
+  }
+
+  void draw(double now) {
+    int width = 0, height = 0, window_width = 0, window_height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    glfwGetWindowSize(window_, &window_width, &window_height);
+    if (width < 1 || height < 1 || window_width < 1 || window_height < 1) return;  // minimised
+    const float sx = static_cast<float>(width) / static_cast<float>(window_width);
+    const float sy = static_cast<float>(height) / static_cast<float>(window_height);
+    const Rect& rect = editor_.layout.picture;
+    const int x = static_cast<int>(std::lround(rect.x * sx)), y = static_cast<int>(std::lround(rect.y * sy));
+    const int w = std::max(static_cast<int>(std::lround(rect.width * sx)), 1);
+    const int h = std::max(static_cast<int>(std::lround(rect.height * sy)), 1);
+    PictureTurn turn;
+    turn.width_px = w;
+    turn.height_px = h;
+    turn.panels_busy = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
+    turn.more_events = !inbox_->pointer.empty();
+    turn.now_s = now;
+    drew_ = picture_.update(&session_, turn);
+    if (drew_) ++drawn_frames_;
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glViewport(0, 0, width, height);
+    glClearColor(0.08f, 0.08f, 0.085f, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    picture_.blit(x, height - y - h);
+    if (drawn_frames_ > 1) swatches_.update();
+  }
+
+  void collect_facts() {
+    session_.fill_facts(&facts_);
+    facts_.stats = picture_.stats() ? &*picture_.stats() : nullptr;
+    facts_.frame_history_ms = picture_.history_ms();
+    facts_.smooth_passes = picture_.smooth_passes();
+    facts_.picture_px = picture_.drawn_size();
+    facts_.converged = picture_.converged();
+    facts_.swatches = &swatches_.textures();
+  }
+
+  Renderer::Pick pick(float x, float y) {
+    const Rect& rect = editor_.layout.picture;
+    return picture_.pick(&session_, (x - rect.x) / rect.width, (y - rect.y) / rect.height);
+  }
+
+  /// Up to the first press or release: two of them in one frame would be lost on the panels. The rest follows in the
+  /// next frames, which do not wait for the picture.
+  std::vector<PointerEvent> next_events() {
+    std::vector<PointerEvent>& queue = inbox_->pointer;
+    const auto turn = std::find_if(queue.begin(), queue.end(), [](const PointerEvent& event) {
+      return event.kind == PointerEvent::Kind::press || event.kind == PointerEvent::Kind::release;
+    });
+    const auto end = turn == queue.end() ? turn : turn + 1;
+    const std::vector<PointerEvent> events(queue.begin(), end);
+    queue.erase(queue.begin(), end);
+    return events;
+  }
+
+  void handle_pointer(const std::vector<PointerEvent>& events) {
+    const bool blocked = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
+    for (const PointerEvent& event : events)
+      input_.handle(event, editor_.layout.picture, blocked, &session_, [this](float x, float y) { return pick(x, y); });
+  }
+
+  void handle_keys(EditorActions* actions) {
+    const std::vector<KeyEvent> keys = std::move(inbox_->keys);
+    inbox_->keys.clear();
+    if (ImGui::GetIO().WantTextInput) return;
+    EditorState& state = session_.state;
+    for (const KeyEvent& event : keys) {
+      if (event.ctrl) {
+        if (event.key == GLFW_KEY_Z) actions->undo = true;
+        if (event.key == GLFW_KEY_Q) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+        continue;
+      }
+      if (input_.dragging()) continue;  // the letters fly then
+      if (event.key >= GLFW_KEY_1 && event.key <= GLFW_KEY_9) actions->go_to_camera = event.key - GLFW_KEY_1;
+      if (event.key == GLFW_KEY_F) actions->frame_scene = true;
+      if (event.key == GLFW_KEY_D) state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
+      if (event.key == GLFW_KEY_O) state.open_path_popup = true;
+      if (event.key == GLFW_KEY_LEFT_BRACKET) state.exposure_ev -= 0.25f;
+      if (event.key == GLFW_KEY_RIGHT_BRACKET) state.exposure_ev += 0.25f;
+      if (event.key == GLFW_KEY_TAB) state.left_open = state.right_open = !(state.left_open || state.right_open);
+      if (event.key == GLFW_KEY_F1 || event.key == GLFW_KEY_H) {
+        state.left_open = true;
+        state.left_tab = 2;
+      }
+      if (event.key == GLFW_KEY_ESCAPE) state.tool = Tool::camera;
+    }
+  }
+
+  void fly(float seconds) {
+    if (ImGui::GetIO().WantTextInput) return;
+    const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0f : 0.0f; };
+    const glm::vec3 direction(held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q),
+                              held(GLFW_KEY_W) - held(GLFW_KEY_S));
+    input_.fly(direction, held(GLFW_KEY_LEFT_SHIFT) > 0.0f, seconds, &session_);
+  }
+
+  int material_under_mouse() {
+    if (editor_.hovered_material >= 0) return editor_.hovered_material;
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(window_, &x, &y);
+    const auto fx = static_cast<float>(x), fy = static_cast<float>(y);
+    if (!editor_.layout.picture.contains(fx, fy)) return session_.state.selected_material;
+    const Renderer::Pick hit = pick(fx, fy);
+    return hit.hit ? hit.material : session_.state.selected_material;
+  }
+
+  void carry_out(const EditorActions& actions) {
+    if (!actions.open_path.empty()) session_.open(actions.open_path, session_.state.selected_material);
+    if (actions.go_to_camera >= 0) session_.go_to_camera(actions.go_to_camera);
+    if (actions.frame_scene)
+      session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
+    if (actions.undo) session_.undo();
+    if (actions.dismiss_messages) session_.dismiss_messages();
+  }
+
+  void save_screenshot() const {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    const auto w = static_cast<std::size_t>(width);
+    std::vector<std::uint8_t> bytes(w * static_cast<std::size_t>(height) * 3);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, bytes.data());
+    Image image(width, height, 3);
+    for (int y = 0; y < height; ++y)
+      for (std::size_t i = 0; i < 3 * w; ++i)
+        image.data[static_cast<std::size_t>(y) * 3 * w + i] =
+            static_cast<float>(bytes[static_cast<std::size_t>(height - 1 - y) * 3 * w + i]) / 255.0f;
+    save_png(options_.screenshot, image);
+  }
+
+  SceneOptions options_;
+  GLFWwindow* window_;
+  Inbox* inbox_;
+  ImGuiHost host_;
+  WindowSession session_;
+  WindowPicture picture_;
+  PictureInput input_;
+  Swatches swatches_;
+  EditorFacts facts_;
+  EditorFrame editor_;
+  double last_frame_s_ = 0.0;
+  int drawn_frames_ = 0;
+  bool drew_ = false;
+};
+
+}  // namespace
+
+int run_window(const SceneOptions& options) {
+  Inbox inbox;
+  const GlfwWindow window(options.width, options.height, &inbox);
+  query_device();
+  install_debug_output();
+  App app(options, window.get(), &inbox);
+  return app.run();
+}
+
+}  // namespace maquette

@@ -1,0 +1,131 @@
+#include "viewer/window_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/camera_control.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr float kClickSlop = 4.0f;  // units that a click may move
+constexpr float kOrbitRate_rad = 0.008f;
+constexpr float kLookRate_rad = 0.0035f;
+constexpr float kLightRate_deg = 0.35f;
+constexpr float kFastFactor = 4.0f;
+
+float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
+
+/// The next orbit turns about what the middle of the picture shows.
+void set_pivot(CameraView* camera, const Renderer::Pick& middle) {
+  if (!middle.hit) return;
+  set_target_distance(camera, glm::dot(middle.position - camera->eye, glm::normalize(camera->target - camera->eye)));
+}
+
+}  // namespace
+
+void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool blocked, WindowSession* session,
+                          const Pick& pick) {
+  const bool inside = picture.contains(event.x, event.y) && !blocked;
+  switch (event.kind) {
+    case PointerEvent::Kind::press:
+      if (drag_ == Drag::none && inside) press(event, picture, session, pick);
+      break;
+    case PointerEvent::Kind::move:
+      move(event, picture, session);
+      break;
+    case PointerEvent::Kind::release:
+      if (drag_ == Drag::none || event.button != button_) break;
+      move(event, picture, session);
+      if (!moved_ && drag_ == Drag::orbit && button_ == 0) session->select(pick(press_x_, press_y_));
+      if (drag_ == Drag::dent) session->end_dent();
+      drag_ = Drag::none;
+      break;
+    case PointerEvent::Kind::wheel:
+      if (inside || drag_ != Drag::none) wheel(event, session);
+      break;
+  }
+}
+
+void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick) {
+  button_ = event.button;
+  x_ = press_x_ = event.x;
+  y_ = press_y_ = event.y;
+  moved_ = false;
+  EditorState& state = session->state;
+  if (event.button == 1) {
+    drag_ = Drag::look;
+  } else if (event.button == 2 || (event.button == 0 && event.shift)) {
+    drag_ = Drag::pan;
+    set_pivot(&state.camera, pick(picture.x + 0.5f * picture.width, picture.y + 0.5f * picture.height));
+  } else if (event.button == 0 && event.ctrl) {
+    drag_ = Drag::light;
+  } else if (event.button == 0 && state.tool == Tool::dent) {
+    const Renderer::Pick hit = pick(event.x, event.y);
+    if (!session->begin_dent(hit)) return;
+    drag_ = Drag::dent;
+    // A drag over the whole height of the picture is worth half of what it shows at the surface.
+    const float distance = glm::length(hit.position - state.camera.eye);
+    dent_metres_per_unit_ = distance * std::tan(0.5f * state.camera.fov_y_rad) / std::max(picture.height, 1.0f);
+    session->drag_dent(dent_depth(*session), state.dent_radius_m);
+  } else if (event.button == 0) {
+    drag_ = Drag::orbit;
+  }
+}
+
+float PictureInput::dent_depth(const WindowSession& session) const {
+  return session.state.dent_depth_m + (y_ - press_y_) * dent_metres_per_unit_;
+}
+
+void PictureInput::move(const PointerEvent& event, const Rect& picture, WindowSession* session) {
+  if (drag_ == Drag::none) return;
+  const float dx = event.x - x_, dy = event.y - y_;
+  if (!moved_ && std::hypot(event.x - press_x_, event.y - press_y_) < kClickSlop) return;
+  moved_ = true;
+  x_ = event.x;
+  y_ = event.y;
+  if (dx == 0.0f && dy == 0.0f) return;
+  EditorState& state = session->state;
+  switch (drag_) {
+    case Drag::orbit:
+      orbit(&state.camera, -dx * kOrbitRate_rad, -dy * kOrbitRate_rad);
+      break;
+    case Drag::look:
+      look_around(&state.camera, -dx * kLookRate_rad, -dy * kLookRate_rad);
+      break;
+    case Drag::pan:
+      pan(&state.camera, dx, dy, picture.height);
+      break;
+    case Drag::light:
+      state.edits.env_rotation_deg = wrap_degrees(state.edits.env_rotation_deg + dx * kLightRate_deg);
+      break;
+    case Drag::dent:
+      session->drag_dent(dent_depth(*session), state.dent_radius_m);
+      break;
+    case Drag::none:
+      break;
+  }
+}
+
+void PictureInput::wheel(const PointerEvent& event, WindowSession* session) {
+  EditorState& state = session->state;
+  if (drag_ == Drag::dent) {
+    state.dent_radius_m = std::clamp(state.dent_radius_m * std::pow(1.1f, event.wheel), 0.01f, 2.0f);
+    session->drag_dent(dent_depth(*session), state.dent_radius_m);
+  } else if (drag_ == Drag::look) {
+    state.fly_speed = std::clamp(state.fly_speed * std::pow(1.2f, event.wheel), 0.005f, 20.0f);
+  } else {
+    dolly(&state.camera, event.wheel);
+  }
+}
+
+void PictureInput::fly(const glm::vec3& direction, bool fast, float seconds, WindowSession* session) {
+  if (drag_ != Drag::look || glm::dot(direction, direction) == 0.0f) return;
+  moved_ = true;
+  const float radius = std::max(session->scene_radius(), 1e-6f);
+  const float speed = session->state.fly_speed * radius * (fast ? kFastFactor : 1.0f);
+  maquette::fly(&session->state.camera, glm::normalize(direction) * (speed * std::min(seconds, 0.1f)));
+}
+
+}  // namespace maquette

@@ -1,0 +1,130 @@
+#include "viewer/window_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+constexpr double kSettle_s = 0.3;    // the coarse picture stays so long after the last move
+constexpr double kFluid_ms = 100.0;  // what a moving frame may take before it gets coarser
+constexpr std::size_t kHistory = 120;
+constexpr double kSmoothing = 0.15;
+}  // namespace
+
+/// The finest scale whose frame is fluid, judged by the cost a pixel of the last frame.
+float WindowPicture::choose_moving_scale(const WindowSession& session, const PictureTurn& turn) const {
+  if (session.state.moving_scale > 0.0f) return std::min(session.state.moving_scale, session.state.still_scale);
+  if (!stats_) return session.state.still_scale;
+  const double pixels = static_cast<double>(drawn_.width) * static_cast<double>(drawn_.height);
+  const double full = static_cast<double>(turn.width_px) * static_cast<double>(turn.height_px);
+  for (const float scale : {1.0f, 0.5f, 0.25f}) {
+    if (scale > session.state.still_scale) continue;
+    // Going finer again within one move needs to be well worth it, so that the picture does not flicker.
+    const double limit = moving_ && scale > last_moving_scale_ ? 0.5 * kFluid_ms : kFluid_ms;
+    if (stats_->frame_ms / pixels * full * static_cast<double>(scale * scale) <= limit) return scale;
+  }
+  return 0.25f;
+}
+
+bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
+  const int width_px = turn.width_px, height_px = turn.height_px;
+  const double now_s = turn.now_s;
+  if (turn.more_events && stats_ && picture_.width() == width_px && picture_.height() == height_px) return false;
+  const FrameRequest wanted = session->make_frame_request(width_px, height_px);
+  const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
+  // The first frame and a new window size are no moves.
+  const bool moved = changed && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
+  last_wanted_ = wanted;
+  last_revision_ = session->revision();
+  if (changed) failed_ = false;
+  if (moved) last_change_s_ = now_s;
+  const bool moving = now_s - last_change_s_ < kSettle_s;
+  if (moving && moved) last_moving_scale_ = choose_moving_scale(*session, turn);
+  moving_ = moving;
+  const float scale = moving_ ? last_moving_scale_ : session->state.still_scale;
+  FrameRequest request = wanted;
+  request.width = std::max(static_cast<int>(std::lround(static_cast<float>(width_px) * scale)), 1);
+  request.height = std::max(static_cast<int>(std::lround(static_cast<float>(height_px) * scale)), 1);
+  const bool background = !session->renderer().background_work().empty();
+  const bool news = background_ && !background;  // what was computed beside is ready
+  background_ = background;
+  const bool stale = changed || news || !(request == drawn_);
+  const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
+  if (due) draw(session, request, !stale);
+  const EditorState& state = session->state;
+  if (due || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||
+      shown_exposure_ev_ != state.exposure_ev || shown_view_ != state.debug_view)
+    present(session, width_px, height_px);
+  return due && !failed_;
+}
+
+void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bool accumulate) {
+  try {
+    stats_ = session->renderer().render(request, accumulate);
+    drawn_ = request;
+    note_times();
+  } catch (const Error& error) {
+    failed_ = true;
+    session->add_message(MessageLevel::error, error.what());
+    // A mode or setting that cannot draw this scene: back to what could.
+    if (stats_ && (session->state.mode != drawn_.mode || !(session->state.settings == drawn_.settings) ||
+                   session->state.msaa != drawn_.msaa)) {
+      session->state.mode = drawn_.mode;
+      session->state.settings = drawn_.settings;
+      session->state.msaa = drawn_.msaa;
+    }
+  }
+}
+
+void WindowPicture::note_times() {
+  if (history_ms_.size() >= kHistory) history_ms_.erase(history_ms_.begin());
+  history_ms_.push_back(static_cast<float>(stats_->frame_ms));
+  std::vector<PassTime> next = stats_->passes;
+  for (PassTime& pass : next)
+    for (const PassTime& old : smooth_passes_)
+      if (old.name == pass.name) pass.ms = old.ms + kSmoothing * (pass.ms - old.ms);
+  smooth_passes_ = std::move(next);
+}
+
+void WindowPicture::present(WindowSession* session, int width_px, int height_px) {
+  if (!stats_) return;
+  EditorState& state = session->state;
+  if (picture_.width() != width_px || picture_.height() != height_px) {
+    picture_ = Texture::make_2d("window picture", GL_RGBA8, width_px, height_px);
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    framebuffer_ = GlName<FramebufferTraits>(name);
+    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, picture_.get(), 0);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
+  try {
+    session->renderer().present(0, 0, width_px, height_px, state.exposure_ev, state.tonemap, state.debug_view);
+  } catch (const Error& error) {
+    session->add_message(MessageLevel::error, error.what());
+    state.debug_view.clear();
+    session->renderer().present(0, 0, width_px, height_px, state.exposure_ev, state.tonemap);
+  }
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  shown_tonemap_ = state.tonemap;
+  shown_exposure_ev_ = state.exposure_ev;
+  shown_view_ = state.debug_view;
+}
+
+void WindowPicture::blit(int x, int y) const {
+  if (!framebuffer_) return;
+  const int w = picture_.width(), h = picture_.height();
+  glBlitNamedFramebuffer(framebuffer_.get(), 0, 0, 0, w, h, x, y, x + w, y + h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+Renderer::Pick WindowPicture::pick(WindowSession* session, float x, float y) const {
+  if (!stats_) return {};
+  const auto pixel = [](float t, int count) {
+    return std::clamp(static_cast<int>(t * static_cast<float>(count)), 0, count - 1);
+  };
+  return session->renderer().pick(pixel(x, drawn_.width), pixel(y, drawn_.height));
+}
+
+}  // namespace maquette

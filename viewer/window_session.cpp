@@ -1,0 +1,355 @@
+#include "viewer/window_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "render/tonemap.h"
+#include "scenes/error.h"
+#include "ui/camera_control.h"
+#include "viewer/session.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr float kDegree = 0.017453292519943295f;
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+bool contains_name(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void remember(std::vector<std::string>* files, const std::string& source) {
+  if (!source.starts_with("builtin:") && !contains_name(*files, source)) files->push_back(source);
+}
+
+/// The samples of `--samples` as the setting of the mode, so that the panel shows them.
+Settings settings_of(const SceneOptions& options) {
+  Settings settings = options.settings;
+  if (options.samples > 0 && find_setting(options.mode + ".samples"))
+    settings.set(options.mode + ".samples", options.samples);
+  return settings;
+}
+
+float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
+
+template <typename T>
+bool ready(const std::future<T>& file) {
+  return file.valid() && file.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+}  // namespace
+
+WindowSession::WindowSession(const SceneOptions& options) {
+  environment_source_ = options.environment;
+  auto environment = std::async(std::launch::async, [source = options.environment] {
+    return std::make_shared<Environment>(load_environment(source));
+  });
+  ScenePointer scene = load_session_scene(options);
+  take_scene(scene);
+  take_environment(environment.get(), options.environment);
+  const FrameRequest request = make_request(*scene, options);
+  state.camera = request.camera;
+  state.mode = options.mode;
+  state.settings = settings_of(options);
+  state.msaa = options.msaa;
+  state.tonemap = options.tonemap;
+  state.debug_view = options.debug_view;
+  state.edits.variant = request.variant;
+  state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
+  state.edits.env_scale = options.env_scale;
+  state.exposure_ev = exposure_of(options, *environment_);
+  seed_ = options.seed;
+  for (const auto& [name, source] : options.materials) {
+    renderer_.set_material(name, source);
+    remember(&brdf_files_, source);
+    for (const Material& material : scene->materials)
+      if (name == "*" || material.name == name) state.edits.materials[material.name] = source;
+  }
+  applied_ = state.edits;
+  undo_.reset(state.edits);
+}
+
+void WindowSession::take_scene(ScenePointer scene) {
+  renderer_.set_scene(scene);
+  scene_ = std::move(scene);
+  bounds_ = compute_bounds(*scene_);
+  evaluators_.clear();
+  dent_.reset();
+  for (const std::string& warning : scene_->warnings)
+    add_message(MessageLevel::warning, std::filesystem::path(scene_->name).filename().string() + ": " + warning);
+  Edits fresh;  // the light stays as it was
+  fresh.environment = state.edits.environment;
+  fresh.env_rotation_deg = state.edits.env_rotation_deg;
+  fresh.env_scale = state.edits.env_scale;
+  applied_.materials.clear();
+  applied_.dents.clear();
+  applied_.hidden_nodes.clear();
+  state.edits = fresh;
+  state.selected_node = state.selected_material = state.reveal_node = -1;
+  undo_.reset(state.edits);
+  ++revision_;
+}
+
+void WindowSession::take_environment(EnvironmentPointer environment, const std::string& source) {
+  renderer_.set_environment(environment);
+  const bool automatic = environment_ && std::abs(state.exposure_ev - suggested_exposure()) < 1e-3f;
+  environment_ = std::move(environment);
+  suggested_ev_ = suggest_exposure_ev(*environment_);
+  if (automatic) state.exposure_ev = suggested_exposure();  // the user has not chosen one
+  for (const std::string& warning : environment_->warnings)
+    add_message(MessageLevel::warning, std::filesystem::path(source).filename().string() + ": " + warning);
+  remember(&environment_files_, source);
+  state.edits.environment = source;
+  applied_.environment = source;
+  ++revision_;
+}
+
+float WindowSession::suggested_exposure() const {
+  const float scale = state.edits.env_scale;
+  return suggested_ev_ - (scale > 0.0f ? std::log2(scale) : 0.0f);
+}
+
+void WindowSession::open(const std::string& source, int material) {
+  const std::string extension = lower_extension(source);
+  if (contains_name({".hdr", ".exr", ".pic"}, extension) ||
+      (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
+                                          contains_name(builtin_environment_names(), source.substr(8))))) {
+    state.edits.environment = source;
+  } else if (extension == ".binary") {
+    if (material < 0 || material >= static_cast<int>(scene_->materials.size())) {
+      add_message(MessageLevel::error, source +
+                                           ": there is no material to give it to; drop it on a surface, or choose "
+                                           "a material first");
+      return;
+    }
+    state.edits.materials[scene_->materials[static_cast<std::size_t>(material)].name] = source;
+    state.selected_material = material;
+  } else if (contains_name({".glb", ".gltf"}, extension) || source.starts_with("builtin:")) {
+    if (scene_file_.valid()) {
+      add_message(MessageLevel::warning, source + ": " + scene_source_ + " is still being read; try again then");
+      return;
+    }
+    scene_source_ = source;
+    scene_file_ = std::async(std::launch::async, [source] { return std::make_shared<Scene>(load_scene(source)); });
+  } else {
+    add_message(MessageLevel::error, source +
+                                         ": what this is cannot be told from its extension; known are .glb, "
+                                         ".gltf, .hdr, .exr and .binary");
+  }
+}
+
+void WindowSession::start_environment() {
+  if (environment_file_.valid() || state.edits.environment == applied_.environment) return;
+  environment_source_ = state.edits.environment;
+  environment_file_ = std::async(std::launch::async, [source = environment_source_] {
+    return std::make_shared<Environment>(load_environment(source));
+  });
+}
+
+void WindowSession::poll_files() {
+  if (ready(environment_file_)) {
+    const std::string wanted = state.edits.environment;
+    try {
+      take_environment(environment_file_.get(), environment_source_);
+      if (wanted != environment_source_) state.edits.environment = wanted;
+    } catch (const Error& error) {
+      add_message(MessageLevel::error, error.what());
+      if (wanted == environment_source_) state.edits.environment = applied_.environment;
+      undo_.correct(state.edits);
+    }
+  }
+  if (ready(scene_file_)) {
+    try {
+      take_scene(scene_file_.get());
+      state.camera = choose_camera(*scene_, SceneOptions());
+    } catch (const Error& error) {
+      add_message(MessageLevel::error, error.what());
+    }
+  }
+}
+
+void WindowSession::update(bool busy) {
+  poll_files();
+  start_environment();
+  if (state.edits.materials != applied_.materials) apply_materials();
+  if (state.edits.dents != applied_.dents) apply_dents();
+  if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
+  undo_.observe(state.edits, busy || dent_.has_value());
+}
+
+void WindowSession::apply_materials() {
+  std::map<std::string, std::string> wanted = state.edits.materials;
+  for (const auto& [name, source] : applied_.materials) wanted.try_emplace(name, "");
+  for (const auto& [name, source] : wanted) {
+    const auto now = applied_.materials.find(name);
+    const bool set = now != applied_.materials.end();
+    if (set ? now->second == source : source.empty()) continue;
+    try {
+      renderer_.set_material(name, source);
+      if (source.empty())
+        applied_.materials.erase(name);
+      else
+        applied_.materials[name] = source;
+      remember(&brdf_files_, source.empty() ? "builtin:" : source);
+      ++revision_;
+    } catch (const Error& error) {
+      add_message(MessageLevel::error, error.what());
+      if (set)
+        state.edits.materials[name] = now->second;
+      else
+        state.edits.materials.erase(name);
+      undo_.correct(state.edits);
+    }
+  }
+}
+
+std::vector<glm::vec3> WindowSession::control_points(int mesh) const {
+  if (const auto found = state.edits.dents.find(mesh); found != state.edits.dents.end()) return *found->second;
+  return scene_->meshes[static_cast<std::size_t>(mesh)].cage->positions;
+}
+
+bool WindowSession::move_surface(int mesh, const std::vector<glm::vec3>& points) {
+  try {
+    auto found = evaluators_.find(mesh);
+    if (found == evaluators_.end()) {
+      SubdivisionEvaluator evaluator(*scene_->meshes[static_cast<std::size_t>(mesh)].cage);
+      found = evaluators_.emplace(mesh, std::move(evaluator)).first;
+    }
+    std::vector<glm::vec3> positions, normals;
+    found->second.evaluate(points, &positions, &normals);
+    renderer_.update_mesh(mesh, positions, normals);
+    ++revision_;
+    return true;
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
+    return false;
+  }
+}
+
+void WindowSession::apply_dents() {
+  std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> touched = state.edits.dents;
+  for (const auto& [mesh, points] : applied_.dents) touched.try_emplace(mesh, nullptr);
+  for (const auto& [mesh, points] : touched) {
+    const auto now = applied_.dents.find(mesh);
+    if (now != applied_.dents.end() && now->second == points) continue;
+    if (!move_surface(mesh, control_points(mesh))) {
+      state.edits.dents = applied_.dents;
+      undo_.correct(state.edits);
+      return;
+    }
+  }
+  applied_.dents = state.edits.dents;
+}
+
+void WindowSession::apply_visibility() {
+  const auto shown = [&](int node, const std::set<int>& hidden) {
+    for (int i = node; i >= 0; i = scene_->nodes[static_cast<std::size_t>(i)].parent)
+      if (hidden.contains(i)) return false;
+    return true;
+  };
+  for (int i = 0; i < static_cast<int>(scene_->nodes.size()); ++i) {
+    const bool now = shown(i, state.edits.hidden_nodes);
+    if (now != shown(i, applied_.hidden_nodes)) renderer_.set_node_visible(i, now);
+  }
+  applied_.hidden_nodes = state.edits.hidden_nodes;
+  ++revision_;
+}
+
+bool WindowSession::begin_dent(const Renderer::Pick& pick) {
+  const auto refuse = [&](const std::string& why) {
+    add_message(MessageLevel::warning, "Dent: " + why);
+    return false;
+  };
+  if (!pick.hit || pick.node < 0) return refuse("there is nothing here");
+  const Node& node = scene_->nodes[static_cast<std::size_t>(pick.node)];
+  if (node.mesh < 0 || !scene_->meshes[static_cast<std::size_t>(node.mesh)].cage)
+    return refuse(node.name + " is not a subdivision surface; try the door of builtin:cockpit");
+  dismiss_messages();
+  const glm::mat4 node_from_world =
+      glm::inverse(compute_world_transforms(*scene_)[static_cast<std::size_t>(pick.node)]);
+  DentDrag drag;
+  drag.mesh = node.mesh;
+  drag.center = glm::vec3(node_from_world * glm::vec4(pick.position, 1.0f));
+  drag.push = glm::mat3(node_from_world) * -pick.normal;
+  drag.node_scale = std::cbrt(std::abs(glm::determinant(glm::mat3(node_from_world))));
+  drag.before = std::make_shared<const std::vector<glm::vec3>>(control_points(node.mesh));
+  dent_ = drag;
+  return true;
+}
+
+void WindowSession::drag_dent(float depth_m, float radius_m) {
+  if (!dent_) return;
+  SubdivisionCage cage = *scene_->meshes[static_cast<std::size_t>(dent_->mesh)].cage;
+  cage.positions = *dent_->before;
+  const glm::vec3 push = dent_->push * depth_m;
+  const float depth = glm::length(push);
+  if (depth > 0.0f) dent_cage(&cage, dent_->center, push / depth, depth, radius_m * dent_->node_scale);
+  state.edits.dents[dent_->mesh] = std::make_shared<const std::vector<glm::vec3>>(std::move(cage.positions));
+}
+
+void WindowSession::select(const Renderer::Pick& pick) {
+  if (!pick.hit) return;
+  state.selected_node = state.reveal_node = pick.node;
+  if (pick.material >= 0 && pick.material < static_cast<int>(scene_->materials.size())) {
+    state.selected_material = pick.material;
+    state.reveal_material = true;
+  }
+}
+
+void WindowSession::undo() {
+  if (const std::optional<Edits> before = undo_.undo()) state.edits = *before;
+}
+
+void WindowSession::go_to_camera(int index) {
+  const std::vector<std::string> names = camera_names(*scene_);
+  if (index >= 0 && index < static_cast<int>(names.size()))
+    state.camera = camera_by_name(*scene_, names[static_cast<std::size_t>(index)]);
+}
+
+void WindowSession::frame_scene(float aspect) { frame_bounds(&state.camera, bounds_, aspect); }
+
+void WindowSession::add_message(MessageLevel level, const std::string& text) {
+  constexpr std::size_t kMost = 200;
+  if (messages_.size() >= kMost) messages_.erase(messages_.begin());
+  messages_.push_back({level, text, true});
+}
+
+void WindowSession::dismiss_messages() {
+  for (Message& message : messages_) message.unread = false;
+}
+
+FrameRequest WindowSession::make_frame_request(int width, int height) const {
+  FrameRequest request;
+  request.mode = state.mode;
+  request.camera = state.camera;
+  request.width = std::max(width, 1);
+  request.height = std::max(height, 1);
+  request.msaa = state.msaa;
+  request.seed = seed_;
+  request.env_rotation_rad = state.edits.env_rotation_deg * kDegree;
+  request.env_scale = state.edits.env_scale;
+  request.variant = state.edits.variant;
+  request.settings = state.settings;
+  return request;
+}
+
+void WindowSession::fill_facts(EditorFacts* facts) const {
+  facts->scene = scene_.get();
+  facts->cameras = camera_names(*scene_);
+  facts->background = renderer_.background_work();
+  facts->loading = scene_file_.valid() ? scene_source_ : environment_file_.valid() ? environment_source_ : "";
+  facts->environment_files = environment_files_;
+  facts->brdf_files = brdf_files_;
+  facts->messages = &messages_;
+  facts->can_undo = undo_.can_undo();
+  facts->suggested_exposure_ev = suggested_exposure();
+}
+
+}  // namespace maquette

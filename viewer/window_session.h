@@ -1,0 +1,93 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/renderer.h"
+#include "scenes/subdivision.h"
+#include "ui/editor_state.h"
+#include "ui/undo.h"
+#include "viewer/options.h"
+
+namespace maquette {
+
+/// What an open window works on: carries the edits out in the renderer, reads files in the background, remembers what
+/// undo needs. A change that fails becomes a message and is taken back; the last good state stays.
+class WindowSession {
+ public:
+  /// Reads scene and environment; needs a current context. Throws Error: there is no good state yet to fall back to.
+  explicit WindowSession(const SceneOptions& options);
+
+  EditorState state;
+
+  /// A scene, an environment or a BRDF by its extension (or a built-in name); a BRDF goes to `material`.
+  void open(const std::string& source, int material);
+  /// Takes finished files over and carries the edits out. `busy`: a control or the mouse is held.
+  void update(bool busy);
+  void undo();
+  void go_to_camera(int index);
+  void frame_scene(float aspect);
+  void add_message(MessageLevel level, const std::string& text);
+  void dismiss_messages();
+
+  /// Where a press with the dent tool begins; false (and a message) when there is nothing to dent.
+  bool begin_dent(const Renderer::Pick& pick);
+  void drag_dent(float depth_m, float radius_m);
+  void end_dent() { dent_.reset(); }
+  void select(const Renderer::Pick& pick);
+
+  FrameRequest make_frame_request(int width, int height) const;
+  Renderer& renderer() { return renderer_; }
+  /// Grows with every change that the picture shows besides the request.
+  std::uint64_t revision() const { return revision_; }
+  void fill_facts(EditorFacts* facts) const;
+  bool loading() const { return scene_file_.valid() || environment_file_.valid(); }
+  float scene_radius() const { return bounds_.radius(); }
+
+ private:
+  using ScenePointer = std::shared_ptr<Scene>;
+  using EnvironmentPointer = std::shared_ptr<Environment>;
+  struct DentDrag {
+    int mesh = -1;
+    glm::vec3 center{0.0f};
+    glm::vec3 push{0.0f};  ///< node space, of 1 m in the world
+    float node_scale = 1.0f;
+    std::shared_ptr<const std::vector<glm::vec3>> before;
+  };
+
+  float suggested_exposure() const;
+  void take_scene(ScenePointer scene);
+  void take_environment(EnvironmentPointer environment, const std::string& source);
+  void poll_files();
+  void apply_materials();
+  void apply_dents();
+  void apply_visibility();
+  void start_environment();
+  std::vector<glm::vec3> control_points(int mesh) const;
+  bool move_surface(int mesh, const std::vector<glm::vec3>& points);
+
+  Renderer renderer_;
+  std::shared_ptr<Scene> scene_;
+  Bounds bounds_;
+  std::shared_ptr<Environment> environment_;
+  float suggested_ev_ = 0.0f;  ///< for an env_scale of 1
+  Edits applied_;
+  UndoStack undo_;
+  std::vector<Message> messages_;
+  std::vector<std::string> environment_files_, brdf_files_;
+  std::future<ScenePointer> scene_file_;
+  std::future<EnvironmentPointer> environment_file_;
+  std::string scene_source_, environment_source_;
+  std::map<int, SubdivisionEvaluator> evaluators_;
+  std::optional<DentDrag> dent_;
+  std::uint32_t seed_ = 0;
+  std::uint64_t revision_ = 0;
+};
+
+}  // namespace maquette

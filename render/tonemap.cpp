@@ -87,6 +87,29 @@ const std::vector<std::string>& tonemap_names() {
   return kNames;
 }
 
+float meter_exposure_ev(const Image& radiance, float environment_ev) {
+  constexpr double kTarget = 0.14, kFloor = 0.004;  // of the display's linear range
+  constexpr float kMostStops = 3.0f;
+  if (radiance.channels < 3) return environment_ev;
+  const double scale = std::exp2(static_cast<double>(environment_ev));
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (int y = 0; y < radiance.height; ++y) {
+    for (int x = 0; x < radiance.width; ++x) {
+      if (radiance.channels > 3 && radiance.at(x, y, 3) < 1.0f) continue;
+      const double value = scale * (0.2126 * static_cast<double>(radiance.at(x, y, 0)) +
+                                    0.7152 * static_cast<double>(radiance.at(x, y, 1)) +
+                                    0.0722 * static_cast<double>(radiance.at(x, y, 2)));
+      if (!std::isfinite(value)) continue;
+      sum += std::log2(std::max(value, 0.0) + kFloor);
+      ++count;
+    }
+  }
+  if (count == 0) return environment_ev;
+  const auto stops = static_cast<float>(std::log2(kTarget) - sum / static_cast<double>(count));
+  return environment_ev + std::clamp(stops, 0.0f, kMostStops);
+}
+
 int tonemap_index(const std::string& name) {
   const auto& names = tonemap_names();
   const auto found = std::find(names.begin(), names.end(), name);

@@ -6,6 +6,7 @@
 
 #include "render/gl/context.h"
 #include "render/metrics.h"
+#include "render/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "viewer/command_line.h"
@@ -164,7 +165,9 @@ int run_render(const CommandLine& line) {
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = compare_images(radiance, *reference);
   if (!options.output.empty()) {
-    write_picture(renderer, radiance, exposure_of(options, *environment), options, request);
+    const float suited_ev = exposure_of(options, *environment);
+    write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,
+                  request);
     if (options.stats != "-")
       std::printf("%s: %dx%d, mode %s, %.1f ms a frame\n", options.output.c_str(), request.width, request.height,
                   request.mode.c_str(), report.frames.back().frame_ms);

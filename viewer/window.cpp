@@ -3,8 +3,6 @@
 #include <epoxy/gl.h>
 // epoxy before GLFW
 #include <GLFW/glfw3.h>
-#include <backends/imgui_impl_glfw.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -20,6 +18,7 @@
 #include "scenes/image_io.h"
 #include "ui/editor.h"
 #include "viewer/swatches.h"
+#include "viewer/window_host.h"
 #include "viewer/window_input.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
@@ -31,185 +30,6 @@ namespace {
 constexpr double kPollWait_s = 1.0 / 60.0;
 constexpr double kRestWait_s = 0.1;
 constexpr double kBusyMouse_s = 0.15;  // the picture waits so long for a mouse that moves over panels
-
-std::string glfw_fault() {
-  const char* text = nullptr;
-  glfwGetError(&text);
-  return text ? text : "no reason given";
-}
-
-struct KeyEvent {
-  int key = 0;
-  bool ctrl = false;
-};
-
-/// What the callbacks collect between two frames.
-struct Inbox {
-  std::vector<PointerEvent> pointer;
-  std::vector<KeyEvent> keys;
-  std::vector<std::string> dropped;
-  double last_event_s = -1e9;
-  /// By the events so far: glfwGetCursorPos may be ahead of a press that waited.
-  double x = 0.0, y = 0.0;
-  bool cursor_known = false;
-};
-
-Inbox& inbox_of(GLFWwindow* window) { return *static_cast<Inbox*>(glfwGetWindowUserPointer(window)); }
-
-void track_cursor(GLFWwindow* window) {
-  Inbox& inbox = inbox_of(window);
-  glfwGetCursorPos(window, &inbox.x, &inbox.y);
-  inbox.cursor_known = true;
-}
-
-void push_pointer(GLFWwindow* window, PointerEvent event) {
-  Inbox& inbox = inbox_of(window);
-  if (!inbox.cursor_known) track_cursor(window);
-  event.x = static_cast<float>(inbox.x);
-  event.y = static_cast<float>(inbox.y);
-  inbox.last_event_s = glfwGetTime();
-  inbox.pointer.push_back(event);
-}
-
-/// ImGui's back end installs its own callbacks after these and calls them.
-void install_callbacks(GLFWwindow* window) {
-  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
-    PointerEvent event;
-    event.shift = (mods & GLFW_MOD_SHIFT) != 0;
-    event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
-    event.kind = action == GLFW_PRESS ? PointerEvent::Kind::press : PointerEvent::Kind::release;
-    event.button = button;
-    push_pointer(w, event);
-  });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    Inbox& inbox = inbox_of(w);
-    inbox.x = x;
-    inbox.y = y;
-    inbox.cursor_known = true;
-    push_pointer(w, {});
-  });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double dy) {
-    PointerEvent event;
-    event.kind = PointerEvent::Kind::wheel;
-    event.wheel = static_cast<float>(dy);
-    push_pointer(w, event);
-  });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    inbox_of(w).last_event_s = glfwGetTime();
-    if (action != GLFW_RELEASE) inbox_of(w).keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0});
-  });
-  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-    for (int i = 0; i < count; ++i) inbox_of(w).dropped.emplace_back(paths[i]);
-  });
-}
-
-/// GLFW, its window and its OpenGL 4.5 context.
-class GlfwWindow {
- public:
-  GlfwWindow(int width, int height, Inbox* inbox) {
-    if (!glfwInit())
-      throw Error("maquette view", "there is no display (" + glfw_fault() + ")",
-                  "maquette render --output FILE.png draws without one");
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
-    glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
-    glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
-    glfwWindowHint(GLFW_DEPTH_BITS, 0);
-    glfwWindowHint(GLFW_STENCIL_BITS, 0);
-    window_ = glfwCreateWindow(width, height, "Maquette", nullptr, nullptr);
-    if (!window_) {
-      const std::string fault = glfw_fault();
-      glfwTerminate();
-      throw Error("graphics", "OpenGL 4.5 core is needed for a window (" + fault + ")",
-                  "install a newer driver or Mesa's llvmpipe (libgl1-mesa-dri); `maquette doctor` says more");
-    }
-    glfwMakeContextCurrent(window_);
-    glfwSwapInterval(1);
-    glfwSetWindowUserPointer(window_, inbox);
-    install_callbacks(window_);
-  }
-  ~GlfwWindow() {
-    glfwDestroyWindow(window_);
-    glfwTerminate();
-  }
-  GlfwWindow(const GlfwWindow&) = delete;
-  GlfwWindow& operator=(const GlfwWindow&) = delete;
-  GLFWwindow* get() const { return window_; }
-
- private:
-  GLFWwindow* window_ = nullptr;
-};
-
-/// ImGui's context and back ends, with font and style of the display's scale.
-class ImGuiHost {
- public:
-  explicit ImGuiHost(GLFWwindow* window) : window_(window) {
-    IMGUI_CHECKVERSION();
-    ImGui::CreateContext();
-    refresh_scale();
-    ImGui_ImplGlfw_InitForOpenGL(window, true);
-    ImGui_ImplOpenGL3_Init("#version 450 core");
-  }
-  ~ImGuiHost() {
-    ImGui_ImplOpenGL3_Shutdown();
-    ImGui_ImplGlfw_Shutdown();
-    ImGui::DestroyContext();
-  }
-  ImGuiHost(const ImGuiHost&) = delete;
-  ImGuiHost& operator=(const ImGuiHost&) = delete;
-
-  /// The back end asks where the mouse is now; at a few frames a second that is not where it was clicked. So ImGui gets
-  /// the events themselves.
-  void begin_frame(const std::vector<PointerEvent>& events, const std::vector<KeyEvent>& keys) {
-    if (refresh_scale()) ImGui_ImplOpenGL3_DestroyFontsTexture();
-    ImGui_ImplOpenGL3_NewFrame();
-    ImGui_ImplGlfw_NewFrame();
-    ImGuiIO& io = ImGui::GetIO();
-    for (const PointerEvent& event : events) {
-      mouse_ = {event.x, event.y};
-      if (event.button < 0 || event.button >= 3) continue;
-      if (event.kind == PointerEvent::Kind::press) down_[event.button] = true;
-      if (event.kind == PointerEvent::Kind::release) down_[event.button] = false;
-    }
-    io.MousePos = mouse_;
-    for (int i = 0; i < 3; ++i) io.MouseDown[i] = down_[i];
-    for (const int key : tapped_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
-    tapped_.clear();
-    for (const KeyEvent& event : keys) {
-      if (event.key < 0 || event.key >= IM_ARRAYSIZE(io.KeysDown)) continue;
-      io.KeysDown[event.key] = true;  // even when it is up again by now
-      tapped_.push_back(event.key);
-    }
-    ImGui::NewFrame();
-  }
-  void end_frame() {
-    ImGui::Render();
-    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
-  }
-
- private:
-  bool refresh_scale() {
-    float scale = 1.0f, unused = 1.0f;
-    glfwGetWindowContentScale(window_, &scale, &unused);
-    int window_width = 0, width = 0, height = 0;
-    glfwGetWindowSize(window_, &window_width, &height);
-    glfwGetFramebufferSize(window_, &width, &height);
-    const float ratio =
-        window_width > 0 && width > 0 ? static_cast<float>(width) / static_cast<float>(window_width) : 1.0f;
-    if (scale == scale_ && ratio == ratio_) return false;
-    const bool first = scale_ == 0.0f;
-    scale_ = scale;
-    ratio_ = ratio;
-    apply_theme(scale, ratio);
-    return !first;
-  }
-
-  GLFWwindow* window_;
-  float scale_ = 0.0f, ratio_ = 0.0f;
-  ImVec2 mouse_{-1.0f, -1.0f};
-  bool down_[3] = {false, false, false};
-  std::vector<int> tapped_;
-};
 
 /// The program while its window is open.
 class App {
@@ -249,7 +69,7 @@ class App {
 
   void frame() {
     const double now = glfwGetTime();
-    const std::vector<PointerEvent> events = next_events();
+    const std::vector<PointerEvent> events = inbox_->next_pointer_events();
     host_.begin_frame(events, inbox_->keys);
     collect_facts();
     EditorActions actions;
@@ -306,19 +126,6 @@ class App {
   Renderer::Pick pick(float x, float y) {
     const Rect& rect = editor_.layout.picture;
     return picture_.pick(&session_, (x - rect.x) / rect.width, (y - rect.y) / rect.height);
-  }
-
-  /// Up to the first press or release: two of them in one frame would be lost on the panels. The rest follows in the
-  /// next frames, which do not wait for the picture.
-  std::vector<PointerEvent> next_events() {
-    std::vector<PointerEvent>& queue = inbox_->pointer;
-    const auto turn = std::find_if(queue.begin(), queue.end(), [](const PointerEvent& event) {
-      return event.kind == PointerEvent::Kind::press || event.kind == PointerEvent::Kind::release;
-    });
-    const auto end = turn == queue.end() ? turn : turn + 1;
-    const std::vector<PointerEvent> events(queue.begin(), end);
-    queue.erase(queue.begin(), end);
-    return events;
   }
 
   void handle_pointer(const std::vector<PointerEvent>& events) {

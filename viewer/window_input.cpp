@@ -17,7 +17,11 @@ constexpr float kFastFactor = 4.0f;
 
 float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
 
-/// The next orbit turns about what the middle of the picture shows.
+Renderer::Pick pick_middle(const Rect& picture, const PictureInput::Pick& pick) {
+  return pick(picture.x + 0.5f * picture.width, picture.y + 0.5f * picture.height);
+}
+
+/// Orbit and dolly turn about and go to what the middle of the picture shows.
 void set_pivot(CameraView* camera, const Renderer::Pick& middle) {
   if (!middle.hit) return;
   set_target_distance(camera, glm::dot(middle.position - camera->eye, glm::normalize(camera->target - camera->eye)));
@@ -43,6 +47,7 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
       drag_ = Drag::none;
       break;
     case PointerEvent::Kind::wheel:
+      if (inside && drag_ == Drag::none) set_pivot(&session->state.camera, pick_middle(picture, pick));
       if (inside || drag_ != Drag::none) wheel(event, session);
       break;
   }
@@ -58,7 +63,7 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     drag_ = Drag::look;
   } else if (event.button == 2 || (event.button == 0 && event.shift)) {
     drag_ = Drag::pan;
-    set_pivot(&state.camera, pick(picture.x + 0.5f * picture.width, picture.y + 0.5f * picture.height));
+    pivot_ = pick_middle(picture, pick);
   } else if (event.button == 0 && event.ctrl) {
     drag_ = Drag::light;
   } else if (event.button == 0 && state.tool == Tool::dent) {
@@ -71,6 +76,7 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     session->drag_dent(dent_depth(*session), state.dent_radius_m);
   } else if (event.button == 0) {
     drag_ = Drag::orbit;
+    pivot_ = pick_middle(picture, pick);
   }
 }
 
@@ -82,6 +88,8 @@ void PictureInput::move(const PointerEvent& event, const Rect& picture, WindowSe
   if (drag_ == Drag::none) return;
   const float dx = event.x - x_, dy = event.y - y_;
   if (!moved_ && std::hypot(event.x - press_x_, event.y - press_y_) < kClickSlop) return;
+  // Not at the press: a click must leave the camera, and the average, as they are.
+  if (!moved_ && (drag_ == Drag::orbit || drag_ == Drag::pan)) set_pivot(&session->state.camera, pivot_);
   moved_ = true;
   x_ = event.x;
   y_ = event.y;

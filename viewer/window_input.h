@@ -41,6 +41,7 @@ class PictureInput {
   int button_ = 0;
   float x_ = 0.0f, y_ = 0.0f, press_x_ = 0.0f, press_y_ = 0.0f;
   bool moved_ = false;
+  Renderer::Pick pivot_;
   float dent_metres_per_unit_ = 0.0f;
 };
 

@@ -55,7 +55,10 @@ WindowSession::WindowSession(const SceneOptions& options) {
   take_scene(scene);
   take_environment(environment.get(), options.environment);
   const FrameRequest request = make_request(*scene, options);
-  state.camera = request.camera;
+  if (options.eye || options.target)
+    state.camera = request.camera;
+  else
+    set_camera(request.camera);
   state.mode = options.mode;
   state.settings = settings_of(options);
   state.msaa = options.msaa;
@@ -168,7 +171,7 @@ void WindowSession::poll_files() {
   if (ready(scene_file_)) {
     try {
       take_scene(scene_file_.get());
-      state.camera = choose_camera(*scene_, SceneOptions());
+      set_camera(choose_camera(*scene_, SceneOptions()));
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
     }
@@ -310,7 +313,14 @@ void WindowSession::undo() {
 void WindowSession::go_to_camera(int index) {
   const std::vector<std::string> names = camera_names(*scene_);
   if (index >= 0 && index < static_cast<int>(names.size()))
-    state.camera = camera_by_name(*scene_, names[static_cast<std::size_t>(index)]);
+    set_camera(camera_by_name(*scene_, names[static_cast<std::size_t>(index)]));
+}
+
+/// A camera of a file says nothing of how far what it looks at is: as far as the middle of the scene.
+void WindowSession::set_camera(const CameraView& camera) {
+  state.camera = camera;
+  const float distance = glm::dot(bounds_.center() - camera.eye, glm::normalize(camera.target - camera.eye));
+  if (!bounds_.empty()) set_target_distance(&state.camera, std::max(distance, 0.05f * bounds_.radius()));
 }
 
 void WindowSession::frame_scene(float aspect) { frame_bounds(&state.camera, bounds_, aspect); }

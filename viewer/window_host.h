@@ -1,0 +1,71 @@
+#pragma once
+
+#include <imgui.h>
+
+#include <string>
+#include <vector>
+
+#include "viewer/window_input.h"
+
+struct GLFWwindow;
+
+namespace maquette {
+
+struct KeyEvent {
+  int key = 0;  ///< GLFW_KEY_...
+  bool ctrl = false;
+};
+
+/// What the callbacks collect between two frames.
+struct Inbox {
+  std::vector<PointerEvent> pointer;
+  std::vector<KeyEvent> keys;
+  std::vector<std::string> dropped;
+  double last_event_s = -1e9;
+  /// By the events so far: glfwGetCursorPos may be ahead of a press that waited.
+  double x = 0.0, y = 0.0;
+  bool cursor_known = false;
+
+  /// Up to the first press or release: two of them in one frame would be lost on the panels. The rest follows in the
+  /// next frames.
+  std::vector<PointerEvent> next_pointer_events();
+};
+
+/// GLFW, its window and its OpenGL 4.5 context, current on this thread.
+class GlfwWindow {
+ public:
+  /// Throws Error without a display, or below OpenGL 4.5. `inbox` outlives the window.
+  GlfwWindow(int width, int height, Inbox* inbox);
+  ~GlfwWindow();
+  GlfwWindow(const GlfwWindow&) = delete;
+  GlfwWindow& operator=(const GlfwWindow&) = delete;
+  GLFWwindow* get() const { return window_; }
+
+ private:
+  GLFWwindow* window_ = nullptr;
+};
+
+/// ImGui's context and back ends, with font and style of the display's scale.
+class ImGuiHost {
+ public:
+  explicit ImGuiHost(GLFWwindow* window);
+  ~ImGuiHost();
+  ImGuiHost(const ImGuiHost&) = delete;
+  ImGuiHost& operator=(const ImGuiHost&) = delete;
+
+  /// The back end asks where the mouse is now; at a few frames a second that is not where it was clicked. So ImGui gets
+  /// the events themselves.
+  void begin_frame(const std::vector<PointerEvent>& events, const std::vector<KeyEvent>& keys);
+  void end_frame();
+
+ private:
+  bool refresh_scale();
+
+  GLFWwindow* window_;
+  float scale_ = 0.0f, ratio_ = 0.0f;
+  ImVec2 mouse_{-1.0f, -1.0f};
+  bool down_[3] = {false, false, false};
+  std::vector<int> tapped_;
+};
+
+}  // namespace maquette

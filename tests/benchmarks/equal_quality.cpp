@@ -1,0 +1,133 @@
+// Time to equal error of `bandwidth` and `uniform`, and the figures of a research renderer under Grace Cathedral.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tests/benchmarks/stage.h"
+#include "tests/benchmarks/sweep.h"
+
+namespace maquette::bench {
+namespace {
+
+std::string percent(double share) { return number(100.0 * share) + " %"; }
+
+double geometric_mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += std::log(v);
+  return values.empty() ? 0.0 : std::exp(sum / static_cast<double>(values.size()));
+}
+
+/// The point of a curve whose error is nearest to `error` by ratio.
+const SweepPoint& nearest(const Curve& curve, double error) {
+  return *std::min_element(curve.begin(), curve.end(), [error](const SweepPoint& a, const SweepPoint& b) {
+    return std::abs(std::log(a.error / error)) < std::abs(std::log(b.error / error));
+  });
+}
+
+struct Sums {
+  std::vector<double> wall_ratio, cpu_ratio, prediction, throughput, cpu_throughput;
+  double least = 1e30;
+  std::string least_at = "nowhere";
+  bool all_reached = true;
+};
+
+void judge_case(const Case& c, const Curve& uniform, const Curve& bandwidth, Sums* sums, Figures* figures) {
+  for (const double error : {0.01, 0.02, 0.05, 0.1}) {
+    const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
+    const auto uc = time_to(uniform, error, true), bc = time_to(bandwidth, error, true);
+    std::string text = "uniform " + (u ? number(*u) + " ms" : "not reached") + ", bandwidth " +
+                       (b ? number(*b) + " ms" : "not reached");
+    if (u && b) text += ": " + number(*u / *b) + " x (CPU " + number(*uc / *bc) + " x)";
+    figures->push_back(shown("equal quality, " + c.name + ", to " + percent(error), text));
+    if (error != 0.02) continue;
+    if (u && b) {
+      sums->wall_ratio.push_back(*u / *b);
+      sums->cpu_ratio.push_back(*uc / *bc);
+      if (const auto e = error_after(bandwidth, *u, false))
+        figures->push_back(shown("equal time, " + c.name + ", when uniform has 2 %", "bandwidth has " + percent(*e)));
+    }
+    if (!b || !u) sums->all_reached = false;
+    const SweepPoint& p = nearest(bandwidth, error);
+    sums->prediction.push_back(p.prediction_ms / std::max(p.frame_ms, 1e-9));
+  }
+  for (const double error : {0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1}) {
+    const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
+    const double ratio = !u ? 1e30 : !b ? 0.0 : *u / *b;
+    if (ratio < sums->least) {
+      sums->least = ratio;
+      sums->least_at = c.name + " at " + percent(error);
+    }
+  }
+  const SweepPoint& longest =
+      *std::max_element(uniform.begin(), uniform.end(),
+                        [](const SweepPoint& a, const SweepPoint& b) { return a.shading_samples < b.shading_samples; });
+  sums->throughput.push_back(longest.shading_samples / longest.frame_ms * 1e-3);
+  sums->cpu_throughput.push_back(longest.shading_samples * longest.frames / (0.5 * longest.cpu_ms) * 1e-3);
+}
+
+}  // namespace
+
+Figures measure_equal_quality(Stage& stage) {
+  Figures figures;
+  Sums sums;
+  for (const Case& c : quality_cases(stage.options())) {
+    if (!stage.options().wants(c.name)) continue;
+    stage.show(c);
+    const double noise = stage.reference().noise;
+    std::fprintf(stderr, "  %-16s reference noise %.2f %%\n", c.name.c_str(), 100.0 * noise);
+    const std::vector<Curve> curves = sweep(stage, {"uniform", "bandwidth"}, 0.009);
+    figures.push_back(shown("reference noise, " + c.name, percent(noise)));
+    judge_case(c, curves[0], curves[1], &sums, &figures);
+  }
+  if (sums.throughput.empty()) return figures;
+  const double ratio = geometric_mean(sums.wall_ratio);
+  const std::string count = std::to_string(sums.wall_ratio.size()) + " cases";
+  figures.push_back(judged(
+      "equal quality, time of uniform over bandwidth to 2 %", ">= 3 (aim 5)",
+      number(ratio) + " x (geometric mean of " + count + "; CPU time " + number(geometric_mean(sums.cpu_ratio)) + " x)",
+      ratio >= 3.0 && sums.all_reached));
+  figures.push_back(judged("equal quality, worst between 1 % and 10 %", ">= 0.9",
+                           number(sums.least) + " x, " + sums.least_at, sums.least >= 0.9));
+  const double least_rate = *std::min_element(sums.throughput.begin(), sums.throughput.end());
+  figures.push_back(judged("uniform, million shading samples a second", ">= 30",
+                           number(least_rate) + " to " +
+                               number(*std::max_element(sums.throughput.begin(), sums.throughput.end())) +
+                               " (by CPU time on two cores from " +
+                               number(*std::min_element(sums.cpu_throughput.begin(), sums.cpu_throughput.end())) + ")",
+                           least_rate >= 30.0));
+  const double share = *std::max_element(sums.prediction.begin(), sums.prediction.end());
+  figures.push_back(judged("prediction's share of the frame at 2 %", "<= 15 %",
+                           percent(share) + " at most, " + percent(geometric_mean(sums.prediction)) + " mean",
+                           share <= 0.15));
+  return figures;
+}
+
+Figures measure_research(Stage& stage) {
+  Figures figures;
+  const std::vector<std::string> names{"gold-metallic-paint", "color-changing-paint3", "teflon", "chrome-steel"};
+  const std::string target = "<= 1 s";
+  if (stage.options().data.empty()) return {absent("to 2 % under Grace Cathedral", target, "needs --data")};
+  const std::vector<std::string> tables = expand_tables(stage.options(), names);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!stage.options().wants("grace/" + names[i])) continue;
+    stage.show({.name = "grace/" + names[i],
+                .scene = "builtin:sphere",
+                .material = tables[i],
+                .environment = stage.options().data + "/environments/grace_latlong.exr",
+                .width = 512,
+                .height = 512});
+    const double noise = stage.reference().noise;
+    const Curve curve = sweep(stage, {"bandwidth"}, 0.018)[0];
+    const auto wall = time_to(curve, 0.02, false), cpu = time_to(curve, 0.02, true);
+    const std::string name = "512 x 512 sphere under Grace to 2 %, " + names[i];
+    const std::string tail = ", reference noise " + percent(noise);
+    if (wall)
+      figures.push_back(
+          judged(name, target, number(*wall) + " ms (CPU " + number(*cpu) + " ms)" + tail, *wall <= 1000.0));
+    else
+      figures.push_back(judged(name, target, "not reached; best " + percent(nearest(curve, 1e-6).error) + tail, false));
+  }
+  return figures;
+}
+
+}  // namespace maquette::bench

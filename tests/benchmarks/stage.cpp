@@ -1,0 +1,235 @@
+#include "tests/benchmarks/stage.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <iostream>
+
+#include "render/metrics.h"
+#include "scenes/error.h"
+#include "scenes/files.h"
+#include "scenes/image_io.h"
+
+namespace maquette::bench {
+
+namespace fs = std::filesystem;
+
+bool Options::wants(const std::string& name) const {
+  if (only.empty()) return true;
+  return std::any_of(only.begin(), only.end(), [&](const std::string& o) { return name.find(o) != std::string::npos; });
+}
+
+Figure judged(std::string name, std::string target, std::string measured, bool met) {
+  return {std::move(name), std::move(target), std::move(measured),
+          met ? Figure::Verdict::met : Figure::Verdict::missed};
+}
+Figure shown(std::string name, std::string measured) {
+  return {std::move(name), "", std::move(measured), Figure::Verdict::shown};
+}
+Figure absent(std::string name, std::string target, std::string why) {
+  return {std::move(name), std::move(target), std::move(why), Figure::Verdict::absent};
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, std::abs(value) >= 100.0 ? "%.0f" : "%.3g", value);
+  return text;
+}
+
+Clock now() {
+  timespec cpu{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+  const auto wall = std::chrono::steady_clock::now().time_since_epoch();
+  return {std::chrono::duration<double, std::milli>(wall).count(),
+          static_cast<double>(cpu.tv_sec) * 1e3 + static_cast<double>(cpu.tv_nsec) * 1e-6};
+}
+
+CameraView find_camera(const Scene& scene, const std::string& name) {
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    const Node& node = scene.nodes[i];
+    if (node.camera < 0) continue;
+    const Camera& camera = scene.cameras[static_cast<std::size_t>(node.camera)];
+    if (!name.empty() && camera.name != name && node.name != name) continue;
+    CameraView view;
+    view.eye = glm::vec3(world[i][3]);
+    view.target = view.eye - glm::normalize(glm::vec3(world[i][2]));
+    view.up = glm::vec3(world[i][1]);
+    view.fov_y_rad = camera.fov_y_rad;
+    return view;
+  }
+  if (!name.empty()) throw Error(scene.name, "has no camera '" + name + "'");
+  const Bounds bounds = compute_bounds(scene);
+  CameraView view;
+  view.fov_y_rad = 0.5f;
+  view.target = bounds.center();
+  view.eye = view.target + glm::normalize(glm::vec3(1.0f, 0.45f, 1.0f)) * (bounds.radius() / std::sin(0.32f));
+  return view;
+}
+
+Stage::Stage(const Options& options)
+    : options_(options), context_(GlContext::create_headless()), device_(query_device()) {
+  install_debug_output();
+  renderer_ = std::make_unique<Renderer>();
+}
+
+void Stage::show(const Case& c) {
+  if (c.scene != case_.scene) {
+    renderer_->set_scene(std::make_shared<Scene>(load_scene(c.scene)));
+    case_.material.clear();
+  }
+  if (c.environment != case_.environment || environment_hash_ == 0) {
+    const auto environment = std::make_shared<Environment>(load_environment(c.environment));
+    environment_hash_ = environment->hash;
+    renderer_->set_environment(environment);
+  }
+  if (c.material != case_.material) renderer_->set_material("*", c.material);
+  camera_ = find_camera(renderer_->scene(), c.camera);
+  case_ = c;
+}
+
+FrameRequest Stage::request(const std::string& mode, int samples, std::uint32_t seed) const {
+  FrameRequest r;
+  r.mode = mode;
+  r.camera = camera_;
+  r.width = case_.width;
+  r.height = case_.height;
+  r.samples = samples;
+  r.seed = seed;
+  r.settings.set_from_text("shading.visibility", "none");
+  for (const auto& [name, text] : options_.settings) r.settings.set_from_text(name, text);
+  return r;
+}
+
+std::uint64_t Stage::content_key() {
+  // What the picture shows, without its light: changes of scene, camera or size make another reference.
+  std::uint64_t key = environment_hash_;
+  const auto mix = [&](const void* data, std::size_t bytes) {
+    key = content_hash({static_cast<const std::byte*>(data), bytes}, key);
+  };
+  mix(case_.material.data(), case_.material.size());
+  renderer_->render(request("uniform", 2));
+  for (const char* view : {"depth", "normal", "base_color", "material"}) {
+    const Image image = renderer_->read_debug_view(view);
+    mix(image.data.data(), image.data.size() * sizeof(float));
+  }
+  for (const Material& m : renderer_->scene().materials) mix(m.measured.data(), m.measured.size());
+  return key;
+}
+
+namespace {
+
+/// a += b * weight
+void add(Image* a, const Image& b, float weight) {
+  for (std::size_t i = 0; i < a->data.size(); ++i) a->data[i] += weight * b.data[i];
+}
+
+}  // namespace
+
+const Reference& Stage::reference() {
+  const std::uint64_t key = content_key();
+  char id[24];
+  std::snprintf(id, sizeof id, "%016llx", static_cast<unsigned long long>(key));
+  if (reference_of_ == id) return reference_;
+  const fs::path folder = fs::path(options_.scratch) / "references";
+  fs::create_directories(folder);
+  const std::string paths[2] = {(folder / (std::string(id) + "-a.exr")).string(),
+                                (folder / (std::string(id) + "-b.exr")).string()};
+  auto& halves = reference_.halves;
+  if (!options_.fresh && fs::exists(paths[0]) && fs::exists(paths[1])) {
+    for (int h = 0; h < 2; ++h) halves[h] = load_hdr_image(paths[h]);
+  } else {
+    // Low-discrepancy runs of 8 x 512 samples a pixel, each of its own seed, into both halves in turn.
+    constexpr int kFrames = 8, kSamples = 512;
+    const Clock begin = now();
+    for (Image& half : halves) half = Image(case_.width, case_.height, 4);
+    int runs = 0;
+    for (; runs < 64; runs += 2) {
+      for (int h = 0; h < 2; ++h) {
+        const FrameRequest r = request("uniform", kSamples, static_cast<std::uint32_t>(1000 + runs + h));
+        for (int f = 0; f < kFrames; ++f) renderer_->render(r, true);
+        add(&halves[h], renderer_->read_radiance(), 1.0f);
+      }
+      Image a = halves[0], b = halves[1];
+      if ((now() - begin).wall_ms > 1e3 * options_.reference_seconds) {
+        runs += 2;
+        break;
+      }
+      for (float& v : a.data) v *= 2.0f / static_cast<float>(runs + 2);
+      for (float& v : b.data) v *= 2.0f / static_cast<float>(runs + 2);
+      if (0.5 * relative_rmse(a, b) < 0.002) {
+        runs += 2;
+        break;
+      }
+    }
+    for (int h = 0; h < 2; ++h) {
+      for (float& v : halves[h].data) v *= 2.0f / static_cast<float>(runs);
+      save_exr(paths[h], halves[h]);
+    }
+  }
+  reference_.noise = 0.5 * relative_rmse(halves[0], halves[1]);
+  reference_.picture = halves[0];
+  for (std::size_t i = 0; i < halves[0].data.size(); ++i)
+    reference_.picture.data[i] = 0.5f * (halves[0].data[i] + halves[1].data[i]);
+  reference_of_ = id;
+  return reference_;
+}
+
+double relative_rmse(const Image& picture, const Image& reference) {
+  const ErrorFigures e = compare_images(picture, reference);
+  if (!e.relative_rmse) throw Error("benchmark", "a picture has no light to compare");
+  return *e.relative_rmse;
+}
+
+double error_against(const Image& picture, const Reference& reference) {
+  const double e = relative_rmse(picture, reference.picture);
+  return std::sqrt(std::max(e * e - reference.noise * reference.noise, 0.01 * e * e));
+}
+
+std::vector<Case> quality_cases(const Options& options) {
+  std::vector<Case> cases{
+      {.name = "cockpit/driver", .scene = "builtin:cockpit", .camera = "driver"},
+      {.name = "cockpit/door", .scene = "builtin:cockpit", .camera = "door"},
+      {.name = "plate", .scene = "builtin:plate"},
+      {.name = "sphere/matte",
+       .scene = "builtin:sphere",
+       .material = "builtin:matte-white",
+       .width = 512,
+       .height = 512},
+      {.name = "sphere/paint",
+       .scene = "builtin:sphere",
+       .material = "builtin:paint-red-metallic",
+       .width = 512,
+       .height = 512},
+      {.name = "sphere/chrome",
+       .scene = "builtin:sphere",
+       .material = "builtin:metal-chrome",
+       .width = 512,
+       .height = 512},
+  };
+  if (!options.data.empty()) cases.push_back({.name = "ferrari", .scene = options.data + "/scenes/ferrari458.glb"});
+  return cases;
+}
+
+std::vector<std::string> expand_tables(const Options& options, const std::vector<std::string>& names) {
+  const fs::path folder = fs::path(options.scratch) / "measured";
+  fs::create_directories(folder);
+  std::vector<std::string> paths;
+  std::string command = "'" + options.data + "/../tools/expand-measured' '" + folder.string() + "'";
+  bool missing = false;
+  for (const std::string& name : names) {
+    paths.push_back((folder / (name + ".binary")).string());
+    if (fs::exists(paths.back())) continue;
+    missing = true;
+    command += " " + name;
+  }
+  if (missing && std::system((command + " > /dev/null").c_str()) != 0)
+    throw Error(options.data, "measured tables could not be expanded", "install python3-numpy");
+  return paths;
+}
+
+}  // namespace maquette::bench

@@ -1,0 +1,161 @@
+#include "tests/benchmarks/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tests/support/local_bandwidth.h"
+
+namespace maquette::bench {
+namespace {
+
+Curve sorted_by_time(Curve curve, bool cpu) {
+  std::sort(curve.begin(), curve.end(),
+            [cpu](const SweepPoint& a, const SweepPoint& b) { return a.time(cpu) < b.time(cpu); });
+  return curve;
+}
+
+/// Only the points that are better than all faster ones.
+Curve lower_envelope(const Curve& curve, bool cpu) {
+  Curve envelope;
+  for (const SweepPoint& p : sorted_by_time(curve, cpu))
+    if (envelope.empty() || p.error < envelope.back().error) envelope.push_back(p);
+  return envelope;
+}
+
+double interpolate_log(double x, double x0, double x1, double y0, double y1) {
+  const double t = std::log(x / x0) / std::log(x1 / x0);
+  return std::exp(std::log(y0) + t * std::log(y1 / y0));
+}
+
+struct Trial {
+  Clock time;
+  double error = 0.0;
+  FrameStats stats;
+};
+
+double pass_ms(const FrameStats& stats, const std::string& name) {
+  for (const PassTime& p : stats.passes)
+    if (p.name == name) return p.ms;
+  return 0.0;
+}
+
+SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) {
+  SweepPoint p;
+  p.samples = samples;
+  p.frames = frames;
+  std::vector<double> wall, cpu, shade, prediction, frame;
+  double square = 0.0;
+  for (const Trial& t : trials) {
+    wall.push_back(t.time.wall_ms);
+    cpu.push_back(t.time.cpu_ms);
+    shade.push_back(pass_ms(t.stats, "shade"));
+    prediction.push_back(pass_ms(t.stats, "bandwidth") + pass_ms(t.stats, "pyramid"));
+    frame.push_back(t.stats.frame_ms);
+    square += t.error * t.error;
+  }
+  p.wall_ms = test::median(wall);
+  p.cpu_ms = test::median(cpu);
+  p.shade_ms = test::median(shade);
+  p.prediction_ms = test::median(prediction);
+  p.frame_ms = test::median(frame);
+  p.error = std::sqrt(square / static_cast<double>(trials.size()));
+  p.shading_samples = static_cast<double>(trials.back().stats.shading_samples);
+  return p;
+}
+
+void log_point(const std::string& name, const std::string& mode, const SweepPoint& p) {
+  std::fprintf(
+      stderr, "  %-16s %-9s samples %4d frames %2d  wall %8.1f ms  cpu %8.1f ms  error %6.2f %%  %.3g Msamples\n",
+      name.c_str(), mode.c_str(), p.samples, p.frames, p.wall_ms, p.cpu_ms, 100.0 * p.error, p.shading_samples * 1e-6);
+}
+
+Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_t seed, const Reference& reference) {
+  Renderer& renderer = stage.renderer();
+  renderer.render(stage.request(mode, 2, seed));  // the mode's targets and programs
+  Trial trial;
+  const Clock begin = now();
+  trial.stats = renderer.render(stage.request(mode, samples, seed));
+  trial.time = now() - begin;
+  trial.error = error_against(renderer.read_radiance(), reference);
+  return trial;
+}
+
+/// Errors after 1, 2, 4, ... frames of one run; time is that of the frames alone.
+Curve accumulate(Stage& stage, const std::string& mode, double until, const Reference& reference) {
+  constexpr int kSamples = 64, kMaxFrames = 32;
+  Renderer& renderer = stage.renderer();
+  std::vector<std::vector<Trial>> trials;
+  for (int repeat = 0; repeat < stage.options().repeats; ++repeat) {
+    const FrameRequest r = stage.request(mode, kSamples, static_cast<std::uint32_t>(11 + repeat));
+    renderer.render(stage.request(mode, 2, r.seed));
+    Trial trial;
+    for (int frame = 1, k = 0; frame <= kMaxFrames; ++frame) {
+      const Clock begin = now();
+      trial.stats = renderer.render(r, true);
+      const Clock spent = now() - begin;
+      trial.time.wall_ms += spent.wall_ms;
+      trial.time.cpu_ms += spent.cpu_ms;
+      if ((frame & (frame - 1)) != 0) continue;
+      trial.error = error_against(renderer.read_radiance(), reference);
+      if (trials.size() <= static_cast<std::size_t>(k)) trials.emplace_back();
+      trials[static_cast<std::size_t>(k)].push_back(trial);
+      ++k;
+      if (trial.error < until || trial.time.wall_ms > 1e3 * stage.options().sweep_seconds) break;
+    }
+  }
+  Curve curve;
+  for (std::size_t k = 1; k < trials.size(); ++k) {
+    curve.push_back(summarise(trials[k], kSamples, 1 << k));
+    log_point(stage.current().name, mode, curve.back());
+  }
+  return curve;
+}
+
+}  // namespace
+
+std::optional<double> time_to(const Curve& curve, double error, bool cpu) {
+  const Curve e = lower_envelope(curve, cpu);
+  for (std::size_t i = 0; i < e.size(); ++i) {
+    if (e[i].error > error) continue;
+    if (i == 0) return e[0].time(cpu);
+    return interpolate_log(error, e[i - 1].error, e[i].error, e[i - 1].time(cpu), e[i].time(cpu));
+  }
+  return std::nullopt;
+}
+
+std::optional<double> error_after(const Curve& curve, double time_ms, bool cpu) {
+  const Curve e = lower_envelope(curve, cpu);
+  if (e.empty() || e.front().time(cpu) > time_ms) return std::nullopt;
+  for (std::size_t i = 1; i < e.size(); ++i)
+    if (e[i].time(cpu) > time_ms)
+      return interpolate_log(time_ms, e[i - 1].time(cpu), e[i].time(cpu), e[i - 1].error, e[i].error);
+  return e.back().error;
+}
+
+std::vector<Curve> sweep(Stage& stage, const std::vector<std::string>& modes, double until) {
+  const Reference& reference = stage.reference();
+  std::vector<Curve> curves(modes.size());
+  std::vector<bool> done(modes.size(), false);
+  for (int samples = 4; samples <= 4096; samples *= 2) {
+    std::vector<std::vector<Trial>> trials(modes.size());
+    for (int repeat = 0; repeat < stage.options().repeats; ++repeat)
+      for (std::size_t m = 0; m < modes.size(); ++m)
+        if (!done[m])
+          trials[m].push_back(one_frame(stage, modes[m], samples, static_cast<std::uint32_t>(11 + repeat), reference));
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+      if (done[m]) continue;
+      curves[m].push_back(summarise(trials[m], samples, 1));
+      log_point(stage.current().name, modes[m], curves[m].back());
+      done[m] = curves[m].back().error < until || curves[m].back().wall_ms > 1e3 * stage.options().sweep_seconds / 2.0;
+    }
+    if (std::all_of(done.begin(), done.end(), [](bool d) { return d; })) break;
+  }
+  for (std::size_t m = 0; m < modes.size(); ++m) {
+    const Curve more = accumulate(stage, modes[m], until, reference);
+    curves[m].insert(curves[m].end(), more.begin(), more.end());
+  }
+  return curves;
+}
+
+}  // namespace maquette::bench

@@ -1,0 +1,293 @@
+// Predicted against measured: local bandwidth of the converged picture, variance over seeds, and a mirror sphere under
+// a sky whose bandwidth is known in closed form.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "scenes/error.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/local_bandwidth.h"
+
+namespace maquette::bench {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+std::string percent(double share) { return number(100.0 * share) + " %"; }
+
+/// Pairs of predicted and measured values.
+struct Pairs {
+  std::vector<double> predicted, measured;
+  std::size_t windows = 0;  ///< with those left out because noise hides their variation
+  void append(const Pairs& other) {
+    predicted.insert(predicted.end(), other.predicted.begin(), other.predicted.end());
+    measured.insert(measured.end(), other.measured.begin(), other.measured.end());
+    windows += other.windows;
+  }
+};
+
+struct Agreement {
+  double rank = 0.0, under = 0.0, ratio = 0.0, ratio_10 = 0.0, ratio_90 = 0.0;
+};
+
+/// Measured values below `floor` cannot be told from it: such a pair is under-estimated only if the prediction is below
+/// a measurement above the floor.
+Agreement agree(const Pairs& pairs, double floor) {
+  Agreement a;
+  a.rank = test::rank_correlation(pairs.predicted, pairs.measured);
+  std::vector<double> ratios;
+  std::size_t under = 0;
+  for (std::size_t i = 0; i < pairs.predicted.size(); ++i) {
+    if (pairs.measured[i] > floor && pairs.predicted[i] < pairs.measured[i]) ++under;
+    ratios.push_back(std::max(pairs.predicted[i], floor) / std::max({pairs.measured[i], floor, 1e-30}));
+  }
+  a.under = ratios.empty() ? 0.0 : static_cast<double>(under) / static_cast<double>(ratios.size());
+  a.ratio = test::median(ratios);
+  a.ratio_10 = test::percentile(ratios, 0.1);
+  a.ratio_90 = test::percentile(ratios, 0.9);
+  return a;
+}
+
+std::string text_of(const Agreement& a, const Pairs& pairs) {
+  return "rank correlation " + number(a.rank) + ", under-estimated " + percent(a.under) + ", predicted over measured " +
+         number(a.ratio) + " (10 %: " + number(a.ratio_10) + ", 90 %: " + number(a.ratio_90) + "), " +
+         std::to_string(pairs.predicted.size()) + " of " + std::to_string(pairs.windows);
+}
+
+/// How the prediction of a window's pixels becomes one number to set beside the measurement.
+enum class Pooling { centre, mean, energy, largest };
+
+/// Bandwidths are weighted by what they are a bandwidth of: the energy of the window's light.
+double pooled(const Image& prediction, const Image& picture, const test::WindowBandwidth& w, int window,
+              Pooling pooling) {
+  if (pooling == Pooling::centre) return prediction.at(w.x, w.y);
+  double sum = 0.0, weight = 0.0, largest = 0.0;
+  for (int y = 0; y < window; ++y) {
+    for (int x = 0; x < window; ++x) {
+      const int px = w.x - window / 2 + x, py = w.y - window / 2 + y;
+      const double hx = std::sin(kPi * (x + 0.5) / window), hy = std::sin(kPi * (y + 0.5) / window);
+      double g = hx * hx * hy * hy;
+      if (pooling == Pooling::energy) g *= g * std::pow(static_cast<double>(picture.at(px, py, 1)), 2.0);
+      sum += g * prediction.at(px, py);
+      weight += g;
+      if (hx * hy > 0.5) largest = std::max(largest, static_cast<double>(prediction.at(px, py)));
+    }
+  }
+  return pooling == Pooling::largest ? largest : sum / std::max(weight, 1e-30);
+}
+
+struct Definition {
+  const char* name;
+  test::LocalBandwidthOptions options;
+  Pooling pooling;
+};
+
+std::vector<Definition> definitions() {
+  std::vector<Definition> d;
+  test::LocalBandwidthOptions plain;
+  d.push_back({"32 px, centre", plain, Pooling::centre});
+  d.push_back({"32 px, mean", plain, Pooling::mean});
+  d.push_back({"32 px, energy-weighted", plain, Pooling::energy});
+  d.push_back({"32 px, largest", plain, Pooling::largest});
+  test::LocalBandwidthOptions root = plain;
+  root.square_root = true;
+  d.push_back({"32 px, mean, square root", root, Pooling::mean});
+  test::LocalBandwidthOptions with_mean = plain;
+  with_mean.remove_mean = false;
+  d.push_back({"32 px, mean, constant kept", with_mean, Pooling::mean});
+  test::LocalBandwidthOptions wide = plain;
+  wide.window = 64;
+  d.push_back({"64 px, mean", wide, Pooling::mean});
+  test::LocalBandwidthOptions small = plain;
+  small.window = 16;
+  d.push_back({"16 px, mean", small, Pooling::mean});
+  return d;
+}
+constexpr std::size_t kJudged = 1;  // index into definitions(): see docs/performance.md
+
+struct Views {
+  Image bandwidth, variance;
+  std::vector<bool> smooth;
+};
+
+Views predict(Stage& stage, int samples) {
+  Renderer& renderer = stage.renderer();
+  renderer.render(stage.request("bandwidth", samples));
+  Views v;
+  v.bandwidth = renderer.read_debug_view("bandwidth");
+  v.variance = renderer.read_debug_view("variance");
+  v.smooth = test::smooth_surface_pixels(renderer.read_debug_view("depth"), renderer.read_debug_view("normal"),
+                                         renderer.read_debug_view("material"));
+  return v;
+}
+
+Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Definition& d) {
+  Pairs pairs;
+  for (const auto& w :
+       test::measure_local_bandwidth(reference.halves[0], reference.halves[1], views.smooth, d.options)) {
+    ++pairs.windows;
+    if (w.noise > 0.2) continue;  // too flat to have a bandwidth that could be measured
+    pairs.predicted.push_back(pooled(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
+    pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
+  }
+  return pairs;
+}
+
+/// Variance of one sample: n times the variance of frames of n samples over many seeds, over quads as the prediction
+/// is.
+Pairs variance_pairs(Stage& stage, const Views& views, int samples, int seeds) {
+  const Case& c = stage.current();
+  Renderer& renderer = stage.renderer();
+  const auto count = static_cast<std::size_t>(c.width * c.height);
+  std::vector<double> sum(count, 0.0), square(count, 0.0);
+  for (int s = 0; s < seeds; ++s) {
+    renderer.render(stage.request("uniform", samples, static_cast<std::uint32_t>(501 + s)));
+    const Image p = renderer.read_radiance();
+    for (std::size_t i = 0; i < count; ++i) {
+      const float* rgb = &p.data[4 * i];
+      const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+      sum[i] += y;
+      square[i] += y * y;
+    }
+  }
+  Pairs pairs;
+  for (int y = 0; y + 1 < c.height; y += 2) {
+    for (int x = 0; x + 1 < c.width; x += 2) {
+      double measured = 0.0;
+      bool smooth = true;
+      for (int k = 0; k < 4; ++k) {
+        const auto i = static_cast<std::size_t>((y + k / 2) * c.width + x + k % 2);
+        smooth = smooth && views.smooth[i];
+        measured += 0.25 * samples * (square[i] - sum[i] * sum[i] / seeds) / (seeds - 1);
+      }
+      if (!smooth) continue;
+      ++pairs.windows;
+      if (measured <= 0.0) continue;
+      pairs.predicted.push_back(views.variance.at(x, y));
+      pairs.measured.push_back(measured);
+    }
+  }
+  return pairs;
+}
+
+void write_pairs(const Stage& stage, const std::string& what, const Pairs& pairs) {
+  const std::string name = what + "-" + stage.current().name;
+  std::string path = stage.options().scratch + "/";
+  for (const char c : name) path += c == '/' ? '-' : c;
+  if (FILE* file = std::fopen((path + ".csv").c_str(), "w")) {
+    for (std::size_t i = 0; i < pairs.predicted.size(); ++i)
+      std::fprintf(file, "%g,%g\n", pairs.predicted[i], pairs.measured[i]);
+    std::fclose(file);
+  }
+}
+
+Figures judge(const std::string& what, const Pairs& pairs, double floor) {
+  const Agreement a = agree(pairs, floor);
+  return {judged(what + ", rank correlation", ">= 0.8", number(a.rank), a.rank >= 0.8),
+          judged(what + ", under-estimated", "<= 5 %", percent(a.under), a.under <= 0.05),
+          judged(what + ", median predicted / measured", "<= 2", number(a.ratio), a.ratio <= 2.0)};
+}
+
+/// A sky that varies along the horizon only: L = 1 + cos(m longitude), 1024 x 512.
+std::shared_ptr<Environment> make_wave_sky(int m) {
+  auto sky = std::make_shared<Environment>();
+  sky->name = "cos(" + std::to_string(m) + " phi)";
+  sky->width = 1024;
+  sky->height = 512;
+  sky->rgb.reserve(1024 * 512);
+  for (int y = 0; y < sky->height; ++y)
+    for (int x = 0; x < sky->width; ++x)
+      sky->rgb.emplace_back(static_cast<float>(1.0 + std::cos(m * 2.0 * kPi * (x + 0.5) / sky->width)));
+  sky->hash = 0x5ca1ab1eu + static_cast<std::uint64_t>(m);
+  return sky;
+}
+
+/// Longitude of what a mirror sphere of radius 1 at the origin shows at a pixel of its equator.
+double reflected_longitude(const FrameRequest& r, double x) {
+  const double distance = glm::length(glm::dvec3(r.camera.eye));
+  const double u = (2.0 * x / r.width - 1.0) * std::tan(0.5 * r.camera.fov_y_rad) * r.width / r.height;
+  const double c = 1.0 / std::sqrt(1.0 + u * u), s = u * c;  // the ray is (s, -c), the eye (0, distance)
+  const double t = distance * c - std::sqrt(1.0 - distance * distance * s * s);
+  const double nx = t * s, nz = distance - t * c;
+  const double along = 2.0 * (s * nx - c * nz);
+  return std::atan2(s - along * nx, -c - along * nz);
+}
+
+Figures measure_mirror(Stage& stage) {
+  const Case c{
+      .name = "mirror", .scene = "builtin:sphere", .material = "builtin:metal-chrome", .width = 256, .height = 256};
+  stage.show(c);
+  Figures figures;
+  double worst = 0.0;
+  for (const int m : {4, 6, 8, 12, 16, 24, 32}) {
+    stage.renderer().set_environment(make_wave_sky(m));
+    const FrameRequest r = stage.request("bandwidth", 64);
+    stage.renderer().render(r);
+    const Image predicted = stage.renderer().read_debug_view("bandwidth");
+    std::vector<double> ratios;
+    for (int y = c.height / 2 - 3; y <= c.height / 2 + 2; ++y) {
+      for (int x = c.width * 3 / 10; x < c.width * 7 / 10; ++x) {
+        if (predicted.at(x, y, 3) < 1.0f) continue;
+        double turn = reflected_longitude(r, x + 1.0) - reflected_longitude(r, x);
+        turn = std::abs(std::remainder(turn, 2.0 * kPi));
+        ratios.push_back(predicted.at(x, y) / (m / (2.0 * kPi) * turn));
+      }
+    }
+    const double ratio = test::median(ratios);
+    worst = std::max(worst, std::abs(ratio - 1.0));
+    figures.push_back(shown("mirror sphere under cos(" + std::to_string(m) + " phi)",
+                            "predicted over closed form " + number(ratio) +
+                                " (10 %: " + number(test::percentile(ratios, 0.1)) +
+                                ", 90 %: " + number(test::percentile(ratios, 0.9)) + ")"));
+  }
+  figures.push_back(judged("mirror sphere under cos(m phi), worst m", "within 20 %", percent(worst), worst <= 0.2));
+  Case back = c;
+  back.environment = "builtin:studio";  // the stage does not know of the skies above
+  stage.show(back);
+  return figures;
+}
+
+}  // namespace
+
+Figures measure_validation(Stage& stage) {
+  constexpr int kSamples = 64;
+  Figures figures;
+  if (stage.options().wants("mirror")) figures = measure_mirror(stage);
+  const std::vector<Definition> all = definitions();
+  std::vector<Pairs> sums(all.size());
+  Pairs variances;
+  for (const Case& c : quality_cases(stage.options())) {
+    if (!stage.options().wants(c.name)) continue;
+    stage.show(c);
+    const Reference& reference = stage.reference();
+    const Views views = predict(stage, kSamples);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Pairs pairs = bandwidth_pairs(views, reference, all[i]);
+      sums[i].append(pairs);
+      const double floor = test::window_bandwidth(all[i].options);
+      std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), all[i].name,
+                   text_of(agree(pairs, floor), pairs).c_str());
+      if (i != kJudged) continue;
+      figures.push_back(shown("bandwidth, " + c.name, text_of(agree(pairs, floor), pairs)));
+      write_pairs(stage, "bandwidth", pairs);
+    }
+    const Pairs variance = variance_pairs(stage, views, kSamples, 32);
+    variances.append(variance);
+    write_pairs(stage, "variance", variance);
+    figures.push_back(shown("variance, " + c.name, text_of(agree(variance, 0.0), variance)));
+    std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), "variance",
+                 text_of(agree(variance, 0.0), variance).c_str());
+  }
+  if (variances.predicted.empty()) return figures;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double floor = test::window_bandwidth(all[i].options);
+    figures.push_back(shown(std::string("bandwidth, all, ") + all[i].name, text_of(agree(sums[i], floor), sums[i])));
+  }
+  for (Figure& f : judge("bandwidth", sums[kJudged], test::window_bandwidth(all[kJudged].options)))
+    figures.push_back(std::move(f));
+  for (Figure& f : judge("variance", variances, 0.0)) figures.push_back(std::move(f));
+  return figures;
+}
+
+}  // namespace maquette::bench

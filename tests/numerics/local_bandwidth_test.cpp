@@ -1,0 +1,105 @@
+#include "tests/support/local_bandwidth.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+namespace maquette::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Image make_picture(int width, int height, const std::function<double(int, int)>& value) {
+  Image image(width, height, 4, 1.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(value(x, y));
+  return image;
+}
+
+TEST(LocalBandwidth, WaveHasItsFrequencyAlongItsAxis) {
+  for (const double frequency : {0.08, 0.15, 0.3, 0.45}) {
+    const Image image = make_picture(64, 64, [&](int x, int) { return 2.0 + std::cos(2.0 * kPi * frequency * x); });
+    const auto windows = measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), {});
+    ASSERT_EQ(windows.size(), 25u);
+    for (const WindowBandwidth& w : windows) {
+      EXPECT_NEAR(w.nu_x, frequency, 0.035);
+      EXPECT_LT(w.nu_y, 0.012);  // only the window itself, undone
+    }
+  }
+}
+
+TEST(LocalBandwidth, IsLocal) {
+  const Image image =
+      make_picture(128, 64, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * (x < 64 ? 0.05 : 0.25) * x); });
+  for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(128 * 64, true), {})) {
+    if (w.x <= 48) EXPECT_LT(w.nu_x, 0.09) << w.x;
+    if (w.x >= 80) EXPECT_GT(w.nu_x, 0.23) << w.x;
+  }
+}
+
+TEST(LocalBandwidth, WhiteNoiseFillsTheBand) {
+  unsigned state = 1;
+  const Image image = make_picture(64, 64, [&](int, int) {
+    state = state * 1664525u + 1013904223u;
+    return static_cast<double>(state >> 8) / 16777216.0;
+  });
+  for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), {}))
+    EXPECT_NEAR(w.nu_x, 0.475, 0.02);
+}
+
+TEST(LocalBandwidth, NoiseOfTwoHalvesIsNoBandwidth) {
+  unsigned state = 1;
+  const auto noisy = [&](int x, int) {
+    state = state * 1664525u + 1013904223u;
+    return 2.0 + std::cos(2.0 * kPi * 0.1 * x) + 0.6 * (static_cast<double>(state >> 8) / 16777216.0 - 0.5);
+  };
+  const Image a = make_picture(64, 64, noisy), b = make_picture(64, 64, noisy);
+  for (const WindowBandwidth& w : measure_local_bandwidth(a, b, std::vector<bool>(64 * 64, true), {})) {
+    EXPECT_NEAR(w.nu_x, 0.1, 0.05);
+    EXPECT_GT(w.noise, 0.01);
+    EXPECT_LT(w.noise, 0.1);
+  }
+}
+
+TEST(LocalBandwidth, LeavesOutWindowsWithExcludedPixels) {
+  std::vector<bool> usable(64 * 64, true);
+  usable[20 * 64 + 20] = false;
+  const Image image = make_picture(64, 64, [](int, int) { return 1.0; });
+  const auto windows = measure_local_bandwidth(image, image, usable, {});
+  for (const WindowBandwidth& w : windows) EXPECT_TRUE(w.x - 16 > 20 || w.y - 16 > 20);
+  EXPECT_EQ(windows.size(), 25u - 9u);
+}
+
+TEST(LocalBandwidth, FindsGeometricEdges) {
+  // A plane seen at a slant, one step in depth at x = 20, one of material at x = 40.
+  Image depth(64, 16, 4, 1.0f), normal(64, 16, 4, 1.0f), material(64, 16, 4, 1.0f);
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 64; ++x) {
+      depth.at(x, y) = 1.0f / (0.2f + 0.003f * static_cast<float>(x)) + (x >= 20 ? 1.0f : 0.0f);
+      material.at(x, y) = x >= 40 ? 2.0f : 1.0f;
+      for (int c = 0; c < 3; ++c) normal.at(x, y, c) = c == 2 ? 1.0f : 0.0f;
+    }
+  const std::vector<bool> smooth = smooth_surface_pixels(depth, normal, material);
+  for (int x = 1; x < 63; ++x)
+    EXPECT_EQ(smooth[static_cast<std::size_t>(8 * 64 + x)], x != 19 && x != 20 && x != 39 && x != 40) << x;
+}
+
+TEST(RankCorrelation, KnowsOrderAndTies) {
+  EXPECT_DOUBLE_EQ(rank_correlation({1, 2, 3, 4}, {10, 20, 300, 4000}), 1.0);
+  EXPECT_DOUBLE_EQ(rank_correlation({1, 2, 3, 4}, {4, 3, 2, 1}), -1.0);
+  // By hand: ranks 0.5 0.5 2 3 and 0 1 2 3 give 4.5 / sqrt(4.5 * 5).
+  EXPECT_NEAR(rank_correlation({1, 1, 2, 3}, {1, 2, 3, 4}), std::sqrt(4.5 / 5.0), 1e-12);
+  EXPECT_DOUBLE_EQ(rank_correlation({1, 1, 1}, {1, 2, 3}), 0.0);
+}
+
+TEST(Percentile, TakesTheNearestRank) {
+  EXPECT_DOUBLE_EQ(median({5, 1, 3}), 3.0);
+  EXPECT_DOUBLE_EQ(percentile({4, 1, 2, 3, 0}, 1.0), 4.0);
+  EXPECT_DOUBLE_EQ(percentile({}, 0.5), 0.0);
+}
+
+}  // namespace
+}  // namespace maquette::test

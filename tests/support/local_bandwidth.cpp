@@ -1,0 +1,216 @@
+#include "tests/support/local_bandwidth.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <glm/glm.hpp>
+#include <numbers>
+#include <numeric>
+
+namespace maquette::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Energy over |frequency| of windowed lines, frequencies k / (4 * side): 4 times oversampled, so that the share that
+/// is sought falls between close points.
+class LineSpectrum {
+ public:
+  explicit LineSpectrum(int side) : side_(side), bins_(2 * side + 1) {
+    table_.resize(static_cast<std::size_t>(bins_ * side));
+    for (int k = 0; k < bins_; ++k)
+      for (int i = 0; i < side; ++i) table_[at(k, i)] = std::polar(1.0, -2.0 * kPi * k * i / (4.0 * side));
+  }
+  void add(const double* a, const double* b, int step, std::vector<double>* energy) const {
+    for (int k = 0; k < bins_; ++k) {
+      std::complex<double> sum_a = 0.0, sum_b = 0.0;
+      for (int i = 0; i < side_; ++i) {
+        sum_a += a[i * step] * table_[at(k, i)];
+        sum_b += b[i * step] * table_[at(k, i)];
+      }
+      (*energy)[static_cast<std::size_t>(k)] +=
+          (sum_a * std::conj(sum_b)).real() * (k == 0 || k == bins_ - 1 ? 0.5 : 1.0);
+    }
+  }
+  int bins() const { return bins_; }
+  /// Frequency below which `share` of the energy lies, cycles a sample.
+  double bandwidth(const std::vector<double>& energy, double share) const {
+    const double goal = share * std::accumulate(energy.begin(), energy.end(), 0.0);
+    double sum = 0.0;
+    for (std::size_t k = 0; k < energy.size(); ++k) {
+      if (sum + energy[k] >= goal) {
+        const double inside = energy[k] > 0.0 ? (goal - sum) / energy[k] : 0.0;
+        return std::max(0.0, (static_cast<double>(k) - 0.5 + inside) / (4.0 * side_));
+      }
+      sum += energy[k];
+    }
+    return 0.5;
+  }
+
+ private:
+  std::size_t at(int k, int i) const { return static_cast<std::size_t>(k * side_ + i); }
+  int side_, bins_;
+  std::vector<std::complex<double>> table_;
+};
+
+std::vector<double> hann(int side) {
+  std::vector<double> w(static_cast<std::size_t>(side));
+  for (int i = 0; i < side; ++i) w[static_cast<std::size_t>(i)] = 0.5 - 0.5 * std::cos(2.0 * kPi * (i + 0.5) / side);
+  return w;
+}
+
+double own_bandwidth(const LineSpectrum& spectrum, const std::vector<double>& w, double share) {
+  std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0);
+  spectrum.add(w.data(), w.data(), 1, &energy);
+  return spectrum.bandwidth(energy, share);
+}
+
+/// Number of excluded pixels in any rectangle, from sums over all rectangles at the origin.
+class ExcludedCount {
+ public:
+  ExcludedCount(const std::vector<bool>& usable, int width, int height)
+      : width_(width + 1), sums_(static_cast<std::size_t>((width + 1) * (height + 1)), 0) {
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        sums_[at(x + 1, y + 1)] = sums_[at(x, y + 1)] + sums_[at(x + 1, y)] - sums_[at(x, y)] +
+                                  (usable[static_cast<std::size_t>(y * width + x)] ? 0 : 1);
+  }
+  int operator()(int x, int y, int side) const {
+    return sums_[at(x + side, y + side)] - sums_[at(x, y + side)] - sums_[at(x + side, y)] + sums_[at(x, y)];
+  }
+
+ private:
+  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y * width_ + x); }
+  int width_;
+  std::vector<int> sums_;
+};
+
+/// The window's luminance times the Hann weights, [side][side].
+std::vector<double> windowed(const Image& picture, int x0, int y0, const std::vector<double>& w,
+                             const LocalBandwidthOptions& options) {
+  const int n = options.window;
+  std::vector<double> values(static_cast<std::size_t>(n * n));
+  double mean = 0.0, weight = 0.0;
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      const float* rgb = &picture.data[picture.index(x0 + x, y0 + y)];
+      double v = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+      if (options.square_root) v = std::sqrt(std::max(v, 0.0));
+      values[static_cast<std::size_t>(y * n + x)] = v;
+      const double window = w[static_cast<std::size_t>(x)] * w[static_cast<std::size_t>(y)];
+      mean += window * v;
+      weight += window;
+    }
+  }
+  mean = options.remove_mean ? mean / weight : 0.0;
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      double& v = values[static_cast<std::size_t>(y * n + x)];
+      v = (v - mean) * w[static_cast<std::size_t>(x)] * w[static_cast<std::size_t>(y)];
+    }
+  return values;
+}
+
+}  // namespace
+
+double window_bandwidth(const LocalBandwidthOptions& options) {
+  return own_bandwidth(LineSpectrum(options.window), hann(options.window), options.energy);
+}
+
+std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
+                                                     const LocalBandwidthOptions& options) {
+  const int n = options.window;
+  assert(usable.size() == static_cast<std::size_t>(a.width * a.height) && b.width == a.width && b.height == a.height);
+  const ExcludedCount excluded(usable, a.width, a.height);
+  const LineSpectrum spectrum(n);
+  const std::vector<double> w = hann(n);
+  const double own = options.undo_window ? own_bandwidth(spectrum, w, options.energy) : 0.0;
+  std::vector<WindowBandwidth> result;
+  for (int y0 = 0; y0 + n <= a.height; y0 += options.stride) {
+    for (int x0 = 0; x0 + n <= a.width; x0 += options.stride) {
+      if (excluded(x0, y0, n) > 0) continue;
+      const std::vector<double> va = windowed(a, x0, y0, w, options), vb = windowed(b, x0, y0, w, options);
+      std::vector<double> along_x(static_cast<std::size_t>(spectrum.bins()), 0.0), along_y = along_x;
+      for (int i = 0; i < n; ++i) {
+        const auto row = static_cast<std::size_t>(i * n), column = static_cast<std::size_t>(i);
+        spectrum.add(&va[row], &vb[row], 1, &along_x);
+        spectrum.add(&va[column], &vb[column], n, &along_y);
+      }
+      const auto bandwidth = [&](const std::vector<double>& energy) {
+        const double nu = spectrum.bandwidth(energy, options.energy);
+        return std::sqrt(std::max(nu * nu - own * own, 0.0));
+      };
+      WindowBandwidth r{x0 + n / 2, y0 + n / 2, bandwidth(along_x), bandwidth(along_y), 0.0};
+      double shared = 0.0, difference = 0.0;
+      for (std::size_t i = 0; i < va.size(); ++i) {
+        shared += va[i] * vb[i];
+        difference += 0.25 * (va[i] - vb[i]) * (va[i] - vb[i]);
+      }
+      r.noise = difference > 0.0 ? difference / std::max(shared, 1e-300) : 0.0;
+      result.push_back(r);
+    }
+  }
+  return result;
+}
+
+std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal, const Image& material) {
+  const int w = depth.width, h = depth.height;
+  std::vector<bool> smooth(static_cast<std::size_t>(w * h), false);
+  const auto n = [&](int x, int y) { return glm::vec3(normal.at(x, y, 0), normal.at(x, y, 1), normal.at(x, y, 2)); };
+  for (int y = 1; y + 1 < h; ++y) {
+    for (int x = 1; x + 1 < w; ++x) {
+      if (depth.at(x, y, 3) < 1.0f) continue;
+      bool good = true;
+      for (int axis = 0; axis < 2 && good; ++axis) {
+        const int dx = 1 - axis, dy = axis;
+        const float d = depth.at(x, y), a = depth.at(x - dx, y - dy), b = depth.at(x + dx, y + dy);
+        // Reciprocal depth is linear over a plane.
+        const float bend = std::abs(1.0f / std::max(a, 1e-30f) + 1.0f / std::max(b, 1e-30f) - 2.0f / d) * d;
+        good = a > 0.0f && b > 0.0f && bend < 0.01f && material.at(x - dx, y - dy) == material.at(x, y) &&
+               material.at(x + dx, y + dy) == material.at(x, y) && glm::dot(n(x - dx, y - dy), n(x, y)) > 0.95f &&
+               glm::dot(n(x + dx, y + dy), n(x, y)) > 0.95f;
+      }
+      smooth[static_cast<std::size_t>(y * w + x)] = good;
+    }
+  }
+  return smooth;
+}
+
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b) {
+  assert(a.size() == b.size());
+  const std::size_t count = a.size();
+  if (count < 3) return 0.0;
+  const auto ranks = [count](const std::vector<double>& v) {
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return v[i] < v[j]; });
+    std::vector<double> rank(count);
+    for (std::size_t i = 0; i < count;) {
+      std::size_t j = i;
+      while (j < count && v[order[j]] == v[order[i]]) ++j;
+      for (std::size_t k = i; k < j; ++k) rank[order[k]] = 0.5 * static_cast<double>(i + j - 1);
+      i = j;
+    }
+    return rank;
+  };
+  const std::vector<double> ra = ranks(a), rb = ranks(b);
+  const double middle = 0.5 * static_cast<double>(count - 1);
+  double ab = 0.0, aa = 0.0, bb = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    ab += (ra[i] - middle) * (rb[i] - middle);
+    aa += (ra[i] - middle) * (ra[i] - middle);
+    bb += (rb[i] - middle) * (rb[i] - middle);
+  }
+  return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
+}
+
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), values.begin() + k, values.end());
+  return values[static_cast<std::size_t>(k)];
+}
+double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
+
+}  // namespace maquette::test

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "scenes/image.h"
+
+namespace maquette::test {
+
+/// How the local bandwidth of a picture is measured: a Hann window, the Fourier energy of the luminance in it.
+struct LocalBandwidthOptions {
+  int window = 32;           ///< side, pixels
+  int stride = 8;            ///< between the corners of windows
+  double energy = 0.95;      ///< share of the spectral energy within the bandwidth
+  bool remove_mean = true;   ///< the constant (weighted by the window) is no variation
+  bool square_root = false;  ///< of the luminance first: the eye's and the tone curve's compression
+  bool undo_window = true;   ///< subtract the window's own spread: nu^2 = measured^2 - window^2
+};
+
+struct WindowBandwidth {
+  int x = 0, y = 0;   ///< of its middle
+  double nu_x = 0.0;  ///< cycles/px: |frequency| along x that holds the share of the energy
+  double nu_y = 0.0;
+  double noise = 0.0;  ///< energy of the pictures' mean that is noise, over that of the variation
+};
+
+/// One per window that holds no excluded pixel; `usable` is row-major, one a pixel. `a` and `b` are the same picture
+/// with independent noise (or twice the same one): their cross spectrum has the energy of what they share, so that
+/// noise does not pass for bandwidth.
+std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
+                                                     const LocalBandwidthOptions& options);
+
+/// Bandwidth that the Hann window itself has by this measure, cycles/px: about one over its side.
+double window_bandwidth(const LocalBandwidthOptions& options);
+
+/// Pixels that show a surface and lie on no geometric edge: same material as their four neighbours, depth that
+/// continues linearly, normals that turn smoothly. The pictures are debug views of one size.
+std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal, const Image& material);
+
+/// Spearman's rank correlation, ties at their mean rank; 0 for fewer than 3 pairs.
+double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
+double median(std::vector<double> values);
+double percentile(std::vector<double> values, double share);
+
+}  // namespace maquette::test

@@ -1,0 +1,111 @@
+// The shading estimator judged as a whole: against quadrature, against itself with other seeds, and mode against mode.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "render/gl/context.h"
+#include "render/metrics.h"
+#include "render/renderer.h"
+#include "tests/support/sphere_quadrature.h"
+
+namespace maquette {
+namespace {
+
+/// The built-in sphere under the built-in sky with its sun.
+class Estimator : public ::testing::Test {
+ protected:
+  void show(const std::string& material, const std::string& environment = "builtin:clear-sky") {
+    sky_ = std::make_shared<Environment>(load_environment(environment));
+    renderer_.set_scene(std::make_shared<Scene>(load_scene("builtin:sphere")));
+    renderer_.set_environment(sky_);
+    renderer_.set_material("*", material);
+  }
+  static FrameRequest request(const std::string& mode, int samples, std::uint32_t seed, int side) {
+    FrameRequest r;
+    r.mode = mode;
+    r.camera.eye = {0.0f, 0.0f, 4.5f};
+    r.camera.fov_y_rad = 0.5236f;
+    r.width = r.height = side;
+    r.samples = samples;
+    r.seed = seed;
+    r.settings.set_from_text("shading.visibility", "none");
+    return r;
+  }
+  Image draw(const FrameRequest& r, int frames = 1) {
+    for (int f = 0; f < frames; ++f) renderer_.render(r, true);
+    return renderer_.read_radiance();
+  }
+  static double difference(const Image& a, const Image& b) { return compare_images(a, b).relative_rmse.value(); }
+  void TearDown() override { EXPECT_TRUE(take_gl_errors().empty()); }
+
+  GlContext context_ = GlContext::create_headless();
+  Renderer renderer_;
+  std::shared_ptr<const Environment> sky_;
+};
+
+TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
+  constexpr int kSide = 16;
+  for (const char* name : {"matte-white", "paint-red-metallic", "metal-chrome"}) {
+    const std::string material = std::string("builtin:") + name;
+    show(material);
+    ASSERT_GT(test::peak_over_mean(*sky_), 1e4);
+    const Image picture = draw(request("uniform", 4096, 3, kSide), 24);
+    // Shaded as the G-buffer has it: its 16-bit normals alone move a sun's mirror image by some tenths of a per cent.
+    const Image normals = renderer_.read_debug_view("normal");
+    const test::SphereQuadrature exact =
+        test::integrate_sphere(*sky_, load_brdf(material), {4.5, 0.5236, kSide}, &normals);
+    ASSERT_GT(exact.pixels.size(), 100u);
+    const double error = test::relative_rmse(picture, exact);
+    RecordProperty(name, std::to_string(error));
+    EXPECT_LT(error, 0.005) << name << " over " << exact.pixels.size() << " pixels";
+  }
+}
+
+TEST_F(Estimator, BandwidthConvergesToUniform) {
+  for (const char* material : {"builtin:matte-white", "builtin:paint-red-metallic"}) {
+    show(material);
+    const Image uniform = draw(request("uniform", 1024, 5, 96), 8);
+    const FrameRequest r = request("bandwidth", 256, 6, 96);
+    const double early = difference(draw(r), uniform);
+    const double late = difference(draw(r, 31), uniform);
+    EXPECT_LT(late, 0.5 * early) << material;
+    EXPECT_LT(late, 0.03) << material;  // the mean keeps the interpolation of its first frames
+  }
+}
+
+TEST_F(Estimator, SeedDecidesEveryBit) {
+  show("builtin:paint-red-metallic");
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    const Image first = draw(request(mode, 16, 7, 64));
+    const Image other = draw(request(mode, 16, 8, 64));
+    const Image again = draw(request(mode, 16, 7, 64));
+    EXPECT_EQ(first.data, again.data) << mode;
+    EXPECT_NE(first.data, other.data) << mode;
+  }
+}
+
+TEST_F(Estimator, AccumulationReducesTheError) {
+  show("builtin:paint-red-metallic");
+  const Image converged = draw(request("uniform", 1024, 5, 64), 8);
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    const FrameRequest r = request(mode, 16, 9, 64);
+    const double one = difference(draw(r), converged);
+    const double sixteen = difference(draw(r, 15), converged);
+    EXPECT_LT(sixteen, 0.4 * one) << mode;  // a quarter for noise; low discrepancy does better
+    EXPECT_EQ(renderer_.render(r, true).accumulated_frames, 17);
+  }
+}
+
+TEST_F(Estimator, FramesGoOnWithTheSequence) {
+  // The sequence goes on from frame to frame: 16 x 64 samples are as good as 1024 at once.
+  show("builtin:matte-white");
+  const Image converged = draw(request("uniform", 2048, 5, 48), 8);
+  const double at_once = difference(draw(request("uniform", 1024, 4, 48)), converged);
+  const double in_frames = difference(draw(request("uniform", 64, 4, 48), 16), converged);
+  EXPECT_LT(in_frames, 1.5 * at_once);
+}
+
+}  // namespace
+}  // namespace maquette

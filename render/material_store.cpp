@@ -11,7 +11,7 @@ namespace maquette {
 
 namespace {
 
-constexpr int kBrdfBias = 24;  // as in shaders/shading/point.glsl
+constexpr int kBrdfBias = 20;  // as in shaders/shading/point.glsl
 constexpr std::size_t kThetaTexels = static_cast<std::size_t>(kElevationCount) * kThetaCellCount;
 constexpr std::size_t kPhiTexels = kThetaTexels * kPhiCellCount;
 

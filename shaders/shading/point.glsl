@@ -9,7 +9,7 @@ layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], lumi
 layout(binding = 14) uniform usamplerBuffer t_environment;   // [height][width], shared exponent
 layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
 
-const int kBrdfBias = 24;
+const int kBrdfBias = 20;  // up to 1e6 1/sr: mirrors at grazing angles reach 5e5; full precision from 2.4e-4
 const int kBrdfEntries = 1458000, kThetaCells = 96, kPhiCells = 16, kElevations = 32, kAlbedoEntries = 64;
 
 struct Point {

@@ -15,9 +15,14 @@ Figures measure_correct(Stage& stage) {
                  .width = 32,
                  .height = 32};
     stage.show(c);
-    const FrameRequest r = stage.request("uniform", 4096, 3);
-    for (int f = 0; f < 48; ++f) stage.renderer().render(r, true);
-    const Image picture = stage.renderer().read_radiance();
+    const FrameRequest r = stage.request("uniform", 4096);
+    Image picture(c.width, c.height, 4);
+    constexpr std::uint32_t kSeeds = 16;
+    for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+      for (int f = 0; f < 16; ++f) stage.renderer().render(stage.request("uniform", 4096, seed), true);
+      const Image part = stage.renderer().read_radiance();
+      for (std::size_t i = 0; i < part.data.size(); ++i) picture.data[i] += part.data[i] / kSeeds;
+    }
     const Environment environment = load_environment(c.environment);
     const test::SphereQuadrature exact =
         test::integrate_sphere(environment, load_brdf(material), {r.camera.eye.z, r.camera.fov_y_rad, 32}, nullptr);

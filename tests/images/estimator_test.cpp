@@ -51,7 +51,16 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
     const std::string material = std::string("builtin:") + name;
     show(material);
     ASSERT_GT(test::peak_over_mean(*sky_), 1e4);
-    const Image picture = draw(request("uniform", 4096, 3, kSide), 24);
+    // One pixel mirrors the sun at fifty times the mean: two halves of other seeds tell noise from bias there.
+    Image halves[2] = {Image(kSide, kSide, 4), Image(kSide, kSide, 4)}, picture(kSide, kSide, 4);
+    for (std::uint32_t seed = 0; seed < 8; ++seed) {
+      const Image part = draw(request("uniform", 4096, seed, kSide), 4);
+      for (std::size_t i = 0; i < part.data.size(); ++i) {
+        halves[seed % 2].data[i] += part.data[i] / 4.0f;
+        picture.data[i] += part.data[i] / 8.0f;
+      }
+    }
+    const double noise = 0.5 * difference(halves[0], halves[1]);
     // Shaded as the G-buffer has it: its 16-bit normals alone move a sun's mirror image by some tenths of a per cent.
     const Image normals = renderer_.read_debug_view("normal");
     const test::SphereQuadrature exact =
@@ -59,7 +68,8 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
     ASSERT_GT(exact.pixels.size(), 100u);
     const double error = test::relative_rmse(picture, exact);
     RecordProperty(name, std::to_string(error));
-    EXPECT_LT(error, 0.005) << name << " over " << exact.pixels.size() << " pixels";
+    EXPECT_LT(error, std::hypot(0.005, 2.0 * noise)) << name << " over " << exact.pixels.size() << " pixels";
+    EXPECT_LT(noise, 0.006) << name;
   }
 }
 

@@ -39,6 +39,7 @@ struct EditorState {
   Settings settings;
   int msaa = 1;
   float exposure_ev = 0.0f;
+  bool auto_exposure = true;  ///< found anew with each scene, environment and scene camera
   std::string tonemap = "pbr-neutral";
   std::string debug_view;     ///< empty: the picture
   float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
@@ -94,6 +95,7 @@ struct EditorActions {
   std::string open_path;  ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
+  bool meter_exposure = false;
   bool undo = false;
   bool dismiss_messages = false;
 };

@@ -35,7 +35,7 @@ const std::vector<Group>& groups() {
        {{"O", "open by path"},
         {"Drop .glb .gltf", "another scene"},
         {"Drop .hdr .exr", "another environment"},
-        {"Drop .binary", "material under the mouse"}}},
+        {"Drop .binary", "the material there"}}},
       {"Window", {{"Tab", "sides away and back"}, {"F1", "this list"}, {"Ctrl+Q", "close"}}},
   };
   return kGroups;

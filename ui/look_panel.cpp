@@ -80,12 +80,16 @@ void draw_display(Ui& ui) {
   const float suggested = ui.facts.suggested_exposure_ev;
   const float button = ImGui::CalcTextSize("Auto").x + 2.0f * ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(-button - ImGui::GetStyle().ItemInnerSpacing.x);
-  ImGui::SliderFloat("##exposure", &ui.state.exposure_ev, suggested - 8.0f, suggested + 8.0f, "%+.2f EV");
+  if (ImGui::SliderFloat("##exposure", &ui.state.exposure_ev, suggested - 8.0f, suggested + 8.0f, "%+.2f EV"))
+    ui.state.auto_exposure = false;
   mark_item(ui, "exposure");
   ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
-  if (ImGui::Button("Auto")) ui.state.exposure_ev = suggested;
+  const bool automatic = ui.state.auto_exposure;
+  if (automatic) ImGui::PushStyleColor(ImGuiCol_Text, kAccent);
+  if (ImGui::Button("Auto")) ui.state.auto_exposure = ui.actions.meter_exposure = true;
+  if (automatic) ImGui::PopStyleColor();
   mark_item(ui, "exposure auto");
-  tooltip("What suits the environment");
+  tooltip("Meters the picture now, and again with each scene, environment and scene camera");
   row_label("Tone mapping");
   combo("##tonemap", &ui.state.tonemap, tonemap_names());
   mark_item(ui, "tonemap");

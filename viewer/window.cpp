@@ -150,8 +150,8 @@ class App {
       if (event.key == GLFW_KEY_F) actions->frame_scene = true;
       if (event.key == GLFW_KEY_D) state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
       if (event.key == GLFW_KEY_O) state.open_path_popup = true;
-      if (event.key == GLFW_KEY_LEFT_BRACKET) state.exposure_ev -= 0.25f;
-      if (event.key == GLFW_KEY_RIGHT_BRACKET) state.exposure_ev += 0.25f;
+      if (event.key == GLFW_KEY_LEFT_BRACKET) step_exposure(-0.25f);
+      if (event.key == GLFW_KEY_RIGHT_BRACKET) step_exposure(0.25f);
       if (event.key == GLFW_KEY_TAB) state.left_open = state.right_open = !(state.left_open || state.right_open);
       if (event.key == GLFW_KEY_F1 || event.key == GLFW_KEY_H) {
         state.left_open = true;
@@ -159,6 +159,11 @@ class App {
       }
       if (event.key == GLFW_KEY_ESCAPE) state.tool = Tool::camera;
     }
+  }
+
+  void step_exposure(float stops) {
+    session_.state.exposure_ev += stops;
+    session_.state.auto_exposure = false;
   }
 
   void fly(float seconds) {
@@ -184,6 +189,7 @@ class App {
     if (actions.go_to_camera >= 0) session_.go_to_camera(actions.go_to_camera);
     if (actions.frame_scene)
       session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
+    if (actions.meter_exposure) session_.request_metering();
     if (actions.undo) session_.undo();
     if (actions.dismiss_messages) session_.dismiss_messages();
   }

@@ -54,6 +54,7 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const bool stale = changed || news || !(request == drawn_);
   const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
   if (due) draw(session, request, !stale);
+  if (due && !failed_ && !moving_) session->meter_if_requested();
   const EditorState& state = session->state;
   if (due || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||
       shown_exposure_ev_ != state.exposure_ev || shown_view_ != state.debug_view)

@@ -67,6 +67,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.edits.variant = request.variant;
   state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
   state.edits.env_scale = options.env_scale;
+  state.auto_exposure = !options.exposure_ev;
   state.exposure_ev = exposure_of(options, *environment_);
   seed_ = options.seed;
   for (const auto& [name, source] : options.materials) {
@@ -97,15 +98,16 @@ void WindowSession::take_scene(ScenePointer scene) {
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
   undo_.reset(state.edits);
+  request_metering();
   ++revision_;
 }
 
 void WindowSession::take_environment(EnvironmentPointer environment, const std::string& source) {
   renderer_.set_environment(environment);
-  const bool automatic = environment_ && std::abs(state.exposure_ev - suggested_exposure()) < 1e-3f;
   environment_ = std::move(environment);
   suggested_ev_ = suggest_exposure_ev(*environment_);
-  if (automatic) state.exposure_ev = suggested_exposure();  // the user has not chosen one
+  if (state.auto_exposure) state.exposure_ev = suggested_exposure();
+  request_metering();
   for (const std::string& warning : environment_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(source).filename().string() + ": " + warning);
   remember(&environment_files_, source);
@@ -314,6 +316,13 @@ void WindowSession::go_to_camera(int index) {
   const std::vector<std::string> names = camera_names(*scene_);
   if (index >= 0 && index < static_cast<int>(names.size()))
     set_camera(camera_by_name(*scene_, names[static_cast<std::size_t>(index)]));
+  request_metering();
+}
+
+void WindowSession::meter_if_requested() {
+  if (!metering_ || !state.auto_exposure) return;
+  state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
+  metering_ = !renderer_.background_work().empty();
 }
 
 /// A camera of a file says nothing of how far what it looks at is: as far as the middle of the scene.

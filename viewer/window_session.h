@@ -33,6 +33,10 @@ class WindowSession {
   void undo();
   void go_to_camera(int index);
   void frame_scene(float aspect);
+  /// The exposure is to be found from the picture: when the next one that does not move is drawn, and again when what
+  /// is computed in the background shows.
+  void request_metering() { metering_ = true; }
+  void meter_if_requested();
   void add_message(MessageLevel level, const std::string& text);
   void dismiss_messages();
 
@@ -87,6 +91,7 @@ class WindowSession {
   std::string scene_source_, environment_source_;
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
+  bool metering_ = true;
   std::uint32_t seed_ = 0;
   std::uint64_t revision_ = 0;
 };

@@ -88,8 +88,8 @@ const std::vector<std::string>& tonemap_names() {
 }
 
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
-  constexpr double kTarget = 0.14, kFloor = 0.004;  // of the display's linear range
-  constexpr float kMostStops = 3.0f;
+  constexpr double kTarget = 0.1, kFloor = 0.004;  // of the display's linear range
+  constexpr float kMostStops = 2.0f;
   if (radiance.channels < 3) return environment_ev;
   const double scale = std::exp2(static_cast<double>(environment_ev));
   double sum = 0.0;

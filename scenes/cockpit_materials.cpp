@@ -10,6 +10,7 @@ using namespace modelling;
 
 namespace {
 
+/// `emissive` in cd/m2: displays at their daylight setting, lamps as bright as regulations ask for.
 Material emitter(const std::string& name, const glm::vec3& emissive) {
   Material material = plain_material(name, {0.02f, 0.02f, 0.02f}, 0.0f, 0.3f);
   material.emissive = emissive;
@@ -75,12 +76,12 @@ CockpitMaterials add_cockpit_materials(SceneBuilder* builder) {
   m.glass = builder->add_material(pane("Glass", {0.96f, 0.98f, 0.965f}));
   m.lens = builder->add_material(pane("LampLens", {0.97f, 0.97f, 0.97f}));
   m.mirror = builder->add_material(plain_material("Mirror", {0.9f, 0.9f, 0.91f}, 1.0f, 0.02f));
-  m.cluster = builder->add_material(screen("ClusterDisplay", builder->add_image(make_cluster_image()), 3.0f));
-  m.center_screen = builder->add_material(screen("CenterDisplay", builder->add_image(make_center_image()), 2.4f));
-  m.ambient = builder->add_material(emitter("AmbientLight", {0.25f, 1.1f, 2.2f}));
-  m.daylight_lamp = builder->add_material(emitter("DaylightLamp", {6.0f, 6.2f, 6.6f}));
+  m.cluster = builder->add_material(screen("ClusterDisplay", builder->add_image(make_cluster_image()), 2500.0f));
+  m.center_screen = builder->add_material(screen("CenterDisplay", builder->add_image(make_center_image()), 1800.0f));
+  m.ambient = builder->add_material(emitter("AmbientLight", {25.0f, 110.0f, 220.0f}));
+  m.daylight_lamp = builder->add_material(emitter("DaylightLamp", {20000.0f, 20700.0f, 22000.0f}));
   Material tail = plain_material("TailLamp", srgb(140, 6, 10), 0.0f, 0.1f);
-  tail.emissive = {0.9f, 0.02f, 0.02f};
+  tail.emissive = {1800.0f, 40.0f, 40.0f};
   tail.clearcoat = 1.0f;
   tail.clearcoat_roughness = 0.03f;
   m.tail_lamp = builder->add_material(tail);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -35,8 +36,11 @@ TEST(LocalBandwidth, IsLocal) {
   const Image image =
       make_picture(128, 64, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * (x < 64 ? 0.05 : 0.25) * x); });
   for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(128 * 64, true), {})) {
-    if (w.x <= 48) EXPECT_LT(w.nu_x, 0.09) << w.x;
-    if (w.x >= 80) EXPECT_GT(w.nu_x, 0.23) << w.x;
+    if (w.x <= 48) {
+      EXPECT_LT(w.nu_x, 0.09) << w.x;
+    } else if (w.x >= 80) {
+      EXPECT_GT(w.nu_x, 0.23) << w.x;
+    }
   }
 }
 
@@ -48,6 +52,18 @@ TEST(LocalBandwidth, WhiteNoiseFillsTheBand) {
   });
   for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), {}))
     EXPECT_NEAR(w.nu_x, 0.475, 0.02);
+}
+
+TEST(LocalBandwidth, WavesLongerThanTwoWindowsMeasureTheFloor) {
+  const LocalBandwidthOptions options;
+  for (const double period : {64.0, 100.0, 400.0}) {
+    const Image image = make_picture(320, 32, [&](int x, int) { return 2.0 + std::cos(2.0 * kPi * x / period); });
+    double largest = 0.0;
+    for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(320 * 32, true), options))
+      largest = std::max(largest, w.nu_x);
+    EXPECT_LT(largest, measured_floor(options)) << period;
+    EXPECT_GT(largest, 0.5 * measured_floor(options)) << period;
+  }
 }
 
 TEST(LocalBandwidth, NoiseOfTwoHalvesIsNoBandwidth) {

@@ -118,6 +118,10 @@ double window_bandwidth(const LocalBandwidthOptions& options) {
   return own_bandwidth(LineSpectrum(options.window), hann(options.window), options.energy);
 }
 
+double measured_floor(const LocalBandwidthOptions& options) {
+  return (options.remove_mean ? 1.75 : 1.0) * window_bandwidth(options);
+}
+
 std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
                                                      const LocalBandwidthOptions& options) {
   const int n = options.window;

@@ -32,6 +32,9 @@ std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image
 /// Bandwidth that the Hann window itself has by this measure, cycles/px: about one over its side.
 double window_bandwidth(const LocalBandwidthOptions& options);
 
+/// What the measure can still read, cycles/px: without their mean, waves longer than two windows measure up to this.
+double measured_floor(const LocalBandwidthOptions& options);
+
 /// Pixels that show a surface and lie on no geometric edge: same material as their four neighbours, depth that
 /// continues linearly, normals that turn smoothly. The pictures are debug views of one size.
 std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal, const Image& material);

@@ -31,8 +31,15 @@ struct Sums {
   bool all_reached = true;
 };
 
-void judge_case(const Case& c, const Curve& uniform, const Curve& bandwidth, Sums* sums, Figures* figures) {
+void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& bandwidth, Sums* sums,
+                Figures* figures) {
   for (const double error : {0.01, 0.02, 0.05, 0.1}) {
+    if (error < noise) {
+      figures->push_back(absent("equal quality, " + c.name + ", to " + percent(error), "",
+                                "the converged picture's own noise is " + percent(noise)));
+      if (error == 0.02) sums->all_reached = false;
+      continue;
+    }
     const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
     const auto uc = time_to(uniform, error, true), bc = time_to(bandwidth, error, true);
     std::string text = "uniform " + (u ? number(*u) + " ms" : "not reached") + ", bandwidth " +
@@ -51,6 +58,7 @@ void judge_case(const Case& c, const Curve& uniform, const Curve& bandwidth, Sum
     sums->prediction.push_back(p.prediction_ms / std::max(p.frame_ms, 1e-9));
   }
   for (const double error : {0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1}) {
+    if (error < noise) continue;
     const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
     const double ratio = !u ? 1e30 : !b ? 0.0 : *u / *b;
     if (ratio < sums->least) {
@@ -77,7 +85,7 @@ Figures measure_equal_quality(Stage& stage) {
     std::fprintf(stderr, "  %-16s reference noise %.2f %%\n", c.name.c_str(), 100.0 * noise);
     const std::vector<Curve> curves = sweep(stage, {"uniform", "bandwidth"}, 0.009);
     figures.push_back(shown("reference noise, " + c.name, percent(noise)));
-    judge_case(c, curves[0], curves[1], &sums, &figures);
+    judge_case(c, noise, curves[0], curves[1], &sums, &figures);
   }
   if (sums.throughput.empty()) return figures;
   const double ratio = geometric_mean(sums.wall_ratio);
@@ -121,7 +129,9 @@ Figures measure_research(Stage& stage) {
     const auto wall = time_to(curve, 0.02, false), cpu = time_to(curve, 0.02, true);
     const std::string name = "512 x 512 sphere under Grace to 2 %, " + names[i];
     const std::string tail = ", reference noise " + percent(noise);
-    if (wall)
+    if (noise > 0.02)
+      figures.push_back(absent(name, target, "the converged picture's own noise is " + percent(noise)));
+    else if (wall)
       figures.push_back(
           judged(name, target, number(*wall) + " ms (CPU " + number(*cpu) + " ms)" + tail, *wall <= 1000.0));
     else

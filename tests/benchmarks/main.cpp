@@ -102,7 +102,7 @@ int run(int argc, char** argv) {
   app.add_option("--sweep-seconds", options.sweep_seconds, "longest frame of a sweep");
   app.add_flag("--fresh", options.fresh, "make the references again");
   app.add_option("--markdown", markdown_path, "write the table to this file as well");
-  app.require_subcommand(1);
+  app.require_subcommand(1, 0);
   app.fallthrough();
   app.add_subcommand("all", "every figure");
   for (const Part& part : kParts) app.add_subcommand(part.name, part.help);

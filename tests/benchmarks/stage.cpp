@@ -78,8 +78,11 @@ Stage::Stage(const Options& options)
 }
 
 void Stage::show(const Case& c) {
-  if (c.scene != case_.scene) {
-    renderer_->set_scene(std::make_shared<Scene>(load_scene(c.scene)));
+  if (c.scene != case_.scene || c.plain != case_.plain) {
+    auto scene = std::make_shared<Scene>(load_scene(c.scene));
+    for (Material& m : scene->materials)
+      if (c.plain) m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = {};
+    renderer_->set_scene(scene);
     case_.material.clear();
   }
   if (c.environment != case_.environment || environment_hash_ == 0) {

@@ -44,6 +44,7 @@ struct Case {
   std::string name = {}, scene = {}, camera = {}, material = {};
   std::string environment = "builtin:clear-sky";
   int width = 640, height = 360;
+  bool plain = false;  ///< without the textures of its materials
 };
 
 struct Clock {

@@ -109,7 +109,7 @@ std::vector<Definition> definitions() {
 constexpr std::size_t kJudged = 2;  // index into definitions(): see docs/performance.md
 
 struct Views {
-  Image bandwidth, variance, base_color;
+  Image bandwidth, variance;
   std::vector<bool> smooth;
 };
 
@@ -119,31 +119,18 @@ Views predict(Stage& stage, int samples) {
   Views v;
   v.bandwidth = renderer.read_debug_view("bandwidth");
   v.variance = renderer.read_debug_view("variance");
-  v.base_color = renderer.read_debug_view("base_color");
   v.smooth = test::smooth_surface_pixels(renderer.read_debug_view("depth"), renderer.read_debug_view("normal"),
                                          renderer.read_debug_view("material"));
   return v;
 }
 
-/// Without the pattern of textures: light is what is interpolated, and what the prediction is of.
-Image untextured(const Image& picture, const Image& base_color) {
-  Image result = picture;
-  for (std::size_t i = 0; i + 3 < result.data.size(); i += 4) {
-    const float* base = &base_color.data[i];
-    const float y = 0.2126f * base[0] + 0.7152f * base[1] + 0.0722f * base[2];
-    for (std::size_t c = 0; c < 3; ++c) result.data[i + c] /= std::max(y, 0.02f);
-  }
-  return result;
-}
-
 Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Definition& d) {
   Pairs pairs;
-  const Image a = untextured(reference.halves[0], views.base_color);
-  const Image b = untextured(reference.halves[1], views.base_color);
-  for (const auto& w : test::measure_local_bandwidth(a, b, views.smooth, d.options)) {
+  for (const auto& w :
+       test::measure_local_bandwidth(reference.halves[0], reference.halves[1], views.smooth, d.options)) {
     ++pairs.windows;
     if (w.noise > 0.2) continue;  // too flat to have a bandwidth that could be measured
-    pairs.predicted.push_back(pooled(views.bandwidth, a, w, d.options.window, d.pooling));
+    pairs.predicted.push_back(pooled(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
     pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
   }
   return pairs;
@@ -272,8 +259,9 @@ Figures measure_validation(Stage& stage) {
   const std::vector<Definition> all = definitions();
   std::vector<Pairs> sums(all.size());
   Pairs variances;
-  for (const Case& c : quality_cases(stage.options())) {
+  for (Case c : quality_cases(stage.options())) {
     if (!stage.options().wants(c.name)) continue;
+    c.plain = true;  // light is what is interpolated, and what the prediction is of
     stage.show(c);
     const Reference& reference = stage.reference();
     const Views views = predict(stage, kSamples);

@@ -71,9 +71,9 @@ Figures measure_turning_light(Stage& stage) {
   const Image frame = stage.renderer().read_radiance();
   FrameRequest converged = r;
   converged.mode = "uniform";
-  converged.samples = 1024;
+  converged.samples = 512;
   converged.seed = 77;
-  for (int f = 0; f < 8; ++f) stage.renderer().render(converged, true);
+  for (int f = 0; f < 6; ++f) stage.renderer().render(converged, true);
   const double error = relative_rmse(frame, stage.renderer().read_radiance());
   figures.push_back(
       judged("its error to the converged picture", "<= 5 %", number(100.0 * error) + " %", error <= 0.05));

@@ -41,10 +41,11 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     vec3 wi, f;
     float pdf, f_hat;
 #if MEASURED
-    BrdfSample s = sample_measured(p.slot, p.wo, unit_float(q1), unit_float(q2));
+    g_brdf_slot = p.slot;
+    BrdfSample s = sample_brdf(p.wo, vec2(unit_float(q1), unit_float(q2)));
     wi = s.wi;
     pdf = s.pdf;
-    if (wi.z <= 0.0) continue;
+    if (pdf <= 0.0) continue;
     f = measured_brdf(p.slot, wi, p.wo, unit_pair(q3)) * p.tint;
     f_hat = luminance(f) * wi.z * p.inverse_albedo;
 #else

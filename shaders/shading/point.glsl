@@ -109,34 +109,11 @@ vec3 environment_stochastic(vec3 d, vec2 xi) {
 
 
 
-struct BrdfSample {
-  vec3 wi;    // local; z <= 0 when the sample is lost
-  float pdf;  // true density of this sampler, 1/sr
-};
-
-BrdfSample sample_measured(int slot, vec3 wo, float u1, float u2) {
-  int elevation = min(int(latlong_atan2(wo.x, wo.z) * (float(kElevations) * 0.63661977)), kElevations - 1);
-  float cell = u1 < 0.5 ? u1 * 64.0 : min(32.0 - 8.0 * log2(2.0 - 2.0 * u1), 95.9999);
-  int k = int(cell);
-  int j = k - 32;
-  float mass = k < 32 ? 0.015625 : (k == 95 ? 0.5 * exp2(-7.875) : 0.5 * exp2(-0.125 * float(j)) * 0.0829959567953288);
-  float inside = cell - float(k);
-  int base = (slot * kElevations + elevation) * kThetaCells + k;
-  vec2 t = texelFetch(t_theta_cells, base).xy;
-  float side = u2 < 0.5 ? 1.0 : -1.0;
-  float v = fract(2.0 * u2) * float(kPhiCells);
-  int m = min(int(v), kPhiCells - 1);
-  vec2 phi = texelFetch(t_phi_cells, base * kPhiCells + m).xy;
-  float x = mix(t.x, t.y, inside);
-  float a = mix(phi.x, phi.y, v - float(m)) - 0.5 * kPi;
-  float a2 = a * a;
-  float s = a * (0.99999750 + a2 * (-0.16665168 + a2 * (0.00830950 - a2 * 0.00018447)));
-  float sin_theta = sqrt(max(0.0, x * (2.0 - x)));
-  vec3 h = vec3(-sin_theta * s, side * sin_theta * sqrt(max(0.0, 1.0 - s * s)), 1.0 - x);
-  float d = dot(wo, h);
-  BrdfSample r;
-  r.wi = h * (2.0 * d) - wo;
-  if (d <= 0.0) r.wi.z = -1.0;
-  r.pdf = mass * (1.0 / 128.0) / (max((t.y - t.x) * (phi.y - phi.x), 1e-20) * max(d, 1e-6));
-  return r;
+int g_brdf_slot = 0;  // whose cells the shared sampler reads
+vec2 fetch_theta_cell(int elevation, int k) {
+  return texelFetch(t_theta_cells, (g_brdf_slot * kElevations + elevation) * kThetaCells + k).xy;
 }
+vec2 fetch_phi_cell(int elevation, int k, int p) {
+  return texelFetch(t_phi_cells, ((g_brdf_slot * kElevations + elevation) * kThetaCells + k) * kPhiCells + p).xy;
+}
+#include "shared/brdf_sampling.glsl"

@@ -34,8 +34,8 @@ uniform float u_sample_scale;
 
 #if BANDWIDTH
 /// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
-/// below it, and of 2.5 to 7 this gave the least error in the same time (spheres under Grace Cathedral, docs/performance.md).
-const float kPointsPerCycle = 3.0;
+/// below it, 2.5 does best for matte spheres under Grace Cathedral, 5 for chrome ones.
+const float kPointsPerCycle = 4.0;
 
 vec4 picture_mean() { return texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1); }
 

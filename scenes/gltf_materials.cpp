@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"
@@ -104,6 +106,11 @@ class MaterialReader {
       return {};
     }
     ref.uv_set = static_cast<int>(uv_set);
+    static const std::set<std::string_view> kNotShaded = {
+        "clearcoatRoughnessTexture", "clearcoatNormalTexture", "transmissionTexture",  "specularTexture",
+        "specularColorTexture",      "sheenColorTexture",      "sheenRoughnessTexture"};
+    if (kNotShaded.count(key) > 0)
+      document_.warnings.add(std::string(key) + " is kept but not shaded: its factor holds everywhere", name_);
     return ref;
   }
 

@@ -154,7 +154,7 @@ int choose_chunk(const FrameRequest& request, int samples) {
   return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(per_point / 4, 4)))), 4, 4096);
 }
 
-/// The camera alone, for the picture before it is known how long this frame's passes take.
+/// Depth 1 at the near plane, 0 at infinity: float then resolves near and far alike.
 glm::mat4 reverse_infinite_projection(float fov_y, float aspect, float near_m) {
   const float f = 1.0f / std::tan(0.5f * fov_y);
   glm::mat4 p(0.0f);

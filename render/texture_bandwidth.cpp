@@ -5,15 +5,15 @@
 #include <bit>
 #include <cmath>
 
+#include "render/daubechies4.h"
+
 namespace maquette {
 
 namespace {
 
 /// One level of the Daubechies-4 transform of n values `stride` apart, periodic: averages first, then details.
-/// Source: Daubechies 1988; coefficients as in Press et al., Numerical Recipes, Sec. 13.10.
 void daubechies4_step(float* values, std::size_t n, std::size_t stride) {
-  constexpr float h0 = 0.4829629131445341f, h1 = 0.8365163037378079f, h2 = 0.2241438680420134f,
-                  h3 = -0.1294095225512604f;
+  constexpr float h0 = kDaubechies4[0], h1 = kDaubechies4[1], h2 = kDaubechies4[2], h3 = kDaubechies4[3];
   std::vector<float> out(n);
   for (std::size_t i = 0; i < n / 2; ++i) {
     const auto v = [&](std::size_t k) { return values[(2 * i + k) % n * stride]; };

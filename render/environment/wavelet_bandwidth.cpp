@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "render/daubechies4.h"
+
 namespace maquette {
 namespace {
 
@@ -16,18 +18,6 @@ constexpr std::size_t kLanes = 8;
 constexpr double kNegligible = 1e-4;  ///< share of a tone in a level
 /// The estimated peak's half width, in octaves (see the header).
 constexpr double kPeakOctaves = 0.2;
-
-struct D4 {
-  float h[4];
-  D4() {
-    const double s3 = std::sqrt(3.0), n = 4.0 * std::sqrt(2.0);
-    h[0] = static_cast<float>((1.0 + s3) / n);
-    h[1] = static_cast<float>((3.0 + s3) / n);
-    h[2] = static_cast<float>((3.0 - s3) / n);
-    h[3] = static_cast<float>((1.0 - s3) / n);
-  }
-};
-const D4 kD4;
 
 void filter(const std::array<float, 4>& taps, const float* signal, std::size_t n, std::size_t dilation,
             std::size_t step, float* result) {
@@ -47,7 +37,7 @@ void filter(const std::array<float, 4>& taps, const float* signal, std::size_t n
 /// |H(f)|^2 / 2: share of a tone's energy that the low-pass keeps. The detail gets the rest.
 double low_share(double frequency) {
   std::complex<double> sum = 0.0;
-  for (int k = 0; k < 4; ++k) sum += static_cast<double>(kD4.h[k]) * std::polar(1.0, -2.0 * kPi * frequency * k);
+  for (int k = 0; k < 4; ++k) sum += static_cast<double>(kDaubechies4[k]) * std::polar(1.0, -2.0 * kPi * frequency * k);
   return std::norm(sum) / 2.0;
 }
 
@@ -57,11 +47,11 @@ double bin_upper_log2(double bin) { return -1.0 - bin / kBinsPerOctave; }
 }  // namespace
 
 void d4_low_pass(const float* signal, std::size_t n, std::size_t dilation, std::size_t step, float* low) {
-  filter({kD4.h[0], kD4.h[1], kD4.h[2], kD4.h[3]}, signal, n, dilation, step, low);
+  filter({kDaubechies4[0], kDaubechies4[1], kDaubechies4[2], kDaubechies4[3]}, signal, n, dilation, step, low);
 }
 
 void d4_detail(const float* signal, std::size_t n, std::size_t dilation, std::size_t step, float* detail) {
-  filter({kD4.h[3], -kD4.h[2], kD4.h[1], -kD4.h[0]}, signal, n, dilation, step, detail);
+  filter({kDaubechies4[3], -kDaubechies4[2], kDaubechies4[1], -kDaubechies4[0]}, signal, n, dilation, step, detail);
 }
 
 LevelEnergies::LevelEnergies(std::size_t n, int level_count) : signal_(n), low_(n), next_(n) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/daubechies4.h"
 #include "render/materials/symmetric_brdf.h"
 
 namespace maquette {
@@ -14,9 +15,7 @@ namespace {
 
 constexpr int kCells = 128;
 constexpr int kCoarsestCells = 2;
-// Daubechies 1992, Table 6.1, N = 2, normalised to unit energy: (1 +- sqrt 3), (3 +- sqrt 3) over 4 sqrt 2.
-constexpr float kH0 = 0.48296291314453414f, kH1 = 0.83651630373780791f;
-constexpr float kH2 = 0.22414386804201339f, kH3 = -0.12940952255126037f;
+constexpr float kH0 = kDaubechies4[0], kH1 = kDaubechies4[1], kH2 = kDaubechies4[2], kH3 = kDaubechies4[3];
 constexpr double kWindow = 2.0;  // cells to each side
 constexpr double kShare = 0.95;
 // Calibrated on Gaussians of 0.2 to 28 degrees, whose 95 % frequency is known: within 0.8 and 1.25 of it (D4 bands

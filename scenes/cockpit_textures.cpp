@@ -140,11 +140,13 @@ TextureImage make_center_image() {
 }
 
 TextureImage make_asphalt_image() {
-  return paint_image("asphalt", 256, 256, [](const Vec2& p) {
-    const double stone = tileable_noise(p.x / 4.0, p.y / 4.0, 64, 3u),
-                 patch = tileable_fbm(p.x / 64.0, p.y / 64.0, 4, 3, 9u);
-    const double shade = 0.46 + 0.045 * stone + 0.018 * patch;
-    return Vec3(shade, shade * 0.995, shade * 0.98);
+  return paint_image("asphalt", 512, 512, [](const Vec2& p) {
+    // Grains of 6 mm on a tile of 1.5 m, and stains so faint that their repetition is not seen. The mean is the albedo
+    // of the ground of the clear sky, so that the rim of the ground is not seen either.
+    const double grain = tileable_noise(p.x / 2.0, p.y / 2.0, 256, 3u),
+                 stain = tileable_fbm(p.x / 128.0, p.y / 128.0, 4, 3, 9u);
+    const double shade = 0.40 + 0.035 * grain + 0.008 * stain;
+    return Vec3(shade, shade * 0.988, shade * 0.96);
   });
 }
 

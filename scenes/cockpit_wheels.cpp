@@ -95,6 +95,18 @@ Primitive make_housing(double z) {
   return housing;
 }
 
+/// Coordinate of a line of the ground at t in [0, 1]: evenly spaced under and around the car, where shadows have edges
+/// (visibility is found at the vertices), ever wider out to the rim.
+double ground_line_m(double t, double fine_half_m) {
+  constexpr double kFineShare = 0.7, kHalf_m = 15.0;
+  const double s = 2.0 * t - 1.0, outside = std::max(0.0, std::abs(s) - kFineShare) / (1.0 - kFineShare);
+  const double slope_m = fine_half_m * (1.0 - kFineShare) / kFineShare;
+  const double rest_m = kHalf_m - fine_half_m - slope_m;
+  return std::copysign(fine_half_m * std::min(std::abs(s) / kFineShare, 1.0) + slope_m * outside +
+                           rest_m * outside * outside * outside,
+                       s);
+}
+
 }  // namespace
 
 void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
@@ -133,8 +145,13 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
 }
 
 void add_ground(SceneBuilder* builder, const CockpitMaterials& m) {
-  builder->add_part("ground", make_quad({-15.0, 0.0, 15.0}, {30.0, 0.0, 0.0}, {0.0, 0.0, -30.0}, 24, {20.0, 20.0}),
-                    m.asphalt);
+  constexpr double kTile_m = 1.5;
+  Primitive ground = make_grid(96, 120, [](double u, double v) {
+    return Vec3(ground_line_m(u, 2.8), 0.0, -ground_line_m(v, 4.4));
+  });
+  for (std::size_t i = 0; i < ground.positions.size(); ++i)
+    ground.uvs[0][i] = glm::vec2(ground.positions[i].x, ground.positions[i].z) / static_cast<float>(kTile_m);
+  builder->add_part("ground", std::move(ground), m.asphalt);
 }
 
 }  // namespace maquette::builtin

@@ -248,13 +248,17 @@ Environment make_clear_sky() {
   const glm::dvec3 ridge = 0.28 * ground * glm::dvec3(0.72, 0.95, 0.85);
   Environment environment = rasterise([&](const glm::dvec3& d) {
     const double elevation = std::asin(std::clamp(d.y, -1.0, 1.0));
-    if (elevation > ridge_rad(std::atan2(d.x, d.z)))
-      return sky.radiance(glm::normalize(glm::dvec3(d.x, std::max(d.y, 0.0), d.z)));
     const glm::dvec3 haze =
         elevation > radians(-20.0) ? sky.radiance(glm::normalize(glm::dvec3(d.x, 0.035, d.z))) : glm::dvec3(0.0);
-    // Aerial perspective: what is far takes the colour of the horizon.
-    if (elevation > 0.0) return glm::mix(ridge, haze, 0.35);
-    return glm::mix(ground, haze, 0.35 * std::exp(elevation / radians(2.5)));
+    // Aerial perspective: what is far takes the colour of the horizon. Edges fade over two texels: a longer lens
+    // would show the grid as stairs along the ridge.
+    constexpr double kFade_rad = 1.0 * kPi / kHeight;
+    const glm::dvec3 plain = glm::mix(ground, haze, 0.45 * std::exp(std::min(elevation, 0.0) / radians(2.5)));
+    const glm::dvec3 land = glm::mix(plain, glm::mix(ridge, haze, 0.5), smoothstep(-kFade_rad, kFade_rad, elevation));
+    const double edge = ridge_rad(std::atan2(d.x, d.z));
+    if (elevation < edge - kFade_rad) return land;
+    const glm::dvec3 above = sky.radiance(glm::normalize(glm::dvec3(d.x, std::max(d.y, 0.0), d.z)));
+    return glm::mix(land, above, smoothstep(edge - kFade_rad, edge + kFade_rad, elevation));
   });
   // Normalised so that the grid holds the disc's energy exactly, whatever its coverage rounds to.
   double covered = 0.0;

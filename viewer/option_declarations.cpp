@@ -233,8 +233,11 @@ std::vector<OptionDeclaration> technique_options() {
 std::vector<OptionDeclaration> output_options() {
   using O = SceneOptions;
   OptionDeclaration output =
-      render_only("--output", "FILE", ".exr (linear, cd/m2) or .png (tone mapped)",
+      render_only("--output", "FILE",
+                  "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
+                  "colours) or .exr (absolute, R, G, B); `report`: the folder",
                   [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
+  output.commands = {"render", "compare", "report"};
   output.alias = "-o";
   return {
       output,

@@ -163,7 +163,7 @@ int run_render(const CommandLine& line) {
   else
     render_frames(&renderer, request, options, &report);
   const Image radiance = renderer.read_radiance();
-  if (reference) report.error = compare_images(radiance, *reference);
+  if (reference) report.error = measure_error(radiance, *reference).figures;
   if (!options.output.empty()) {
     const float suited_ev = exposure_of(options, *environment);
     write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,

@@ -22,7 +22,7 @@ TEST(Metrics, FollowTheirDefinitions) {
   EXPECT_NEAR(*f.relative_rmse, rmse / 2.0, 1e-6);
   EXPECT_NEAR(*f.psnr, 20.0 * std::log10(2.0 / rmse), 1e-5);
   EXPECT_NEAR(*f.relmse, 0.36 / (4.0 + 0.04) / 6.0, 1e-6);
-  EXPECT_FALSE(f.flip);
+  EXPECT_FALSE(f.flip);  // only measure_error looks at neighbours
   EXPECT_EQ(f.pixel_count, 2u);
 }
 
@@ -72,6 +72,74 @@ TEST(Metrics, SizesMustAgree) {
     EXPECT_NE(std::string(error.what()).find("4 x 3"), std::string::npos);
   }
   EXPECT_THROW(compare_images(Image(4, 4, 1), Image(4, 4, 3)), Error);
+}
+
+TEST(MeasureError, EqualPicturesAndTheirNote) {
+  Image image(24, 16, 4, 1.0f);
+  for (int x = 0; x < 24; ++x)
+    for (int y = 0; y < 16; ++y) image.at(x, y, 1) = 0.1f * static_cast<float>(x * y);
+  const ErrorReport report = measure_error(image, image);
+  EXPECT_EQ(*report.figures.flip, 0.0);
+  EXPECT_EQ(*report.figures.flip_ldr, 0.0);
+  EXPECT_NEAR(*report.figures.ssim, 1.0, 1e-5);
+  EXPECT_EQ(report.figures.notes.size(), 1u);
+  EXPECT_NE(report.figures.notes.front().find("equal"), std::string::npos);
+}
+
+TEST(MeasureError, BrokenPixelsDoNotSpread) {
+  Image reference(40, 40, 3, 1.0f), image = reference;
+  image.at(20, 20, 0) = kNan;
+  const ErrorReport report = measure_error(image, reference);
+  EXPECT_EQ(*report.figures.flip, 0.0);
+  EXPECT_EQ(*report.figures.flip_ldr, 0.0);
+  EXPECT_EQ(report.figures.invalid_count, 1u);
+  EXPECT_NE(report.figures.notes.front().find("NaN"), std::string::npos);
+  const Image picture = difference_picture(report, image, reference);
+  EXPECT_EQ(picture.at(20, 20, 0), 1.0f);
+  EXPECT_EQ(picture.at(20, 20, 1), 0.0f);
+  EXPECT_NE(picture.at(21, 20, 0), 1.0f);
+}
+
+TEST(MeasureError, BlackBrokenAndEmptyHaveAnAnswer) {
+  const ErrorReport black = measure_error(Image(8, 8, 3, 0.1f), Image(8, 8, 3));
+  EXPECT_FALSE(black.figures.relative_rmse);
+  EXPECT_GT(*black.figures.flip, 0.0);
+  EXPECT_NE(black.figures.notes.front().find("black"), std::string::npos);
+  EXPECT_EQ(*measure_error(Image(8, 8, 3), Image(8, 8, 3)).figures.flip, 0.0);
+  const ErrorReport broken = measure_error(Image(8, 8, 3, kNan), Image(8, 8, 3));
+  EXPECT_FALSE(broken.figures.flip);
+  EXPECT_EQ(broken.figures.notes.size(), 2u);
+  const ErrorReport sky = measure_error(Image(8, 8, 4), Image(8, 8, 4));
+  EXPECT_FALSE(sky.figures.flip);
+  EXPECT_NE(sky.figures.notes.front().find("sky"), std::string::npos);
+  Image mostly(8, 8, 3);
+  mostly.at(3, 3, 1) = 5.0f;
+  const ErrorReport half = measure_error(Image(8, 8, 3, 0.1f), mostly);
+  EXPECT_TRUE(std::isfinite(*half.figures.flip));
+  EXPECT_NE(half.figures.notes.front().find("more than half"), std::string::npos);
+}
+
+TEST(MeasureError, TheSkyDoesNotCount) {
+  Image reference(32, 32, 4, 1.0f), image = reference;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 32; ++x) {
+      reference.at(x, y, 3) = 0.0f;
+      image.at(x, y, 0) = 50.0f;
+    }
+  const ErrorFigures f = measure_error(image, reference).figures;
+  EXPECT_EQ(*f.rmse, 0.0);
+  EXPECT_LT(*f.flip, 0.35);  // only what the eye's filter carries over the edge
+  EXPECT_EQ(f.pixel_count, 32u * 24u);
+}
+
+TEST(MeasureError, DisplayExposureShowsTheLogAverageAsGrey) {
+  Image image(2, 1, 3);
+  for (int c = 0; c < 3; ++c) {
+    image.at(0, 0, c) = 0.5f;
+    image.at(1, 0, c) = 8.0f;
+  }
+  EXPECT_NEAR(display_exposure_ev(image), std::log2(0.18 / 2.0), 1e-6);
+  EXPECT_EQ(display_exposure_ev(Image(2, 2, 3)), 0.0);
 }
 
 TEST(FalseColor, RunsFromBlueToRedAndFlagsBrokenValues) {

@@ -120,9 +120,11 @@ TEST(Render, ReferenceAddsTheError) {
   const Json same = run_with_stats(folder, {"--seed", "5", "--reference", folder.file("reference.exr")});
   EXPECT_EQ(same["error"]["rmse"], 0.0);  // deterministic by seed
   EXPECT_TRUE(same["error"]["psnr"].is_null());
-  EXPECT_TRUE(same["error"]["flip"].is_null());
+  EXPECT_EQ(same["error"]["flip"], 0.0);
   const Json other = run_with_stats(folder, {"--seed", "6", "--reference", folder.file("reference.exr")});
   EXPECT_GT(other["error"]["relative_rmse"].get<double>(), 0.0);
+  EXPECT_GT(other["error"]["flip"].get<double>(), 0.0);
+  EXPECT_LT(other["error"]["ssim"].get<double>(), 1.0);
   const ProgramResult compare = run_maquette({"compare", folder.file("a.exr"), folder.file("reference.exr"), "--json"});
   ASSERT_EQ(compare.exit_code, 0) << compare.error;
   EXPECT_EQ(Json::parse(compare.out), other["error"]);

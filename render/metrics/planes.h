@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace maquette {
+
+/// One channel of a picture, row 0 on top: what the filters of the metrics work on.
+struct Plane {
+  int width = 0;
+  int height = 0;
+  std::vector<float> data;
+  Plane() = default;
+  Plane(int w, int h) : width(w), height(h), data(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
+};
+using Planes = std::array<Plane, 3>;
+
+/// An odd number of weights, the middle one at the pixel itself.
+using Kernel = std::vector<float>;
+
+/// Rows with `across`, then columns with `down`; the border pixels are repeated outwards.
+Plane convolve(const Plane& plane, const Kernel& across, const Kernel& down);
+
+}  // namespace maquette

@@ -236,6 +236,12 @@ void Renderer::Impl::dispatch(const Program& program, int x, int y) {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
+void Renderer::Impl::dispatch_list(const Program& program, int count) {
+  constexpr int kGroupsPerRow = 32768;
+  const int groups = (count + 63) / 64;
+  dispatch(program, std::min(groups, kGroupsPerRow), (groups + kGroupsPerRow - 1) / kGroupsPerRow);
+}
+
 FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   Impl& s = *impl_;
   s.require_ready();

@@ -69,6 +69,8 @@ struct Renderer::Impl {
   void compose(const FramePlan& plan, float blend, PassTimer* timer);
   void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);
+  /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
+  void dispatch_list(const Program& program, int count);
   void bind_frame() const;
 };
 

@@ -155,7 +155,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
-  dispatch(programs.get({"bandwidth/classify.comp", "", {}}), groups(groups(qw, 2) * groups(qh, 2), 64), 1);
+  dispatch_list(programs.get({"bandwidth/classify.comp", "", {}}), groups(qw, 2) * groups(qh, 2));
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {
@@ -213,7 +213,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
   for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
     t.counters.clear_to_zero();
     mark.set("u_sample_scale", scale);
-    dispatch(mark, groups(groups(t.grid_width(), 4) * groups(rows, 4), 64), 1);
+    dispatch_list(mark, groups(t.grid_width(), 4) * groups(rows, 4));
     t.counters.read(0, sizeof(counters), counters);
     const auto capacity = static_cast<unsigned>(t.item_capacity);
     if (counters[0] <= capacity && counters[8] <= capacity) break;
@@ -257,7 +257,7 @@ void Renderer::Impl::fill(PassTimer* timer) {
     for (int middle = 0; middle < 2; ++middle) {
       program.set("u_middle", middle);
       const int pairs = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
-      dispatch(program, groups(middle ? pairs : 2 * pairs, 64), 1);
+      dispatch_list(program, middle ? pairs : 2 * pairs);
     }
   }
   timer->end("upsample");

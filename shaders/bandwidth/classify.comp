@@ -1,6 +1,7 @@
 // Lists the quads that have something to see, measured and analytic materials apart, so that the lanes of a vector run the
 // same code. The first visible point of a quad stands for it; which one is tried first alternates.
 layout(local_size_x = 64) in;
+#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/material_table.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
@@ -17,7 +18,7 @@ layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;
   ivec2 blocks = (quads + 1) / 2;
-  int id = int(gl_GlobalInvocationID.x);
+  int id = int(linear_id());
   if (id >= blocks.x * blocks.y) return;
   ivec2 corner = 2 * ivec2(id % blocks.x, id / blocks.x);
   uint pixels[4];

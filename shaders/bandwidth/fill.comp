@@ -3,6 +3,7 @@
 // Dubuc 1989) where all lie on one smooth surface; else the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
 // along which the picture varies less counting more: an anisotropic kernel.
 layout(local_size_x = 64) in;
+#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
@@ -75,7 +76,7 @@ void main() {
   // The invocations are the points to fill and no others: (odd, odd), or (odd, even) and then (even, odd).
   int s = 1 << u_level;
   ivec2 pairs = (u_frame.size.xy + 2 * s - 1) / (2 * s);
-  int id = int(gl_GlobalInvocationID.x);
+  int id = int(linear_id());
   int count = pairs.x * pairs.y;
   bool second = id >= count;
   if (id >= (u_middle == 0 ? 2 * count : count)) return;

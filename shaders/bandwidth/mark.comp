@@ -2,6 +2,7 @@
 // shaded when that is the coarsest level, when the predicted spacing is finer than the next coarser grid, or when the coarser points
 // around it lie on other surfaces. One invocation takes a 4 x 4 block and appends its points with one atomic per list.
 layout(local_size_x = 64) in;
+#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
@@ -106,7 +107,7 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 
 void main() {
   ivec2 blocks = ivec2((u_frame.size.x + 3) / 4, (u_band.y + 3) / 4);
-  int id = int(gl_GlobalInvocationID.x);
+  int id = int(linear_id());
   if (id >= blocks.x * blocks.y) return;
   ivec2 corner = 4 * ivec2(id % blocks.x, id / blocks.x) + ivec2(0, u_band.x);
   uint counts[16];

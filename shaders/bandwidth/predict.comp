@@ -1,6 +1,7 @@
 // Per 2 x 2 quad: a few directions of the estimator, their bandwidth weighted by energy (L rho cos), and the moments from
 // which the variance of the integrand follows. Sums, so that neighbours of the same surface can be pooled.
 layout(local_size_x = 64) in;
+#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
@@ -154,7 +155,7 @@ void predict(ivec2 quad, ivec2 pixel) {
 }
 
 void main() {
-  uint id = gl_GlobalInvocationID.x;
+  uint id = linear_id();
   if (id >= b_lists[u_list].items) return;
   uint packed_pixel = b_pixels[2u * id];
   ivec2 pixel = ivec2(packed_pixel & 65535u, packed_pixel >> 16u);

@@ -1,13 +1,15 @@
 // Group counts of the indirect dispatches, from the lists' lengths.
 layout(local_size_x = 1) in;
+#include "shading/linear_id.glsl"
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
 layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
 void main() {
   for (int k = 0; k < 2; ++k) {
-    b_lists[k].groups_x = (b_lists[k].items + 63u) / 64u;
-    b_lists[k].groups_y = 1u;
+    uint groups = (b_lists[k].items + 63u) / 64u;
+    b_lists[k].groups_x = min(groups, kGroupsPerRow);
+    b_lists[k].groups_y = (groups + kGroupsPerRow - 1u) / kGroupsPerRow;
     b_lists[k].groups_z = 1u;
   }
 }

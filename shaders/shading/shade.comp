@@ -1,5 +1,6 @@
 // Shades work items: `chunk` samples of one point each, so that all lanes of a vector do the same count.
 layout(local_size_x = 64) in;
+#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
@@ -39,7 +40,7 @@ struct Result {
 #endif
 
 void main() {
-  uint id = gl_GlobalInvocationID.x;
+  uint id = linear_id();
   if (id >= b_lists[u_list].items) return;
   Item item = b_items[id];
   ivec2 pixel = ivec2(item.pixel & 65535u, item.pixel >> 16u);

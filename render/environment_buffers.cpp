@@ -11,13 +11,6 @@ namespace maquette {
 
 namespace {
 
-int choose_bias(const Environment& environment) {
-  float largest = 0.0f;
-  for (const glm::vec3& c : environment.rgb) largest = std::max({largest, c.x, c.y, c.z});
-  if (!(largest > 0.0f)) return 24;
-  return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
-}
-
 /// 1 / integral of p^2, p the density proportional to luminance: how much of the sphere the light comes from.
 float effective_solid_angle(const Environment& e, double integral) {
   if (integral <= 0.0) return 12.566f;
@@ -37,9 +30,16 @@ float effective_solid_angle(const Environment& e, double integral) {
 
 }  // namespace
 
+int EnvironmentBuffers::packing_bias(const Environment& environment) {
+  float largest = 0.0f;
+  for (const glm::vec3& c : environment.rgb) largest = std::max({largest, c.x, c.y, c.z});
+  if (!(largest > 0.0f)) return 24;
+  return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
+}
+
 EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> environment)
     : environment_(std::move(environment)), tables_(load_environment_tables(*environment_)) {
-  bias_ = choose_bias(*environment_);
+  bias_ = packing_bias(*environment_);
   std::vector<std::uint32_t> words(environment_->rgb.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 4096), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i)
@@ -56,7 +56,9 @@ EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> enviro
 }
 
 void EnvironmentBuffers::resample(std::uint32_t seed) {
-  const std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
+  std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
+  for (EnvironmentSample& s : samples)
+    s.radiance = shared::unpack_rgb9e5(shared::pack_rgb9e5(s.radiance, bias_), bias_);
   if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
 }
 

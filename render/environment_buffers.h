@@ -15,6 +15,8 @@ class EnvironmentBuffers {
   explicit EnvironmentBuffers(std::shared_ptr<const Environment> environment);
   /// Draws the light samples anew (progressive rendering asks when it has used the list up).
   void resample(std::uint32_t seed);
+  /// Bias of the shared exponent with which an environment is packed: its brightest texel just fits.
+  static int packing_bias(const Environment& environment);
   void bind() const;  ///< units 14, 15 and 17
   int bias() const { return bias_; }
   const Environment& environment() const { return *environment_; }

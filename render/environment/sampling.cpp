@@ -64,18 +64,35 @@ Cell find_cell(const float* cdf, std::size_t count, double u) {
   return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
 }
 
-/// evaluate_environment at a point of the map (texel centres at whole numbers), in float.
-glm::vec3 bilinear(const Environment& environment, float x, float y) {
-  const float x0 = std::floor(x), y0 = std::floor(y);
-  const auto texel = [&](int column, int row) {
+/// One of the four texels around a point of the map (texel centres at whole numbers).
+struct ChosenTexel {
+  glm::vec3 radiance;
+  float factor;  ///< probability of the choice over the texel's bilinear weight
+};
+
+/// Chosen in proportion to bilinear weight times importance.
+ChosenTexel choose_texel(const Environment& environment, float x, float y, float u) {
+  const float x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
+  glm::vec3 texels[4];
+  float importance[4], weights[4], sum = 0.0f;
+  for (int k = 0; k < 4; ++k) {
+    const int column = static_cast<int>(x0) + (k & 1), row = static_cast<int>(y0) + (k >> 1);
     const auto wrapped = static_cast<std::size_t>((column + environment.width) % environment.width);
     const auto clamped = static_cast<std::size_t>(std::clamp(row, 0, environment.height - 1));
-    return environment.rgb[clamped * static_cast<std::size_t>(environment.width) + wrapped];
-  };
-  const int column = static_cast<int>(x0), row = static_cast<int>(y0);
-  const glm::vec3 top = glm::mix(texel(column, row), texel(column + 1, row), x - x0);
-  const glm::vec3 bottom = glm::mix(texel(column, row + 1), texel(column + 1, row + 1), x - x0);
-  return glm::mix(top, bottom, y - y0);
+    texels[k] = environment.rgb[clamped * static_cast<std::size_t>(environment.width) + wrapped];
+    importance[k] = (texels[k].x + texels[k].y + texels[k].z) / 3.0f;
+    weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
+    sum += weights[k];
+  }
+  int chosen = -1;
+  for (int k = 0; k < 4; ++k) {
+    if (!(weights[k] > 0.0f)) continue;
+    chosen = k;
+    u -= weights[k] / sum;
+    if (u < 0.0f) break;
+  }
+  if (chosen < 0) return {glm::vec3(0.0f), 1.0f};  // a cell's border without light
+  return {texels[chosen], importance[chosen] / sum};
 }
 
 }  // namespace
@@ -101,9 +118,12 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
     const double x = static_cast<double>(column.index) + column.position;
     const double longitude = kPi - 2.0 * kPi * x / static_cast<double>(width);
     const double map_y = std::acos(y) / kPi * static_cast<double>(height);
+    // A third dimension for the texel: the golden ratio's additive recurrence.
+    const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
+    const ChosenTexel texel = choose_texel(environment, static_cast<float>(x) - 0.5f, static_cast<float>(map_y) - 0.5f,
+                                           static_cast<float>(w));
     samples[i] = {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
-                  tables.density[row.index * width + column.index],
-                  bilinear(environment, static_cast<float>(x) - 0.5f, static_cast<float>(map_y) - 0.5f), 0.0f};
+                  tables.density[row.index * width + column.index] * texel.factor, texel.radiance, 0.0f};
   });
   return samples;
 }

@@ -13,6 +13,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
+#include "tests/benchmarks/reference.h"
 
 namespace maquette::bench {
 
@@ -82,13 +83,14 @@ void Stage::show(const Case& c) {
     auto scene = std::make_shared<Scene>(load_scene(c.scene));
     for (Material& m : scene->materials)
       if (c.plain) m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = {};
-    renderer_->set_scene(scene);
+    scene_ = scene;
+    renderer_->set_scene(scene_);
     case_.material.clear();
   }
   if (c.environment != case_.environment || environment_hash_ == 0) {
-    const auto environment = std::make_shared<Environment>(load_environment(c.environment));
-    environment_hash_ = environment->hash;
-    renderer_->set_environment(environment);
+    environment_ = std::make_shared<Environment>(load_environment(c.environment));
+    environment_hash_ = environment_->hash;
+    renderer_->set_environment(environment_);
   }
   if (c.material != case_.material) renderer_->set_material("*", c.material);
   camera_ = find_camera(renderer_->scene(), c.camera);
@@ -131,7 +133,92 @@ void add(Image* a, const Image& b, float weight) {
   for (std::size_t i = 0; i < a->data.size(); ++i) a->data[i] += weight * b.data[i];
 }
 
+/// The same for light alone: alpha stays.
+void add_light(Image* a, const Image& b) {
+  for (std::size_t i = 0; i < a->data.size(); ++i)
+    if (i % 4 != 3) a->data[i] += b.data[i];
+}
+
+/// What lies over the opaque surfaces: picture = through * opaque + added, for each pixel and channel.
+struct Panes {
+  Image through, added;
+};
+
+/// From pictures of the same samples with and without the panes, for several seeds: the two that differ most give both
+/// unknowns, and the others check.
+Panes solve_panes(const std::vector<Image>& with, const std::vector<Image>& without) {
+  Panes panes{with[0], with[0]};
+  for (std::size_t i = 0; i < with[0].data.size(); ++i) {
+    std::size_t low = 0, high = 0;
+    for (std::size_t s = 1; s < with.size(); ++s) {
+      if (without[s].data[i] < without[low].data[i]) low = s;
+      if (without[s].data[i] > without[high].data[i]) high = s;
+    }
+    const double step = static_cast<double>(without[high].data[i]) - without[low].data[i];
+    const double rise = static_cast<double>(with[high].data[i]) - with[low].data[i];
+    const double through = step > 1e-6 * std::abs(without[high].data[i]) ? rise / step : 0.0;
+    const double added = with[low].data[i] - through * without[low].data[i];
+    panes.through.data[i] = static_cast<float>(through);
+    panes.added.data[i] = static_cast<float>(added);
+    for (std::size_t s = 0; s < with.size(); ++s)
+      if (std::abs(through * without[s].data[i] + added - with[s].data[i]) > 1e-3 * (with[high].data[i] + 1e-3))
+        throw Error("benchmark", "panes are not linear over what is behind them");
+  }
+  return panes;
+}
+
 }  // namespace
+
+void Stage::set_inputs(std::shared_ptr<const Scene> scene, std::shared_ptr<const Environment> environment) {
+  renderer_->set_environment(std::move(environment));
+  renderer_->set_scene(std::move(scene));
+  if (!case_.material.empty()) renderer_->set_material("*", case_.material);
+}
+
+Image Stage::draw_uniform(int samples, std::uint32_t seed, int frames) {
+  const FrameRequest r = request("uniform", samples, seed);
+  for (int f = 0; f < frames; ++f) renderer_->render(r, f > 0);
+  return renderer_->read_radiance();
+}
+
+void Stage::make_reference(Image halves[2]) {
+  constexpr int kFrames = 8, kSamples = 512, kMaxRuns = 256;
+  const Clock begin = now();
+  const SplitEnvironment split = split_environment(*environment_);
+  const std::shared_ptr<const Scene> opaque = renderer_->facts().has_glass ? without_panes(*scene_) : scene_;
+  std::vector<Image> with, without;
+  if (opaque != scene_) {
+    for (std::uint32_t seed = 0; seed < 4; ++seed) with.push_back(draw_uniform(2, seed));
+    set_inputs(opaque, environment_);
+    for (std::uint32_t seed = 0; seed < 4; ++seed) without.push_back(draw_uniform(2, seed));
+  }
+  set_inputs(opaque, split.rest);
+  // Low-discrepancy runs, each of its own seed, into both halves in turn.
+  for (int h = 0; h < 2; ++h) halves[h] = Image(case_.width, case_.height, 4);
+  int runs = 0;
+  double noise = 1.0;
+  for (; runs < kMaxRuns && noise > 0.002 && 0.5 * (now() - begin).cpu_ms < 1e3 * options_.reference_seconds;
+       runs += 2) {
+    for (int h = 0; h < 2; ++h)
+      add(&halves[h], draw_uniform(kSamples, static_cast<std::uint32_t>(1000 + runs + h), kFrames), 1.0f);
+    noise = 0.5 * relative_rmse(halves[0], halves[1]);
+  }
+  for (int h = 0; h < 2; ++h) {
+    for (float& v : halves[h].data) v *= 2.0f / static_cast<float>(runs);
+    if (split.bright[h].empty()) continue;
+    const Image bright = shade_directions(*renderer_, split.bright[h], !case_.material.empty());
+    add_light(&halves[h], bright);
+  }
+  if (opaque != scene_) {
+    const Panes panes = solve_panes(with, without);
+    for (int h = 0; h < 2; ++h)
+      for (std::size_t i = 0; i < halves[h].data.size(); ++i)
+        if (i % 4 != 3) halves[h].data[i] = panes.through.data[i] * halves[h].data[i] + panes.added.data[i];
+  }
+  set_inputs(scene_, environment_);
+  std::fprintf(stderr, "  %-16s converged picture: %d runs, %zu bright directions, %.1f s\n", case_.name.c_str(), runs,
+               split.bright[1].size(), 1e-3 * (now() - begin).wall_ms);
+}
 
 const Reference& Stage::reference() {
   const std::uint64_t key = content_key();
@@ -146,33 +233,8 @@ const Reference& Stage::reference() {
   if (!options_.fresh && fs::exists(paths[0]) && fs::exists(paths[1])) {
     for (int h = 0; h < 2; ++h) halves[h] = load_hdr_image(paths[h]);
   } else {
-    // Low-discrepancy runs of 8 x 512 samples a pixel, each of its own seed, into both halves in turn.
-    constexpr int kFrames = 8, kSamples = 512;
-    const Clock begin = now();
-    for (Image& half : halves) half = Image(case_.width, case_.height, 4);
-    int runs = 0;
-    for (; runs < 64; runs += 2) {
-      for (int h = 0; h < 2; ++h) {
-        const FrameRequest r = request("uniform", kSamples, static_cast<std::uint32_t>(1000 + runs + h));
-        for (int f = 0; f < kFrames; ++f) renderer_->render(r, true);
-        add(&halves[h], renderer_->read_radiance(), 1.0f);
-      }
-      Image a = halves[0], b = halves[1];
-      if ((now() - begin).wall_ms > 1e3 * options_.reference_seconds) {
-        runs += 2;
-        break;
-      }
-      for (float& v : a.data) v *= 2.0f / static_cast<float>(runs + 2);
-      for (float& v : b.data) v *= 2.0f / static_cast<float>(runs + 2);
-      if (0.5 * relative_rmse(a, b) < 0.002) {
-        runs += 2;
-        break;
-      }
-    }
-    for (int h = 0; h < 2; ++h) {
-      for (float& v : halves[h].data) v *= 2.0f / static_cast<float>(runs);
-      save_exr(paths[h], halves[h]);
-    }
+    make_reference(halves);
+    for (int h = 0; h < 2; ++h) save_exr(paths[h], halves[h]);
   }
   reference_.noise = 0.5 * relative_rmse(halves[0], halves[1]);
   reference_.picture = halves[0];

@@ -66,8 +66,10 @@ class Stage {
   /// Changes only what differs from the case before.
   void show(const Case& c);
   FrameRequest request(const std::string& mode, int samples, std::uint32_t seed = 0) const;
-  /// Mode uniform at a high count, kept on disk by what the scene is made of. Two halves of other seeds.
+  /// What modes `uniform` and `bandwidth` converge to: very bright texels by quadrature, everything else by mode
+  /// uniform at a high count. Kept on disk by what the scene is made of. Two halves of other seeds and other grids.
   const Reference& reference();
+  Image draw_uniform(int samples, std::uint32_t seed, int frames = 1);
   Renderer& renderer() { return *renderer_; }
   const Case& current() const { return case_; }
   const Options& options() const { return options_; }
@@ -75,12 +77,16 @@ class Stage {
 
  private:
   std::uint64_t content_key();
+  void make_reference(Image halves[2]);
+  void set_inputs(std::shared_ptr<const Scene> scene, std::shared_ptr<const Environment> environment);
   const Options& options_;
   GlContext context_;
   DeviceInfo device_;
   std::unique_ptr<Renderer> renderer_;
   Case case_;
   CameraView camera_;
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Environment> environment_;
   std::uint64_t environment_hash_ = 0;
   Reference reference_;
   std::string reference_of_;
@@ -99,6 +105,7 @@ std::vector<Case> quality_cases(const Options& options);
 std::vector<std::string> expand_tables(const Options& options, const std::vector<std::string>& names);
 
 Figures measure_correct(Stage& stage);
+Figures measure_converged(Stage& stage);
 Figures measure_research(Stage& stage);
 Figures measure_equal_quality(Stage& stage);
 Figures measure_validation(Stage& stage);

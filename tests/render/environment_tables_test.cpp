@@ -134,15 +134,17 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
   std::vector<double> counts(8 * 4), expected(8 * 4);
   for (const EnvironmentSample& s : sample_environment(e, t, 9, kCount)) {
     EXPECT_NEAR(glm::length(s.direction), 1.0f, 1e-5f);
-    const double exact = luminance(evaluate_environment(e, s.direction));
-    ASSERT_NEAR(luminance(s.radiance), exact, 0.002 * exact);
     const glm::dvec2 p = latlong_from_direction(s.direction, 8, 4);
     counts[static_cast<std::size_t>(std::min(static_cast<int>(p.y), 3) * 8 + std::min(static_cast<int>(p.x), 7))] +=
         1.0;
     const glm::dvec2 q = latlong_from_direction(s.direction, 64, 32);
-    // The pdf is that of the cell (not checked within float's rounding of its border).
+    // A grey texel over its pdf is the bilinear radiance over the cell's density, whichever texel was chosen (not
+    // checked within float's rounding of a cell's border).
     if (std::abs(q.x - std::round(q.x)) > 1e-3 && std::abs(q.y - std::round(q.y)) > 1e-3) {
-      ASSERT_EQ(s.pdf, t.density[static_cast<std::size_t>(static_cast<int>(q.y) * 64 + static_cast<int>(q.x))]);
+      const double density =
+          static_cast<double>(t.density[static_cast<std::size_t>(static_cast<int>(q.y) * 64 + static_cast<int>(q.x))]);
+      const double exact = luminance(evaluate_environment(e, s.direction));
+      ASSERT_NEAR(luminance(s.radiance) / static_cast<double>(s.pdf), exact / density, 0.002 * exact / density);
     }
   }
   for (std::size_t y = 0; y < 32; ++y)
@@ -155,6 +157,20 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
     chi_square += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i];
   // 31 degrees of freedom: 61 would be one in a thousand for random samples; these are better spread than random ones.
   EXPECT_LT(chi_square, 31.0);
+}
+
+TEST(EnvironmentImportance, TexelsAreChosenByTheirShareOfTheLight) {
+  // Two texels of 1 and 3 side by side: on the edge between them the brighter one is chosen three times as often.
+  const Environment e = make_environment(2, 1, [](const glm::dvec3&, int x, int) { return x == 0 ? 1.0 : 3.0; });
+  const EnvironmentTables t = compute_environment_tables(e);
+  double bright = 0.0, expected = 0.0;
+  for (const EnvironmentSample& s : sample_environment(e, t, 2, 16384)) {
+    const double x = latlong_from_direction(s.direction, 2, 1).x - 0.5;
+    const double share = x < 1.0 ? std::abs(x) : 2.0 - x;  // bilinear weight of the second
+    expected += 3.0 * share / (3.0 * share + 1.0 - share);
+    bright += luminance(s.radiance) > 2.0 ? 1.0 : 0.0;
+  }
+  EXPECT_NEAR(bright / expected, 1.0, 0.01);
 }
 
 TEST(EnvironmentImportance, RunsOfConsecutiveSamplesAreWellSpread) {

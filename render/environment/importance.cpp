@@ -46,7 +46,8 @@ double integrate_row(const Environment& environment, int y, std::vector<double>&
   return luminance;
 }
 
-/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing.
+/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing. They rise by a float's step
+/// at least wherever there is weight: dim texels beside a sun of 1e6 times the sky are still drawn.
 void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   const auto count = weights.size();
   double sum = 0.0;
@@ -59,8 +60,19 @@ void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   cdf[count] = 1.0f;
   // Cells without weight after the last one with some: their entries are 1 too, whatever the division rounded to.
   if (total <= 0.0) return;
-  for (std::size_t i = count; i-- > 0 && weights[i] == 0.0;) cdf[i] = 1.0f;
+  std::size_t end = count;
+  while (end > 0 && weights[end - 1] == 0.0) cdf[--end] = 1.0f;
+  for (std::size_t i = 0; i < end; ++i)
+    if (weights[i] > 0.0) cdf[i + 1] = std::max(cdf[i + 1], std::nextafter(cdf[i], 2.0f));
+    else cdf[i + 1] = cdf[i];
+  for (std::size_t i = end; i > 0; --i) {
+    const float limit = i == end ? 1.0f : cdf[i];
+    cdf[i] = limit;
+    cdf[i - 1] = std::min(cdf[i - 1], weights[i - 1] > 0.0 ? std::nextafter(limit, 0.0f) : limit);
+  }
 }
+
+double step_of(const float* cdf, std::size_t i) { return static_cast<double>(cdf[i + 1]) - static_cast<double>(cdf[i]); }
 
 }  // namespace
 
@@ -90,15 +102,12 @@ void compute_importance(const Environment& environment, EnvironmentTables& table
   tables.conditional_cdf.resize(height * (width + 1));
   tables.density.resize(height * width);
   std::vector<double> row_sums(height), row_luminance(height);
+  const auto conditional = [&](std::size_t y) { return &tables.conditional_cdf[y * (width + 1)]; };
   tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
     std::vector<double> cells(width);
     row_luminance[y] = integrate_row(environment, static_cast<int>(y), cells);
     for (const double cell : cells) row_sums[y] += cell;
-    write_cdf(cells, row_sums[y], &tables.conditional_cdf[y * (width + 1)]);
-    const double solid_angle = row_weights(static_cast<int>(y), environment.width, environment.height).solid_angle();
-    // Relative to the row for now: the total is known after all rows, and neither scale may leave float's range.
-    const double scale = row_sums[y] > 0.0 ? 1.0 / (row_sums[y] * solid_angle) : 0.0;
-    for (std::size_t x = 0; x < width; ++x) tables.density[y * width + x] = static_cast<float>(cells[x] * scale);
+    write_cdf(cells, row_sums[y], conditional(y));
   });
   double total = 0.0;
   tables.luminance_integral = 0.0;
@@ -107,12 +116,12 @@ void compute_importance(const Environment& environment, EnvironmentTables& table
     tables.luminance_integral += row_luminance[y];
   }
   write_cdf(row_sums, total, tables.marginal_cdf.data());
+  // What the rounded sums draw, not what they were rounded from: estimators divide by it.
   tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
-    const double scale = total > 0.0 ? row_sums[y] / total : 0.0;
-    for (std::size_t x = 0; x < width; ++x) {
-      float& density = tables.density[y * width + x];
-      density = static_cast<float>(density * scale);
-    }
+    const double solid_angle = row_weights(static_cast<int>(y), environment.width, environment.height).solid_angle();
+    const double scale = row_sums[y] > 0.0 ? step_of(tables.marginal_cdf.data(), y) / solid_angle : 0.0;
+    for (std::size_t x = 0; x < width; ++x)
+      tables.density[y * width + x] = static_cast<float>(scale * step_of(conditional(y), x));
   });
 }
 

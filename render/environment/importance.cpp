@@ -46,8 +46,8 @@ double integrate_row(const Environment& environment, int y, std::vector<double>&
   return luminance;
 }
 
-/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing. They rise by a float's step
-/// at least wherever there is weight: dim texels beside a sun of 1e6 times the sky are still drawn.
+/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing. They rise by
+/// a float's step at least wherever there is weight: dim texels beside a sun of 1e6 times the sky are still drawn.
 void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   const auto count = weights.size();
   double sum = 0.0;
@@ -63,8 +63,10 @@ void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   std::size_t end = count;
   while (end > 0 && weights[end - 1] == 0.0) cdf[--end] = 1.0f;
   for (std::size_t i = 0; i < end; ++i)
-    if (weights[i] > 0.0) cdf[i + 1] = std::max(cdf[i + 1], std::nextafter(cdf[i], 2.0f));
-    else cdf[i + 1] = cdf[i];
+    if (weights[i] > 0.0)
+      cdf[i + 1] = std::max(cdf[i + 1], std::nextafter(cdf[i], 2.0f));
+    else
+      cdf[i + 1] = cdf[i];
   for (std::size_t i = end; i > 0; --i) {
     const float limit = i == end ? 1.0f : cdf[i];
     cdf[i] = limit;
@@ -72,7 +74,9 @@ void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   }
 }
 
-double step_of(const float* cdf, std::size_t i) { return static_cast<double>(cdf[i + 1]) - static_cast<double>(cdf[i]); }
+double step_of(const float* cdf, std::size_t i) {
+  return static_cast<double>(cdf[i + 1]) - static_cast<double>(cdf[i]);
+}
 
 }  // namespace
 

@@ -207,9 +207,10 @@ double total_power(const std::vector<WeightedLight>& lights) {
                          [](double sum, const WeightedLight& light) { return sum + light.power; });
 }
 
-/// Probabilities by power, in whole steps of 2^-24: what is drawn (a uniform number of 24 bits below an entry of `cdf`) and what it is
-/// divided by are then the same to the last bit. Rounded entries drew lights of 1e-7 of the power up to twice as often as they said. Every
-/// light keeps one step at least; what that and rounding add up to is taken from the strongest.
+/// Probabilities by power, in whole steps of 2^-24: what is drawn (a uniform number of 24 bits below an entry of `cdf`)
+/// and what it is divided by are then the same to the last bit. Rounded entries drew lights of 1e-7 of the power up to
+/// twice as often as they said. Every light keeps one step at least; what that and rounding add up to is taken from the
+/// strongest.
 void set_probabilities(std::vector<WeightedLight>* lights) {
   constexpr double kSteps = 16777216.0;
   if (lights->empty()) return;

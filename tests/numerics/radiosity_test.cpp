@@ -32,7 +32,8 @@ TEST(Radiosity, ParallelSquaresExchangeTheirFormFactor) {
   double mean = 0.0;
   constexpr int kSide = 24;
   for (int i = 0; i < kSide * kSide; ++i)
-    mean += radiosity.irradiance({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide, 0.0}, {0, 0, 1}, 16).x / (kSide * kSide);
+    mean += radiosity.irradiance({(i % kSide + 0.5) / kSide, (i / kSide + 0.5) / kSide, 0.0}, {0, 0, 1}, 16).x /
+            (kSide * kSide);
   EXPECT_NEAR(mean / (kPi * kPi), 0.199825, 2e-4);
 }
 
@@ -73,7 +74,8 @@ TEST(Radiosity, CornellBoxIsConverged) {
   }
   ASSERT_GT(count, 140);
   const double relative = std::sqrt(difference / count) / (mean / count);
-  std::printf("Cornell box: %zu against %zu elements, relative RMSE %.5f\n", coarse.element_count(), fine.element_count(), relative);
+  std::printf("Cornell box: %zu against %zu elements, relative RMSE %.5f\n", coarse.element_count(),
+              fine.element_count(), relative);
   EXPECT_LT(relative, 4e-3);
 }
 

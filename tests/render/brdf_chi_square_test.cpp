@@ -1,6 +1,6 @@
-// Chi-square tests of the sampler of measured tables: every built-in material and tables made to break it, in every row of view
-// elevations. Bins are of the half vector, with edges of their own inside the sampler's cells; what they expect is the integral of the
-// density that brdf_sample_pdf answers, which is constant over solid angle of h within a cell.
+// Chi-square tests of the sampler of measured tables: every built-in material and tables made to break it, in every row
+// of view elevations. Bins are of the half vector, with edges of their own inside the sampler's cells; what they expect
+// is the integral of the density that brdf_sample_pdf answers, which is constant over solid angle of h within a cell.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 using namespace maquette;
 using shared::BrdfSampler;
 
-constexpr int kPhiSlices = 6;   // of [0, pi], on each side of the plane of view and normal
+constexpr int kPhiSlices = 6;    // of [0, pi], on each side of the plane of view and normal
 constexpr int kCellsPerBin = 4;  // of theta
 constexpr int kThetaBins = kThetaCellCount / kCellsPerBin + 1;
 
@@ -31,8 +31,8 @@ BrdfTable tabulate(const std::function<double(double, double, double)>& f) {
   for (int h = 0; h < kThetaHCount; ++h)
     for (int d = 0; d < kThetaDCount; ++d)
       for (int p = 0; p < kPhiDCount; ++p)
-        table.rgb.emplace_back(static_cast<float>(
-            f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * kPi)));
+        table.rgb.emplace_back(
+            static_cast<float>(f(theta_h_of_bin_edge(h + 0.5), (d + 0.5) / 90.0 * kHalfPi, (p + 0.5) / 180.0 * kPi)));
   return table;
 }
 
@@ -162,15 +162,17 @@ test::ChiSquare test_view(BrdfSampler& sampler, const View& view, std::uint32_t 
     const glm::dvec3 sum = glm::dvec3(sample.wi) + view.wo;
     const double xy = sum.x * sum.x + sum.y * sum.y, length = glm::length(sum);
     const double t = xy / (length * (length + sum.z));
-    const double c = sum.x * view.azimuth.x + sum.y * view.azimuth.y, q = sum.y * view.azimuth.x - sum.x * view.azimuth.y;
+    const double c = sum.x * view.azimuth.x + sum.y * view.azimuth.y,
+                 q = sum.y * view.azimuth.x - sum.x * view.azimuth.y;
     counted[bins.index(t, std::atan2(q, c))] += 1.0;
   }
-  // Light directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), a tenth of a mirror's cell.
+  // Light directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), a tenth of
+  // a mirror's cell.
   return test::chi_square(expected, counted, 5.0, view.wo.z < 0.02 ? 0.3 : 0.0);
 }
 
-/// Every row of elevations once, somewhere inside it. Six million comparisons in a campaign of a thousand runs: a false alarm in 1e-9 of
-/// one test is one in about two hundred campaigns.
+/// Every row of elevations once, somewhere inside it. Six million comparisons in a campaign of a thousand runs: a false
+/// alarm in 1e-9 of one test is one in about two hundred campaigns.
 void expect_rows(const NamedTable& named) {
   BrdfTables tables;
   compute_importance(SymmetricBrdf(named.table), tables);
@@ -205,7 +207,8 @@ TEST(BrdfChiSquare, FindsAWrongDensity) {
   EXPECT_LT(test::chi_square(expected, counted).p, 0.03);
   counted[7] += 110.0;
   EXPECT_LT(test::chi_square(expected, counted).p, 1e-7);
-  EXPECT_NEAR(test::chi_square({{5.0, 5.0, 5.0, 5.0}}, {{8.0, 9.0, 2.0, 1.0}}).p, 0.0185661, 1e-6);  // statistic 10, 3 degrees of freedom
+  EXPECT_NEAR(test::chi_square({{5.0, 5.0, 5.0, 5.0}}, {{8.0, 9.0, 2.0, 1.0}}).p, 0.0185661,
+              1e-6);  // statistic 10, 3 degrees of freedom
 }
 
 }  // namespace

@@ -20,8 +20,10 @@ namespace analytic {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
+// clang-format off: the second needs the first
 #include "shared/constants.glsl"
 #include "shared/analytic.glsl"
+// clang-format on
 #pragma GCC diagnostic pop
 }  // namespace analytic
 
@@ -83,21 +85,23 @@ TEST(Reciprocity, EveryBuiltInTable) {
 
 using LoadedReciprocity = TemporaryFolder;
 
-/// phi_d is folded into [0, pi) by reciprocity, whatever a file holds: noise without any symmetry, unmeasured entries, through the
-/// writer and the loader.
+/// phi_d is folded into [0, pi) by reciprocity, whatever a file holds: noise without any symmetry, unmeasured entries,
+/// through the writer and the loader.
 TEST_F(LoadedReciprocity, OfARoughTable) {
   std::mt19937 random(test::test_seed(31));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   BrdfTable table;
   for (int i = 0; i < kBrdfEntryCount; ++i)
-    table.rgb.push_back(glm::vec3(static_cast<float>(unit(random) < 0.1 ? -1.0 : std::pow(10.0, 4.0 * unit(random) - 2.0))));
+    table.rgb.push_back(
+        glm::vec3(static_cast<float>(unit(random) < 0.1 ? -1.0 : std::pow(10.0, 4.0 * unit(random) - 2.0))));
   const std::string file = path("rough.binary");
   save_merl(file, table);
   const BrdfTable loaded = load_merl(file);
   EXPECT_GT(loaded.unmeasured_count, 100000u);
   const Asymmetry worst = measure(loaded, 20000);
   EXPECT_LT(worst.in_double, 1e-8);
-  // Neighbours differ by four decades: a rounding of 1e-5 of a bin shows as that much of the larger one over the smaller.
+  // Neighbours differ by four decades: a rounding of 1e-5 of a bin shows as that much of the larger one over the
+  // smaller.
   EXPECT_LT(worst.in_float, 0.2);
 }
 
@@ -158,14 +162,15 @@ double albedo(const analytic::AnalyticMaterial& m, double cos_o) {
   return sum;
 }
 
-/// Metals keep within what they receive. glTF mixes the Lambert lobe with (1 - F(h)), which does not know that grazing light is nearly all
-/// reflected above it: a white dielectric gives back more than it receives towards the horizon. That is the specification's own formula;
-/// docs/numerics.md states how much, and this test holds it there. Sheen is added on top without the albedo scaling that its extension
-/// recommends.
+/// Metals keep within what they receive. glTF mixes the Lambert lobe with (1 - F(h)), which does not know that grazing
+/// light is nearly all reflected above it: a white dielectric gives back more than it receives towards the horizon.
+/// That is the specification's own formula; docs/numerics.md states how much, and this test holds it there. Sheen is
+/// added on top without the albedo scaling that its extension recommends.
 TEST(Energy, AnalyticLobesReflectNoMoreThanTheyReceive) {
   for (const Lobe& lobe : lobes()) {
     double towards_horizon = 0.0, elsewhere = 0.0;
-    for (const double cos_o : {0.02, 0.05, 0.1, 0.2}) towards_horizon = std::max(towards_horizon, albedo(lobe.material, cos_o));
+    for (const double cos_o : {0.02, 0.05, 0.1, 0.2})
+      towards_horizon = std::max(towards_horizon, albedo(lobe.material, cos_o));
     for (const double cos_o : {0.5, 0.7, 0.9, 1.0}) elsewhere = std::max(elsewhere, albedo(lobe.material, cos_o));
     const bool metal = lobe.material.diffuse == glm::vec3(0.0f), cloth = lobe.material.sheen != glm::vec3(0.0f);
     EXPECT_LE(towards_horizon, metal ? 1.002 : cloth ? 3.8 : 1.85) << lobe.name;

@@ -18,8 +18,10 @@ namespace analytic {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
+// clang-format off: the second needs the first
 #include "shared/constants.glsl"
 #include "shared/analytic.glsl"
+// clang-format on
 #pragma GCC diagnostic pop
 }  // namespace analytic
 
@@ -60,7 +62,8 @@ glm::dvec3 light_of(const glm::dvec3& wo, double tangent, double phi) {
   return 2.0 * glm::dot(wo, h) * h - wo;
 }
 
-test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta, std::uint32_t seed, std::size_t samples) {
+test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta, std::uint32_t seed,
+                              std::size_t samples) {
   const glm::vec3 view(static_cast<float>(std::sin(theta)), 0.0f, static_cast<float>(std::cos(theta)));
   const glm::dvec3 wo(view);
   const glm::vec3 weights = analytic::analytic_lobe_weights(m, view);
@@ -93,9 +96,11 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
       counted.back() += 1.0;
       continue;
     }
-    counted[HalfBins::index(std::log(std::max(std::hypot(sum.x, sum.y), 1e-300) / sum.z), std::atan2(sum.y, sum.x))] += 1.0;
+    counted[HalfBins::index(std::log(std::max(std::hypot(sum.x, sum.y), 1e-300) / sum.z), std::atan2(sum.y, sum.x))] +=
+        1.0;
   }
-  // Directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), and a mirror's lobe is 1e-3 wide.
+  // Directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), and a mirror's
+  // lobe is 1e-3 wide.
   return test::chi_square(expected, counted, 20.0, theta > 1.565 ? 0.03 : 0.0);
 }
 
@@ -103,9 +108,10 @@ TEST(AnalyticChiSquare, EveryLobeFromNormalToGrazing) {
   std::mt19937 random(test::test_seed(3));
   for (const AnalyticCase& c : analytic_cases()) {
     for (const double degrees : {0.0, 5.0, 30.0, 60.0, 80.0, 88.0, 89.9}) {
-      const auto result = test_analytic(c.material, degrees * kPi / 180.0, static_cast<std::uint32_t>(random()), test::test_samples(20000));
-      EXPECT_GT(result.p, kLeastP) << c.name << " at " << degrees << " degrees, statistic " << result.statistic << " of "
-                                   << result.freedom;
+      const auto result = test_analytic(c.material, degrees * kPi / 180.0, static_cast<std::uint32_t>(random()),
+                                        test::test_samples(20000));
+      EXPECT_GT(result.p, kLeastP) << c.name << " at " << degrees << " degrees, statistic " << result.statistic
+                                   << " of " << result.freedom;
     }
   }
 }
@@ -129,14 +135,17 @@ std::vector<NamedEnvironment> environments() {
   list.push_back({"constant", make_environment(64, 32, [](int, int) { return 1.0; })});
   list.push_back({"1 x 1", make_environment(1, 1, [](int, int) { return 3.0; })});
   list.push_back({"2 x 1", make_environment(2, 1, [](int x, int) { return x ? 1.0 : 0.0; })});
-  list.push_back({"one hot texel", make_environment(64, 32, [](int x, int y) { return x == 17 && y == 9 ? 1e5 : 0.0; })});
+  list.push_back(
+      {"one hot texel", make_environment(64, 32, [](int x, int y) { return x == 17 && y == 9 ? 1e5 : 0.0; })});
   list.push_back({"hot pole", make_environment(32, 16, [](int x, int y) { return x == 3 && y == 0 ? 1e6 : 1e-3; })});
   list.push_back({"sun of 1e6 times the sky",
                   make_environment(256, 128, [](int x, int y) { return x == 40 && y == 30 ? 1e6 : 0.5 + y / 128.0; })});
   std::mt19937 random(test::test_seed(8));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
-  list.push_back({"noise", make_environment(48, 24, [&](int, int) { return std::pow(10.0, 6.0 * unit(random) - 3.0); })});
-  list.push_back({"row of black", make_environment(48, 24, [](int x, int y) { return y % 3 == 1 && x % 5 < 2 ? 1.0 : 0.0; })});
+  list.push_back(
+      {"noise", make_environment(48, 24, [&](int, int) { return std::pow(10.0, 6.0 * unit(random) - 3.0); })});
+  list.push_back(
+      {"row of black", make_environment(48, 24, [](int x, int y) { return y % 3 == 1 && x % 5 < 2 ? 1.0 : 0.0; })});
   return list;
 }
 
@@ -177,7 +186,8 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
   }
 }
 
-/// What the cumulative tables really draw, cell by cell, against the density that estimators divide by: no sampling at all.
+/// What the cumulative tables really draw, cell by cell, against the density that estimators divide by: no sampling at
+/// all.
 TEST(EnvironmentChiSquare, CumulativeTablesDrawWhatTheDensitySays) {
   for (const auto& [name, environment] : environments()) {
     const EnvironmentTables tables = compute_environment_tables(environment);
@@ -215,7 +225,8 @@ TEST(LightChiSquare, PointsOnATriangleAreEven) {
     const float a = unit(random);
     const glm::vec2 uv = shared::light_triangle_uv({a, unit(random)});
     ASSERT_LE(uv.x + uv.y, 1.000001f);
-    const int i = std::min(static_cast<int>(uv.x * kSide), kSide - 1), j = std::min(static_cast<int>(uv.y * kSide), kSide - 1 - i);
+    const int i = std::min(static_cast<int>(uv.x * kSide), kSide - 1),
+              j = std::min(static_cast<int>(uv.y * kSide), kSide - 1 - i);
     counted[static_cast<std::size_t>(i * kSide + j)] += 1.0;
   }
   const auto result = test::chi_square(expected, counted);
@@ -223,7 +234,8 @@ TEST(LightChiSquare, PointsOnATriangleAreEven) {
   EXPECT_EQ(result.outside, 0);
 }
 
-/// The shader draws u as a whole number of 2^-24: each light's true probability is a count of those below its entry, exactly.
+/// The shader draws u as a whole number of 2^-24: each light's true probability is a count of those below its entry,
+/// exactly.
 TEST(LightChiSquare, EachLightIsChosenAsOftenAsItSays) {
   Scene scene;
   const auto add = [&](PunctualLight::Kind kind, float intensity) {

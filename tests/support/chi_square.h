@@ -9,13 +9,13 @@ namespace maquette::test {
 /// Pearson's test of counts against expectations.
 struct ChiSquare {
   double statistic = 0.0;
-  int freedom = 0;    ///< bins that count, less one
-  double p = 1.0;     ///< probability of a statistic as large as this when the expectations are right
-  int outside = 0;    ///< counts in bins that expect nothing
+  int freedom = 0;  ///< bins that count, less one
+  double p = 1.0;   ///< probability of a statistic as large as this when the expectations are right
+  int outside = 0;  ///< counts in bins that expect nothing
 };
 
-/// `expected` and `counted` are over the same bins and are expected to have the same sum: give what falls nowhere a bin of its own.
-/// Bins that expect fewer than `least` are pooled in order of their expectation, as Cochran 1952 asks.
+/// `expected` and `counted` are over the same bins and are expected to have the same sum: give what falls nowhere a bin
+/// of its own. Bins that expect fewer than `least` are pooled in order of their expectation, as Cochran 1952 asks.
 /// `relative_error`: what the expectations themselves are known to.
 /// Source: Pharr et al. 2023, "Physically Based Rendering", 4th ed., tests of the samplers.
 ChiSquare chi_square(std::span<const double> expected, std::span<const double> counted, double least = 5.0,

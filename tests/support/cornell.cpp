@@ -11,7 +11,8 @@ namespace {
 /// Of the scene's camera; see scenes/builtin.cpp.
 constexpr double kEyeY = 2.73, kEyeZ = 10.8, kFovDegrees = 39.3;
 
-/// Nearer than this to a wall that it does not lie on, a point sees so little of the other wall that elements of it are too coarse.
+/// Nearer than this to a wall that it does not lie on, a point sees so little of the other wall that elements of it are
+/// too coarse.
 constexpr double kCorner_m = 0.15;
 
 bool is_in_corner(const SurfaceHit& hit) {
@@ -23,12 +24,14 @@ bool is_in_corner(const SurfaceHit& hit) {
 /// A flat lattice of (n + 1)^2 vertices is two triangles: the solver splits them as finely as it wants.
 std::vector<std::uint32_t> merged_indices(const Primitive& primitive) {
   const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(primitive.positions.size()))));
-  const bool lattice = side * side == primitive.positions.size() && primitive.indices.size() == 6 * (side - 1) * (side - 1);
+  const bool lattice =
+      side * side == primitive.positions.size() && primitive.indices.size() == 6 * (side - 1) * (side - 1);
   const bool flat = std::all_of(primitive.normals.begin(), primitive.normals.end(),
                                 [&](const glm::vec3& n) { return n == primitive.normals.front(); });
   if (!lattice || !flat) return primitive.indices;
   const std::uint32_t a = 0, b = side - 1, c = side * (side - 1), d = side * side - 1;
-  const glm::vec3 normal = glm::cross(primitive.positions[b] - primitive.positions[a], primitive.positions[c] - primitive.positions[a]);
+  const glm::vec3 normal =
+      glm::cross(primitive.positions[b] - primitive.positions[a], primitive.positions[c] - primitive.positions[a]);
   if (glm::dot(normal, primitive.normals.front()) > 0.0f) return {a, b, d, a, d, c};
   return {a, d, b, a, c, d};
 }
@@ -64,7 +67,8 @@ std::vector<CornellPixel> CornellView::pixels(const Radiosity& radiosity) const 
   const double scale = std::tan(0.5 * kFovDegrees * 3.14159265358979323846 / 180.0);
   for (int y = 0; y < side_; ++y) {
     for (int x = 0; x < side_; ++x) {
-      const glm::dvec3 direction(scale * (2.0 * (x + 0.5) / side_ - 1.0), -scale * (2.0 * (y + 0.5) / side_ - 1.0), -1.0);
+      const glm::dvec3 direction(scale * (2.0 * (x + 0.5) / side_ - 1.0), -scale * (2.0 * (y + 0.5) / side_ - 1.0),
+                                 -1.0);
       const auto hit = radiosity.first_hit({0.0, kEyeY, kEyeZ}, direction);
       if (!hit || !hit->front || hit->emission != glm::dvec3(0.0) || is_in_corner(*hit)) continue;
       // Walls and tops are parallel to an axis, sides of the boxes upright: bevels are neither.

@@ -25,8 +25,8 @@ struct Element {
 
 constexpr std::size_t kDimensions = 6;  // direction, place on the element, place on a light
 
-/// Additive recurrence of the generalised golden ratio in six dimensions. Source: Roberts 2018, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences".
+/// Additive recurrence of the generalised golden ratio in six dimensions. Source: Roberts 2018, "The Unreasonable
+/// Effectiveness of Quasirandom Sequences".
 std::array<double, kDimensions> point_of_sequence(std::uint64_t index, std::uint64_t seed) {
   constexpr double kRatio = 1.1127756842787055;  // x^7 = x + 1
   std::array<double, kDimensions> u{};
@@ -78,7 +78,7 @@ double triangle_irradiance(const glm::dvec3& p, const glm::dvec3& n, const std::
 struct Radiosity::Impl {
   std::vector<DiffuseTriangle> triangles;
   std::vector<Element> elements;
-  std::vector<glm::dvec3> indirect;  ///< irradiance of each element less its direct part
+  std::vector<glm::dvec3> indirect;   ///< irradiance of each element less its direct part
   std::vector<std::uint32_t> lights;  ///< triangles that shine
   RadiosityOptions options;
   double extent = 1.0, residual = 0.0;
@@ -144,9 +144,18 @@ struct Radiosity::Impl {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit ray{};
-    ray.ray = {static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z), 0.0f,
-               static_cast<float>(direction.x), static_cast<float>(direction.y), static_cast<float>(direction.z), 0.0f,
-               std::numeric_limits<float>::infinity(), 0xffffffffu, 0u, 0u};
+    ray.ray = {static_cast<float>(origin.x),
+               static_cast<float>(origin.y),
+               static_cast<float>(origin.z),
+               0.0f,
+               static_cast<float>(direction.x),
+               static_cast<float>(direction.y),
+               static_cast<float>(direction.z),
+               0.0f,
+               std::numeric_limits<float>::infinity(),
+               0xffffffffu,
+               0u,
+               0u};
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene, &context, &ray);
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
@@ -156,9 +165,18 @@ struct Radiosity::Impl {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     const glm::dvec3 d = to - from;
-    RTCRay ray{static_cast<float>(from.x), static_cast<float>(from.y), static_cast<float>(from.z), 0.0f,
-               static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z), 0.0f,
-               static_cast<float>(1.0 - 2.0 * kOffset * extent / glm::length(d)), 0xffffffffu, 0u, 0u};
+    RTCRay ray{static_cast<float>(from.x),
+               static_cast<float>(from.y),
+               static_cast<float>(from.z),
+               0.0f,
+               static_cast<float>(d.x),
+               static_cast<float>(d.y),
+               static_cast<float>(d.z),
+               0.0f,
+               static_cast<float>(1.0 - 2.0 * kOffset * extent / glm::length(d)),
+               0xffffffffu,
+               0u,
+               0u};
     rtcOccluded1(scene, &context, &ray);
     return ray.tfar >= 0.0f;
   }
@@ -279,9 +297,9 @@ glm::dvec3 Radiosity::irradiance(const glm::dvec3& position, const glm::dvec3& n
     if (seen.element < 0) continue;
     const auto i = static_cast<std::size_t>(seen.element);
     const glm::dvec3& n = impl_->elements[i].normal;
-    const glm::dvec3 arriving = impl_->indirect[i] + (impl_->options.far_lights
-                                                          ? impl_->sample_direct(seen.position, n, u[4], u[5])
-                                                          : impl_->direct(seen.position, n));
+    const glm::dvec3 arriving =
+        impl_->indirect[i] + (impl_->options.far_lights ? impl_->sample_direct(seen.position, n, u[4], u[5])
+                                                        : impl_->direct(seen.position, n));
     gathered += impl_->triangles[impl_->elements[i].triangle].albedo * arriving;
   }
   return impl_->direct(position, normal) + gathered / static_cast<double>(rays);

@@ -19,7 +19,8 @@ struct RadiosityOptions {
   double largest_edge = 0.5;  ///< triangles are split into equal ones until no edge is longer
   int rays = 4096;            ///< an element, cosine-distributed and low-discrepancy over element and hemisphere
   int light_cells = 16;       ///< along each edge of an emitting triangle, for shadows
-  bool far_lights = true;  ///< light of one bounce is sampled, one point of a light a ray; else summed, where surfaces lie beside lights
+  bool far_lights = true;  ///< light of one bounce is sampled, one point of a light a ray; else summed, where surfaces
+                           ///< lie beside lights
   std::uint32_t seed = 0;
 };
 
@@ -29,13 +30,14 @@ struct SurfaceHit {
   bool front = false;  ///< hit from the side that is seen
 };
 
-/// Radiosity of a closed or open scene of diffuse triangles, an oracle for path tracing that shares nothing with it but the
-/// intersection of a ray with a triangle.
+/// Radiosity of a closed or open scene of diffuse triangles, an oracle for path tracing that shares nothing with it but
+/// the intersection of a ray with a triangle.
 ///
-/// Irradiance of constant elements solves E = D + F diag(albedo) E, F the form factors and D the direct irradiance. D is Lambert's
-/// formula for each cell of the emitters that a ray reaches. At a point, what the elements send is gathered anew, the direct part of
-/// it at the very points that are seen: only light of two bounces and more is constant over an element.
-/// Source: Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces"; Baum et al. 1989 (point to polygon).
+/// Irradiance of constant elements solves E = D + F diag(albedo) E, F the form factors and D the direct irradiance. D
+/// is Lambert's formula for each cell of the emitters that a ray reaches. At a point, what the elements send is
+/// gathered anew, the direct part of it at the very points that are seen: only light of two bounces and more is
+/// constant over an element. Source: Goral et al. 1984, "Modeling the Interaction of Light Between Diffuse Surfaces";
+/// Baum et al. 1989 (point to polygon).
 class Radiosity {
  public:
   Radiosity(const std::vector<DiffuseTriangle>& triangles, const RadiosityOptions& options);

@@ -17,12 +17,12 @@ struct ErrorFigures {
   std::optional<double> psnr;           ///< dB, peak = largest value of the reference; absent for equal pictures
   std::optional<double>
       relmse;  ///< mean of (a - r)^2 / (r^2 + epsilon); Source: Rousselle et al. 2011, epsilon = 0.01 mean^2
-  std::optional<double> flip;         ///< mean of HDR-FLIP (render/metrics/flip.h), 0 to 1
-  std::optional<double> flip_ldr;     ///< mean of LDR-FLIP of both as shown at `display_ev`
-  std::optional<double> ssim;         ///< mean SSIM of both as shown at `display_ev`; 1 for equal pictures
-  std::optional<double> display_ev;   ///< exposure of the two figures above
-  std::size_t pixel_count = 0;        ///< pixels that were compared
-  std::size_t invalid_count = 0;      ///< pixels left out because one of the pictures is NaN or infinite there
+  std::optional<double> flip;           ///< mean of HDR-FLIP (render/metrics/flip.h), 0 to 1
+  std::optional<double> flip_ldr;       ///< mean of LDR-FLIP of both as shown at `display_ev`
+  std::optional<double> ssim;           ///< mean SSIM of both as shown at `display_ev`; 1 for equal pictures
+  std::optional<double> display_ev;     ///< exposure of the two figures above
+  std::size_t pixel_count = 0;          ///< pixels that were compared
+  std::size_t invalid_count = 0;        ///< pixels left out because one of the pictures is NaN or infinite there
   std::vector<std::string> notes = {};  ///< why a figure is absent or was taken over fewer pixels, one line each
 };
 

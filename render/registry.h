@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/plan.h"
@@ -16,6 +17,12 @@ enum class TechniqueKind {
   reflector,  ///< how mirrors and glass are drawn (`--reflections`)
 };
 
+/// One point of the report's sweep: what to change to trade time for error.
+struct QualityStep {
+  int samples = 0;  ///< as `--samples`; 0: the mode's default
+  std::vector<std::pair<std::string, SettingValue>> settings = {};
+};
+
 /// What one technique declares of itself, in its own folder (render/NAME/technique.cpp). The renderer finds it by name.
 struct TechniqueInfo {
   std::string name;
@@ -23,6 +30,11 @@ struct TechniqueInfo {
   std::string help;  ///< one line
   std::vector<SettingDeclaration> settings;
   int default_samples = 0;  ///< modes: shading samples a pixel when `--samples` is not given
+  /// Of the report, from fast to good. Empty: its only quality is the default.
+  std::vector<QualityStep> quality_steps = {};
+  /// Settings that restrict it to unshadowed direct light, what `reference.transport=direct` computes: the report's
+  /// estimator error is measured with them. Those of shared techniques hold for every mode.
+  std::vector<std::pair<std::string, SettingValue>> restricted_settings = {};
   /// Why it cannot draw what is asked, or nothing. May be empty: it always can.
   std::function<std::optional<std::string>(const SceneFacts&, const Settings&)> check;
   /// Modes: adds the passes between `gbuffer` and `compose`, and what it leaves out, each with its reason.

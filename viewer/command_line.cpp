@@ -15,7 +15,11 @@ const std::vector<CommandDeclaration>& command_declarations() {
       {"render", "[SCENE]", 0, 1, "one frame without a window, to .exr or .png", ""},
       {"bake", "KIND [SCENE]", 0, 2, "precomputes what a shading mode needs", "it serves the modes slf and prt"},
       {"play", "PATH.json [SCENE]", 0, 2, "a recorded camera path, frame by frame", "use render for single frames"},
-      {"report", "[SCENE]", 0, 1, "error against run time, as charts", "use render --stats --reference"},
+      {"report", "[SCENE]", 0, 1,
+       "error against run time of every technique: report.html, report.json, report.csv and charts in a folder; the "
+       "same "
+       "command goes on where it stopped",
+       ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
       {"inspect", "FILE", 1, 1,
        "what is in a scene, BRDF or environment, what it would need, and the frame plan; `library` lists the built-in "
@@ -117,6 +121,8 @@ void check_combinations(const CommandLine& line) {
   if (options.up && glm::length(*options.up) == 0.0f) throw UsageError("--up", "it has no direction");
   if (options.eye && options.target && *options.eye == *options.target)
     throw UsageError("--target", "it is where the eye is");
+  if (line.command == "report" && !line.help && options.output.empty())
+    throw UsageError("", "report needs a folder to write to", "add --output FOLDER");
   if (line.command != "render" || line.help) return;
   if (options.output.empty() && options.stats.empty())
     throw UsageError("", "render needs a file to write to", "add --output FILE.exr or FILE.png");
@@ -137,6 +143,10 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     line.command = "help";
   }
   const CommandDeclaration& command = find_command(line.command);
+  if (line.command == "report") {  // many pictures: small ones unless asked
+    line.options.width = 320;
+    line.options.height = 180;
+  }
   if (!command.later.empty() && std::find(rest.begin(), rest.end(), "--help") == rest.end())
     throw Error("maquette " + command.name, "this command is not available in this version", command.later);
   for (const GivenOption& option : collect(rest, command, &line.files)) {
@@ -147,7 +157,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   }
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
-  if ((line.command == "view" || line.command == "render") && !line.files.empty())
+  if ((line.command == "view" || line.command == "render" || line.command == "report") && !line.files.empty())
     line.options.scene = line.files.front();
   check_combinations(line);
   return line;

@@ -25,7 +25,7 @@ int fail(int code, const std::string& text) {
 int run_command(const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> kRunners = {
       {"view", run_view},       {"render", run_render}, {"compare", run_compare},
-      {"inspect", run_inspect}, {"doctor", run_doctor}, {"help", run_help},
+      {"inspect", run_inspect}, {"report", run_report}, {"doctor", run_doctor}, {"help", run_help},
   };
   return line.help ? run_help(line) : kRunners.at(line.command)(line);
 }

@@ -100,20 +100,26 @@ void parse_msaa(SceneOptions* options, const std::string& text) {
 
 using Apply = std::function<void(SceneOptions*, const std::string&)>;
 
-/// An option of `view` and `render`.
+/// An option of `view`, `render` and `report`.
 OptionDeclaration shared(std::string name, std::string argument, std::string help, const Apply& apply,
                          bool repeatable = false) {
   return {std::move(name),
           std::move(argument),
           std::move(help),
-          {"view", "render"},
+          {"view", "render", "report"},
           [apply](CommandLine* line, const std::string& text) { apply(&line->options, text); },
           repeatable};
 }
 
 /// An option of `inspect` as well: it shapes the frame plan.
 OptionDeclaration plan_option(OptionDeclaration option) {
-  option.commands = {"view", "render", "inspect"};
+  option.commands = {"view", "render", "report", "inspect"};
+  return option;
+}
+
+/// An option of `view` and `render`, not of `report`, which varies it.
+OptionDeclaration one_picture(OptionDeclaration option) {
+  std::erase(option.commands, "report");
   return option;
 }
 
@@ -141,7 +147,9 @@ std::vector<OptionDeclaration> light_and_material_options() {
       shared(
           "--env-scale", "X", "cd/m2 per stored unit (1)",
           [](O* o, const std::string& t) { o->env_scale = static_cast<float>(parse_in(t, "--env-scale", 0.0, 1e12)); }),
-      shared("--exposure", "EV", "stops; only of the picture for the eye, never of .exr (what suits the environment, more where the picture is dark)",
+      shared("--exposure", "EV",
+             "stops; only of the picture for the eye, never of .exr (what suits the environment, more where the "
+             "picture is dark)",
              [](O* o, const std::string& t) {
                o->exposure_ev = static_cast<float>(parse_in(t, "--exposure", -64.0, 64.0));
              }),
@@ -170,31 +178,34 @@ std::vector<OptionDeclaration> camera_options() {
              [](O* o, const std::string& t) { o->up = parse_point(t, "--up"); }),
       shared("--fov", "DEG", "vertical field of view",
              [](O* o, const std::string& t) { o->fov_deg = static_cast<float>(parse_in(t, "--fov", 0.1, 170.0)); }),
-      shared("--size", "WxH", "picture in pixels (1280x720)", parse_size),
+      shared("--size", "WxH", "picture in pixels (1280x720; `report`: 320x180)", parse_size),
   };
 }
 
 std::vector<OptionDeclaration> quality_options() {
   using O = SceneOptions;
   return {
-      shared("--samples", "N", "shading samples a shaded pixel, scaled by the prediction in bandwidth (64)",
-             [](O* o, const std::string& t) { o->samples = static_cast<int>(parse_count(t, "--samples", 1, 65536)); }),
-      shared("--seed", "N", "of the sample sequence (0)",
-             [](O* o, const std::string& t) {
-               o->seed = static_cast<std::uint32_t>(parse_count(t, "--seed", 0, 4294967295));
-             }),
+      one_picture(shared(
+          "--samples", "N", "shading samples a shaded pixel, scaled by the prediction in bandwidth (64)",
+          [](O* o, const std::string& t) { o->samples = static_cast<int>(parse_count(t, "--samples", 1, 65536)); })),
+      one_picture(shared("--seed", "N", "of the sample sequence (0)",
+                         [](O* o, const std::string& t) {
+                           o->seed = static_cast<std::uint32_t>(parse_count(t, "--seed", 0, 4294967295));
+                         })),
       plan_option(shared("--msaa", "N", "samples a pixel: 1, 4 or 16 (1: rays through pixel centres)", parse_msaa)),
-      shared("--frames", "N",
-             "`render`: measures N frames after warm-up, the time is their median; `view`: frames before --screenshot",
-             [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); }),
+      one_picture(shared(
+          "--frames", "N",
+          "`render`: measures N frames after warm-up, the time is their median; `view`: frames before --screenshot",
+          [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); })),
       render_only(
           "--target-error", "X",
           "averages frames until the relative RMSE is X: against --reference, else as the frames themselves tell",
           [](O* o, const std::string& t) { o->target_error = parse_in(t, "--target-error", 1e-6, 10.0); }),
       render_only("--time", "S", "averages frames for S seconds (with --target-error: at most)",
                   [](O* o, const std::string& t) { o->time_s = parse_in(t, "--time", 1e-3, 86400.0); }),
-      shared("--view", "NAME", "a debug view instead of the picture: " + join(Renderer::debug_view_names()),
-             [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); }),
+      one_picture(shared(
+          "--view", "NAME", "a debug view instead of the picture: " + join(Renderer::debug_view_names()),
+          [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); })),
       shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)", parse_dent,
              true),
       plan_option(shared(
@@ -210,33 +221,33 @@ std::vector<OptionDeclaration> quality_options() {
 std::vector<OptionDeclaration> technique_options() {
   using O = SceneOptions;
   return {
-      plan_option(shared("--mode", "MODE",
-                         "shading mode: " + join(technique_names(TechniqueKind::mode)) + " (bandwidth)",
-                         [](O* o, const std::string& t) { o->mode = find_mode(t).name; })),
-      shared("--reflections", "NAME", "reflector technique of mirrors and glass: off (off)",
-             [](O* o, const std::string& t) {
-               find_reflector_technique(t);
-               o->reflections = t;
-             }),
+      one_picture(plan_option(shared("--mode", "MODE",
+                                     "shading mode: " + join(technique_names(TechniqueKind::mode)) + " (bandwidth)",
+                                     [](O* o, const std::string& t) { o->mode = find_mode(t).name; }))),
+      one_picture(shared("--reflections", "NAME", "reflector technique of mirrors and glass: off (off)",
+                         [](O* o, const std::string& t) {
+                           find_reflector_technique(t);
+                           o->reflections = t;
+                         })),
       shared("--reflector", "NODE", "node that reflects; needs a reflector technique",
              [](O*, const std::string& t) {
                throw Error("--reflector " + t, "reflector techniques are not available in this version",
                            "leave it out");
              }),
-      shared("--look", "NAME", "look of a review file",
-             [](O*, const std::string& t) {
-               throw Error("--look " + t, "review files are not available in this version", "leave it out");
-             }),
+      one_picture(shared("--look", "NAME", "look of a review file",
+                         [](O*, const std::string& t) {
+                           throw Error("--look " + t, "review files are not available in this version", "leave it out");
+                         })),
   };
 }
 
 std::vector<OptionDeclaration> output_options() {
   using O = SceneOptions;
-  OptionDeclaration output =
-      render_only("--output", "FILE",
-                  "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
-                  "colours) or .exr (absolute, R, G, B); `report`: the folder",
-                  [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
+  OptionDeclaration output = render_only(
+      "--output", "FILE",
+      "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
+      "colours) or .exr (absolute, R, G, B); `report`: the folder",
+      [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
   output.commands = {"render", "compare", "report"};
   output.alias = "-o";
   return {
@@ -248,6 +259,18 @@ std::vector<OptionDeclaration> output_options() {
        [](CommandLine* line, const std::string& t) { line->options.screenshot = check_file_name(t, "--screenshot"); }},
       render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
                   [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
+      {"--budget",
+       "S",
+       "seconds for the whole report; what is left out for it is named (600)",
+       {"report"},
+       [](CommandLine* line, const std::string& t) { line->options.budget_s = parse_in(t, "--budget", 5.0, 86400.0); }},
+      {"--repeats",
+       "N",
+       "measurements of each point of the report, of different seeds (3)",
+       {"report"},
+       [](CommandLine* line, const std::string& t) {
+         line->options.repeats = static_cast<int>(parse_count(t, "--repeats", 1, 100));
+       }},
       render_only("--reference", "FILE.exr", "adds the error against this picture to the stats",
                   [](O* o, const std::string& t) { o->reference = check_file_name(t, "--reference"); }),
       {"--json",

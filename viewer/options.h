@@ -49,6 +49,8 @@ struct SceneOptions {
   std::string stats;      ///< JSON file; empty: none
   std::string reference;  ///< EXR file; empty: none
   std::string output;
+  double budget_s = 600.0;  ///< `report`: the whole run
+  int repeats = 3;          ///< `report`: measurements of each point
   std::string screenshot;  ///< `view`: PNG of the window after `frames` drawn frames, then it closes
 };
 

@@ -58,9 +58,9 @@ float hyab(const glm::vec3& a, const glm::vec3& b) {
 
 /// The largest distance of two displayed colours, green and blue, to the power of q_c.
 float largest_color_error() {
-  static const float kLargest = std::pow(hyab(hunt_lab_from_rgb(glm::vec3(0.0f, 1.0f, 0.0f)),
-                                              hunt_lab_from_rgb(glm::vec3(0.0f, 0.0f, 1.0f))),
-                                         kColorExponent);
+  static const float kLargest =
+      std::pow(hyab(hunt_lab_from_rgb(glm::vec3(0.0f, 1.0f, 0.0f)), hunt_lab_from_rgb(glm::vec3(0.0f, 0.0f, 1.0f))),
+               kColorExponent);
   return kLargest;
 }
 
@@ -110,10 +110,8 @@ Seen see(const Planes& rgb, const Filters& filters) {
     for (int c = 0; c < 3; ++c) seen.lab[static_cast<std::size_t>(c)].data[i] = lab[c];
   }
   const flip::FeatureFilters& f = filters.feature;
-  seen.edges =
-      length(convolve(lightness, f.edge, f.gaussian), convolve(lightness, f.gaussian, f.edge));
-  seen.points =
-      length(convolve(lightness, f.point, f.gaussian), convolve(lightness, f.gaussian, f.point));
+  seen.edges = length(convolve(lightness, f.edge, f.gaussian), convolve(lightness, f.gaussian, f.edge));
+  seen.points = length(convolve(lightness, f.point, f.gaussian), convolve(lightness, f.gaussian, f.point));
   return seen;
 }
 
@@ -124,10 +122,10 @@ Image difference(const Seen& a, const Seen& b) {
     const float distance = hyab({a.lab[0].data[i], a.lab[1].data[i], a.lab[2].data[i]},
                                 {b.lab[0].data[i], b.lab[1].data[i], b.lab[2].data[i]});
     const float color = redistribute(std::pow(distance, kColorExponent));
-    const float feature = std::pow(std::max(std::abs(a.edges.data[i] - b.edges.data[i]),
-                                            std::abs(a.points.data[i] - b.points.data[i])) /
-                                       std::numbers::sqrt2_v<float>,
-                                   kFeatureExponent);
+    const float feature =
+        std::pow(std::max(std::abs(a.edges.data[i] - b.edges.data[i]), std::abs(a.points.data[i] - b.points.data[i])) /
+                     std::numbers::sqrt2_v<float>,
+                 kFeatureExponent);
     map.data[i] = std::pow(color, 1.0f - std::min(feature, 1.0f));
   }
   return map;

@@ -16,8 +16,8 @@ struct Sensitivity {
 };
 constexpr std::array<Sensitivity, 3> kSensitivities = {
     {{1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
-constexpr double kWidest = 0.04;          // the largest b: all kernels have its support
-constexpr double kFeatureWidth = 0.082;   // degrees
+constexpr double kWidest = 0.04;         // the largest b: all kernels have its support
+constexpr double kFeatureWidth = 0.082;  // degrees
 
 std::vector<double> gaussian_taps(int radius, double pixels_per_degree, double b) {
   std::vector<double> taps;

@@ -49,8 +49,8 @@ Image ssim_map(const Image& image, const Image& reference) {
     const float ma = mean_a.data[i], mb = mean_b.data[i];
     const float var_a = std::max(square_a.data[i] - ma * ma, 0.0f), var_b = std::max(square_b.data[i] - mb * mb, 0.0f);
     const float covariance = both.data[i] - ma * mb;
-    map.data[i] = ((2.0f * ma * mb + kC1) * (2.0f * covariance + kC2)) /
-                  ((ma * ma + mb * mb + kC1) * (var_a + var_b + kC2));
+    map.data[i] =
+        ((2.0f * ma * mb + kC1) * (2.0f * covariance + kC2)) / ((ma * ma + mb * mb + kC1) * (var_a + var_b + kC2));
   }
   return map;
 }

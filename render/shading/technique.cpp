@@ -20,6 +20,7 @@ TechniqueInfo shading_technique() {
        .help = "light that comes by way of other surfaces: none, baked (not available in this version)",
        .choices = {"none", "baked"}},
   };
+  info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
     if (settings.get_string("shading.visibility") == "traced")
       return "shading.visibility=traced is not available in this version; use baked or none";

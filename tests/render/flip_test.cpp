@@ -21,7 +21,8 @@ constexpr double kPi = std::numbers::pi;
 namespace slow {
 
 Vec xyz(const Vec& c) {
-  return {0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2], 0.2126729 * c[0] + 0.7151522 * c[1] + 0.0721750 * c[2],
+  return {0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2],
+          0.2126729 * c[0] + 0.7151522 * c[1] + 0.0721750 * c[2],
           0.0193339 * c[0] + 0.1191920 * c[1] + 0.9503041 * c[2]};
 }
 const Vec kWhite = xyz({1.0, 1.0, 1.0});
@@ -48,9 +49,7 @@ Vec hunt_lab(const Vec& c) {
   return {l, 0.01 * l * 500.0 * (v[0] - v[1]), 0.01 * l * 200.0 * (v[1] - v[2])};
 }
 
-double hyab(const Vec& a, const Vec& b) {
-  return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
-}
+double hyab(const Vec& a, const Vec& b) { return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]); }
 
 struct Kernel {
   int radius;
@@ -115,8 +114,8 @@ double flip(const Image& a, const Image& b, int x, int y, double ppd) {
   }
   const double largest = std::pow(hyab(hunt_lab({0.0, 1.0, 0.0}), hunt_lab({0.0, 0.0, 1.0})), 0.7);
   double color = std::pow(hyab(colors[0], colors[1]), 0.7);
-  color = color < 0.4 * largest ? 0.95 / (0.4 * largest) * color
-                                : 0.95 + (color - 0.4 * largest) / (0.6 * largest) * 0.05;
+  color =
+      color < 0.4 * largest ? 0.95 / (0.4 * largest) * color : 0.95 + (color - 0.4 * largest) / (0.6 * largest) * 0.05;
   const double sigma = 0.5 * 0.082 * ppd;
   const int r = static_cast<int>(std::ceil(3.0 * sigma));
   const auto gauss = [&](int i, int j) { return std::exp(-(i * i + j * j) / (2.0 * sigma * sigma)); };
@@ -125,7 +124,8 @@ double flip(const Image& a, const Image& b, int x, int y, double ppd) {
     const auto shape = [&](int i, int j) {
       return (point ? i * i / (sigma * sigma) - 1.0 : -static_cast<double>(i)) * gauss(i, j);
     };
-    const Kernel across = make(r, shape, true), down = make(r, [&](int i, int j) { return shape(j, i); }, true);
+    const Kernel across = make(r, shape, true), down = make(
+                                                    r, [&](int i, int j) { return shape(j, i); }, true);
     const auto lightness = [](const Vec& v) { return (v[0] + 16.0) / 116.0; };
     const auto strength = [&](const Image& image) {
       return std::hypot(filter(image, x, y, across, lightness), filter(image, x, y, down, lightness));

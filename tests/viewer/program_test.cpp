@@ -42,7 +42,7 @@ TEST(Program, UsageErrorsExitWithTwoAndOneLine) {
 }
 
 TEST(Program, LaterCommandsAndNamesExitWithOne) {
-  for (const char* command : {"bake", "play", "report"}) expect_failure({command}, 1, "not available in this version");
+  for (const char* command : {"bake", "play"}) expect_failure({command}, 1, "not available in this version");
   expect_failure({"render", "-o", "x.png", "--mode", "prt"}, 1, "not available in this version");
 }
 

@@ -1,0 +1,237 @@
+#include "viewer/report/figures.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/viewer/run_program.h"
+#include "viewer/report/charts.h"
+#include "viewer/report/content_key.h"
+#include "viewer/report/journal.h"
+#include "viewer/report/measure.h"
+#include "viewer/report/page.h"
+#include "viewer/report/page_parts.h"
+#include "viewer/report/sweep.h"
+#include "viewer/report/write_data.h"
+#include "viewer/session.h"
+
+namespace maquette::report {
+namespace {
+
+Point point(const std::string& camera, const std::string& technique, int step, double ms, double error) {
+  Point p;
+  p.camera = camera;
+  p.technique = technique;
+  p.quality = std::to_string(step) + " samples";
+  p.scope = Scope::estimator;
+  p.step = step;
+  p.repeats = 3;
+  p.time_ms = {ms, 0.9 * ms, 1.2 * ms};
+  p.relative_rmse = Spread{error, 0.9 * error, 1.1 * error};
+  p.figures.relative_rmse = error;
+  p.figures.flip = 0.5 * error;
+  p.figures.notes = {"a note, with a comma"};
+  return p;
+}
+
+CurvePoint at(double time_ms, double error) { return {time_ms, error, time_ms, time_ms, error, error, "", false}; }
+
+Report two_techniques() {
+  Report report;
+  report.scene = "a \"scene\" <of> & signs";
+  report.cameras = {{"one", ""}, {"two", ""}};
+  report.techniques = {{"slow", "s"}, {"quick", "q"}};
+  for (const CameraEntry& camera : report.cameras) {
+    const double scale = camera.name == "one" ? 1.0 : 4.0;
+    for (int step = 0; step < 4; ++step) {
+      report.points.push_back(point(camera.name, "slow", step, scale * 10.0 * std::exp2(step), 0.4 / std::exp2(step)));
+      report.points.push_back(point(camera.name, "quick", step, scale * 5.0 * std::exp2(step), 0.3 / std::exp2(0.5 * step)));
+    }
+  }
+  report.left_out = {{"slow", "glass", "no material transmits"}, {"quick", "glass", "no material transmits"}};
+  return report;
+}
+
+TEST(ReportFigures, TimeToErrorIsReadLogLog) {
+  // Error 1/time: halving it takes twice the time, between the points as well.
+  Curve curve{"t", {at(10.0, 0.1), at(100.0, 0.01), at(50.0, 0.5)}};
+  EXPECT_NEAR(*time_to_error(curve, 0.05), 20.0, 1e-9);
+  EXPECT_NEAR(*time_to_error(curve, 0.02), 50.0, 1e-9);
+  EXPECT_EQ(*time_to_error(curve, 0.3), 10.0);
+  EXPECT_FALSE(time_to_error(curve, 0.005));
+  EXPECT_EQ(best_error(curve), 0.01);
+}
+
+TEST(ReportFigures, TheFrontHoldsWhatNothingBeats) {
+  const std::vector<FrontPoint> front =
+      pareto_front({{"a", {at(10.0, 0.5), at(20.0, 0.4), at(30.0, 0.1)}}, {"b", {at(15.0, 0.2), at(40.0, 0.1), at(5.0, 0.9)}}});
+  ASSERT_EQ(front.size(), 4u);
+  EXPECT_EQ(front[0].time_ms, 5.0);
+  EXPECT_EQ(front[1].time_ms, 10.0);
+  EXPECT_EQ(front[2].technique, "b");
+  EXPECT_EQ(front[3].technique, "a");  // 30 ms; 40 ms at the same error is beaten
+}
+
+TEST(ReportFigures, MeansAreGeometricOverTheCameras) {
+  Report report = two_techniques();
+  const std::vector<Curve> curves = mean_curves(report, Scope::estimator, Metric::relative_rmse);
+  ASSERT_EQ(curves.size(), 2u);
+  ASSERT_EQ(curves[0].points.size(), 4u);
+  EXPECT_NEAR(curves[0].points[0].time_ms, 20.0, 1e-9);  // of 10 and 40
+  EXPECT_NEAR(curves[0].points[1].error, 0.2, 1e-12);
+  EXPECT_TRUE(mean_curves(report, Scope::model, Metric::relative_rmse).empty());
+  std::erase_if(report.points, [](const Point& p) { return p.camera == "two" && p.step == 3; });
+  EXPECT_EQ(mean_curves(report, Scope::estimator, Metric::flip)[0].points.size(), 3u);  // only what both have
+}
+
+TEST(ReportFigures, NoiseIsTakenOutInQuadrature) {
+  EXPECT_NEAR(without_noise(0.5, 0.3), 0.4, 1e-12);
+  EXPECT_NEAR(without_noise(0.3, 0.3), 0.03, 1e-12);
+  const Spread spread = spread_of({3.0, 1.0, 2.0});
+  EXPECT_EQ(spread.median, 2.0);
+  EXPECT_EQ(spread.low, 1.0);
+  EXPECT_EQ(spread.high, 3.0);
+}
+
+TEST(ReportData, CsvAndJsonHoldEveryPoint) {
+  const Report report = two_techniques();
+  const std::string csv = report_csv_text(report);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
+  EXPECT_EQ(csv.substr(0, 24), "camera,technique,quality");
+  const auto json = nlohmann::json::parse(report_json_text(report));
+  EXPECT_EQ(json["points"].size(), 16u);
+  const auto& all = json["curves"]["estimator"]["all_cameras"]["relative_rmse"];
+  EXPECT_NEAR(all["techniques"]["slow"]["time_ms_to_error"]["0.2"].get<double>(), 40.0, 1e-9);
+  EXPECT_TRUE(all["techniques"]["quick"]["time_ms_to_error"]["0.01"].is_null());
+  EXPECT_EQ(json["curves"]["estimator"]["cameras"]["one"]["flip"]["pareto_front"][0]["technique"], "quick");
+}
+
+TEST(ReportJournal, KeepsResultsAndSetsDamageAside) {
+  const TemporaryFolder folder;
+  const Point p = point("one", "slow", 2, 40.0, 0.1);
+  {
+    Journal journal(folder.path().string());
+    EXPECT_TRUE(journal.note().empty());
+    journal.add_point("k", p);
+    journal.add_reference("r", {"one", Scope::estimator, "references/r.exr", "reference", 64, 0.01, 3.0});
+  }
+  const Journal again(folder.path().string());
+  const std::optional<Point> found = again.find_point("k");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(point_json(*found), point_json(p));
+  EXPECT_FALSE(again.find_point("other"));
+  EXPECT_EQ(again.find_reference("r")->samples, 64);
+  std::ofstream(folder.file("progress.json")) << "{\"format\":1,\"points\":{\"k\":";
+  const Journal damaged(folder.path().string());
+  EXPECT_NE(damaged.note().find("set aside"), std::string::npos);
+  EXPECT_FALSE(damaged.find_point("k"));
+  EXPECT_EQ(folder.names(), std::vector<std::string>{"progress.json.damaged"});
+}
+
+TEST(ReportCharts, ScriptsHoldEveryCurveAndReadableTics) {
+  const std::vector<Chart> charts = list_charts(two_techniques());
+  ASSERT_EQ(charts.size(), 6u);  // estimator only: both metrics over all cameras and for each
+  EXPECT_EQ(charts[0].name, "all-cameras-estimator-relative_rmse");
+  const std::string script = gnuplot_script(charts[0], "x.svg");
+  for (const char* part : {"\"slow\"", "\"quick\"", "Pareto front", "set logscale xy", "\"20 %%\" 0.2", "\"50\" 50"})
+    EXPECT_NE(script.find(part), std::string::npos) << part << "\n" << script;
+  EXPECT_NE(technique_color(charts[0].techniques, "slow"), technique_color(charts[0].techniques, "quick"));
+}
+
+TEST(ReportCharts, WithoutGnuplotThereIsANote) {
+  const TemporaryFolder folder;
+  const std::string path = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  std::string problem;
+  const auto svg = draw_chart(list_charts(two_techniques())[0], folder.file("charts"), &problem);
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_FALSE(svg);
+  EXPECT_NE(problem.find("install gnuplot-nox"), std::string::npos) << problem;
+}
+
+TEST(ReportPage, HoldsEverythingItself) {
+  const Report report = two_techniques();
+  PageInput input{report, "/nowhere", {{"one-estimator-flip", "<svg><g stroke='rgb(  1,   2,   3)'/></svg>"}}, "no charts"};
+  const std::string html = page_html(input);
+  for (const char* outside : {"http:", "https:", "<script", "<link", "url("})
+    EXPECT_EQ(html.find(outside), std::string::npos) << outside;
+  for (std::size_t at = html.find("src=\""); at != std::string::npos; at = html.find("src=\"", at + 1))
+    EXPECT_EQ(html.substr(at + 5, 5), "data:");
+  EXPECT_NE(html.find("a &quot;scene&quot; &lt;of&gt; &amp; signs"), std::string::npos);
+  EXPECT_NE(html.find("What was left out"), std::string::npos);
+  EXPECT_NE(html.find("no charts"), std::string::npos);
+  // Both slow and quick reach 20 %: 40 ms of slow against quick's 0.3 to 0.212 to 0.15.
+  EXPECT_NE(html.find("To an estimator error of"), std::string::npos);
+}
+
+TEST(ReportPage, DataAddressesAreBase64) {
+  const TemporaryFolder folder;
+  for (const auto& [text, code] : {std::pair{"M", "TQ=="}, {"Ma", "TWE="}, {"Man", "TWFu"}}) {
+    std::ofstream(folder.file("f")) << text;
+    EXPECT_EQ(*data_address(folder.file("f"), "text/plain"), std::string("data:text/plain;base64,") + code);
+  }
+  EXPECT_FALSE(data_address(folder.file("none"), "text/plain"));
+}
+
+TEST(ReportSweep, EveryRegisteredModeTakesPart) {
+  const Scene scene = build_builtin_scene("sphere");
+  const std::vector<SweptTechnique> swept = swept_techniques(compute_facts(scene, -1), {});
+  const std::vector<std::string> names = technique_names(TechniqueKind::mode);
+  ASSERT_EQ(swept.size(), names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(swept[i].name, names[i]);
+    EXPECT_FALSE(swept[i].steps.empty());
+    EXPECT_FALSE(swept[i].refused) << *swept[i].refused;
+  }
+  // What cannot draw with the settings asked for says why.
+  Settings settings;
+  settings.set_from_text("shading.visibility", "baked");
+  for (const SweptTechnique& technique : swept_techniques(compute_facts(scene, -1), settings))
+    if (technique.name == "splitsum") {
+      EXPECT_TRUE(technique.refused);
+    }
+}
+
+TEST(ReportSweep, EstimatorScopeIsRestricted) {
+  const SweptTechnique uniform{"uniform", "", {{}}, {}};
+  const QualityStep step{.samples = 8, .settings = {{"bandwidth.max_level", 2}}};
+  EXPECT_EQ(quality_label(step), "8 samples, bandwidth.max_level 2");
+  EXPECT_EQ(quality_label({}), "default");
+  EXPECT_EQ(settings_of({}, uniform, step, Scope::estimator).get_string("shading.visibility"), "none");
+  EXPECT_EQ(settings_of({}, uniform, step, Scope::model).get_string("shading.visibility"), "auto");
+  EXPECT_EQ(settings_of({}, uniform, step, Scope::model).get_int("bandwidth.max_level"), 2);
+}
+
+TEST(ReportSweep, AllCamerasOrTheOneAskedFor) {
+  const Scene cockpit = build_builtin_scene("cockpit");
+  EXPECT_EQ(swept_cameras(cockpit, {}).size(), 4u);
+  SceneOptions options;
+  options.camera = "door";
+  ASSERT_EQ(swept_cameras(cockpit, options).size(), 1u);
+  EXPECT_EQ(swept_cameras(cockpit, options)[0].name, "door");
+  const Scene seat = build_builtin_scene("seat");
+  EXPECT_GE(swept_cameras(seat, {}).size(), 1u);
+}
+
+TEST(ReportKeys, FollowTheContent) {
+  Scene scene = build_builtin_scene("sphere");
+  const std::string key = scene_key(scene).text();
+  EXPECT_EQ(scene_key(build_builtin_scene("sphere")).text(), key);
+  scene.materials[0].roughness += 0.01f;
+  EXPECT_NE(scene_key(scene).text(), key);
+  scene = build_builtin_scene("sphere");
+  scene.meshes[0].primitives[0].positions[0].x += 1e-4f;
+  EXPECT_NE(scene_key(scene).text(), key);
+  FrameRequest a, b;
+  b.seed = 1;
+  ContentKey ka, kb;
+  mix_request(a, &ka);
+  mix_request(b, &kb);
+  EXPECT_NE(ka.text(), kb.text());
+}
+
+}  // namespace
+}  // namespace maquette::report

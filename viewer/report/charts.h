@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "viewer/report/data.h"
+#include "viewer/report/figures.h"
+
+namespace maquette::report {
+
+/// One log-log chart of error against time.
+struct Chart {
+  std::string name;    ///< of its files
+  std::string camera;  ///< empty: the mean over all
+  std::string title;   ///< of the page
+  Metric metric = Metric::relative_rmse;
+  std::vector<Curve> curves;
+  std::vector<std::string> techniques;  ///< all of the report: a technique has one colour everywhere
+  double noise = 0.0;                   ///< of the reference; 0: not drawn
+};
+
+/// Over all cameras, then camera by camera; those without points are left out.
+std::vector<Chart> list_charts(const Report& report);
+
+/// What gnuplot is given; draws `svg_file`. Text and axes in the placeholder colour kChartInk.
+std::string gnuplot_script(const Chart& chart, const std::string& svg_file);
+inline constexpr const char* kChartInk = "#010203";
+
+/// Writes NAME.gp and NAME.svg into `folder`. Returns the SVG, or nothing with `problem` set when gnuplot is absent or
+/// fails. Throws Error when the folder cannot be written.
+std::optional<std::string> draw_chart(const Chart& chart, const std::string& folder, std::string* problem);
+
+/// A technique's colour, the same in charts and page.
+std::string technique_color(const std::vector<std::string>& techniques, const std::string& name);
+
+}  // namespace maquette::report

@@ -1,0 +1,255 @@
+#include "viewer/report/conductor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "render/tonemap.h"
+#include "scenes/error.h"
+#include "scenes/image_io.h"
+#include "viewer/report/measure.h"
+#include "viewer/report/stop_signal.h"
+#include "viewer/session.h"
+
+namespace maquette::report {
+
+namespace {
+
+/// Share of the budget that references may take.
+constexpr double kReferenceShare = 0.4;
+/// Of that, for full transport: it converges more slowly.
+constexpr double kFullShare = 0.65;
+/// Kept for charts and page: of the budget, and at most seconds.
+constexpr double kWritingShare = 0.08, kMostWriting_s = 12.0;
+/// A step that changes the error by less tells nothing new.
+constexpr double kSameError = 0.005;
+constexpr int kIdleSteps = 2;
+constexpr std::uint32_t kFirstSeed = 1;
+
+std::string percent(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g %%", 100.0 * value);
+  return text;
+}
+
+std::string file_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) name += std::isalnum(static_cast<unsigned char>(c)) ? c : '-';
+  return name;
+}
+
+}  // namespace
+
+Conductor::Conductor(Studio* studio, Journal* journal, std::string folder, std::function<void(const std::string&)> say)
+    : studio_(studio), journal_(journal), folder_(std::move(folder)), say_(std::move(say)) {}
+
+double Conductor::elapsed_s() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+void Conductor::run(Report* report) {
+  const SceneOptions& options = studio_->options();
+  cameras_ = swept_cameras(*studio_->scene(), options);
+  for (const SweptCamera& camera : cameras_) report->cameras.push_back({camera.name, {}});
+  list_techniques(report);
+  make_references(report);
+  std::vector<Ladder> ladders = make_ladders();
+  std::size_t most = 0;
+  for (const SweptTechnique& technique : techniques_) most = std::max(most, technique.steps.size());
+  for (int step = 0; step < static_cast<int>(most) && !StopSignal::asked(); ++step)
+    for (Ladder& ladder : ladders)
+      if (!ladder.over && !StopSignal::asked()) climb(&ladder, step, report);
+  report->interrupted = StopSignal::asked();
+  report->seconds = elapsed_s();
+}
+
+void Conductor::list_techniques(Report* report) {
+  const SceneOptions& options = studio_->options();
+  const SceneFacts facts = compute_facts(*studio_->scene(), find_variant(*studio_->scene(), options.variant));
+  techniques_ = swept_techniques(facts, options.settings);
+  for (const SweptTechnique& technique : techniques_) {
+    if (technique.refused) {
+      report->left_out.push_back({technique.name, technique.name, *technique.refused});
+      continue;
+    }
+    report->techniques.push_back({technique.name, technique.help});
+    const FramePlan plan =
+        maquette::plan(facts, technique.name, options.settings, {options.width, options.height, options.msaa});
+    for (const LeftOut& left_out : plan.left_out)
+      report->left_out.push_back({technique.name, left_out.what, left_out.why});
+  }
+  std::erase_if(techniques_, [](const SweptTechnique& t) { return t.refused.has_value(); });
+  for (const LaterName& later : later_modes())
+    report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
+}
+
+void Conductor::make_references(Report* report) {
+  const double share = kReferenceShare * studio_->options().budget_s / static_cast<double>(cameras_.size());
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    for (const Scope scope : kScopes) {
+      if (StopSignal::asked()) return;
+      const ReferenceOrder order{cameras_[c], scope, share * (scope == Scope::model ? kFullShare : 1.0 - kFullShare)};
+      Judge judge = obtain_reference(studio_, journal_, folder_, order);
+      say_("reference of " + cameras_[c].name + ", " + scope_name(scope) + ": noise " + percent(judge.entry.noise));
+      report->references.push_back(judge.entry);
+      judges_[{cameras_[c].name, scope}] = std::move(judge);
+    }
+    const Judge& judge = judges_[{cameras_[c].name, Scope::model}];
+    std::filesystem::create_directories(folder_ + "/pictures");
+    report->cameras[c].reference_picture = "pictures/" + file_name(cameras_[c].name) + "-reference.png";
+    save_png(folder_ + "/" + report->cameras[c].reference_picture,
+             tone_map(judge.picture, exposure_of_camera(cameras_[c].name), studio_->options().tonemap));
+  }
+}
+
+float Conductor::exposure_of_camera(const std::string& camera) const {
+  const SceneOptions& options = studio_->options();
+  const float suited = exposure_of(options, *studio_->environment());
+  return options.exposure_ev ? suited : meter_exposure_ev(judges_.at({camera, Scope::model}).picture, suited);
+}
+
+std::vector<Conductor::Ladder> Conductor::make_ladders() const {
+  std::vector<Ladder> ladders;
+  const SceneOptions& options = studio_->options();
+  const ViewInfo view{options.width, options.height, options.msaa};
+  const auto passes = [&](const SweptTechnique& technique, Scope scope) {
+    const Settings settings = settings_of(options.settings, technique, technique.steps.front(), scope);
+    std::string names;
+    for (const PlannedPass& pass : plan(studio_->renderer().facts(), technique.name, settings, view).passes)
+      names += pass.name + " ";
+    return names;
+  };
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    for (std::size_t t = 0; t < techniques_.size(); ++t) {
+      const SweptTechnique& technique = techniques_[t];
+      // The restricted settings of the shared techniques show in the plan; those of its own need not.
+      const bool same = find_mode(technique.name).restricted_settings.empty() &&
+                        passes(technique, Scope::estimator) == passes(technique, Scope::model);
+      if (same)
+        ladders.push_back({c, t, {Scope::estimator, Scope::model}, 0.0, 0, 0, {}, false});
+      else
+        for (const Scope scope : kScopes) ladders.push_back({c, t, {scope}, 0.0, 0, 0, {}, false});
+    }
+  }
+  return ladders;
+}
+
+FrameRequest Conductor::request_of(const Ladder& ladder, const QualityStep& step) const {
+  const SweptTechnique& technique = techniques_[ladder.technique];
+  FrameRequest request = studio_->request(cameras_[ladder.camera]);
+  request.mode = technique.name;
+  request.samples = step.samples;
+  request.seed = kFirstSeed;
+  // Where both scopes draw the same picture, either will do.
+  request.settings = settings_of(studio_->options().settings, technique, step, ladder.scopes.back());
+  return request;
+}
+
+std::string Conductor::key_of(const Ladder& ladder, const FrameRequest& request, Scope scope) const {
+  const Judge& judge = judges_.at({cameras_[ladder.camera].name, scope});
+  ContentKey key = studio_->key();
+  mix_request(request, &key);
+  key.mix(scope_name(scope)).mix(judge.key).mix(static_cast<double>(judge.entry.samples));
+  key.mix(static_cast<double>(studio_->options().repeats)).mix(studio_->device().renderer);
+  return key.text();
+}
+
+void Conductor::climb(Ladder* ladder, int step, Report* report) {
+  const SweptTechnique& technique = techniques_[ladder->technique];
+  if (step >= static_cast<int>(technique.steps.size())) {
+    ladder->over = true;
+    return;
+  }
+  if (take_over(ladder, step, report)) return;
+  const QualityStep& quality = technique.steps[static_cast<std::size_t>(step)];
+  const double growth = ladder->last_samples > 0 && quality.samples > 0
+                            ? static_cast<double>(quality.samples) / ladder->last_samples
+                            : 1.0;
+  const double expected_s = 1e-3 * ladder->last_ms * growth * (studio_->options().repeats + 1);
+  const double budget_s = studio_->options().budget_s;
+  if (elapsed_s() + expected_s + std::min(kMostWriting_s, kWritingShare * budget_s) > budget_s) {
+    report->skipped.push_back(technique.name + " from " + quality_label(quality) + " on, camera " +
+                              cameras_[ladder->camera].name + ": the budget was spent");
+    ladder->over = true;
+    return;
+  }
+  measure(ladder, step, report);
+}
+
+bool Conductor::take_over(Ladder* ladder, int step, Report* report) {
+  const QualityStep& quality = techniques_[ladder->technique].steps[static_cast<std::size_t>(step)];
+  const FrameRequest request = request_of(*ladder, quality);
+  std::vector<Point> points;
+  for (const Scope scope : ladder->scopes) {
+    const std::optional<Point> known = journal_->find_point(key_of(*ladder, request, scope));
+    if (!known) return false;
+    points.push_back(*known);
+  }
+  note_progress(ladder, quality, points);
+  report->taken_over += static_cast<int>(points.size());
+  for (Point& point : points) report->points.push_back(std::move(point));
+  return true;
+}
+
+void Conductor::measure(Ladder* ladder, int step, Report* report) {
+  const SweptTechnique& technique = techniques_[ladder->technique];
+  const QualityStep& quality = technique.steps[static_cast<std::size_t>(step)];
+  const FrameRequest request = request_of(*ladder, quality);
+  studio_->renderer().finish_background_work(request);
+  const FrameRequest warm = step == 0 ? request : request_of(*ladder, technique.steps.front());
+  const Measurement measurement = measure_frames(&studio_->renderer(), request,
+                                                 ladder->last_ms < 300.0 ? request : warm, studio_->options().repeats);
+  std::vector<Point> points;
+  for (const Scope scope : ladder->scopes) {
+    const Judge& judge = judges_.at({cameras_[ladder->camera].name, scope});
+    Image flip_map;
+    Point point = judge_measurement(measurement, judge, &flip_map);
+    point.camera = cameras_[ladder->camera].name;
+    point.technique = technique.name;
+    point.quality = quality_label(quality);
+    point.scope = scope;
+    point.step = step;
+    if (scope == Scope::model) write_pictures(measurement.pictures.front(), flip_map, judge.picture, &point);
+    journal_->add_point(key_of(*ladder, request, scope), point);
+    say_(point.camera + ", " + technique.name + ", " + point.quality + ", " + scope_name(scope) + ": " +
+         std::to_string(static_cast<int>(std::lround(point.time_ms.median))) + " ms, " +
+         (point.relative_rmse ? percent(point.relative_rmse->median) : "no error figure"));
+    points.push_back(point);
+  }
+  note_progress(ladder, quality, points);
+  report->measured_now += static_cast<int>(points.size());
+  for (Point& point : points) report->points.push_back(std::move(point));
+}
+
+/// The ladder ends where the reference cannot tell more, or where the error no longer falls.
+void Conductor::note_progress(Ladder* ladder, const QualityStep& step, const std::vector<Point>& points) {
+  ladder->last_ms = points.front().time_ms.median;
+  ladder->last_samples = step.samples;
+  bool news = false;
+  const auto differs = [](double now, double before) { return std::abs(now - before) > kSameError * before; };
+  for (const Point& point : points) {
+    const Ladder::Errors errors{point.relative_rmse ? point.relative_rmse->median : 0.0,
+                                point.figures.flip.value_or(0.0)};
+    const auto last = ladder->last_errors.find(point.scope);
+    news = news || last == ladder->last_errors.end() || differs(errors.flip, last->second.flip) ||
+           (!point.below_noise && differs(errors.relative_rmse, last->second.relative_rmse));
+    ladder->last_errors[point.scope] = errors;
+  }
+  ladder->idle_steps = news ? 0 : ladder->idle_steps + 1;
+  ladder->over = ladder->idle_steps >= kIdleSteps;
+}
+
+void Conductor::write_pictures(const Image& radiance, const Image& flip_map, const Image& reference, Point* point) {
+  const std::string base =
+      "pictures/" + file_name(point->camera) + "-" + file_name(point->technique) + "-" + file_name(point->quality);
+  point->picture = base + ".png";
+  point->difference = base + "-flip.png";
+  save_png(folder_ + "/" + point->picture,
+           tone_map(radiance, exposure_of_camera(point->camera), studio_->options().tonemap));
+  ErrorReport report;
+  report.flip_map = flip_map;
+  save_png(folder_ + "/" + point->difference, difference_picture(report, radiance, reference));
+}
+
+}  // namespace maquette::report

@@ -1,0 +1,107 @@
+#include "viewer/report/content_key.h"
+
+#include <cstdio>
+#include <cstring>
+
+#include "render/geometry.h"
+#include "scenes/files.h"
+
+namespace maquette::report {
+
+ContentKey& ContentKey::mix_bytes(std::span<const std::byte> bytes) {
+  const std::uint64_t size = bytes.size();
+  value_ = content_hash(std::as_bytes(std::span(&size, 1)), value_);
+  value_ = content_hash(bytes, value_);
+  return *this;
+}
+
+ContentKey& ContentKey::mix(std::string_view text) { return mix_bytes(std::as_bytes(std::span(text))); }
+
+ContentKey& ContentKey::mix(double value) { return mix_bytes(std::as_bytes(std::span(&value, 1))); }
+
+std::string ContentKey::text() const {
+  char digits[20];
+  std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(value_));
+  return digits;
+}
+
+namespace {
+
+void mix_vector(const auto& v, int count, ContentKey* key) {
+  for (int i = 0; i < count; ++i) key->mix(static_cast<double>(v[i]));
+}
+
+void mix_texture(const TextureRef& t, ContentKey* key) {
+  for (const double v : {static_cast<double>(t.image), static_cast<double>(t.uv_set), static_cast<double>(t.wrap_s),
+                         static_cast<double>(t.wrap_t), t.nearest ? 1.0 : 0.0, static_cast<double>(t.rotation_rad)})
+    key->mix(v);
+  mix_vector(t.offset, 2, key);
+  mix_vector(t.scale, 2, key);
+}
+
+void mix_material(const Material& m, ContentKey* key) {
+  key->mix(m.name).mix(m.measured);
+  if (!m.measured.empty() && !m.measured.starts_with("builtin:")) key->mix_bytes(read_file(m.measured));
+  mix_vector(m.base_color, 4, key);
+  mix_vector(m.emissive, 3, key);
+  mix_vector(m.specular_color, 3, key);
+  mix_vector(m.sheen_color, 3, key);
+  for (const float v : {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff, m.clearcoat,
+                        m.clearcoat_roughness, m.transmission, m.ior, m.specular, m.sheen_roughness})
+    key->mix(static_cast<double>(v));
+  for (const bool v : {m.double_sided, m.unlit, m.tint_measured, m.glass}) key->mix(v ? 1.0 : 0.0);
+  key->mix(static_cast<double>(m.alpha_mode));
+  for (const TextureRef* t :
+       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
+        &m.emissive_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
+        &m.transmission_texture, &m.specular_texture, &m.specular_color_texture, &m.sheen_color_texture,
+        &m.sheen_roughness_texture})
+    mix_texture(*t, key);
+}
+
+}  // namespace
+
+ContentKey scene_key(const Scene& scene) {
+  ContentKey key;
+  key.mix(MAQUETTE_VERSION);
+  const FlatGeometry g = flatten(scene);
+  key.mix_all(g.positions).mix_all(g.normals).mix_all(g.uv0).mix_all(g.uv1).mix_all(g.colors).mix_all(g.indices);
+  for (const DrawItem& item : g.items) {
+    key.mix(static_cast<double>(item.first_index)).mix(static_cast<double>(item.node));
+    if (item.patch >= 0) key.mix(static_cast<double>(scene.patches[static_cast<std::size_t>(item.patch)].material));
+    if (item.mesh < 0) continue;
+    const Mesh& mesh = scene.meshes[static_cast<std::size_t>(item.mesh)];
+    const Primitive& primitive = mesh.primitives[static_cast<std::size_t>(item.primitive)];
+    key.mix(static_cast<double>(primitive.material));
+    for (const auto& [variant, material] : primitive.variant_materials)
+      key.mix(static_cast<double>(variant)).mix(static_cast<double>(material));
+  }
+  for (const Material& material : scene.materials) mix_material(material, &key);
+  for (const TextureImage& image : scene.images) key.mix(static_cast<double>(image.width)).mix_all(image.rgba);
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].light < 0) continue;
+    const PunctualLight& light = scene.lights[static_cast<std::size_t>(scene.nodes[i].light)];
+    mix_vector(light.color, 3, &key);
+    for (const float v : {light.intensity, light.range_m, light.inner_cone_rad, light.outer_cone_rad})
+      key.mix(static_cast<double>(v));
+    key.mix(static_cast<double>(light.kind)).mix_bytes(std::as_bytes(std::span(&world[i], 1)));
+  }
+  return key;
+}
+
+void mix_request(const FrameRequest& request, ContentKey* key) {
+  mix_vector(request.camera.eye, 3, key);
+  mix_vector(request.camera.target, 3, key);
+  mix_vector(request.camera.up, 3, key);
+  for (const double v :
+       {static_cast<double>(request.camera.fov_y_rad), static_cast<double>(request.width),
+        static_cast<double>(request.height), static_cast<double>(request.msaa), static_cast<double>(request.samples),
+        static_cast<double>(request.seed), static_cast<double>(request.env_rotation_rad),
+        static_cast<double>(request.env_scale), static_cast<double>(request.variant)})
+    key->mix(v);
+  key->mix(request.mode);
+  for (const auto& [name, value] : request.settings.changed()) key->mix(name).mix(to_text(value));
+}
+
+}  // namespace maquette::report

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/metrics.h"
+#include "render/plan.h"
+
+/// What a report holds, as plain values: measured by measure.h, written by write_data.h, charts.h and page.h.
+namespace maquette::report {
+
+/// What an error is measured against.
+enum class Scope {
+  estimator,  ///< unshadowed direct light, which the technique claims to compute: its own error
+  model,      ///< all light paths: what the picture lacks of the truth
+};
+inline constexpr Scope kScopes[] = {Scope::estimator, Scope::model};
+std::string scope_name(Scope scope);
+
+struct Spread {
+  double median = 0.0;
+  double low = 0.0;   ///< smallest of the repeats
+  double high = 0.0;  ///< largest
+};
+/// Values must not be empty.
+Spread spread_of(std::vector<double> values);
+
+/// One technique at one quality, seen by one camera, judged in one scope.
+struct Point {
+  std::string camera, technique, quality;
+  Scope scope = Scope::model;
+  int step = 0;         ///< in the technique's quality steps
+  int repeats = 0;      ///< of different seeds
+  Spread time_ms;       ///< wall, of one frame
+  double cpu_ms = 0.0;  ///< median, all threads
+  std::size_t gpu_bytes = 0;
+  std::size_t shading_samples = 0;      ///< of one frame
+  std::optional<Spread> relative_rmse;  ///< the reference's own noise taken out; absent: a black reference
+  bool below_noise = false;             ///< the reference cannot tell this error from its own
+  ErrorFigures figures;                 ///< of the first repeat, noise left in
+  std::string picture;                  ///< PNG in the report's folder; empty in the scope estimator
+  std::string difference;               ///< FLIP in false colours
+};
+
+struct ReferenceEntry {
+  std::string camera;
+  Scope scope = Scope::model;
+  std::string file;  ///< EXR in the report's folder
+  std::string made_by;
+  int samples = 0;
+  double noise = 0.0;  ///< its own relative RMSE, estimated
+  double seconds = 0.0;
+};
+
+/// What the plan of a technique leaves out, or why it does not take part at all (`what` is then its name).
+struct LeftOutEntry {
+  std::string technique;
+  std::string what, why;
+};
+
+struct NamedValue {
+  std::string name, value;
+};
+
+struct CameraEntry {
+  std::string name;
+  std::string reference_picture;  ///< PNG of the scope model
+};
+
+struct TechniqueEntry {
+  std::string name, help;
+};
+
+struct Report {
+  std::string scene, environment, command;
+  int width = 0, height = 0;
+  std::vector<CameraEntry> cameras;
+  std::vector<TechniqueEntry> techniques;
+  std::vector<Point> points;
+  std::vector<ReferenceEntry> references;
+  std::vector<LeftOutEntry> left_out;
+  std::vector<NamedValue> machine;
+  std::vector<std::string> skipped;  ///< what was not measured, and why, one line each
+  double budget_s = 0.0, seconds = 0.0;
+  int measured_now = 0, taken_over = 0;  ///< points of this run, points of earlier runs
+  bool interrupted = false;
+};
+
+}  // namespace maquette::report

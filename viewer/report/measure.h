@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "viewer/report/data.h"
+#include "viewer/report/references.h"
+#include "viewer/report/studio.h"
+
+namespace maquette::report {
+
+/// One request, drawn `repeats` times with different seeds after a warm-up; quick frames are timed a few times more.
+struct Measurement {
+  std::vector<double> wall_ms, cpu_ms;
+  std::vector<Image> pictures;
+  FrameStats stats;  ///< of the last frame
+};
+/// `warm`: a cheaper request that makes the same resources.
+Measurement measure_frames(Renderer* renderer, const FrameRequest& request, const FrameRequest& warm, int repeats);
+
+/// Time, memory and error of a measurement; names, scope and pictures are left to the caller.
+Point judge_measurement(const Measurement& measurement, const Judge& judge, Image* flip_map = nullptr);
+
+/// The reference's noise taken out of an error in quadrature; at least a tenth of the error stays.
+double without_noise(double error, double noise);
+
+}  // namespace maquette::report

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/report/charts.h"
+#include "viewer/report/page_parts.h"
+
+namespace maquette::report {
+
+namespace {
+
+/// One frame time that every technique comes near to: 2.5 times the time of the slowest one's fastest point.
+double common_time_ms(const std::vector<const Point*>& points, const Report& report) {
+  double time = 0.0;
+  for (const TechniqueEntry& technique : report.techniques) {
+    double fastest = INFINITY;
+    for (const Point* point : points)
+      if (point->technique == technique.name) fastest = std::min(fastest, point->time_ms.median);
+    // The path tracer is slower by another order: it must not decide for the others.
+    if (std::isfinite(fastest) && technique.name != "reference") time = std::max(time, 2.5 * fastest);
+  }
+  return time;
+}
+
+/// The best picture within the time, or the fastest.
+const Point* best_within(const std::vector<const Point*>& points, const std::string& technique, double time_ms) {
+  const Point* best = nullptr;
+  for (const Point* point : points) {
+    if (point->technique != technique) continue;
+    const bool within = point->time_ms.median <= time_ms, best_is = best != nullptr && best->time_ms.median <= time_ms;
+    const bool better = best == nullptr || (within && !best_is) ||
+                        (within == best_is && (within ? point->figures.flip.value_or(1.0) < best->figures.flip.value_or(1.0)
+                                                      : point->time_ms.median < best->time_ms.median));
+    if (better) best = point;
+  }
+  return best;
+}
+
+std::string image(const PageInput& input, const std::string& file, const std::string& what) {
+  const std::optional<std::string> address = data_address(input.folder + "/" + file, "image/png");
+  return address ? "<img alt=\"" + escape(what) + "\" src=\"" + *address + "\">"
+                 : "<p class=\"note\">" + escape(file) + " is missing</p>";
+}
+
+}  // namespace
+
+std::string gallery(const PageInput& input, const std::string& camera) {
+  std::vector<const Point*> points;
+  for (const Point& point : input.report.points)
+    if (point.camera == camera && point.scope == Scope::model && !point.picture.empty()) points.push_back(&point);
+  if (points.empty()) return "<p class=\"note\">No picture was measured.</p>\n";
+  std::string html = "<div class=\"gallery\">\n";
+  for (const CameraEntry& entry : input.report.cameras)
+    if (entry.name == camera && !entry.reference_picture.empty())
+      html += "<figure>" + image(input, entry.reference_picture, "reference") +
+              "<figcaption><b>reference</b>, all light paths</figcaption></figure>\n";
+  const double time = common_time_ms(points, input.report);
+  for (const TechniqueEntry& technique : input.report.techniques) {
+    const Point* point = best_within(points, technique.name, time);
+    if (point == nullptr) continue;
+    html += "<figure>" + image(input, point->picture, technique.name) +
+            image(input, point->difference, technique.name + ", FLIP") + "<figcaption><b>" + escape(technique.name) +
+            "</b>, " + escape(point->quality) + ", " + time_text(point->time_ms.median);
+    if (point->relative_rmse)
+      html += "<br>relative RMSE " + error_text(point->relative_rmse->median, Metric::relative_rmse);
+    if (point->figures.flip) html += ", FLIP " + error_text(*point->figures.flip, Metric::flip);
+    html += "</figcaption></figure>\n";
+  }
+  return html +
+         "</div>\n<p class=\"note\">Lower pictures: model error, FLIP <span>0</span><span class=\"scale\" "
+         "style=\"background:linear-gradient(90deg,#30123b,#4662d7,#36aaf9,#1ae4b6,#72fe5e,#c8ef34,#faba39,#f66b19,#"
+         "ca2a04,"
+         "#7a0403)\"></span>1</p>\n";
+}
+
+namespace {
+
+const Curve* find_curve(const std::vector<Curve>& curves, const std::string& technique) {
+  for (const Curve& curve : curves)
+    if (curve.technique == technique) return &curve;
+  return nullptr;
+}
+
+std::string times_text(double ratio) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g", ratio);
+  return text;
+}
+
+/// The fastest technique at the smallest target that at least two of them reach.
+std::string fastest_line(const Report& report, Scope scope, Metric metric) {
+  const bool many = report.cameras.size() > 1;
+  const std::vector<Curve> curves = many                     ? mean_curves(report, scope, metric)
+                                    : report.cameras.empty() ? std::vector<Curve>()
+                                                             : curves_of(report, report.cameras[0].name, scope, metric);
+  const std::vector<double> targets = metric == Metric::flip ? std::vector<double>{0.02, 0.05, 0.1, 0.2, 0.3}
+                                                             : std::vector<double>{0.01, 0.02, 0.05, 0.1, 0.2, 0.5};
+  for (const double target : targets) {
+    std::vector<std::pair<double, std::string>> reached;
+    for (const Curve& curve : curves)
+      if (const std::optional<double> time = time_to_error(curve, target)) reached.emplace_back(*time, curve.technique);
+    if (reached.size() < 2) continue;
+    std::sort(reached.begin(), reached.end());
+    std::string line = "To a" + std::string(scope == Scope::estimator ? "n estimator" : " model") + " error of " +
+                       error_text(target, metric) + (metric == Metric::flip ? " FLIP" : " relative RMSE") + ", <b>" +
+                       escape(reached[0].second) + "</b> is the fastest: " + time_text(reached[0].first) + " a frame";
+    for (std::size_t i = 1; i < reached.size(); ++i)
+      line += ", " + escape(reached[i].second) + " " + time_text(reached[i].first) + " (" +
+              times_text(reached[i].first / reached[0].first) + " times)";
+    return line + ".";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string summary_section(const PageInput& input) {
+  const Report& report = input.report;
+  std::vector<std::string> lines;
+  for (const auto& [scope, metric] :
+       {std::pair{Scope::estimator, Metric::relative_rmse}, std::pair{Scope::estimator, Metric::flip},
+        std::pair{Scope::model, Metric::flip}}) {
+    std::string line = fastest_line(report, scope, metric);
+    if (!line.empty()) lines.push_back(std::move(line));
+  }
+  const bool many = report.cameras.size() > 1;
+  const std::string camera = report.cameras.empty() ? "" : report.cameras[0].name;
+  const std::vector<Curve> model =
+      many ? mean_curves(report, Scope::model, Metric::flip) : curves_of(report, camera, Scope::model, Metric::flip);
+  std::string floor;
+  for (const TechniqueEntry& technique : report.techniques)
+    if (const Curve* curve = find_curve(model, technique.name))
+      floor +=
+          (floor.empty() ? "" : ", ") + escape(technique.name) + " " + error_text(best_error(*curve), Metric::flip);
+  if (!floor.empty()) lines.push_back("Smallest model error that was reached (FLIP): " + floor + ".");
+  std::string html = "<div class=\"summary\">\n<ul>\n";
+  for (const std::string& line : lines) html += "<li>" + line + "</li>\n";
+  if (lines.empty()) html += "<li>Too little was measured for a comparison.</li>\n";
+  html += "</ul>\n<p class=\"small\">" + std::to_string(report.points.size()) + " points on " +
+          std::to_string(report.cameras.size()) + (many ? " cameras" : " camera") + ", " +
+          time_text(1e3 * report.seconds) + " of a budget of " + time_text(1e3 * report.budget_s) + " in this run; " +
+          std::to_string(report.taken_over) + " points are of earlier runs.";
+  html += "</p>\n";
+  if (report.interrupted)
+    html += "<p class=\"warn\">The run was interrupted: the same command goes on from here.</p>\n";
+  else if (!report.skipped.empty())
+    html += "<p class=\"warn\">Not everything was measured, see below; the same command goes on from here.</p>\n";
+  if (!input.chart_problem.empty()) html += "<p class=\"warn\">" + escape(input.chart_problem) + "</p>\n";
+  return html + "</div>\n";
+}
+
+}  // namespace maquette::report

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "viewer/report/data.h"
+#include "viewer/report/journal.h"
+#include "viewer/report/studio.h"
+
+namespace maquette::report {
+
+/// A picture to judge others by.
+struct Judge {
+  Image picture;
+  ReferenceEntry entry;
+  std::string key;
+};
+
+struct ReferenceOrder {
+  SweptCamera camera;
+  Scope scope = Scope::model;
+  double seconds = 10.0;        ///< to spend on it, about
+  double target_noise = 0.003;  ///< relative RMSE at which it is good enough
+};
+
+/// The reference of one camera and scope: from the folder when an earlier run made it for the same content, else
+/// computed and kept there. Scope estimator: unshadowed direct light; model: all light paths. Throws Error when it
+/// cannot be written.
+Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order);
+
+}  // namespace maquette::report

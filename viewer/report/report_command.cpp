@@ -1,0 +1,116 @@
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "scenes/error.h"
+#include "viewer/command_line.h"
+#include "viewer/commands.h"
+#include "viewer/outputs.h"
+#include "viewer/report/charts.h"
+#include "viewer/report/conductor.h"
+#include "viewer/report/machine.h"
+#include "viewer/report/page.h"
+#include "viewer/report/stop_signal.h"
+#include "viewer/report/write_data.h"
+
+namespace maquette {
+
+namespace {
+
+using namespace report;
+namespace fs = std::filesystem;
+
+/// One line that is written over on a terminal; elsewhere a line every few seconds.
+class Progress {
+ public:
+  explicit Progress(double budget_s) : budget_s_(budget_s) {}
+  ~Progress() {
+    if (terminal_ && written_) std::fputc('\n', stderr);
+  }
+  void say(const std::string& line) {
+    const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+    if (!terminal_ && written_ && seconds - last_s_ < kQuiet_s) return;
+    std::fprintf(stderr, terminal_ ? "\r\033[K%4.0f of %.0f s  %s" : "%4.0f of %.0f s  %s\n", seconds, budget_s_,
+                 line.c_str());
+    std::fflush(stderr);
+    last_s_ = seconds;
+    written_ = true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr double kQuiet_s = 2.0;
+  double budget_s_, last_s_ = 0.0;
+  Clock::time_point begin_ = Clock::now();
+  bool terminal_ = isatty(STDERR_FILENO) == 1, written_ = false;
+};
+
+void prepare_folder(const std::string& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
+    throw Error("--output " + folder, "this is a file", "give the name of a folder");
+  fs::create_directories(folder, error);
+  if (error) throw Error("--output " + folder, "the folder cannot be made: " + error.message(), "choose another place");
+  check_writable("--output", folder + "/report.html");
+}
+
+void write_outputs(const std::string& folder, const Report& report, std::string* chart_problem) {
+  write_text(folder + "/report.json", report_json_text(report));
+  write_text(folder + "/report.csv", report_csv_text(report));
+  PageInput page{report, folder, {}, {}};
+  for (const Chart& chart : list_charts(report)) {
+    const std::optional<std::string> svg = draw_chart(chart, folder + "/charts", &page.chart_problem);
+    if (!svg) break;
+    page.charts[chart.name] = *svg;
+  }
+  *chart_problem = page.chart_problem;
+  write_text(folder + "/report.html", page_html(page));
+}
+
+std::string command_text(const SceneOptions& options) {
+  std::string text = "maquette report " + options.scene + " -o " + options.output + " --env " + options.environment +
+                     " --size " + std::to_string(options.width) + "x" + std::to_string(options.height) + " --budget " +
+                     to_text(options.budget_s) + " --repeats " + std::to_string(options.repeats);
+  for (const auto& [name, source] : options.materials) text += " --material '" + name + "=" + source + "'";
+  if (!options.variant.empty()) text += " --variant '" + options.variant + "'";
+  for (const auto& [name, value] : options.settings.changed()) text += " --set " + name + "=" + to_text(value);
+  return text;
+}
+
+}  // namespace
+
+int run_report(const CommandLine& line) {
+  const SceneOptions& options = line.options;
+  const std::string& folder = options.output;
+  prepare_folder(folder);
+  const StopSignal stop;
+  Report report;
+  report.scene = options.scene;
+  report.environment = options.environment;
+  report.command = command_text(options);
+  report.width = options.width;
+  report.height = options.height;
+  report.budget_s = options.budget_s;
+  {
+    Progress progress(options.budget_s);
+    Journal journal(folder);
+    if (!journal.note().empty()) std::fprintf(stderr, "warning: %s\n", journal.note().c_str());
+    Studio studio(options);
+    report.machine = describe_machine(studio.device());
+    Conductor conductor(&studio, &journal, folder, [&](const std::string& text) { progress.say(text); });
+    conductor.run(&report);
+  }
+  std::string chart_problem;
+  write_outputs(folder, report, &chart_problem);
+  if (!chart_problem.empty()) std::fprintf(stderr, "warning: %s\n", chart_problem.c_str());
+  std::printf("%s/report.html: %zu points (%d of this run, %d of earlier ones), %.0f s\n", folder.c_str(),
+              report.points.size(), report.measured_now, report.taken_over, report.seconds);
+  if (report.interrupted)
+    throw Error("maquette report", "interrupted after " + std::to_string(report.points.size()) + " points",
+                "the same command goes on from there");
+  return 0;
+}
+
+}  // namespace maquette

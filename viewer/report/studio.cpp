@@ -1,0 +1,37 @@
+#include "viewer/report/studio.h"
+
+#include <cstdio>
+
+#include "scenes/files.h"
+#include "viewer/session.h"
+
+namespace maquette::report {
+
+Studio::Studio(const SceneOptions& options)
+    : options_(options),
+      scene_(load_session_scene(options)),
+      environment_(std::make_shared<const Environment>(load_environment(options.environment))),
+      context_(GlContext::create_headless()),
+      device_(query_device()),
+      renderer_(std::make_unique<Renderer>()),
+      key_(scene_key(*scene_)) {
+  for (const std::string& warning : scene_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  for (const std::string& warning : environment_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  renderer_->set_scene(scene_);
+  renderer_->set_environment(environment_);
+  for (const auto& [name, source] : options.materials) {
+    renderer_->set_material(name, source);
+    key_.mix(name).mix(source);
+    if (!source.starts_with("builtin:")) key_.mix_bytes(read_file(source));
+  }
+  const std::uint64_t environment_hash = environment_->hash;
+  key_.mix_bytes(std::as_bytes(std::span(&environment_hash, 1)));
+}
+
+FrameRequest Studio::request(const SweptCamera& camera) const {
+  FrameRequest request = make_request(*scene_, options_);
+  request.camera = camera.view;
+  return request;
+}
+
+}  // namespace maquette::report

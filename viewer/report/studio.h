@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "render/gl/context.h"
+#include "render/renderer.h"
+#include "viewer/options.h"
+#include "viewer/report/content_key.h"
+#include "viewer/report/sweep.h"
+
+namespace maquette::report {
+
+/// Scene, environment and renderer of one report, with a context of its own.
+class Studio {
+ public:
+  /// Throws Error (scene, environment, material, graphics).
+  explicit Studio(const SceneOptions& options);
+
+  const SceneOptions& options() const { return options_; }
+  const DeviceInfo& device() const { return device_; }
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  const std::shared_ptr<const Environment>& environment() const { return environment_; }
+  Renderer& renderer() { return *renderer_; }
+  /// Of scene, materials in use and environment.
+  const ContentKey& key() const { return key_; }
+  /// One frame as the options ask, seen by `camera`.
+  FrameRequest request(const SweptCamera& camera) const;
+
+ private:
+  SceneOptions options_;
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Environment> environment_;
+  GlContext context_;
+  DeviceInfo device_;
+  std::unique_ptr<Renderer> renderer_;
+  ContentKey key_;
+};
+
+}  // namespace maquette::report

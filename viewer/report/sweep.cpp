@@ -1,0 +1,60 @@
+#include "viewer/report/sweep.h"
+
+#include <algorithm>
+
+#include "scenes/error.h"
+#include "viewer/session.h"
+
+namespace maquette::report {
+
+std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& options) {
+  std::vector<SweptCamera> cameras;
+  if (options.eye || !options.camera.empty()) {
+    cameras.push_back({options.camera.empty() ? "eye" : options.camera, choose_camera(scene, options)});
+    return cameras;
+  }
+  SceneOptions one = options;
+  for (const std::string& name : camera_names(scene)) {
+    const bool known =
+        std::any_of(cameras.begin(), cameras.end(), [&](const SweptCamera& c) { return c.name == name; });
+    if (known || name.empty()) continue;
+    one.camera = name;
+    cameras.push_back({name, choose_camera(scene, one)});
+  }
+  if (cameras.empty()) cameras.push_back({"overview", choose_camera(scene, options)});
+  return cameras;
+}
+
+std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings) {
+  std::vector<SweptTechnique> swept;
+  for (const TechniqueInfo& info : techniques()) {
+    if (info.kind != TechniqueKind::mode) continue;
+    SweptTechnique technique{info.name, info.help, info.quality_steps, {}};
+    if (technique.steps.empty()) technique.steps.emplace_back();
+    try {
+      plan(facts, info.name, settings, {});
+    } catch (const Error& error) {
+      technique.refused = error.what();
+    }
+    swept.push_back(std::move(technique));
+  }
+  return swept;
+}
+
+std::string quality_label(const QualityStep& step) {
+  std::string label = step.samples > 0 ? std::to_string(step.samples) + " samples" : "";
+  for (const auto& [name, value] : step.settings) label += (label.empty() ? "" : ", ") + name + " " + to_text(value);
+  return label.empty() ? "default" : label;
+}
+
+Settings settings_of(const Settings& asked, const SweptTechnique& technique, const QualityStep& step, Scope scope) {
+  Settings settings = asked;
+  for (const auto& [name, value] : step.settings) settings.set(name, value);
+  if (scope == Scope::model) return settings;
+  for (const TechniqueInfo& info : techniques())
+    if (info.kind == TechniqueKind::shared || info.name == technique.name)
+      for (const auto& [name, value] : info.restricted_settings) settings.set(name, value);
+  return settings;
+}
+
+}  // namespace maquette::report

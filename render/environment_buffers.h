@@ -20,6 +20,7 @@ class EnvironmentBuffers {
   void bind() const;  ///< units 14, 15 and 17
   int bias() const { return bias_; }
   const Environment& environment() const { return *environment_; }
+  const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   const EnvironmentTables& tables() const { return tables_; }
   float effective_sr() const { return effective_sr_; }
   std::size_t bytes() const { return words_.bytes() + list_.bytes() + bandwidth_.bytes(); }

@@ -42,6 +42,7 @@ std::vector<bool> used_materials(const Scene& scene, int variant) {
 
 std::string decide_visibility(const SceneFacts& facts, const std::string& mode, const std::string& asked,
                               FramePlan* plan) {
+  if (mode == "reference") return "none";  // its own rays; add_passes says so
   if (mode != "uniform" && mode != "bandwidth") {
     plan->left_out.push_back({"visibility", "mode " + mode + " knows none"});
     return "none";
@@ -104,10 +105,17 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   plan.mode = mode_name;
   plan.msaa = view.msaa;
   const bool shines = facts.has_punctual_lights || facts.has_emissive_meshes;
-  plan.lights = shines && (mode_name == "uniform" || mode_name == "bandwidth");
+  const bool traced = mode_name == "reference";
+  plan.lights = shines && (mode_name == "uniform" || mode_name == "bandwidth" || traced);
   plan.glass = facts.has_glass;
-  plan.passes.push_back({"raster", std::to_string(facts.triangle_count) + " triangles: only their numbers and depth"});
-  plan.passes.push_back({"gbuffer", "normals, texture coordinates and curvature of what is visible, found on screen"});
+  if (traced) {
+    mode.add_passes(facts, settings, view, &plan);
+  } else {
+    plan.passes.push_back(
+        {"raster", std::to_string(facts.triangle_count) + " triangles: only their numbers and depth"});
+    plan.passes.push_back(
+        {"gbuffer", "normals, texture coordinates and curvature of what is visible, found on screen"});
+  }
   plan.visibility = decide_visibility(facts, mode_name, settings.get_string("shading.visibility"), &plan);
   if (plan.lights) {
     plan.passes.push_back({"lights", facts.has_emissive_meshes ? "emissive surfaces light the scene"
@@ -117,9 +125,10 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   } else {
     plan.left_out.push_back({"lights", "the scene has no lights and nothing that glows"});
   }
-  mode.add_passes(facts, settings, view, &plan);
+  if (!traced) mode.add_passes(facts, settings, view, &plan);
   if (plan.glass)
-    plan.passes.push_back({"glass", "panes and blended surfaces, back to front"});
+    plan.passes.push_back(
+        {"glass", traced ? "panes mirror and let pass what rays find" : "panes and blended surfaces, back to front"});
   else
     plan.left_out.push_back({"glass", "no material transmits or blends"});
   if (view.msaa > 1)
@@ -133,7 +142,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
   plan.left_out.push_back({"reflections", "--reflections off"});
   plan.left_out.push_back({"octree", "no reflector technique asks for one"});
-  plan.left_out.push_back({"indirect", "shading.indirect is none"});
+  if (!traced) plan.left_out.push_back({"indirect", "shading.indirect is none"});
   return plan;
 }
 

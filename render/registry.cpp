@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/bandwidth/technique.h"
+#include "render/reference/technique.h"
 #include "render/sg/technique.h"
 #include "render/shading/technique.h"
 #include "render/splitsum/technique.h"
@@ -15,6 +16,7 @@ namespace maquette {
 const std::vector<TechniqueInfo>& techniques() {
   static const std::vector<TechniqueInfo> kTechniques = {
       shading_technique(), bandwidth_technique(), uniform_technique(), splitsum_technique(), sg_technique(),
+      reference_technique(),
   };
   return kTechniques;
 }
@@ -23,7 +25,6 @@ const std::vector<LaterName>& later_modes() {
   static const std::vector<LaterName> kModes = {
       {"slf", "surface light field"},
       {"prt", "precomputed radiance transfer"},
-      {"reference", "progressive path tracing"},
   };
   return kModes;
 }
@@ -40,7 +41,6 @@ const std::vector<LaterName>& later_reflectors() {
 
 const std::vector<LaterName>& later_settings() {
   static const std::vector<LaterName> kSettings = {
-      {"reference.transport", "full or direct light paths"},
       {"slf.bake", "folder of the surface light field"},
       {"slf.texels", "side of the atlas"},
       {"prt.bake", "folder of the transfer"},

@@ -5,16 +5,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "render/material_overrides.h"
 #include "render/renderer_impl.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
-
-bool operator==(const CameraView& a, const CameraView& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_rad == b.fov_y_rad && a.near_m == b.near_m &&
-         a.far_m == b.far_m;
-}
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
 Renderer::~Renderer() = default;
@@ -38,7 +34,7 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
   impl_->visibility.clear();
   ++impl_->geometry_epoch;
   impl_->overrides.clear();
-  impl_->effective = impl_->effective_materials({});
+  impl_->effective = impl_->scene->materials;
   impl_->upload_materials();
   ++impl_->epoch;
 }
@@ -49,34 +45,6 @@ void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
   impl_->lookup_modes.clear();
   if (impl_->buffers) impl_->upload_materials();
   ++impl_->epoch;
-}
-
-std::vector<Material> Renderer::Impl::effective_materials(const std::map<std::string, std::string>& sources) const {
-  std::vector<Material> result = scene->materials;
-  for (Material& material : result) {
-    auto found = sources.find(material.name);
-    if (found == sources.end()) found = sources.find("*");
-    if (found == sources.end()) continue;
-    if (found->second == "builtin:glass") {
-      const bool double_sided = material.double_sided;
-      Material glass;
-      glass.name = material.name;
-      glass.glass = true;
-      glass.transmission = 1.0f;
-      glass.ior = 1.52f;
-      glass.roughness = 0.0f;
-      glass.metallic = 0.0f;
-      glass.double_sided = double_sided;
-      material = glass;
-    } else {
-      material.measured = found->second;
-      material.tint_measured = false;
-      material.glass = false;
-      material.transmission = 0.0f;
-      material.alpha_mode = material.alpha_mode == AlphaMode::blend ? AlphaMode::opaque : material.alpha_mode;
-    }
-  }
-  return result;
 }
 
 void Renderer::set_material(const std::string& material_name, const std::string& source) {
@@ -94,7 +62,7 @@ void Renderer::set_material(const std::string& material_name, const std::string&
     sources[material_name] = source;
   if (!source.empty() && source != "builtin:glass") impl_->materials.slot_of(source);  // throws before anything changes
   impl_->overrides = std::move(sources);
-  impl_->effective = impl_->effective_materials(impl_->overrides);
+  impl_->effective = override_materials(impl_->scene->materials, impl_->overrides);
   impl_->upload_materials();
   impl_->facts_variant = -2;
   impl_->lights_stale = true;
@@ -155,36 +123,25 @@ int choose_chunk(const FrameRequest& request, int samples) {
 }
 
 /// Depth 1 at the near plane, 0 at infinity: float then resolves near and far alike.
-glm::mat4 reverse_infinite_projection(float fov_y, float aspect, float near_m) {
-  const float f = 1.0f / std::tan(0.5f * fov_y);
+glm::mat4 reverse_infinite_projection(const CameraFrame& camera) {
   glm::mat4 p(0.0f);
-  p[0][0] = f / aspect;
-  p[1][1] = f;
+  p[0][0] = 1.0f / camera.tan_x;
+  p[1][1] = 1.0f / camera.tan_y;
   p[2][3] = -1.0f;
-  p[3][2] = near_m;
+  p[3][2] = camera.near_m;
   return p;
 }
 
 }  // namespace
 
 void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk) {
-  const CameraView& camera = request.camera;
-  const glm::vec3 forward = glm::normalize(camera.target - camera.eye);
-  glm::vec3 right = glm::cross(forward, camera.up);
-  if (glm::dot(right, right) < 1e-12f) right = glm::cross(forward, glm::vec3(0.0f, 0.0f, 1.0f));
-  if (glm::dot(right, right) < 1e-12f) right = glm::vec3(1.0f, 0.0f, 0.0f);
-  right = glm::normalize(right);
-  const glm::vec3 up = glm::cross(right, forward);
-  const float aspect = static_cast<float>(request.width) / static_cast<float>(request.height);
-  const float tan_y = std::tan(0.5f * camera.fov_y_rad);
   Bounds bounds;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
     bounds.min = glm::min(bounds.min, buffers->bounds(i).min);
     bounds.max = glm::max(bounds.max, buffers->bounds(i).max);
   }
-  const float extent = bounds.empty() ? 1.0f : bounds.radius() + glm::length(camera.eye - bounds.center());
-  const float near_m = camera.near_m > 0.0f ? camera.near_m : std::max(extent * 1e-4f, 1e-30f);
-
+  const CameraFrame camera = make_camera_frame(request.camera, request.width, request.height, bounds);
+  const glm::vec3 &forward = camera.forward, &right = camera.right, &up = camera.up;
   glm::mat4 view(1.0f);
   for (int c = 0; c < 3; ++c) {
     view[c][0] = right[c];
@@ -193,12 +150,12 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   }
   view[3] = glm::vec4(-glm::dot(right, camera.eye), -glm::dot(up, camera.eye), glm::dot(forward, camera.eye), 1.0f);
   FrameConstants& c = constants;
-  c.clip_from_world = reverse_infinite_projection(camera.fov_y_rad, aspect, near_m) * view;
+  c.clip_from_world = reverse_infinite_projection(camera) * view;
   c.eye = glm::vec4(camera.eye, 0.0f);
   const int side = targets->side;
-  c.forward = glm::vec4(forward, 2.0f * tan_y / static_cast<float>(request.height * side));
-  c.right = glm::vec4(right * (tan_y * aspect), 0.0f);
-  c.up = glm::vec4(up * tan_y, 0.0f);
+  c.forward = glm::vec4(forward, 2.0f * camera.tan_y / static_cast<float>(request.height * side));
+  c.right = glm::vec4(right * camera.tan_x, 0.0f);
+  c.up = glm::vec4(up * camera.tan_y, 0.0f);
   c.environment = glm::vec4(std::cos(request.env_rotation_rad), std::sin(request.env_rotation_rad), request.env_scale,
                             static_cast<float>(environment->tables().luminance_integral));
   c.size = glm::ivec4(
@@ -251,6 +208,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const int side = request.msaa == 16 ? 4 : request.msaa == 4 ? 2 : 1;
   FramePlan plan =
       maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  if (plan.mode == "reference") return s.render_reference(request, std::move(plan), accumulate);
   s.update_visibility(&plan);
   plan.lights = plan.lights && s.lights;  // what glows may be too dim to count
   const bool bandwidth = plan.mode == "bandwidth";
@@ -309,6 +267,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
 }
 
 Image Renderer::read_radiance() const {
+  if (impl_->shows_reference()) return impl_->reference.picture->mean();
   Image image(impl_->targets->width, impl_->targets->height, 4);
   glGetTextureImage(impl_->targets->picture.get(), 0, GL_RGBA, GL_FLOAT,
                     static_cast<GLsizei>(image.data.size() * sizeof(float)), image.data.data());
@@ -317,6 +276,7 @@ Image Renderer::read_radiance() const {
 
 Renderer::Pick Renderer::pick(int x, int y) const {
   Pick pick;
+  if (impl_->shows_reference()) return pick;
   const FrameTargets& t = *impl_->targets;
   if (x < 0 || y < 0 || x >= t.width || y >= t.height) return pick;
   const int gx = x * t.side + t.side / 2, gy = y * t.side + t.side / 2;

@@ -4,9 +4,11 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "render/camera.h"
 #include "render/plan.h"
 #include "render/settings.h"
 #include "scenes/brdf.h"
@@ -15,16 +17,6 @@
 #include "scenes/scene.h"
 
 namespace maquette {
-
-struct CameraView {
-  glm::vec3 eye{0.0f, 0.0f, 3.0f};
-  glm::vec3 target{0.0f};
-  glm::vec3 up{0.0f, 1.0f, 0.0f};
-  float fov_y_rad = 0.8f;
-  float near_m = 0.0f;  ///< 0: chosen from the scene bounds
-  float far_m = 0.0f;
-};
-bool operator==(const CameraView& a, const CameraView& b);
 
 /// Everything one frame depends on besides scene, environment and materials.
 struct FrameRequest {
@@ -56,6 +48,7 @@ struct FrameStats {
   std::size_t shading_samples = 0;
   int accumulated_frames = 1;  ///< frames averaged in the picture: grows while nothing moves
   std::map<std::string, double> technique;
+  std::optional<double> estimated_error;  ///< relative RMSE of the picture so far, where the mode itself knows it
   FramePlan plan;
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "render/environment/prefilter.h"
+#include "render/material_overrides.h"
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -28,10 +29,6 @@ float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
   const glm::vec3 d = bounds.center() - eye;
   return glm::dot(d, d);
 }
-
-/// Share of a material that is a pane; the rest of it is a surface. `builtin:glass` and `extras` may leave the factor
-/// 0.
-float pane_share(const Material& m) { return !m.glass ? 0.0f : m.transmission > 0.0f ? m.transmission : 1.0f; }
 
 }  // namespace
 

@@ -15,11 +15,23 @@
 #include "render/material_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
+#include "render/reference/reference.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
 #include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
+
+/// Mode reference: what it traces and the picture so far.
+struct ReferenceFrame {
+  std::shared_ptr<const PathScene> scene;
+  std::uint32_t scene_epoch = 0;
+  MeasuredLibrary library;
+  std::optional<ReferencePicture> picture;
+  FrameRequest request;
+  Texture texture;             ///< of the picture, made when it is shown
+  bool texture_stale = true;
+};
 
 struct Renderer::Impl {
   DeviceInfo device = query_device();
@@ -44,6 +56,7 @@ struct Renderer::Impl {
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
   FrameConstants constants{};
+  ReferenceFrame reference;
   FrameRequest last_request;
   int accumulated = 0;
   std::uint32_t epoch = 0;  ///< raised by every change of scene, materials or environment
@@ -57,7 +70,6 @@ struct Renderer::Impl {
   /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
   void update_visibility(FramePlan* plan);
   std::vector<bool> transmitting_items() const;
-  std::vector<Material> effective_materials(const std::map<std::string, std::string>& sources) const;
   void upload_materials();
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
@@ -66,6 +78,11 @@ struct Renderer::Impl {
   void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   void fill(PassTimer* timer);
+  FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
+  bool shows_reference() const { return last_plan.mode == "reference" && reference.picture; }
+  /// The finished picture for the eye.
+  const Texture& picture();
+  Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   void compose(const FramePlan& plan, float blend, PassTimer* timer);
   void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);

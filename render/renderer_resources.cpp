@@ -22,16 +22,21 @@ const Material& Renderer::Impl::material_of_item(std::size_t item) const {
   return index < effective.size() ? effective[index] : kDefault;
 }
 
+Scene Renderer::Impl::edited_scene() const {
+  Scene edited = *scene;
+  edited.materials = effective;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const int node = buffers->geometry().items[i].node;
+    if (node >= 0) edited.nodes[static_cast<std::size_t>(node)].visible = buffers->visible(i);
+  }
+  return edited;
+}
+
 void Renderer::Impl::update_facts(int variant) {
   const bool replan = facts_variant != variant;
   if (!replan && !lights_stale) return;
   if (replan && (facts_variant != -2 || variant >= 0)) buffers->update_variant(*scene, variant);
-  Scene planned = *scene;
-  planned.materials = effective;
-  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
-    const int node = buffers->geometry().items[i].node;
-    if (node >= 0) planned.nodes[static_cast<std::size_t>(node)].visible = buffers->visible(i);
-  }
+  const Scene planned = edited_scene();
   facts = compute_facts(planned, variant);
   facts_variant = variant;
   lights.reset();

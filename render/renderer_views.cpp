@@ -59,6 +59,8 @@ const std::vector<std::string>& Renderer::debug_view_names() {
 }
 
 Image Renderer::read_debug_view(const std::string& name) const {
+  if (impl_->shows_reference())
+    throw Error("--view", "'" + name + "' is a view of the modes that rasterise", "choose another --mode");
   const FrameTargets& t = *impl_->targets;
   const auto* view =
       std::find_if(std::begin(kViews), std::end(kViews), [&](const ViewSource& v) { return name == v.name; });
@@ -130,9 +132,8 @@ Image debug_view_picture(const Image& values, const std::string& name) {
 void Renderer::present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
                        const std::string& debug_view) {
   Impl& s = *impl_;
-  const FrameTargets& t = *s.targets;
   Texture view;
-  GLuint texture = t.picture.get();
+  GLuint texture = s.picture().get();
   int curve = tonemap_index(tonemap);
   if (!debug_view.empty()) {
     const Image picture = debug_view_picture(read_debug_view(debug_view), debug_view);

@@ -4,9 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <map>
 
+#include "render/texture_atlas.h"
 #include "render/texture_bandwidth.h"
 #include "scenes/error.h"
 
@@ -43,51 +43,6 @@ Bounds item_bounds(const FlatGeometry& geometry, const DrawItem& item) {
     bounds.max = glm::max(bounds.max, geometry.positions[v]);
   }
   return bounds;
-}
-
-/// sRGB bytes to square roots of linear light, which the shaders decode with one product. Alpha stays.
-void recode_srgb(std::vector<std::uint32_t>* texels) {
-  std::array<std::uint32_t, 256> code{};
-  for (std::size_t i = 0; i < code.size(); ++i) {
-    const double v = static_cast<double>(i) / 255.0;
-    const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    code[i] = static_cast<std::uint32_t>(std::sqrt(linear) * 255.0 + 0.5);
-  }
-  for (std::uint32_t& t : *texels)
-    t = code[t & 255u] | code[t >> 8 & 255u] << 8 | code[t >> 16 & 255u] << 16 | (t & 0xff000000u);
-}
-
-/// Appends the mip chain of an image (box filter in the stored encoding) and returns the number of levels.
-int append_mips(const TextureImage& image, bool srgb, std::vector<std::uint32_t>* texels) {
-  std::vector<std::uint32_t> level(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  std::memcpy(level.data(), image.rgba.data(), level.size() * 4);
-  if (srgb) recode_srgb(&level);
-  int width = image.width, height = image.height, levels = 1;
-  texels->insert(texels->end(), level.begin(), level.end());
-  while (width > 1 || height > 1) {
-    const int w = std::max(1, width / 2), h = std::max(1, height / 2);
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-    for (int y = 0; y < h; ++y) {
-      for (int x = 0; x < w; ++x) {
-        std::uint32_t out = 0;
-        for (int shift = 0; shift < 32; shift += 8) {
-          std::uint32_t sum = 2;
-          for (int k = 0; k < 4; ++k) {
-            const int sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
-            sum += level[static_cast<std::size_t>(sy * width + sx)] >> shift & 255u;
-          }
-          out |= (sum / 4) << shift;
-        }
-        next[static_cast<std::size_t>(y * w + x)] = out;
-      }
-    }
-    texels->insert(texels->end(), next.begin(), next.end());
-    level = std::move(next);
-    width = w;
-    height = h;
-    ++levels;
-  }
-  return levels;
 }
 
 }  // namespace
@@ -152,56 +107,20 @@ void SceneBuffers::update_variant(const Scene& scene, int variant) {
   triangle_material_view_ = Texture::make_buffer("triangle materials", GL_R16UI, triangle_materials_);
 }
 
-int SceneBuffers::add_texture(const TextureRef& texture, bool srgb) {
-  texture_uses_.push_back({texture, srgb});
-  return static_cast<int>(texture_uses_.size()) - 1;
-}
-
 void SceneBuffers::build_textures(const Scene& scene) {
-  for (const Material& m : scene.materials) {
-    for (const auto& [reference, srgb] :
-         {std::pair(&m.base_color_texture, true), std::pair(&m.metallic_roughness_texture, false),
-          std::pair(&m.normal_texture, false), std::pair(&m.emissive_texture, true),
-          std::pair(&m.occlusion_texture, false), std::pair(&m.clearcoat_texture, false)})
-      if (*reference) add_texture(*reference, srgb);
-  }
-  if (texture_uses_.empty()) return;
-  std::vector<std::uint32_t> texels;
-  // An image that is read both as colour and as data is stored twice.
-  image_offsets_.assign(2 * scene.images.size(), -1);
-  std::vector<int> levels(2 * scene.images.size(), 0);
+  const TextureAtlas atlas = build_texture_atlas(scene);
+  textures_ = atlas.of_material;
+  if (atlas.records.empty()) return;
   std::vector<float> bandwidth;
-  std::map<std::size_t, std::vector<float>> maps;
-  std::vector<glm::vec4> records;
-  for (const TextureUse& use : texture_uses_) {
-    const auto i = static_cast<std::size_t>(use.reference.image);
-    const TextureImage& image = scene.images[i];
-    const std::size_t stored = 2 * i + (use.srgb ? 1 : 0);
-    if (image_offsets_[stored] < 0) {
-      image_offsets_[stored] = static_cast<int>(texels.size());
-      levels[stored] = append_mips(image, use.srgb, &texels);
-    }
-    const TextureRef& r = use.reference;
-    const float c = std::cos(r.rotation_rad), s = std::sin(r.rotation_rad);
-    // KHR_texture_transform: uv' = translation * rotation * scale * uv, rotation counter-clockwise in UV with v down.
-    records.emplace_back(std::bit_cast<float>(image_offsets_[stored]), image.width, image.height, levels[stored]);
-    records.emplace_back(c * r.scale.x, s * r.scale.y, -s * r.scale.x, c * r.scale.y);
-    const int flags = (use.srgb ? 1 : 0) | (r.uv_set == 1 ? 2 : 0) | (r.nearest ? 4 : 0);
-    records.emplace_back(r.offset,
-                         static_cast<int>(r.wrap_s == Wrap::repeat            ? 0
-                                          : r.wrap_s == Wrap::mirrored_repeat ? 1
-                                                                              : 2) +
-                             4 * (r.wrap_t == Wrap::repeat            ? 0
-                                  : r.wrap_t == Wrap::mirrored_repeat ? 1
-                                                                      : 2),
-                         flags);
-    const auto known = maps.try_emplace(i);
-    if (known.second) known.first->second = compute_texture_bandwidth(image);
-    bandwidth.insert(bandwidth.end(), known.first->second.begin(), known.first->second.end());
+  std::map<int, std::vector<float>> maps;
+  for (const int image : atlas.images) {
+    const auto [known, added] = maps.try_emplace(image);
+    if (added) known->second = compute_texture_bandwidth(scene.images[static_cast<std::size_t>(image)]);
+    bandwidth.insert(bandwidth.end(), known->second.begin(), known->second.end());
   }
-  texels_ = Buffer::from("texels", texels);
+  texels_ = Buffer::from("texels", atlas.texels);
   texel_view_ = Texture::make_buffer("texels", GL_R32UI, texels_);
-  texture_records_ = Buffer::from("texture records", records);
+  texture_records_ = Buffer::from("texture records", atlas.records);
   texture_record_view_ = Texture::make_buffer("texture records", GL_RGBA32F, texture_records_);
   texture_bandwidth_ = Buffer::from("texture bandwidth", bandwidth);
   texture_bandwidth_view_ = Texture::make_buffer("texture bandwidth", GL_R32F, texture_bandwidth_);
@@ -216,17 +135,14 @@ void SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     return glm::uvec4(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y), std::bit_cast<std::uint32_t>(z),
                       std::bit_cast<std::uint32_t>(w));
   };
-  std::uint32_t next_texture = 0;
   const Material default_material;
   for (std::size_t i = 0; i <= materials.size(); ++i) {
     const Material& m = i < materials.size() ? materials[i] : default_material;
-    // In the order of build_textures; a measured material without tint does not read them.
-    std::array<std::uint32_t, 6> textures;
+    // A measured material without tint does not read them; a material may have lost its own (builtin:glass).
+    std::array<std::uint32_t, kTextureRoles> textures;
     textures.fill(kNone);
-    const TextureRef* references[6] = {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-                                       &m.emissive_texture,   &m.occlusion_texture,          &m.clearcoat_texture};
-    for (std::size_t k = 0; k < 6; ++k)
-      if (*references[k]) textures[k] = next_texture++;
+    for (std::size_t k = 0; k < kTextureRoles && i < textures_.size(); ++k)
+      if (texture_of(m, static_cast<TextureRole>(k))) textures[k] = static_cast<std::uint32_t>(textures_[i][k]);
     base_color_textures_.push_back(static_cast<int>(textures[0]));
     const int slot = brdf_slots[i];
     if (slot >= 0 && !m.tint_measured) textures[0] = kNone;

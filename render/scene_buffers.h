@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "render/geometry.h"
 #include "render/gl/objects.h"
+#include "render/texture_atlas.h"
 #include "scenes/scene.h"
 
 namespace maquette {
@@ -49,7 +51,6 @@ class SceneBuffers {
  private:
   void build_geometry();
   void build_textures(const Scene& scene);
-  int add_texture(const TextureRef& texture, bool srgb);
   void upload_vertices(std::uint32_t first, std::uint32_t count);
 
   FlatGeometry geometry_;
@@ -63,12 +64,7 @@ class SceneBuffers {
       texture_bandwidth_;
   Texture index_view_, vertex_view_, triangle_material_view_, material_view_, texel_view_, texture_record_view_,
       texture_bandwidth_view_;
-  struct TextureUse {
-    TextureRef reference;
-    bool srgb;
-  };
-  std::vector<TextureUse> texture_uses_;
-  std::vector<int> image_offsets_;  ///< first texel of each image's mip chain; -1 when unused
+  std::vector<std::array<int, kTextureRoles>> textures_;  ///< TextureAtlas::of_material
 };
 
 }  // namespace maquette

@@ -99,6 +99,9 @@ bool accumulate_frames(Renderer* renderer, const FrameRequest& request, const Sc
       if (compare_images(renderer->read_radiance(), *reference).relative_rmse.value_or(INFINITY) <=
           *options.target_error)
         return true;
+    } else if (report->frames.back().estimated_error) {
+      report->estimated_error = report->frames.back().estimated_error;
+      if (options.target_error && *report->estimated_error <= *options.target_error) return true;
     } else if (count == next_check) {
       Image all = renderer->read_radiance();
       if (half.width > 0) report->estimated_error = estimate_error(all, half);
@@ -153,12 +156,15 @@ int run_render(const CommandLine& line) {
   renderer.set_scene(scene);
   renderer.set_environment(environment);
   for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
-  const FrameRequest request = make_request(*scene, options);
+  FrameRequest request = make_request(*scene, options);
+  const bool accumulates = options.time_s || options.target_error;
+  // Its frames cost nothing but their paths: one each, to look at the clock as often as possible.
+  if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 1;
   renderer.finish_background_work(request);
 
   RenderReport report;
   bool reached = true;
-  if (options.time_s || options.target_error)
+  if (accumulates)
     reached = accumulate_frames(&renderer, request, options, reference, &report);
   else
     render_frames(&renderer, request, options, &report);

@@ -25,6 +25,15 @@ struct EnvironmentTables {
 EnvironmentTables compute_environment_tables(const Environment& environment);
 EnvironmentTables load_environment_tables(const Environment& environment);  ///< through the disk cache
 
+/// A direction drawn by importance.
+struct EnvironmentDirection {
+  glm::vec3 direction;
+  float pdf;           ///< 1/sr: `density` of the cell
+  float map_x, map_y;  ///< texels, centres at half-integers
+};
+/// What the importance tables make of u, v in [0, 1)^2. The environment must not be black.
+EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v);
+
 /// One light sample: a direction and one of the four texels around it. Light of a direction is the mean of its texels
 /// by bilinear weights; a shader that meets it by BRDF sampling chooses one by these weights. Both strategies must
 /// weigh the same thing: with the bilinear radiance here, the balance heuristic (not linear in radiance) loses up to 6

@@ -5,49 +5,12 @@
 #include <numbers>
 
 #include "render/environment/environment_tables.h"
+#include "render/low_discrepancy.h"
 
 namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-std::uint32_t reverse_bits(std::uint32_t v) {
-  v = ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
-  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
-  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
-  v = ((v >> 8) & 0x00ff00ffu) | ((v & 0x00ff00ffu) << 8);
-  return (v >> 16) | (v << 16);
-}
-
-/// Nested uniform (Owen) scrambling by hashing. Source: Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4),
-/// Listing 1 (the permutation is Laine and Karras 2011).
-std::uint32_t owen_scramble(std::uint32_t v, std::uint32_t seed) {
-  v = reverse_bits(v);
-  v += seed;
-  v ^= v * 0x6c50b47cu;
-  v ^= v * 0xb82f1e52u;
-  v ^= v * 0xc7afe638u;
-  v ^= v * 0x8d22f6e6u;
-  return reverse_bits(v);
-}
-
-std::uint32_t mix_seed(std::uint32_t seed, std::uint32_t dimension) {
-  std::uint32_t h = seed * 0x9e3779b9u + dimension * 0x85ebca6bu + 0xc2b2ae35u;
-  h ^= h >> 16;
-  h *= 0x7feb352du;
-  h ^= h >> 15;
-  h *= 0x846ca68bu;
-  return h ^ (h >> 16);
-}
-
-/// Second Sobol dimension; the first is the bit reversal. Source: Kollig and Keller 2002, "Efficient Multidimensional
-/// Sampling".
-std::uint32_t sobol_second(std::uint32_t index) {
-  std::uint32_t result = 0;
-  for (std::uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
-    if (index & 1u) result ^= v;
-  return result;
-}
 
 struct Cell {
   std::size_t index;
@@ -97,33 +60,37 @@ ChosenTexel choose_texel(const Environment& environment, float x, float y, float
 
 }  // namespace
 
+EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v) {
+  const auto width = static_cast<std::size_t>(tables.width);
+  const auto height = static_cast<std::size_t>(tables.height);
+  const Cell row = find_cell(tables.marginal_cdf.data(), height, v);
+  const Cell column = find_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
+  // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
+  const double top = std::cos(kPi * static_cast<double>(row.index) / static_cast<double>(height));
+  const double bottom = std::cos(kPi * static_cast<double>(row.index + 1) / static_cast<double>(height));
+  const double y = std::clamp(top + (bottom - top) * row.position, -1.0, 1.0);
+  const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
+  const double x = static_cast<double>(column.index) + column.position;
+  const double longitude = kPi - 2.0 * kPi * x / static_cast<double>(width);
+  const double map_y = std::acos(y) / kPi * static_cast<double>(height);
+  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
+          tables.density[row.index * width + column.index], static_cast<float>(x), static_cast<float>(map_y)};
+}
+
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
                                                   std::uint32_t seed, std::size_t count) {
   if (!(tables.luminance_integral > 0.0)) return {};
-  const auto width = static_cast<std::size_t>(tables.width);
-  const auto height = static_cast<std::size_t>(tables.height);
   const std::uint32_t seeds[2] = {mix_seed(seed, 0), mix_seed(seed, 1)};
   std::vector<EnvironmentSample> samples(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const auto index = static_cast<std::uint32_t>(i);
     const double u = owen_scramble(reverse_bits(index), seeds[0]) * 0x1p-32;
-    const double v = owen_scramble(sobol_second(index), seeds[1]) * 0x1p-32;
-    const Cell row = find_cell(tables.marginal_cdf.data(), height, v);
-    const Cell column = find_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
-    // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
-    const double top = std::cos(kPi * static_cast<double>(row.index) / static_cast<double>(height));
-    const double bottom = std::cos(kPi * static_cast<double>(row.index + 1) / static_cast<double>(height));
-    const double y = std::clamp(top + (bottom - top) * row.position, -1.0, 1.0);
-    const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
-    const double x = static_cast<double>(column.index) + column.position;
-    const double longitude = kPi - 2.0 * kPi * x / static_cast<double>(width);
-    const double map_y = std::acos(y) / kPi * static_cast<double>(height);
+    const double v = owen_scramble(reverse_bits(sobol_second_reversed(index)), seeds[1]) * 0x1p-32;
+    const EnvironmentDirection d = sample_environment_direction(tables, u, v);
     // A third dimension for the texel: the golden ratio's additive recurrence.
     const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
-    const ChosenTexel texel = choose_texel(environment, static_cast<float>(x) - 0.5f, static_cast<float>(map_y) - 0.5f,
-                                           static_cast<float>(w));
-    samples[i] = {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
-                  tables.density[row.index * width + column.index] * texel.factor, texel.radiance, 0.0f};
+    const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));
+    samples[i] = {d.direction, d.pdf * texel.factor, texel.radiance, 0.0f};
   });
   return samples;
 }

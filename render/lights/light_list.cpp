@@ -23,6 +23,7 @@ constexpr int kMaxTextureSteps = 48;
 struct WeightedLight {
   LightRecord record{};
   double power = 0.0;
+  std::uint32_t triangle = kNoTriangle;
 };
 
 double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
@@ -140,8 +141,8 @@ std::vector<WeightedLight> collect_triangles(const Scene& scene, const FlatGeome
     if (item.node >= 0 && !scene.nodes[static_cast<std::size_t>(item.node)].visible) continue;
     if (!material || !(luminance(glm::dvec3(material->emissive)) > 0.0)) continue;
     for (std::uint32_t k = 0; k + 2 < item.index_count; k += 3) {
-      const WeightedLight light =
-          make_triangle(scene, geometry, *material, geometry.indices.data() + item.first_index + k);
+      WeightedLight light = make_triangle(scene, geometry, *material, geometry.indices.data() + item.first_index + k);
+      light.triangle = (item.first_index + k) / 3;
       if (light.power > 0.0 && std::isfinite(light.power)) lights.push_back(light);
     }
   }
@@ -252,7 +253,10 @@ LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int
   list.dropped_power = all > 0.0 ? std::max(1.0 - total_power(lights) / all, 0.0) : 0.0;
   if (list.dropped_power < 1e-12) list.dropped_power = 0.0;
   set_probabilities(&lights);
-  for (const WeightedLight& light : lights) list.lights.push_back(light.record);
+  for (const WeightedLight& light : lights) {
+    list.lights.push_back(light.record);
+    list.triangles.push_back(light.triangle);
+  }
   return list;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "render/geometry.h"
@@ -10,6 +11,8 @@ namespace maquette {
 /// 64 bytes, std430; declared for both sides in shaders/shared/lights.glsl.
 using LightRecord = shared::LightRecord;
 
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;  ///< of a punctual light
+
 /// Punctual lights and the triangles of emissive materials. At most `max_triangles` triangles are kept, the strongest
 /// first; `dropped_power` is the share of the power left out (0 in ordinary scenes).
 ///
@@ -18,6 +21,7 @@ using LightRecord = shared::LightRecord;
 /// left out. A triangle's radiance is the mean of the emissive texture over it.
 struct LightList {
   std::vector<LightRecord> lights;
+  std::vector<std::uint32_t> triangles;  ///< [light] triangle of the geometry (index of its first corner / 3)
   double dropped_power = 0.0;
 };
 LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int variant, int max_triangles = 4096);

@@ -22,24 +22,6 @@ layout(binding = 7) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 
 layout(binding = 2, r16f) uniform writeonly image2D o_texture_bandwidth;
 #endif
 
-struct Hit {
-  float depth;
-  vec2 barycentric;  // weights of the second and third vertex
-};
-
-/// Moller and Trumbore 1997, without the range tests: the rasteriser has made them.
-Hit intersect(vec3 origin, vec3 direction, vec3 p0, vec3 e1, vec3 e2) {
-  vec3 p = cross(direction, e2);
-  float determinant = dot(e1, p);
-  float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
-  vec3 t = origin - p0;
-  vec3 q = cross(t, e1);
-  Hit hit;
-  hit.barycentric = vec2(dot(t, p), dot(direction, q)) * inverse;
-  hit.depth = dot(e2, q) * inverse;
-  return hit;
-}
-
 void resolve_surface(ivec2 pixel, int triangle) {
   int v0 = 4 * int(texelFetch(t_indices, 3 * triangle).x);
   int v1 = 4 * int(texelFetch(t_indices, 3 * triangle + 1).x);
@@ -49,15 +31,14 @@ void resolve_surface(ivec2 pixel, int triangle) {
   vec3 e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
   vec2 center = vec2(pixel) + 0.5;
   vec3 ray = ray_through(center);
-  Hit hit = intersect(u_frame.eye.xyz, ray, p0.xyz, e1, e2);
+  TriangleHit hit = intersect_plane_of_triangle(u_frame.eye.xyz, ray, p0.xyz, e1, e2);
   // A grid point on a sliver's edge may miss by rounding: stay on the triangle.
   vec2 b = clamp(hit.barycentric, 0.0, 1.0);
   b *= 1.0 / max(1.0, b.x + b.y);
   float b0 = 1.0 - b.x - b.y;
   float depth = dot(p0.xyz + b.x * e1 + b.y * e2 - u_frame.eye.xyz, u_frame.forward.xyz);
   vec3 geometric = cross(e1, e2);
-  vec3 normal = b0 * n0.xyz + b.x * n1.xyz + b.y * n2.xyz;
-  normal = dot(normal, normal) > 1e-20 ? normalize(normal) : normalize(geometric + vec3(0.0, 1e-30, 0.0));
+  vec3 normal = interpolated_normal(b0 * n0.xyz + b.x * n1.xyz + b.y * n2.xyz, geometric);
   int material = int(texelFetch(t_triangle_material, triangle).x);
   vec4 m0 = material_floats(material, 0), m1 = material_floats(material, 1), m2 = material_floats(material, 2);
   vec4 m3 = material_floats(material, 3);
@@ -81,8 +62,8 @@ void resolve_surface(ivec2 pixel, int triangle) {
   uvec4 list = material_words(material, 7);
   uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
   if (list.x != kNoTexture) {
-    Hit hx = intersect(u_frame.eye.xyz, ray_through(center + vec2(1.0, 0.0)), p0.xyz, e1, e2);
-    Hit hy = intersect(u_frame.eye.xyz, ray_through(center + vec2(0.0, 1.0)), p0.xyz, e1, e2);
+    TriangleHit hx = intersect_plane_of_triangle(u_frame.eye.xyz, ray_through(center + vec2(1.0, 0.0)), p0.xyz, e1, e2);
+    TriangleHit hy = intersect_plane_of_triangle(u_frame.eye.xyz, ray_through(center + vec2(0.0, 1.0)), p0.xyz, e1, e2);
     vec2 bx = hx.barycentric - hit.barycentric, by = hy.barycentric - hit.barycentric;
     vec4 u0 = texelFetch(t_vertices, v0 + 3), u1 = texelFetch(t_vertices, v1 + 3), u2 = texelFetch(t_vertices, v2 + 3);
     vec2 s0 = vec2(p0.w, n0.w), s1 = vec2(p1.w, n1.w), s2 = vec2(p2.w, n2.w);
@@ -125,18 +106,11 @@ void resolve_surface(ivec2 pixel, int triangle) {
     }
     vec4 t = b0 * texelFetch(t_vertices, v0 + 2) + b.x * texelFetch(t_vertices, v1 + 2) +
              b.y * texelFetch(t_vertices, v2 + 2);
-    vec3 tangent = normalize(t.xyz - normal * dot(t.xyz, normal) + vec3(1e-20, 0.0, 0.0));
-    vec3 bitangent = cross(normal, tangent) * (t.w < 0.0 ? -1.0 : 1.0);
-    normal = normalize(tangent * (mapped.x * m1.z) + bitangent * (mapped.y * m1.z) + normal * max(mapped.z, 1e-3));
+    normal = apply_normal_map(normal, t, mapped, m1.z);
   }
 #endif
-  // Shade the side that is seen, whether or not the file's normals agree with its winding.
   vec3 seen_side = dot(geometric, u_frame.eye.xyz - p0.xyz) < 0.0 ? -geometric : geometric;
-  if (dot(normal, seen_side) < 0.0) normal = -normal;
-  // Interpolated normals may lean away from the eye at silhouettes: bend them back to grazing.
-  vec3 view = -normalize(ray);
-  float facing = dot(normal, view);
-  if (facing < 0.004) normal = normalize(normal + view * (0.004 - facing));
+  normal = face_viewer(normal, seen_side, -normalize(ray));
   surface.normal = normal;
   imageStore(o_surface, pixel, pack_surface(surface, emission));
   imageStore(o_depth, pixel, vec4(max(depth, 1e-30)));

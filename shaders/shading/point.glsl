@@ -26,15 +26,6 @@ struct Point {
   vec3 lobe_weights;
 };
 
-/// Branch-free frame. Source: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
-void make_frame(vec3 n, out vec3 t, out vec3 b) {
-  float s = n.z >= 0.0 ? 1.0 : -1.0;
-  float a = -1.0 / (s + n.z);
-  float c = n.x * n.y * a;
-  t = vec3(1.0 + s * n.x * n.x * a, s * c, -s * n.x);
-  b = vec3(c, s + n.y * n.y * a, -n.y);
-}
-
 vec3 to_local(Point p, vec3 d) { return vec3(dot(p.t, d), dot(p.b, d), dot(p.n, d)); }
 vec3 from_local(Point p, vec3 w) { return p.t * w.x + p.b * w.y + p.n * w.z; }
 
@@ -55,7 +46,9 @@ Point load_point(ivec2 pixel) {
     p.t = side * inversesqrt(side2);
     p.b = cross(p.n, p.t);
   } else {
-    make_frame(p.n, p.t, p.b);
+    TangentBasis basis = tangent_basis(p.n);
+    p.t = basis.t;
+    p.b = basis.b;
   }
   p.wo = vec3(sqrt(side2), 0.0, max(dot(p.n, v), 1e-3));
   p.wo *= inversesqrt(dot(p.wo, p.wo));

@@ -1,7 +1,12 @@
 // glTF 2.0 metallic-roughness with clearcoat, specular, ior and sheen. Local frame z = normal; wi, wo unit.
 // Source: glTF 2.0 specification, Appendix B (GGX, Smith height-correlated masking, Schlick), and the KHR_materials_*
 // extension texts; visible-normal sampling: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
+// Common subset of GLSL and C++ with GLM (render/reference/shared_formulas.h).
 // Differs: the diffuse lobe is damped by (1 - F(h)) as in the specification, energy lost to multiple scattering is not put back.
+
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
 
 struct AnalyticMaterial {
   vec3 diffuse;      // albedo of the Lambert lobe
@@ -17,7 +22,7 @@ struct AnalyticMaterial {
 /// Smallest alpha that float arithmetic and the half-pixel grid of normals can carry: a lobe of 0.06 degrees.
 const float kMinAlpha = 1.0e-3f;
 
-AnalyticMaterial make_analytic(vec3 base_color, float metallic, float roughness, float ior, float specular,
+MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, float roughness, float ior, float specular,
                                vec3 specular_color, float coat, float coat_roughness, vec3 sheen,
                                float sheen_roughness) {
   AnalyticMaterial m;
@@ -35,7 +40,7 @@ AnalyticMaterial make_analytic(vec3 base_color, float metallic, float roughness,
 }
 
 /// GGX density of half vectors; 1 - cos^2 is taken from the sine so that narrow lobes keep their digits.
-float ggx_d(vec3 h, float alpha) {
+MAQUETTE_FN float ggx_d(vec3 h, float alpha) {
   float s2 = h.x * h.x + h.y * h.y;
   float t = s2 + h.z * h.z * alpha * alpha;
   float q = alpha / max(t, 1.0e-20f);
@@ -43,7 +48,7 @@ float ggx_d(vec3 h, float alpha) {
 }
 
 /// Smith's G2 / (4 cos_i cos_o), height-correlated.
-float ggx_visibility(float cos_i, float cos_o, float alpha) {
+MAQUETTE_FN float ggx_visibility(float cos_i, float cos_o, float alpha) {
   float a2 = alpha * alpha;
   float gi = cos_o * sqrt(cos_i * cos_i * (1.0f - a2) + a2);
   float go = cos_i * sqrt(cos_o * cos_o * (1.0f - a2) + a2);
@@ -51,18 +56,18 @@ float ggx_visibility(float cos_i, float cos_o, float alpha) {
 }
 
 /// Smith's G1 of one direction.
-float ggx_g1(float cosine, float alpha) {
+MAQUETTE_FN float ggx_g1(float cosine, float alpha) {
   float a2 = alpha * alpha;
   return 2.0f * cosine / max(cosine + sqrt(cosine * cosine * (1.0f - a2) + a2), 1.0e-12f);
 }
 
-float schlick_weight(float cosine) {
+MAQUETTE_FN float schlick_weight(float cosine) {
   float x = clamp(1.0f - cosine, 0.0f, 1.0f);
   float x2 = x * x;
   return x2 * x2 * x;
 }
 
-float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
+MAQUETTE_FN float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 /// Values of the lobes for one pair of directions.
 struct AnalyticLobes {
@@ -71,7 +76,7 @@ struct AnalyticLobes {
   float coat;      // luminance of the coat's lobe, 1/sr
 };
 
-AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo) {
+MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
   float cos_d = max(dot(wi, h), 0.0f);
   float w = schlick_weight(cos_d);
@@ -99,7 +104,7 @@ AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo) {
 }
 
 /// Probabilities of sampling the diffuse, base specular and coat lobes.
-vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
+MAQUETTE_FN vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
   float w = schlick_weight(wo.z);
   float specular = luminance(m.f0) + (m.f90 - luminance(m.f0)) * w;
   float coat = m.coat * (0.04f + 0.96f * w);
@@ -110,11 +115,11 @@ vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
 }
 
 /// Density over solid angle of wi when the half vector is drawn from the visible normals.
-float ggx_visible_pdf(vec3 h, vec3 wo, float alpha) {
+MAQUETTE_FN float ggx_visible_pdf(vec3 h, vec3 wo, float alpha) {
   return ggx_g1(wo.z, alpha) * ggx_d(h, alpha) / max(4.0f * wo.z, 1.0e-12f);
 }
 
-float analytic_pdf(AnalyticMaterial m, vec3 weights, vec3 wi, vec3 wo) {
+MAQUETTE_FN float analytic_pdf(AnalyticMaterial m, vec3 weights, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
   float pdf = weights.x * wi.z * kInvPi + weights.y * ggx_visible_pdf(h, wo, m.alpha);
   if (weights.z > 0.0f) pdf += weights.z * ggx_visible_pdf(h, wo, m.coat_alpha);
@@ -122,7 +127,7 @@ float analytic_pdf(AnalyticMaterial m, vec3 weights, vec3 wi, vec3 wo) {
 }
 
 /// Visible normal of a GGX surface for u in [0,1)^2. Source: Heitz 2018, listing 1.
-vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
+MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   vec3 v = normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
   float length2 = v.x * v.x + v.y * v.y;
   vec3 t1 = length2 > 1.0e-12f ? vec3(-v.y, v.x, 0.0f) * inversesqrt(length2) : vec3(1.0f, 0.0f, 0.0f);
@@ -137,7 +142,7 @@ vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
 }
 
-vec3 sample_analytic(AnalyticMaterial m, vec3 weights, vec3 wo, float u1, float u2, float u3) {
+MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, vec3 weights, vec3 wo, float u1, float u2, float u3) {
   if (u3 < weights.x) {
     float r = sqrt(u1);
     float phi = 6.28318530718f * u2;

@@ -1,10 +1,11 @@
 #include "shared/frame_block.glsl"
+#include "shared/surface_geometry.glsl"
 layout(std140, binding = 0) uniform Frame { FrameConstants u_frame; };
 
 /// Ray through a point of the shading grid (in grid units, y down), not normalised: depth 1 along the viewing axis.
 vec3 ray_through(vec2 point) {
   vec2 ndc = 2.0 * point / vec2(u_frame.size.xy) - 1.0;
-  return u_frame.forward.xyz + ndc.x * u_frame.right.xyz - ndc.y * u_frame.up.xyz;
+  return camera_ray(u_frame.forward.xyz, u_frame.right.xyz, u_frame.up.xyz, vec2(ndc.x, -ndc.y));
 }
 
 /// World direction to the environment's own frame (its rotation undone) and back. Positive rotation is from +Z towards +X.

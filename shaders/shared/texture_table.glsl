@@ -1,75 +1,8 @@
 // All textures of a scene in one buffer of packed RGBA8 texels with their mip chains; filtered here. A texture is resolved once
 // per visible point, so this costs little, and it needs neither bindless textures nor arrays of equal sizes.
-// Record of texture i (3 texels of t_texture_records, floats): offset bits, width, height, levels | rotation and scale of the transform
-// (a 2x2 matrix) | transform offset, wrap code (s + 4 t), flags (1 sRGB, 2 UV set 1, 4 nearest).
 layout(binding = 2) uniform usamplerBuffer t_texels;
-layout(binding = 3) uniform samplerBuffer t_texture_records;
+layout(binding = 3) uniform samplerBuffer t_texture_records;  // [texture][3], see texture_filter.glsl
 
+uint fetch_texel_word(int index) { return texelFetch(t_texels, index).x; }
 vec4 texture_record(int texture_index, int row) { return texelFetch(t_texture_records, texture_index * 3 + row); }
-
-/// UV of the right set through KHR_texture_transform.
-vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
-  vec4 matrix = texture_record(texture_index, 1);
-  vec4 rest = texture_record(texture_index, 2);
-  vec2 uv = (int(rest.w) & 2) != 0 ? uv1 : uv0;
-  return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y) + rest.xy;
-}
-
-/// Remainders in float: integer division is scalar and slow on software drivers; sizes are far below 2^24.
-int wrap_texel(int i, int size, int mode) {
-  if (mode == 2) return clamp(i, 0, size - 1);
-  float period = float(mode == 1 ? 2 * size : size);
-  float m = float(i) - period * floor(float(i) / period);
-  m = mode == 1 && m >= float(size) ? period - 1.0 - m : m;
-  return clamp(int(m), 0, size - 1);
-}
-
-/// sRGB images are stored square-root coded (render/scene_buffers.cpp): decoding is one product, and filtering is in linear light.
-vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
-  int x = wrap_texel(p.x, size.x, wrap & 3);
-  int y = wrap_texel(p.y, size.y, wrap >> 2);
-  vec4 c = unpackUnorm4x8(texelFetch(t_texels, offset + y * size.x + x).x);
-  return srgb ? vec4(c.rgb * c.rgb, c.a) : c;
-}
-
-vec4 sample_level(int offset, ivec2 size, vec2 uv, int wrap, bool srgb, bool nearest) {
-  vec2 p = uv * vec2(size);
-  if (nearest) return fetch_texel(offset, size, ivec2(floor(p)), wrap, srgb);
-  p -= 0.5;
-  ivec2 i = ivec2(floor(p));
-  vec2 f = p - vec2(i);
-  return mix(mix(fetch_texel(offset, size, i, wrap, srgb), fetch_texel(offset, size, i + ivec2(1, 0), wrap, srgb), f.x),
-             mix(fetch_texel(offset, size, i + ivec2(0, 1), wrap, srgb),
-                 fetch_texel(offset, size, i + ivec2(1, 1), wrap, srgb), f.x),
-             f.y);
-}
-
-/// Trilinear; the footprint is the geometric mean of the two derivatives, so that glancing surfaces stay readable.
-vec4 sample_texture(int texture_index, vec2 uv, vec2 duv_dx, vec2 duv_dy) {
-  vec4 a = texture_record(texture_index, 0);
-  vec4 rest = texture_record(texture_index, 2);
-  ivec2 size = ivec2(a.yz);
-  int levels = int(a.w);
-  int flags = int(rest.w);
-  float lx = dot(duv_dx * a.yz, duv_dx * a.yz);
-  float ly = dot(duv_dy * a.yz, duv_dy * a.yz);
-  float lod = clamp(0.25 * log2(max(lx * ly, 1e-12)), 0.0, float(levels - 1));
-  int level = int(lod);
-  int offset = floatBitsToInt(a.x);
-  for (int l = 0; l < level; ++l) {
-    offset += size.x * size.y;
-    size = max(size / 2, ivec2(1));
-  }
-  bool srgb = (flags & 1) != 0, nearest = (flags & 4) != 0;
-  int wrap = int(rest.z);
-  float t = lod - float(level);
-  int last = t > 0.02 && level + 1 < levels ? 2 : 1;
-  vec4 sum = vec4(0.0);
-  for (int l = 0; l < last; ++l) {
-    float weight = last == 1 ? 1.0 : (l == 0 ? 1.0 - t : t);
-    sum += weight * sample_level(offset, size, uv, wrap, srgb, nearest);
-    offset += size.x * size.y;
-    size = max(size / 2, ivec2(1));
-  }
-  return sum;
-}
+#include "shared/texture_filter.glsl"

@@ -197,7 +197,7 @@ TEST(CommandLine, CommandsAreChecked) {
 }
 
 TEST(CommandLine, LaterNamesAreKnownAndRefused) {
-  for (const Words& words : {Words{"--mode", "slf"}, Words{"--mode", "reference"}, Words{"--reflections", "bezier"},
+  for (const Words& words : {Words{"--mode", "slf"}, Words{"--reflections", "bezier"},
                              Words{"--set", "octree.depth=8"}, Words{"--look", "A"}, Words{"--reflector", "pane"}}) {
     Words all = {"render", "-o", "a.png"};
     all.insert(all.end(), words.begin(), words.end());

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "scenes/scene.h"
+
+namespace maquette {
+
+struct CameraView {
+  glm::vec3 eye{0.0f, 0.0f, 3.0f};
+  glm::vec3 target{0.0f};
+  glm::vec3 up{0.0f, 1.0f, 0.0f};
+  float fov_y_rad = 0.8f;
+  float near_m = 0.0f;  ///< 0: chosen from the scene bounds
+  float far_m = 0.0f;
+};
+bool operator==(const CameraView& a, const CameraView& b);
+
+/// The camera as every mode uses it: a pixel's ray is forward + ndc_x right tan_x + ndc_y up tan_y.
+struct CameraFrame {
+  glm::vec3 eye{0.0f};
+  glm::vec3 forward{0.0f}, right{0.0f}, up{0.0f};  ///< unit
+  float tan_x = 1.0f, tan_y = 1.0f;                ///< of half the field of view
+  float near_m = 0.0f;                             ///< along `forward`
+};
+/// `bounds`: of what is drawn, for a near plane that the view leaves open.
+CameraFrame make_camera_frame(const CameraView& view, int width, int height, const Bounds& bounds);
+
+}  // namespace maquette

@@ -1,0 +1,71 @@
+#include "render/reference/light_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/reference/surface.h"
+
+namespace maquette {
+
+EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options)
+    : environment_(environment),
+      cosine_(std::cos(options.env_rotation_rad)),
+      sine_(std::sin(options.env_rotation_rad)),
+      scale_(options.env_scale) {}
+
+glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world) const {
+  const glm::vec4 v = environment_.radiance_and_density(shared::latlong_turn(world, cosine_, -sine_));
+  return {glm::vec3(v) * scale_, v.w};
+}
+
+LightDraw EnvironmentLight::draw(const glm::vec2& u) const {
+  LightDraw draw;
+  if (environment_.black) return draw;
+  const EnvironmentDirection s = sample_environment_direction(environment_.tables, u.x, u.y);
+  const glm::vec4 light = environment_.radiance_and_density(s.direction);
+  draw.direction = shared::latlong_turn(s.direction, cosine_, sine_);
+  draw.distance = 3.4e38f;
+  draw.radiance = glm::vec3(light) * scale_;
+  draw.pdf = s.pdf;
+  return draw;
+}
+
+LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, float choice, const glm::vec2& u,
+                           bool mean_emission) {
+  const std::vector<LightRecord>& lights = scene.lights.lights;
+  const auto found = std::upper_bound(lights.begin(), lights.end(), choice,
+                                      [](float value, const LightRecord& light) { return value < light.cdf; });
+  const auto index = static_cast<std::size_t>(std::min(found, lights.end() - 1) - lights.begin());
+  const LightRecord& light = lights[index];
+  const shared::LightSample s = shared::light_sample(light, position, u);
+  LightDraw draw;
+  draw.direction = s.wi;
+  draw.distance = s.distance_m;
+  draw.has_extent = light.kind == shared::kLightTriangle;
+  if (!draw.has_extent) {
+    draw.radiance = s.radiance;
+    draw.pdf = light.selection_pdf;
+    return draw;
+  }
+  if (!(s.pdf > 0.0f)) return draw;
+  draw.pdf = light.selection_pdf * s.pdf;
+  draw.radiance = light.color;
+  const std::uint32_t triangle = scene.lights.triangles[index];
+  if (!mean_emission && scene.material_of(triangle).texture(TextureRole::emissive) >= 0)
+    draw.radiance = emission_at(scene, triangle, shared::light_triangle_uv(u));
+  return draw;
+}
+
+float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from, const glm::vec3& to) {
+  if (scene.triangle_light.empty() || scene.triangle_light[triangle] == kNoTriangle) return 0.0f;
+  const LightRecord& light = scene.lights.lights[scene.triangle_light[triangle]];
+  // As light_sample_triangle: lengths scaled, because squares of small ones leave float's range.
+  const float scale = std::max(shared::light_largest(light.direction), shared::light_largest(light.edge2));
+  const glm::vec3 doubled = glm::cross(light.direction / scale, light.edge2 / scale);
+  const glm::vec3 way = (to - from) / scale;
+  const float square = glm::dot(way, way);
+  const float facing = std::abs(glm::dot(doubled, way)) / std::sqrt(std::max(square, 1e-30f));
+  return facing > 0.0f ? light.selection_pdf * 2.0f * square / facing : 0.0f;
+}
+
+}  // namespace maquette

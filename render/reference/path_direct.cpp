@@ -1,0 +1,93 @@
+// Restricted transport: what `uniform` with shading.visibility=none claims to compute, without its approximations.
+#include "render/reference/path.h"
+#include "render/reference/scattering.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kMostLayers = 64;  ///< panes and blended surfaces before what is opaque
+constexpr std::uint32_t kDimensionsALayer = 8;
+
+glm::vec3 balanced(const glm::vec3& value, float pdf, float other) { return value / (pdf + other); }
+
+/// One sample of the environment and one of the BRDF, weighted by the balance heuristic; one of the scene's lights.
+glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,
+                             std::uint32_t dimension, const SurfacePoint& p) {
+  glm::vec3 sum(0.0f);
+  if (const LightDraw light = environment.draw(sampler.pair(dimension)); light.pdf > 0.0f) {
+    const glm::vec3 wi = p.to_local(light.direction);
+    const Scattering s = evaluate_scattering(p, wi);
+    if (wi.z > 0.0f) sum += balanced(s.f * wi.z * light.radiance, light.pdf, s.pdf);
+  }
+  const ScatteringSample s = sample_scattering(p, sampler.pair(dimension + 1), sampler.single(dimension + 2));
+  if (s.pdf > 0.0f && !environment.black()) {
+    const glm::vec4 light = environment.radiance_and_density(p.to_world(s.wi));
+    sum += balanced(s.f * s.wi.z * glm::vec3(light), s.pdf, light.w);
+  }
+  if (!scene.lights.lights.empty()) {
+    const LightDraw light =
+        draw_scene_light(scene, p.position, sampler.single(dimension + 3), sampler.pair(dimension + 4), true);
+    const glm::vec3 wi = p.to_local(light.direction);
+    if (light.pdf > 0.0f && wi.z > 0.0f) sum += evaluate_scattering(p, wi).f * wi.z * light.radiance / light.pdf;
+  }
+  return sum;
+}
+
+/// What a white Lambertian surface shows under the whole sky, as panes and blended surfaces have it.
+glm::vec3 white_under_sky(const EnvironmentLight& environment, const PathSampler& sampler, std::uint32_t dimension,
+                          SurfacePoint p) {
+  static const TracedMaterial kWhite;
+  p.material = &kWhite;
+  p.analytic = shared::make_analytic(glm::vec3(1.0f), 0.0f, 1.0f, 1.0f, 0.0f, glm::vec3(0.0f), 0.0f, 0.0f,
+                                     glm::vec3(0.0f), 0.0f);
+  p.lobe_weights = glm::vec3(1.0f, 0.0f, 0.0f);
+  static const PathScene kNoLights;
+  return reflect_unshadowed(kNoLights, environment, sampler, dimension, p);
+}
+
+}  // namespace
+
+PathEstimate estimate_direct(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,
+                             const Ray& camera_ray, const RayDifferential* differential) {
+  PathEstimate result;
+  Ray ray = camera_ray;
+  glm::vec3 through(1.0f);
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    const std::uint32_t dimension = 1 + static_cast<std::uint32_t>(layer) * kDimensionsALayer;
+    RayHit hit;
+    ++result.rays;
+    if (!intersect(scene, ray, RayKind::camera, 0, &hit)) {
+      result.radiance += through * glm::vec3(environment.radiance_and_density(glm::normalize(ray.direction)));
+      return result;
+    }
+    const SurfacePoint p = resolve_surface(scene, ray, hit, {differential, true});
+    const TracedMaterial& m = *p.material;
+    if (m.pane <= 0.0f && !m.blended) {
+      result.covered = true;
+      result.radiance += through * p.emission;
+      result.radiance +=
+          through * (m.values.unlit ? p.base_color : reflect_unshadowed(scene, environment, sampler, dimension, p));
+      return result;
+    }
+    glm::vec3 surface = p.base_color;
+    if (m.pane < 1.0f && !m.values.unlit) surface *= white_under_sky(environment, sampler, dimension, p);
+    if (m.pane > 0.0f) {
+      const PaneShares shares = pane_shares(p.wo.z, m.values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+      const glm::vec3 mirrored = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
+      result.radiance +=
+          through * (p.emission + shares.reflected * glm::vec3(environment.radiance_and_density(mirrored)) +
+                     (1.0f - m.pane) * surface);
+      through *= shares.transmitted * m.pane;
+    } else {
+      const float alpha = alpha_at(scene, hit.triangle, hit.barycentric);
+      result.radiance += through * alpha * (p.emission + surface);
+      through *= 1.0f - alpha;
+    }
+    ray.origin = offset_from_surface(p.position, p.error, -p.normal);
+    ray.near = 0.0f;
+  }
+  return result;
+}
+
+}  // namespace maquette

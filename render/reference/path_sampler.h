@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "render/low_discrepancy.h"
+
+namespace maquette {
+
+/// Numbers in [0, 1) of one path: for every dimension its own scrambled and shuffled Sobol sequence of points in the
+/// plane, so that the paths of one seed are well spread in each pair of dimensions whatever their number.
+/// Source: Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4), Sec. 5 (padding by shuffled scrambling).
+struct PathSampler {
+  std::uint32_t seed = 0;   ///< names the pixel
+  std::uint32_t index = 0;  ///< of the path
+
+  glm::vec2 pair(std::uint32_t dimension) const {
+    const std::uint32_t key = mix_seed(seed, dimension);
+    const std::uint32_t i = owen_scramble(index, key);
+    return {to_unit(reverse_bits(owen_scramble_reversed(i, key * 0x9e3779b9u + 1u))),
+            to_unit(reverse_bits(owen_scramble_reversed(sobol_second_reversed(i), key * 0x85ebca6bu + 2u)))};
+  }
+  float single(std::uint32_t dimension) const {
+    const std::uint32_t key = mix_seed(seed, dimension);
+    return to_unit(owen_scramble(reverse_bits(index), key * 0xc2b2ae35u + 3u));
+  }
+  /// A random word, not spread.
+  std::uint32_t word(std::uint32_t dimension) const { return mix_seed(mix_seed(seed, dimension), index); }
+
+ private:
+  static float to_unit(std::uint32_t v) { return static_cast<float>(v >> 8) * 0x1p-24f; }
+};
+
+}  // namespace maquette

@@ -1,0 +1,142 @@
+#include "render/reference/path_scene.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+
+#include "render/material_overrides.h"
+#include "render/reference/traversal.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source, MeasuredLibrary* library) {
+  std::shared_ptr<const MeasuredMaterial>& entry = (*library)[source];
+  if (!entry) {
+    auto material = std::make_shared<MeasuredMaterial>();
+    material->table = load_brdf(source);
+    material->tables = load_brdf_tables(material->table);
+    entry = std::move(material);
+  }
+  return entry;
+}
+
+TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, std::size_t index,
+                             MeasuredLibrary* library) {
+  TracedMaterial m;
+  m.values = values;
+  m.textures.fill(-1);
+  for (std::size_t k = 0; k < kTextureRoles && index < atlas.of_material.size(); ++k) {
+    if (texture_of(values, static_cast<TextureRole>(k))) m.textures[k] = atlas.of_material[index][k];
+    m.textured |= m.textures[k] >= 0;
+  }
+  if (!values.measured.empty()) m.measured = load_measured(values.measured, library);
+  m.pane = pane_share(values);
+  m.blended = values.alpha_mode == AlphaMode::blend && m.pane <= 0.0f;
+  m.masked = values.alpha_mode == AlphaMode::mask && m.texture(TextureRole::base_color) >= 0;
+  return m;
+}
+
+int material_index(const Scene& scene, const DrawItem& item, int variant) {
+  const int index =
+      item.patch >= 0
+          ? scene.patches[static_cast<std::size_t>(item.patch)].material
+          : material_of(
+                scene.meshes[static_cast<std::size_t>(item.mesh)].primitives[static_cast<std::size_t>(item.primitive)],
+                variant);
+  const int count = static_cast<int>(scene.materials.size());
+  return index < 0 || index > count ? count : index;
+}
+
+/// Gives every triangle its material and the mesh of the ray tracer that it belongs to.
+void assign_triangles(const PathSceneInput& input, PathScene* scene) {
+  scene->triangle_material.assign(scene->geometry.indices.size() / 3, 0);
+  for (const DrawItem& item : scene->geometry.items) {
+    const auto material = static_cast<std::uint32_t>(material_index(input.scene, item, input.variant));
+    const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
+    const TracedMaterial& m = scene->materials[material];
+    const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
+    const std::size_t mesh = m.pane > 0.0f || m.masked || m.blended ? 1 : 0;
+    for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
+      scene->triangle_material[i] = material | sides;
+      if (visible) scene->mesh_triangles[mesh].push_back(i);
+    }
+    for (std::uint32_t v = item.first_vertex; visible && v < item.first_vertex + item.vertex_count; ++v) {
+      scene->bounds.min = glm::min(scene->bounds.min, scene->geometry.positions[v]);
+      scene->bounds.max = glm::max(scene->bounds.max, scene->geometry.positions[v]);
+    }
+  }
+}
+
+TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
+  TracedEnvironment e;
+  e.tables = load_environment_tables(*source);
+  e.black = !(e.tables.luminance_integral > 0.0);
+  e.texels.resize(source->rgb.size());
+  for (std::size_t i = 0; i < e.texels.size(); ++i) e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
+  e.source = std::move(source);
+  return e;
+}
+
+}  // namespace
+
+glm::vec4 TracedEnvironment::radiance_and_density(const glm::vec3& direction) const {
+  struct Map {
+    const glm::vec4* texels;
+    int width;
+    glm::vec3 fetch_latlong(int x, int y) const { return glm::vec3(texels[y * width + x]); }
+    using vec2 = glm::vec2;
+    using vec3 = glm::vec3;
+    using ivec2 = glm::ivec2;
+    static float floor(float v) { return std::floor(v); }
+    static int clamp(int v, int low, int high) { return std::clamp(v, low, high); }
+#include "shared/latlong_bilinear.glsl"
+  };
+  const glm::vec2 uv = shared::latlong_uv_from_direction(direction);
+  const int width = source->width, height = source->height;
+  const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width)), 0, width - 1);
+  const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height)), 0, height - 1);
+  return {Map{texels.data(), width}.latlong_bilinear(uv, glm::ivec2(width, height)),
+          texels[static_cast<std::size_t>(y * width + x)].w};
+}
+
+std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
+  auto scene = std::make_shared<PathScene>();
+  MeasuredLibrary own;
+  MeasuredLibrary* library = input.library ? input.library : &own;
+  scene->geometry = input.geometry ? *input.geometry : flatten(input.scene);
+  scene->atlas = build_texture_atlas(input.scene);
+  for (std::size_t i = 0; i < input.scene.materials.size(); ++i)
+    scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, library));
+  scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), library));
+  assign_triangles(input, scene.get());
+  scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
+  if (!scene->lights.lights.empty()) {
+    scene->triangle_light.assign(scene->triangle_material.size(), kNoTriangle);
+    for (std::size_t i = 0; i < scene->lights.triangles.size(); ++i)
+      if (scene->lights.triangles[i] != kNoTriangle)
+        scene->triangle_light[scene->lights.triangles[i]] = static_cast<std::uint32_t>(i);
+  }
+  scene->environment = make_environment(input.environment);
+  build_hierarchy(scene.get());
+  return scene;
+}
+
+float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& b) {
+  const TracedMaterial& m = scene.material_of(triangle);
+  float alpha = m.values.base_color.a;
+  if (const int texture = m.texture(TextureRole::base_color); texture >= 0) {
+    const std::uint32_t* c = scene.corners(triangle);
+    const auto mix = [&](const std::vector<glm::vec2>& uv) {
+      return uv[c[0]] * (1.0f - b.x - b.y) + uv[c[1]] * b.x + uv[c[2]] * b.y;
+    };
+    shared::TextureFilter filter{scene.atlas};
+    const glm::vec2 uv = filter.texture_coordinates(texture, mix(scene.geometry.uv0), mix(scene.geometry.uv1));
+    alpha *= filter.sample_texture(texture, uv, glm::vec2(0.0f), glm::vec2(0.0f)).w;
+  }
+  return alpha;
+}
+
+}  // namespace maquette

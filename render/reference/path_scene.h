@@ -1,0 +1,87 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <type_traits>
+
+#include "render/environment/environment_tables.h"
+#include "render/lights/light_list.h"
+#include "render/materials/brdf_tables.h"
+#include "render/reference/reference.h"
+#include "render/reference/shared_formulas.h"
+#include "render/texture_atlas.h"
+
+namespace maquette {
+
+namespace shared {
+
+/// Textures of an atlas, filtered by the shaders' own lines (sample_texture, texture_coordinates, texture_turned).
+struct TextureFilter {
+  const TextureAtlas& atlas;
+  uint fetch_texel_word(int index) const { return atlas.texels.data()[index]; }
+  vec4 texture_record(int texture, int row) const { return atlas.records.data()[3 * texture + row]; }
+#include "shared/texture_filter.glsl"
+};
+
+}  // namespace shared
+
+/// A tabulated BRDF with what sampling it needs.
+struct MeasuredMaterial {
+  BrdfTable table;
+  BrdfTables tables;
+};
+
+struct TracedMaterial {
+  Material values;
+  std::array<int, kTextureRoles> textures{};  ///< in the atlas, -1: none
+  bool textured = false;                      ///< any of them
+  std::shared_ptr<const MeasuredMaterial> measured;
+  float pane = 0.0f;     ///< share that is a thin pane
+  bool masked = false;   ///< cut out by its texture's alpha
+  bool blended = false;  ///< covers by alpha
+  int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
+};
+
+/// The environment in its own frame (rotation undone), stored units.
+struct TracedEnvironment {
+  std::shared_ptr<const Environment> source;
+  EnvironmentTables tables;
+  bool black = true;
+  std::vector<glm::vec4> texels;  ///< [height][width] radiance, density of the texel's cell (1/sr)
+  /// Radiance, and the density over solid angle with which importance sampling gives this direction.
+  glm::vec4 radiance_and_density(const glm::vec3& direction) const;
+};
+
+struct EmbreeRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
+};
+
+/// Flag in PathScene::triangle_material: the camera sees the back too.
+inline constexpr std::uint32_t kBothSides = 0x80000000u;
+
+struct PathScene {
+  FlatGeometry geometry;
+  Bounds bounds;
+  std::vector<TracedMaterial> materials;         ///< the last one is glTF's default
+  std::vector<std::uint32_t> triangle_material;  ///< [triangle of the geometry], with kBothSides
+  std::vector<std::uint32_t> triangle_light;     ///< [triangle] light of the list, kNoTriangle: none; may be empty
+  TextureAtlas atlas;
+  LightList lights;
+  TracedEnvironment environment;
+  /// Triangles of the ray tracer's two meshes: 0 stops every ray, 1 asks (pane, cut out, blended).
+  std::array<std::vector<std::uint32_t>, 2> mesh_triangles;
+  std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease> device;
+  std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease> embree;
+
+  const TracedMaterial& material_of(std::uint32_t triangle) const {
+    return materials[triangle_material[triangle] & ~kBothSides];
+  }
+  const std::uint32_t* corners(std::uint32_t triangle) const { return geometry.indices.data() + 3 * triangle; }
+};
+
+/// Alpha of a surface at barycentric coordinates of its triangle, texture unfiltered.
+float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric);
+
+}  // namespace maquette

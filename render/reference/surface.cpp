@@ -1,0 +1,207 @@
+#include "render/reference/surface.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace maquette {
+
+namespace {
+
+/// Rounding of position = sum of b_i p_i and of the ray tracer's plane test, in units of the sum of |b_i p_i|: 16 half
+/// units in the last place. Source: Pharr et al. 2023, Sec. 6.8.5 has 7 for the sum alone; the rest is the test's,
+/// which subtracts coordinates of the same size.
+constexpr float kPositionError = 16.0f * 0x1p-24f;
+
+/// Corner values of one triangle, and their interpolation.
+struct Corners {
+  const std::uint32_t* index;
+  float b0, b1, b2;
+  template <typename T>
+  T mix(const std::vector<T>& values) const {
+    return values[index[0]] * b0 + values[index[1]] * b1 + values[index[2]] * b2;
+  }
+};
+
+Corners corners_of(const PathScene& scene, std::uint32_t triangle, const glm::vec2& b) {
+  return {scene.corners(triangle), 1.0f - b.x - b.y, b.x, b.y};
+}
+
+/// Squares of tiny edges leave float's range: the cross product of edges scaled by their largest coordinate.
+glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
+  const float scale = std::max(shared::light_largest(e1), shared::light_largest(e2));
+  const glm::vec3 c = scale > 0.0f ? glm::cross(e1 / scale, e2 / scale) : glm::vec3(0.0f);
+  const float length = glm::length(c);
+  return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
+}
+
+struct Footprint {
+  glm::vec2 dx{0.0f}, dy{0.0f};  ///< of the barycentrics, to the neighbouring pixels
+};
+
+Footprint footprint_of(const RayDifferential& d, const glm::vec3& p0, const glm::vec3& e1, const glm::vec3& e2,
+                       const glm::vec2& b) {
+  return {shared::intersect_plane_of_triangle(d.origin, d.direction_x, p0, e1, e2).barycentric - b,
+          shared::intersect_plane_of_triangle(d.origin, d.direction_y, p0, e1, e2).barycentric - b};
+}
+
+/// Reads the textures of one hit.
+class TextureReader {
+ public:
+  TextureReader(const PathScene& scene, const Corners& corners, const Footprint& footprint)
+      : scene_(scene), corners_(corners), footprint_(footprint) {}
+
+  glm::vec4 read(int texture) const {
+    shared::TextureFilter filter{scene_.atlas};
+    const bool second = (static_cast<int>(filter.texture_record(texture, 2).w) & 2) != 0;
+    const std::vector<glm::vec2>& set = second ? scene_.geometry.uv1 : scene_.geometry.uv0;
+    const glm::vec2 uv = corners_.mix(set);
+    const glm::vec2 a1 = set[corners_.index[1]] - set[corners_.index[0]];
+    const glm::vec2 a2 = set[corners_.index[2]] - set[corners_.index[0]];
+    const auto along = [&](const glm::vec2& d) { return filter.texture_turned(texture, a1 * d.x + a2 * d.y); };
+    return filter.sample_texture(texture, filter.texture_coordinates(texture, uv, uv), along(footprint_.dx),
+                                 along(footprint_.dy));
+  }
+
+ private:
+  const PathScene& scene_;
+  Corners corners_;
+  Footprint footprint_;
+};
+
+/// Factors of the material after its textures.
+struct Factors {
+  glm::vec3 base_color, emission;
+  float metallic, roughness, clearcoat;
+  glm::vec3 mapped{0.0f, 0.0f, 1.0f};
+  bool has_normal_map = false;
+};
+
+Factors read_textures(const TracedMaterial& m, const TextureReader& reader, bool occlusion, Factors f) {
+  const bool measured = m.measured != nullptr;
+  const auto read = [&](TextureRole role) { return reader.read(m.texture(role)); };
+  const auto has = [&](TextureRole role) { return m.texture(role) >= 0; };
+  if (has(TextureRole::base_color) && (!measured || m.values.tint_measured))
+    f.base_color *= glm::vec3(read(TextureRole::base_color));
+  if (has(TextureRole::occlusion) && occlusion)
+    f.base_color *= glm::mix(1.0f, read(TextureRole::occlusion).x, m.values.occlusion_strength);
+  if (has(TextureRole::metallic_roughness) && !measured) {
+    const glm::vec4 value = read(TextureRole::metallic_roughness);
+    f.metallic *= value.z;
+    f.roughness *= value.y;
+  }
+  if (has(TextureRole::clearcoat) && !measured) f.clearcoat *= read(TextureRole::clearcoat).x;
+  if (has(TextureRole::emissive)) f.emission *= glm::vec3(read(TextureRole::emissive));
+  f.has_normal_map = has(TextureRole::normal);
+  if (f.has_normal_map) f.mapped = glm::vec3(read(TextureRole::normal)) * 2.0f - 1.0f;
+  return f;
+}
+
+void fill_material(const TracedMaterial& m, const Factors& f, SurfacePoint* p) {
+  p->base_color = f.base_color;
+  const Material& v = m.values;
+  if (m.measured) {
+    if (v.tint_measured) p->tint = f.base_color;
+    return;
+  }
+  p->analytic = shared::make_analytic(f.base_color, f.metallic, f.roughness, v.ior, v.specular, v.specular_color,
+                                      f.clearcoat, v.clearcoat_roughness, v.sheen_color, v.sheen_roughness);
+  p->lobe_weights = shared::analytic_lobe_weights(p->analytic, p->wo);
+}
+
+/// As shaders/shading/point.glsl has it: never quite below the horizon.
+glm::vec3 local_view(const SurfacePoint& p, const glm::vec3& view) {
+  glm::vec3 wo = p.to_local(view);
+  wo.z = std::max(wo.z, 1e-3f);
+  return glm::normalize(wo);
+}
+
+glm::vec3 interpolated_unit_normal(const PathScene& scene, const Corners& corners, const glm::vec3& geometric) {
+  return shared::interpolated_normal(corners.mix(scene.geometry.normals), geometric);
+}
+
+}  // namespace
+
+SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options) {
+  const Corners c = corners_of(scene, hit.triangle, hit.barycentric);
+  const glm::vec3 &p0 = scene.geometry.positions[c.index[0]], &p1 = scene.geometry.positions[c.index[1]],
+                  &p2 = scene.geometry.positions[c.index[2]];
+  SurfacePoint p;
+  p.triangle = hit.triangle;
+  p.material = &scene.material_of(hit.triangle);
+  p.position = p0 * c.b0 + p1 * c.b1 + p2 * c.b2;
+  p.error = (glm::abs(p0 * c.b0) + glm::abs(p1 * c.b1) + glm::abs(p2 * c.b2)) * kPositionError;
+  const glm::vec3 view = -glm::normalize(ray.direction);
+  const glm::vec3 geometric = unit_cross(p1 - p0, p2 - p0);
+  p.front = glm::dot(geometric, view) >= 0.0f;
+  p.normal = p.front ? geometric : -geometric;
+
+  const TracedMaterial& m = *p.material;
+  const Material& v = m.values;
+  Factors f{.base_color = glm::vec3(v.base_color) * glm::vec3(c.mix(scene.geometry.colors)),
+            .emission = v.emissive,
+            .metallic = v.metallic,
+            .roughness = v.roughness,
+            .clearcoat = v.clearcoat};
+  glm::vec3 normal = interpolated_unit_normal(scene, c, geometric);
+  if (m.textured) {
+    const Footprint footprint =
+        options.differential ? footprint_of(*options.differential, p0, p1 - p0, p2 - p0, hit.barycentric) : Footprint();
+    f = read_textures(m, TextureReader(scene, c, footprint), options.occlusion_texture, f);
+    if (f.has_normal_map)
+      normal = shared::apply_normal_map(normal, c.mix(scene.geometry.tangents), f.mapped, v.normal_scale);
+  }
+  p.n = shared::face_viewer(normal, p.normal, view);
+  const shared::TangentBasis basis = shared::tangent_basis(p.n);
+  p.t = basis.t;
+  p.b = basis.b;
+  p.wo = local_view(p, view);
+  const bool shines = p.front || (scene.triangle_material[hit.triangle] & kBothSides) != 0;
+  p.emission = shines ? f.emission : glm::vec3(0.0f);
+  fill_material(m, f, &p);
+  return p;
+}
+
+PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
+  PaneShares shares;
+  for (int c = 0; c < 3; ++c) {
+    const glm::vec2 pane = shared::fresnel_pane(cosine, std::max(ior, 1.0f), inside[c]);
+    shares.reflected[c] = pane.x;
+    shares.transmitted[c] = pane.y;
+  }
+  return shares;
+}
+
+glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
+                             const glm::vec3& view) {
+  const TracedMaterial& m = scene.material_of(triangle);
+  const Corners c = corners_of(scene, triangle, barycentric);
+  const glm::vec3& p0 = scene.geometry.positions[c.index[0]];
+  const glm::vec3 geometric =
+      unit_cross(scene.geometry.positions[c.index[1]] - p0, scene.geometry.positions[c.index[2]] - p0);
+  const float cosine = std::abs(glm::dot(interpolated_unit_normal(scene, c, geometric), glm::normalize(view)));
+  glm::vec3 inside = glm::vec3(m.values.base_color) * glm::vec3(c.mix(scene.geometry.colors));
+  if (m.texture(TextureRole::base_color) >= 0)
+    inside *= glm::vec3(TextureReader(scene, c, Footprint()).read(m.texture(TextureRole::base_color)));
+  return pane_shares(cosine, m.values.ior, glm::clamp(inside, 0.0f, 1.0f)).transmitted * m.pane;
+}
+
+glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric) {
+  const TracedMaterial& m = scene.material_of(triangle);
+  const int texture = m.texture(TextureRole::emissive);
+  if (texture < 0) return m.values.emissive;
+  return m.values.emissive *
+         glm::vec3(TextureReader(scene, corners_of(scene, triangle, barycentric), Footprint()).read(texture));
+}
+
+glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error, const glm::vec3& normal) {
+  const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
+  glm::vec3 result = moved;
+  for (int c = 0; c < 3; ++c) {
+    if (normal[c] > 0.0f) result[c] = std::nextafter(moved[c], 3.4e38f);
+    if (normal[c] < 0.0f) result[c] = std::nextafter(moved[c], -3.4e38f);
+  }
+  return result;
+}
+
+}  // namespace maquette

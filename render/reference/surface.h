@@ -1,0 +1,54 @@
+#pragma once
+
+#include "render/reference/path_scene.h"
+#include "render/reference/traversal.h"
+
+namespace maquette {
+
+/// Rays through the neighbouring pixels, for the footprint of textures; directions as long as the ray's own.
+struct RayDifferential {
+  glm::vec3 origin{0.0f};
+  glm::vec3 direction_x{0.0f}, direction_y{0.0f};
+};
+
+/// A point of a surface with its material after textures, ready to be shaded.
+struct SurfacePoint {
+  glm::vec3 position{0.0f};
+  glm::vec3 error{0.0f};                ///< bound of the rounding error of each coordinate
+  glm::vec3 normal{0.0f};               ///< geometric, unit, towards where the ray came from
+  glm::vec3 n{0.0f}, t{0.0f}, b{0.0f};  ///< shading frame
+  glm::vec3 wo{0.0f};                   ///< local, unit, z > 0
+  const TracedMaterial* material = nullptr;
+  std::uint32_t triangle = 0;
+  bool front = true;  ///< seen from the side that the winding says
+  glm::vec3 base_color{1.0f};
+  glm::vec3 emission{0.0f};  ///< cd/m2 towards wo
+  glm::vec3 tint{1.0f};      ///< of a measured table
+  shared::AnalyticMaterial analytic{};
+  glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
+
+  glm::vec3 to_local(const glm::vec3& d) const { return {glm::dot(t, d), glm::dot(b, d), glm::dot(n, d)}; }
+  glm::vec3 to_world(const glm::vec3& w) const { return t * w.x + b * w.y + n * w.z; }
+};
+
+struct SurfaceOptions {
+  const RayDifferential* differential = nullptr;  ///< null: textures unfiltered
+  bool occlusion_texture = false;                 ///< direct transport only: full transport has real occlusion
+};
+
+SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options);
+
+/// Share of light per channel that goes straight through a pane at a hit; `view`: unit, to either side.
+glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
+                             const glm::vec3& view);
+
+/// Emitted radiance at barycentric coordinates of a triangle, texture unfiltered.
+glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric);
+
+/// What a pane does with light along its normal's cosine: reflected and transmitted shares per channel.
+struct PaneShares {
+  glm::vec3 reflected, transmitted;
+};
+PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside);
+
+}  // namespace maquette

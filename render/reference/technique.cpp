@@ -1,0 +1,49 @@
+#include "render/reference/technique.h"
+
+namespace maquette {
+
+TechniqueInfo reference_technique() {
+  TechniqueInfo info;
+  info.name = "reference";
+  info.help = "progressive path tracing on the processor: what the other modes are judged by";
+  info.default_samples = 64;
+  info.settings = {
+      {.name = "reference.samples",
+       .default_value = 64,
+       .min = 1,
+       .max = 1048576,
+       .unit = "paths",
+       .help = "paths a pixel (--samples wins)"},
+      {.name = "reference.transport",
+       .default_value = std::string("full"),
+       .help =
+           "full: all light paths; direct: what uniform with shading.visibility=none claims, the environment and the "
+           "scene's lights without shadows",
+       .choices = {"full", "direct"}},
+      {.name = "reference.bounces",
+       .default_value = 64,
+       .min = 0,
+       .max = 4096,
+       .unit = "bounces",
+       .help = "longest path in full transport; roulette ends nearly all before"},
+  };
+  info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo&, FramePlan* plan) {
+    const bool full = settings.get_string("reference.transport") == "full";
+    plan->passes.push_back({"trace", std::to_string(facts.triangle_count) + " triangles, paths through every pixel, " +
+                                         (full ? "all light paths" : "direct light without shadows")});
+    for (const char* word : {"raster", "gbuffer", "shade"}) plan->left_out.push_back({word, "rays find what is seen"});
+    plan->left_out.push_back({"bandwidth", "mode reference predicts nothing"});
+    plan->left_out.push_back({"upsample", "every pixel is traced"});
+    if (full)
+      plan->passes.push_back({"visibility", "every ray finds its own shadows"});
+    else
+      plan->left_out.push_back({"visibility", "reference.transport is direct"});
+    if (full)
+      plan->passes.push_back({"indirect", "paths go on from surface to surface"});
+    else
+      plan->left_out.push_back({"indirect", "reference.transport is direct"});
+  };
+  return info;
+}
+
+}  // namespace maquette

@@ -1,0 +1,171 @@
+#include "render/reference/traversal.h"
+
+#include <cstring>
+
+#include "render/low_discrepancy.h"
+#include "render/reference/surface.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+/// What filters need to know of the ray that they are asked about.
+struct RayContext {
+  RTCIntersectContext base;  // first: Embree hands back a pointer to it
+  const PathScene* scene;
+  RayKind kind;
+  std::uint32_t chance;
+  glm::vec3 transmittance;
+};
+
+struct Candidate {
+  std::uint32_t triangle;
+  glm::vec2 barycentric;
+  glm::vec3 direction;
+  glm::vec3 geometric;
+};
+
+Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments* args) {
+  Candidate c;
+  const unsigned mesh = RTCHitN_geomID(args->hit, args->N, 0);
+  c.triangle = scene.mesh_triangles[mesh][RTCHitN_primID(args->hit, args->N, 0)];
+  c.barycentric = {RTCHitN_u(args->hit, args->N, 0), RTCHitN_v(args->hit, args->N, 0)};
+  c.direction = {RTCRayN_dir_x(args->ray, args->N, 0), RTCRayN_dir_y(args->ray, args->N, 0),
+                 RTCRayN_dir_z(args->ray, args->N, 0)};
+  c.geometric = {RTCHitN_Ng_x(args->hit, args->N, 0), RTCHitN_Ng_y(args->hit, args->N, 0),
+                 RTCHitN_Ng_z(args->hit, args->N, 0)};
+  return c;
+}
+
+/// Of every mesh, for camera rays only (through the context).
+void cull_backs(const RTCFilterFunctionNArguments* args) {
+  const auto* context = reinterpret_cast<const RayContext*>(args->context);
+  const Candidate c = candidate_of(*context->scene, args);
+  const bool single_sided = (context->scene->triangle_material[c.triangle] & kBothSides) == 0;
+  if (single_sided && glm::dot(c.geometric, c.direction) > 0.0f) args->valid[0] = 0;
+}
+
+/// Of the mesh that asks: whether a ray that looks for the nearest surface stops there.
+void stop_at_covered(const RTCFilterFunctionNArguments* args) {
+  const auto* context = reinterpret_cast<const RayContext*>(args->context);
+  const Candidate c = candidate_of(*context->scene, args);
+  const TracedMaterial& m = context->scene->material_of(c.triangle);
+  if (m.masked && alpha_at(*context->scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
+  if (m.blended && context->kind == RayKind::path) {
+    const float u = static_cast<float>(mix_seed(context->chance, c.triangle) >> 8) * 0x1p-24f;
+    if (u >= alpha_at(*context->scene, c.triangle, c.barycentric)) args->valid[0] = 0;
+  }
+}
+
+/// Of the mesh that asks: what a shadow ray loses.
+void take_share(const RTCFilterFunctionNArguments* args) {
+  auto* context = reinterpret_cast<RayContext*>(args->context);
+  const PathScene& scene = *context->scene;
+  const Candidate c = candidate_of(scene, args);
+  const TracedMaterial& m = scene.material_of(c.triangle);
+  if (m.masked) {
+    if (alpha_at(scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
+    return;
+  }
+  if (m.blended)
+    context->transmittance *= 1.0f - alpha_at(scene, c.triangle, c.barycentric);
+  else
+    context->transmittance *= pane_transmittance(scene, c.triangle, c.barycentric, -c.direction);
+  const glm::vec3& t = context->transmittance;
+  if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
+}
+
+void add_mesh(PathScene* scene, std::size_t mesh) {
+  const std::vector<std::uint32_t>& triangles = scene->mesh_triangles[mesh];
+  RTCGeometry handle = rtcNewGeometry(scene->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  const auto& positions = scene->geometry.positions;
+  auto* vertices = static_cast<float*>(
+      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, positions.size()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
+  if (vertices && indices) {
+    std::memcpy(vertices, positions.data(), positions.size() * 12);
+    for (std::size_t i = 0; i < triangles.size(); ++i) std::memcpy(indices + 3 * i, scene->corners(triangles[i]), 12);
+    if (mesh == 1) {
+      rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
+      rtcSetGeometryOccludedFilterFunction(handle, take_share);
+    }
+    rtcCommitGeometry(handle);
+    rtcAttachGeometryByID(scene->embree.get(), handle, static_cast<unsigned>(mesh));
+  }
+  rtcReleaseGeometry(handle);
+}
+
+}  // namespace
+
+void build_hierarchy(PathScene* scene) {
+  scene->device.reset(rtcNewDevice(nullptr));
+  if (!scene->device) throw Error("reference", "the ray tracer does not start", "use another --mode");
+  scene->embree.reset(rtcNewScene(scene->device.get()));
+  rtcSetSceneFlags(scene->embree.get(),
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneBuildQuality(scene->embree.get(), RTC_BUILD_QUALITY_MEDIUM);
+  for (std::size_t mesh = 0; mesh < scene->mesh_triangles.size(); ++mesh)
+    if (!scene->mesh_triangles[mesh].empty()) add_mesh(scene, mesh);
+  rtcCommitScene(scene->embree.get());
+  if (rtcGetDeviceError(scene->device.get()) != RTC_ERROR_NONE)
+    throw Error("reference",
+                "the ray tracer could not take " + std::to_string(scene->triangle_material.size()) + " triangles",
+                "free memory, or use a lighter model");
+}
+
+bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit) {
+  RayContext context;
+  rtcInitIntersectContext(&context.base);
+  context.scene = &scene;
+  context.kind = kind;
+  context.chance = chance;
+  if (kind == RayKind::camera) context.base.filter = cull_backs;
+  RTCRayHit query;
+  query.ray = {ray.origin.x,
+               ray.origin.y,
+               ray.origin.z,
+               ray.near,
+               ray.direction.x,
+               ray.direction.y,
+               ray.direction.z,
+               0.0f,
+               ray.far,
+               ~0u,
+               0,
+               0};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene.embree.get(), &context.base, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit->distance = query.ray.tfar;
+  hit->triangle = scene.mesh_triangles[query.hit.geomID][query.hit.primID];
+  hit->barycentric = {query.hit.u, query.hit.v};
+  return true;
+}
+
+glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
+  RayContext context;
+  rtcInitIntersectContext(&context.base);
+  context.scene = &scene;
+  context.kind = RayKind::path;
+  context.chance = 0;
+  context.transmittance = glm::vec3(1.0f);
+  RTCRay query = {ray.origin.x,
+                  ray.origin.y,
+                  ray.origin.z,
+                  ray.near,
+                  ray.direction.x,
+                  ray.direction.y,
+                  ray.direction.z,
+                  0.0f,
+                  ray.far,
+                  ~0u,
+                  0,
+                  0};
+  rtcOccluded1(scene.embree.get(), &context.base, &query);
+  return query.tfar < 0.0f ? glm::vec3(0.0f) : context.transmittance;
+}
+
+}  // namespace maquette

@@ -1,0 +1,164 @@
+// The path tracer against what is known in closed form, and against itself.
+#include "render/reference/reference.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "scenes/error.h"
+
+namespace maquette {
+namespace {
+
+std::shared_ptr<const Environment> constant_environment(const glm::vec3& radiance) {
+  auto e = std::make_shared<Environment>();
+  e->name = "constant";
+  e->width = 16;
+  e->height = 8;
+  e->rgb.assign(128, radiance);
+  return e;
+}
+
+Scene sphere_of(const Material& material) {
+  Scene scene = load_scene("builtin:sphere");
+  for (Material& m : scene.materials) {
+    const std::string name = m.name;
+    m = material;
+    m.name = name;
+  }
+  return scene;
+}
+
+Material white_lambert() {
+  Material m;
+  m.metallic = 0.0f;
+  m.roughness = 1.0f;
+  m.specular = 0.0f;
+  return m;
+}
+
+PictureRequest sphere_request(int side) {
+  PictureRequest request;
+  request.camera.eye = {0.0f, 0.0f, 3.0f};
+  request.width = request.height = side;
+  return request;
+}
+
+/// Mean of R, G and B over the pixels that show a surface.
+double mean_of_surface(const Image& image) {
+  double sum = 0.0;
+  int count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      if (image.at(x, y, 3) < 1.0f) continue;
+      for (int c = 0; c < 3; ++c) sum += image.at(x, y, c);
+      count += 3;
+    }
+  return sum / count;
+}
+
+TEST(Reference, WhiteSphereVanishesInAFurnace) {
+  const Scene scene = sphere_of(white_lambert());
+  for (const Transport transport : {Transport::full, Transport::direct}) {
+    PictureRequest request = sphere_request(32);
+    request.paths.transport = transport;
+    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
+                             request);
+    ASSERT_TRUE(picture.add(64));
+    EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.002);
+  }
+}
+
+TEST(Reference, ClearPaneLosesNothing) {
+  Material glass;
+  glass.glass = true;
+  glass.transmission = 1.0f;
+  glass.double_sided = true;
+  const Scene scene = sphere_of(glass);
+  for (const Transport transport : {Transport::full, Transport::direct}) {
+    PictureRequest request = sphere_request(32);
+    request.paths.transport = transport;
+    ReferencePicture picture(
+        build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(2.0f, 1.0f, 0.5f))}), request);
+    ASSERT_TRUE(picture.add(4));
+    const Image mean = picture.mean();
+    double sum = 0.0;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x) sum += mean.at(x, y, 0);
+    EXPECT_NEAR(sum / 1024.0, 2.0, 0.01);
+    EXPECT_EQ(mean.at(16, 16, 3), 0.0f) << "only sky behind the pane";
+  }
+}
+
+TEST(Reference, EnvironmentScaleAndAlphaHold) {
+  const Scene scene = sphere_of(white_lambert());
+  PictureRequest request = sphere_request(16);
+  request.paths.env_scale = 7.0f;
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
+                           request);
+  picture.add(16);
+  const Image mean = picture.mean();
+  EXPECT_EQ(mean.at(0, 0, 3), 0.0f);
+  EXPECT_NEAR(mean.at(0, 0, 0), 7.0f, 1e-4);
+  EXPECT_EQ(mean.at(8, 8, 3), 1.0f);
+  EXPECT_NEAR(mean.at(8, 8, 0), 7.0f, 0.2);
+}
+
+TEST(Reference, SameForAnyThreadCountAndAnyPortions) {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  PictureRequest request = sphere_request(24);
+  request.msaa = 4;
+  request.seed = 11;
+  ReferencePicture all(traced, request), parts(traced, request);
+  all.add(8);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    parts.add(3);
+    parts.add(5);
+  }
+  EXPECT_EQ(all.mean().data, parts.mean().data);
+  request.seed = 12;
+  ReferencePicture other(traced, request);
+  other.add(8);
+  EXPECT_NE(all.mean().data, other.mean().data);
+}
+
+TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  ReferencePicture stopped(traced, sphere_request(32)), whole(traced, sphere_request(32));
+  std::stop_source source;
+  std::jthread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    source.request_stop();
+  });
+  const bool done = stopped.add(1 << 20, source.get_token());
+  EXPECT_FALSE(done) << "a million paths a pixel cannot have been traced";
+  std::stop_source at_once;
+  at_once.request_stop();
+  ReferencePicture none(traced, sphere_request(32));
+  EXPECT_FALSE(none.add(4, at_once.get_token()));
+  EXPECT_EQ(none.samples(), 0);
+  EXPECT_TRUE(none.add(4));
+  whole.add(4);
+  EXPECT_EQ(none.mean().data, whole.mean().data);
+}
+
+TEST(Reference, ErrorEstimateFallsWithTheRootOfTheSamples) {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  ReferencePicture picture(traced, sphere_request(32));
+  EXPECT_EQ(picture.relative_error(), 0.0);
+  picture.add(16);
+  const double few = picture.relative_error();
+  picture.add(240);
+  EXPECT_GT(few, 0.0);
+  EXPECT_NEAR(picture.relative_error() / few, 0.25, 0.08);
+}
+
+}  // namespace
+}  // namespace maquette

@@ -13,6 +13,7 @@
 #include "render/lights/light_list.h"
 #include "render/visibility/visibility_shared.h"
 #include "scenes/files.h"
+#include "test_paths.h"
 
 namespace maquette {
 namespace {

@@ -11,6 +11,7 @@
 #include "render/enclosure.h"
 #include "render/registry.h"
 #include "scenes/error.h"
+#include "test_paths.h"
 
 namespace maquette {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "test_paths.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace maquette {

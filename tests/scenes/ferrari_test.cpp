@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "scenes/scene.h"
+#include "test_paths.h"
 
 namespace maquette {
 namespace {

@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "test_paths.h"
+
 namespace maquette::test {
 
 namespace {

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "scenes/scene.h"
+#include "test_paths.h"
 #include "tests/ui/desktop.h"
 #include "tests/ui/headless_editor.h"
 #include "viewer/session.h"

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "test_paths.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/image_io.h"
+#include "test_paths.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {

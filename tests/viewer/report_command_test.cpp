@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "test_paths.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {
@@ -16,8 +17,13 @@ using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
 Words report_words(const std::string& folder, const std::string& budget) {
-  return {"report", "builtin:sphere", "--material", "*=builtin:matte-white", "--env", "builtin:studio", "--size",
-          "24x16",  "--repeats",      "1",          "--budget",              budget,  "-o",             folder};
+  return {"report",     "builtin:sphere",
+          "--material", "*=builtin:matte-white",
+          "--env",      "builtin:studio",
+          "--size",     "24x16",
+          "--repeats",  "1",
+          "--budget",   budget,
+          "-o",         folder};
 }
 
 /// Starts a report and interrupts it once it has a result. Returns its exit code.
@@ -68,11 +74,11 @@ TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
   for (const std::string& name : folder.names()) EXPECT_EQ(name.find(".part"), std::string::npos) << name;
 
   // No room on the disk: one line, and what was there is still there.
-  const ProgramResult full = run_in_folder(
-      ".", "bash",
-      {"-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "bash", MAQUETTE_PROGRAM, "report", "builtin:sphere", "--material",
-       "*=builtin:matte-white", "--env", "builtin:studio", "--size", "24x16", "--repeats", "1", "--budget", "6", "-o",
-       folder.path().string()});
+  const ProgramResult full =
+      run_in_folder(".", "bash",
+                    {"-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "bash", MAQUETTE_PROGRAM, "report",
+                     "builtin:sphere", "--material", "*=builtin:matte-white", "--env", "builtin:studio", "--size",
+                     "24x16", "--repeats", "1", "--budget", "6", "-o", folder.path().string()});
   EXPECT_EQ(full.exit_code, 1);
   EXPECT_EQ(std::count(full.error.begin(), full.error.end(), '\n') > 0, true);
   EXPECT_NE(full.error.find("maquette: "), std::string::npos) << full.error;

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "test_paths.h"
+
 namespace maquette {
 
 std::string read_text(const std::string& path) {

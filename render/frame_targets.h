@@ -15,7 +15,7 @@ struct FrameTargets {
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
-  Texture energy, moments, curvature, pyramid;
+  Texture energy, moments, bend, curvature, pyramid;
   Texture marks, radiance, picture;
   Buffer counters, items[2], points[2], partial[2];
   Texture partial_view[2];

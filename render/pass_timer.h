@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 
 #include <chrono>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,8 @@
 namespace maquette {
 
 /// Times the passes of one frame in order. A software device runs at once, so waiting after each pass is exact and
-/// free; on hardware, timestamps are queried at the end.
+/// free, and the processor time of the process beside it says what a busy machine's clock cannot; on hardware,
+/// timestamps are queried at the end.
 class PassTimer {
  public:
   explicit PassTimer(bool software) : software_(software) {}
@@ -37,6 +39,7 @@ class PassTimer {
     if (software_) {
       glFinish();
       times_.push_back(std::chrono::steady_clock::now());
+      cpu_ms_.push_back(processor_ms());
       return;
     }
     GLuint query = 0;
@@ -44,31 +47,40 @@ class PassTimer {
     glQueryCounter(query, GL_TIMESTAMP);
     queries_.push_back(query);
   }
+  /// Of all threads of the process.
+  static double processor_ms() {
+    timespec t{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+  }
   bool software_;
   std::vector<std::string> names_;
   std::vector<std::chrono::steady_clock::time_point> times_;
+  std::vector<double> cpu_ms_;
   std::vector<GLuint> queries_;
 };
 
 inline std::vector<PassTime> PassTimer::finish() {
   std::vector<PassTime> result;
-  const auto add = [&](const std::string& name, double ms) {
+  const auto add = [&](const std::string& name, double ms, double cpu_ms) {
     for (PassTime& pass : result) {
       if (pass.name == name) {
         pass.ms += ms;
+        pass.cpu_ms += cpu_ms;
         return;
       }
     }
-    result.push_back({name, ms});
+    result.push_back({name, ms, cpu_ms});
   };
   for (std::size_t i = 0; i < names_.size(); ++i) {
     if (software_) {
-      add(names_[i], std::chrono::duration<double, std::milli>(times_[i + 1] - times_[i]).count());
+      add(names_[i], std::chrono::duration<double, std::milli>(times_[i + 1] - times_[i]).count(),
+          cpu_ms_[i + 1] - cpu_ms_[i]);
     } else {
       GLuint64 a = 0, b = 0;
       glGetQueryObjectui64v(queries_[i], GL_QUERY_RESULT, &a);
       glGetQueryObjectui64v(queries_[i + 1], GL_QUERY_RESULT, &b);
-      add(names_[i], static_cast<double>(b - a) * 1e-6);
+      add(names_[i], static_cast<double>(b - a) * 1e-6, 0.0);
     }
   }
   return result;

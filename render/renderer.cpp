@@ -30,9 +30,11 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
   impl_->scene = std::move(scene);
   impl_->buffers.emplace(std::move(buffers));
   impl_->facts_variant = -2;
+  impl_->buffers_variant = -1;
   impl_->lights_stale = true;
   impl_->visibility.clear();
   ++impl_->geometry_epoch;
+  ++impl_->surface_epoch;
   impl_->overrides.clear();
   impl_->effective = impl_->scene->materials;
   impl_->upload_materials();
@@ -85,7 +87,7 @@ void Renderer::Impl::upload_materials() {
   }
   slots.push_back(-1);
   shares.push_back(0.5f);
-  buffers->update_materials(effective, slots, shares);
+  if (buffers->update_materials(effective, slots, shares)) ++surface_epoch;
 }
 
 void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {
@@ -96,12 +98,14 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
     impl_->lights_stale |= shines && impl_->buffers->geometry().items[i].mesh == mesh;
   }
   ++impl_->geometry_epoch;
+  ++impl_->surface_epoch;
   ++impl_->epoch;
 }
 
 void Renderer::set_node_visible(int node, bool visible) {
   impl_->require_ready();
   impl_->buffers->set_node_visible(node, visible);
+  ++impl_->surface_epoch;
   impl_->lights_stale = true;
   ++impl_->epoch;
 }
@@ -183,8 +187,11 @@ void Renderer::Impl::bind_frame() const {
   if (materials.count() > 0) materials.bind();
   if (lights) lights->bind();
   if (visibility.ready()) visibility.bind();
+  buffers->bind_geometry();
+  glBindTextureUnit(0, targets->triangle.get());
   glBindTextureUnit(8, targets->surface.get());
   glBindTextureUnit(9, targets->depth.get());
+  glBindTextureUnit(26, targets->guide.get());
 }
 
 void Renderer::Impl::dispatch(const Program& program, int x, int y) {
@@ -219,6 +226,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.targets.reset();
     s.glass_framebuffer.reset();
     s.near_terms = Texture();
+    s.drawn_surfaces.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.accumulated = 0;
   }
@@ -229,7 +237,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.bind_frame();
   PassTimer timer(s.device.software);
   timer.start();
-  s.draw_gbuffer(plan, &timer);
+  if (s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
   if (bandwidth) s.predict(plan, &timer);
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
     s.shade_by_lookup(*lookup, &timer);
@@ -255,8 +263,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   stats.gpu_bytes["shading"] = t.marks.bytes() + t.radiance.bytes() + t.picture.bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
-    stats.gpu_bytes["bandwidth"] =
-        t.energy.bytes() + t.moments.bytes() + t.curvature.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
+    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +
+                                   t.pyramid.bytes() + s.near_terms.bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();

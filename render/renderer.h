@@ -37,6 +37,7 @@ struct FrameRequest {
 struct PassTime {
   std::string name;
   double ms = 0.0;
+  double cpu_ms = 0.0;  ///< processor time of the process, on a software device; else 0
 };
 
 struct FrameStats {

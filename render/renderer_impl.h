@@ -33,6 +33,14 @@ struct ReferenceFrame {
   bool texture_stale = true;
 };
 
+/// All that raster, G-buffer and curvature depend on: while it stays the same, they need not be drawn again.
+struct SurfaceKey {
+  CameraView camera;
+  std::uint32_t epoch = 0;
+  bool texture_bandwidth = false;
+  bool operator==(const SurfaceKey&) const = default;
+};
+
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -40,7 +48,8 @@ struct Renderer::Impl {
   std::shared_ptr<const Scene> scene;
   std::optional<SceneBuffers> buffers;
   SceneFacts facts;
-  int facts_variant = -2;
+  int facts_variant = -2;    ///< of `facts`; -2: to be counted anew
+  int buffers_variant = -1;  ///< of `buffers`
   MaterialStore materials;
   std::map<std::string, std::string> overrides;  ///< material name (or `*`) -> source
   std::vector<Material> effective;               ///< the scene's materials with the overrides
@@ -52,7 +61,7 @@ struct Renderer::Impl {
   bool lights_stale = true;
   Texture irradiance;  ///< what a white Lambertian shows under the environment; made when something blends
   Texture near_terms;  ///< of the prediction: bandwidth of masks and near lights; [grid / 2]
-  GlName<FramebufferTraits> glass_framebuffer;  ///< the radiance image over the depth buffer
+  GlName<FramebufferTraits> glass_framebuffer;                      ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
   FrameConstants constants{};
@@ -61,6 +70,8 @@ struct Renderer::Impl {
   int accumulated = 0;
   std::uint32_t epoch = 0;  ///< raised by every change of scene, materials or environment
   std::uint32_t drawn_epoch = 0;
+  std::uint32_t surface_epoch = 0;           ///< raised by every change of what the G-buffer holds
+  std::optional<SurfaceKey> drawn_surfaces;  ///< what the G-buffer in `targets` shows; empty: nothing yet
   FramePlan last_plan;
   std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0;
 
@@ -72,7 +83,10 @@ struct Renderer::Impl {
   std::vector<bool> transmitting_items() const;
   void upload_materials();
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
+  /// False, and the plan says so, when the G-buffer of the frame before still holds.
+  bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
+  void raster();
   void predict(const FramePlan& plan, PassTimer* timer);
   void shade(const FramePlan& plan, int chunk, PassTimer* timer);
   void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
@@ -93,6 +107,7 @@ struct Renderer::Impl {
 
 /// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
 bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds);
+ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 ShaderVariant glass_variant(const FramePlan& plan, bool textures);
 
 }  // namespace maquette

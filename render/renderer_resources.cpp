@@ -35,7 +35,11 @@ Scene Renderer::Impl::edited_scene() const {
 void Renderer::Impl::update_facts(int variant) {
   const bool replan = facts_variant != variant;
   if (!replan && !lights_stale) return;
-  if (replan && (facts_variant != -2 || variant >= 0)) buffers->update_variant(*scene, variant);
+  if (buffers_variant != variant) {
+    buffers->update_variant(*scene, variant);
+    buffers_variant = variant;
+    ++surface_epoch;
+  }
   const Scene planned = edited_scene();
   facts = compute_facts(planned, variant);
   facts_variant = variant;

@@ -126,11 +126,11 @@ void SceneBuffers::build_textures(const Scene& scene) {
   texture_bandwidth_view_ = Texture::make_buffer("texture bandwidth", GL_R32F, texture_bandwidth_);
 }
 
-void SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
+bool SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                                     const std::vector<float>& brdf_shares) {
   constexpr std::uint32_t kNone = 0xffffffffu;
   base_color_textures_.clear();
-  std::vector<glm::uvec4> words;
+  std::vector<glm::uvec4> words, surface_words;
   const auto bits = [](float x, float y, float z, float w) {
     return glm::uvec4(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y), std::bit_cast<std::uint32_t>(z),
                       std::bit_cast<std::uint32_t>(w));
@@ -163,9 +163,17 @@ void SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     words.emplace_back(flags, static_cast<std::uint32_t>(std::max(slot, 0)),
                        std::bit_cast<std::uint32_t>(brdf_shares[i]), list[5]);
     words.emplace_back(list[0], list[1], list[2], list[3]);
+    // All of a record but which table is measured, and what draw_gbuffer asks of the material itself.
+    surface_words.insert(surface_words.end(), words.end() - 8, words.end());
+    surface_words.end()[-2] = glm::uvec4(flags & ~1u, 0u, 0u, list[5]);
+    surface_words.emplace_back(static_cast<std::uint32_t>(m.alpha_mode), m.glass ? 1u : 0u,
+                               std::bit_cast<std::uint32_t>(m.base_color.a), textures[0]);
   }
   materials_ = Buffer::from("materials", words);
   material_view_ = Texture::make_buffer("materials", GL_RGBA32UI, materials_);
+  const bool changed = surface_words != surface_words_;
+  surface_words_ = std::move(surface_words);
+  return changed;
 }
 
 void SceneBuffers::update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,

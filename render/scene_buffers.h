@@ -18,8 +18,9 @@ class SceneBuffers {
   explicit SceneBuffers(const Scene& scene);
 
   /// Writes the material records; `brdf_slots[i]` is the measured table of material i or -1, `brdf_shares[i]` its share
-  /// of BRDF samples. The last entry of each stands for glTF's default material.
-  void update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
+  /// of BRDF samples. The last entry of each stands for glTF's default material. True when something changed that the
+  /// G-buffer holds or that decides what is drawn into it: another measured table for a material does not.
+  bool update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                         const std::vector<float>& brdf_shares);
   void update_variant(const Scene& scene, int variant);
   /// New positions and normals (node space) of one mesh's primitive 0 in all its instances.
@@ -59,6 +60,7 @@ class SceneBuffers {
   std::vector<bool> visible_;
   bool has_colors_ = false;
   std::vector<int> base_color_textures_;
+  std::vector<glm::uvec4> surface_words_;  ///< what the G-buffer depends on in the material records
   GlName<VertexArrayTraits> vertex_array_;
   Buffer positions_, uvs_, indices_, vertices_, triangle_materials_, materials_, texels_, texture_records_,
       texture_bandwidth_;

@@ -195,7 +195,8 @@ std::vector<OptionDeclaration> quality_options() {
       plan_option(shared("--msaa", "N", "samples a pixel: 1, 4 or 16 (1: rays through pixel centres)", parse_msaa)),
       one_picture(shared(
           "--frames", "N",
-          "`render`: measures N frames after warm-up, the time is their median; `view`: frames before --screenshot",
+          "`render`: measures N frames after warm-up, each drawn from nothing (see shading.reuse), the time is their "
+          "median; `view`: frames before --screenshot",
           [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); })),
       render_only(
           "--target-error", "X",

@@ -70,8 +70,10 @@ double estimate_error(const Image& all, const Image& half) {
   return std::sqrt(sum / (3.0 * pixels)) / (luminance / pixels);
 }
 
-/// One frame, or with --frames the measured ones after warm-up.
-void render_frames(Renderer* renderer, const FrameRequest& request, const SceneOptions& options, RenderReport* report) {
+/// One frame, or with --frames the measured ones after warm-up: each drawn from nothing unless asked otherwise, so that
+/// the time is that of a picture and not of a picture seen before.
+void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options, RenderReport* report) {
+  if (!request.settings.changed().contains("shading.reuse")) request.settings.set("shading.reuse", false);
   if (options.frames > 0)
     for (int i = 0; i < kWarmUpFrames; ++i) renderer->render(request);
   const Clock::time_point start = Clock::now();

@@ -23,15 +23,21 @@ Json settings_json(const Settings& settings) {
 
 Json timing_json(const RenderReport& report) {
   std::vector<double> frame_ms;
-  std::map<std::string, std::vector<double>> pass_ms;
+  std::map<std::string, std::vector<double>> pass_ms, pass_cpu_ms;
   for (const FrameStats& frame : report.frames) {
     frame_ms.push_back(frame.frame_ms);
-    for (const PassTime& pass : frame.passes) pass_ms[pass.name].push_back(pass.ms);
+    for (const PassTime& pass : frame.passes) {
+      pass_ms[pass.name].push_back(pass.ms);
+      pass_cpu_ms[pass.name].push_back(pass.cpu_ms);
+    }
   }
-  Json passes = Json::object();
+  Json passes = Json::object(), cpu = Json::object();
   // In the order of the last frame.
-  for (const PassTime& pass : report.frames.back().passes) passes[pass.name] = number(median(pass_ms[pass.name]));
-  return {{"frame", number(median(frame_ms))}, {"passes", passes}};
+  for (const PassTime& pass : report.frames.back().passes) {
+    passes[pass.name] = number(median(pass_ms[pass.name]));
+    cpu[pass.name] = number(median(pass_cpu_ms[pass.name]));
+  }
+  return {{"frame", number(median(frame_ms))}, {"passes", passes}, {"cpu_passes", cpu}};
 }
 
 std::size_t peak_rss_bytes() {

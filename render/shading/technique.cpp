@@ -19,6 +19,10 @@ TechniqueInfo shading_technique() {
        .default_value = std::string("none"),
        .help = "light that comes by way of other surfaces: none, baked (not available in this version)",
        .choices = {"none", "baked"}},
+      {.name = "shading.reuse",
+       .default_value = true,
+       .help = "keeps what camera and surfaces alone decide (raster, G-buffer, curvature) from frame to frame while "
+               "neither changes; false draws every frame from nothing"},
   };
   info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {

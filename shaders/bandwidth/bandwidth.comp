@@ -1,13 +1,11 @@
-// Per 2 x 2 quad: pools the prediction over neighbours of the same surface, finds curvature on screen, and carries the bandwidth
-// through the bounce to cycles per pixel along both screen axes.
+// Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
+// pixel along both screen axes.
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "shared/frame.glsl"
-#include "shared/octahedral.glsl"
-#include "shared/rgb9e5.glsl"
-#include "shared/gbuffer.glsl"
 #include "shared/bandwidth.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 31) uniform sampler2D t_bend;  // along the screen axes: curvature (1/m), metres a pixel; x, then y
 layout(binding = 18) uniform sampler2D t_energy;
 layout(binding = 19) uniform sampler2D t_moments;
 #if TEXTURE_BANDWIDTH
@@ -19,57 +17,9 @@ layout(binding = 28) uniform sampler2D t_near;
 layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
 layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), curvature (1/m), nu_theta (cycles/rad)
 
-struct Sample {
-  vec3 position, normal;
-  int material;
-  bool valid;
-};
-
-Sample load_sample(ivec2 pixel) {
-  Sample s;
-  pixel = clamp(pixel, ivec2(0), u_frame.size.xy - 1);
-  float depth = texelFetch(t_depth, pixel, 0).x;
-  uvec4 g = texelFetch(t_surface, pixel, 0);
-  s.valid = depth > 0.0;
-  s.position = ray_through(vec2(pixel) + 0.5) * depth;
-  s.normal = unpack_normal(g.x);
-  s.material = int(g.z >> 16u);
-  return s;
-}
-
-bool same_surface(Sample a, Sample b, float reach_m) {
-  return b.valid && a.material == b.material && abs(dot(b.position - a.position, a.normal)) < reach_m &&
-         dot(a.normal, b.normal) > 0.5;
-}
-
-/// Curvature and footprint of one pixel along a screen axis, from the smoother of both sides.
-vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
-  float cos_view = max(dot(c.normal, -normalize(c.position)), 0.02);
-  float tangent_m = pixel_m / cos_view;
-  vec2 best = vec2(0.0, tangent_m);
-  float best_turn = 1e30;
-  for (int side = -1; side <= 1; side += 2) {
-    ivec2 q = pixel + side * axis;
-    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
-    Sample s = load_sample(q);
-    if (!same_surface(c, s, 4.0 * tangent_m)) continue;
-    float step_m = max(length(s.position - c.position), 1e-12);
-    // The chord between unit normals keeps its digits where the arc cosine of their product loses them.
-    float turn = length(s.normal - c.normal);
-    if (turn < best_turn) {
-      best_turn = turn;
-      best = vec2(turn / step_m, step_m);
-    }
-  }
-  return best;
-}
-
 void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
-  Sample c = load_sample(pixel);
-  float depth = texelFetch(t_depth, pixel, 0).x;
-  float pixel_m = depth * u_frame.forward.w;
   vec4 energy = vec4(0.0), moments = vec4(0.0), near = vec4(0.0);
-  float own = float(c.material + 1);
+  float own = float((texelFetch(t_surface, pixel, 0).z >> 16u) + 1u);
   for (int k = 0; k < 9; ++k) {
     ivec2 q = clamp(quad + ivec2(k % 3, k / 3) - 1, ivec2(0), quads - 1);
     vec4 m = texelFetch(t_moments, q, 0);
@@ -91,7 +41,8 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   float variance_b = max(moments.x / nb, 0.0), variance_e = max(moments.y / ne, 0.0);
   float deviation = per_run * sqrt(max(share_b * variance_b + (1.0 - share_b) * variance_e, 0.0));
   float radiance = (share_b * mean_b + (1.0 - share_b) * mean_e) * per_run;
-  vec2 kx = along_axis(c, pixel, ivec2(1, 0), pixel_m), ky = along_axis(c, pixel, ivec2(0, 1), pixel_m);
+  vec4 bend = texelFetch(t_bend, quad, 0);
+  vec2 kx = bend.xy, ky = bend.zw;
   float nu_surface = 0.0;
 #if NEAR
   // Masks and near lights vary over the surface. The lights have one sample for eight of the environment.

@@ -1,0 +1,97 @@
+// What is seen through each grid point: raster, surfaces, curvature. Kept from frame to frame while it holds.
+#include "render/renderer_impl.h"
+
+namespace maquette {
+
+namespace {
+
+int groups(int count, int size) { return (count + size - 1) / size; }
+
+}  // namespace
+
+ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors) {
+  return {"gbuffer/resolve.comp",
+          "",
+          {{"TEXTURES", textures ? "1" : "0"},
+           {"TEXTURE_BANDWIDTH", texture_bandwidth ? "1" : "0"},
+           {"VERTEX_COLORS", colors ? "1" : "0"}}};
+}
+
+bool Renderer::Impl::needs_gbuffer(const FrameRequest& request, FramePlan* plan) {
+  const SurfaceKey key{request.camera, surface_epoch, plan->texture_bandwidth};
+  const bool kept = request.settings.get_bool("shading.reuse") && drawn_surfaces == key;
+  drawn_surfaces = key;
+  if (!kept) return true;
+  for (const char* pass : {"raster", "gbuffer"}) {
+    std::erase_if(plan->passes, [&](const PlannedPass& p) { return p.name == pass; });
+    plan->left_out.push_back({pass, "kept from the frame before: neither camera nor surfaces changed"});
+  }
+  return false;
+}
+
+void Renderer::Impl::raster() {
+  FrameTargets& t = *targets;
+  const GLuint framebuffer = t.framebuffer.get();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, t.grid_width(), t.grid_height());
+  const GLuint no_triangle[4] = {0, 0, 0, 0};
+  const float far_depth = 0.0f;
+  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, no_triangle);
+  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
+  glCullFace(GL_BACK);
+  glBindVertexArray(buffers->vertex_array());
+  const Program& opaque = programs.get({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", "0"}}});
+  for (int masked = 0; masked < 2; ++masked) {
+    const Program* program = &opaque;
+    if (masked) {
+      if (!facts.has_mask) break;
+      program = &programs.get({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", "1"}}});
+    }
+    glUseProgram(program->get());
+    for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+      const DrawItem& item = buffers->geometry().items[i];
+      const Material& m = material_of_item(i);
+      const bool is_masked = m.alpha_mode == AlphaMode::mask && m.base_color_texture;
+      if (!buffers->visible(i) || m.glass || m.alpha_mode == AlphaMode::blend || is_masked != (masked == 1)) continue;
+      if (!may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
+      (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+      program->set("u_first_triangle", static_cast<int>(item.first_index / 3));
+      if (masked) {
+        program->set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));
+        program->set("u_alpha", m.base_color.a);
+        program->set("u_cutoff", m.alpha_cutoff);
+      }
+      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+    }
+  }
+  glBindVertexArray(0);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
+  raster();
+  timer->end("raster");
+  FrameTargets& t = *targets;
+  glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+  if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  dispatch(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
+           groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  if (t.bandwidth) {
+    glBindImageTexture(0, t.bend.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    dispatch(programs.get({"gbuffer/curvature.comp", "", {}}), groups(t.bend.width(), 8), groups(t.bend.height(), 8));
+  }
+  timer->end("gbuffer");
+}
+
+}  // namespace maquette

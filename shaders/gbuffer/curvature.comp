@@ -1,0 +1,74 @@
+// Per 2 x 2 quad: curvature and footprint of the surface along the screen axes, found on screen so that geometry may change every frame.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/frame.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_bend;  // curvature (1/m), metres a pixel along x; the same along y
+
+struct Sample {
+  vec3 position, normal;
+  int material;
+  bool valid;
+};
+
+Sample load_sample(ivec2 pixel) {
+  Sample s;
+  pixel = clamp(pixel, ivec2(0), u_frame.size.xy - 1);
+  float depth = texelFetch(t_depth, pixel, 0).x;
+  uvec4 g = texelFetch(t_surface, pixel, 0);
+  s.valid = depth > 0.0;
+  s.position = ray_through(vec2(pixel) + 0.5) * depth;
+  s.normal = unpack_normal(g.x);
+  s.material = int(g.z >> 16u);
+  return s;
+}
+
+bool same_surface(Sample a, Sample b, float reach_m) {
+  return b.valid && a.material == b.material && abs(dot(b.position - a.position, a.normal)) < reach_m &&
+         dot(a.normal, b.normal) > 0.5;
+}
+
+/// Curvature and footprint of one pixel along a screen axis, from the smoother of both sides.
+vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
+  float cos_view = max(dot(c.normal, -normalize(c.position)), 0.02);
+  float tangent_m = pixel_m / cos_view;
+  vec2 best = vec2(0.0, tangent_m);
+  float best_turn = 1e30;
+  for (int side = -1; side <= 1; side += 2) {
+    ivec2 q = pixel + side * axis;
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
+    Sample s = load_sample(q);
+    if (!same_surface(c, s, 4.0 * tangent_m)) continue;
+    float step_m = max(length(s.position - c.position), 1e-12);
+    // The chord between unit normals keeps its digits where the arc cosine of their product loses them.
+    float turn = length(s.normal - c.normal);
+    if (turn < best_turn) {
+      best_turn = turn;
+      best = vec2(turn / step_m, step_m);
+    }
+  }
+  return best;
+}
+
+void main() {
+  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 quads = (u_frame.size.xy + 1) / 2;
+  if (any(greaterThanEqual(quad, quads))) return;
+  ivec2 pixel = ivec2(-1);
+  for (int k = 0; k < 4; ++k) {
+    int j = (k + quad.x + 2 * quad.y) & 3;
+    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
+    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+  }
+  if (pixel.x < 0) {
+    imageStore(o_bend, quad, vec4(0.0));
+  }
+  if (pixel.x >= 0) {
+    Sample c = load_sample(pixel);
+    float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
+    imageStore(o_bend, quad, vec4(along_axis(c, pixel, ivec2(1, 0), pixel_m), along_axis(c, pixel, ivec2(0, 1), pixel_m)));
+  }
+}

@@ -1,0 +1,188 @@
+// The G-buffer that is kept while camera and surfaces rest: every frame with it equals the same frame drawn from
+// nothing, and it is drawn anew exactly when something changed that it holds.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/gl/context.h"
+#include "render/renderer.h"
+
+namespace maquette {
+namespace {
+
+Material plain(const std::string& name, const glm::vec4& color) {
+  Material m;
+  m.name = name;
+  m.base_color = color;
+  m.metallic = 0.0f;
+  m.roughness = 0.6f;
+  m.double_sided = true;
+  return m;
+}
+
+/// A wavy sheet: it has curvature to find.
+Primitive make_sheet(const glm::vec3& corner, int side, int material) {
+  Primitive p;
+  p.material = material;
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) {
+      const float x = static_cast<float>(i) / static_cast<float>(side),
+                  y = static_cast<float>(j) / static_cast<float>(side);
+      p.positions.push_back(corner + glm::vec3(x, y, 0.1f * std::sin(6.0f * x)));
+      p.normals.push_back(glm::normalize(glm::vec3(-0.6f * std::cos(6.0f * x), 0.0f, 1.0f)));
+    }
+  const auto at = [side](int i, int j) { return static_cast<std::uint32_t>(j * (side + 1) + i); };
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i)
+      p.indices.insert(p.indices.end(),
+                       {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+  return p;
+}
+
+/// Two sheets side by side; variant 0 gives the left one another material.
+std::shared_ptr<Scene> two_sheets() {
+  auto scene = std::make_shared<Scene>();
+  scene->materials = {plain("left", {0.6f, 0.3f, 0.2f, 1.0f}), plain("right", {0.2f, 0.3f, 0.6f, 1.0f}),
+                      plain("other", {0.1f, 0.7f, 0.1f, 1.0f})};
+  scene->variants = {"green"};
+  for (int k = 0; k < 2; ++k) {
+    Node node;
+    node.mesh = k;
+    scene->roots.push_back(k);
+    scene->nodes.push_back(node);
+    scene->meshes.emplace_back();
+    scene->meshes.back().primitives.push_back(make_sheet({k == 0 ? -1.05f : 0.05f, -0.5f, 0.0f}, 12, k));
+  }
+  scene->meshes[0].primitives[0].variant_materials[0] = 2;
+  return scene;
+}
+
+std::shared_ptr<const Environment> sloping_sky() {
+  auto sky = std::make_shared<Environment>();
+  sky->name = "sloping";
+  sky->width = 32;
+  sky->height = 16;
+  for (int i = 0; i < 32 * 16; ++i) sky->rgb.emplace_back(1.0f + static_cast<float>(i % 32) * 0.1f);
+  return sky;
+}
+
+class KeptGbuffer : public ::testing::Test {
+ protected:
+  KeptGbuffer() {
+    renderer_.set_scene(scene_);
+    renderer_.set_environment(sloping_sky());
+    request_.width = 96;
+    request_.height = 64;
+    request_.samples = 16;
+    request_.camera.eye = {0.1f, 0.2f, 2.0f};
+    request_.settings.set_from_text("shading.visibility", "none");
+    draw();
+  }
+
+  /// Draws with what is kept, compares with the same frame from nothing, and returns whether anything was kept.
+  bool draw() {
+    const FrameStats stats = renderer_.render(request_);
+    const Image kept = renderer_.read_radiance();
+    FrameRequest anew = request_;
+    anew.settings.set("shading.reuse", false);
+    const FrameStats full = renderer_.render(anew);
+    EXPECT_EQ(kept.data, renderer_.read_radiance().data);
+    EXPECT_TRUE(timed(full, "raster") && timed(full, "gbuffer"));
+    EXPECT_EQ(timed(stats, "raster"), timed(stats, "gbuffer"));
+    for (const char* pass : {"raster", "gbuffer"}) {
+      const bool said = std::any_of(stats.plan.left_out.begin(), stats.plan.left_out.end(),
+                                    [&](const LeftOut& l) { return l.what == pass; });
+      EXPECT_NE(said, timed(stats, pass)) << "the plan says what was left out";
+    }
+    EXPECT_TRUE(take_gl_errors().empty());
+    return !timed(stats, "raster");
+  }
+  static bool timed(const FrameStats& stats, const std::string& pass) {
+    return std::any_of(stats.passes.begin(), stats.passes.end(), [&](const PassTime& p) { return p.name == pass; });
+  }
+  Image picture() {
+    renderer_.render(request_);
+    return renderer_.read_radiance();
+  }
+
+  GlContext context_ = GlContext::create_headless();
+  std::shared_ptr<Scene> scene_ = two_sheets();
+  Renderer renderer_;
+  FrameRequest request_;
+};
+
+TEST_F(KeptGbuffer, HoldsWhileOnlyTheLightChanges) {
+  EXPECT_TRUE(draw());
+  request_.env_rotation_rad = 0.7f;
+  EXPECT_TRUE(draw());
+  request_.env_scale = 3.0f;
+  EXPECT_TRUE(draw());
+  request_.seed = 5;
+  request_.samples = 32;
+  EXPECT_TRUE(draw());
+  renderer_.set_environment(sloping_sky());
+  EXPECT_TRUE(draw());
+}
+
+TEST_F(KeptGbuffer, HoldsWhileAPaintIsSwappedForAnother) {
+  renderer_.set_material("left", "builtin:paint-red-metallic");
+  EXPECT_TRUE(draw());
+  renderer_.set_material("left", "builtin:rubber-black");
+  EXPECT_TRUE(draw());
+  renderer_.set_material("left", "");
+  EXPECT_TRUE(draw());
+}
+
+TEST_F(KeptGbuffer, IsDrawnAnewWhenASurfaceChanges) {
+  renderer_.set_material("right", "builtin:glass");
+  EXPECT_FALSE(draw());
+  renderer_.set_material("right", "");
+  EXPECT_FALSE(draw());
+  renderer_.set_node_visible(1, false);
+  EXPECT_FALSE(draw());
+  renderer_.set_node_visible(1, true);
+  EXPECT_FALSE(draw());
+  Primitive bent = scene_->meshes[0].primitives[0];
+  for (glm::vec3& p : bent.positions) p.z += 0.2f * p.y;
+  renderer_.update_mesh(0, bent.positions, bent.normals);
+  EXPECT_FALSE(draw());
+  auto repainted = two_sheets();
+  repainted->materials[0].base_color = {0.9f, 0.9f, 0.1f, 1.0f};
+  renderer_.set_scene(repainted);
+  EXPECT_FALSE(draw());
+}
+
+TEST_F(KeptGbuffer, IsDrawnAnewWhenTheViewChanges) {
+  request_.camera.eye.x += 0.01f;
+  EXPECT_FALSE(draw());
+  request_.camera.fov_y_rad *= 1.1f;
+  EXPECT_FALSE(draw());
+  request_.width = 80;
+  EXPECT_FALSE(draw());
+  request_.msaa = 4;
+  EXPECT_FALSE(draw());
+  request_.mode = "uniform";
+  EXPECT_FALSE(draw());
+  EXPECT_TRUE(draw());
+}
+
+TEST_F(KeptGbuffer, FollowsTheVariantThroughSwaps) {
+  const Image first = picture();
+  request_.variant = 0;
+  EXPECT_FALSE(draw());
+  EXPECT_NE(first.data, picture().data);
+  // A swap while a variant is on must not keep the variant when it is turned off again.
+  renderer_.set_material("right", "builtin:rubber-black");
+  EXPECT_TRUE(draw());
+  renderer_.set_material("right", "");
+  request_.variant = -1;
+  EXPECT_FALSE(draw());
+  EXPECT_EQ(first.data, picture().data);
+}
+
+}  // namespace
+}  // namespace maquette

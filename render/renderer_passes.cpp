@@ -45,7 +45,8 @@ std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
     variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
-    variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}}});
+    for (int cubic = 0; cubic < 2; ++cubic)
+      variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}, {"CUBIC", flag(cubic)}}});
     variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
     for (int j = 0; j < 4; ++j) {
       FramePlan plan;
@@ -66,8 +67,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  for (const char* path : {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp", "shading/arguments.comp",
-                           "shading/gather.comp", "splitsum/shade.comp", "sg/shade.comp"})
+  for (const char* path : {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp",
+                           "shading/arguments.comp", "shading/gather.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   return variants;
@@ -180,12 +181,12 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
 
 void Renderer::Impl::fill(PassTimer* timer) {
   FrameTargets& t = *targets;
-  const Program& program =
-      programs.get({"bandwidth/fill.comp", "", {{"TEXTURES", buffers->has_textures() ? "1" : "0"}}});
   glBindTextureUnit(21, t.curvature.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   for (int level = constants.size.w - 1; level >= 0; --level) {
+    const Program& program = programs.get(
+        {"bandwidth/fill.comp", "", {{"TEXTURES", flag(buffers->has_textures())}, {"CUBIC", flag(level > 0)}}});
     program.set("u_level", level);
     const int side = 1 << level;
     for (int middle = 0; middle < 2; ++middle) {

@@ -1,6 +1,7 @@
 // Bilateral upsampling, one level, in two dispatches: first the points between two coarser ones in a row or column, then those
 // in the middle of four, from the ones just filled. Along an axis four points carry a cubic (weights -1 9 9 -1 over 16, Deslauriers and
-// Dubuc 1989) where all lie on one smooth surface; else the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
+// Dubuc 1989) where all lie on one smooth surface; else, and at the finest level (CUBIC 0: three quarters of the points, and what is
+// left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
 // along which the picture varies less counting more: an anisotropic kernel.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
@@ -35,7 +36,7 @@ vec3 base_factor(ivec2 pixel) {
 vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
   vec3 values[4];
   float weights[4];
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 1 - CUBIC; k < 3 + CUBIC; ++k) {
     ivec2 q = pixel + (2 * k - 3) * s * axis;
     bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, u_frame.size.xy));
     q = clamp(q, ivec2(0), u_frame.size.xy - 1);
@@ -45,12 +46,14 @@ vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
     values[k] /= base_factor(q);
 #endif
   }
+#if CUBIC
   if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) {
     vec3 cubic = (9.0 * (values[1] + values[2]) - values[0] - values[3]) * 0.0625;
     // Noise must not ring below the neighbours' range.
     vec3 low = min(min(values[0], values[3]), min(values[1], values[2]));
     return vec4(max(cubic, low * 0.5), 2.0);
   }
+#endif
   float sum = weights[1] + weights[2];
   return vec4((values[1] * weights[1] + values[2] * weights[2]) / max(sum, 1e-12), sum);
 }

@@ -138,6 +138,14 @@ glm::mat4 reverse_infinite_projection(const CameraFrame& camera) {
 
 }  // namespace
 
+namespace {
+
+/// While nothing moves, points come closer with this power of the frames: chosen by error against time on Ferrari and
+/// spheres. A level is given up for good after each 2^kFramesPerLevel_log2 times as many frames.
+constexpr float kRefineExponent = 0.5f, kFramesPerLevel_log2 = 1.5f;
+
+}  // namespace
+
 void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk) {
   Bounds bounds;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
@@ -165,18 +173,22 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.size = glm::ivec4(
       targets->grid_width(), targets->grid_height(), side,
       plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") + (side == 4 ? 2 : side / 2) : 0);
-  c.sampling = glm::ivec4(samples, chunk, accumulated * samples, static_cast<int>(request.seed));
+  // In mode bandwidth each point counts its own samples.
+  const int first_sample = plan.mode == "bandwidth" ? 0 : accumulated * samples;
+  c.sampling = glm::ivec4(samples, chunk, first_sample, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
   c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
-                                lights ? lights->count() : 0, accumulated * samples);
-  // While the picture converges, ever more of it is shaded itself, so that interpolation leaves no bias behind.
+                                lights ? lights->count() : 0, first_sample);
   // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
   // together.
+  const float frames = static_cast<float>(accumulated + 1);
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f) *
-                        (1.0f + 0.5f * static_cast<float>(accumulated));
-  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f) * std::pow(frames, kRefineExponent);
+  // While the picture converges, every point is shaded itself in the end, whatever was predicted.
+  const float levels = static_cast<float>(c.size.w) + 1.0f - std::log2(frames) / kFramesPerLevel_log2;
+  const float least = accumulated == 0 ? 0.0f : 0.25f / (quality * std::exp2(levels));
+  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, least);
   frame_block.update(0, sizeof(c), &c);
 }
 
@@ -206,6 +218,32 @@ void Renderer::Impl::dispatch_list(const Program& program, int count) {
   dispatch(program, std::min(groups, kGroupsPerRow), (groups + kGroupsPerRow - 1) / kGroupsPerRow);
 }
 
+void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate) {
+  if (accumulated > 0) return;
+  if (!light_list_is_first) environment->resample(0);
+  light_list_is_first = true;
+  if (!accumulate || plan.mode != "bandwidth")
+    progressive.reset();
+  else if (progressive)
+    progressive->clear();
+  else
+    progressive = Progressive::make(targets->grid_width(), targets->grid_height());
+}
+
+namespace {
+
+/// What a frame does without because nothing moved since the one before.
+void leave_out_known(FramePlan* plan) {
+  for (const char* known : {"raster", "gbuffer", "texture_bandwidth", "bandwidth", "pyramid"}) {
+    if (std::erase_if(plan->passes, [&](const PlannedPass& pass) { return pass.name == known; }) > 0)
+      plan->left_out.push_back({known, "nothing moved: known from the first frame"});
+  }
+  if (plan->mode == "bandwidth")
+    plan->passes.push_back({"measure", "nothing moved: the frames so far say where samples are worth most"});
+}
+
+}  // namespace
+
 FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   Impl& s = *impl_;
   s.require_ready();
@@ -228,24 +266,35 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.near_terms = Texture();
     s.drawn_surfaces.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
+    s.progressive.reset();
     s.accumulated = 0;
   }
-  if (!accumulate || s.drawn_epoch != s.epoch || !(s.last_request == request)) s.accumulated = 0;
+  const bool kept = !bandwidth || s.progressive;  // a frame that was not to be accumulated kept nothing to go on from
+  if (!accumulate || !kept || s.drawn_epoch != s.epoch || !(s.last_request == request)) s.accumulated = 0;
   s.drawn_epoch = s.epoch;
   s.last_request = request;
+  s.prepare_accumulation(plan, accumulate);
   s.prepare_constants(request, plan, samples, chunk);
   s.bind_frame();
   PassTimer timer(s.device.software);
   timer.start();
-  if (s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
-  if (bandwidth) s.predict(plan, &timer);
+  const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
+  if (goes_on) leave_out_known(&plan);
+  if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
+  if (bandwidth && !goes_on) s.predict(plan, &timer);
+  std::optional<RefineRates> refine;
+  if (bandwidth && goes_on) {
+    refine = s.measure_deviations(request);
+    timer.end("measure");
+  }
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
     s.shade_by_lookup(*lookup, &timer);
   else
-    s.shade(plan, chunk, &timer);
+    s.shade(plan, chunk, refine, &timer);
   if (bandwidth) s.fill(&timer);
   ++s.accumulated;
-  s.compose(plan, 1.0f / static_cast<float>(s.accumulated), &timer);
+  // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
+  s.compose(plan, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
   FrameStats stats;
   stats.passes = timer.finish();
@@ -265,6 +314,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (bandwidth)
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +
                                    t.pyramid.bytes() + s.near_terms.bytes();
+  if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();

@@ -15,6 +15,7 @@
 #include "render/material_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
+#include "render/progressive.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
@@ -64,6 +65,8 @@ struct Renderer::Impl {
   GlName<FramebufferTraits> glass_framebuffer;                      ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
+  std::optional<Progressive> progressive;  ///< mode bandwidth, while pictures accumulate
+  bool light_list_is_first = true;         ///< false after a long accumulation drew the light samples anew
   FrameConstants constants{};
   ReferenceFrame reference;
   FrameRequest last_request;
@@ -82,15 +85,21 @@ struct Renderer::Impl {
   void update_visibility(FramePlan* plan);
   std::vector<bool> transmitting_items() const;
   void upload_materials();
+  /// Before the first frame of a picture: room for what it will know of its points, or none.
+  void prepare_accumulation(const FramePlan& plan, bool accumulate);
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
   /// False, and the plan says so, when the G-buffer of the frame before still holds.
   bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
   void raster();
   void predict(const FramePlan& plan, PassTimer* timer);
-  void shade(const FramePlan& plan, int chunk, PassTimer* timer);
-  void shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer);
+  /// `refine`: empty for the first frame of a picture.
+  void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
+  void shade_band(const FramePlan& plan, int first_row, int chunk, const std::optional<RefineRates>& refine,
+                  PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
+  /// What the frames so far say about the next one's sample counts.
+  RefineRates measure_deviations(const FrameRequest& request);
   void fill(PassTimer* timer);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
   bool shows_reference() const { return last_plan.mode == "reference" && reference.picture; }

@@ -39,6 +39,10 @@ ShaderVariant shade_variant(const FramePlan& plan, int measured) {
       {{"MEASURED", flag(measured)}, {"VISIBILITY", flag(plan.visibility == "baked")}, {"LIGHTS", flag(plan.lights)}}};
 }
 
+ShaderVariant mark_variant(bool bandwidth, bool refine) {
+  return {"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}}};
+}
+
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
@@ -60,15 +64,17 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.lights = false;
       if (j < 2) variants.push_back(bandwidth_variant(plan));
     }
-    variants.push_back({"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(k)}}});
+    variants.push_back(mark_variant(k, false));
+    variants.push_back({"shading/gather.comp", "", {{"ACCUMULATE", flag(k)}}});
   }
   for (int k = 0; k < 8; ++k) {
     if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
+  variants.push_back(mark_variant(true, true));
   for (const char* path : {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp",
-                           "shading/arguments.comp", "shading/gather.comp", "splitsum/shade.comp", "sg/shade.comp"})
+                           "bandwidth/measure.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   return variants;
@@ -124,25 +130,32 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   timer->end("pyramid");
 }
 
-void Renderer::Impl::shade(const FramePlan& plan, int chunk, PassTimer* timer) {
+void Renderer::Impl::shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine,
+                           PassTimer* timer) {
   visible_points = shaded_points = shading_samples = 0;
   const int rows = targets->grid_height();
-  for (int row = 0; row < rows; row += targets->band_rows)
-    shade_band(plan, row, std::min(targets->band_rows, rows - row), chunk, timer);
+  for (int row = 0; row < rows; row += targets->band_rows) shade_band(plan, row, chunk, refine, timer);
 }
 
-void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, int chunk, PassTimer* timer) {
+void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
+                                const std::optional<RefineRates>& refine, PassTimer* timer) {
   FrameTargets& t = *targets;
+  const int rows = std::min(t.band_rows, t.grid_height() - first_row);
   for (GLuint k = 0; k < 2; ++k) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, t.points[k].get());
   }
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   const bool bandwidth = plan.mode == "bandwidth";
-  const Program& mark = programs.get({"bandwidth/mark.comp", "", {{"BANDWIDTH", bandwidth ? "1" : "0"}}});
+  const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
   glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  if (refine) {
+    glBindImageTexture(1, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    mark.set("u_items_per_deviation", refine->items_per_deviation);
+    mark.set("u_least_deviation", refine->least_deviation);
+  }
   unsigned counters[16];
   // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
   for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
@@ -160,7 +173,12 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int rows, 
   const Program& arguments = programs.get({"shading/arguments.comp", "", {}});
   dispatch(arguments, 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
-  const Program& gather = programs.get({"shading/gather.comp", "", {}});
+  const bool accumulate = bandwidth && progressive;
+  const Program& gather = programs.get({"shading/gather.comp", "", {{"ACCUMULATE", flag(accumulate)}}});
+  if (accumulate) {
+    glBindImageTexture(1, progressive->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    glBindImageTexture(2, progressive->spread.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+  }
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;

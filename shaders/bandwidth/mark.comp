@@ -32,6 +32,14 @@ layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_anal
 uniform ivec2 u_band;      // first row, rows (multiples of 32)
 uniform int u_item_capacity;
 uniform float u_sample_scale;
+#if REFINE
+// While nothing moves: what the frames before have measured.
+layout(binding = 18) uniform sampler2D t_mean;       // mean, number of items
+layout(binding = 19) uniform sampler2D t_deviation;  // of one sample
+layout(binding = 1, rgba32f) uniform writeonly image2D o_radiance;
+uniform float u_items_per_deviation;
+uniform float u_least_deviation;
+#endif
 
 #if BANDWIDTH
 /// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
@@ -56,6 +64,7 @@ bool carries(ivec2 pixel, int level, float mean_radiance) {
     // An error weighs by the radiance it is a share of; the square root stands for the eye's and the tone curve's compression.
     nu = max(nu, (k == 4 ? 1.0 : kNeighbourShare) * b.x * clamp(sqrt(b.y / mean_radiance), 0.35, 3.0));
   }
+  nu = max(nu, u_frame.quality.w);
   return nu * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
 }
 bool neighbours_agree(ivec2 pixel, int level) {
@@ -80,12 +89,35 @@ bool neighbours_agree(ivec2 pixel, int level) {
 #endif
 
 #if BANDWIDTH
-/// Sample count factor of a point that stands for blocks of 2^level grid points. Below one pixel (multisampling) the box filter
-/// averages the points, so together they take one pixel's samples; above, the count grows with the side of the block.
-float block_share(int level) {
-  int pixel_level = findMSB(u_frame.size.z);
-  int below = min(level - pixel_level, 0), above = max(level - pixel_level, 0);
-  return exp2(float(2 * below + above));
+#include "bandwidth/block_share.glsl"
+#endif
+
+#if REFINE
+/// Deviation of one sample at a point that is shaded for the first time: that of the coarser points around it or the prediction, whichever
+/// is more, because a mirrored lamp between the coarser points is worse than some samples too many.
+float new_deviation(ivec2 pixel, int level, float predicted) {
+  int s = 1 << level;
+  ivec2 odd = (pixel >> level) & 1, lower = pixel - odd * s;
+  vec2 sum = vec2(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 o = ivec2(k & 1, k >> 1), q = lower + 2 * o * s;
+    if (any(greaterThan(o, odd)) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
+    float d = texelFetch(t_deviation, q, 0).x;
+    sum += d > 0.0 ? vec2(d, 1.0) : vec2(0.0);
+  }
+  return sum.y > 0.0 ? max(sum.x / sum.y, 0.5 * predicted) : predicted;
+}
+
+/// What a point starts with at least: enough to see whether it deviates.
+const float kFirstItems = 4.0;
+
+/// Items that a point still needs to have its share of all samples so far (Neyman: in proportion to its measured deviation).
+uvec3 refine(ivec2 pixel, int level, float predicted) {
+  float have = texelFetch(t_mean, pixel, 0).w;
+  float d = have > 0.0 ? texelFetch(t_deviation, pixel, 0).x : new_deviation(pixel, level, predicted);
+  float wanted = u_items_per_deviation * block_share(level) * (d + u_least_deviation);
+  float items = floor((wanted - have) * u_sample_scale + 0.5);
+  return uvec3(1u, uint(level), uint(clamp(items, have > 0.0 ? 0.0 : kFirstItems, 4096.0)));
 }
 #endif
 
@@ -96,7 +128,13 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   int enters = min(min(findLSB(pixel.x | (1 << top)), findLSB(pixel.y | (1 << top))), top);
   bool shaded = enters >= top || level <= enters;
   if (!shaded) shaded = !neighbours_agree(pixel, enters);
+#if REFINE
+  shaded = shaded || texelFetch(t_mean, pixel, 0).w > 0.0;  // what a point has is kept
+#endif
   if (!shaded) return uvec3(0u, uint(level), 0u);
+#if REFINE
+  return refine(pixel, min(level, enters), texelFetch(t_pyramid, pixel / 2, 0).z);
+#endif
   vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
   int spacing = min(level, enters);
@@ -144,7 +182,10 @@ void main() {
     uvec3 d = decide(pixel, quad_carries[quad] ? max(block_level, 1) : 0, mean);
     if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
     ++visible;
-    imageStore(o_marks, pixel, uvec4(d.x, d.y, d.x == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
+#if REFINE
+    if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(texelFetch(t_mean, pixel, 0).rgb, 1.0));
+#endif
+    imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
     counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);
     if (d.z > 0u) {
       items += measured ? uvec2(d.z, 0u) : uvec2(0u, d.z);
@@ -173,13 +214,17 @@ void main() {
     // Over capacity nothing is written; the host sees the count and marks again with fewer samples.
     uint kept = first + n <= uint(u_item_capacity) ? n : 0u;
     ShadedPoint point = ShadedPoint(packed_pixel, first, kept, level);
+    uint begin = 0u;  // of the point's own sequence
+#if REFINE
+    begin = uint(texelFetch(t_mean, pixel, 0).w);
+#endif
     if (measured) {
       b_measured_points[next_point.x++] = point;
-      for (uint i = 0u; i < kept; ++i) b_measured_items[first + i] = Item(packed_pixel, i * uint(u_frame.sampling.y));
+      for (uint i = 0u; i < kept; ++i) b_measured_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
       next_item.x += n;
     } else {
       b_analytic_points[next_point.y++] = point;
-      for (uint i = 0u; i < kept; ++i) b_analytic_items[first + i] = Item(packed_pixel, i * uint(u_frame.sampling.y));
+      for (uint i = 0u; i < kept; ++i) b_analytic_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
       next_item.y += n;
     }
   }

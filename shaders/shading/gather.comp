@@ -1,4 +1,5 @@
-// Averages the work items of each shaded point into the picture.
+// Averages the work items of each shaded point into the picture. ACCUMULATE: into the mean of all its items since something last
+// moved, with the spread of the items around that mean, by which the next frame's sample counts are chosen.
 layout(local_size_x = 64) in;
 struct ShadedPoint {
   uint pixel, first_item, item_count, level;
@@ -10,16 +11,38 @@ layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
 layout(std430, binding = 2) readonly buffer Points { ShadedPoint b_points[]; };
 layout(binding = 22) uniform samplerBuffer t_partial;
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
+#if ACCUMULATE
+layout(binding = 1, rgba32f) uniform image2D io_mean;   // mean, number of items
+layout(binding = 2, r32f) uniform image2D io_spread;    // sum of squared deviations of the items, mean over R, G, B
+#endif
 uniform int u_list;
+
+// A picture never holds NaN or infinity, whatever a table holds.
+vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
+
 void main() {
   uint count = b_lists[u_list].points;
   for (uint id = gl_GlobalInvocationID.x; id < count; id += gl_NumWorkGroups.x * 64u) {
     ShadedPoint point = b_points[id];
+    ivec2 pixel = ivec2(point.pixel & 65535u, point.pixel >> 16u);
+#if ACCUMULATE
+    // Source: Welford 1962, "Note on a method for calculating corrected sums of squares and products".
+    vec4 mean = imageLoad(io_mean, pixel);
+    float spread = imageLoad(io_spread, pixel).x;
+    for (uint i = 0u; i < point.item_count; ++i) {
+      vec3 value = finite(texelFetch(t_partial, int(point.first_item + i)).rgb);
+      mean.w += 1.0;
+      vec3 before = value - mean.rgb;
+      mean.rgb += before / mean.w;
+      spread += dot(before, value - mean.rgb) * (1.0 / 3.0);
+    }
+    imageStore(io_mean, pixel, mean);
+    imageStore(io_spread, pixel, vec4(spread));
+    imageStore(o_radiance, pixel, vec4(mean.rgb, 1.0));
+#else
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < point.item_count; ++i) sum += texelFetch(t_partial, int(point.first_item + i)).rgb;
-    sum /= float(max(point.item_count, 1u));
-    // A picture never holds NaN or infinity, whatever a table holds.
-    if (any(isnan(sum)) || any(isinf(sum))) sum = vec3(0.0);
-    imageStore(o_radiance, ivec2(point.pixel & 65535u, point.pixel >> 16u), vec4(sum, 1.0));
+    imageStore(o_radiance, pixel, vec4(finite(sum / float(max(point.item_count, 1u))), 1.0));
+#endif
   }
 }

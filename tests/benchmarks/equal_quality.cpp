@@ -110,6 +110,33 @@ Figures measure_equal_quality(Stage& stage) {
   return figures;
 }
 
+Figures measure_progressive(Stage& stage) {
+  Figures figures;
+  double least = 1e30;
+  std::string least_at = "nowhere";
+  for (const Case& c : quality_cases(stage.options())) {
+    if (!stage.options().wants(c.name)) continue;
+    stage.show(c);
+    const Reference& reference = stage.reference();
+    const Curve bandwidth = accumulate(stage, "bandwidth", 0.005, reference);
+    const Curve uniform = accumulate(stage, "uniform", 0.005, reference);
+    std::string text;
+    for (const SweepPoint& p : uniform) {
+      const auto e = error_after(bandwidth, p.cpu_ms, true);
+      if (!e || p.error < reference.noise) continue;
+      text += (text.empty() ? "" : ", ") + number(1e-3 * p.cpu_ms) + " s: " + percent(p.error) + " and " + percent(*e);
+      if (p.error / *e < least) {
+        least = p.error / *e;
+        least_at = c.name + " after " + number(1e-3 * p.cpu_ms) + " s";
+      }
+    }
+    figures.push_back(shown("errors of uniform and bandwidth after CPU time, " + c.name, text));
+  }
+  figures.push_back(judged("progressive error of uniform over bandwidth's at the same time", ">= 1 everywhere",
+                           "at least " + number(least) + ", " + least_at, least >= 1.0));
+  return figures;
+}
+
 Figures measure_research(Stage& stage) {
   Figures figures;
   const std::vector<std::string> names{"gold-metallic-paint", "color-changing-paint3", "teflon", "chrome-steel"};

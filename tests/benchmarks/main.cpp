@@ -25,6 +25,7 @@ constexpr Part kParts[] = {
     {"research", "time to 2 % under Grace Cathedral, four measured tables", measure_research},
     {"converged", "what the converged pictures' own noise is, and that `uniform` tends to them", measure_converged},
     {"equal-quality", "time of bandwidth and uniform to the same error", measure_equal_quality},
+    {"progressive", "error while nothing moves, bandwidth against uniform", measure_progressive},
     {"validate", "predicted against measured bandwidth and variance", measure_validation},
     {"multisampling", "cost of 4 samples a pixel", measure_multisampling},
     {"interactive", "turning light, first frame, swaps", measure_interactive},

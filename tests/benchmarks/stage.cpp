@@ -182,7 +182,7 @@ Image Stage::draw_uniform(int samples, std::uint32_t seed, int frames) {
 }
 
 void Stage::make_reference(Image halves[2]) {
-  constexpr int kFrames = 8, kSamples = 512, kMaxRuns = 256;
+  constexpr int kFrames = 4, kSamples = 256, kMaxRuns = 1024;
   const Clock begin = now();
   const SplitEnvironment split = split_environment(*environment_);
   const std::shared_ptr<const Scene> opaque = renderer_->facts().has_glass ? without_panes(*scene_) : scene_;

@@ -53,6 +53,8 @@ struct Clock {
 Clock now();
 inline Clock operator-(const Clock& a, const Clock& b) { return {a.wall_ms - b.wall_ms, a.cpu_ms - b.cpu_ms}; }
 
+inline Clock operator+(const Clock& a, const Clock& b) { return {a.wall_ms + b.wall_ms, a.cpu_ms + b.cpu_ms}; }
+
 struct Reference {
   Image picture;
   Image halves[2];     ///< of independent seeds; the picture is their mean
@@ -106,6 +108,7 @@ std::vector<std::string> expand_tables(const Options& options, const std::vector
 
 Figures measure_correct(Stage& stage);
 Figures measure_converged(Stage& stage);
+Figures measure_progressive(Stage& stage);
 Figures measure_research(Stage& stage);
 Figures measure_equal_quality(Stage& stage);
 Figures measure_validation(Stage& stage);

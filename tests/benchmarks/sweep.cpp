@@ -66,53 +66,60 @@ SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) 
 
 void log_point(const std::string& name, const std::string& mode, const SweepPoint& p) {
   std::fprintf(
-      stderr, "  %-16s %-9s samples %4d frames %2d  wall %8.1f ms  cpu %8.1f ms  error %6.2f %%  %.3g Msamples\n",
+      stderr, "  %-16s %-9s samples %4d frames %4d  wall %8.1f ms  cpu %8.1f ms  error %6.2f %%  %.3g Msamples\n",
       name.c_str(), mode.c_str(), p.samples, p.frames, p.wall_ms, p.cpu_ms, 100.0 * p.error, p.shading_samples * 1e-6);
+}
+
+/// A frame that keeps nothing of the one before.
+FrameRequest whole_frame(Stage& stage, const std::string& mode, int samples, std::uint32_t seed) {
+  FrameRequest r = stage.request(mode, samples, seed);
+  r.settings.set_from_text("shading.reuse", "false");
+  return r;
 }
 
 Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_t seed, const Reference& reference) {
   Renderer& renderer = stage.renderer();
-  renderer.render(stage.request(mode, 2, seed));  // the mode's targets and programs
+  renderer.render(whole_frame(stage, mode, 2, seed));  // the mode's targets and programs
   Trial trial;
   const Clock begin = now();
-  trial.stats = renderer.render(stage.request(mode, samples, seed));
+  trial.stats = renderer.render(whole_frame(stage, mode, samples, seed));
   trial.time = now() - begin;
   trial.error = error_against(renderer.read_radiance(), reference);
   return trial;
 }
 
-/// Errors after 1, 2, 4, ... frames of one run; time is that of the frames alone.
+}  // namespace
+
 Curve accumulate(Stage& stage, const std::string& mode, double until, const Reference& reference) {
-  constexpr int kSamples = 64, kMaxFrames = 32;
+  constexpr int kSamples = 64;
   Renderer& renderer = stage.renderer();
   std::vector<std::vector<Trial>> trials;
   for (int repeat = 0; repeat < stage.options().repeats; ++repeat) {
-    const FrameRequest r = stage.request(mode, kSamples, static_cast<std::uint32_t>(11 + repeat));
-    renderer.render(stage.request(mode, 2, r.seed));
+    const FrameRequest r = whole_frame(stage, mode, kSamples, static_cast<std::uint32_t>(11 + repeat));
+    for (int warm = 0; warm < 2; ++warm) renderer.render(whole_frame(stage, mode, 2, r.seed), true);
     Trial trial;
-    for (int frame = 1, k = 0; frame <= kMaxFrames; ++frame) {
+    for (int frame = 1, k = 0;; ++frame) {
       const Clock begin = now();
-      trial.stats = renderer.render(r, true);
-      const Clock spent = now() - begin;
-      trial.time.wall_ms += spent.wall_ms;
-      trial.time.cpu_ms += spent.cpu_ms;
+      const FrameStats stats = renderer.render(r, true);
+      trial.time = trial.time + (now() - begin);
+      const std::size_t samples = trial.stats.shading_samples + stats.shading_samples;
+      trial.stats = stats;
+      trial.stats.shading_samples = samples;
       if ((frame & (frame - 1)) != 0) continue;
       trial.error = error_against(renderer.read_radiance(), reference);
       if (trials.size() <= static_cast<std::size_t>(k)) trials.emplace_back();
       trials[static_cast<std::size_t>(k)].push_back(trial);
       ++k;
-      if (trial.error < until || trial.time.wall_ms > 1e3 * stage.options().sweep_seconds) break;
+      if (trial.error < until || 0.5 * trial.time.cpu_ms > 1e3 * stage.options().sweep_seconds) break;
     }
   }
   Curve curve;
-  for (std::size_t k = 1; k < trials.size(); ++k) {
+  for (std::size_t k = 0; k < trials.size(); ++k) {
     curve.push_back(summarise(trials[k], kSamples, 1 << k));
     log_point(stage.current().name, mode, curve.back());
   }
   return curve;
 }
-
-}  // namespace
 
 std::optional<double> time_to(const Curve& curve, double error, bool cpu) {
   const Curve e = lower_envelope(curve, cpu);
@@ -153,7 +160,7 @@ std::vector<Curve> sweep(Stage& stage, const std::vector<std::string>& modes, do
   }
   for (std::size_t m = 0; m < modes.size(); ++m) {
     const Curve more = accumulate(stage, modes[m], until, reference);
-    curves[m].insert(curves[m].end(), more.begin(), more.end());
+    curves[m].insert(curves[m].end(), more.begin() + 1, more.end());
   }
   return curves;
 }

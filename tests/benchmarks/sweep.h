@@ -30,4 +30,7 @@ std::optional<double> error_after(const Curve& curve, double time_ms, bool cpu);
 /// accumulated frames of `bandwidth` and `uniform` at 64 samples. [mode] as given.
 std::vector<Curve> sweep(Stage& stage, const std::vector<std::string>& modes, double until);
 
+/// Errors after 1, 2, 4, ... frames of 64 samples while nothing moves, until better than `until` or too slow.
+Curve accumulate(Stage& stage, const std::string& mode, double until, const Reference& reference);
+
 }  // namespace maquette::bench

@@ -69,20 +69,63 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
     const double error = test::relative_rmse(picture, exact);
     RecordProperty(name, std::to_string(error));
     EXPECT_LT(error, std::hypot(0.005, 2.0 * noise)) << name << " over " << exact.pixels.size() << " pixels";
-    EXPECT_LT(noise, 0.006) << name;
+    EXPECT_LT(noise, 0.01) << name;  // one pixel of a hundred holds nearly all of it
   }
 }
 
 TEST_F(Estimator, BandwidthConvergesToUniform) {
+  // Nothing may stay of the interpolation of early frames, of the wrong predictions, or of the choice of sample counts
+  // by what was measured.
   for (const char* material : {"builtin:matte-white", "builtin:paint-red-metallic"}) {
     show(material);
-    const Image uniform = draw(request("uniform", 1024, 5, 96), 8);
-    const FrameRequest r = request("bandwidth", 256, 6, 96);
+    Image uniform = draw(request("uniform", 1024, 5, 64), 8);
+    const Image other = draw(request("uniform", 1024, 6, 64), 8);
+    const double noise = 0.5 * difference(uniform, other);
+    for (std::size_t i = 0; i < uniform.data.size(); ++i) uniform.data[i] = 0.5f * (uniform.data[i] + other.data[i]);
+    const FrameRequest r = request("bandwidth", 128, 6, 64);
     const double early = difference(draw(r), uniform);
-    const double late = difference(draw(r, 31), uniform);
+    const double late = difference(draw(r, 79), uniform);  // every point is shaded itself by then
     EXPECT_LT(late, 0.5 * early) << material;
-    EXPECT_LT(late, 0.03) << material;  // the mean keeps the interpolation of its first frames
+    EXPECT_LT(late, std::hypot(0.005, noise)) << material << " noise " << noise;
+    RecordProperty(material, std::to_string(late));
   }
+}
+
+TEST_F(Estimator, EveryPointIsShadedInTheEnd) {
+  show("builtin:matte-white");
+  FrameRequest r = request("bandwidth", 16, 6, 64);
+  r.settings.set_from_text("bandwidth.max_level", "2");
+  const auto shaded_share = [&] {
+    const Image shaded = renderer_.read_debug_view("shaded");
+    double sum = 0.0, visible = 0.0;
+    for (std::size_t i = 0; i < shaded.data.size(); i += 4) {
+      visible += shaded.data[i + 3];
+      sum += shaded.data[i];
+    }
+    return sum / visible;
+  };
+  draw(r);
+  EXPECT_LT(shaded_share(), 0.8);
+  draw(r, 9);
+  EXPECT_EQ(shaded_share(), 1.0);
+}
+
+TEST_F(Estimator, SamplesGoWhereTheSpreadIs) {
+  // The sun's mirror image deviates a thousand times as much as the rest: measured, it takes the samples.
+  show("builtin:metal-chrome");
+  const FrameRequest r = request("bandwidth", 64, 6, 64);
+  draw(r, 4);
+  const Image picture = renderer_.read_radiance();
+  std::size_t brightest = 0;
+  for (std::size_t i = 0; i < picture.data.size(); i += 4)
+    if (picture.data[i] > picture.data[brightest]) brightest = i;
+  const Image samples = renderer_.read_debug_view("samples");
+  EXPECT_GT(samples.data[brightest], 2048.0f);
+  // The seed decides every bit of a picture of many frames too, light samples drawn anew included.
+  const Image first = draw(r, 3);
+  draw(request("bandwidth", 64, 7, 64), 4);
+  draw(r, 4);
+  EXPECT_EQ(draw(r, 3).data, first.data);
 }
 
 TEST_F(Estimator, SeedDecidesEveryBit) {

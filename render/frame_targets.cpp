@@ -36,7 +36,7 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   t.marks = Texture::make_2d("marks", GL_RGBA8UI, w, h);
   t.radiance = Texture::make_2d("radiance", GL_RGBA32F, w, h);
   t.picture = Texture::make_2d("picture", GL_RGBA32F, width, height);
-  if (texture_bandwidth) t.texture_nu = Texture::make_2d("texture bandwidth", GL_R16F, w, h);
+  if (texture_bandwidth) t.texture_nu = Texture::make_2d("texture bandwidth", GL_R32F, w, h);
   if (bandwidth) {
     const int qw = (w + 1) / 2, qh = (h + 1) / 2;
     t.energy = Texture::make_2d("energy", GL_RGBA32F, qw, qh);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/materials/lobes.h"
 #include "render/rgb9e5_shared.h"
 
 namespace maquette {
@@ -58,7 +59,9 @@ void MaterialStore::reserve(std::size_t slots) {
   phi_ = grow("phi cells", phi_, capacity_ * kPhiTexels * sizeof(glm::vec2));
   albedo_ = grow("albedo", albedo_, capacity_ * kAlbedoCount * sizeof(float));
   bandwidth_ = grow("BRDF bandwidth", bandwidth_, capacity_ * 8100 * sizeof(float));
+  lobes_ = grow("BRDF lobes", lobes_, capacity_ * kAlbedoCount * 2 * sizeof(glm::vec4));
   word_view_ = Texture::make_buffer("BRDF tables", GL_R32UI, words_);
+  lobe_view_ = Texture::make_buffer("BRDF lobes", GL_RGBA32F, lobes_);
   theta_view_ = Texture::make_buffer("theta cells", GL_RG32F, theta_);
   phi_view_ = Texture::make_buffer("phi cells", GL_RG32F, phi_);
   albedo_view_ = Texture::make_buffer("albedo", GL_R32F, albedo_);
@@ -82,6 +85,13 @@ int MaterialStore::slot_of(const std::string& source) {
   for (const glm::vec3& a : tables.albedo) albedo.push_back(0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z);
   albedo_.update(slot * kAlbedoCount * sizeof(float), albedo.size() * sizeof(float), albedo.data());
   bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
+  const std::vector<glm::vec3> directions = compute_lobe_directions(brdf, tables);
+  std::vector<glm::vec4> lobes;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    lobes.emplace_back(tables.albedo[i], 0.0f);
+    lobes.emplace_back(directions[i], 0.0f);
+  }
+  lobes_.update(slot * lobes.size() * sizeof(glm::vec4), lobes.size() * sizeof(glm::vec4), lobes.data());
   Entry entry;
   entry.source = source;
   entry.hash = brdf.hash;
@@ -131,6 +141,7 @@ void MaterialStore::bind() const {
   glBindTextureUnit(12, phi_view_.get());
   glBindTextureUnit(13, albedo_view_.get());
   glBindTextureUnit(16, bandwidth_view_.get());
+  glBindTextureUnit(44, lobe_view_.get());
 }
 
 }  // namespace maquette

@@ -22,9 +22,11 @@ class MaterialStore {
   const SgFit& sg(int slot);
   /// BrdfTables::albedo of a slot.
   const std::vector<glm::vec3>& albedo(int slot) const { return entries_[static_cast<std::size_t>(slot)].albedo; }
-  void bind() const;  ///< units 10 to 13 and 16
+  /// Of the filled table; key of everything derived from it.
+  std::uint64_t hash(int slot) const { return entries_[static_cast<std::size_t>(slot)].hash; }
+  void bind() const;  ///< units 10 to 13, 16 and 44
   std::size_t bytes() const {
-    return words_.bytes() + theta_.bytes() + phi_.bytes() + albedo_.bytes() + bandwidth_.bytes();
+    return words_.bytes() + theta_.bytes() + phi_.bytes() + albedo_.bytes() + bandwidth_.bytes() + lobes_.bytes();
   }
   std::size_t count() const { return entries_.size(); }
 
@@ -42,8 +44,8 @@ class MaterialStore {
   BrdfTable read_table(std::size_t slot) const;
   std::vector<Entry> entries_;
   std::size_t capacity_ = 0;
-  Buffer words_, theta_, phi_, albedo_, bandwidth_;
-  Texture word_view_, theta_view_, phi_view_, albedo_view_, bandwidth_view_;
+  Buffer words_, theta_, phi_, albedo_, bandwidth_, lobes_;
+  Texture word_view_, theta_view_, phi_view_, albedo_view_, bandwidth_view_, lobe_view_;
 };
 
 /// Effective solid angle 1 / (integral of p^2) of a density that the importance cells of `tables` give at one

@@ -58,6 +58,21 @@ std::string decide_visibility(const SceneFacts& facts, const std::string& mode, 
   return "none";
 }
 
+/// Light by way of other surfaces fills what the sky's shadows leave black; without shadows there is nothing to fill.
+std::string decide_indirect(const FramePlan& plan, const std::string& asked, std::vector<LeftOut>* left_out) {
+  if (plan.mode == "reference") return "none";  // traces it
+  std::string why;
+  if (plan.mode != "uniform" && plan.mode != "bandwidth")
+    why = "mode " + plan.mode + " knows none";
+  else if (asked == "none")
+    why = "shading.indirect is none";
+  else if (plan.visibility != "baked")
+    why = "nothing shadows the sky, so there is nothing that it would fill";
+  if (why.empty()) return "baked";
+  left_out->push_back({"indirect", why});
+  return "none";
+}
+
 void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Settings& settings, const ViewInfo& view) {
   if (view.width < 1 || view.height < 1)
     throw UsageError("--size", "a picture needs at least one pixel, not " + std::to_string(view.width) + "x" +
@@ -117,6 +132,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
         {"gbuffer", "normals, texture coordinates and curvature of what is visible, found on screen"});
   }
   plan.visibility = decide_visibility(facts, mode_name, settings.get_string("shading.visibility"), &plan);
+  plan.indirect = decide_indirect(plan, settings.get_string("shading.indirect"), &plan.left_out);
   if (plan.lights) {
     plan.passes.push_back({"lights", facts.has_emissive_meshes ? "emissive surfaces light the scene"
                                                                : "the scene has lights of its own"});
@@ -126,6 +142,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
     plan.left_out.push_back({"lights", "the scene has no lights and nothing that glows"});
   }
   if (!traced) mode.add_passes(facts, settings, view, &plan);
+  if (plan.indirect == "baked")
+    plan.passes.push_back({"indirect", "what sees no sky is lit by other surfaces: baked per vertex, all bounces"});
   if (plan.glass)
     plan.passes.push_back(
         {"glass", traced ? "panes mirror and let pass what rays find" : "panes and blended surfaces, back to front"});
@@ -142,7 +160,6 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
   plan.left_out.push_back({"reflections", "--reflections off"});
   plan.left_out.push_back({"octree", "no reflector technique asks for one"});
-  if (!traced) plan.left_out.push_back({"indirect", "shading.indirect is none"});
   return plan;
 }
 

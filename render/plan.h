@@ -45,6 +45,7 @@ struct LeftOut {
 struct FramePlan {
   std::string mode;
   std::string visibility;  ///< none or baked, after `auto` was decided
+  std::string indirect;    ///< none or baked
   bool texture_bandwidth = false;
   bool lights = false;  ///< punctual lights or emissive meshes are sampled
   bool glass = false;

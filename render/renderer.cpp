@@ -33,6 +33,8 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
   impl_->buffers_variant = -1;
   impl_->lights_stale = true;
   impl_->visibility.clear();
+  impl_->indirect.clear();
+  ++impl_->bounce_epoch;
   ++impl_->geometry_epoch;
   ++impl_->surface_epoch;
   impl_->overrides.clear();
@@ -66,6 +68,7 @@ void Renderer::set_material(const std::string& material_name, const std::string&
   impl_->overrides = std::move(sources);
   impl_->effective = override_materials(impl_->scene->materials, impl_->overrides);
   impl_->upload_materials();
+  ++impl_->bounce_epoch;
   impl_->facts_variant = -2;
   impl_->lights_stale = true;
   ++impl_->epoch;
@@ -99,6 +102,7 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
   }
   ++impl_->geometry_epoch;
   ++impl_->surface_epoch;
+  ++impl_->bounce_epoch;
   ++impl_->epoch;
 }
 
@@ -106,6 +110,7 @@ void Renderer::set_node_visible(int node, bool visible) {
   impl_->require_ready();
   impl_->buffers->set_node_visible(node, visible);
   ++impl_->surface_epoch;
+  ++impl_->bounce_epoch;
   impl_->lights_stale = true;
   ++impl_->epoch;
 }
@@ -255,6 +260,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
       maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
   if (plan.mode == "reference") return s.render_reference(request, std::move(plan), accumulate);
   s.update_visibility(&plan);
+  s.update_indirect(request, &plan);
   plan.lights = plan.lights && s.lights;  // what glows may be too dim to count
   const bool bandwidth = plan.mode == "bandwidth";
   const int samples = default_samples(request), chunk = choose_chunk(request, samples);
@@ -292,6 +298,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   else
     s.shade(plan, chunk, refine, &timer);
   if (bandwidth) s.fill(&timer);
+  if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
   s.compose(plan, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
@@ -316,6 +323,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
                                    t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
+  if (s.indirect.ready()) stats.gpu_bytes["indirect"] = s.indirect.bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();
   for (const auto& [name, mode] : s.lookup_modes) stats.gpu_bytes["prefilter"] += mode->bytes();

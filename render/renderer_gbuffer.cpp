@@ -84,7 +84,7 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
-  if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
            groups(t.grid_width(), 8), groups(t.grid_height(), 8));
   if (t.bandwidth) {

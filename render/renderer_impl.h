@@ -10,6 +10,7 @@
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
 #include "render/gl/context.h"
+#include "render/indirect/indirect_buffers.h"
 #include "render/lights/light_buffers.h"
 #include "render/lookup_mode.h"
 #include "render/material_store.h"
@@ -57,6 +58,10 @@ struct Renderer::Impl {
   std::vector<int> slots;                        ///< BRDF slot of each effective material, and of the default one
   std::optional<EnvironmentBuffers> environment;
   VisibilityBuffers visibility;
+  IndirectBuffers indirect;
+  std::uint32_t bounce_epoch = 0;    ///< raised by every change of what colours or emits light, geometry included
+  std::uint32_t indirect_epoch = 0;  ///< bounce_epoch of the bake's input
+  int indirect_variant = -2;
   std::uint32_t geometry_epoch = 0;    ///< raised by every change of what may occlude
   std::optional<LightBuffers> lights;  ///< empty when nothing shines
   bool lights_stale = true;
@@ -83,6 +88,9 @@ struct Renderer::Impl {
   const Material& material_of_item(std::size_t item) const;
   /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
   void update_visibility(FramePlan* plan);
+  /// The same for light by way of other surfaces; needs the visibility bake first.
+  void update_indirect(const FrameRequest& request, FramePlan* plan);
+  std::shared_ptr<const IndirectInput> make_indirect_input(int variant) const;
   std::vector<bool> transmitting_items() const;
   void upload_materials();
   /// Before the first frame of a picture: room for what it will know of its points, or none.
@@ -106,6 +114,7 @@ struct Renderer::Impl {
   /// The finished picture for the eye.
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
+  void add_indirect(PassTimer* timer);
   void compose(const FramePlan& plan, float blend, PassTimer* timer);
   void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);

@@ -43,6 +43,10 @@ ShaderVariant mark_variant(bool bandwidth, bool refine) {
   return {"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}}};
 }
 
+ShaderVariant indirect_variant_of(bool measured) {
+  return {"shading/indirect.comp", "", {{"MEASURED", flag(measured)}}};
+}
+
 }  // namespace
 
 std::vector<ShaderVariant> all_shader_variants() {
@@ -66,6 +70,7 @@ std::vector<ShaderVariant> all_shader_variants() {
     }
     variants.push_back(mark_variant(k, false));
     variants.push_back({"shading/gather.comp", "", {{"ACCUMULATE", flag(k)}}});
+    variants.push_back(indirect_variant_of(k));
   }
   for (int k = 0; k < 8; ++k) {
     if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
@@ -214,6 +219,18 @@ void Renderer::Impl::fill(PassTimer* timer) {
     }
   }
   timer->end("upsample");
+}
+
+void Renderer::Impl::add_indirect(PassTimer* timer) {
+  FrameTargets& t = *targets;
+  const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
+  program.set("u_bias", indirect.bias());
+  program.set("u_back", indirect.sides() == 2 ? static_cast<int>(buffers->geometry().positions.size()) : 0);
+  glBindTextureUnit(0, t.triangle.get());
+  indirect.bind();
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch(program, groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  timer->end("indirect");
 }
 
 void Renderer::Impl::compose(const FramePlan& plan, float blend, PassTimer* timer) {

@@ -70,6 +70,40 @@ void Renderer::Impl::update_visibility(FramePlan* plan) {
                                                 : "its bake is not ready yet: " + percent(visibility.progress())});
 }
 
+std::shared_ptr<const IndirectInput> Renderer::Impl::make_indirect_input(int variant) const {
+  auto input = std::make_shared<IndirectInput>();
+  input->scene = edited_scene();
+  input->geometry = std::make_shared<FlatGeometry>(buffers->geometry());
+  input->variant = variant;
+  input->transmits = transmitting_items();
+  for (std::size_t i = 0; i < effective.size(); ++i) {
+    const int slot = effective[i].measured.empty() ? -1 : slots[i];
+    input->measured_albedo.push_back(slot < 0 ? std::vector<glm::vec3>() : materials.albedo(slot));
+    input->measured_hash.push_back(slot < 0 ? 0 : materials.hash(slot));
+  }
+  return input;
+}
+
+void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* plan) {
+  if (plan->indirect != "baked") return;
+  if (visibility.ready()) {
+    const bool stale = indirect_epoch != bounce_epoch || indirect_variant != request.variant || !indirect.input();
+    IndirectJob job;
+    job.input = stale ? make_indirect_input(request.variant) : indirect.input();
+    job.visibility = visibility.bake();
+    job.sky = {environment->shared_environment(), request.env_rotation_rad, request.env_scale};
+    indirect_epoch = bounce_epoch;
+    indirect_variant = request.variant;
+    if (indirect.update(job)) ++epoch;
+  }
+  if (indirect.ready() && plan->visibility == "baked") return;
+  plan->indirect = "none";
+  std::erase_if(plan->passes, [](const PlannedPass& pass) { return pass.name == "indirect"; });
+  plan->left_out.push_back({"indirect", visibility.ready()
+                                            ? "its bake is not ready yet: " + percent(indirect.progress())
+                                            : "it waits for the bake of visibility"});
+}
+
 bool Renderer::finish_background_work(const FrameRequest& request) {
   Impl& s = *impl_;
   s.require_ready();
@@ -80,12 +114,20 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   s.update_visibility(&plan);
   s.visibility.wait();
   if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.geometry_epoch)) ++s.epoch;
-  return s.visibility.ready();
+  if (plan.indirect != "baked" || !s.visibility.ready()) return s.visibility.ready();
+  for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it
+    FramePlan wanted = plan;
+    s.update_indirect(request, &wanted);
+    s.indirect.wait();
+  }
+  return s.indirect.current();
 }
 
 std::vector<BackgroundWork> Renderer::background_work() const {
-  if (!impl_->visibility.busy()) return {};
-  return {{"visibility", impl_->visibility.progress()}};
+  std::vector<BackgroundWork> work;
+  if (impl_->visibility.busy()) work.push_back({"visibility", impl_->visibility.progress()});
+  if (impl_->indirect.busy()) work.push_back({"indirect", impl_->indirect.progress()});
+  return work;
 }
 
 }  // namespace maquette

@@ -130,7 +130,10 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
   p.triangle = hit.triangle;
   p.material = &scene.material_of(hit.triangle);
   p.position = p0 * c.b0 + p1 * c.b1 + p2 * c.b2;
-  p.error = (glm::abs(p0 * c.b0) + glm::abs(p1 * c.b1) + glm::abs(p2 * c.b2)) * kPositionError;
+  // The largest coordinate bounds all three: the ray tracer's test mixes them, and on the plane y = 0 the sum for y
+  // alone is nothing, so that every ray from a floor of triangles below a centimetre met that floor.
+  const glm::vec3 magnitude = glm::abs(p0 * c.b0) + glm::abs(p1 * c.b1) + glm::abs(p2 * c.b2);
+  p.error = glm::vec3(shared::light_largest(magnitude) * kPositionError);
   const glm::vec3 view = -glm::normalize(ray.direction);
   const glm::vec3 geometric = unit_cross(p1 - p0, p2 - p0);
   p.front = glm::dot(geometric, view) >= 0.0f;

@@ -16,8 +16,9 @@ TechniqueInfo shading_technique() {
                "available in this version); auto is baked in a scene that closes the eye in, else none",
        .choices = {"auto", "none", "baked", "traced"}},
       {.name = "shading.indirect",
-       .default_value = std::string("none"),
-       .help = "light that comes by way of other surfaces: none, baked (not available in this version)",
+       .default_value = std::string("baked"),
+       .help = "light that comes by way of other surfaces, where the sky has shadows: none, baked (per vertex, found in the "
+               "background, follows the light as it turns)",
        .choices = {"none", "baked"}},
       {.name = "shading.reuse",
        .default_value = true,
@@ -28,8 +29,6 @@ TechniqueInfo shading_technique() {
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
     if (settings.get_string("shading.visibility") == "traced")
       return "shading.visibility=traced is not available in this version; use baked or none";
-    if (settings.get_string("shading.indirect") == "baked")
-      return "shading.indirect=baked is not available in this version; use none";
     return std::nullopt;
   };
   return info;

@@ -26,12 +26,13 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
     geometry_epoch_ = geometry_epoch;
     transmits_ = transmits;
   }
-  const std::optional<VisibilityBake> bake = worker_->take();
+  std::optional<VisibilityBake> bake = worker_->take();
   if (!bake || bake->vertices.empty()) return false;
   words_ = Buffer::from("visibility", bake->vertices);
   bandwidth_ = Buffer::from("visibility bandwidth", bake->bandwidth);
   word_view_ = Texture::make_buffer("visibility", GL_R32UI, words_);
   bandwidth_view_ = Texture::make_buffer("visibility bandwidth", GL_R32F, bandwidth_);
+  bake_ = std::make_shared<const VisibilityBake>(std::move(*bake));
   return true;
 }
 
@@ -42,6 +43,7 @@ void VisibilityBuffers::wait() {
 void VisibilityBuffers::clear() {
   if (worker_) worker_->cancel();
   asked_ = false;
+  bake_.reset();
   word_view_ = Texture();
   bandwidth_view_ = Texture();
   words_ = Buffer();

@@ -21,6 +21,8 @@ class VisibilityBuffers {
   /// Forgets the bake: another scene.
   void clear();
 
+  /// The bake that is drawn with; null while there is none.
+  const std::shared_ptr<const VisibilityBake>& bake() const { return bake_; }
   bool ready() const { return static_cast<bool>(words_); }
   bool busy() const { return worker_ && worker_->busy(); }
   double progress() const { return worker_ ? worker_->progress() : 0.0; }
@@ -32,6 +34,7 @@ class VisibilityBuffers {
   std::vector<bool> transmits_;
   std::uint32_t geometry_epoch_ = 0;
   bool asked_ = false;
+  std::shared_ptr<const VisibilityBake> bake_;
   Buffer words_, bandwidth_;
   Texture word_view_, bandwidth_view_;
 };

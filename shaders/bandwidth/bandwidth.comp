@@ -62,7 +62,8 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
                  bandwidth_one_bounce(nu_theta, ky.x, nu_surface, angle, ky.y));
   imageStore(o_bandwidth, quad,
              vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0));
-  imageStore(o_curvature, quad, vec4(nu, max(kx.x, ky.x), nu_theta));
+  // Half floats end at 65504, and infinity would turn the weights of upsampling into NaN.
+  imageStore(o_curvature, quad, min(vec4(nu, max(kx.x, ky.x), nu_theta), vec4(65000.0)));
 }
 
 void main() {

@@ -19,7 +19,7 @@ layout(binding = 1, r32f) uniform writeonly image2D o_depth;
 layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
 #if TEXTURE_BANDWIDTH
 layout(binding = 7) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 x 16], cycles per unit of UV
-layout(binding = 2, r16f) uniform writeonly image2D o_texture_bandwidth;
+layout(binding = 2, r32f) uniform writeonly image2D o_texture_bandwidth;  // cycles/m: 1e8 in a scene of a micrometre, beyond half floats
 #endif
 
 void resolve_surface(ivec2 pixel, int triangle) {

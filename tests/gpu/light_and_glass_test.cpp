@@ -89,6 +89,7 @@ FrameRequest request_of(const std::string& mode, const std::string& visibility) 
   r.height = 48;
   r.samples = 64;
   r.settings.set_from_text("shading.visibility", visibility);
+  r.settings.set_from_text("shading.indirect", "none");  // closed forms of direct light
   return r;
 }
 

@@ -147,9 +147,6 @@ TEST(Plan, NeverFallsBack) {
   Settings traced;
   traced.set("shading.visibility", std::string("traced"));
   EXPECT_THROW(plan({}, "bandwidth", traced, {}), Error);
-  Settings indirect;
-  indirect.set("shading.indirect", std::string("baked"));
-  EXPECT_THROW(plan({}, "uniform", indirect, {}), Error);
   Settings baked;
   baked.set("shading.visibility", std::string("baked"));
   EXPECT_THROW(plan({}, "splitsum", baked, {}), Error);
@@ -157,6 +154,26 @@ TEST(Plan, NeverFallsBack) {
   EXPECT_THROW(plan({}, "nonsense", {}, {}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.msaa = 3}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.width = 0}), UsageError);
+}
+
+TEST(Plan, IndirectLightGoesWithShadowsOfTheSky) {
+  SceneFacts facts;
+  Settings settings;
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).indirect, "none");
+  EXPECT_TRUE(leaves_out(plan(facts, "uniform", settings, {}), "indirect")) << "nothing occludes";
+  facts.enclosed = true;
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    EXPECT_EQ(plan(facts, mode, settings, {}).indirect, "baked");
+    EXPECT_TRUE(has_pass(plan(facts, mode, settings, {}), "indirect"));
+    EXPECT_FALSE(leaves_out(plan(facts, mode, settings, {}), "indirect"));
+  }
+  EXPECT_TRUE(leaves_out(plan(facts, "splitsum", settings, {}), "indirect"));
+  EXPECT_FALSE(leaves_out(plan(facts, "reference", settings, {}), "indirect")) << "it traces all light";
+  settings.set("shading.indirect", std::string("none"));
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).indirect, "none");
+  settings.set("shading.indirect", std::string("baked"));
+  settings.set("shading.visibility", std::string("none"));
+  EXPECT_TRUE(leaves_out(plan(facts, "uniform", settings, {}), "indirect"));
 }
 
 TEST(Plan, ASceneThatNeedsLittlePaysLittle) {

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "render/geometry.h"
+#include "render/visibility/visibility_points.h"
+
+namespace maquette {
+
+/// What light on other surfaces depends on, but for the sky.
+struct IndirectInput {
+  Scene scene;  ///< materials after overrides; hidden nodes are not visible
+  std::shared_ptr<const FlatGeometry> geometry;
+  int variant = -1;
+  std::vector<bool> transmits;  ///< as for the visibility bake
+  /// BrdfTables::albedo of each material that is measured, else empty; in the order of scene.materials.
+  std::vector<std::vector<glm::vec3>> measured_albedo;
+  std::vector<std::uint64_t> measured_hash;  ///< of each table, 0: analytic
+};
+
+/// What a point sees along one of its rays: a point of another surface and how much of the light there it sends back.
+struct IndirectLink {
+  std::uint32_t target = kNoPoint;  ///< side * points + point; kNoPoint: the sky, or nothing that shines
+  std::uint32_t color = 0;          ///< reflectance, three times ten bits, 1023 is 1
+};
+
+/// Which surfaces exchange light, with the light itself left out: it may turn, and the sums are made anew without
+/// tracing a ray.
+struct IndirectLinks {
+  VisibilityPoints points;
+  std::vector<std::uint32_t> vertex_of_point;  ///< one of the vertices that share it
+  int sides = 1;                               ///< 2: backs are baked too, some material shows both
+  int rays = 0;                                ///< per point and side, cosine-distributed
+  std::vector<IndirectLink> links;             ///< [side][point][ray]
+  std::vector<glm::vec3> lamps;  ///< [side][point] irradiance of the scene's own lights, with shadows; may be empty
+  std::size_t bytes() const { return links.size() * sizeof(IndirectLink) + lamps.size() * sizeof(glm::vec3); }
+};
+
+/// Traced by the reference path tracer's own functions: panes take their share, textures colour what is reflected.
+/// About `budget` rays in all, 16 to 256 a point. Null once `cancel` is set.
+std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& input, std::size_t budget,
+                                                          const std::atomic<bool>& cancel,
+                                                          const std::function<void(double)>& progress = {});
+
+/// Local direction of ray `r` of `rays`, cosine-distributed; z is the normal.
+glm::vec3 indirect_ray_direction(int r, int rays);
+/// The same in world space about a point's normal on one side. Each point turns the pattern by an angle of its own, so
+/// that neighbours do not err alike.
+struct IndirectFrame {
+  glm::vec3 t, b, n;
+  glm::vec3 to_world(const glm::vec3& d) const { return t * d.x + b * d.y + n * d.z; }
+};
+IndirectFrame indirect_frame(const VisibilityPoint& point, std::size_t index, int side);
+
+}  // namespace maquette

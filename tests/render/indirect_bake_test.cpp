@@ -1,0 +1,309 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "render/indirect/indirect_light.h"
+#include "render/indirect/indirect_shared.h"
+#include "render/indirect/indirect_worker.h"
+
+namespace {
+
+using namespace maquette;
+
+constexpr double kPi = std::numbers::pi;
+const std::atomic<bool> kGoOn{false};
+
+std::shared_ptr<Environment> make_sky(int width, int height, const std::function<glm::vec3(double, double)>& f) {
+  auto sky = std::make_shared<Environment>();
+  sky->width = width;
+  sky->height = height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      sky->rgb.push_back(f(kPi - 2.0 * kPi * (x + 0.5) / width, kPi / 2 - kPi * (y + 0.5) / height));
+  return sky;
+}
+
+Material matte(const glm::vec3& albedo) {
+  Material m;
+  m.base_color = glm::vec4(albedo, 1.0f);
+  m.metallic = 0.0f;
+  m.specular = 0.0f;
+  return m;
+}
+
+void add_mesh(Scene* scene, Primitive primitive, const Material& material) {
+  primitive.material = static_cast<int>(scene->materials.size());
+  scene->materials.push_back(material);
+  Mesh mesh;
+  mesh.primitives.push_back(std::move(primitive));
+  Node node;
+  node.mesh = static_cast<int>(scene->meshes.size());
+  scene->meshes.push_back(std::move(mesh));
+  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
+  scene->nodes.push_back(node);
+}
+
+/// Grid of (n + 1)^2 vertices; front where position and normal say.
+Primitive lattice(int n, const std::function<glm::vec3(float, float)>& position,
+                  const std::function<glm::vec3(const glm::vec3&)>& normal) {
+  Primitive p;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      p.positions.push_back(
+          position(static_cast<float>(i) / static_cast<float>(n), static_cast<float>(j) / static_cast<float>(n)));
+      p.normals.push_back(normal(p.positions.back()));
+    }
+  const auto row = static_cast<std::uint32_t>(n + 1);
+  for (std::uint32_t j = 0; j + 1 < row; ++j)
+    for (std::uint32_t i = 0; i + 1 < row; ++i) {
+      const std::uint32_t a = j * row + i, b = a + 1, c = a + row, d = c + 1;
+      p.indices.insert(p.indices.end(), {a, c, b, b, c, d});
+    }
+  return p;
+}
+
+/// Inside of the lower half of the unit sphere.
+Scene bowl(float albedo) {
+  Scene scene;
+  const auto at = [](float u, float v) {
+    const float phi = 6.28318531f * u, theta = 1.57079633f * v;
+    return glm::vec3(std::sin(theta) * std::cos(phi), -std::cos(theta), std::sin(theta) * std::sin(phi));
+  };
+  add_mesh(&scene, lattice(40, at, [](const glm::vec3& p) { return -p; }), matte(glm::vec3(albedo)));
+  return scene;
+}
+
+struct Baked {
+  std::shared_ptr<IndirectInput> input;
+  std::shared_ptr<const VisibilityBake> visibility;
+  std::shared_ptr<const IndirectLinks> links;
+};
+
+Baked bake(const Scene& scene, std::size_t budget = 1 << 18) {
+  Baked b;
+  b.input = std::make_shared<IndirectInput>();
+  b.input->scene = scene;
+  b.input->geometry = std::make_shared<FlatGeometry>(flatten(scene));
+  b.input->transmits.assign(b.input->geometry->items.size(), false);
+  b.input->measured_albedo.resize(scene.materials.size());
+  b.input->measured_hash.assign(scene.materials.size(), 0);
+  b.visibility = std::make_shared<VisibilityBake>(*bake_visibility(*b.input->geometry, b.input->transmits, kGoOn));
+  b.links = trace_indirect_links(*b.input, budget, kGoOn);
+  return b;
+}
+
+std::vector<IndirectRadiance> solve(const Baked& b, const IndirectSky& sky) {
+  return *solve_indirect(*b.links, *b.visibility, sky, kGoOn);
+}
+
+/// In a spherical cavity every point sends to every other alike. Under a constant sky of radiance L the open half gives
+/// pi L / 2, the bowl itself sees itself with the other half: E = (pi L / 2) / (1 - rho / 2). Source: the integrating
+/// sphere; Jacquez and Kuppenheim 1955, "Theory of the Integrating Sphere".
+TEST(IndirectBake, BowlUnderAConstantSkyIsAnIntegratingSphere) {
+  const auto sky = make_sky(64, 32, [](double, double) { return glm::vec3(2.0f); });
+  for (const float rho : {0.3f, 0.8f}) {
+    const Baked b = bake(bowl(rho));
+    const auto radiance = solve(b, {sky, 0.4f, 1.5f});
+    const double direct = kPi * 2.0 * 1.5 / 2.0, expected = direct * 0.5 * rho / (1.0 - 0.5 * rho);
+    double mean = 0.0, square = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
+      if (b.links->points.points[i].position.y > 0.1f) continue;  // the rim's own vertices see half of it only
+      const double e = kPi * static_cast<double>(radiance[i].mean.x);
+      mean += e;
+      square += (e / expected - 1.0) * (e / expected - 1.0);
+      ++count;
+    }
+    ASSERT_GT(count, 800u);
+    // 2 % are the facets of the bowl and the 256 directions of the sky.
+    EXPECT_NEAR(mean / static_cast<double>(count) / expected, 1.0, 0.03) << rho;
+    EXPECT_LT(std::sqrt(square / static_cast<double>(count)), 0.04) << rho;
+  }
+}
+
+TEST(IndirectBake, NothingIsAddedWhereNothingIsSeen) {
+  Scene scene;
+  add_mesh(&scene,
+           lattice(
+               8, [](float u, float v) { return glm::vec3(u, 0.0f, v); },
+               [](const glm::vec3&) { return glm::vec3(0, 1, 0); }),
+           matte(glm::vec3(0.9f)));
+  const auto radiance =
+      solve(bake(scene), {make_sky(32, 16, [](double, double) { return glm::vec3(5.0f); }), 0.0f, 1.0f});
+  for (const IndirectRadiance& r : radiance) EXPECT_EQ(r.mean, glm::vec3(0.0f));
+}
+
+/// Floor before a red wall under a sun that shines on the wall: red light, from the wall's side.
+Scene corner() {
+  Scene scene;
+  add_mesh(&scene,
+           lattice(
+               24, [](float u, float v) { return glm::vec3(u, 0.0f, v); },
+               [](const glm::vec3&) { return glm::vec3(0, 1, 0); }),
+           matte(glm::vec3(0.2f)));
+  // x = 0, its front towards +x.
+  add_mesh(&scene,
+           lattice(
+               24, [](float u, float v) { return glm::vec3(0.0f, u, v); },
+               [](const glm::vec3&) { return glm::vec3(1, 0, 0); }),
+           matte(glm::vec3(0.9f, 0.1f, 0.0f)));
+  return scene;
+}
+
+std::shared_ptr<Environment> sun_at(double longitude, double latitude) {
+  return make_sky(256, 128, [=](double lon, double lat) {
+    double away = std::abs(lon - longitude);
+    away = std::min(away, 2.0 * kPi - away);
+    return glm::vec3(away < 0.03 && std::abs(lat - latitude) < 0.03 ? 1e4f : 0.0f);
+  });
+}
+
+TEST(IndirectBake, LightComesFromTheWallThatTheSunMeets) {
+  const Baked b = bake(corner());
+  // atan2(x, z) = pi/2 is +x; the sun 30 degrees above it lights the wall and the floor.
+  const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  double reds = 0.0, others = 0.0, along = 0.0;
+  for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
+    const VisibilityPoint& p = b.links->points.points[i];
+    if (p.normal.y < 0.5f) continue;
+    reds += static_cast<double>(radiance[i].mean.x);
+    others += static_cast<double>(radiance[i].mean.z);
+    along += static_cast<double>(radiance[i].gradient[0].x);
+    EXPECT_NEAR(radiance[i].gradient[0].y, 0.0f, 1e-4f * radiance[i].mean.x + 1e-6f);
+  }
+  EXPECT_GT(reds, 0.0);
+  EXPECT_LT(others, 1e-3 * reds);
+  EXPECT_LT(along, -0.5 * reds);  // towards -x, where the wall is
+}
+
+TEST(IndirectBake, TurningTheSkyNeedsNoRays) {
+  const Baked b = bake(corner());
+  const double turn = 2.0 * kPi / 256 * 29;  // whole texels
+  const auto turned = solve(b, {sun_at(kPi / 2 - turn, 0.5), static_cast<float>(turn), 1.0f});
+  const auto there = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  double difference = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    difference += static_cast<double>(std::abs(turned[i].mean.x - there[i].mean.x));
+    sum += static_cast<double>(there[i].mean.x);
+  }
+  EXPECT_GT(sum, 0.0);
+  EXPECT_LT(difference, 0.03 * sum);
+}
+
+TEST(IndirectBake, SameAtAnyThreadCountAndFiniteUnderASun) {
+  const Baked b = bake(corner(), 1 << 16), again = bake(corner(), 1 << 16);
+  auto sky = make_sky(64, 32, [](double lon, double lat) {
+    return glm::vec3(lon > 1.5 && lon < 1.6 && lat > 0.4 && lat < 0.5 ? 1e6f : 1.0f);
+  });
+  const IndirectBake one = pack_indirect(*b.links, solve(b, {sky, 0.0f, 1e6f}));
+  const IndirectBake two = pack_indirect(*again.links, solve(again, {sky, 0.0f, 1e6f}));
+  EXPECT_EQ(one.vertices, two.vertices);
+  double largest = 0.0;
+  for (const glm::uvec4& words : one.vertices) {
+    const shared::IndirectLight light = shared::unpack_indirect(words, one.bias);
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_TRUE(std::isfinite(light.mean[c]) && std::isfinite(light.red[c]) && std::isfinite(light.blue[c]));
+      ASSERT_GE(light.mean[c], 0.0f);
+    }
+    largest = std::max(largest, static_cast<double>(light.mean.x));
+  }
+  EXPECT_GT(largest, 1e6);
+}
+
+/// What the linear radiance loses against the rays that it was fitted to: irradiance of normals that a normal map tilts
+/// by 30 degrees.
+TEST(IndirectBake, TiltedNormalsAreServed) {
+  const Baked b = bake(corner(), 1 << 19);
+  const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
+  double constant = 0.0, linear = 0.0, sum = 0.0;
+  const std::size_t rays = static_cast<std::size_t>(b.links->rays);
+  for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
+    const VisibilityPoint& p = b.links->points.points[i];
+    if (p.normal.y < 0.5f || p.position.x > 0.3f) continue;
+    const IndirectFrame frame = indirect_frame(p, i, 0);
+    for (int k = 0; k < 8; ++k) {
+      const double phi = k * kPi / 4.0;
+      const glm::vec3 n(0.5f * static_cast<float>(std::cos(phi)), 0.8660254f, 0.5f * static_cast<float>(std::sin(phi)));
+      // Irradiance / pi by the rays: they are spread by the cosine to p.normal. Only the wall shines, evenly enough for
+      // its mean.
+      double truth = 0.0;
+      for (std::size_t r = 0; r < rays; ++r) {
+        const glm::vec3 w = frame.to_world(indirect_ray_direction(static_cast<int>(r), static_cast<int>(rays)));
+        const IndirectLink& link = b.links->links[i * rays + r];
+        if (link.target == kNoPoint) continue;
+        truth += static_cast<double>(std::max(glm::dot(w, n), 0.0f) / glm::dot(w, p.normal));
+      }
+      truth /= static_cast<double>(rays);
+      double seen = 0.0;
+      glm::dvec3 gradient(0.0);
+      for (std::size_t r = 0; r < rays; ++r) {
+        if (b.links->links[i * rays + r].target == kNoPoint) continue;
+        const glm::vec3 w = frame.to_world(indirect_ray_direction(static_cast<int>(r), static_cast<int>(rays)));
+        seen += 1.0 / static_cast<double>(rays);
+        gradient += 4.0 / static_cast<double>(rays) *
+                    (glm::dvec3(w) - glm::dvec3(p.normal) * static_cast<double>(glm::dot(w, p.normal)));
+      }
+      const double with = std::max(seen + 2.0 / 3.0 * glm::dot(gradient, glm::dvec3(n)), 0.0);
+      constant += (seen - truth) * (seen - truth);
+      linear += (with - truth) * (with - truth);
+      sum += truth * truth;
+    }
+  }
+  std::printf("irradiance of normals tilted by 30 degrees: constant %.3f, linear %.3f\n", std::sqrt(constant / sum),
+              std::sqrt(linear / sum));
+  EXPECT_LT(std::sqrt(linear / sum), 0.2);
+  EXPECT_LT(linear, 0.25 * constant);
+}
+
+TEST(IndirectShared, PackingKeepsMeanAndGradient) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 mean(std::exp2(20.0f * unit(random) - 10.0f) * glm::vec3(0.3f + 0.7f * unit(random), 1.0f, 0.5f));
+    const auto vector = [&] { return glm::vec3(unit(random), unit(random), unit(random)) * 2.0f - 1.0f; };
+    const glm::vec3 red = vector() * mean.x, green = vector() * mean.y, blue = vector() * mean.z;
+    const auto light = shared::unpack_indirect(shared::pack_indirect(mean, red, green, blue, 28), 28);
+    EXPECT_NEAR(light.mean.y / mean.y, 1.0f, 2e-3f);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_NEAR(light.green[c] / mean.y, green[c] / mean.y, 6e-3f);
+      EXPECT_NEAR(light.red[c] / mean.x, red[c] / mean.x, 1.2e-2f);
+    }
+  }
+  const auto cut =
+      shared::unpack_indirect(shared::pack_indirect(glm::vec3(1.0f), {9, 0, 0}, {0, 0, 0}, {0, -9, 0}, 24), 24);
+  EXPECT_NEAR(cut.red.x, 2.0f, 0.01f);
+  EXPECT_NEAR(cut.blue.y, -2.0f, 0.01f);
+  EXPECT_EQ(shared::unpack_indirect(glm::uvec4(0u), 5).mean, glm::vec3(0.0f));
+}
+
+TEST(IndirectWorker, ASkyThatTurnsIsSeenAndOldSurfacesAreNot) {
+  const Baked b = bake(corner(), 1 << 16), other = bake(bowl(0.5f), 1 << 16);
+  IndirectWorker worker;
+  const auto sky = sun_at(kPi / 2, 0.5);
+  worker.submit({b.input, b.visibility, {sky, 0.0f, 1.0f}});
+  worker.wait();
+  auto first = worker.take();
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(worker.take());
+  for (int k = 1; k <= 3; ++k) worker.submit({b.input, b.visibility, {sky, 0.1f * static_cast<float>(k), 1.0f}});
+  worker.wait();
+  auto last = worker.take();
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->sky.rotation_rad, 0.1f * 3.0f);
+  EXPECT_NE(last->bake.vertices, first->bake.vertices);
+  worker.submit({b.input, b.visibility, {sky, 0.5f, 1.0f}});
+  worker.submit({other.input, other.visibility, {sky, 0.5f, 1.0f}});
+  worker.wait();
+  last = worker.take();
+  ASSERT_TRUE(last);
+  EXPECT_EQ(last->input, other.input);
+  worker.submit({b.input, b.visibility, {sky, 0.6f, 1.0f}});
+  worker.cancel();
+  worker.wait();
+  EXPECT_FALSE(worker.take());
+}
+
+}  // namespace

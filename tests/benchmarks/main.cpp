@@ -29,6 +29,7 @@ constexpr Part kParts[] = {
     {"validate", "predicted against measured bandwidth and variance", measure_validation},
     {"multisampling", "cost of 4 samples a pixel", measure_multisampling},
     {"interactive", "turning light, first frame, swaps", measure_interactive},
+    {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

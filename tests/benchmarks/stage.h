@@ -115,5 +115,6 @@ Figures measure_validation(Stage& stage);
 Figures measure_multisampling(Stage& stage);
 Figures measure_interactive(Stage& stage);
 Figures measure_scaling(Stage& stage);
+Figures measure_reflections(Stage& stage);
 
 }  // namespace maquette::bench

@@ -1,0 +1,47 @@
+// Reflection points on patches and triangles: the two campaigns of a million cases.
+#include "tests/benchmarks/stage.h"
+#include "tests/support/reflection_campaign.h"
+#include "tests/support/triangle_campaign.h"
+
+namespace maquette::bench {
+
+namespace {
+
+constexpr std::size_t kCases = 1000000;
+
+Figures patches() {
+  const BezierCampaign r = run_bezier_campaign(kCases, 1);
+  return {
+      judged("Bezier: wrong minima of 1e6 triples", "0", std::to_string(r.wrong), r.wrong == 0),
+      judged("Bezier: second minima where certified", "0", std::to_string(r.several), r.several == 0),
+      judged("Bezier: law of reflection beyond 1e-4 rad", "0",
+             std::to_string(r.law_broken) + ", worst " + number(r.worst_law_rad) + " rad", r.law_broken == 0),
+      judged("Bezier: steps, 99th percentile on the patch", "5", std::to_string(r.steps_quantile(0.99)),
+             r.steps_quantile(0.99) <= 5),
+      shown("Bezier: marked, beyond a caustic", std::to_string(r.uncertified) + " besides"),
+  };
+}
+
+Figures triangles() {
+  const TriangleCampaign r = run_triangle_campaign(kCases, 1);
+  return {
+      judged("triangle: simple roots missed of 1e6 cases", "0",
+             std::to_string(r.missed) + " of " + std::to_string(r.simple_roots) + ", worst " + number(r.worst_simple),
+             r.missed == 0),
+      judged("triangle: other roots off by 1e-4 of the size", "0",
+             std::to_string(r.stray) + " of " + std::to_string(r.other_roots), r.stray == 0),
+      judged("triangle: root inside not chosen", "0", std::to_string(r.wrong_choice), r.wrong_choice == 0),
+      judged("triangle: not finite", "0", std::to_string(r.not_finite), r.not_finite == 0),
+  };
+}
+
+}  // namespace
+
+Figures measure_reflections(Stage&) {
+  Figures all = patches();
+  const Figures more = triangles();
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+}  // namespace maquette::bench

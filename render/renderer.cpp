@@ -67,10 +67,15 @@ void Renderer::set_material(const std::string& material_name, const std::string&
   if (!source.empty() && source != "builtin:glass") impl_->materials.slot_of(source);  // throws before anything changes
   impl_->overrides = std::move(sources);
   impl_->effective = override_materials(impl_->scene->materials, impl_->overrides);
+  const std::uint32_t surfaces = impl_->surface_epoch;
   impl_->upload_materials();
   ++impl_->bounce_epoch;
-  impl_->facts_variant = -2;
-  impl_->lights_stale = true;
+  if (impl_->surface_epoch != surfaces) {
+    impl_->facts_variant = -2;
+    impl_->lights_stale = true;
+  } else {
+    impl_->recount_tables();
+  }
   ++impl_->epoch;
 }
 

@@ -85,6 +85,8 @@ struct Renderer::Impl {
 
   void require_ready() const;
   void update_facts(int variant);
+  /// All of the facts that changes when a material takes another measured table.
+  void recount_tables();
   const Material& material_of_item(std::size_t item) const;
   /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
   void update_visibility(FramePlan* plan);

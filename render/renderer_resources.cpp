@@ -50,6 +50,17 @@ void Renderer::Impl::update_facts(int variant) {
   if (!list.lights.empty()) lights.emplace(list);
 }
 
+void Renderer::Impl::recount_tables() {
+  std::vector<bool> used(effective.size() + 1, false);
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i)
+    if (buffers->visible(i)) used[static_cast<std::size_t>(buffers->material(i))] = true;
+  facts.measured_count = facts.analytic_count = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const bool measured = i < effective.size() && !effective[i].measured.empty();
+    if (used[i]) ++(measured ? facts.measured_count : facts.analytic_count);
+  }
+}
+
 std::vector<bool> Renderer::Impl::transmitting_items() const {
   std::vector<bool> transmits;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {

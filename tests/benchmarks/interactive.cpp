@@ -30,8 +30,9 @@ Clock median_of(std::vector<Clock> times) {
   return {test::median(wall), test::median(cpu)};
 }
 
-/// Medians of frames of several requests taken by turns, after one frame of each as warm-up.
-std::vector<Clock> time_frames(Stage& stage, const std::vector<FrameRequest>& requests, int repeats) {
+/// Medians of frames of several requests taken by turns, each drawn from nothing, after one frame of each as warm-up.
+std::vector<Clock> time_frames(Stage& stage, std::vector<FrameRequest> requests, int repeats) {
+  for (FrameRequest& request : requests) request.settings.set("shading.reuse", false);
   std::vector<std::vector<Clock>> times(requests.size());
   for (int repeat = 0; repeat < repeats; ++repeat) {
     for (std::size_t i = 0; i < requests.size(); ++i) {

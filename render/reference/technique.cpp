@@ -27,6 +27,8 @@ TechniqueInfo reference_technique() {
        .unit = "bounces",
        .help = "longest path in full transport; roulette ends nearly all before"},
   };
+  for (int samples = 1; samples <= 1024; samples *= 4) info.quality_steps.push_back({.samples = samples});
+  info.restricted_settings = {{"reference.transport", std::string("direct")}};
   info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo&, FramePlan* plan) {
     const bool full = settings.get_string("reference.transport") == "full";
     plan->passes.push_back({"trace", std::to_string(facts.triangle_count) + " triangles, paths through every pixel, " +

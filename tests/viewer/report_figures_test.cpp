@@ -1,15 +1,15 @@
-#include "viewer/report/figures.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <random>
 
 #include "tests/viewer/run_program.h"
 #include "viewer/report/charts.h"
 #include "viewer/report/content_key.h"
+#include "viewer/report/figures.h"
 #include "viewer/report/journal.h"
 #include "viewer/report/measure.h"
 #include "viewer/report/page.h"
@@ -48,7 +48,8 @@ Report two_techniques() {
     const double scale = camera.name == "one" ? 1.0 : 4.0;
     for (int step = 0; step < 4; ++step) {
       report.points.push_back(point(camera.name, "slow", step, scale * 10.0 * std::exp2(step), 0.4 / std::exp2(step)));
-      report.points.push_back(point(camera.name, "quick", step, scale * 5.0 * std::exp2(step), 0.3 / std::exp2(0.5 * step)));
+      report.points.push_back(
+          point(camera.name, "quick", step, scale * 5.0 * std::exp2(step), 0.3 / std::exp2(0.5 * step)));
     }
   }
   report.left_out = {{"slow", "glass", "no material transmits"}, {"quick", "glass", "no material transmits"}};
@@ -66,8 +67,8 @@ TEST(ReportFigures, TimeToErrorIsReadLogLog) {
 }
 
 TEST(ReportFigures, TheFrontHoldsWhatNothingBeats) {
-  const std::vector<FrontPoint> front =
-      pareto_front({{"a", {at(10.0, 0.5), at(20.0, 0.4), at(30.0, 0.1)}}, {"b", {at(15.0, 0.2), at(40.0, 0.1), at(5.0, 0.9)}}});
+  const std::vector<FrontPoint> front = pareto_front(
+      {{"a", {at(10.0, 0.5), at(20.0, 0.4), at(30.0, 0.1)}}, {"b", {at(15.0, 0.2), at(40.0, 0.1), at(5.0, 0.9)}}});
   ASSERT_EQ(front.size(), 4u);
   EXPECT_EQ(front[0].time_ms, 5.0);
   EXPECT_EQ(front[1].time_ms, 10.0);
@@ -87,9 +88,26 @@ TEST(ReportFigures, MeansAreGeometricOverTheCameras) {
   EXPECT_EQ(mean_curves(report, Scope::estimator, Metric::flip)[0].points.size(), 3u);  // only what both have
 }
 
-TEST(ReportFigures, NoiseIsTakenOutInQuadrature) {
-  EXPECT_NEAR(without_noise(0.5, 0.3), 0.4, 1e-12);
-  EXPECT_NEAR(without_noise(0.3, 0.3), 0.03, 1e-12);
+TEST(ReportFigures, TheNoiseOfTheReferenceIsNoError) {
+  // A picture 0.1 off a truth of 1; halves with noise of 0.2 around the truth.
+  std::mt19937 random(7);
+  std::normal_distribution<float> noise(0.0f, 0.2f);
+  Image picture(200, 100, 3, 1.1f);
+  Judge judge;
+  for (Image& half : judge.halves) {
+    half = Image(200, 100, 3);
+    for (float& value : half.data) value = 1.0f + noise(random);
+  }
+  judge.picture = judge.halves[0];
+  for (std::size_t i = 0; i < judge.picture.data.size(); ++i)
+    judge.picture.data[i] = 0.5f * (judge.halves[0].data[i] + judge.halves[1].data[i]);
+  EXPECT_NEAR(*noise_free_error(picture, judge), 0.1, 0.005);
+  EXPECT_NEAR(*compare_images(picture, judge.picture).relative_rmse, std::sqrt(0.01 + 0.02), 0.005);
+  const Judge black{Image(4, 4, 3), {Image(4, 4, 3), Image(4, 4, 3)}, {}, {}};
+  EXPECT_FALSE(noise_free_error(Image(4, 4, 3, 1.0f), black));
+}
+
+TEST(ReportFigures, SpreadsAreMedianAndRange) {
   const Spread spread = spread_of({3.0, 1.0, 2.0});
   EXPECT_EQ(spread.median, 2.0);
   EXPECT_EQ(spread.low, 1.0);
@@ -154,7 +172,8 @@ TEST(ReportCharts, WithoutGnuplotThereIsANote) {
 
 TEST(ReportPage, HoldsEverythingItself) {
   const Report report = two_techniques();
-  PageInput input{report, "/nowhere", {{"one-estimator-flip", "<svg><g stroke='rgb(  1,   2,   3)'/></svg>"}}, "no charts"};
+  PageInput input{
+      report, "/nowhere", {{"one-estimator-flip", "<svg><g stroke='rgb(  1,   2,   3)'/></svg>"}}, "no charts"};
   const std::string html = page_html(input);
   for (const char* outside : {"http:", "https:", "<script", "<link", "url("})
     EXPECT_EQ(html.find(outside), std::string::npos) << outside;

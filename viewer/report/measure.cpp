@@ -46,10 +46,6 @@ Measurement measure_frames(Renderer* renderer, const FrameRequest& request, cons
   return measurement;
 }
 
-double without_noise(double error, double noise) {
-  return std::sqrt(std::max(error * error - noise * noise, 0.01 * error * error));
-}
-
 Point judge_measurement(const Measurement& measurement, const Judge& judge, Image* flip_map) {
   Point point;
   point.repeats = static_cast<int>(measurement.pictures.size());
@@ -62,10 +58,11 @@ Point judge_measurement(const Measurement& measurement, const Judge& judge, Imag
   if (flip_map != nullptr) *flip_map = report.flip_map;
   std::vector<double> raw, errors;
   for (const Image& picture : measurement.pictures) {
-    const std::optional<double> error = compare_images(picture, judge.picture).relative_rmse;
-    if (!error) continue;
-    raw.push_back(*error);
-    errors.push_back(without_noise(*error, judge.entry.noise));
+    const std::optional<double> plain = compare_images(picture, judge.picture).relative_rmse;
+    const std::optional<double> error = noise_free_error(picture, judge);
+    if (!plain || !error) continue;
+    raw.push_back(*plain);
+    errors.push_back(*error);
   }
   if (errors.empty()) return point;
   point.relative_rmse = spread_of(errors);

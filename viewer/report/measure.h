@@ -20,8 +20,4 @@ Measurement measure_frames(Renderer* renderer, const FrameRequest& request, cons
 
 /// Time, memory and error of a measurement; names, scope and pictures are left to the caller.
 Point judge_measurement(const Measurement& measurement, const Judge& judge, Image* flip_map = nullptr);
-
-/// The reference's noise taken out of an error in quadrature; at least a tenth of the error stays.
-double without_noise(double error, double noise);
-
 }  // namespace maquette::report

@@ -27,9 +27,10 @@ const Point* best_within(const std::vector<const Point*>& points, const std::str
   for (const Point* point : points) {
     if (point->technique != technique) continue;
     const bool within = point->time_ms.median <= time_ms, best_is = best != nullptr && best->time_ms.median <= time_ms;
-    const bool better = best == nullptr || (within && !best_is) ||
-                        (within == best_is && (within ? point->figures.flip.value_or(1.0) < best->figures.flip.value_or(1.0)
-                                                      : point->time_ms.median < best->time_ms.median));
+    const bool better =
+        best == nullptr || (within && !best_is) ||
+        (within == best_is && (within ? point->figures.flip.value_or(1.0) < best->figures.flip.value_or(1.0)
+                                      : point->time_ms.median < best->time_ms.median));
     if (better) best = point;
   }
   return best;

@@ -120,7 +120,8 @@ std::string time_table(const Report& report, const std::string& camera, Scope sc
   });
   std::string html = "<div class=\"wide\"><table>\n<tr><th>technique</th>";
   for (const double target : targets)
-    html += "<th class=\"n\">" + (metric == Metric::flip ? to_text(SettingValue(target)) : error_text(target, metric)) + "</th>";
+    html += "<th class=\"n\">" + (metric == Metric::flip ? to_text(SettingValue(target)) : error_text(target, metric)) +
+            "</th>";
   html += "<th class=\"n\">best error measured</th></tr>\n";
   for (const Curve& curve : curves) {
     html += "<tr><td>" + dot(report, curve.technique) + "</td>";
@@ -208,7 +209,8 @@ the lamps, without shadows. It is the technique's own error, and more time makes
 picture as a user gets it with all light paths: what the technique leaves out (shadows, light by way of other surfaces) stays,
 however long it runs.</p>
 <p><b>Relative RMSE</b> is the root of the mean square difference over R, G and B, divided by the mean luminance of the
-reference, over the pixels that show a surface; the reference's own noise is taken out in quadrature. A few pixels that mirror
+reference, over the pixels that show a surface. The reference is traced in two halves of independent seeds, and the square is the product of the
+differences to both, so that its noise does not count as error. A few pixels that mirror
 the sun can be nearly all of it. <b>FLIP</b> (Andersson et al. 2021, HDR) is what a person sees who alternates between both pictures at 67 pixels a degree: 0
 nothing, 1 the most; it forgives a single bright pixel. <b>SSIM</b>: Wang et al. 2004, on the picture as displayed.</p>
 <p>A <b>time</b> is that of one frame, the median of the repeats after a warm-up; bars show the smallest and largest. The grey steps are

@@ -1,10 +1,11 @@
 #include "viewer/report/references.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <stop_token>
 
-#include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "viewer/report/stop_signal.h"
 
@@ -14,76 +15,120 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Mean of two independent halves; half their difference is the noise of the mean.
-struct Halves {
-  Image sums[2];
-  int counts[2] = {0, 0};
-  void add(int half, const Image& picture) {
-    if (counts[half]++ == 0) sums[half] = Image(picture.width, picture.height, picture.channels);
-    for (std::size_t i = 0; i < picture.data.size(); ++i) sums[half].data[i] += picture.data[i];
-  }
-  Image mean(int half) const {
-    Image result = sums[half];
-    for (float& value : result.data) value /= static_cast<float>(counts[half]);
-    return result;
-  }
-  Image mean() const {
-    Image result = mean(0);
-    const Image other = mean(1);
-    for (std::size_t i = 0; i < result.data.size(); ++i) result.data[i] = 0.5f * (result.data[i] + other.data[i]);
-    return result;
-  }
-  double noise() const { return 0.5 * compare_images(mean(0), mean(1)).relative_rmse.value_or(0.0); }
-};
+constexpr std::uint32_t kSeeds[2] = {101, 202};  // other ones than those of the frames that are judged
+constexpr int kFirstPaths = 4;                   // a pixel and half
 
-Judge compute(Studio* studio, const ReferenceOrder& order, FrameRequest request) {
-  constexpr int kSamples = 512;
+Image mean_of(const Image& a, const Image& b) {
+  Image mean = a;
+  for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] = 0.5f * (a.data[i] + b.data[i]);
+  return mean;
+}
+
+double own_noise(const Image (&halves)[2]) {
+  return 0.5 * compare_images(halves[0], halves[1]).relative_rmse.value_or(0.0);
+}
+
+PictureRequest picture_request(const FrameRequest& frame, Scope scope, std::uint32_t seed) {
+  PictureRequest request;
+  request.camera = frame.camera;
+  request.width = frame.width;
+  request.height = frame.height;
+  request.msaa = frame.msaa;
+  request.seed = seed;
+  request.paths.transport = scope == Scope::model ? Transport::full : Transport::direct;
+  request.paths.env_rotation_rad = frame.env_rotation_rad;
+  request.paths.env_scale = frame.env_scale;
+  return request;
+}
+
+/// Doubles the paths until the time is spent or the noise is low enough. Not finished when a stop was asked for.
+Judge trace(Studio* studio, const ReferenceOrder& order, const FrameRequest& frame) {
+  ReferencePicture halves[2] = {ReferencePicture(studio->path_scene(), picture_request(frame, order.scope, kSeeds[0])),
+                                ReferencePicture(studio->path_scene(), picture_request(frame, order.scope, kSeeds[1]))};
+  std::stop_source stop;
+  const auto watch = [&](double) {
+    if (StopSignal::asked()) stop.request_stop();
+  };
   const Clock::time_point begin = Clock::now();
-  request.mode = "uniform";
-  request.samples = kSamples;
-  if (order.scope == Scope::estimator) request.settings.set_from_text("shading.visibility", "none");
-  Halves halves;
   Judge judge;
-  double noise = 1.0, seconds = 0.0;
-  for (int runs = 2; (seconds < order.seconds && noise > order.target_noise) || runs == 2; runs += 2) {
-    for (int half = 0; half < 2; ++half) {
-      request.seed = static_cast<std::uint32_t>(1000 + runs + half);
-      studio->renderer().render(request);
-      halves.add(half, studio->renderer().read_radiance());
-    }
-    if (StopSignal::asked()) break;
-    noise = halves.noise();
-    seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    judge.entry.samples = runs * kSamples;
+  int count = kFirstPaths;
+  while (count > 0 && !StopSignal::asked()) {
+    for (ReferencePicture& half : halves) half.add(count, stop.get_token(), watch);
+    judge.entry.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    judge.entry.samples = halves[0].samples() + halves[1].samples();
+    for (int h = 0; h < 2; ++h) judge.halves[h] = halves[h].mean();
+    judge.entry.noise = own_noise(judge.halves);
+    if (judge.entry.noise <= order.target_noise) break;
+    const double left_s = order.seconds - judge.entry.seconds;
+    const double affordable = left_s / judge.entry.seconds * halves[0].samples();
+    count =
+        static_cast<int>(std::min(affordable, static_cast<double>(halves[0].samples()))) / kFirstPaths * kFirstPaths;
   }
-  judge.picture = halves.mean();
-  judge.entry.noise = noise;
-  judge.entry.seconds = seconds;
-  judge.entry.made_by = "uniform";
+  judge.picture = mean_of(judge.halves[0], judge.halves[1]);
+  judge.entry.made_by = "reference, two halves";
   return judge;
 }
 
+std::string half_file(const std::string& key, int half) {
+  return "references/" + key + (half == 0 ? "-a.exr" : "-b.exr");
+}
+
 }  // namespace
+
+std::optional<double> noise_free_error(const Image& picture, const Judge& judge) {
+  const std::optional<double> plain = compare_images(picture, judge.picture).relative_rmse;
+  if (!plain) return std::nullopt;
+  double sum = 0.0, luminance = 0.0;
+  std::size_t count = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      if (judge.picture.channels > 3 && !(judge.picture.at(x, y, 3) >= 1.0f)) continue;
+      double product = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        const auto a = static_cast<double>(picture.at(x, y, c));
+        product += (a - static_cast<double>(judge.halves[0].at(x, y, c))) *
+                   (a - static_cast<double>(judge.halves[1].at(x, y, c)));
+      }
+      if (!std::isfinite(product)) continue;
+      sum += product;
+      luminance += 0.2126 * static_cast<double>(judge.picture.at(x, y, 0)) +
+                   0.7152 * static_cast<double>(judge.picture.at(x, y, 1)) +
+                   0.0722 * static_cast<double>(judge.picture.at(x, y, 2));
+      ++count;
+    }
+  }
+  const double pixels = static_cast<double>(std::max<std::size_t>(count, 1));
+  const double error = std::sqrt(std::max(sum, 0.0) / (3.0 * pixels)) / (luminance / pixels);
+  return std::max(error, 0.1 * *plain);
+}
 
 Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order) {
   const FrameRequest request = studio->request(order.camera);
   ContentKey key = studio->key();
   mix_request(request, &key);
   key.mix("reference").mix(scope_name(order.scope));
-  if (const std::optional<ReferenceEntry> known = journal->find_reference(key.text())) {
-    const std::string path = folder + "/" + known->file;
-    if (std::filesystem::exists(path)) return {load_hdr_image(path), *known, key.text()};
+  const std::string id = key.text();
+  const auto path = [&](int half) { return folder + "/" + half_file(id, half); };
+  Judge judge;
+  const std::optional<ReferenceEntry> known = journal->find_reference(id);
+  if (known && std::filesystem::exists(path(0)) && std::filesystem::exists(path(1))) {
+    judge.entry = *known;
+    for (int h = 0; h < 2; ++h) judge.halves[h] = load_hdr_image(path(h));
+    judge.picture = mean_of(judge.halves[0], judge.halves[1]);
+    judge.key = id;
+    return judge;
   }
-  Judge judge = compute(studio, order, request);
-  judge.key = key.text();
+  judge = trace(studio, order, request);
+  judge.key = id;
   judge.entry.camera = order.camera.name;
   judge.entry.scope = order.scope;
-  judge.entry.file = "references/" + judge.key + ".exr";
+  judge.entry.file = half_file(id, 0);
   if (StopSignal::asked()) return judge;  // half done: not to be taken for a reference later
   std::filesystem::create_directories(folder + "/references");
-  save_exr(folder + "/" + judge.entry.file, judge.picture,
-           {{"maquette.camera", order.camera.name}, {"maquette.scope", scope_name(order.scope)}});
-  journal->add_reference(judge.key, judge.entry);
+  for (int h = 0; h < 2; ++h)
+    save_exr(path(h), judge.halves[h],
+             {{"maquette.camera", order.camera.name}, {"maquette.scope", scope_name(order.scope)}});
+  journal->add_reference(id, judge.entry);
   return judge;
 }
 

@@ -9,9 +9,10 @@
 
 namespace maquette::report {
 
-/// A picture to judge others by.
+/// A picture to judge others by: the mean of two of equal effort and independent seeds.
 struct Judge {
   Image picture;
+  Image halves[2];
   ReferenceEntry entry;
   std::string key;
 };
@@ -26,6 +27,11 @@ struct ReferenceOrder {
 /// The reference of one camera and scope: from the folder when an earlier run made it for the same content, else
 /// computed and kept there. Scope estimator: unshadowed direct light; model: all light paths. Throws Error when it
 /// cannot be written.
+/// Relative RMSE of a picture against what the reference would be without noise: the mean over the pixels of
+/// (a - r1) (a - r2), whose expectation is (a - r)^2 because the halves' noise is independent. Absent for a black
+/// reference; at least a tenth of the plain error, where noise makes the mean negative.
+std::optional<double> noise_free_error(const Image& picture, const Judge& judge);
+
 Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order);
 
 }  // namespace maquette::report

@@ -1,7 +1,9 @@
 #include "viewer/report/studio.h"
 
 #include <cstdio>
+#include <map>
 
+#include "render/material_overrides.h"
 #include "scenes/files.h"
 #include "viewer/session.h"
 
@@ -26,6 +28,15 @@ Studio::Studio(const SceneOptions& options)
   }
   const std::uint64_t environment_hash = environment_->hash;
   key_.mix_bytes(std::as_bytes(std::span(&environment_hash, 1)));
+}
+
+const std::shared_ptr<const PathScene>& Studio::path_scene() {
+  if (path_scene_) return path_scene_;
+  Scene scene = *scene_;
+  const std::map<std::string, std::string> sources(options_.materials.begin(), options_.materials.end());
+  scene.materials = override_materials(std::move(scene.materials), sources);
+  path_scene_ = build_path_scene({scene, environment_, find_variant(*scene_, options_.variant), nullptr, nullptr});
+  return path_scene_;
 }
 
 FrameRequest Studio::request(const SweptCamera& camera) const {

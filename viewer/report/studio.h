@@ -4,6 +4,7 @@
 #include <string>
 
 #include "render/gl/context.h"
+#include "render/reference/reference.h"
 #include "render/renderer.h"
 #include "viewer/options.h"
 #include "viewer/report/content_key.h"
@@ -22,6 +23,8 @@ class Studio {
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const std::shared_ptr<const Environment>& environment() const { return environment_; }
   Renderer& renderer() { return *renderer_; }
+  /// For rays; made when first asked for.
+  const std::shared_ptr<const PathScene>& path_scene();
   /// Of scene, materials in use and environment.
   const ContentKey& key() const { return key_; }
   /// One frame as the options ask, seen by `camera`.
@@ -34,6 +37,7 @@ class Studio {
   GlContext context_;
   DeviceInfo device_;
   std::unique_ptr<Renderer> renderer_;
+  std::shared_ptr<const PathScene> path_scene_;
   ContentKey key_;
 };
 

@@ -25,7 +25,7 @@ TechniqueInfo bandwidth_technique() {
        .max = 16.0,
        .help = "scales the predicted sampling rate: 2 shades twice as densely along each axis"},
   };
-  for (int samples = 2; samples <= 2048; samples *= 2) info.quality_steps.push_back({.samples = samples});
+  for (int samples = 4; samples <= 4096; samples *= 4) info.quality_steps.push_back({.samples = samples});
   info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo&, FramePlan* plan) {
     plan->texture_bandwidth = facts.has_textures;
     plan->passes.push_back({"bandwidth", "predicts bandwidth and variance at every visible pixel"});

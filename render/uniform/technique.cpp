@@ -15,7 +15,7 @@ TechniqueInfo uniform_technique() {
        .unit = "samples",
        .help = "shading samples a pixel (--samples wins)"},
   };
-  for (int samples = 2; samples <= 2048; samples *= 2) info.quality_steps.push_back({.samples = samples});
+  for (int samples = 4; samples <= 4096; samples *= 4) info.quality_steps.push_back({.samples = samples});
   info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back({"shade", "every visible pixel, a fixed count of samples"});
     plan->left_out.push_back({"bandwidth", "mode uniform predicts nothing"});

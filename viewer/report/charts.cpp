@@ -37,15 +37,18 @@ struct Range {
   }
 };
 
-/// `("1" 1, "2" 2, ...)`: 1-2-5 over up to three decades, powers of ten over more. `scale` and `unit` are of the
-/// labels.
+/// `("1" 1, "2" 2, ...)`: finer over less than a decade, 1-2-5 over up to three, else powers of ten. `scale` and `unit`
+/// are of the labels, which are formats: a percent sign is two.
 std::string tics(const Range& range, double scale, const std::string& unit) {
   const double decades = std::log10(range.high / range.low);
+  std::vector<double> digits = {1.0, 2.0, 5.0};
+  if (decades < 1.0) digits = {1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0};
+  if (decades > 3.0) digits = {1.0};
   std::string list;
   for (double power = std::floor(std::log10(range.low)); power <= std::ceil(std::log10(range.high)); ++power) {
-    for (const double digit : {1.0, 2.0, 5.0}) {
+    for (const double digit : digits) {
       const double value = digit * std::pow(10.0, power);
-      if (value < range.low || value > range.high || (decades > 3.0 && digit > 1.0)) continue;
+      if (value < range.low || value > range.high) continue;
       list += (list.empty() ? "" : ", ") + ("\"" + text("%g", value * scale) + unit + "\" ") + text("%.6g", value);
     }
   }
@@ -127,7 +130,7 @@ std::string gnuplot_script(const Chart& chart, const std::string& svg_file) {
   script += "set output " + quoted(svg_file) + "\nset logscale xy\nset border 3 linecolor rgb " + ink + "\n";
   script += "set grid xtics ytics linecolor rgb \"#888888\" linewidth 0.4 dashtype 3\n";
   script += "set key outside bottom center horizontal Left reverse samplen 1.5 spacing 1.2 textcolor rgb " + ink + "\n";
-  script += "set xlabel \"time of a frame (ms)\" textcolor rgb " + ink + "\n";
+  script += "set xlabel \"time of a frame (ms)\" offset 0,0.4 textcolor rgb " + ink + "\n";
   script += "set ylabel " + quoted(percent ? "relative RMSE" : "FLIP") + " textcolor rgb " + ink + "\n";
   script += "set xtics nomirror textcolor rgb " + ink + " " + tics(time, 1.0, "") + "\n";
   script +=
@@ -152,7 +155,7 @@ std::string gnuplot_script(const Chart& chart, const std::string& svg_file) {
     }
     script += "EOD\n";
     const std::string color = " linecolor rgb " + quoted(technique_color(chart.techniques, curve.technique));
-    add(block + " using 1:2:3:4:5:6 with xyerrorbars pointtype 0 linewidth 0.8" + color + " notitle");
+    add(block + " using 1:2:3:4:5:6 with xyerrorbars pointtype 7 pointsize 0.1 linewidth 0.8" + color + " notitle");
     add(block + " using 1:2 with linespoints pointtype 7 pointsize 0.6 linewidth 2" + color + " title " +
         quoted(curve.technique) + " noenhanced");
   }

@@ -66,8 +66,8 @@ void Conductor::run(Report* report) {
 
 void Conductor::list_techniques(Report* report) {
   const SceneOptions& options = studio_->options();
-  const SceneFacts facts = compute_facts(*studio_->scene(), find_variant(*studio_->scene(), options.variant));
-  techniques_ = swept_techniques(facts, options.settings);
+  facts_ = compute_facts(*studio_->scene(), find_variant(*studio_->scene(), options.variant));
+  techniques_ = swept_techniques(facts_, options.settings);
   for (const SweptTechnique& technique : techniques_) {
     if (technique.refused) {
       report->left_out.push_back({technique.name, technique.name, *technique.refused});
@@ -75,7 +75,7 @@ void Conductor::list_techniques(Report* report) {
     }
     report->techniques.push_back({technique.name, technique.help});
     const FramePlan plan =
-        maquette::plan(facts, technique.name, options.settings, {options.width, options.height, options.msaa});
+        maquette::plan(facts_, technique.name, options.settings, {options.width, options.height, options.msaa});
     for (const LeftOut& left_out : plan.left_out)
       report->left_out.push_back({technique.name, left_out.what, left_out.why});
   }
@@ -116,8 +116,7 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
   const auto passes = [&](const SweptTechnique& technique, Scope scope) {
     const Settings settings = settings_of(options.settings, technique, technique.steps.front(), scope);
     std::string names;
-    for (const PlannedPass& pass : plan(studio_->renderer().facts(), technique.name, settings, view).passes)
-      names += pass.name + " ";
+    for (const PlannedPass& pass : plan(facts_, technique.name, settings, view).passes) names += pass.name + " ";
     return names;
   };
   for (std::size_t c = 0; c < cameras_.size(); ++c) {

@@ -55,6 +55,7 @@ class Conductor {
   std::string folder_;
   std::function<void(const std::string&)> say_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  SceneFacts facts_;
   std::vector<SweptCamera> cameras_;
   std::vector<SweptTechnique> techniques_;
   std::map<std::pair<std::string, Scope>, Judge> judges_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "render/camera.h"
+#include "render/geometry.h"
 #include "render/plan.h"
 #include "render/settings.h"
 #include "scenes/brdf.h"
@@ -108,6 +109,14 @@ class Renderer {
 
   const Scene& scene() const;
   const SceneFacts& facts() const;
+
+  /// Copies of what the path tracer needs to see the scene as it is now, edits included: for a background thread.
+  struct PathSnapshot {
+    Scene scene;
+    std::shared_ptr<const Environment> environment;
+    FlatGeometry geometry;
+  };
+  PathSnapshot path_snapshot() const;
 
  private:
   struct Impl;

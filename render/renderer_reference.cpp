@@ -68,6 +68,11 @@ FrameStats Renderer::Impl::render_reference(const FrameRequest& request, FramePl
   return stats;
 }
 
+Renderer::PathSnapshot Renderer::path_snapshot() const {
+  impl_->require_ready();
+  return {impl_->edited_scene(), impl_->environment->shared_environment(), impl_->buffers->geometry()};
+}
+
 const Texture& Renderer::Impl::picture() {
   if (!shows_reference()) return targets->picture;
   ReferenceFrame& r = reference;

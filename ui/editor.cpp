@@ -85,14 +85,17 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
   static constexpr Tab kLeft[] = {{"Materials", panels::draw_materials_panel},
                                   {"Scene", panels::draw_scene_panel},
                                   {"Help", panels::draw_help_panel}};
-  static constexpr Tab kRight[] = {
-      {"Look", panels::draw_look_panel}, {"Render", panels::draw_render_panel}, {"Frame", panels::draw_frame_panel}};
+  static constexpr Tab kRight[] = {{"Look", panels::draw_look_panel},
+                                   {"Render", panels::draw_render_panel},
+                                   {"Frame", panels::draw_frame_panel},
+                                   {"Error", panels::draw_error_panel}};
+  state->error_view.open = false;
   if (begin_part(ui, "left", layout.left, kStill)) {
     draw_tabs(ui, "left tabs", kLeft, 3, &state->left_tab);
     ImGui::End();
   }
   if (begin_part(ui, "right", layout.right, kStill)) {
-    draw_tabs(ui, "right tabs", kRight, 3, &state->right_tab);
+    draw_tabs(ui, "right tabs", kRight, 4, &state->right_tab);
     ImGui::End();
   }
   frame.editing = ImGui::IsAnyItemActive();

@@ -31,6 +31,29 @@ struct Edits {
 
 enum class Tool { camera, dent };
 
+/// What the error tab shows and asks for.
+struct ErrorView {
+  enum class Show { picture, heat, wiper };
+  bool open = false;      ///< the tab is in sight: only then is anything measured. Set by the panel in each frame
+  bool all_light = true;  ///< against all light paths; else against unshadowed direct light
+  Show show = Show::picture;
+  float wiper = 0.5f;   ///< share of the picture's width left of which the technique is shown
+  float budget = 0.1f;  ///< relative RMSE that the settings are to keep
+};
+
+/// News of the error meter.
+struct MeterFacts {
+  bool has_error = false;
+  double error = 0.0, low = 0.0, high = 0.0;  ///< relative RMSE and its 95 % interval
+  int pixels = 0, paths = 0;                  ///< compared; traced through each
+  double seconds = 0.0;                       ///< from the rest of the camera to this figure
+  std::string status;                         ///< one line: what it does, or why it cannot
+  std::string curve;                          ///< where the curve of the mode comes from; empty: there is none
+  std::string budget_answer;                  ///< what the budget asks for, or why it cannot be kept
+  bool can_apply = false;
+  bool measuring_curve = false;
+};
+
 /// Everything the panels change.
 struct EditorState {
   Edits edits;
@@ -44,6 +67,7 @@ struct EditorState {
   std::string debug_view;     ///< empty: the picture
   float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
   float moving_scale = 0.0f;  ///< and while something does; 0: what keeps it fluid
+  ErrorView error_view;
   Tool tool = Tool::camera;
   float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
   float dent_radius_m = 0.2f;
@@ -56,7 +80,7 @@ struct EditorState {
   bool left_open = true;
   bool right_open = true;
   int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help
-  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame
+  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error
   bool open_path_popup = false;
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
@@ -86,6 +110,7 @@ struct EditorFacts {
   std::vector<PassTime> smooth_passes;
   glm::ivec2 picture_px{0};
   float suggested_exposure_ev = 0.0f;
+  MeterFacts meter;
   bool can_undo = false;
   bool converged = false;  ///< the accumulation limit is reached
 };
@@ -98,6 +123,8 @@ struct EditorActions {
   bool meter_exposure = false;
   bool undo = false;
   bool dismiss_messages = false;
+  bool measure_curve = false;  ///< of the present mode in the present view
+  bool apply_budget = false;   ///< sets the mode's samples to what the budget asks for
 };
 
 }  // namespace maquette

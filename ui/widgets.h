@@ -55,5 +55,6 @@ void draw_help_panel(Ui& ui);
 void draw_look_panel(Ui& ui);
 void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);
+void draw_error_panel(Ui& ui);
 
 }  // namespace maquette::panels

@@ -20,6 +20,7 @@
 #include "viewer/swatches.h"
 #include "viewer/window_host.h"
 #include "viewer/window_input.h"
+#include "viewer/window_meter.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
 
@@ -83,6 +84,8 @@ class App {
     carry_out(actions);
     session_.update(editor_.editing || input_.dragging());
     draw(now);
+    meter_.update(&session_, picture_, now);
+    meter_.draw_overlay(session_, editor_.layout.picture);
     host_.end_frame();
   }
 
@@ -120,6 +123,7 @@ class App {
     facts_.smooth_passes = picture_.smooth_passes();
     facts_.picture_px = picture_.drawn_size();
     facts_.converged = picture_.converged();
+    meter_.fill_facts(session_, &facts_.meter);
     facts_.swatches = &swatches_.textures();
   }
 
@@ -190,6 +194,8 @@ class App {
     if (actions.frame_scene)
       session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
     if (actions.meter_exposure) session_.request_metering();
+    if (actions.measure_curve) meter_.measure_curve();
+    if (actions.apply_budget) meter_.apply_budget(&session_);
     if (actions.undo) session_.undo();
     if (actions.dismiss_messages) session_.dismiss_messages();
   }
@@ -215,6 +221,7 @@ class App {
   ImGuiHost host_;
   WindowSession session_;
   WindowPicture picture_;
+  WindowMeter meter_;
   PictureInput input_;
   Swatches swatches_;
   EditorFacts facts_;

@@ -34,6 +34,10 @@ class WindowPicture {
   Renderer::Pick pick(WindowSession* session, float x, float y) const;
 
   const std::optional<FrameStats>& stats() const { return stats_; }
+  /// The request of the last frame.
+  const FrameRequest& drawn() const { return drawn_; }
+  /// Nothing moves, and the picture is what was asked for.
+  bool still() const { return stats_ && !moving_ && !failed_; }
   const std::vector<float>& history_ms() const { return history_ms_; }
   const std::vector<PassTime>& smooth_passes() const { return smooth_passes_; }
   glm::ivec2 drawn_size() const { return {drawn_.width, drawn_.height}; }

@@ -63,7 +63,7 @@ struct ReferencePicture::Impl {
     const glm::vec2 corner(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
     const glm::vec2 at = corner + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f));
     // Textures are filtered over as much as rasterisation does: the spacing of its samples.
-    const float step = request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f;
+    const float step = request.footprint * (request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f);
     const Ray ray{camera.eye, direction_through(at), camera.near_m, std::numeric_limits<float>::max()};
     const RayDifferential differential{camera.eye, direction_through(at + glm::vec2(step, 0.0f)),
                                        direction_through(at + glm::vec2(0.0f, step))};

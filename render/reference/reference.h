@@ -64,6 +64,7 @@ struct PictureRequest {
   int width = 640, height = 360;
   int msaa = 1;  ///< 1: rays through pixel centres; more: over the pixel's area
   std::uint32_t seed = 0;
+  float footprint = 1.0f;  ///< of a pixel, that textures are filtered over: less where pixels stand for finer ones
   PathOptions paths;
 };
 

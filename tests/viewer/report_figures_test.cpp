@@ -37,7 +37,7 @@ Point point(const std::string& camera, const std::string& technique, int step, d
   return p;
 }
 
-CurvePoint at(double time_ms, double error) { return {time_ms, error, time_ms, time_ms, error, error, "", false}; }
+CurvePoint at(double time_ms, double error) { return {time_ms, error, time_ms, time_ms, error, error, "", false, 0}; }
 
 Report two_techniques() {
   Report report;
@@ -142,7 +142,7 @@ TEST(ReportJournal, KeepsResultsAndSetsDamageAside) {
   EXPECT_EQ(point_json(*found), point_json(p));
   EXPECT_FALSE(again.find_point("other"));
   EXPECT_EQ(again.find_reference("r")->samples, 64);
-  std::ofstream(folder.file("progress.json")) << "{\"format\":1,\"points\":{\"k\":";
+  std::ofstream(folder.file("progress.json")) << "{\"format\":2,\"points\":{\"k\":";
   const Journal damaged(folder.path().string());
   EXPECT_NE(damaged.note().find("set aside"), std::string::npos);
   EXPECT_FALSE(damaged.find_point("k"));

@@ -208,6 +208,7 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
     point.technique = technique.name;
     point.quality = quality_label(quality);
     point.scope = scope;
+    point.samples = quality.samples;
     point.step = step;
     if (scope == Scope::model) write_pictures(measurement.pictures.front(), flip_map, judge.picture, &point);
     journal_->add_point(key_of(*ladder, request, scope), point);

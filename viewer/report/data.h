@@ -33,6 +33,7 @@ Spread spread_of(std::vector<double> values);
 struct Point {
   std::string camera, technique, quality;
   Scope scope = Scope::model;
+  int samples = 0;      ///< of the quality step, 0: it has none
   int step = 0;         ///< in the technique's quality steps
   int repeats = 0;      ///< of different seeds
   Spread time_ms;       ///< wall, of one frame

@@ -41,7 +41,8 @@ std::vector<Curve> curves_of(const Report& report, const std::string& camera, Sc
       const std::optional<Spread> error = error_of(*point, metric);
       if (!error || !(error->median > kLeastError)) continue;
       curve.points.push_back({point->time_ms.median, error->median, point->time_ms.low, point->time_ms.high, error->low,
-                              error->high, point->quality, metric == Metric::relative_rmse && point->below_noise});
+                              error->high, point->quality, metric == Metric::relative_rmse && point->below_noise,
+                              point->samples});
     }
     if (!curve.points.empty()) curves.push_back(std::move(curve));
   }
@@ -79,6 +80,7 @@ std::vector<Curve> mean_curves(const Report& report, Scope scope, Metric metric)
       result.time_ms = result.time_low_ms = result.time_high_ms = std::exp(time / count);
       result.error = result.error_low = result.error_high = std::exp(error / count);
       result.quality = point.quality;
+      result.samples = point.samples;
       mean.points.push_back(result);
     }
     if (!mean.points.empty()) means.push_back(std::move(mean));

@@ -19,6 +19,7 @@ struct CurvePoint {
   double time_low_ms = 0.0, time_high_ms = 0.0, error_low = 0.0, error_high = 0.0;
   std::string quality;
   bool below_noise = false;
+  int samples = 0;
 };
 struct Curve {
   std::string technique;

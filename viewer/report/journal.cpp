@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 Json spread_json(const Spread& spread) {
   return {{"median", number(spread.median)}, {"low", number(spread.low)}, {"high", number(spread.high)}};
@@ -61,6 +61,7 @@ Json point_json(const Point& p) {
           {"technique", p.technique},
           {"quality", p.quality},
           {"scope", scope_name(p.scope)},
+          {"samples", p.samples},
           {"step", p.step},
           {"repeats", p.repeats},
           {"time_ms", spread_json(p.time_ms)},
@@ -80,6 +81,7 @@ Point point_from_json(const Json& json) {
   p.technique = json.at("technique");
   p.quality = json.at("quality");
   p.scope = json.at("scope") == scope_name(Scope::estimator) ? Scope::estimator : Scope::model;
+  p.samples = json.at("samples");
   p.step = json.at("step");
   p.repeats = json.at("repeats");
   p.time_ms = spread_from_json(json.at("time_ms"));

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "scenes/error.h"
+#include "viewer/budget_curve.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/outputs.h"
@@ -69,6 +70,19 @@ void write_outputs(const std::string& folder, const Report& report, std::string*
   write_text(folder + "/report.html", page_html(page));
 }
 
+/// What the window's error budget works with.
+BudgetCurves budget_curves(const Report& report) {
+  BudgetCurves curves;
+  for (const Scope scope : kScopes) {
+    for (const Curve& curve : mean_curves(report, scope, Metric::relative_rmse)) {
+      BudgetCurve& stored = curves[curve_name(curve.technique, scope == Scope::model)];
+      stored.source = "the report of " + report.machine.front().value;
+      for (const CurvePoint& point : curve.points) stored.points.push_back({point.samples, point.time_ms, point.error});
+    }
+  }
+  return curves;
+}
+
 std::string command_text(const SceneOptions& options) {
   std::string text = "maquette report " + options.scene + " -o " + options.output + " --env " + options.environment +
                      " --size " + std::to_string(options.width) + "x" + std::to_string(options.height) + " --budget " +
@@ -101,6 +115,7 @@ int run_report(const CommandLine& line) {
     report.machine = describe_machine(studio.device());
     Conductor conductor(&studio, &journal, folder, [&](const std::string& text) { progress.say(text); });
     conductor.run(&report);
+    store_curves(studio.look_key(), budget_curves(report));
   }
   std::string chart_problem;
   write_outputs(folder, report, &chart_problem);

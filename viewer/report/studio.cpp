@@ -5,6 +5,7 @@
 
 #include "render/material_overrides.h"
 #include "scenes/files.h"
+#include "viewer/budget_curve.h"
 #include "viewer/session.h"
 
 namespace maquette::report {
@@ -30,11 +31,18 @@ Studio::Studio(const SceneOptions& options)
   key_.mix_bytes(std::as_bytes(std::span(&environment_hash, 1)));
 }
 
-const std::shared_ptr<const PathScene>& Studio::path_scene() {
-  if (path_scene_) return path_scene_;
+Scene Studio::overridden_scene() const {
   Scene scene = *scene_;
   const std::map<std::string, std::string> sources(options_.materials.begin(), options_.materials.end());
   scene.materials = override_materials(std::move(scene.materials), sources);
+  return scene;
+}
+
+std::uint64_t Studio::look_key() const { return curves_key(overridden_scene(), *environment_); }
+
+const std::shared_ptr<const PathScene>& Studio::path_scene() {
+  if (path_scene_) return path_scene_;
+  const Scene scene = overridden_scene();
   path_scene_ = build_path_scene({scene, environment_, find_variant(*scene_, options_.variant), nullptr, nullptr});
   return path_scene_;
 }

@@ -27,10 +27,14 @@ class Studio {
   const std::shared_ptr<const PathScene>& path_scene();
   /// Of scene, materials in use and environment.
   const ContentKey& key() const { return key_; }
+  /// Of the scene as it looks, for curves_key's readers.
+  std::uint64_t look_key() const;
   /// One frame as the options ask, seen by `camera`.
   FrameRequest request(const SweptCamera& camera) const;
 
  private:
+  Scene overridden_scene() const;
+
   SceneOptions options_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Environment> environment_;

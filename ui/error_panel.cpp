@@ -1,0 +1,81 @@
+// How wrong the picture is, where, and which settings keep an error budget.
+#include <algorithm>
+#include <cstdio>
+
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+std::string percent(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
+  return text;
+}
+
+void draw_figure(const MeterFacts& meter) {
+  if (meter.has_error) {
+    ImGui::SetWindowFontScale(1.6f);
+    ImGui::TextUnformatted(percent(meter.error).c_str());
+    ImGui::SetWindowFontScale(1.0f);
+    dim_text("relative RMSE, 95 % sure: " + percent(meter.low) + " to " + percent(meter.high));
+    char text[96];
+    std::snprintf(text, sizeof text, "%d pixels, %d paths each, %.1f s", meter.pixels, meter.paths, meter.seconds);
+    dim_text(text);
+  }
+  if (!meter.status.empty()) dim_text(meter.status);
+}
+
+void draw_meter(Ui& ui) {
+  ErrorView& view = ui.state.error_view;
+  draw_figure(ui.facts.meter);
+  row_label("Against", "All light: what the picture lacks of the truth. Direct light: what the mode claims to compute");
+  static const char* const kReferences[] = {"all light", "direct light"};
+  int reference = view.all_light ? 0 : 1;
+  if (ImGui::Combo("##against", &reference, kReferences, 2)) view.all_light = reference == 0;
+  mark_item(ui, "error/against");
+  row_label("Show", "Heat: where the error is. Wiper: the mode at the left, the reference at the right");
+  const auto choice = [&](const char* label, ErrorView::Show show, const char* name) {
+    if (ImGui::RadioButton(label, view.show == show)) view.show = show;
+    mark_item(ui, name);
+  };
+  choice("picture", ErrorView::Show::picture, "error/picture");
+  choice("heat map", ErrorView::Show::heat, "error/heat");
+  ImGui::SameLine();
+  choice("wiper", ErrorView::Show::wiper, "error/wiper");
+  if (view.show == ErrorView::Show::heat) dim_text("blue none, green the mean error, red four times it");
+  if (view.show == ErrorView::Show::wiper) {
+    row_label("Wiper");
+    ImGui::SliderFloat("##wiper", &view.wiper, 0.0f, 1.0f, "");
+    mark_item(ui, "error/wiper position");
+  }
+}
+
+void draw_budget(Ui& ui) {
+  ErrorView& view = ui.state.error_view;
+  const MeterFacts& meter = ui.facts.meter;
+  float budget = 100.0f * view.budget;
+  row_label("Budget", "The relative RMSE that the mode's settings are to keep");
+  if (ImGui::SliderFloat("##budget", &budget, 0.5f, 200.0f, "%.1f %%", ImGuiSliderFlags_Logarithmic))
+    view.budget = 0.01f * budget;
+  if (ImGui::IsItemDeactivatedAfterEdit() && meter.can_apply) ui.actions.apply_budget = true;
+  mark_item(ui, "error/budget");
+  dim_text(meter.budget_answer);
+  if (meter.can_apply && ImGui::Button("Use these settings")) ui.actions.apply_budget = true;
+  if (meter.can_apply) mark_item(ui, "error/apply");
+  if (ImGui::Button(meter.measuring_curve ? "Measuring ..." : "Measure this view") && !meter.measuring_curve)
+    ui.actions.measure_curve = true;
+  mark_item(ui, "error/measure");
+  if (!meter.curve.empty()) dim_text("Curve: " + meter.curve);
+}
+
+}  // namespace
+
+void draw_error_panel(Ui& ui) {
+  ui.state.error_view.open = true;
+  if (section("Error of the picture")) draw_meter(ui);
+  if (section("Error budget")) draw_budget(ui);
+}
+
+}  // namespace maquette::panels

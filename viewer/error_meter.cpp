@@ -1,0 +1,196 @@
+#include "viewer/error_meter.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+namespace maquette {
+
+namespace {
+
+/// Grid columns: an answer within a second or two first, then where the error is, then detail for the wiper.
+constexpr int kColumns[] = {72, 200, 480};
+/// Paths a pixel and half at which the next finer grid begins; the last one goes on to kMostPaths.
+constexpr int kPathsOfLevel[] = {16, 32, 4096};
+constexpr double kNormal95 = 1.96;
+constexpr std::uint32_t kSeeds[2] = {7001, 7002};
+
+/// The window's own drawing needs the rest.
+int few_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 4); }
+
+double luminance(const Image& image, int x, int y) {
+  return 0.2126 * static_cast<double>(image.at(x, y, 0)) + 0.7152 * static_cast<double>(image.at(x, y, 1)) +
+         0.0722 * static_cast<double>(image.at(x, y, 2));
+}
+
+bool same(const PathOptions& a, const PathOptions& b) {
+  return a.transport == b.transport && a.env_rotation_rad == b.env_rotation_rad && a.env_scale == b.env_scale &&
+         a.max_bounces == b.max_bounces;
+}
+
+}  // namespace
+
+bool ErrorMeter::View::operator==(const View& other) const {
+  return camera == other.camera && width == other.width && height == other.height && same(paths, other.paths) &&
+         scene_revision == other.scene_revision;
+}
+
+PixelGrid choose_grid(int width, int height, int columns) {
+  PixelGrid grid;
+  grid.factor = std::max(1, width / std::max(columns, 1)) | 1;
+  while (grid.factor > 1 && height / grid.factor < 8) grid.factor -= 2;
+  // An odd rest would put the grid between the pixels.
+  const auto fit = [&](int side) {
+    const int count = side / grid.factor;
+    return count > 1 && (side - count * grid.factor) % 2 != 0 ? count - 1 : count;
+  };
+  grid.width = std::max(fit(width), 1);
+  grid.height = std::max(fit(height), 1);
+  grid.x = (width - grid.width * grid.factor) / 2;
+  grid.y = (height - grid.height * grid.factor) / 2;
+  return grid;
+}
+
+CameraView grid_camera(const CameraView& camera, const PixelGrid& grid, int height) {
+  CameraView result = camera;
+  const float share = static_cast<float>(grid.height * grid.factor) / static_cast<float>(height);
+  result.fov_y_rad = 2.0f * std::atan(std::tan(0.5f * camera.fov_y_rad) * share);
+  return result;
+}
+
+std::optional<MeteredError> meter_error(const Image& picture, const GridReference& reference) {
+  const PixelGrid& grid = reference.grid;
+  MeteredError result;
+  result.map = Image(grid.width, grid.height, 1, -1.0f);
+  double sum = 0.0, squares = 0.0, light = 0.0;
+  for (int row = 0; row < grid.height; ++row) {
+    for (int column = 0; column < grid.width; ++column) {
+      const int x = grid.pixel_x(column), y = grid.pixel_y(row);
+      const bool surface = picture.at(x, y, 3) >= 1.0f && reference.halves[0].at(column, row, 3) >= 1.0f;
+      double product = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        const auto shown = static_cast<double>(picture.at(x, y, c));
+        product += (shown - static_cast<double>(reference.halves[0].at(column, row, c))) *
+                   (shown - static_cast<double>(reference.halves[1].at(column, row, c))) / 3.0;
+      }
+      if (!surface || !std::isfinite(product)) continue;
+      sum += product;
+      squares += product * product;
+      light += 0.5 * (luminance(reference.halves[0], column, row) + luminance(reference.halves[1], column, row));
+      result.map.at(column, row) = static_cast<float>(std::sqrt(std::max(product, 0.0)));
+      ++result.pixels;
+    }
+  }
+  if (result.pixels < 2 || !(light > 0.0)) return std::nullopt;
+  const double n = result.pixels, mean = sum / n, mean_light = light / n;
+  const double spread = std::sqrt(std::max(squares / n - mean * mean, 0.0) / (n - 1.0));
+  const auto root = [&](double square) { return std::sqrt(std::max(square, 0.0)) / mean_light; };
+  result.error = root(mean);
+  result.low = root(mean - kNormal95 * spread);
+  result.high = root(mean + kNormal95 * spread);
+  for (float& value : result.map.data)
+    if (value >= 0.0f) value /= static_cast<float>(mean_light);
+  return result;
+}
+
+ErrorMeter::ErrorMeter() : thread_([this](const std::stop_token& quit) { work(quit); }) {}
+
+ErrorMeter::~ErrorMeter() { cancel(); }
+
+bool ErrorMeter::watch(const View& view, const SceneMaker& make_scene) {
+  if (watched_ && *watched_ == view) return false;
+  watched_ = view;
+  const std::lock_guard lock(mutex_);
+  job_.request_stop();
+  job_ = std::stop_source();
+  newest_.reset();
+  problem_.clear();
+  ordered_ = view;
+  make_scene_ = make_scene;
+  wake_.notify_all();
+  return true;
+}
+
+void ErrorMeter::cancel() {
+  if (!watched_) return;
+  watched_.reset();
+  const std::lock_guard lock(mutex_);
+  job_.request_stop();
+  ordered_.reset();
+  newest_.reset();
+  ++version_;
+}
+
+std::shared_ptr<const GridReference> ErrorMeter::newest(std::uint64_t* version) const {
+  const std::lock_guard lock(mutex_);
+  *version = version_;
+  return newest_;
+}
+
+std::string ErrorMeter::problem() const {
+  const std::lock_guard lock(mutex_);
+  return problem_;
+}
+
+void ErrorMeter::publish(GridReference reference, const std::stop_token& stop) {
+  auto shared = std::make_shared<const GridReference>(std::move(reference));
+  const std::lock_guard lock(mutex_);
+  if (stop.stop_requested()) return;
+  newest_ = std::move(shared);
+  ++version_;
+}
+
+void ErrorMeter::work(const std::stop_token& quit) {
+  while (!quit.stop_requested()) {
+    View view;
+    SceneMaker make_scene;
+    std::stop_token stop;
+    {
+      std::unique_lock lock(mutex_);
+      if (!wake_.wait(lock, quit, [this] { return ordered_.has_value(); })) return;
+      view = *std::exchange(ordered_, std::nullopt);
+      make_scene = std::move(make_scene_);
+      stop = job_.get_token();
+    }
+    try {
+      if (!scene_ || scene_revision_ != view.scene_revision) {
+        scene_.reset();
+        scene_ = make_scene();
+        scene_revision_ = view.scene_revision;
+      }
+      trace(view, scene_, stop);
+    } catch (const std::exception& error) {
+      const std::lock_guard lock(mutex_);
+      problem_ = error.what();
+    }
+  }
+}
+
+void ErrorMeter::trace(const View& view, const std::shared_ptr<const PathScene>& scene, const std::stop_token& stop) {
+  tbb::task_arena few(few_cores());
+  for (std::size_t level = 0; level < std::size(kColumns) && !stop.stop_requested(); ++level) {
+    const PixelGrid grid = choose_grid(view.width, view.height, kColumns[level]);
+    PictureRequest request;
+    request.camera = grid_camera(view.camera, grid, view.height);
+    request.width = grid.width;
+    request.height = grid.height;
+    request.footprint = 1.0f / static_cast<float>(grid.factor);
+    request.paths = view.paths;
+    request.seed = kSeeds[0];
+    ReferencePicture first(scene, request);
+    request.seed = kSeeds[1];
+    ReferencePicture second(scene, request);
+    for (int count = 1; first.samples() < kPathsOfLevel[level] && !stop.stop_requested(); count = first.samples()) {
+      bool whole = false;
+      few.execute([&] { whole = first.add(count, stop) && second.add(count, stop); });
+      if (!whole) return;
+      publish({grid, {first.mean(), second.mean()}, first.samples() + second.samples()}, stop);
+    }
+    if (grid.factor == 1) return;
+  }
+}
+
+}  // namespace maquette

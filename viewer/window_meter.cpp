@@ -1,0 +1,253 @@
+#include "viewer/window_meter.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "render/false_color.h"
+#include "render/registry.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr double kJudge_s = 0.4;         // between two looks at the picture: reading it back costs
+constexpr double kLongFrame_ms = 700.0;  // the last frame of a measured curve
+constexpr float kHeatRange = 4.0f;       // the top of the scale, in mean errors
+
+std::string samples_setting(const std::string& mode) { return mode + ".samples"; }
+
+Texture make_texture(const Image& display, const char* label, GLenum filter) {
+  std::vector<std::uint8_t> bytes(display.data.size());
+  std::transform(display.data.begin(), display.data.end(), bytes.begin(),
+                 [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); });
+  Texture texture = Texture::make_2d(label, GL_RGBA8, display.width, display.height);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(texture.get(), 0, 0, 0, display.width, display.height, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+  for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(texture.get(), name, static_cast<GLint>(filter));
+  for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glTextureParameteri(texture.get(), name, GL_CLAMP_TO_EDGE);
+  return texture;
+}
+
+ImTextureID texture_id(const Texture& texture) {
+  return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.get()));
+}
+
+std::string percent(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g %%", 100.0 * value);
+  return text;
+}
+
+}  // namespace
+
+ErrorMeter::View WindowMeter::view_of(const WindowSession& session, const WindowPicture& picture) const {
+  const FrameRequest& drawn = picture.drawn();
+  ErrorMeter::View view;
+  view.camera = drawn.camera;
+  view.width = drawn.width;
+  view.height = drawn.height;
+  view.paths.transport = session.state.error_view.all_light ? Transport::full : Transport::direct;
+  view.paths.env_rotation_rad = drawn.env_rotation_rad;
+  view.paths.env_scale = drawn.env_scale;
+  view.scene_revision = 256 * session.revision() + static_cast<std::uint64_t>(drawn.variant + 1);
+  return view;
+}
+
+void WindowMeter::take_snapshot(WindowSession* session, std::uint64_t revision, int variant) {
+  if (snapshot_revision_ == revision) return;
+  snapshot_revision_ = revision;
+  measured_.clear();
+  known_ = std::make_shared<Known>();
+  auto snapshot = std::make_shared<Renderer::PathSnapshot>(session->renderer().path_snapshot());
+  make_scene_ = [snapshot, variant, known = known_] {
+    BudgetCurves curves = load_curves(curves_key(snapshot->scene, *snapshot->environment));
+    {
+      const std::lock_guard lock(known->mutex);
+      known->curves = std::move(curves);
+    }
+    return build_path_scene({.scene = snapshot->scene,
+                             .environment = snapshot->environment,
+                             .variant = variant,
+                             .geometry = &snapshot->geometry,
+                             .library = nullptr});
+  };
+}
+
+void WindowMeter::update(WindowSession* session, const WindowPicture& picture, double now_s) {
+  moving_ = !picture.still();
+  if (!session->state.error_view.open || moving_ || session->loading()) {
+    meter_.cancel();
+    error_.reset();
+    reference_.reset();
+    curve_step_ = -1;
+    return;
+  }
+  const ErrorMeter::View view = view_of(*session, picture);
+  take_snapshot(session, view.scene_revision, picture.drawn().variant);
+  if (meter_.watch(view, make_scene_)) {
+    begin_s_ = now_s;
+    error_.reset();
+    reference_.reset();
+    judged_s_ = -1e9;
+  }
+  picture_width_ = view.width;
+  picture_height_ = view.height;
+  std::uint64_t version = 0;
+  std::shared_ptr<const GridReference> newest = meter_.newest(&version);
+  const bool news = version != version_ && newest;
+  if (news) {
+    reference_ = std::move(newest);
+    version_ = version;
+  }
+  const bool better = picture.stats() && picture.stats()->accumulated_frames != judged_frames_;
+  if (reference_ && (news || better) && now_s - judged_s_ > kJudge_s) judge(session, picture, now_s);
+  if (reference_ && curve_step_ >= 0) continue_curve(session, picture);
+  update_textures(*session);
+}
+
+void WindowMeter::judge(WindowSession* session, const WindowPicture& picture, double now_s) {
+  error_ = meter_error(session->renderer().read_radiance(), *reference_);
+  judged_s_ = now_s;
+  judged_frames_ = picture.stats()->accumulated_frames;
+  figure_s_ = now_s - begin_s_;
+  textures_stale_ = true;
+}
+
+void WindowMeter::continue_curve(WindowSession* session, const WindowPicture& picture) {
+  const TechniqueInfo& mode = find_mode(picture.drawn().mode);
+  if (curve_step_ == 0) curve_ = {"this view, just measured", {}};
+  bool over = mode.quality_steps.empty();
+  FrameRequest request = picture.drawn();
+  if (!over) request.samples = mode.quality_steps[static_cast<std::size_t>(curve_step_)].samples;
+  try {
+    const FrameStats stats = session->renderer().render(request);
+    if (const auto error = meter_error(session->renderer().read_radiance(), *reference_))
+      curve_.points.push_back({request.samples, stats.frame_ms, std::max(error->error, 1e-6)});
+    over = over || stats.frame_ms > kLongFrame_ms;
+  } catch (const Error& problem) {
+    session->add_message(MessageLevel::error, problem.what());
+    over = true;
+  }
+  ++curve_step_;
+  if (!over && curve_step_ < static_cast<int>(mode.quality_steps.size())) return;
+  curve_step_ = -1;
+  measured_[curve_name(mode.name, session->state.error_view.all_light)] = curve_;
+}
+
+std::optional<BudgetCurve> WindowMeter::find_curve(const WindowSession& session) const {
+  const std::string name = curve_name(session.state.mode, session.state.error_view.all_light);
+  if (const auto found = measured_.find(name); found != measured_.end()) return found->second;
+  const std::lock_guard lock(known_->mutex);
+  if (const auto found = known_->curves.find(name); found != known_->curves.end()) return found->second;
+  return std::nullopt;
+}
+
+void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) const {
+  *facts = {};
+  if (!session.state.error_view.open) return;
+  facts->measuring_curve = curve_step_ >= 0;
+  const std::string problem = meter_.problem();
+  if (!problem.empty())
+    facts->status = problem;
+  else if (moving_)
+    facts->status = "It waits until nothing moves.";
+  else if (!reference_)
+    facts->status = "The reference is being traced ...";
+  else if (!error_)
+    facts->status = "No surface with light is in sight: there is nothing to compare.";
+  if (error_) {
+    facts->has_error = true;
+    facts->error = error_->error;
+    facts->low = error_->low;
+    facts->high = error_->high;
+    facts->pixels = error_->pixels;
+    facts->paths = reference_->paths;
+    facts->seconds = figure_s_;
+  }
+  const std::optional<BudgetCurve> curve = find_curve(session);
+  if (!curve) {
+    facts->budget_answer = "No error of mode " + session.state.mode +
+                           " was measured in this scene: measure this view, or run maquette report.";
+    return;
+  }
+  facts->curve = curve->source;
+  std::string why;
+  const std::optional<BudgetPoint> choice = choose_samples(*curve, session.state.error_view.budget, &why);
+  if (!choice) {
+    facts->budget_answer = why;
+    return;
+  }
+  facts->can_apply = find_setting(samples_setting(session.state.mode)) != nullptr;
+  char text[96];
+  std::snprintf(text, sizeof text, "%d samples, about %.0f ms a frame, error %s", choice->samples, choice->time_ms,
+                percent(choice->error).c_str());
+  facts->budget_answer = text;
+}
+
+void WindowMeter::apply_budget(WindowSession* session) const {
+  const std::optional<BudgetCurve> curve = find_curve(*session);
+  std::string why;
+  const std::optional<BudgetPoint> choice =
+      curve ? choose_samples(*curve, session->state.error_view.budget, &why) : std::nullopt;
+  const std::string setting = samples_setting(session->state.mode);
+  if (choice && find_setting(setting) != nullptr) session->state.settings.set(setting, choice->samples);
+}
+
+void WindowMeter::update_textures(const WindowSession& session) {
+  const EditorState& state = session.state;
+  textures_stale_ |= shown_tonemap_ != state.tonemap || shown_exposure_ev_ != state.exposure_ev;
+  if (!error_ || !reference_ || !textures_stale_ || state.error_view.show == ErrorView::Show::picture) return;
+  const float top = kHeatRange * static_cast<float>(std::max(error_->error, 1e-6));
+  Image heat = false_color_image(error_->map, FalseColorRange{0.0f, top});
+  for (int y = 0; y < heat.height; ++y)
+    for (int x = 0; x < heat.width; ++x)
+      if (error_->map.at(x, y) < 0.0f) heat.at(x, y, 3) = 0.0f;
+  heat_ = make_texture(heat, "error heat map", GL_NEAREST);
+  Image truth = reference_->halves[0];
+  for (std::size_t i = 0; i < truth.data.size(); ++i)
+    truth.data[i] = 0.5f * (truth.data[i] + reference_->halves[1].data[i]);
+  truth = tone_map(truth, state.exposure_ev, state.tonemap);
+  for (std::size_t i = 3; i < truth.data.size(); i += 4) truth.data[i] = 1.0f;
+  truth_ = make_texture(truth, "error reference", GL_LINEAR);
+  shown_tonemap_ = state.tonemap;
+  shown_exposure_ev_ = state.exposure_ev;
+  textures_stale_ = false;
+}
+
+void WindowMeter::draw_overlay(const WindowSession& session, const Rect& picture) {
+  const ErrorView& view = session.state.error_view;
+  if (!view.open || !error_ || !reference_ || view.show == ErrorView::Show::picture || !heat_ || picture.empty())
+    return;
+  const PixelGrid& grid = reference_->grid;
+  const float sx = picture.width / static_cast<float>(picture_width_);
+  const float sy = picture.height / static_cast<float>(picture_height_);
+  const ImVec2 low(picture.x + sx * static_cast<float>(grid.x), picture.y + sy * static_cast<float>(grid.y));
+  const ImVec2 high(low.x + sx * static_cast<float>(grid.width * grid.factor),
+                    low.y + sy * static_cast<float>(grid.height * grid.factor));
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  if (view.show == ErrorView::Show::heat) {
+    list->AddImage(texture_id(heat_), low, high, {0.0f, 0.0f}, {1.0f, 1.0f}, IM_COL32(255, 255, 255, 225));
+    return;
+  }
+  const float x = std::clamp(picture.x + view.wiper * picture.width, low.x, high.x);
+  const float u = (x - low.x) / std::max(high.x - low.x, 1.0f);
+  list->AddImage(texture_id(truth_), {x, low.y}, high, {u, 0.0f}, {1.0f, 1.0f});
+  list->AddLine({x, picture.y}, {x, picture.y + picture.height}, IM_COL32(255, 255, 255, 200), 2.0f);
+  const float y = picture.y + picture.height - 1.6f * ImGui::GetFontSize();
+  const auto label = [&](float at, const std::string& text) {
+    const ImVec2 size = ImGui::CalcTextSize(text.c_str());
+    list->AddRectFilled({at - 4.0f, y - 2.0f}, {at + size.x + 4.0f, y + size.y + 2.0f}, IM_COL32(0, 0, 0, 150), 3.0f);
+    list->AddText({at, y}, IM_COL32(255, 255, 255, 230), text.c_str());
+  };
+  label(x + 10.0f, "reference");
+  label(x - 10.0f - ImGui::CalcTextSize(session.state.mode.c_str()).x, session.state.mode);
+}
+
+}  // namespace maquette

@@ -35,12 +35,13 @@ void draw_meter(Ui& ui) {
   int reference = view.all_light ? 0 : 1;
   if (ImGui::Combo("##against", &reference, kReferences, 2)) view.all_light = reference == 0;
   mark_item(ui, "error/against");
-  row_label("Show", "Heat: where the error is. Wiper: the mode at the left, the reference at the right");
   const auto choice = [&](const char* label, ErrorView::Show show, const char* name) {
     if (ImGui::RadioButton(label, view.show == show)) view.show = show;
     mark_item(ui, name);
+    tooltip("Heat: where the error is. Wiper: the mode at the left, the reference at the right");
   };
   choice("picture", ErrorView::Show::picture, "error/picture");
+  ImGui::SameLine();
   choice("heat map", ErrorView::Show::heat, "error/heat");
   ImGui::SameLine();
   choice("wiper", ErrorView::Show::wiper, "error/wiper");

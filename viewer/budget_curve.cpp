@@ -18,7 +18,7 @@ constexpr int kVersion = 1;
 
 std::string percent(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2g %%", 100.0 * value);
+  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
   return text;
 }
 
@@ -52,7 +52,7 @@ std::optional<BudgetPoint> choose_samples(const BudgetCurve& curve, double budge
     const double share = std::log(a.error / budget) / std::log(a.error / b.error);
     const double samples = a.samples * std::pow(static_cast<double>(b.samples) / a.samples, share);
     // Rounded up, so that the budget is kept.
-    return BudgetPoint{std::min(static_cast<int>(std::ceil(samples)), b.samples),
+    return BudgetPoint{std::min(static_cast<int>(std::ceil(samples * (1.0 - 1e-9))), b.samples),
                        a.time_ms * std::pow(b.time_ms / a.time_ms, share), budget};
   }
   return best;

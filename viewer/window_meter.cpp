@@ -15,9 +15,9 @@ namespace maquette {
 
 namespace {
 
-constexpr double kJudge_s = 0.4;         // between two looks at the picture: reading it back costs
-constexpr double kLongFrame_ms = 700.0;  // the last frame of a measured curve
-constexpr float kHeatRange = 4.0f;       // the top of the scale, in mean errors
+constexpr double kJudge_s = 0.4;          // between two looks at the picture: reading it back costs
+constexpr double kLongFrame_ms = 1500.0;  // the last frame of a measured curve
+constexpr float kHeatRange = 4.0f;        // the top of the scale, in mean errors
 
 std::string samples_setting(const std::string& mode) { return mode + ".samples"; }
 
@@ -41,7 +41,7 @@ ImTextureID texture_id(const Texture& texture) {
 
 std::string percent(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2g %%", 100.0 * value);
+  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
   return text;
 }
 

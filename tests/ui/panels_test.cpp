@@ -172,6 +172,29 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   EXPECT_GE(shown, 4);
 }
 
+TEST(Panels, TheErrorTabMeasuresOnlyWhileInSight) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 900.0f);
+  editor.facts.scene = &scene;
+  editor.step(2);
+  EXPECT_FALSE(editor.state.error_view.open);
+  ASSERT_TRUE(editor.click("tab/Error"));
+  editor.step(2);
+  EXPECT_TRUE(editor.state.error_view.open);
+  EXPECT_FALSE(editor.frame.items.contains("error/apply")) << "nothing was measured";
+  ASSERT_TRUE(editor.click("error/measure"));
+  EXPECT_TRUE(editor.actions.measure_curve);
+  ASSERT_TRUE(editor.click("error/wiper"));
+  EXPECT_EQ(editor.state.error_view.show, ErrorView::Show::wiper);
+  editor.facts.meter.can_apply = true;
+  ASSERT_TRUE(editor.click("error/apply"));
+  EXPECT_TRUE(editor.actions.apply_budget);
+  expect_windows_apart(editor);
+  ASSERT_TRUE(editor.click("tab/Look"));
+  editor.step(2);
+  EXPECT_FALSE(editor.state.error_view.open);
+}
+
 TEST(Panels, OneByOneAndHugeWindowsDoNoHarm) {
   const Scene scene = small_scene();
   for (const auto& [width, height] : {std::pair{1.0f, 1.0f}, {7680.0f, 4320.0f}, {300.0f, 200.0f}}) {

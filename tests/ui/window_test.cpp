@@ -170,6 +170,30 @@ TEST_F(Window, AnErrorIsShownAndThePictureStays) {
   EXPECT_GT(test::contrast(after, middle), 0.5 * test::contrast(before, middle)) << "the last good picture stays";
 }
 
+TEST_F(Window, TheErrorTabShowsAFigureAndWhereItIs) {
+  const Scene scene = load_scene("builtin:sphere");
+  Controls controls(scene);
+  const Rect picture = controls.picture(), middle = middle_of(picture);
+  start({"builtin:sphere", "--samples", "4", "--env", "builtin:studio", "--mode", "splitsum"});
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const ScreenPicture before = settled(middle);
+  desktop_->click(controls.item("tab/Error"));
+  controls.state().right_tab = 3;
+  const Rect against = controls.item("error/against");
+  const Rect figure{against.x, against.y - 75.0f, against.width, 40.0f};
+  ASSERT_TRUE(wait_for_change(before, figure, 1.0)) << "the tab opens";
+  const ScreenPicture plain = settled(middle);
+  desktop_->click(controls.item("error/heat"));
+  EXPECT_TRUE(wait_for_change(plain, middle, 4.0)) << "the heat map covers the sphere once there is a reference";
+  desktop_->click(controls.item("error/picture"));
+  EXPECT_TRUE(desktop_->wait_until([&](const ScreenPicture& p) { return difference(plain, p, middle) < kSeen; },
+                                   kPatience_s))
+      << "and goes";
+  desktop_->input({"key", "ctrl+q"});
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  EXPECT_EQ(desktop_->errors(), "");
+}
+
 TEST_F(Window, ClosesByItselfWithAScreenshot) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("maquette-screenshot-" + std::to_string(::getpid()) + ".png");

@@ -39,6 +39,13 @@ std::string file_name(const std::string& text) {
   return name;
 }
 
+/// A picture for the page: the sky is shown, not transparent.
+Image shown(const Image& radiance, float exposure_ev, const std::string& tonemap) {
+  Image picture = tone_map(radiance, exposure_ev, tonemap);
+  for (std::size_t i = 3; picture.channels == 4 && i < picture.data.size(); i += 4) picture.data[i] = 1.0f;
+  return picture;
+}
+
 }  // namespace
 
 Conductor::Conductor(Studio* studio, Journal* journal, std::string folder, std::function<void(const std::string&)> say)
@@ -99,7 +106,7 @@ void Conductor::make_references(Report* report) {
     std::filesystem::create_directories(folder_ + "/pictures");
     report->cameras[c].reference_picture = "pictures/" + file_name(cameras_[c].name) + "-reference.png";
     save_png(folder_ + "/" + report->cameras[c].reference_picture,
-             tone_map(judge.picture, exposure_of_camera(cameras_[c].name), studio_->options().tonemap));
+             shown(judge.picture, exposure_of_camera(cameras_[c].name), studio_->options().tonemap));
   }
 }
 
@@ -246,7 +253,7 @@ void Conductor::write_pictures(const Image& radiance, const Image& flip_map, con
   point->picture = base + ".png";
   point->difference = base + "-flip.png";
   save_png(folder_ + "/" + point->picture,
-           tone_map(radiance, exposure_of_camera(point->camera), studio_->options().tonemap));
+           shown(radiance, exposure_of_camera(point->camera), studio_->options().tonemap));
   ErrorReport report;
   report.flip_map = flip_map;
   save_png(folder_ + "/" + point->difference, difference_picture(report, radiance, reference));

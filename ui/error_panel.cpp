@@ -28,8 +28,8 @@ void draw_figure(const MeterFacts& meter) {
 }
 
 void draw_meter(Ui& ui) {
+  // Controls first: they stay where they are when figures come and go.
   ErrorView& view = ui.state.error_view;
-  draw_figure(ui.facts.meter);
   row_label("Against", "All light: what the picture lacks of the truth. Direct light: what the mode claims to compute");
   static const char* const kReferences[] = {"all light", "direct light"};
   int reference = view.all_light ? 0 : 1;
@@ -51,6 +51,7 @@ void draw_meter(Ui& ui) {
     ImGui::SliderFloat("##wiper", &view.wiper, 0.0f, 1.0f, "");
     mark_item(ui, "error/wiper position");
   }
+  draw_figure(ui.facts.meter);
 }
 
 void draw_budget(Ui& ui) {

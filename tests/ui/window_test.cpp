@@ -179,15 +179,18 @@ TEST_F(Window, TheErrorTabShowsAFigureAndWhereItIs) {
   const ScreenPicture before = settled(middle);
   desktop_->click(controls.item("tab/Error"));
   controls.state().right_tab = 3;
-  const Rect against = controls.item("error/against");
-  const Rect figure{against.x, against.y - 75.0f, against.width, 40.0f};
-  ASSERT_TRUE(wait_for_change(before, figure, 1.0)) << "the tab opens";
+  const Rect heat = controls.item("error/heat");
+  const Rect figure{heat.x - 60.0f, heat.y + heat.height + 4.0f, 60.0f, 26.0f};
+  ASSERT_TRUE(wait_for_change(before, heat, 1.0)) << "the tab opens";
+  EXPECT_TRUE(
+      desktop_->wait_until([&](const ScreenPicture& p) { return test::contrast(p, figure) > 12.0; }, kPatience_s))
+      << "a figure appears";
   const ScreenPicture plain = settled(middle);
   desktop_->click(controls.item("error/heat"));
   EXPECT_TRUE(wait_for_change(plain, middle, 4.0)) << "the heat map covers the sphere once there is a reference";
   desktop_->click(controls.item("error/picture"));
-  EXPECT_TRUE(desktop_->wait_until([&](const ScreenPicture& p) { return difference(plain, p, middle) < kSeen; },
-                                   kPatience_s))
+  EXPECT_TRUE(
+      desktop_->wait_until([&](const ScreenPicture& p) { return difference(plain, p, middle) < kSeen; }, kPatience_s))
       << "and goes";
   desktop_->input({"key", "ctrl+q"});
   EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();

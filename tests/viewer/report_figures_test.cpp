@@ -186,6 +186,16 @@ TEST(ReportPage, HoldsEverythingItself) {
   EXPECT_NE(html.find("To an estimator error of"), std::string::npos);
 }
 
+TEST(ReportPage, ChartsFollowTheTheme) {
+  const std::string figure = chart_figure("<svg><g color=\"black\" stroke='rgb(  1,   2,   3)'/></svg>", "t");
+  const std::string expected =
+      "<svg><style>:root{color:#1d2127}@media (prefers-color-scheme:dark){:root{color:#e4e7eb}}</style><g "
+      "stroke='currentColor'/></svg>";
+  const TemporaryFolder folder;
+  std::ofstream(folder.file("f")) << expected;
+  EXPECT_NE(figure.find(*data_address(folder.file("f"), "image/svg+xml")), std::string::npos);
+}
+
 TEST(ReportPage, DataAddressesAreBase64) {
   const TemporaryFolder folder;
   for (const auto& [text, code] : {std::pair{"M", "TQ=="}, {"Ma", "TWE="}, {"Man", "TWFu"}}) {

@@ -73,7 +73,7 @@ void Conductor::run(Report* report) {
 
 void Conductor::list_techniques(Report* report) {
   const SceneOptions& options = studio_->options();
-  facts_ = compute_facts(*studio_->scene(), find_variant(*studio_->scene(), options.variant));
+  facts_ = compute_facts(studio_->overridden_scene(), find_variant(*studio_->scene(), options.variant));
   techniques_ = swept_techniques(facts_, options.settings);
   for (const SweptTechnique& technique : techniques_) {
     if (technique.refused) {

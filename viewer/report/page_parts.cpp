@@ -72,7 +72,7 @@ std::string error_text(double error, Metric metric) {
   if (metric == Metric::flip)
     std::snprintf(text, sizeof text, "%.3f", error);
   else
-    std::snprintf(text, sizeof text, error >= 1.0 ? "%.0f %%" : "%.2g %%", 100.0 * error);
+    std::snprintf(text, sizeof text, error >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * error);
   return text;
 }
 
@@ -88,6 +88,8 @@ std::string chart_figure(const std::string& svg, const std::string& title) {
   std::string themed = svg;
   for (const char* ink : {"rgb(  1,   2,   3)", "#010203", "rgb(1,2,3)"})
     themed = replace_all(themed, ink, "currentColor");
+  // gnuplot's groups name a colour of their own for currentColor.
+  for (const char* own : {" color=\"black\"", " color=\"gray\""}) themed = replace_all(themed, own, "");
   const std::size_t tag_end = themed.find('>', themed.find("<svg"));
   themed.insert(tag_end + 1,
                 "<style>:root{color:#1d2127}@media (prefers-color-scheme:dark){:root{color:#e4e7eb}}</style>");

@@ -23,6 +23,8 @@ class Studio {
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const std::shared_ptr<const Environment>& environment() const { return environment_; }
   Renderer& renderer() { return *renderer_; }
+  /// The scene with the materials of the options.
+  Scene overridden_scene() const;
   /// For rays; made when first asked for.
   const std::shared_ptr<const PathScene>& path_scene();
   /// Of scene, materials in use and environment.
@@ -33,8 +35,6 @@ class Studio {
   FrameRequest request(const SweptCamera& camera) const;
 
  private:
-  Scene overridden_scene() const;
-
   SceneOptions options_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Environment> environment_;

@@ -28,39 +28,60 @@ struct Sums {
   std::vector<double> wall_ratio, cpu_ratio, prediction, throughput, cpu_throughput;
   double least = 1e30;
   std::string least_at = "nowhere";
+  int bounds = 0;  ///< ratios that are only known to be no smaller
   bool all_reached = true;
 };
+
+/// Time to an error, or how long the mode was tried without reaching it.
+struct TimeTo {
+  double ms = 0.0;
+  bool reached = true;
+  std::string text() const { return (reached ? "" : "more than ") + number(ms) + " ms"; }
+};
+
+TimeTo time_or_bound(const Curve& curve, double error, bool cpu) {
+  if (const auto ms = time_to(curve, error, cpu)) return {*ms, true};
+  double longest = 0.0;
+  for (const SweepPoint& p : curve) longest = std::max(longest, p.time(cpu));
+  return {longest, false};
+}
 
 void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& bandwidth, Sums* sums,
                 Figures* figures) {
   for (const double error : {0.01, 0.02, 0.05, 0.1}) {
+    const std::string name = "equal quality, " + c.name + ", to " + percent(error);
     if (error < noise) {
-      figures->push_back(absent("equal quality, " + c.name + ", to " + percent(error), "",
-                                "the converged picture's own noise is " + percent(noise)));
+      figures->push_back(absent(name, "", "the converged picture's own noise is " + percent(noise)));
       if (error == 0.02) sums->all_reached = false;
       continue;
     }
-    const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
-    const auto uc = time_to(uniform, error, true), bc = time_to(bandwidth, error, true);
-    std::string text = "uniform " + (u ? number(*u) + " ms" : "not reached") + ", bandwidth " +
-                       (b ? number(*b) + " ms" : "not reached");
-    if (u && b) text += ": " + number(*u / *b) + " x (CPU " + number(*uc / *bc) + " x)";
-    figures->push_back(shown("equal quality, " + c.name + ", to " + percent(error), text));
+    // What uniform did not reach in the time it was given bounds the ratio from below.
+    const TimeTo u = time_or_bound(uniform, error, false), b = time_or_bound(bandwidth, error, false);
+    const TimeTo uc = time_or_bound(uniform, error, true), bc = time_or_bound(bandwidth, error, true);
+    std::string text = "uniform " + u.text() + ", bandwidth " + b.text();
+    if (b.reached)
+      text += std::string(": ") + (u.reached ? "" : "at least ") + number(u.ms / b.ms) + " x (CPU " +
+              number(uc.ms / bc.ms) + " x)";
+    figures->push_back(shown(name, text));
     if (error != 0.02) continue;
-    if (u && b) {
-      sums->wall_ratio.push_back(*u / *b);
-      sums->cpu_ratio.push_back(*uc / *bc);
-      if (const auto e = error_after(bandwidth, *u, false))
-        figures->push_back(shown("equal time, " + c.name + ", when uniform has 2 %", "bandwidth has " + percent(*e)));
+    if (b.reached) {
+      sums->wall_ratio.push_back(u.ms / b.ms);
+      sums->cpu_ratio.push_back(uc.ms / bc.ms);
+      sums->bounds += u.reached ? 0 : 1;
+    } else {
+      sums->all_reached = false;
     }
-    if (!b || !u) sums->all_reached = false;
+    if (const auto e = error_after(bandwidth, u.ms, false))
+      figures->push_back(shown("equal time, " + c.name + ", when uniform has " +
+                                   (u.reached ? "2 %" : percent(error_after(uniform, u.ms, false).value_or(0.0))),
+                               "bandwidth has " + percent(*e)));
     const SweepPoint& p = nearest(bandwidth, error);
     sums->prediction.push_back(p.prediction_ms / std::max(p.frame_ms, 1e-9));
   }
   for (const double error : {0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1}) {
     if (error < noise) continue;
-    const auto u = time_to(uniform, error, false), b = time_to(bandwidth, error, false);
-    const double ratio = !u ? 1e30 : !b ? 0.0 : *u / *b;
+    const TimeTo u = time_or_bound(uniform, error, true), b = time_or_bound(bandwidth, error, true);
+    const double ratio = b.reached ? u.ms / b.ms : u.reached ? 0.0 : 1e30;
     if (ratio < sums->least) {
       sums->least = ratio;
       sums->least_at = c.name + " at " + percent(error);
@@ -70,7 +91,7 @@ void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& 
       *std::max_element(uniform.begin(), uniform.end(),
                         [](const SweepPoint& a, const SweepPoint& b) { return a.shading_samples < b.shading_samples; });
   sums->throughput.push_back(longest.shading_samples / longest.frame_ms * 1e-3);
-  sums->cpu_throughput.push_back(longest.shading_samples * longest.frames / (0.5 * longest.cpu_ms) * 1e-3);
+  sums->cpu_throughput.push_back(longest.shading_samples / (0.5 * longest.cpu_ms) * 1e-3);
 }
 
 }  // namespace
@@ -90,10 +111,12 @@ Figures measure_equal_quality(Stage& stage) {
   if (sums.throughput.empty()) return figures;
   const double ratio = geometric_mean(sums.wall_ratio);
   const std::string count = std::to_string(sums.wall_ratio.size()) + " cases";
-  figures.push_back(judged(
-      "equal quality, time of uniform over bandwidth to 2 %", ">= 3 (aim 5)",
-      number(ratio) + " x (geometric mean of " + count + "; CPU time " + number(geometric_mean(sums.cpu_ratio)) + " x)",
-      ratio >= 3.0 && sums.all_reached));
+  figures.push_back(judged("equal quality, time of uniform over bandwidth to 2 %", ">= 3 (aim 5)",
+                           (sums.bounds > 0 ? "at least " : "") + number(ratio) + " x (geometric mean of " + count +
+                               ", " + std::to_string(sums.bounds) +
+                               " of them bounds because uniform did not get there; CPU time " +
+                               number(geometric_mean(sums.cpu_ratio)) + " x)",
+                           ratio >= 3.0 && sums.all_reached));
   figures.push_back(judged("equal quality, worst between 1 % and 10 %", ">= 0.9",
                            number(sums.least) + " x, " + sums.least_at, sums.least >= 0.9));
   const double least_rate = *std::min_element(sums.throughput.begin(), sums.throughput.end());

@@ -31,13 +31,19 @@ double interpolate_log(double x, double x0, double x1, double y0, double y1) {
 struct Trial {
   Clock time;
   double error = 0.0;
-  FrameStats stats;
+  FrameStats stats;                            ///< of the last frame, shading_samples of all
+  double prediction_ms = 0.0, frame_ms = 0.0;  ///< of all frames
 };
 
 double pass_ms(const FrameStats& stats, const std::string& name) {
   for (const PassTime& p : stats.passes)
     if (p.name == name) return p.ms;
   return 0.0;
+}
+
+void add_frame(const FrameStats& stats, Trial* trial) {
+  trial->prediction_ms += pass_ms(stats, "bandwidth") + pass_ms(stats, "pyramid") + pass_ms(stats, "measure");
+  trial->frame_ms += stats.frame_ms;
 }
 
 SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) {
@@ -50,8 +56,8 @@ SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) 
     wall.push_back(t.time.wall_ms);
     cpu.push_back(t.time.cpu_ms);
     shade.push_back(pass_ms(t.stats, "shade"));
-    prediction.push_back(pass_ms(t.stats, "bandwidth") + pass_ms(t.stats, "pyramid"));
-    frame.push_back(t.stats.frame_ms);
+    prediction.push_back(t.prediction_ms);
+    frame.push_back(t.frame_ms);
     square += t.error * t.error;
   }
   p.wall_ms = test::median(wall);
@@ -84,6 +90,7 @@ Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_
   const Clock begin = now();
   trial.stats = renderer.render(whole_frame(stage, mode, samples, seed));
   trial.time = now() - begin;
+  add_frame(trial.stats, &trial);
   trial.error = error_against(renderer.read_radiance(), reference);
   return trial;
 }
@@ -105,6 +112,7 @@ Curve accumulate(Stage& stage, const std::string& mode, double until, const Refe
       const std::size_t samples = trial.stats.shading_samples + stats.shading_samples;
       trial.stats = stats;
       trial.stats.shading_samples = samples;
+      add_frame(stats, &trial);
       if ((frame & (frame - 1)) != 0) continue;
       trial.error = error_against(renderer.read_radiance(), reference);
       if (trials.size() <= static_cast<std::size_t>(k)) trials.emplace_back();

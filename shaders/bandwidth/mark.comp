@@ -108,8 +108,8 @@ float new_deviation(ivec2 pixel, int level, float predicted) {
   return sum.y > 0.0 ? max(sum.x / sum.y, 0.5 * predicted) : predicted;
 }
 
-/// What a point starts with at least: enough to see whether it deviates.
-const float kFirstItems = 4.0;
+/// Samples that a point starts with at least.
+const float kFirstSamples = 64.0;
 
 /// Items that a point still needs to have its share of all samples so far (Neyman: in proportion to its measured deviation).
 uvec3 refine(ivec2 pixel, int level, float predicted) {
@@ -117,7 +117,7 @@ uvec3 refine(ivec2 pixel, int level, float predicted) {
   float d = have > 0.0 ? texelFetch(t_deviation, pixel, 0).x : new_deviation(pixel, level, predicted);
   float wanted = u_items_per_deviation * block_share(level) * (d + u_least_deviation);
   float items = floor((wanted - have) * u_sample_scale + 0.5);
-  return uvec3(1u, uint(level), uint(clamp(items, have > 0.0 ? 0.0 : kFirstItems, 4096.0)));
+  return uvec3(1u, uint(level), uint(clamp(items, have > 0.0 ? 0.0 : max(kFirstSamples / float(u_frame.sampling.y), 1.0), 4096.0)));
 }
 #endif
 

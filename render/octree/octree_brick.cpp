@@ -1,0 +1,213 @@
+#include "render/octree/octree_brick.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "render/octree/octree_shared.h"
+
+namespace maquette {
+
+namespace {
+
+/// A sum of normals shorter than this share of the area: sheets seen from both sides, which cancel.
+constexpr double kCancelled = 0.25;
+/// Less of the surface than this is not cut out: the cell counts as a hole.
+constexpr double kMinOpacity = 0.25;
+
+glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& fallback) {
+  const double length = glm::length(v);
+  return length > 1e-12 ? v / length : fallback;
+}
+
+/// How far fragments reach from the plane through `point` with unit normal `n`.
+double deviation_from_plane(std::span<const OctreeFragment> fragments, const glm::dvec3& n, const glm::dvec3& point) {
+  double largest = 0.0;
+  for (const OctreeFragment& f : fragments) {
+    const double c = glm::dot(n, glm::dvec3(f.geometric));
+    const double reach = f.radius * std::sqrt(std::max(1.0 - c * c, 0.0));
+    largest = std::max(largest, std::abs(glm::dot(n, glm::dvec3(f.centroid) - point)) + reach);
+  }
+  return largest;
+}
+
+OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
+  OctreeSums sums;
+  glm::dvec3 geometric(0.0);
+  double all = 0.0;
+  const OctreeFragment* largest = fragments.data();
+  std::vector<std::pair<std::uint32_t, double>> materials;
+  for (const OctreeFragment& f : fragments) {
+    const double area = static_cast<double>(f.area) * static_cast<double>(f.opacity);
+    all += static_cast<double>(f.area);
+    sums.area += area;
+    sums.normal += area * glm::dvec3(f.normal);
+    geometric += area * glm::dvec3(f.geometric);
+    sums.centroid += area * glm::dvec3(f.centroid);
+    sums.color += area * glm::dvec3(f.color);
+    if (f.area > largest->area) largest = &f;
+    const auto found = std::find_if(materials.begin(), materials.end(), [&](auto& m) { return m.first == f.material; });
+    if (found == materials.end())
+      materials.emplace_back(f.material, area);
+    else
+      found->second += area;
+  }
+  if (sums.area < kMinOpacity * all || sums.area <= 0.0) return {};
+  for (const auto& [id, amount] : materials) sums.add_material(id, amount);
+  if (glm::length(sums.normal) < kCancelled * sums.area) {
+    // Both sides of a thin sheet: the larger piece says which way is up, the viewer's side is found at the hit.
+    sums.normal = geometric = glm::dvec3(0.0);
+    for (const OctreeFragment& f : fragments) {
+      const double area = static_cast<double>(f.area) * static_cast<double>(f.opacity);
+      sums.normal += (glm::dot(f.normal, largest->normal) < 0.0f ? -area : area) * glm::dvec3(f.normal);
+      geometric += (glm::dot(f.geometric, largest->geometric) < 0.0f ? -area : area) * glm::dvec3(f.geometric);
+    }
+  }
+  const glm::dvec3 point = sums.centroid / sums.area;
+  sums.deviation = deviation_from_plane(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), point) / cell;
+  if (sums.deviation > shared::kOctreePlanar) {
+    const glm::dvec3 n = unit_or(geometric, glm::dvec3(largest->geometric));
+    const double other = deviation_from_plane(fragments, n, point) / cell;
+    if (other <= shared::kOctreePlanar) {
+      sums.deviation = other;
+      sums.normal = n * sums.area;
+    }
+  }
+  return sums;
+}
+
+struct BrickNode {
+  std::uint32_t code = 0;  ///< Morton code, at the node's own level
+  std::uint8_t mask = 0;
+  OctreeSums sums;
+};
+
+glm::dvec3 decode_morton(std::uint32_t code) {
+  glm::ivec3 p(0);
+  for (int bit = 0; bit < 10; ++bit)
+    for (int axis = 0; axis < 3; ++axis) p[axis] |= static_cast<int>(code >> (3 * bit + axis) & 1u) << bit;
+  return glm::dvec3(p);
+}
+
+/// Nodes of one level from those of the next, both in Morton order; `leaves` of this level are merged in.
+std::vector<BrickNode> join_level(const std::vector<BrickNode>& children, std::vector<BrickNode> leaves,
+                                  double child_cell) {
+  std::vector<BrickNode> nodes;
+  std::size_t leaf = 0;
+  for (std::size_t first = 0; first < children.size();) {
+    const std::uint32_t code = children[first].code >> 3;
+    while (leaf < leaves.size() && leaves[leaf].code < code) nodes.push_back(std::move(leaves[leaf++]));
+    std::array<const OctreeSums*, 8> parts{};
+    BrickNode node;
+    node.code = code;
+    std::size_t end = first;
+    for (; end < children.size() && children[end].code >> 3 == code; ++end) {
+      parts[children[end].code & 7u] = &children[end].sums;
+      node.mask = static_cast<std::uint8_t>(node.mask | 1u << (children[end].code & 7u));
+    }
+    node.sums = join_children(parts, child_cell);
+    nodes.push_back(std::move(node));
+    first = end;
+  }
+  while (leaf < leaves.size()) nodes.push_back(std::move(leaves[leaf++]));
+  return nodes;
+}
+
+}  // namespace
+
+void OctreeSums::add_material(std::uint32_t id, double amount) {
+  std::size_t smallest = 0;
+  for (std::size_t k = 0; k < kMaterials; ++k) {
+    if (material_area[k] > 0.0 && material[k] == id) {
+      material_area[k] += amount;
+      return;
+    }
+    if (material_area[k] < material_area[smallest]) smallest = k;
+  }
+  if (amount <= material_area[smallest]) return;
+  material_area[smallest] = amount;
+  material[smallest] = id;
+}
+
+OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, double child_cell) {
+  OctreeSums sums;
+  const OctreeSums* largest = nullptr;
+  for (const OctreeSums* child : children) {
+    if (!child) continue;
+    sums.area += child->area;
+    sums.normal += child->normal;
+    sums.centroid += child->centroid;
+    sums.color += child->color;
+    for (std::size_t k = 0; k < OctreeSums::kMaterials; ++k)
+      if (child->material_area[k] > 0.0) sums.add_material(child->material[k], child->material_area[k]);
+    if (!largest || child->area > largest->area) largest = child;
+  }
+  if (!largest) return sums;
+  if (glm::length(sums.normal) < kCancelled * sums.area) {
+    sums.normal = glm::dvec3(0.0);
+    for (const OctreeSums* child : children)
+      if (child) sums.normal += glm::dot(child->normal, largest->normal) < 0.0 ? -child->normal : child->normal;
+  }
+  const glm::dvec3 n = unit_or(sums.normal, glm::dvec3(0.0, 1.0, 0.0)), point = sums.centroid / sums.area;
+  for (const OctreeSums* child : children) {
+    if (!child) continue;
+    const double c = glm::dot(n, unit_or(child->normal, n));
+    // Half the diagonal of a cell bounds its surface's reach along a tilted plane.
+    const double reach = (0.87 * std::sqrt(std::max(1.0 - c * c, 0.0)) + child->deviation) * child_cell;
+    sums.deviation = std::max(sums.deviation, std::abs(glm::dot(n, child->centroid / child->area - point)) + reach);
+  }
+  sums.deviation /= 2.0 * child_cell;
+  return sums;
+}
+
+OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double cell) {
+  const auto largest = std::max_element(sums.material_area.begin(), sums.material_area.end());
+  const auto material = sums.material[static_cast<std::size_t>(largest - sums.material_area.begin())];
+  const glm::dvec3 n = unit_or(sums.normal, glm::dvec3(0.0, 1.0, 0.0));
+  const glm::dvec3 point = (sums.centroid / sums.area - lower) / cell - 0.5;
+  const bool planar = sums.deviation <= shared::kOctreePlanar;
+  OctreeWords words;
+  words.plane = shared::octree_pack_plane(glm::vec3(n), glm::vec3(point), planar);
+  const double coverage = std::min(sums.area / (cell * cell), 1.0);
+  words.color = shared::octree_pack_color(static_cast<int>(material), static_cast<float>(coverage),
+                                          glm::vec3(sums.color / sums.area));
+  return words;
+}
+
+OctreeBrick build_brick(std::vector<OctreeFragment>* fragments, int levels) {
+  OctreeBrick brick;
+  std::vector<OctreeFragment>& all = *fragments;
+  std::sort(all.begin(), all.end(), [](const OctreeFragment& a, const OctreeFragment& b) { return a.code < b.code; });
+  std::vector<std::vector<BrickNode>> leaves(static_cast<std::size_t>(levels) + 1);
+  for (std::size_t first = 0; first < all.size();) {
+    std::size_t end = first + 1;
+    while (end < all.size() && all[end].code == all[first].code) ++end;
+    const int level = all[first].level;
+    BrickNode node;
+    node.code = all[first].code >> (3 * (levels - level));
+    node.sums = sum_leaf(std::span(all).subspan(first, end - first), std::exp2(levels - level));
+    if (node.sums.area > 0.0) leaves[static_cast<std::size_t>(level)].push_back(std::move(node));
+    first = end;
+  }
+  std::vector<std::vector<BrickNode>> nodes(leaves.size());
+  nodes.back() = std::move(leaves.back());
+  for (int level = levels - 1; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    nodes[l] = join_level(nodes[l + 1], std::move(leaves[l]), std::exp2(levels - level - 1));
+  }
+  if (nodes[0].empty()) return brick;
+  for (int level = 0; level <= levels; ++level) {
+    const double cell = std::exp2(levels - level);
+    const auto& of_level = nodes[static_cast<std::size_t>(level)];
+    brick.counts.push_back(static_cast<std::uint32_t>(of_level.size()));
+    for (const BrickNode& node : of_level) {
+      brick.masks.push_back(node.mask);
+      brick.words.push_back(pack_node(node.sums, decode_morton(node.code) * cell, cell));
+    }
+  }
+  brick.sums = nodes[0][0].sums;
+  return brick;
+}
+
+}  // namespace maquette

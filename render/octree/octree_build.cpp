@@ -1,0 +1,397 @@
+#include "render/octree/octree_build.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <span>
+
+#include "render/octree/octree_clip.h"
+#include "render/octree/octree_triangles.h"
+#include "scenes/error.h"
+#include "scenes/files.h"
+
+namespace maquette {
+
+namespace {
+
+std::uint32_t encode_morton(const glm::ivec3& p) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 10; ++bit)
+    for (int axis = 0; axis < 3; ++axis) code |= (static_cast<std::uint32_t>(p[axis]) >> bit & 1u) << (3 * bit + axis);
+  return code;
+}
+
+glm::ivec3 decode_morton(std::uint32_t code) {
+  glm::ivec3 p(0);
+  for (int bit = 0; bit < 10; ++bit)
+    for (int axis = 0; axis < 3; ++axis) p[axis] |= static_cast<int>(code >> (3 * bit + axis) & 1u) << bit;
+  return p;
+}
+
+struct Triangle {
+  std::uint32_t first_index = 0, item = 0;
+};
+
+/// Triangles by the bricks that their bounds touch.
+struct Bins {
+  std::vector<std::uint32_t> begin;  ///< by Morton code
+  std::vector<Triangle> triangles;
+};
+
+class Builder {
+ public:
+  Builder(const OctreeSource& source, const OctreeGrid& grid)
+      : source_(source),
+        grid_(grid),
+        cells_per_m_(std::exp2(grid.depth) / grid.side_m),
+        levels_(grid.depth - grid.brick_level) {
+    for (const Bounds& box : grid.fine) {
+      fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
+                       glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
+    }
+    const double setup[] = {grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
+    setup_ =
+        content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(64 * grid.depth + grid.rest_depth));
+    setup_ = content_hash(std::as_bytes(std::span(fine_)), setup_);
+  }
+
+  Bins bin() const {
+    const int side = 1 << grid_.brick_level;
+    Bins bins;
+    std::vector<std::uint32_t> counts(std::size_t{1} << 3 * grid_.brick_level, 0u);
+    const auto each_brick = [&](std::size_t first, auto&& take) {
+      glm::ivec3 low(side), high(-1);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const glm::ivec3 p(glm::floor(to_cells(source_.geometry.indices[first + k]) / std::exp2(levels_)));
+        low = glm::min(low, p);
+        high = glm::max(high, p);
+      }
+      low = glm::clamp(low, 0, side - 1);
+      high = glm::clamp(high, 0, side - 1);
+      for (int z = low.z; z <= high.z; ++z)
+        for (int y = low.y; y <= high.y; ++y)
+          for (int x = low.x; x <= high.x; ++x) take(encode_morton({x, y, z}));
+    };
+    for_each_triangle(source_, [&](std::size_t first, std::size_t) {
+      each_brick(first, [&](std::uint32_t brick) { ++counts[brick]; });
+    });
+    bins.begin.assign(counts.size() + 1, 0u);
+    for (std::size_t b = 0; b < counts.size(); ++b) bins.begin[b + 1] = bins.begin[b] + counts[b];
+    bins.triangles.resize(bins.begin.back());
+    std::vector<std::uint32_t> next(bins.begin.begin(), bins.begin.end() - 1);
+    for_each_triangle(source_, [&](std::size_t first, std::size_t item) {
+      each_brick(first, [&](std::uint32_t brick) {
+        bins.triangles[next[brick]++] = {static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(item)};
+      });
+    });
+    return bins;
+  }
+
+  /// Of all that the brick is made from.
+  std::uint64_t key(std::span<const Triangle> triangles) const {
+    std::vector<float> data;
+    const FlatGeometry& g = source_.geometry;
+    std::uint64_t hash = setup_;
+    for (const Triangle& t : triangles) {
+      const int material = source_.materials[t.item];
+      const bool textured = source_.paint.textured(material);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = g.indices[t.first_index + k];
+        const glm::vec4& c = g.colors[v];
+        data.insert(data.end(), {g.positions[v].x, g.positions[v].y, g.positions[v].z, g.normals[v].x, g.normals[v].y,
+                                 g.normals[v].z, c.r, c.g, c.b, c.a});
+        if (!textured) continue;
+        const glm::vec2 uv = source_.paint.uv_set(material) == 1 ? g.uv1[v] : g.uv0[v];
+        data.insert(data.end(), {uv.x, uv.y});
+      }
+      const std::uint64_t words[] = {static_cast<std::uint64_t>(material), source_.paint.content(material)};
+      float both[4];
+      std::memcpy(both, words, sizeof both);
+      data.insert(data.end(), both, both + 4);
+      if (data.size() > 65536) {
+        hash = content_hash(std::as_bytes(std::span(data)), hash);
+        data.clear();
+      }
+    }
+    return content_hash(std::as_bytes(std::span(data)), hash);
+  }
+
+  OctreeBrick build(std::uint32_t code, std::span<const Triangle> triangles) const {
+    std::vector<OctreeFragment> fragments;
+    const glm::ivec3 lower = decode_morton(code) << levels_;
+    const CellClipper::IsLeaf is_leaf = [&](const glm::ivec3& at, int level) { return this->is_leaf(at, level); };
+    Triangle current;
+    const std::function<void(const CellClipper::Piece&)> emit = [&](const CellClipper::Piece& piece) {
+      fragments.push_back(make_fragment(piece, lower, current));
+    };
+    const CellClipper clipper(grid_.depth, is_leaf, emit);
+    for (const Triangle& t : triangles) {
+      current = t;
+      ClipPolygon polygon;
+      polygon.count = 3;
+      for (std::size_t k = 0; k < 3; ++k) polygon.corners[k] = to_cells(source_.geometry.indices[t.first_index + k]);
+      clipper.clip(polygon, lower, grid_.brick_level);
+    }
+    return build_brick(&fragments, levels_);
+  }
+
+ private:
+  glm::dvec3 to_cells(std::uint32_t vertex) const {
+    return (glm::dvec3(source_.geometry.positions[vertex]) - grid_.corner) * cells_per_m_;
+  }
+
+  bool is_leaf(const glm::ivec3& lower, int level) const {
+    if (level == grid_.depth) return true;
+    if (level < grid_.rest_depth || fine_.empty()) return false;
+    const glm::vec3 low(lower), high(lower + (1 << (grid_.depth - level)));
+    return std::none_of(fine_.begin(), fine_.end(), [&](const Box& box) {
+      return glm::all(glm::lessThanEqual(box.low, high)) && glm::all(glm::greaterThanEqual(box.high, low));
+    });
+  }
+
+  OctreeFragment make_fragment(const CellClipper::Piece& piece, const glm::ivec3& brick_lower,
+                               const Triangle& triangle) const {
+    const FlatGeometry& g = source_.geometry;
+    OctreeFragment f;
+    f.code = encode_morton(piece.lower - brick_lower);
+    f.level = piece.level - grid_.brick_level;
+    const int material = source_.materials[triangle.item];
+    f.material = static_cast<std::uint32_t>(material);
+    const glm::dvec3 area = polygon_area_vector(*piece.polygon), centroid = polygon_centroid(*piece.polygon);
+    f.area = static_cast<float>(glm::length(area));
+    f.centroid = glm::vec3(centroid - glm::dvec3(brick_lower));
+    double radius = 0.0;
+    for (int i = 0; i < piece.polygon->count; ++i)
+      radius = std::max(radius, glm::length(piece.polygon->corners[i] - centroid));
+    f.radius = static_cast<float>(radius);
+    std::uint32_t v[3];
+    glm::dvec3 p[3];
+    for (std::size_t k = 0; k < 3; ++k) p[k] = to_cells(v[k] = g.indices[triangle.first_index + k]);
+    const glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const double square = glm::dot(normal, normal);
+    f.geometric = glm::vec3(normal / std::sqrt(square));
+    const double b1 = glm::dot(glm::cross(centroid - p[0], p[2] - p[0]), normal) / square;
+    const double b2 = glm::dot(glm::cross(p[1] - p[0], centroid - p[0]), normal) / square;
+    const float w[3] = {static_cast<float>(1.0 - b1 - b2), static_cast<float>(b1), static_cast<float>(b2)};
+    const auto blend = [&](const auto& values) {
+      return w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
+    };
+    const glm::vec3 smooth = blend(g.normals);
+    const float length = glm::length(smooth);
+    f.normal = length > 1e-6f ? smooth / length : f.geometric;
+    const glm::vec4 vertex_color = blend(g.colors);
+    f.color = glm::vec3(vertex_color);
+    if (source_.paint.textured(material)) {
+      const auto& uvs = source_.paint.uv_set(material) == 1 ? g.uv1 : g.uv0;
+      const glm::vec2 e1 = uvs[v[1]] - uvs[v[0]], e2 = uvs[v[2]] - uvs[v[0]];
+      const float uv_area = std::abs(e1.x * e2.y - e1.y * e2.x);
+      const float span = std::sqrt(uv_area * f.area / static_cast<float>(std::sqrt(square)));
+      const glm::vec4 texel = source_.paint.mean_color(material, blend(uvs), span);
+      f.color *= glm::vec3(texel);
+      if (source_.paint.cut_out(material)) {
+        const float alpha = source_.paint.alpha_factor(material) * texel.a * vertex_color.a;
+        f.opacity = alpha < source_.paint.cutoff(material) ? 0.0f : 1.0f;
+      }
+    }
+    return f;
+  }
+
+  struct Box {
+    glm::vec3 low, high;
+  };
+  const OctreeSource& source_;
+  const OctreeGrid& grid_;
+  double cells_per_m_;
+  int levels_ = 0;
+  std::vector<Box> fine_;
+  std::uint64_t setup_ = 0;
+};
+
+/// Counts nodes of every level while bricks come in, so that a refusal can name the depth that fits.
+class NodeBudget {
+ public:
+  explicit NodeBudget(std::size_t max_nodes) : max_nodes_(max_nodes) {}
+  /// True while all nodes so far fit. Callers hold a lock.
+  bool add(const OctreeBrick& brick) {
+    for (std::size_t l = 0; l < brick.counts.size(); ++l) {
+      levels_[l] += brick.counts[l];
+      total_ += brick.counts[l];
+    }
+    return total_ <= max_nodes_;
+  }
+  /// `outer`: levels of the grid above those that the setting counts.
+  void check(const OctreeGrid& grid, int outer) const {
+    if (total_ <= max_nodes_) return;
+    std::size_t sum = 0;
+    int fits = grid.brick_level - outer;
+    for (int level = grid.brick_level; level <= grid.depth; ++level) {
+      sum += levels_[static_cast<std::size_t>(level - grid.brick_level)];
+      if (sum <= max_nodes_) fits = level - outer;
+    }
+    throw Error("octree.depth",
+                std::to_string(grid.depth - outer) + " levels of this scene are " + std::to_string(total_) +
+                    " nodes; a storage buffer takes " + std::to_string(max_nodes_),
+                "depth " + std::to_string(fits) + " fits: --set octree.depth=" + std::to_string(fits));
+  }
+
+ private:
+  std::size_t max_nodes_;
+  std::array<std::size_t, kOctreeMaxLevels + 1> levels_{};
+  std::size_t total_ = 0;
+};
+
+void check_materials(const OctreeSource& source) {
+  for (std::size_t i = 0; i < source.materials.size(); ++i) {
+    if (!source.transmits[i] && source.materials[i] > kOctreeMaxMaterials)
+      throw Error("octree", "a cell names " + std::to_string(kOctreeMaxMaterials + 1) + " materials at most",
+                  "merge equal materials of the file");
+  }
+}
+
+const OctreeBricks::Entry* find_entry(const OctreeBricks* bricks, std::uint32_t code) {
+  if (!bricks) return nullptr;
+  const auto found = bricks->bricks.find(code);
+  return found == bricks->bricks.end() ? nullptr : &found->second;
+}
+
+}  // namespace
+
+std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, const OctreeOptions& options,
+                                                const OctreeBricks* before, const OctreeProgress& progress) {
+  check_materials(source);
+  OctreeBricks out;
+  out.grid = choose_octree_grid(source, options, before ? &before->grid : nullptr);
+  if (out.grid.side_m <= 0.0) return out;
+  const Builder builder(source, out.grid);
+  const Bins bins = builder.bin();
+  const std::size_t count = bins.begin.size() - 1;
+  std::vector<OctreeBricks::Entry> entries(count);
+  NodeBudget budget(options.max_nodes);
+  std::mutex mutex;
+  std::size_t done = 0;
+  bool fits = true;
+  const auto cancelled = [&] { return progress.cancel && *progress.cancel; };
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+    const std::span<const Triangle> triangles(bins.triangles.data() + bins.begin[b], bins.begin[b + 1] - bins.begin[b]);
+    if (cancelled() || triangles.empty()) return;
+    OctreeBricks::Entry entry;
+    entry.key = builder.key(triangles);
+    const OctreeBricks::Entry* old = find_entry(before, static_cast<std::uint32_t>(b));
+    const bool reuse = old && old->key == entry.key;
+    entry.brick = reuse ? old->brick : builder.build(static_cast<std::uint32_t>(b), triangles);
+    const std::lock_guard lock(mutex);
+    out.reused += reuse;
+    if (!reuse && progress.finished) progress.finished(static_cast<std::uint32_t>(b), entry);
+    fits = budget.add(entry.brick) && fits;
+    if (fits) entries[b] = std::move(entry);
+    done += triangles.size();
+    if (progress.report) progress.report(static_cast<double>(done) / static_cast<double>(bins.triangles.size()));
+  });
+  if (cancelled()) return std::nullopt;
+  budget.check(out.grid, out.grid.depth - options.depth);
+  for (std::size_t b = 0; b < count; ++b)
+    if (entries[b].key != 0) out.bricks.emplace(static_cast<std::uint32_t>(b), std::move(entries[b]));
+  return out;
+}
+
+namespace {
+
+/// Masks, words and sums of one level above the bricks.
+struct TopNode {
+  std::uint32_t code = 0;
+  std::uint8_t mask = 0;
+  OctreeSums sums;  ///< in finest cells from the node's own lower corner
+};
+
+glm::dvec3 child_offset(std::uint32_t octant, double cell) {
+  return cell * glm::dvec3(octant & 1u, octant >> 1 & 1u, octant >> 2);
+}
+
+std::vector<TopNode> join_top(const std::vector<TopNode>& children, double child_cell) {
+  std::vector<TopNode> nodes;
+  for (std::size_t first = 0; first < children.size();) {
+    TopNode node;
+    node.code = children[first].code >> 3;
+    std::array<OctreeSums, 8> moved;
+    std::array<const OctreeSums*, 8> parts{};
+    for (; first < children.size() && children[first].code >> 3 == node.code; ++first) {
+      const std::uint32_t octant = children[first].code & 7u;
+      moved[octant] = children[first].sums;
+      moved[octant].centroid += moved[octant].area * child_offset(octant, child_cell);
+      parts[octant] = &moved[octant];
+      node.mask = static_cast<std::uint8_t>(node.mask | 1u << octant);
+    }
+    node.sums = join_children(parts, child_cell);
+    nodes.push_back(std::move(node));
+  }
+  return nodes;
+}
+
+}  // namespace
+
+Octree assemble_octree(const OctreeBricks& bricks) {
+  const OctreeGrid& grid = bricks.grid;
+  Octree octree;
+  octree.depth = grid.depth;
+  octree.corner = glm::vec3(grid.corner);
+  octree.side_m = static_cast<float>(grid.side_m);
+  std::vector<const OctreeBrick*> filled;
+  std::vector<std::vector<TopNode>> top(static_cast<std::size_t>(grid.brick_level) + 1);
+  for (const auto& [code, entry] : bricks.bricks) {
+    if (entry.brick.counts.empty()) continue;
+    filled.push_back(&entry.brick);
+    top.back().push_back({code, entry.brick.masks[0], entry.brick.sums});
+  }
+  if (filled.empty()) return octree;
+  for (int level = grid.brick_level - 1; level >= 0; --level) {
+    const auto l = static_cast<std::size_t>(level);
+    top[l] = join_top(top[l + 1], std::exp2(grid.depth - level - 1));
+  }
+  const auto levels = static_cast<std::size_t>(grid.depth);
+  const auto brick_level = static_cast<std::size_t>(grid.brick_level);
+  std::uint32_t total = 0;
+  for (std::size_t level = 0; level <= levels; ++level) {
+    octree.level_begin[level] = total;
+    if (level < brick_level)
+      total += static_cast<std::uint32_t>(top[level].size());
+    else
+      for (const OctreeBrick* brick : filled) total += brick->counts[level - brick_level];
+  }
+  octree.level_begin[levels + 1] = total;
+  octree.words.reserve(total);
+  octree.colors.reserve(total);
+  octree.planes.reserve(octree.level_begin[levels]);
+  std::vector<std::size_t> next(filled.size(), 0);  // node of each brick that comes next
+  for (std::size_t level = 0; level <= levels; ++level) {
+    std::uint32_t child = octree.level_begin[level + 1];
+    const auto add = [&](std::uint32_t mask, const OctreeWords& words) {
+      octree.colors.push_back(words.color);
+      if (level == levels) {
+        octree.words.push_back(words.plane);
+        return;
+      }
+      octree.planes.push_back(words.plane);
+      octree.words.push_back(mask << 24 | child);
+      child += static_cast<std::uint32_t>(std::popcount(mask));
+    };
+    if (level < brick_level) {
+      const double cell = std::exp2(grid.depth - static_cast<int>(level));
+      for (const TopNode& node : top[level]) add(node.mask, pack_node(node.sums, glm::dvec3(0.0), cell));
+      continue;
+    }
+    for (std::size_t b = 0; b < filled.size(); ++b)
+      for (std::uint32_t k = 0; k < filled[b]->counts[level - brick_level]; ++k, ++next[b])
+        add(filled[b]->masks[next[b]], filled[b]->words[next[b]]);
+  }
+  return octree;
+}
+
+Octree build_octree(const OctreeSource& source, const OctreeOptions& options) {
+  return assemble_octree(*build_octree_bricks(source, options, nullptr, {}));
+}
+
+}  // namespace maquette

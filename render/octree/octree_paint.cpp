@@ -1,0 +1,134 @@
+#include "render/octree/octree_paint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <span>
+
+#include "scenes/files.h"
+
+namespace maquette {
+
+namespace {
+
+/// Cells are millimetres wide: finer texels than these are averaged when the chain is made.
+constexpr int kMaxSide = 512;
+
+float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+float wrapped(float x, Wrap wrap) {
+  if (wrap == Wrap::clamp_to_edge) return std::clamp(x, 0.0f, 1.0f);
+  const float cycle = std::floor(x);
+  const float rest = x - cycle;
+  return wrap == Wrap::mirrored_repeat && std::fmod(std::abs(cycle), 2.0f) >= 1.0f ? 1.0f - rest : rest;
+}
+
+}  // namespace
+
+std::shared_ptr<const OctreePaint::Chain> OctreePaint::make_chain(const TextureImage& image) {
+  auto chain = std::make_shared<Chain>();
+  float code[256];
+  for (int i = 0; i < 256; ++i) code[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
+  // Straight to the first level that is kept: the mean of the texels under each of its own.
+  Level level;
+  level.width = std::min(image.width, kMaxSide);
+  level.height = std::min(image.height, kMaxSide);
+  level.texels.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
+  std::vector<float> weights(level.texels.size(), 0.0f);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t* t =
+          image.rgba.data() +
+          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
+      const auto to = static_cast<std::size_t>(y * static_cast<long long>(level.height) / image.height) *
+                          static_cast<std::size_t>(level.width) +
+                      static_cast<std::size_t>(x * static_cast<long long>(level.width) / image.width);
+      level.texels[to] += glm::vec4(code[t[0]], code[t[1]], code[t[2]], static_cast<float>(t[3]) / 255.0f);
+      weights[to] += 1.0f;
+    }
+  }
+  for (std::size_t i = 0; i < weights.size(); ++i) level.texels[i] /= std::max(weights[i], 1.0f);
+  chain->push_back(std::move(level));
+  while (chain->back().width > 1 || chain->back().height > 1) {
+    const Level& above = chain->back();
+    Level next;
+    next.width = std::max(1, above.width / 2);
+    next.height = std::max(1, above.height / 2);
+    for (int y = 0; y < next.height; ++y) {
+      for (int x = 0; x < next.width; ++x) {
+        glm::vec4 sum(0.0f);
+        for (int k = 0; k < 4; ++k) {
+          const int sx = std::min(2 * x + (k & 1), above.width - 1), sy = std::min(2 * y + (k >> 1), above.height - 1);
+          sum += above.texels[static_cast<std::size_t>(sy) * static_cast<std::size_t>(above.width) +
+                              static_cast<std::size_t>(sx)];
+        }
+        next.texels.push_back(0.25f * sum);
+      }
+    }
+    chain->push_back(std::move(next));
+  }
+  return chain;
+}
+
+OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materials) {
+  std::map<int, std::shared_ptr<const Chain>> chains;
+  std::map<int, std::uint64_t> hashes;
+  for (const Material& material : materials) {
+    Entry entry;
+    entry.reference = material.base_color_texture;
+    entry.masked = material.alpha_mode == AlphaMode::mask;
+    entry.alpha = material.base_color.a;
+    entry.cutoff = material.alpha_cutoff;
+    const int image = entry.reference.image;
+    if (image >= 0 && image < static_cast<int>(scene.images.size())) {
+      const TextureImage& source = scene.images[static_cast<std::size_t>(image)];
+      if (!chains[image]) {
+        chains[image] = make_chain(source);
+        hashes[image] = content_hash(std::as_bytes(std::span(source.rgba)));
+      }
+      entry.chain = chains[image];
+      const TextureRef& r = entry.reference;
+      const float numbers[] = {r.offset.x,
+                               r.offset.y,
+                               r.scale.x,
+                               r.scale.y,
+                               r.rotation_rad,
+                               static_cast<float>(r.uv_set),
+                               static_cast<float>(r.wrap_s),
+                               static_cast<float>(r.wrap_t)};
+      entry.content = content_hash(std::as_bytes(std::span(numbers)), hashes[image]);
+    }
+    if (entry.masked) {
+      const float mask[] = {entry.alpha, entry.cutoff};
+      entry.content = content_hash(std::as_bytes(std::span(mask)), entry.content);
+    }
+    entries_.push_back(std::move(entry));
+  }
+}
+
+bool OctreePaint::textured(int material) const { return at(material) && at(material)->chain != nullptr; }
+int OctreePaint::uv_set(int material) const { return at(material) ? at(material)->reference.uv_set : 0; }
+
+glm::vec4 OctreePaint::mean_color(int material, const glm::vec2& uv, float uv_span) const {
+  const Entry* entry = at(material);
+  if (!entry || !entry->chain) return glm::vec4(1.0f);
+  const TextureRef& r = entry->reference;
+  // KHR_texture_transform: scale, then rotate, then move.
+  const float c = std::cos(r.rotation_rad), s = std::sin(r.rotation_rad);
+  const glm::vec2 scaled = uv * r.scale;
+  const glm::vec2 at_uv = r.offset + glm::vec2(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
+  const float span = uv_span * std::max(std::abs(r.scale.x), std::abs(r.scale.y));
+  const Chain& chain = *entry->chain;
+  const float texels = span * static_cast<float>(std::max(chain[0].width, chain[0].height));
+  const int level = std::isfinite(texels) ? std::clamp(static_cast<int>(std::lround(std::log2(std::max(texels, 1.0f)))),
+                                                       0, static_cast<int>(chain.size()) - 1)
+                                          : static_cast<int>(chain.size()) - 1;
+  const Level& l = chain[static_cast<std::size_t>(level)];
+  if (!std::isfinite(at_uv.x) || !std::isfinite(at_uv.y)) return chain.back().texels[0];
+  const int x = std::clamp(static_cast<int>(wrapped(at_uv.x, r.wrap_s) * static_cast<float>(l.width)), 0, l.width - 1);
+  const int y =
+      std::clamp(static_cast<int>(wrapped(at_uv.y, r.wrap_t) * static_cast<float>(l.height)), 0, l.height - 1);
+  return l.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(l.width) + static_cast<std::size_t>(x)];
+}
+
+}  // namespace maquette

@@ -1,0 +1,24 @@
+#pragma once
+
+// shaders/shared/octree.glsl as C++: the very lines that the GPU compiles.
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN inline
+#endif
+
+namespace maquette::shared {
+using namespace glm;
+
+/// What the walk reads; set it before a trace on this thread.
+struct OctreeView {
+  const std::uint32_t* words = nullptr;
+  const std::uint32_t* planes = nullptr;
+};
+inline thread_local OctreeView octree_view;
+inline uint octree_word(int node) { return octree_view.words[node]; }
+inline uint octree_plane_word(int node) { return octree_view.planes[node]; }
+
+#include "shared/octree.glsl"
+}  // namespace maquette::shared

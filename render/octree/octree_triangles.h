@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "render/octree/octree_build.h"
+
+namespace maquette {
+
+/// All three corners exist and are finite.
+inline bool is_usable_triangle(const FlatGeometry& g, std::size_t first_index) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t v = g.indices[first_index + k];
+    if (v >= g.positions.size()) return false;
+    const glm::vec3& p = g.positions[v];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return false;
+  }
+  return true;
+}
+
+/// Calls `take(first_index, item)` for every triangle that goes into the octree.
+template <typename Take>
+void for_each_triangle(const OctreeSource& source, Take&& take) {
+  for (std::size_t i = 0; i < source.geometry.items.size(); ++i) {
+    if (source.transmits[i]) continue;
+    const DrawItem& item = source.geometry.items[i];
+    const std::size_t end = std::size_t{item.first_index} + item.index_count;
+    for (std::size_t first = item.first_index; first + 3 <= end; first += 3)
+      if (is_usable_triangle(source.geometry, first)) take(first, i);
+  }
+}
+
+}  // namespace maquette

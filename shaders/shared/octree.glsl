@@ -1,0 +1,212 @@
+// Sparse octree of a scene's surfaces (render/octree): the words of its nodes and the ray's walk through them.
+// Common subset of GLSL and C++ with GLM (render/octree/octree_shared.h).
+//
+// Words. Above the last level: child mask << 24 | first child, children in the order x + 2 y + 4 z; mask 0 is a leaf. On the last level: the
+// plane. A plane word: normal (octahedral, 2 x 11 bits, kept with |x| + |y| + |z| = 1, so that no root is needed), offset from the cell's
+// centre in cells (9 bits), 1 bit: the surface is that plane; without it the whole cell is solid. A colour word: material 12 bits, coverage 4
+// bits, mean colour of its textures (square root, 5 + 6 + 5 bits).
+//
+// The including file declares, of a node's index:
+//   uint octree_word(int node);        // as above
+//   uint octree_plane_word(int node);  // of a node above the last level
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+
+// Half the thickness of a planar cell's surface, in cells along the normal of length |x| + |y| + |z| = 1. Planes of neighbours are rounded and
+// fitted on their own; what they disagree by must not be a gap.
+const float kOctreeSlab = 0.05f;
+// A surface that keeps to a plane up to this (in cells) is stored as one.
+const float kOctreePlanar = 0.08f;
+
+struct OctreePlane {
+  vec3 normal;   // sum of the absolute components is 1; a small array of directions needs no unit vectors
+  float offset;  // dot(normal, p) = offset, p in cells from the cell's centre
+  bool planar;
+};
+
+MAQUETTE_FN OctreePlane octree_unpack_plane(uint word) {
+  float u = float(int(word & 2047u)) * (2.0f / 2047.0f) - 1.0f;
+  float v = float(int((word >> 11u) & 2047u)) * (2.0f / 2047.0f) - 1.0f;
+  float y = 1.0f - abs(u) - abs(v);
+  // The lower half sphere is folded outwards; see shared/octahedral.glsl.
+  float x = y < 0.0f ? (u >= 0.0f ? 1.0f - abs(v) : abs(v) - 1.0f) : u;
+  float z = y < 0.0f ? (v >= 0.0f ? 1.0f - abs(u) : abs(u) - 1.0f) : v;
+  OctreePlane plane;
+  plane.normal = vec3(x, y, z);
+  plane.offset = float(int((word >> 22u) & 511u)) * (1.0f / 511.0f) - 0.5f;
+  plane.planar = (word >> 31u) != 0u;
+  return plane;
+}
+
+// `normal` of any length above 0; `point` on the plane, in cells from the cell's centre.
+MAQUETTE_FN uint octree_pack_plane(vec3 normal, vec3 point, bool planar) {
+  float scale = 1.0f / max(abs(normal.x) + abs(normal.y) + abs(normal.z), 1.0e-30f);
+  float p = normal.x * scale;
+  float q = normal.z * scale;
+  bool below = normal.y < 0.0f;
+  float u = below ? (p >= 0.0f ? 1.0f - abs(q) : abs(q) - 1.0f) : p;
+  float v = below ? (q >= 0.0f ? 1.0f - abs(p) : abs(p) - 1.0f) : q;
+  uint word = uint(clamp(int((u * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) |
+              (uint(clamp(int((v * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) << 11u);
+  // The offset belongs to the normal as it will be read.
+  float offset = dot(octree_unpack_plane(word).normal, point);
+  word |= uint(clamp(int((offset + 0.5f) * 511.0f + 0.5f), 0, 511)) << 22u;
+  return planar ? word | 0x80000000u : word;
+}
+
+struct OctreeColor {
+  int material;
+  float coverage;  // area over that of a cell's face, at most 1
+  vec3 tint;       // linear
+};
+
+MAQUETTE_FN OctreeColor octree_unpack_color(uint word) {
+  OctreeColor c;
+  c.material = int(word & 4095u);
+  c.coverage = float(int((word >> 12u) & 15u)) * (1.0f / 15.0f);
+  float r = float(int((word >> 16u) & 31u)) * (1.0f / 31.0f);
+  float g = float(int((word >> 21u) & 63u)) * (1.0f / 63.0f);
+  float b = float(int(word >> 27u)) * (1.0f / 31.0f);
+  c.tint = vec3(r * r, g * g, b * b);
+  return c;
+}
+
+MAQUETTE_FN uint octree_pack_color(int material, float coverage, vec3 tint) {
+  uint r = uint(int(sqrt(clamp(tint.x, 0.0f, 1.0f)) * 31.0f + 0.5f));
+  uint g = uint(int(sqrt(clamp(tint.y, 0.0f, 1.0f)) * 63.0f + 0.5f));
+  uint b = uint(int(sqrt(clamp(tint.z, 0.0f, 1.0f)) * 31.0f + 0.5f));
+  uint share = uint(int(clamp(coverage, 0.0f, 1.0f) * 15.0f + 0.5f));
+  return (uint(material) & 4095u) | (share << 12u) | (r << 16u) | (g << 21u) | (b << 27u);
+}
+
+struct OctreeFrame {
+  vec3 corner;        // of the root, m
+  float cells_per_m;  // of the last level
+  int depth;          // at least 1
+};
+
+struct OctreeRay {
+  vec3 origin;     // m
+  vec3 direction;  // distances below are in its length
+  float t_min;
+  float t_max;
+  float t_box;   // cells without a plane are passed while the ray enters them before this: they are not the surface it starts on
+  float width;   // of the cone at the origin, m
+  float spread;  // of the cone, m per unit of t; where a cell is no wider than the cone the walk goes no deeper
+};
+
+struct OctreeHit {
+  float t;
+  int node;   // -1: nothing is hit
+  int level;
+  int steps;  // cells looked at
+};
+
+// Width of the deepest cell around a point, in cells of the last level: of the leaf that holds it, or of the empty space it is in.
+MAQUETTE_FN float octree_cell_at(OctreeFrame tree, vec3 point) {
+  vec3 g = clamp((point - tree.corner) * tree.cells_per_m, vec3(0.0f), vec3(float((1 << tree.depth) - 1)));
+  ivec3 cell = ivec3(g);
+  uint word = octree_word(0);
+  int shift = tree.depth;
+  bool going = (word >> 24u) != 0u;
+  while (going) {
+    --shift;
+    ivec3 bits = (cell >> shift) & 1;
+    int child = bits.x | (bits.y << 1) | (bits.z << 2);
+    uint upto = (word >> 24u) & ((2u << uint(child)) - 1u);
+    going = shift > 0 && (upto >> uint(child)) != 0u;
+    if (going) {
+      word = octree_word(int(word & 0xffffffu) + bitCount(upto) - 1);
+      going = (word >> 24u) != 0u;
+    }
+  }
+  return float(1 << shift);
+}
+
+// First surface along the ray. All decisions compare distances to planes of the grid, each always found by the same expression, so that no
+// cell is lost or met twice. Axes are mirrored so that the ray ascends along all three.
+// Source: after Laine and Karras 2010, "Efficient Sparse Voxel Octrees", Sec. 3.2. Differs: integer cells, exact at any slope; planes in
+// leaves; cone width.
+MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
+  float side = float(1 << tree.depth);
+  vec3 g = (ray.origin - tree.corner) * tree.cells_per_m;
+  vec3 d = ray.direction * tree.cells_per_m;
+  bvec3 down = lessThan(d, vec3(0.0f));
+  vec3 o = mix(g, vec3(side) - g, vec3(down));
+  // An axis that the ray does not move along never decides, unless the ray lies in the grid's plane itself, where 0 * 1e20 is still 0.
+  vec3 slope = max(abs(d), vec3(1.0e-20f));
+  vec3 inverse = vec3(1.0f) / slope;
+  vec3 mirror = vec3(1.0f) - vec3(2.0f) * vec3(down);
+  int flip = (down.x ? 1 : 0) | (down.y ? 2 : 0) | (down.z ? 4 : 0);
+
+  OctreeHit hit;
+  hit.t = ray.t_max;
+  hit.node = -1;
+  hit.level = 0;
+  hit.steps = 0;
+  vec3 near_t = (vec3(0.0f) - o) * inverse;
+  vec3 far_t = (vec3(side) - o) * inverse;
+  float t = max(max(near_t.x, near_t.y), max(near_t.z, ray.t_min));
+  float t_end = min(min(far_t.x, far_t.y), min(far_t.z, ray.t_max));
+
+  uint stack[14];  // words by the size of the cells they hold
+  uint word = octree_word(0);
+  int shift = tree.depth - 1;
+  vec3 middle_t = (vec3(float(1 << shift)) - o) * inverse;
+  ivec3 cell = ivec3(greaterThanEqual(vec3(t), middle_t)) << shift;
+  bool going = t < t_end;
+  while (going) {
+    ++hit.steps;
+    int size = 1 << shift;
+    vec3 exit_t = (vec3(cell + size) - o) * inverse;
+    float t_out = min(min(exit_t.x, exit_t.y), exit_t.z);
+    ivec3 bits = (cell >> shift) & 1;
+    int child = (bits.x | (bits.y << 1) | (bits.z << 2)) ^ flip;
+    uint upto = (word >> 24u) & ((2u << uint(child)) - 1u);
+    bool step_on = true;
+    if ((upto >> uint(child)) != 0u) {
+      int node = int(word & 0xffffffu) + bitCount(upto) - 1;
+      uint next = octree_word(node);
+      bool leaf = shift == 0 || (next >> 24u) == 0u || float(size) <= (ray.width + t * ray.spread) * tree.cells_per_m;
+      if (leaf) {
+        OctreePlane plane = octree_unpack_plane(shift == 0 ? next : octree_plane_word(node));
+        float scale = 1.0f / float(size);
+        vec3 n = plane.normal * mirror;
+        float at_origin = dot(n, o - vec3(cell)) * scale - 0.5f * (n.x + n.y + n.z) - plane.offset;
+        float per_t = dot(n, slope) * scale;
+        float a = at_origin + t * per_t;
+        float b = at_origin + t_out * per_t;
+        bool in_slab = min(a, b) <= kOctreeSlab && max(a, b) >= -kOctreeSlab;
+        bool solid = plane.planar ? in_slab : t >= ray.t_box;
+        float t_hit = plane.planar ? clamp(-at_origin / (abs(per_t) > 1.0e-20f ? per_t : 1.0e-20f), t, t_out) : t;
+        if (solid && t_hit < ray.t_max) {
+          hit.t = t_hit;
+          hit.node = node;
+          hit.level = tree.depth - shift;
+          going = false;
+        }
+      } else {
+        step_on = false;
+        stack[shift] = word;
+        word = next;
+        --shift;
+        middle_t = (vec3(cell + (1 << shift)) - o) * inverse;
+        cell += ivec3(greaterThanEqual(vec3(t), middle_t)) << shift;
+      }
+    }
+    if (step_on && going) {
+      t = t_out;
+      ivec3 to = cell + (ivec3(lessThanEqual(exit_t, vec3(t_out))) << shift);
+      ivec3 changed = cell ^ to;
+      int top = findMSB(changed.x | changed.y | changed.z);
+      going = t < t_end && top < tree.depth;
+      if (top > shift && going) {
+        shift = top;
+        word = stack[top];
+      }
+      cell = (to >> shift) << shift;
+    }
+  }
+  return hit;
+}

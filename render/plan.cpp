@@ -47,6 +47,10 @@ std::string decide_visibility(const SceneFacts& facts, const std::string& mode, 
     plan->left_out.push_back({"visibility", "mode " + mode + " knows none"});
     return "none";
   }
+  if (asked == "traced") {
+    plan->passes.push_back({"visibility", "shading.visibility is traced: the samples' rays go through the octree"});
+    return "traced";
+  }
   if (asked == "baked" || (asked == "auto" && facts.enclosed)) {
     plan->passes.push_back(
         {"visibility", asked == "baked" ? "shading.visibility is baked"
@@ -66,6 +70,8 @@ std::string decide_indirect(const FramePlan& plan, const std::string& asked, std
     why = "mode " + plan.mode + " knows none";
   else if (asked == "none")
     why = "shading.indirect is none";
+  else if (plan.visibility == "traced")
+    why = "it goes with baked shadows, and shading.visibility is traced";
   else if (plan.visibility != "baked")
     why = "nothing shadows the sky, so there is nothing that it would fill";
   if (why.empty()) return "baked";
@@ -159,7 +165,10 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (facts.measured_count == 0) plan.left_out.push_back({"measured_materials", "every material is analytic"});
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
   plan.left_out.push_back({"reflections", "--reflections off"});
-  plan.left_out.push_back({"octree", "no reflector technique asks for one"});
+  if (plan.visibility == "traced")
+    plan.passes.push_back({"octree", "shading.visibility is traced"});
+  else
+    plan.left_out.push_back({"octree", "neither shading.visibility=traced nor a reflector technique asks for one"});
   return plan;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/bandwidth/technique.h"
+#include "render/octree/technique.h"
 #include "render/reference/technique.h"
 #include "render/sg/technique.h"
 #include "render/shading/technique.h"
@@ -15,8 +16,8 @@ namespace maquette {
 
 const std::vector<TechniqueInfo>& techniques() {
   static const std::vector<TechniqueInfo> kTechniques = {
-      shading_technique(), bandwidth_technique(), uniform_technique(), splitsum_technique(), sg_technique(),
-      reference_technique(),
+      shading_technique(),  octree_technique(), bandwidth_technique(), uniform_technique(),
+      splitsum_technique(), sg_technique(),     reference_technique(),
   };
   return kTechniques;
 }
@@ -45,7 +46,6 @@ const std::vector<LaterName>& later_settings() {
       {"slf.texels", "side of the atlas"},
       {"prt.bake", "folder of the transfer"},
       {"prt.faces", "side of a light cube face"},
-      {"octree.depth", "levels of the octree"},
   };
   return kSettings;
 }

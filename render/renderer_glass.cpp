@@ -47,10 +47,14 @@ bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds) {
   return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
 }
 
+std::string visibility_define(const FramePlan& plan) {
+  return plan.visibility == "traced" ? "2" : plan.visibility == "baked" ? "1" : "0";
+}
+
 ShaderVariant glass_variant(const FramePlan& plan, bool textures) {
   return {"glass/glass.frag",
           "glass/glass.vert",
-          {{"VISIBILITY", plan.visibility == "baked" ? "1" : "0"}, {"TEXTURES", textures ? "1" : "0"}}};
+          {{"VISIBILITY", visibility_define(plan)}, {"TEXTURES", textures ? "1" : "0"}}};
 }
 
 void Renderer::Impl::draw_glass(const FramePlan& plan) {
@@ -87,6 +91,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan) {
   glBindTextureUnit(29, irradiance.get());
   glBindVertexArray(buffers->vertex_array());
   const Program& program = programs.get(glass_variant(plan, buffers->has_textures()));
+  if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
   glUseProgram(program.get());
   for (std::size_t i : items) {
     const DrawItem& item = buffers->geometry().items[i];

@@ -14,6 +14,7 @@
 #include "render/lights/light_buffers.h"
 #include "render/lookup_mode.h"
 #include "render/material_store.h"
+#include "render/octree/octree_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
 #include "render/progressive.h"
@@ -31,7 +32,7 @@ struct ReferenceFrame {
   MeasuredLibrary library;
   std::optional<ReferencePicture> picture;
   FrameRequest request;
-  Texture texture;             ///< of the picture, made when it is shown
+  Texture texture;  ///< of the picture, made when it is shown
   bool texture_stale = true;
 };
 
@@ -62,6 +63,7 @@ struct Renderer::Impl {
   std::uint32_t bounce_epoch = 0;    ///< raised by every change of what colours or emits light, geometry included
   std::uint32_t indirect_epoch = 0;  ///< bounce_epoch of the bake's input
   int indirect_variant = -2;
+  OctreeStore octree;
   std::uint32_t geometry_epoch = 0;    ///< raised by every change of what may occlude
   std::optional<LightBuffers> lights;  ///< empty when nothing shines
   bool lights_stale = true;
@@ -93,6 +95,9 @@ struct Renderer::Impl {
   /// The same for light by way of other surfaces; needs the visibility bake first.
   void update_indirect(const FrameRequest& request, FramePlan* plan);
   std::shared_ptr<const IndirectInput> make_indirect_input(int variant) const;
+  /// Starts or uploads the octree that the plan wants, and drops one that it does not; while there is none, the plan
+  /// says so instead.
+  void update_octree(const Settings& settings, FramePlan* plan);
   std::vector<bool> transmitting_items() const;
   void upload_materials();
   /// Before the first frame of a picture: room for what it will know of its points, or none.
@@ -128,6 +133,8 @@ struct Renderer::Impl {
 /// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
 bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds);
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
+/// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
+std::string visibility_define(const FramePlan& plan);
 ShaderVariant glass_variant(const FramePlan& plan, bool textures);
 
 }  // namespace maquette

@@ -17,12 +17,12 @@ ShaderVariant predict_variant(const FramePlan& plan, int measured) {
   return {"bandwidth/predict.comp",
           "",
           {{"MEASURED", flag(measured)},
-           {"SHADOWED", flag(plan.visibility == "baked")},
+           {"SHADOWED", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)},
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-bool has_near_terms(const FramePlan& plan) { return plan.visibility == "baked" || plan.lights; }
+bool has_near_terms(const FramePlan& plan) { return plan.visibility != "none" || plan.lights; }
 
 ShaderVariant bandwidth_variant(const FramePlan& plan) {
   return {"bandwidth/bandwidth.comp",
@@ -33,10 +33,9 @@ ShaderVariant bandwidth_variant(const FramePlan& plan) {
 }
 
 ShaderVariant shade_variant(const FramePlan& plan, int measured) {
-  return {
-      "shading/shade.comp",
-      "",
-      {{"MEASURED", flag(measured)}, {"VISIBILITY", flag(plan.visibility == "baked")}, {"LIGHTS", flag(plan.lights)}}};
+  return {"shading/shade.comp",
+          "",
+          {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
 }
 
 ShaderVariant mark_variant(bool bandwidth, bool refine) {
@@ -56,14 +55,14 @@ std::vector<ShaderVariant> all_shader_variants() {
     for (int cubic = 0; cubic < 2; ++cubic)
       variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}, {"CUBIC", flag(cubic)}}});
     variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
-    for (int j = 0; j < 4; ++j) {
+    for (int j = 0; j < 6; ++j) {
       FramePlan plan;
-      plan.visibility = j & 1 ? "baked" : "none";
-      plan.lights = j >= 2;
+      plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
+      plan.lights = j & 1;
       plan.texture_bandwidth = j & 1;
       variants.push_back(predict_variant(plan, k));
       variants.push_back(shade_variant(plan, k));
-      if (k == 0) variants.push_back(glass_variant(plan, j >= 2));
+      if (k == 0) variants.push_back(glass_variant(plan, j & 1));
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
       if (j < 2) variants.push_back(bandwidth_variant(plan));
@@ -78,8 +77,9 @@ std::vector<ShaderVariant> all_shader_variants() {
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
   variants.push_back(mark_variant(true, true));
-  for (const char* path : {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp",
-                           "bandwidth/measure.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+  for (const char* path :
+       {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
+        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   return variants;
@@ -108,6 +108,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
     const Program& program = programs.get(predict_variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
+    if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -191,6 +192,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
     const Program& program = programs.get(shade_variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
+    if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/octree/octree_file.h"
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -115,12 +116,50 @@ void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* pla
                                             : "it waits for the bake of visibility"});
 }
 
+void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
+  if (plan->visibility != "traced") {
+    octree.clear();
+    return;
+  }
+  OctreeState state;
+  state.geometry_epoch = geometry_epoch;
+  state.transmits = transmitting_items();
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) state.materials.push_back(buffers->material(i));
+  state.depth = settings.get_int("octree.depth");
+  const std::string& folder = settings.get_string("octree.bake");
+  state.path = octree_file_path(folder, scene->name, state.depth);
+  const auto make_job = [&] {
+    OctreeJob job;
+    job.geometry = buffers->geometry();
+    job.materials = state.materials;
+    job.transmits = state.transmits;
+    job.paint = std::make_shared<const OctreePaint>(*scene, effective);
+    job.options.depth = state.depth;
+    job.path = state.path;
+    job.scene = scene->name;
+    job.must_load = !folder.empty();
+    return job;
+  };
+  if (octree.update(state, make_job)) ++epoch;
+  if (octree.ready()) return;
+  plan->visibility = "none";
+  std::erase_if(plan->passes, [](const PlannedPass& p) { return p.name == "visibility" || p.name == "octree"; });
+  plan->left_out.push_back({"octree", "it is not built yet: " + percent(octree.progress())});
+  plan->left_out.push_back({"visibility", "its octree is not built yet"});
+}
+
 bool Renderer::finish_background_work(const FrameRequest& request) {
   Impl& s = *impl_;
   s.require_ready();
   s.update_facts(request.variant);
   FramePlan plan =
       maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  if (plan.visibility == "traced") {
+    FramePlan now = plan;  // says what is missing: not what is wanted
+    s.update_octree(request.settings, &now);
+    s.octree.wait();
+    s.update_octree(request.settings, &plan);
+  }
   if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;
   s.update_visibility(&plan);
   s.visibility.wait();
@@ -138,6 +177,7 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   std::vector<BackgroundWork> work;
   if (impl_->visibility.busy()) work.push_back({"visibility", impl_->visibility.progress()});
   if (impl_->indirect.busy()) work.push_back({"indirect", impl_->indirect.progress()});
+  if (impl_->octree.busy()) work.push_back({"octree", impl_->octree.progress()});
   return work;
 }
 

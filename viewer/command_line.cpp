@@ -13,7 +13,11 @@ const std::vector<CommandDeclaration>& command_declarations() {
       {"view", "[SCENE]", 0, 1, "a scene in a window; without a scene, and without a command, the built-in cockpit",
        ""},
       {"render", "[SCENE]", 0, 1, "one frame without a window, to .exr or .png", ""},
-      {"bake", "KIND [SCENE]", 0, 2, "precomputes what a shading mode needs", "it serves the modes slf and prt"},
+      {"bake", "KIND [SCENE]", 1, 2,
+       "precomputes what a technique needs: octree (slf and prt arrive with a later version); resumes where it was "
+       "stopped, "
+       "and builds only what has changed",
+       ""},
       {"play", "PATH.json [SCENE]", 0, 2, "a recorded camera path, frame by frame", "use render for single frames"},
       {"report", "[SCENE]", 0, 1,
        "error against run time of every technique: report.html, report.json, report.csv and charts in a folder; the "

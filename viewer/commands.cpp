@@ -7,6 +7,7 @@
 #include <new>
 
 #include "scenes/error.h"
+#include "viewer/bake_command.h"
 #include "viewer/command_line.h"
 
 namespace maquette {
@@ -24,8 +25,8 @@ int fail(int code, const std::string& text) {
 
 int run_command(const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> kRunners = {
-      {"view", run_view},       {"render", run_render}, {"compare", run_compare},
-      {"inspect", run_inspect}, {"report", run_report}, {"doctor", run_doctor}, {"help", run_help},
+      {"view", run_view},     {"render", run_render}, {"compare", run_compare}, {"inspect", run_inspect},
+      {"report", run_report}, {"doctor", run_doctor}, {"bake", run_bake},       {"help", run_help},
   };
   return line.help ? run_help(line) : kRunners.at(line.command)(line);
 }

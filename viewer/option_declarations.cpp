@@ -123,6 +123,12 @@ OptionDeclaration one_picture(OptionDeclaration option) {
   return option;
 }
 
+/// An option of `bake` as well: it shapes what is precomputed.
+OptionDeclaration bake_option(OptionDeclaration option) {
+  option.commands.emplace_back("bake");
+  return option;
+}
+
 OptionDeclaration render_only(std::string name, std::string argument, std::string help, const Apply& apply) {
   OptionDeclaration option = shared(std::move(name), std::move(argument), std::move(help), apply);
   option.commands = {"render"};
@@ -160,8 +166,8 @@ std::vector<OptionDeclaration> light_and_material_options() {
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
           "builtin:glass; `maquette inspect library` lists the library",
           [](O* o, const std::string& t) { o->materials.push_back(parse_pair(t, "--material", "NAME=FILE")); }, true),
-      plan_option(
-          shared("--variant", "NAME", "variant of the scene", [](O* o, const std::string& t) { o->variant = t; })),
+      bake_option(plan_option(
+          shared("--variant", "NAME", "variant of the scene", [](O* o, const std::string& t) { o->variant = t; }))),
   };
 }
 
@@ -209,13 +215,13 @@ std::vector<OptionDeclaration> quality_options() {
           [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); })),
       shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)", parse_dent,
              true),
-      plan_option(shared(
+      bake_option(plan_option(shared(
           "--set", "SETTING=VALUE", "any setting of the list below",
           [](O* o, const std::string& t) {
             const auto [name, value] = parse_pair(t, "--set", "SETTING=VALUE");
             o->settings.set_from_text(name, value);
           },
-          true)),
+          true))),
   };
 }
 
@@ -247,9 +253,9 @@ std::vector<OptionDeclaration> output_options() {
   OptionDeclaration output = render_only(
       "--output", "FILE",
       "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
-      "colours) or .exr (absolute, R, G, B); `report`: the folder",
+      "colours) or .exr (absolute, R, G, B); `report`, `bake`: the folder",
       [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
-  output.commands = {"render", "compare", "report"};
+  output.commands = {"render", "compare", "report", "bake"};
   output.alias = "-o";
   return {
       output,

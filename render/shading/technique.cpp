@@ -12,12 +12,12 @@ TechniqueInfo shading_technique() {
       {.name = "shading.visibility",
        .default_value = std::string("auto"),
        .help = "shadows of the environment: none (the paper), baked (per vertex, found once in the background), traced "
-               "(not "
-               "available in this version); auto is baked in a scene that closes the eye in, else none",
+               "(the samples' rays through an octree); auto is baked in a scene that closes the eye in, else none",
        .choices = {"auto", "none", "baked", "traced"}},
       {.name = "shading.indirect",
        .default_value = std::string("baked"),
-       .help = "light that comes by way of other surfaces, where the sky has shadows: none, baked (per vertex, found in the "
+       .help = "light that comes by way of other surfaces, where the sky has shadows: none, baked (per vertex, found "
+               "in the "
                "background, follows the light as it turns)",
        .choices = {"none", "baked"}},
       {.name = "shading.reuse",
@@ -26,11 +26,6 @@ TechniqueInfo shading_technique() {
                "neither changes; false draws every frame from nothing"},
   };
   info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};
-  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
-    if (settings.get_string("shading.visibility") == "traced")
-      return "shading.visibility=traced is not available in this version; use baked or none";
-    return std::nullopt;
-  };
   return info;
 }
 

@@ -12,7 +12,9 @@ layout(local_size_x = 64) in;
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
-#if SHADOWED
+#if SHADOWED == 2
+#include "octree/visibility.glsl"
+#elif SHADOWED
 #include "shading/visibility.glsl"
 layout(binding = 30) uniform samplerBuffer t_visibility_bandwidth;  // [vertex], cycles/m
 #endif
@@ -38,6 +40,9 @@ struct Result {
 #if SHADOWED
   VisibilityPoint visibility;
   uint random;
+#endif
+#if SHADOWED == 2
+  vec2 edges;  // sum w nu_L / distance of what is blocked, sum w of all
 #endif
 };
 
@@ -67,6 +72,7 @@ float brdf_bandwidth(Point p, vec3 wi) {
 #if SHADOWED
 uint hash(uint x);
 vec2 unit_pair(uint x);
+const float kEdgeNu = 2.3;        // a step over the half sphere: what one sample of it cannot tell from its neighbour
 const float kVisibilityNu = 4.6;  // mean |v1 - v2| in the middle of a step is 1/2: 2.3 cycles/rad
 #endif
 
@@ -74,7 +80,14 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   float t = luminance(f * radiance) * weight;
   float nu_l = environment_bandwidth(world);
   float nu_r = brdf_bandwidth(p, wi);
-#if SHADOWED
+#if SHADOWED == 2
+  // The edge of a blocker at distance d moves over the sky by 1 / d per metre, and the light behind it changes no faster than its own
+  // bandwidth: light and edge are convolved. Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 4.1 and 4.2.
+  float distance_m = blocked_at(r.visibility, world_from_environment(world), 1e30);
+  r.edges += t * vec2(distance_m < 0.0 ? 0.0 : nu_l / max(distance_m, r.visibility.own_m), 1.0);
+  nu_l += kEdgeNu;
+  t *= distance_m < 0.0 ? 1.0 : 0.0;
+#elif SHADOWED
   // Two bits tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad. What the choice of the
   // bit adds to the variance does not fall with the strata.
   vec3 w = world_from_environment(world);
@@ -135,10 +148,15 @@ void predict(ivec2 quad, ivec2 pixel) {
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
   result.random = uint(pixel.x) + (uint(pixel.y) << 16u);
 #endif
+#if SHADOWED == 2
+  result.edges = vec2(0.0);
+#endif
   integrate(p, pixel, 0u, count, result);
 #if SHADOWED || LIGHTS
   vec4 near = vec4(0.0);
-#if SHADOWED
+#if SHADOWED == 2
+  near.x += result.energy.y * result.edges.x / max(result.edges.y, 1e-20);
+#elif SHADOWED
   ivec3 v = result.visibility.vertices;
   near.x += result.energy.y * dot(result.visibility.barycentric, vec3(texelFetch(t_visibility_bandwidth, v.x).x,
                                                                       texelFetch(t_visibility_bandwidth, v.y).x,

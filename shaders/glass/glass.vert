@@ -4,7 +4,9 @@
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec2 a_uv;
 layout(binding = 5) uniform samplerBuffer t_vertices;
-#if VISIBILITY
+#if VISIBILITY == 2
+#include "octree/tables.glsl"
+#elif VISIBILITY
 #include "shared/visibility.glsl"
 layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
 #endif
@@ -13,7 +15,7 @@ out vec3 v_normal;
 out vec2 v_uv;
 out float v_open;     // share of the mirror direction that is not occluded
 
-#if VISIBILITY
+#if VISIBILITY == 1
 /// Bilinear between the four cells around; cells on the far side of the pane belong to its other face.
 float open_share(vec3 direction, vec3 normal) {
   VisibilityCorner corner = visibility_corner(direction);
@@ -40,6 +42,14 @@ void main() {
   v_open = 1.0;
 #if VISIBILITY
   vec3 n = dot(v_normal, v_position) > 0.0 ? -v_normal : v_normal;
-  v_open = open_share(reflect(normalize(v_position), n), n);
+  vec3 mirrored = reflect(normalize(v_position), n);
+#endif
+#if VISIBILITY == 1
+  v_open = open_share(mirrored, n);
+#elif VISIBILITY == 2
+  // The pane itself is not in the octree, the frame that it touches is.
+  float own_m = 2.0 * octree_cell_at(octree_frame(), a_position) / u_octree.w;
+  OctreeHit hit = octree_trace(octree_frame(), OctreeRay(a_position, mirrored, own_m, 1e30, 0.0, 0.0, 0.0));
+  v_open = hit.node >= 0 ? 0.0 : 1.0;
 #endif
 }

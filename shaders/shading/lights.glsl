@@ -1,5 +1,5 @@
-// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by power. No
-// shadows: the baked masks hold the distant sky only, not where a lamp nearby is hidden. environment_scale does not touch them.
+// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by power. Shadows
+// by rays only: the baked masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
 #include "shared/lights.glsl"
 layout(binding = 27) uniform samplerBuffer t_lights;  // four texels a LightRecord
 
@@ -54,6 +54,15 @@ LightDraw draw_light(Point p, vec3 u, vec2 xi) {
   return r;
 }
 
+#if VISIBILITY == 2
+VisibilityPoint g_light_visibility;
+/// A lamp does not shadow itself: its own cells are left out.
+float light_share(LightDraw d) {
+  float reach = d.distance_m - 2.0 * g_light_visibility.own_m;
+  return reach > 0.0 && blocked_at(g_light_visibility, d.world, reach) >= 0.0 ? 0.0 : 1.0;
+}
+#endif
+
 /// Random numbers of sample `index` of a point.
 vec3 light_numbers(uint rotation, uint index) {
   return vec3(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
@@ -67,7 +76,11 @@ vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < samples; ++i) {
     uint index = first + uint(i);
-    sum += draw_light(p, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u))).outgoing;
+    LightDraw d = draw_light(p, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u)));
+#if VISIBILITY == 2
+    d.outgoing *= light_share(d);
+#endif
+    sum += d.outgoing;
   }
   return sum / float(samples);
 }

@@ -11,7 +11,9 @@ layout(local_size_x = 64) in;
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
-#if VISIBILITY
+#if VISIBILITY == 2
+#include "octree/visibility.glsl"
+#elif VISIBILITY
 #include "shading/visibility.glsl"
 #endif
 
@@ -54,6 +56,9 @@ void main() {
   integrate(p, pixel, first_sample, u_frame.sampling.y, result);
   vec3 sum = result.sum * u_frame.environment.z;
 #if LIGHTS
+#if VISIBILITY == 2
+  g_light_visibility = result.visibility;
+#endif
   sum += direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, u_frame.sampling.y);
 #endif
   b_partial[id] = vec4(sum, 1.0);

@@ -143,10 +143,19 @@ TEST(Plan, VisibilityIsDecidedByTheScene) {
   EXPECT_TRUE(has_pass(plan(facts, "uniform", settings, {}), "visibility"));
 }
 
-TEST(Plan, NeverFallsBack) {
+TEST(Plan, TracedVisibilityWantsAnOctree) {
   Settings traced;
   traced.set("shading.visibility", std::string("traced"));
-  EXPECT_THROW(plan({}, "bandwidth", traced, {}), Error);
+  for (const char* mode : {"bandwidth", "uniform"}) {
+    const FramePlan p = plan({}, mode, traced, {});
+    EXPECT_EQ(p.visibility, "traced");
+    EXPECT_EQ(plan({}, mode, {}, {}).visibility, "none");
+    EXPECT_TRUE(has_pass(p, "octree"));
+    EXPECT_FALSE(has_pass(plan({}, mode, {}, {}), "octree"));
+  }
+}
+
+TEST(Plan, NeverFallsBack) {
   Settings baked;
   baked.set("shading.visibility", std::string("baked"));
   EXPECT_THROW(plan({}, "splitsum", baked, {}), Error);

@@ -83,8 +83,8 @@ TEST(Settings, UnknownNamesGetTheNearest) {
   EXPECT_TRUE(contains(message_of<UsageError>([&] { settings.set_from_text("shading.visibility", "bakd"); }),
                        "did you mean baked?"));
   // Names of later versions are known, and never taken silently.
-  EXPECT_TRUE(contains(message_of<Error>([&] { settings.set_from_text("octree.depth", "8"); }),
-                       "not available in this version"));
+  EXPECT_TRUE(
+      contains(message_of<Error>([&] { settings.set_from_text("slf.texels", "8"); }), "not available in this version"));
 }
 
 TEST(Registry, EveryNameIsDistinctAndLaterOnesSaySo) {

@@ -39,11 +39,13 @@ TEST(Program, UsageErrorsExitWithTwoAndOneLine) {
   expect_failure({"render", "-o", "picture.jpg"}, 2, ".exr");
   expect_failure({"compare", "one.exr"}, 2, "A.exr B.exr");
   expect_failure({"inspect", "notes.txt"}, 2, "neither a scene");
+  expect_failure({"bake", "octre"}, 2, "did you mean octree?");
   expect_failure({"help", "rendr"}, 2, "did you mean render?");
 }
 
 TEST(Program, LaterCommandsAndNamesExitWithOne) {
-  for (const char* command : {"bake", "play"}) expect_failure({command}, 1, "not available in this version");
+  expect_failure({"play"}, 1, "not available in this version");
+  for (const char* kind : {"slf", "prt"}) expect_failure({"bake", kind}, 1, "not available in this version");
   expect_failure({"render", "-o", "x.png", "--mode", "prt"}, 1, "not available in this version");
 }
 

@@ -1,0 +1,11 @@
+// The octree of the scene (render/octree/octree_buffers) and the walk through it.
+layout(binding = 32) uniform usamplerBuffer t_octree;         // [node]
+layout(binding = 33) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
+uniform vec4 u_octree;     // corner (m), cells of the last level per metre
+uniform int u_octree_depth;
+
+uint octree_word(int node) { return texelFetch(t_octree, node).x; }
+uint octree_plane_word(int node) { return texelFetch(t_octree_planes, node).x; }
+#include "shared/octree.glsl"
+
+OctreeFrame octree_frame() { return OctreeFrame(u_octree.xyz, u_octree.w, u_octree_depth); }

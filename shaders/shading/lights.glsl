@@ -55,7 +55,7 @@ LightDraw draw_light(Point p, vec3 u, vec2 xi) {
 }
 
 #if VISIBILITY == 2
-VisibilityPoint g_light_visibility;
+VisibilityPoint g_light_visibility = VisibilityPoint(vec3(0.0), 0.0);  // set by main() of shade.comp
 /// A lamp does not shadow itself: its own cells are left out.
 float light_share(LightDraw d) {
   float reach = d.distance_m - 2.0 * g_light_visibility.own_m;

@@ -16,7 +16,8 @@ TEST(ShaderVariants, EveryOneCompiles) {
     EXPECT_TRUE(seen.insert(variant).second) << variant.path << " is listed twice";
     EXPECT_NO_THROW(cache.get(variant)) << variant.path;
   }
-  EXPECT_TRUE(take_gl_errors().empty());
+  const auto errors = take_gl_errors();
+  EXPECT_TRUE(errors.empty()) << errors.front();
 }
 
 }  // namespace

@@ -79,6 +79,26 @@ std::string decide_indirect(const FramePlan& plan, const std::string& asked, std
   return "none";
 }
 
+void decide_reflections(const SceneFacts& facts, const ViewInfo& view, FramePlan* plan) {
+  const TechniqueInfo* technique = find_reflector_technique(view.reflections);
+  const int reflectors = view.reflectors >= 0 ? view.reflectors : facts.reflector_count;
+  const int seen = view.reflectors_in_view >= 0 ? view.reflectors_in_view : reflectors;
+  if (!technique) {
+    plan->left_out.push_back({"reflections", "--reflections off"});
+  } else if (plan->mode == "reference") {
+    plan->left_out.push_back({"reflections", "mode reference follows the mirrored paths itself"});
+  } else if (reflectors == 0) {
+    plan->left_out.push_back(
+        {"reflections", "no glass or mirror of the scene is a reflector; name one with --reflector"});
+  } else if (seen == 0) {
+    plan->left_out.push_back({"reflections", "no reflector is in view"});
+  } else {
+    plan->reflections = view.reflections;
+    plan->passes.push_back({"reflections", std::to_string(seen) + " of " + std::to_string(reflectors) +
+                                               " reflectors may be seen, technique " + view.reflections});
+  }
+}
+
 void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Settings& settings, const ViewInfo& view) {
   if (view.width < 1 || view.height < 1)
     throw UsageError("--size", "a picture needs at least one pixel, not " + std::to_string(view.width) + "x" +
@@ -86,7 +106,9 @@ void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Set
   if (view.msaa != 1 && view.msaa != 4 && view.msaa != 16)
     throw UsageError("--msaa", std::to_string(view.msaa) + " samples a pixel are not offered", "use 1, 4 or 16");
   for (const TechniqueInfo& technique : techniques()) {
-    if (!technique.check || (technique.kind != TechniqueKind::shared && technique.name != mode.name)) continue;
+    if (!technique.check ||
+        (technique.kind != TechniqueKind::shared && technique.name != mode.name && technique.name != view.reflections))
+      continue;
     if (const std::optional<std::string> why = technique.check(facts, settings)) throw Error("", *why);
   }
 }
@@ -113,6 +135,10 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
   for (const Node& node : scene.nodes) {
     if (!node.visible) continue;
     facts.has_punctual_lights |= node.light >= 0;
+    if (node.patch >= 0)
+      facts.reflector_count += node.reflector || scene.patches[static_cast<std::size_t>(node.patch)].reflector;
+    else
+      facts.reflector_count += node.mesh >= 0 && node.reflector;
     facts.has_subdivision |= node.mesh >= 0 && scene.meshes[static_cast<std::size_t>(node.mesh)].cage != nullptr;
   }
   facts.enclosed = is_enclosed(scene, variant);
@@ -128,7 +154,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   const bool shines = facts.has_punctual_lights || facts.has_emissive_meshes;
   const bool traced = mode_name == "reference";
   plan.lights = shines && (mode_name == "uniform" || mode_name == "bandwidth" || traced);
-  plan.glass = facts.has_glass;
+  decide_reflections(facts, view, &plan);
+  plan.glass = facts.has_glass || (!plan.reflections.empty() && view.mirrors);
   if (traced) {
     mode.add_passes(facts, settings, view, &plan);
   } else {
@@ -150,6 +177,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!traced) mode.add_passes(facts, settings, view, &plan);
   if (plan.indirect == "baked")
     plan.passes.push_back({"indirect", "what sees no sky is lit by other surfaces: baked per vertex, all bounces"});
+  if (!plan.reflections.empty()) find_reflector_technique(plan.reflections)->add_passes(facts, settings, view, &plan);
   if (plan.glass)
     plan.passes.push_back(
         {"glass", traced ? "panes mirror and let pass what rays find" : "panes and blended surfaces, back to front"});
@@ -164,10 +192,9 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!facts.has_mask) plan.left_out.push_back({"alpha_mask", "no material is cut out"});
   if (facts.measured_count == 0) plan.left_out.push_back({"measured_materials", "every material is analytic"});
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
-  plan.left_out.push_back({"reflections", "--reflections off"});
   if (plan.visibility == "traced")
     plan.passes.push_back({"octree", "shading.visibility is traced"});
-  else
+  else if (plan.reflections != "octree")
     plan.left_out.push_back({"octree", "neither shading.visibility=traced nor a reflector technique asks for one"});
   return plan;
 }

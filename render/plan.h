@@ -13,6 +13,10 @@ struct ViewInfo {
   int width = 640;
   int height = 360;
   int msaa = 1;
+  std::string reflections = "off";
+  int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
+  int reflectors_in_view = -1;  ///< of them; -1: not known, all
+  bool mirrors = false;         ///< some reflector is opaque
 };
 
 /// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
@@ -28,6 +32,7 @@ struct SceneFacts {
   bool has_punctual_lights = false;
   bool has_emissive_meshes = false;
   bool has_subdivision = false;
+  int reflector_count = 0;  ///< patches and nodes that the scene marks
   bool enclosed = false;  ///< the eye region is closed in (decides shading.visibility = auto)
 };
 SceneFacts compute_facts(const Scene& scene, int variant);
@@ -49,6 +54,7 @@ struct FramePlan {
   bool texture_bandwidth = false;
   bool lights = false;  ///< punctual lights or emissive meshes are sampled
   bool glass = false;
+  std::string reflections;  ///< reflector technique, or empty
   int msaa = 1;
   std::vector<PlannedPass> passes;
   std::vector<LeftOut> left_out;

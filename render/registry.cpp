@@ -3,8 +3,11 @@
 #include <algorithm>
 
 #include "render/bandwidth/technique.h"
+#include "render/bezier/technique.h"
 #include "render/octree/technique.h"
+#include "render/raytraced/technique.h"
 #include "render/reference/technique.h"
+#include "render/reflections/technique.h"
 #include "render/sg/technique.h"
 #include "render/shading/technique.h"
 #include "render/splitsum/technique.h"
@@ -16,8 +19,8 @@ namespace maquette {
 
 const std::vector<TechniqueInfo>& techniques() {
   static const std::vector<TechniqueInfo> kTechniques = {
-      shading_technique(),  octree_technique(), bandwidth_technique(), uniform_technique(),
-      splitsum_technique(), sg_technique(),     reference_technique(),
+      shading_technique(), octree_technique(),    bandwidth_technique(),   uniform_technique(), splitsum_technique(),
+      sg_technique(),      reference_technique(), reflections_technique(), bezier_technique(),  raytraced_technique(),
   };
   return kTechniques;
 }
@@ -32,10 +35,8 @@ const std::vector<LaterName>& later_modes() {
 
 const std::vector<LaterName>& later_reflectors() {
   static const std::vector<LaterName> kReflectors = {
-      {"bezier", "reflection points on Bezier patches"},
       {"triangle", "reflections in triangles with vertex normals"},
       {"octree", "cone tracing through an octree"},
-      {"raytraced", "rays, the reference"},
   };
   return kReflectors;
 }

@@ -269,8 +269,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const auto begin = std::chrono::steady_clock::now();
   s.update_facts(request.variant);
   const int side = request.msaa == 16 ? 4 : request.msaa == 4 ? 2 : 1;
-  FramePlan plan =
-      maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  s.update_reflectors(request);
+  FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
   if (plan.mode == "reference") return s.render_reference(request, std::move(plan), accumulate);
   s.update_visibility(&plan);
   s.update_indirect(request, &plan);
@@ -315,7 +315,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
-  s.compose(plan, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
+  s.compose(plan, request, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
   FrameStats stats;
   stats.passes = timer.finish();
@@ -341,6 +341,11 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.octree.ready()) stats.gpu_bytes["octree"] = s.octree.bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();
+  if (!plan.reflections.empty()) {
+    stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
+    s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);
+    s.reflector_techniques[plan.reflections]->add_counters(&stats.technique);
+  }
   for (const auto& [name, mode] : s.lookup_modes) stats.gpu_bytes["prefilter"] += mode->bytes();
   if (plan.texture_bandwidth) stats.gpu_bytes["texture_bandwidth"] = t.texture_nu.bytes();
   stats.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

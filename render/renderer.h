@@ -31,6 +31,8 @@ struct FrameRequest {
   float env_rotation_rad = 0.0f;
   float env_scale = 1.0f;
   int variant = -1;
+  std::string reflections = "off";      ///< reflector technique
+  std::vector<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
   Settings settings;
   bool operator==(const FrameRequest&) const = default;
 };

@@ -54,7 +54,9 @@ std::string visibility_define(const FramePlan& plan) {
 ShaderVariant glass_variant(const FramePlan& plan, bool textures) {
   return {"glass/glass.frag",
           "glass/glass.vert",
-          {{"VISIBILITY", visibility_define(plan)}, {"TEXTURES", textures ? "1" : "0"}}};
+          {{"VISIBILITY", visibility_define(plan)},
+           {"TEXTURES", textures ? "1" : "0"},
+           {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
 }
 
 void Renderer::Impl::draw_glass(const FramePlan& plan) {
@@ -62,7 +64,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan) {
   std::vector<std::size_t> items;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
     const Material& m = material_of_item(i);
-    const bool drawn = buffers->visible(i) && (m.glass || m.alpha_mode == AlphaMode::blend);
+    const bool drawn = buffers->visible(i) && (m.glass || m.alpha_mode == AlphaMode::blend || is_mirror(i));
     if (drawn && may_be_seen(constants.clip_from_world, buffers->bounds(i))) items.push_back(i);
   }
   if (items.empty()) return;
@@ -101,6 +103,10 @@ void Renderer::Impl::draw_glass(const FramePlan& plan) {
     glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
     glUniform4f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b, m.unlit ? 1.0f : 0.0f);
     glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));
+    if (!plan.reflections.empty()) {
+      program.set("u_reflector", reflector_of_item(i));
+      program.set("u_mirror", is_mirror(i) ? 1 : 0);
+    }
     if (buffers->has_textures())
       program.set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,

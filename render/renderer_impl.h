@@ -19,6 +19,7 @@
 #include "render/program_cache.h"
 #include "render/progressive.h"
 #include "render/reference/reference.h"
+#include "render/reflections/reflector_technique.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
 #include "render/visibility/visibility_buffers.h"
@@ -72,8 +73,15 @@ struct Renderer::Impl {
   GlName<FramebufferTraits> glass_framebuffer;                      ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
-  std::optional<Progressive> progressive;  ///< mode bandwidth, while pictures accumulate
-  bool light_list_is_first = true;         ///< false after a long accumulation drew the light samples anew
+  std::optional<Progressive> progressive;     ///< mode bandwidth, while pictures accumulate
+  bool light_list_is_first = true;            ///< false after a long accumulation drew the light samples anew
+  std::vector<Reflector> reflectors;          ///< of the last request; empty when reflections are off
+  std::vector<std::string> reflectors_named;  ///< what they were found for
+  std::uint32_t reflectors_epoch = 0;         ///< epoch + 1 that they were found in; 0: never
+  Buffer reflector_block;                     ///< patches of the reflectors, std140
+  Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
+  std::optional<ReflectionTargets> reflection;
+  std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
   FrameConstants constants{};
   ReferenceFrame reference;
   FrameRequest last_request;
@@ -112,6 +120,19 @@ struct Renderer::Impl {
   void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
   void shade_band(const FramePlan& plan, int first_row, int chunk, const std::optional<RefineRates>& refine,
                   PassTimer* timer);
+  /// Some rows of the reflected picture, every pixel with the same count of samples.
+  void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
+  void update_reflectors(const FrameRequest& request);
+  ViewInfo view_info(const FrameRequest& request) const;
+  int reflectors_in_view(const FrameRequest& request) const;
+  int reflector_of_item(std::size_t item) const;
+  /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
+  bool is_mirror(std::size_t item) const;
+  void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
+  /// The reflected picture alone; alpha 0 outside the reflectors. Throws Error when none was drawn.
+  Image read_reflection() const;
+  void draw_panes(ReflectionTargets* targets_of_panes);
+  void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   /// What the frames so far say about the next one's sample counts.
   RefineRates measure_deviations(const FrameRequest& request);
@@ -122,7 +143,7 @@ struct Renderer::Impl {
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   void add_indirect(PassTimer* timer);
-  void compose(const FramePlan& plan, float blend, PassTimer* timer);
+  void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
@@ -136,5 +157,6 @@ ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);
 ShaderVariant glass_variant(const FramePlan& plan, bool textures);
+std::vector<ShaderVariant> reflection_shader_variants();
 
 }  // namespace maquette

@@ -63,6 +63,9 @@ std::vector<ShaderVariant> all_shader_variants() {
       variants.push_back(predict_variant(plan, k));
       variants.push_back(shade_variant(plan, k));
       if (k == 0) variants.push_back(glass_variant(plan, j & 1));
+      plan.reflections = "raytraced";
+      if (k == 0) variants.push_back(glass_variant(plan, j & 1));
+      plan.reflections.clear();
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
       if (j < 2) variants.push_back(bandwidth_variant(plan));
@@ -82,6 +85,8 @@ std::vector<ShaderVariant> all_shader_variants() {
         "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
+  const std::vector<ShaderVariant> reflections = reflection_shader_variants();
+  variants.insert(variants.end(), reflections.begin(), reflections.end());
   return variants;
 }
 
@@ -235,13 +240,14 @@ void Renderer::Impl::add_indirect(PassTimer* timer) {
   timer->end("indirect");
 }
 
-void Renderer::Impl::compose(const FramePlan& plan, float blend, PassTimer* timer) {
+void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
   if (plan.glass) {
     glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     dispatch(programs.get({"shading/compose.comp", "", {{"STAGE", "1"}}}), groups(t.grid_width(), 8),
              groups(t.grid_height(), 8));
     timer->end("compose");
+    if (!plan.reflections.empty()) reflect(plan, request, timer);
     draw_glass(plan);
     timer->end("glass");
   }

@@ -62,6 +62,15 @@ void Renderer::Impl::recount_tables() {
   }
 }
 
+ViewInfo Renderer::Impl::view_info(const FrameRequest& request) const {
+  ViewInfo view{request.width, request.height, request.msaa};
+  view.reflections = request.reflections;
+  view.reflectors = static_cast<int>(reflectors.size());
+  view.reflectors_in_view = reflectors_in_view(request);
+  for (const Reflector& reflector : reflectors) view.mirrors = view.mirrors || reflector.mirror;
+  return view;
+}
+
 std::vector<bool> Renderer::Impl::transmitting_items() const {
   std::vector<bool> transmits;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
@@ -152,8 +161,8 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   Impl& s = *impl_;
   s.require_ready();
   s.update_facts(request.variant);
-  FramePlan plan =
-      maquette::plan(s.facts, request.mode, request.settings, ViewInfo{request.width, request.height, request.msaa});
+  s.update_reflectors(request);
+  FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
   if (plan.visibility == "traced") {
     FramePlan now = plan;  // says what is missing: not what is wanted
     s.update_octree(request.settings, &now);

@@ -35,7 +35,7 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, quads, axes, depth, surface } from;
+  enum { marks, quads, axes, depth, surface, reflection } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -44,8 +44,22 @@ constexpr ViewSource kViews[] = {
     {"variance", ViewSource::quads, 2},         {"curvature", ViewSource::axes, 2},
     {"angular_bandwidth", ViewSource::axes, 3}, {"depth", ViewSource::depth, 0},
     {"normal", ViewSource::surface, 0},         {"base_color", ViewSource::surface, 1},
-    {"material", ViewSource::surface, 2},
+    {"material", ViewSource::surface, 2},       {"reflection", ViewSource::reflection, 0},
 };
+
+/// Scaled so that what is seen (alpha 1) has the mean 0.2.
+Image at_mean_grey(Image values) {
+  double sum = 0.0, count = 1e-30;
+  for (std::size_t i = 0; i < values.data.size(); i += 4) {
+    if (values.data[i + 3] <= 0.0f) continue;
+    sum += static_cast<double>(values.data[i + 1]);
+    count += 1.0;
+  }
+  const auto scale = static_cast<float>(0.2 * count / std::max(sum, 1e-30));
+  for (std::size_t i = 0; i < values.data.size(); ++i)
+    if (i % 4 != 3) values.data[i] *= scale;
+  return values;
+}
 
 }  // namespace
 
@@ -58,6 +72,18 @@ const std::vector<std::string>& Renderer::debug_view_names() {
   return kNames;
 }
 
+Image Renderer::Impl::read_reflection() const {
+  if (last_plan.reflections.empty())
+    throw Error("--view", "'reflection' needs a reflector in view and a technique", "add --reflections raytraced");
+  const ReflectionTargets& r = *reflection;
+  const auto radiance = read_texture<float>(r.radiance, GL_RGBA, GL_FLOAT, 4);
+  const auto direction = read_texture<float>(r.ray_direction, GL_RGBA, GL_FLOAT, 4);
+  Image image(r.width, r.height, 4);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : radiance[i];
+  return image;
+}
+
 Image Renderer::read_debug_view(const std::string& name) const {
   if (impl_->shows_reference())
     throw Error("--view", "'" + name + "' is a view of the modes that rasterise", "choose another --mode");
@@ -68,6 +94,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
     throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
   if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
+  if (view->from == ViewSource::reflection) return impl_->read_reflection();
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);
   const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);
@@ -118,6 +145,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
 }
 
 Image debug_view_picture(const Image& values, const std::string& name) {
+  if (name == "reflection") return tone_map(at_mean_grey(values), 0.0f, "pbr-neutral");
   if (name != "normal" && name != "base_color") return false_color_image(values);
   Image picture = values;
   for (std::size_t i = 0; i < picture.data.size(); ++i) {

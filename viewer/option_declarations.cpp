@@ -231,16 +231,16 @@ std::vector<OptionDeclaration> technique_options() {
       one_picture(plan_option(shared("--mode", "MODE",
                                      "shading mode: " + join(technique_names(TechniqueKind::mode)) + " (bandwidth)",
                                      [](O* o, const std::string& t) { o->mode = find_mode(t).name; }))),
-      one_picture(shared("--reflections", "NAME", "reflector technique of mirrors and glass: off (off)",
-                         [](O* o, const std::string& t) {
-                           find_reflector_technique(t);
-                           o->reflections = t;
-                         })),
-      shared("--reflector", "NODE", "node that reflects; needs a reflector technique",
-             [](O*, const std::string& t) {
-               throw Error("--reflector " + t, "reflector techniques are not available in this version",
-                           "leave it out");
-             }),
+      one_picture(plan_option(shared("--reflections", "NAME",
+                                     "reflector technique of mirrors and glass: off, " +
+                                         join(technique_names(TechniqueKind::reflector)) + " (off)",
+                                     [](O* o, const std::string& t) {
+                                       find_reflector_technique(t);
+                                       o->reflections = t;
+                                     }))),
+      shared(
+          "--reflector", "NODE", "node that reflects, instead of those that the scene marks",
+          [](O* o, const std::string& t) { o->reflectors.push_back(t); }, true),
       one_picture(shared("--look", "NAME", "look of a review file",
                          [](O*, const std::string& t) {
                            throw Error("--look " + t, "review files are not available in this version", "leave it out");

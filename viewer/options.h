@@ -24,7 +24,7 @@ struct SceneOptions {
   std::string scene = "builtin:cockpit";
   std::string mode = "bandwidth";
   std::string reflections = "off";
-  std::string reflector;
+  std::vector<std::string> reflectors;
   std::string environment = "builtin:clear-sky";
   float env_rotation_deg = 0.0f;
   float env_scale = 1.0f;            ///< cd/m2 per stored unit

@@ -194,6 +194,8 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.env_rotation_rad = options.env_rotation_deg * kDegree;
   request.env_scale = options.env_scale;
   request.variant = find_variant(scene, options.variant);
+  request.reflections = options.reflections;
+  request.reflectors = options.reflectors;
   request.settings = options.settings;
   return request;
 }

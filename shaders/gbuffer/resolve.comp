@@ -29,14 +29,17 @@ void resolve_surface(ivec2 pixel, int triangle) {
   vec4 p0 = texelFetch(t_vertices, v0), p1 = texelFetch(t_vertices, v1), p2 = texelFetch(t_vertices, v2);
   vec4 n0 = texelFetch(t_vertices, v0 + 1), n1 = texelFetch(t_vertices, v1 + 1), n2 = texelFetch(t_vertices, v2 + 1);
   vec3 e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
-  vec2 center = vec2(pixel) + 0.5;
-  vec3 ray = ray_through(center);
-  TriangleHit hit = intersect_plane_of_triangle(u_frame.eye.xyz, ray, p0.xyz, e1, e2);
+  vec3 origin = view_origin(pixel), ray = view_ray(pixel);
+  TriangleHit hit = intersect_plane_of_triangle(origin, ray, p0.xyz, e1, e2);
   // A grid point on a sliver's edge may miss by rounding: stay on the triangle.
   vec2 b = clamp(hit.barycentric, 0.0, 1.0);
   b *= 1.0 / max(1.0, b.x + b.y);
   float b0 = 1.0 - b.x - b.y;
-  float depth = dot(p0.xyz + b.x * e1 + b.y * e2 - u_frame.eye.xyz, u_frame.forward.xyz);
+#ifdef REFLECTED
+  float depth = dot(p0.xyz + b.x * e1 + b.y * e2 - origin, ray);
+#else
+  float depth = dot(p0.xyz + b.x * e1 + b.y * e2 - origin, u_frame.forward.xyz);
+#endif
   vec3 geometric = cross(e1, e2);
   vec3 normal = interpolated_normal(b0 * n0.xyz + b.x * n1.xyz + b.y * n2.xyz, geometric);
   int material = int(texelFetch(t_triangle_material, triangle).x);
@@ -62,8 +65,13 @@ void resolve_surface(ivec2 pixel, int triangle) {
   uvec4 list = material_words(material, 7);
   uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
   if (list.x != kNoTexture) {
-    TriangleHit hx = intersect_plane_of_triangle(u_frame.eye.xyz, ray_through(center + vec2(1.0, 0.0)), p0.xyz, e1, e2);
-    TriangleHit hy = intersect_plane_of_triangle(u_frame.eye.xyz, ray_through(center + vec2(0.0, 1.0)), p0.xyz, e1, e2);
+    TriangleHit hx = intersect_plane_of_triangle(view_origin(pixel + ivec2(1, 0)), view_ray(pixel + ivec2(1, 0)), p0.xyz, e1, e2);
+    TriangleHit hy = intersect_plane_of_triangle(view_origin(pixel + ivec2(0, 1)), view_ray(pixel + ivec2(0, 1)), p0.xyz, e1, e2);
+#ifdef REFLECTED
+    // At a pane's border the next pixel has no ray: no footprint is known there.
+    if (texelFetch(t_ray_direction, pixel + ivec2(1, 0), 0).w <= 0.0) hx = hit;
+    if (texelFetch(t_ray_direction, pixel + ivec2(0, 1), 0).w <= 0.0) hy = hit;
+#endif
     vec2 bx = hx.barycentric - hit.barycentric, by = hy.barycentric - hit.barycentric;
     vec4 u0 = texelFetch(t_vertices, v0 + 3), u1 = texelFetch(t_vertices, v1 + 3), u2 = texelFetch(t_vertices, v2 + 3);
     vec2 s0 = vec2(p0.w, n0.w), s1 = vec2(p1.w, n1.w), s2 = vec2(p2.w, n2.w);
@@ -109,7 +117,7 @@ void resolve_surface(ivec2 pixel, int triangle) {
     normal = apply_normal_map(normal, t, mapped, m1.z);
   }
 #endif
-  vec3 seen_side = dot(geometric, u_frame.eye.xyz - p0.xyz) < 0.0 ? -geometric : geometric;
+  vec3 seen_side = dot(geometric, origin - p0.xyz) < 0.0 ? -geometric : geometric;
   normal = face_viewer(normal, seen_side, -normalize(ray));
   surface.normal = normal;
   imageStore(o_surface, pixel, pack_surface(surface, emission));

@@ -15,6 +15,12 @@ layout(binding = 29) uniform sampler2D t_irradiance;  // irradiance over pi, lat
 uniform vec4 u_base;      // base colour, alpha
 uniform vec4 u_emission;  // cd/m2; w: 1 for unlit
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
+#if REFLECTIONS
+layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
+layout(binding = 53) uniform sampler2D t_reflection;     // what the nearest reflector of each pixel shows, cd/m2
+uniform int u_reflector;                                 // of this item, or -1
+uniform int u_mirror;                                    // 1: an opaque metal
+#endif
 in vec3 v_position;
 in vec3 v_normal;
 in vec2 v_uv;
@@ -26,6 +32,30 @@ layout(location = 0, index = 1) out vec4 o_through;
 vec3 white_under_sky(vec3 n) {
   return textureLod(t_irradiance, latlong_uv_from_direction(environment_from_world(n)), 0.0).rgb * u_frame.environment.z;
 }
+
+#if REFLECTIONS
+/// Bilinear among the pixels that show this very reflector; w: their share, 0 where another reflector hides it.
+vec4 reflected_scene() {
+  vec2 size = vec2(textureSize(t_reflection, 0));
+  vec2 at = gl_FragCoord.xy / vec2(u_frame.size.xy) * size - 0.5;
+  ivec2 corner = ivec2(floor(at));
+  vec2 f = at - vec2(corner);
+  vec4 sum = vec4(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 o = ivec2(k & 1, k >> 1), p = clamp(corner + o, ivec2(0), ivec2(size) - 1);
+    vec2 w = mix(1.0 - f, f, vec2(o));
+    float same = int(texelFetch(t_ray_direction, p, 0).w) == u_reflector + 1 ? w.x * w.y + 1e-4 : 0.0;
+    sum += same * vec4(texelFetch(t_reflection, p, 0).rgb, 1.0);
+  }
+  return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
+}
+
+/// Reflectance of a smooth metal known by its colour at normal incidence: Fresnel's equations with the real index that has it.
+float metal_reflectance(float c, float f0) {
+  float root = sqrt(clamp(f0, 0.0, 0.999));
+  return fresnel_surface(c, (1.0 + root) / (1.0 - root));
+}
+#endif
 
 void main() {
   vec4 base = u_base;
@@ -46,8 +76,22 @@ void main() {
     float c = dot(n, view);
     vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
     vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
+#if REFLECTIONS
+    vec4 scene = u_reflector >= 0 ? reflected_scene() : vec4(0.0);
+    mirrored = mix(mirrored, scene.rgb, scene.w);
+#endif
     vec3 reflected = vec3(red.x, green.x, blue.x) * mirrored;
     o_color = vec4(u_emission.rgb + reflected + (1.0 - u_pane.x) * (surface - u_emission.rgb), 0.0);
     o_through = vec4(vec3(red.y, green.y, blue.y) * u_pane.x, 1.0);
   }
+#if REFLECTIONS
+  if (u_mirror == 1) {
+    float c = dot(n, view);
+    vec4 scene = reflected_scene();
+    vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
+    vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
+    o_color = vec4(u_emission.rgb + share * mirrored, 0.0);
+    o_through = vec4(0.0, 0.0, 0.0, 1.0);
+  }
+#endif
 }

@@ -33,7 +33,7 @@ vec4 complete(ivec2 p, vec3 shaded) {
     }
     return vec4(shaded + emission, 1.0);
   }
-  vec3 d = environment_from_world(normalize(ray_through(vec2(p) + 0.5)));
+  vec3 d = environment_from_world(normalize(view_ray(p)));
   return vec4(environment_bilinear(d) * u_frame.environment.z, 0.0);
 }
 #endif
@@ -42,6 +42,12 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
 #if STAGE == 1
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+#ifdef REFLECTED
+  if (texelFetch(t_ray_direction, pixel, 0).w <= 0.0) {
+    imageStore(io_radiance, pixel, vec4(0.0));
+    return;
+  }
+#endif
   imageStore(io_radiance, pixel, complete(pixel, imageLoad(io_radiance, pixel).rgb));
 #else
   if (any(greaterThanEqual(pixel, imageSize(io_picture)))) return;

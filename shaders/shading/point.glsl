@@ -34,8 +34,8 @@ Point load_point(ivec2 pixel) {
   uvec4 g = texelFetch(t_surface, pixel, 0);
   float depth = texelFetch(t_depth, pixel, 0).x;
   Surface s = unpack_surface(g);
-  vec3 ray = ray_through(vec2(pixel) + 0.5);
-  p.position = u_frame.eye.xyz + ray * depth;
+  vec3 ray = view_ray(pixel);
+  p.position = view_origin(pixel) + ray * depth;
   p.distance_m = depth * length(ray);
   p.n = environment_from_world(s.normal);
   vec3 v = environment_from_world(-normalize(ray));

@@ -8,6 +8,17 @@ vec3 ray_through(vec2 point) {
   return camera_ray(u_frame.forward.xyz, u_frame.right.xyz, u_frame.up.xyz, vec2(ndc.x, -ndc.y));
 }
 
+#ifdef REFLECTED
+// The G-buffer is that of what reflectors show: each pixel has a mirrored ray of its own, and depth runs along it.
+layout(binding = 49) uniform sampler2D t_ray_origin;     // m; w: depth of the pane
+layout(binding = 50) uniform sampler2D t_ray_direction;  // unit; w: reflector + 1, 0 where none is seen
+vec3 view_origin(ivec2 pixel) { return texelFetch(t_ray_origin, pixel, 0).xyz; }
+vec3 view_ray(ivec2 pixel) { return texelFetch(t_ray_direction, pixel, 0).xyz; }
+#else
+vec3 view_origin(ivec2 pixel) { return u_frame.eye.xyz; }
+vec3 view_ray(ivec2 pixel) { return ray_through(vec2(pixel) + 0.5); }
+#endif
+
 /// World direction to the environment's own frame (its rotation undone) and back. Positive rotation is from +Z towards +X.
 vec3 environment_from_world(vec3 d) {
   return vec3(u_frame.environment.x * d.x - u_frame.environment.y * d.z, d.y,

@@ -1,0 +1,109 @@
+#include "render/raytraced/tracer.h"
+
+#include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
+
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
+using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
+
+/// Triangles of the occluding items, with the number that each has in the scene's index buffer.
+struct RayScene {
+  DevicePointer device{nullptr, &rtcReleaseDevice};
+  ScenePointer scene{nullptr, &rtcReleaseScene};
+  std::vector<std::uint32_t> numbers;
+};
+
+RayScene build_scene(const FlatGeometry& geometry, const std::vector<bool>& occluding) {
+  RayScene out;
+  std::vector<std::uint32_t> indices;
+  for (std::size_t i = 0; i < geometry.items.size(); ++i) {
+    if (!occluding[i]) continue;
+    const DrawItem& item = geometry.items[i];
+    for (std::uint32_t k = 0; k < item.index_count; ++k) indices.push_back(geometry.indices[item.first_index + k]);
+    for (std::uint32_t k = 0; k < item.index_count / 3; ++k) out.numbers.push_back(item.first_index / 3 + k);
+  }
+  out.device = DevicePointer(rtcNewDevice(nullptr), &rtcReleaseDevice);
+  out.scene = ScenePointer(rtcNewScene(out.device.get()), &rtcReleaseScene);
+  rtcSetSceneFlags(out.scene.get(), RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry mesh = rtcNewGeometry(out.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* p = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, geometry.positions.size());
+  auto* t = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, indices.size() / 3);
+  if (p && t && !indices.empty()) {
+    std::copy_n(geometry.positions.data(), geometry.positions.size(), static_cast<glm::vec3*>(p));
+    std::copy_n(indices.data(), indices.size(), static_cast<std::uint32_t*>(t));
+    rtcCommitGeometry(mesh);
+    rtcAttachGeometry(out.scene.get(), mesh);
+  }
+  rtcReleaseGeometry(mesh);
+  rtcCommitScene(out.scene.get());
+  if (rtcGetDeviceError(out.device.get()) != RTC_ERROR_NONE)
+    throw Error("--reflections raytraced", "the ray tracer could not be built", "free some memory");
+  return out;
+}
+
+class RaytracedReflections : public ReflectorTechnique {
+ public:
+  void trace(const ReflectionFrame& frame) override {
+    const FlatGeometry& geometry = frame.buffers->geometry();
+    if (!scene_.scene || epoch_ != frame.geometry_epoch || occluding_ != *frame.occluding) {
+      scene_ = build_scene(geometry, *frame.occluding);
+      epoch_ = frame.geometry_epoch;
+      occluding_ = *frame.occluding;
+    }
+    ReflectionTargets& t = *frame.targets;
+    const auto count = static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);
+    std::vector<glm::vec4> origins(count), directions(count);
+    const auto bytes = static_cast<GLsizei>(count * sizeof(glm::vec4));
+    glGetTextureImage(t.ray_origin.get(), 0, GL_RGBA, GL_FLOAT, bytes, origins.data());
+    glGetTextureImage(t.ray_direction.get(), 0, GL_RGBA, GL_FLOAT, bytes, directions.data());
+    std::vector<std::uint32_t> hits(count, 0u);
+    tbb::parallel_for(0, t.height, [&](int y) {
+      for (int x = 0; x < t.width; ++x) {
+        const std::size_t i =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(x);
+        if (directions[i].w > 0.0f) hits[i] = hit(origins[i], directions[i]);
+      }
+    });
+    t.triangle.upload(0, t.width, t.height, GL_RED_INTEGER, GL_UNSIGNED_INT, hits.data());
+    rays_ = 0.0;
+    for (const glm::vec4& d : directions) rays_ += d.w > 0.0f ? 1.0 : 0.0;
+    frame.timer->end("rays");
+  }
+  void add_counters(std::map<std::string, double>* counters) const override { (*counters)["rays"] = rays_; }
+
+ private:
+  std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction) const {
+    constexpr float kNear_m = 1e-4f;  // the pane itself is not among the triangles, what touches it is
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    RTCRayHit query{};
+    query.ray.org_x = origin.x;
+    query.ray.org_y = origin.y;
+    query.ray.org_z = origin.z;
+    query.ray.dir_x = direction.x;
+    query.ray.dir_y = direction.y;
+    query.ray.dir_z = direction.z;
+    query.ray.tnear = kNear_m;
+    query.ray.tfar = 1e30f;
+    query.ray.mask = ~0u;
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene_.scene.get(), &context, &query);
+    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0u : scene_.numbers[query.hit.primID] + 1u;
+  }
+  RayScene scene_;
+  std::uint32_t epoch_ = 0;
+  std::vector<bool> occluding_;
+  double rays_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<ReflectorTechnique> make_raytraced_reflections() { return std::make_unique<RaytracedReflections>(); }
+
+}  // namespace maquette

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/frame_constants.h"
+#include "render/pass_timer.h"
+#include "render/program_cache.h"
+#include "render/reflections/reflectors.h"
+#include "render/reflections/targets.h"
+#include "render/scene_buffers.h"
+#include "render/settings.h"
+
+namespace maquette {
+
+/// What a technique finds hits for, in one frame. The frame block on binding 0 has the size of the targets.
+struct ReflectionFrame {
+  const FrameConstants* constants = nullptr;
+  const SceneBuffers* buffers = nullptr;
+  const std::vector<Reflector>* reflectors = nullptr;
+  const std::vector<bool>* occluding = nullptr;  ///< by item: drawn and opaque, so that mirrored rays end there
+  std::uint32_t geometry_epoch = 0;              ///< raised by every change of geometry or of what occludes
+  const Settings* settings = nullptr;
+  ReflectionTargets* targets = nullptr;
+  ProgramCache* programs = nullptr;
+  PassTimer* timer = nullptr;
+};
+
+/// How the hits of the mirrored rays are found. The panes' rays are made before, resolving, shading and compositing are
+/// done after it, the same for all.
+class ReflectorTechnique {
+ public:
+  virtual ~ReflectorTechnique() = default;
+  /// Writes `targets->triangle` for every pixel; a technique whose hits are no triangles writes `surface` and `depth`
+  /// too, and says so by resolves().
+  virtual void trace(const ReflectionFrame& frame) = 0;
+  virtual bool resolves() const { return false; }
+  /// Bytes of its own buffers by vocabulary word.
+  virtual void add_bytes(std::map<std::string, std::size_t>*) const {}
+  /// Counters of the frame just traced.
+  virtual void add_counters(std::map<std::string, double>*) const {}
+};
+
+struct ReflectorTechniqueInfo {
+  std::string name;
+  std::function<std::unique_ptr<ReflectorTechnique>()> make;
+};
+
+/// The entry of a reflector technique; every registered one has one.
+const ReflectorTechniqueInfo& find_reflector_implementation(const std::string& name);
+
+}  // namespace maquette

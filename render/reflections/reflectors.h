@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "render/geometry.h"
+#include "scenes/scene.h"
+
+namespace maquette {
+
+/// One item of the scene that shows the scene: a pane, or an opaque mirror.
+struct Reflector {
+  std::size_t item = 0;  ///< in FlatGeometry::items
+  int node = -1;
+  std::string name;
+  bool mirror = false;  ///< opaque: nothing is seen through it
+  bool patch = false;
+  std::array<glm::dvec3, 16> points{};  ///< of a patch: world, [row v][column u]
+};
+
+/// At most this many are drawn; shaders/reflections/reflectors.glsl has the same number.
+constexpr std::size_t kMaxReflectors = 16;
+
+/// The reflectors of the scene: patches and nodes marked so, or, when `names` is not empty, the nodes named so.
+/// `materials[i]` is the material of item i. Throws Error for a name that is not in the scene, for a node that is
+/// neither glass nor a smooth metal, and for too many of them.
+std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& geometry,
+                                       const std::vector<const Material*>& materials,
+                                       const std::vector<std::string>& names);
+
+/// True for a material that mirrors as a pane, or as a metal smoother than roughness 0.1.
+bool can_mirror(const Material& material);
+
+}  // namespace maquette

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+
+#include "render/gl/objects.h"
+
+namespace maquette {
+
+/// Images of what the reflectors show, at a fraction of the shading grid: first the panes themselves, then the hits of
+/// their mirrored rays, which are shaded like any other G-buffer. One layer: the nearest reflector of each pixel.
+struct ReflectionTargets {
+  int width = 0, height = 0;
+  int divisor = 1;  ///< of the grid
+  GlName<FramebufferTraits> pane_framebuffer;
+  Texture pane;           ///< RG32UI: triangle + 1, reflector + 1; 0 where none is seen
+  Texture pane_depth;     ///< depth buffer of the panes
+  Texture ray_origin;     ///< RGBA32F: point of the pane, m; w: its depth along the viewing axis, 0 where none is seen
+  Texture ray_direction;  ///< RGBA32F: mirrored ray, unit; w: reflector + 1
+  Texture triangle;       ///< R32UI: what the ray hits, triangle + 1; 0: nothing. The technique writes it.
+  Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
+  Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
+};
+
+ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int divisor);
+std::size_t reflection_bytes(const ReflectionTargets& targets);
+
+}  // namespace maquette

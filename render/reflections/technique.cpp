@@ -1,0 +1,24 @@
+#include "render/reflections/technique.h"
+
+namespace maquette {
+
+TechniqueInfo reflections_technique() {
+  TechniqueInfo info;
+  info.name = "reflections";
+  info.kind = TechniqueKind::shared;
+  info.help = "what the reflector techniques share";
+  info.settings = {
+      {.name = "reflections.resolution",
+       .default_value = std::string("half"),
+       .help = "of the reflected picture: full, half or quarter of the picture's own",
+       .choices = {"full", "half", "quarter"}},
+      {.name = "reflections.samples",
+       .default_value = 16,
+       .min = 2,
+       .max = 4096,
+       .help = "shading samples a pixel of what is reflected, in the modes that sample"},
+  };
+  return info;
+}
+
+}  // namespace maquette

@@ -1,0 +1,269 @@
+// What the reflectors show: their rays, the hits that a technique finds, and the hits' shading by the frame's own mode.
+#include <algorithm>
+#include <cmath>
+
+#include "render/bezier/projection.h"
+#include "render/bezier/reflector_patch.h"
+#include "render/reflections/reflector_technique.h"
+#include "render/renderer_impl.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+int groups(int count, int size) { return (count + size - 1) / size; }
+
+std::string flag(bool k) { return k ? "1" : "0"; }
+
+/// std140 twin of ReflectorRecord in shaders/reflections/reflectors.glsl.
+struct ReflectorRecord {
+  glm::vec4 origin{0.0f};
+  glm::vec4 coefficients[16]{};
+};
+
+Buffer make_reflector_block(const std::vector<Reflector>& reflectors) {
+  std::vector<ReflectorRecord> records(kMaxReflectors);
+  for (std::size_t i = 0; i < reflectors.size(); ++i) {
+    if (!reflectors[i].patch) continue;
+    const ReflectorPatch patch = make_reflector_patch(reflectors[i].points);
+    records[i].origin = glm::vec4(glm::vec3(patch.origin), patch.degenerate ? 0.0f : 1.0f);
+    for (std::size_t k = 0; k < 16; ++k) records[i].coefficients[k] = glm::vec4(patch.single.c[k], 0.0f);
+  }
+  return Buffer::from("reflectors", records);
+}
+
+int divisor_of(const Settings& settings) {
+  const std::string& resolution = settings.get_string("reflections.resolution");
+  return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
+}
+
+ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
+  return {"shading/shade.comp",
+          "",
+          {{"REFLECTED", "1"},
+           {"MEASURED", measured ? "1" : "0"},
+           {"VISIBILITY", flag(plan.visibility == "baked")},
+           {"LIGHTS", flag(plan.lights)}}};
+}
+
+ShaderVariant reflected_resolve_variant(bool textures, bool colors) {
+  return {
+      "gbuffer/resolve.comp",
+      "",
+      {{"REFLECTED", "1"}, {"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", "0"}, {"VERTEX_COLORS", flag(colors)}}};
+}
+
+}  // namespace
+
+std::vector<ShaderVariant> reflection_shader_variants() {
+  std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
+                                      {"reflections/rays.comp", "", {}},
+                                      {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
+                                      {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
+                                      {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}};
+  for (int k = 0; k < 8; ++k) {
+    FramePlan plan;
+    plan.visibility = k & 1 ? "baked" : "none";
+    plan.lights = k & 2;
+    variants.push_back(reflected_shade_variant(plan, k >> 2));
+  }
+  for (const ShaderVariant& variant : bezier_shader_variants()) variants.push_back(variant);
+  for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
+  return variants;
+}
+
+void Renderer::Impl::update_reflectors(const FrameRequest& request) {
+  if (request.reflections == "off") {
+    if (!reflectors.empty()) drawn_surfaces.reset();  // mirrors are opaque surfaces again
+    reflectors.clear();
+    reflectors_epoch = 0;
+    return;
+  }
+  if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors) return;
+  std::vector<const Material*> item_materials;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) item_materials.push_back(&material_of_item(i));
+  reflectors = find_reflectors(*scene, buffers->geometry(), item_materials, request.reflectors);
+  drawn_surfaces.reset();
+  reflectors_named = request.reflectors;
+  reflectors_epoch = epoch + 1;
+  reflector_block = make_reflector_block(reflectors);
+}
+
+int Renderer::Impl::reflector_of_item(std::size_t item) const {
+  for (std::size_t k = 0; k < reflectors.size(); ++k)
+    if (reflectors[k].item == item) return static_cast<int>(k);
+  return -1;
+}
+
+bool Renderer::Impl::is_mirror(std::size_t item) const {
+  const int k = reflector_of_item(item);
+  return k >= 0 && reflectors[static_cast<std::size_t>(k)].mirror;
+}
+
+int Renderer::Impl::reflectors_in_view(const FrameRequest& request) const {
+  const glm::vec3 forward = glm::normalize(request.camera.target - request.camera.eye);
+  int count = 0;
+  for (const Reflector& reflector : reflectors) {
+    const Bounds& bounds = buffers->bounds(reflector.item);
+    // In front of the eye, and within a cone around the frustum.
+    const glm::vec3 to = bounds.center() - request.camera.eye;
+    const float distance = glm::length(to), radius = bounds.radius();
+    const float aspect = static_cast<float>(request.width) / static_cast<float>(request.height);
+    const float half = std::atan(std::tan(0.5f * request.camera.fov_y_rad) * std::sqrt(1.0f + aspect * aspect));
+    const float reach = distance > radius ? std::asin(radius / distance) : 3.2f;
+    const float angle = distance > 0.0f ? std::acos(std::clamp(glm::dot(to, forward) / distance, -1.0f, 1.0f)) : 0.0f;
+    count += buffers->visible(reflector.item) && angle <= half + reach;
+  }
+  return count;
+}
+
+void Renderer::Impl::draw_panes(ReflectionTargets* t) {
+  const GLuint framebuffer = t->pane_framebuffer.get();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, t->width, t->height);
+  const GLuint none[4] = {0, 0, 0, 0};
+  const float far_depth = 0.0f;
+  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
+  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  glBindVertexArray(buffers->vertex_array());
+  const Program& program = programs.get({"reflections/pane.frag", "reflections/pane.vert", {}});
+  glUseProgram(program.get());
+  for (std::size_t k = 0; k < reflectors.size(); ++k) {
+    const std::size_t i = reflectors[k].item;
+    if (!buffers->visible(i) || !may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
+    const DrawItem& item = buffers->geometry().items[i];
+    (material_of_item(i).double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
+    program.set("u_reflector", static_cast<int>(k));
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+  }
+  glBindVertexArray(0);
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void Renderer::Impl::shade_reflections(const FramePlan& plan, PassTimer* timer) {
+  ReflectionTargets& t = *reflection;
+  if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode)) {
+    lookup_modes[plan.mode]->bind();
+    targets->counters.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->counters.get());
+    glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(1, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+    const int kPointsPerLane = 4;  // as in shaders/shared/lookup.glsl
+    dispatch(programs.get({lookup->shader, "", {{"REFLECTED", "1"}}}), groups(t.width, 8 * kPointsPerLane),
+             groups(t.height, 8));
+  } else {
+    for (int row = 0; row < t.height; row += targets->band_rows)
+      shade_reflected_rows(plan, row, std::min(targets->band_rows, t.height - row));
+  }
+  timer->end("reflected shade");
+}
+
+void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, int rows) {
+  const FrameTargets& t = *targets;
+  const ReflectionTargets& r = *reflection;
+  for (GLuint k = 0; k < 2; ++k) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, t.points[k].get());
+  }
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
+  targets->counters.clear_to_zero();
+  const Program& mark = programs.get({"bandwidth/mark.comp", "", {{"BANDWIDTH", "0"}, {"REFINE", "0"}}});
+  glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
+  mark.set("u_item_capacity", t.item_capacity);
+  mark.set("u_sample_scale", 1.0f);
+  glBindImageTexture(0, r.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  dispatch_list(mark, groups(r.width, 4) * groups(rows, 4));
+  unsigned counters[16];
+  t.counters.read(0, sizeof counters, counters);
+  dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
+  const Program& gather = programs.get({"shading/gather.comp", "", {{"ACCUMULATE", "0"}}});
+  glBindImageTexture(0, r.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  for (int list = 0; list < 2; ++list) {
+    if (counters[8 * list] == 0) continue;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
+    const Program& program = programs.get(reflected_shade_variant(plan, list == 0 ? 1 : 0));
+    program.set("u_list", list);
+    glUseProgram(program.get());
+    glDispatchComputeIndirect(list * 32 + 8);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.points[list].get());
+    glBindTextureUnit(22, t.partial_view[list].get());
+    gather.set("u_list", list);
+    dispatch(gather, 256, 1);
+  }
+}
+
+void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
+  const int divisor = divisor_of(request.settings);
+  FrameTargets& f = *targets;
+  if (!reflection || reflection->divisor != divisor || reflection->width != groups(f.grid_width(), divisor) ||
+      reflection->height != groups(f.grid_height(), divisor))
+    reflection.emplace(make_reflection_targets(f.grid_width(), f.grid_height(), divisor));
+  ReflectionTargets& t = *reflection;
+  FrameConstants small = constants;
+  small.size = glm::ivec4(t.width, t.height, 1, 0);
+  small.forward.w = constants.forward.w * static_cast<float>(divisor);
+  const int samples = request.settings.get_int("reflections.samples");
+  small.sampling = glm::ivec4(samples, samples, accumulated * samples, constants.sampling.w ^ 0x5bd1e995);
+  small.bandwidth_size.w = accumulated * samples;
+  if (!reflection_block) reflection_block = Buffer("reflection constants", sizeof(FrameConstants));
+  reflection_block.update(0, sizeof small, &small);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, reflection_block.get());
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, reflector_block.get());
+  draw_panes(&t);
+  glBindTextureUnit(51, t.pane.get());
+  glBindTextureUnit(52, f.depth.get());
+  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  const Program& rays = programs.get({"reflections/rays.comp", "", {}});
+  rays.set("u_divisor", divisor);
+  dispatch(rays, groups(t.width, 8), groups(t.height, 8));
+  glBindTextureUnit(49, t.ray_origin.get());
+  glBindTextureUnit(50, t.ray_direction.get());
+  timer->end("panes");
+
+  std::vector<bool> occluding = transmitting_items();
+  occluding.flip();
+  std::unique_ptr<ReflectorTechnique>& technique = reflector_techniques[plan.reflections];
+  if (!technique) technique = find_reflector_implementation(plan.reflections).make();
+  technique->trace(
+      {&small, &*buffers, &reflectors, &occluding, geometry_epoch, &request.settings, &t, &programs, timer});
+
+  if (!technique->resolves()) {
+    glBindTextureUnit(0, t.triangle.get());
+    glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+    glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+    dispatch(programs.get(reflected_resolve_variant(buffers->has_textures(), buffers->has_colors())),
+             groups(t.width, 8), groups(t.height, 8));
+    timer->end("reflected gbuffer");
+  }
+  glBindTextureUnit(0, t.triangle.get());
+  glBindTextureUnit(8, t.surface.get());
+  glBindTextureUnit(9, t.depth.get());
+  shade_reflections(plan, timer);
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch(programs.get({"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}), groups(t.width, 8),
+           groups(t.height, 8));
+  timer->end("reflected shade");
+  bind_frame();
+  glBindTextureUnit(0, f.triangle.get());
+  glBindTextureUnit(50, t.ray_direction.get());
+  glBindTextureUnit(53, t.radiance.get());
+}
+
+}  // namespace maquette

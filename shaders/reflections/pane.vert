@@ -1,0 +1,4 @@
+// Rasterises which triangle of which reflector is seen; its rays are found once a pixel (rays.comp).
+#include "shared/frame.glsl"
+layout(location = 0) in vec3 a_position;
+void main() { gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0); }

@@ -347,6 +347,7 @@ const int kAttempts = 7;
 // points without leaving the domain. Needed only where the eye sees both sides of the patch, or all but its edge.
 MAQUETTE_FN ReflectionPoint reflection_point(BezierSurface s, vec3 eye, vec3 p, BezierStart start, bool careful) {
   ReflectionPoint r;
+  r.x = start.x;
   for (int k = 0; k <= kAttempts; ++k) {
     bool first = k == 0;
     vec2 from = first || k == 2 ? start.x : (k == 1 ? start.shortest : r.x);

@@ -112,6 +112,11 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
   ++impl_->epoch;
 }
 
+void Renderer::set_interactive(bool interactive) {
+  impl_->interactive = interactive;
+  impl_->reference = ReferenceFrame();
+}
+
 void Renderer::set_node_visible(int node, bool visible) {
   impl_->require_ready();
   impl_->buffers->set_node_visible(node, visible);
@@ -353,7 +358,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
 }
 
 Image Renderer::read_radiance() const {
-  if (impl_->shows_reference()) return impl_->reference.picture->mean();
+  if (impl_->shows_reference()) return impl_->reference.news.mean;
   Image image(impl_->targets->width, impl_->targets->height, 4);
   glGetTextureImage(impl_->targets->picture.get(), 0, GL_RGBA, GL_FLOAT,
                     static_cast<GLsizei>(image.data.size() * sizeof(float)), image.data.data());
@@ -362,7 +367,7 @@ Image Renderer::read_radiance() const {
 
 Renderer::Pick Renderer::pick(int x, int y) const {
   Pick pick;
-  if (impl_->shows_reference()) return pick;
+  if (impl_->shows_reference()) return impl_->pick_traced(x, y);
   const FrameTargets& t = *impl_->targets;
   if (x < 0 || y < 0 || x >= t.width || y >= t.height) return pick;
   const int gx = x * t.side + t.side / 2, gy = y * t.side + t.side / 2;

@@ -78,6 +78,9 @@ class Renderer {
   /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
+  /// For a window: mode reference then traces on a thread of its own, `render` shows what there is so far and does not
+  /// wait, and `accumulated_frames` counts the paths of a pixel.
+  void set_interactive(bool interactive);
 
   /// Draws one frame into the radiance texture. With `accumulate`, averages with the frames before it
   /// while request, scene, materials and environment stay the same.

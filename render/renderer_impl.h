@@ -18,7 +18,7 @@
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
 #include "render/progressive.h"
-#include "render/reference/reference.h"
+#include "render/reference/worker.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
@@ -28,13 +28,17 @@ namespace maquette {
 
 /// Mode reference: what it traces and the picture so far.
 struct ReferenceFrame {
-  std::shared_ptr<const PathScene> scene;
   std::uint32_t scene_epoch = 0;
-  MeasuredLibrary library;
-  std::optional<ReferencePicture> picture;
   FrameRequest request;
+  ReferenceWorker::News news;
   Texture texture;  ///< of the picture, made when it is shown
   bool texture_stale = true;
+  // In batch:
+  std::shared_ptr<const PathScene> scene;
+  MeasuredLibrary library;
+  std::optional<ReferencePicture> picture;
+  // In a window:
+  std::unique_ptr<ReferenceWorker> worker;
 };
 
 /// All that raster, G-buffer and curvature depend on: while it stays the same, they need not be drawn again.
@@ -84,6 +88,7 @@ struct Renderer::Impl {
   std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
   FrameConstants constants{};
   ReferenceFrame reference;
+  bool interactive = false;
   FrameRequest last_request;
   int accumulated = 0;
   std::uint32_t epoch = 0;  ///< raised by every change of scene, materials or environment
@@ -138,7 +143,10 @@ struct Renderer::Impl {
   RefineRates measure_deviations(const FrameRequest& request);
   void fill(PassTimer* timer);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
-  bool shows_reference() const { return last_plan.mode == "reference" && reference.picture; }
+  void trace_reference(const FrameRequest& request, bool accumulate);
+  void watch_reference(const FrameRequest& request);
+  Pick pick_traced(int x, int y) const;
+  bool shows_reference() const { return last_plan.mode == "reference" && reference.news.mean.width > 0; }
   /// The finished picture for the eye.
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes

@@ -47,6 +47,7 @@ bool ready(const std::future<T>& file) {
 }  // namespace
 
 WindowSession::WindowSession(const SceneOptions& options) {
+  renderer_.set_interactive(true);
   environment_source_ = options.environment;
   auto environment = std::async(std::launch::async, [source = options.environment] {
     return std::make_shared<Environment>(load_environment(source));

@@ -31,6 +31,15 @@ struct EnvironmentDirection {
   float pdf;           ///< 1/sr: `density` of the cell
   float map_x, map_y;  ///< texels, centres at half-integers
 };
+/// Interval of a cumulative table that holds u, and where inside it; never one of probability 0.
+struct EnvironmentCell {
+  std::size_t index;
+  double position;  ///< in [0, 1]
+};
+EnvironmentCell find_environment_cell(const float* cdf, std::size_t count, double u);
+/// Direction of a point of the map: column position `x` (texels), and `t` in [0, 1] of its row by solid angle.
+EnvironmentDirection environment_direction(const EnvironmentTables& tables, std::size_t row, double x, double t);
+
 /// What the importance tables make of u, v in [0, 1)^2. The environment must not be black.
 EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v);
 

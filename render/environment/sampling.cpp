@@ -12,21 +12,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-struct Cell {
-  std::size_t index;
-  double position;  ///< inside the cell, [0, 1)
-};
-
-/// The cell whose probability interval holds u; never one of probability 0.
-Cell find_cell(const float* cdf, std::size_t count, double u) {
-  const float* end = cdf + count + 1;
-  const float* after =
-      std::upper_bound(cdf, end, u, [](double value, float entry) { return value < static_cast<double>(entry); });
-  const std::size_t i = std::min(static_cast<std::size_t>(after - cdf), count) - 1;
-  const double begin = cdf[i];
-  return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
-}
-
 /// One of the four texels around a point of the map (texel centres at whole numbers).
 struct ChosenTexel {
   glm::vec3 radiance;
@@ -60,21 +45,37 @@ ChosenTexel choose_texel(const Environment& environment, float x, float y, float
 
 }  // namespace
 
+EnvironmentCell find_environment_cell(const float* cdf, std::size_t count, double u) {
+  const float* end = cdf + count + 1;
+  const float* after =
+      std::upper_bound(cdf, end, u, [](double value, float entry) { return value < static_cast<double>(entry); });
+  const std::size_t i = std::min(static_cast<std::size_t>(after - cdf), count) - 1;
+  const double begin = cdf[i];
+  return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
+}
+
+EnvironmentDirection environment_direction(const EnvironmentTables& tables, std::size_t row, double x, double t) {
+  const auto width = static_cast<double>(tables.width), height = static_cast<double>(tables.height);
+  // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
+  const double top = std::cos(kPi * static_cast<double>(row) / height);
+  const double bottom = std::cos(kPi * static_cast<double>(row + 1) / height);
+  const double y = std::clamp(top + (bottom - top) * t, -1.0, 1.0);
+  const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
+  const double longitude = kPi - 2.0 * kPi * x / width;
+  const auto column = static_cast<std::size_t>(std::min(x, width - 1.0));
+  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
+          tables.density[row * static_cast<std::size_t>(tables.width) + column], static_cast<float>(x),
+          static_cast<float>(std::acos(y) / kPi * height)};
+}
+
 EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v) {
   const auto width = static_cast<std::size_t>(tables.width);
-  const auto height = static_cast<std::size_t>(tables.height);
-  const Cell row = find_cell(tables.marginal_cdf.data(), height, v);
-  const Cell column = find_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
-  // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
-  const double top = std::cos(kPi * static_cast<double>(row.index) / static_cast<double>(height));
-  const double bottom = std::cos(kPi * static_cast<double>(row.index + 1) / static_cast<double>(height));
-  const double y = std::clamp(top + (bottom - top) * row.position, -1.0, 1.0);
-  const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
-  const double x = static_cast<double>(column.index) + column.position;
-  const double longitude = kPi - 2.0 * kPi * x / static_cast<double>(width);
-  const double map_y = std::acos(y) / kPi * static_cast<double>(height);
-  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
-          tables.density[row.index * width + column.index], static_cast<float>(x), static_cast<float>(map_y)};
+  const EnvironmentCell row =
+      find_environment_cell(tables.marginal_cdf.data(), static_cast<std::size_t>(tables.height), v);
+  const EnvironmentCell column = find_environment_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
+  // A position of 1 stays in its own column.
+  return environment_direction(tables, row.index,
+                               static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position);
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,

@@ -7,27 +7,44 @@
 
 namespace maquette {
 
-EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options)
+EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options, LightGuide* guide)
     : environment_(environment),
       cosine_(std::cos(options.env_rotation_rad)),
       sine_(std::sin(options.env_rotation_rad)),
-      scale_(options.env_scale) {}
+      scale_(options.env_scale),
+      guide_(guide) {}
 
-glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world) const {
-  const glm::vec4 v = environment_.radiance_and_density(shared::latlong_turn(world, cosine_, -sine_));
-  return {glm::vec3(v) * scale_, v.w};
+std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::vec3& normal) const {
+  return guide_ ? guide_->cell_of(position, normal) : LightGuide::kNoCell;
 }
 
-LightDraw EnvironmentLight::draw(const glm::vec2& u) const {
+glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::uint32_t cell) const {
+  const EnvironmentLookup found = environment_.look_up(shared::latlong_turn(world, cosine_, -sine_));
+  const float gain =
+      cell == LightGuide::kNoCell ? 1.0f : guide_->gain(cell, environment_.partition->leaf_at(found.x, found.y));
+  return {found.radiance * scale_, found.density * gain};
+}
+
+LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
   LightDraw draw;
   if (environment_.black) return draw;
-  const EnvironmentDirection s = sample_environment_direction(environment_.tables, u.x, u.y);
-  const glm::vec4 light = environment_.radiance_and_density(s.direction);
+  float along = u.x, gain = 1.0f;
+  if (cell != LightGuide::kNoCell) {
+    draw.leaf = guide_->choose_leaf(cell, &along);
+    gain = guide_->gain(cell, draw.leaf);
+  }
+  const EnvironmentDirection s = draw.leaf >= 0
+                                     ? environment_.partition->sample(environment_.tables, draw.leaf, along, u.y)
+                                     : sample_environment_direction(environment_.tables, along, u.y);
   draw.direction = shared::latlong_turn(s.direction, cosine_, sine_);
   draw.distance = 3.4e38f;
-  draw.radiance = glm::vec3(light) * scale_;
-  draw.pdf = s.pdf;
+  draw.radiance = environment_.look_up(s.direction).radiance * scale_;
+  draw.pdf = s.pdf * gain;
   return draw;
+}
+
+void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float useful) const {
+  if (cell != LightGuide::kNoCell && draw.leaf >= 0) guide_->record(cell, draw.leaf, useful);
 }
 
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, float choice, const glm::vec2& u,

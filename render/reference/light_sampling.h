@@ -1,5 +1,6 @@
 #pragma once
 
+#include "render/reference/light_guide.h"
 #include "render/reference/path_scene.h"
 
 namespace maquette {
@@ -11,20 +12,26 @@ struct LightDraw {
   glm::vec3 radiance{0.0f};   ///< cd/m2; for lights without extent lux, with pdf the probability of choosing the light
   float pdf = 0.0f;           ///< 1/sr; 0: nothing was drawn
   bool has_extent = true;     ///< BRDF samples can hit it
+  int leaf = -1;              ///< of the environment's partition, where a guide drew
 };
 
-/// The environment as this request turns and scales it.
+/// The environment as this request turns and scales it; with a guide, drawn by what each place can see.
 class EnvironmentLight {
  public:
-  EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options);
-  /// cd/m2 and 1/sr of a world direction (unit).
-  glm::vec4 radiance_and_density(const glm::vec3& world) const;
-  LightDraw draw(const glm::vec2& u) const;
+  EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options, LightGuide* guide = nullptr);
+  /// Where the guide keeps what it knows of this place; LightGuide::kNoCell without a guide.
+  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
+  /// cd/m2 of a world direction (unit), and 1/sr with which `draw` gives it in this cell.
+  glm::vec4 radiance_and_density(const glm::vec3& world, std::uint32_t cell = LightGuide::kNoCell) const;
+  LightDraw draw(const glm::vec2& u, std::uint32_t cell = LightGuide::kNoCell) const;
+  /// Tells the guide what became of a draw: cosine times transmittance.
+  void record(const LightDraw& draw, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }
 
  private:
   const TracedEnvironment& environment_;
   float cosine_, sine_, scale_;
+  LightGuide* guide_;
 };
 
 /// One of the scene's lights, chosen by power; a point of it by area. `mean_emission`: a textured triangle shines with

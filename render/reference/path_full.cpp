@@ -1,7 +1,6 @@
 // Full transport: unidirectional path tracing with next-event estimation. Source: Kajiya 1986; multiple importance
 // sampling by the balance heuristic, Veach and Guibas 1995.
 #include <algorithm>
-#include <array>
 
 #include "render/reference/path.h"
 #include "render/reference/scattering.h"
@@ -10,224 +9,291 @@ namespace maquette {
 
 namespace {
 
-constexpr int kRouletteBounce = 3;        ///< paths this long end by chance
-constexpr float kMostSurvival = 0.95f;    ///< so that even white furnaces end
-constexpr std::size_t kMostBranches = 8;  ///< of one camera path
-constexpr int kMostSplits = 6;            ///< panes in a row that send a camera path both ways
-/// Dimensions of the sampler: 8 of each bounce of each branch.
-constexpr std::uint32_t kDimensionsABounce = 8;
-constexpr std::uint32_t kDimensionsABranch = kDimensionsABounce * 256;
+constexpr int kRouletteBounce = 3;      ///< paths this long end by chance
+constexpr float kMostSurvival = 0.95f;  ///< so that even white furnaces end
+/// Away from the camera panes mirror at least so often: what they mirror is found by chance only, and is bright when it
+/// is a lamp; what they let pass was found by shadow rays already.
+constexpr float kLeastMirrored = 0.25f;
+constexpr int kMostPanes = 4096;               ///< that one path passes between two surfaces
+constexpr std::size_t kMostBranches = 8;       ///< of one camera ray
+constexpr int kMostSplits = 6;                 ///< panes in a row that send a camera ray both ways
+constexpr std::uint32_t kFirstShadowRays = 4;  ///< of the environment, where the camera looks
+/// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths.
+constexpr float kMirroredShare = 4.0f;
+/// Dimensions of the sampler: 8 of each surface of each branch.
+constexpr std::uint32_t kDimensionsASurface = 8;
+constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;
 enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kLobe, kDirection, kRoulette, kPane, kChance };
-
-/// A part of the path that is still to be followed.
-struct Branch {
-  Ray ray;
-  glm::vec3 weight{1.0f};
-  int bounce = 0;  ///< surfaces that scattered so far
-  int vertex = 0;  ///< surfaces met so far, panes included
-  int splits = 0;
-  bool from_camera = true;  ///< only panes so far
-  bool straight = true;     ///< and none of them mirrored: the picture's own line of sight
-  float pdf = 0.0f;         ///< density of the last scattering; 0: nothing else could have found what is hit
-  glm::vec3 scattered_at{0.0f};
-};
 
 float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 
+struct PaneRays {
+  Ray mirrored, passed;
+  PaneShares shares;
+};
+
+PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
+  PaneRays rays;
+  rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+  rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
+  rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
+  // Below the true surface by a bent normal: it would leave through the pane.
+  if (glm::dot(rays.mirrored.direction, p.normal) <= 0.0f) rays.shares.reflected = glm::vec3(0.0f);
+  rays.passed.origin = offset_from_surface(p.position, p.error, -p.normal);
+  rays.passed.direction = ray.direction;
+  return rays;
+}
+
+/// Follows one path from the first surface that scatters.
 class FullPath {
  public:
   FullPath(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler, int max_bounces)
       : scene_(scene), environment_(environment), sampler_(sampler), max_bounces_(max_bounces) {}
 
-  PathEstimate follow(const Ray& ray, const RayDifferential* differential) {
-    differential_ = differential;
-    Branch first;
-    first.ray = ray;
-    push(first);
-    while (count_ > 0) {
-      Branch branch = branches_[--count_];
-      base_ = kDimensionsABranch * branch_number_++;
-      while (advance(&branch)) {
-      }
+  /// Adds what arrives at `point` and leaves along its wo, times `weight`.
+  void follow(const SurfacePoint& point, const glm::vec3& weight, std::uint32_t branch, std::uint32_t shadow_rays) {
+    base_ = 1 + kDimensionsABranch * branch;
+    weight_ = weight;
+    bounce_ = vertex_ = 0;
+    shadow_rays_ = shadow_rays;
+    if (!scatter(point)) return;
+    while (advance()) {
     }
-    return result_;
   }
+  const PathEstimate& result() const { return result_; }
 
  private:
-  void push(const Branch& branch) {
-    if (count_ < branches_.size()) branches_[count_++] = branch;
-  }
-  std::uint32_t dimension(const Branch& branch, Dimension which) const {
-    return 1 + base_ + static_cast<std::uint32_t>(std::min(branch.vertex, 255)) * kDimensionsABounce + which;
+  std::uint32_t dimension(Dimension which) const {
+    return base_ + static_cast<std::uint32_t>(std::min(vertex_, 255)) * kDimensionsASurface + which;
   }
 
-  /// To the next surface and its contribution; false when the branch has ended.
-  bool advance(Branch* branch) {
+  /// To the next surface and its contribution; false when the path has ended.
+  bool advance() {
     RayHit hit;
     ++result_.rays;
-    const bool camera = branch->from_camera && differential_;
-    const std::uint32_t chance = sampler_.word(dimension(*branch, kChance));
-    if (!intersect(scene_, branch->ray, camera ? RayKind::camera : RayKind::path, chance, &hit)) {
-      add_environment(*branch);
+    if (!intersect(scene_, ray_, RayKind::path, sampler_.word(dimension(kChance)), &hit)) {
+      add_environment();
       return false;
     }
-    const SurfaceOptions options{branch->straight ? differential_ : nullptr, false};
-    const SurfacePoint p = resolve_surface(scene_, branch->ray, hit, options);
-    if (p.material->pane > 0.0f && pass_pane(branch, p)) return ++branch->vertex < 4096;
-    if (camera && p.material->blended) split_blended(branch, p, alpha_at(scene_, hit.triangle, hit.barycentric));
-    if (branch->straight && !p.material->blended && p.material->pane <= 0.0f) result_.covered = true;
-    add_emission(*branch, p);
-    if (p.material->values.unlit) return false;
-    return scatter(branch, p);
+    const SurfacePoint p = resolve_surface(scene_, ray_, hit, {});
+    ++vertex_;
+    if (p.material->pane > 0.0f && pass_pane(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
+    add_emission(p);
+    return !p.material->values.unlit && scatter(p);
   }
 
-  void add_environment(const Branch& branch) {
+  void add_environment() {
     if (environment_.black()) return;
-    const glm::vec4 light = environment_.radiance_and_density(glm::normalize(branch.ray.direction));
-    const float weight = branch.pdf > 0.0f ? branch.pdf / (branch.pdf + light.w) : 1.0f;
-    result_.radiance += branch.weight * glm::vec3(light) * weight;
+    const glm::vec4 light = environment_.radiance_and_density(ray_.direction, cell_);
+    result_.radiance += weight_ * glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_));
   }
 
-  void add_emission(const Branch& branch, const SurfacePoint& p) {
-    if (p.material->values.unlit) result_.radiance += branch.weight * p.base_color;
+  /// Balance heuristic against a density with which shadow rays find the same; none does behind a mirror.
+  float share_of(float other) const { return pdf_ > 0.0f ? pdf_ / (pdf_ + other) : 1.0f; }
+
+  void add_emission(const SurfacePoint& p) {
+    if (p.material->values.unlit) result_.radiance += weight_ * p.base_color;
     if (p.emission == glm::vec3(0.0f)) return;
-    float weight = 1.0f;
-    if (branch.pdf > 0.0f) {
-      const float other = scene_light_pdf(scene_, p.triangle, branch.scattered_at, p.position);
-      weight = branch.pdf / (branch.pdf + other);
-    }
-    result_.radiance += branch.weight * p.emission * weight;
+    const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_, p.position) : 0.0f;
+    result_.radiance += weight_ * p.emission * share_of(other);
   }
 
   /// Mirrors or lets pass; false where this path treats the pane as a surface (its share that is none).
-  bool pass_pane(Branch* branch, const SurfacePoint& p) {
-    const TracedMaterial& m = *p.material;
-    float u = sampler_.single(dimension(*branch, kPane));
-    if (m.pane < 1.0f) {
-      if (u >= m.pane) return false;
-      u /= m.pane;
-    }
-    add_emission(*branch, p);
-    const PaneShares shares = pane_shares(p.wo.z, m.values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
-    Branch mirrored = *branch;
-    mirrored.weight *= shares.reflected;
-    mirrored.straight = false;
-    mirrored.pdf = 0.0f;
-    mirrored.ray.origin = offset_from_surface(p.position, p.error, p.normal);
-    mirrored.ray.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
-    mirrored.ray.near = 0.0f;
-    // Below the true surface by a bent normal: it would leave through the pane.
-    if (glm::dot(mirrored.ray.direction, p.normal) <= 0.0f) mirrored.weight = glm::vec3(0.0f);
-    branch->weight *= shares.transmitted;
-    branch->ray.origin = offset_from_surface(p.position, p.error, -p.normal);
-    branch->ray.near = 0.0f;
-    if (branch->from_camera && branch->splits < kMostSplits) {
-      ++branch->splits;
-      mirrored.splits = branch->splits;
-      mirrored.vertex = branch->vertex + 1;
-      if (largest(mirrored.weight) > 0.0f) push(mirrored);
-      return true;
-    }
-    const float reflect = largest(mirrored.weight), pass = largest(branch->weight);
-    if (!(reflect + pass > 0.0f)) {
-      branch->weight = glm::vec3(0.0f);
-      return true;
-    }
-    const float probability = reflect / (reflect + pass);
+  bool pass_pane(const SurfacePoint& p) {
+    const float pane = p.material->pane;
+    float u = sampler_.single(dimension(kPane));
+    if (u >= pane) return false;
+    u /= pane;
+    add_emission(p);
+    const PaneRays rays = rays_of_pane(p, ray_);
+    const float reflect = largest(rays.shares.reflected), pass = largest(rays.shares.transmitted);
+    float probability = reflect + pass > 0.0f ? reflect / (reflect + pass) : 0.0f;
+    if (reflect > 0.0f) probability = std::max(probability, kLeastMirrored);
     if (u < probability) {
-      mirrored.vertex = branch->vertex;
-      *branch = mirrored;
-      branch->weight /= probability;
+      weight_ *= rays.shares.reflected / probability;
+      ray_ = rays.mirrored;
+      pdf_ = 0.0f;
     } else {
-      branch->weight /= 1.0f - probability;
+      weight_ *= rays.shares.transmitted / (1.0f - probability);
+      ray_ = rays.passed;
     }
     return true;
-  }
-
-  /// A camera path goes on behind a blended surface as well.
-  void split_blended(Branch* branch, const SurfacePoint& p, float alpha) {
-    Branch behind = *branch;
-    behind.weight *= 1.0f - alpha;
-    behind.ray.origin = offset_from_surface(p.position, p.error, -p.normal);
-    behind.ray.near = 0.0f;
-    ++behind.vertex;
-    if (largest(behind.weight) > 0.0f) push(behind);
-    branch->weight *= alpha;
   }
 
   /// Light that arrives straight, then on in a new direction. False when the path ends.
-  bool scatter(Branch* branch, const SurfacePoint& p) {
-    add_direct(*branch, p);
-    if (branch->bounce >= max_bounces_) return false;
+  bool scatter(const SurfacePoint& p) {
+    if (bounce_ > 0) shadow_rays_ = 1;
+    cell_ = environment_.cell_of(p.position, p.n);
+    add_direct(p);
+    if (bounce_ >= max_bounces_) return false;
     const ScatteringSample s =
-        sample_scattering(p, sampler_.pair(dimension(*branch, kDirection)), sampler_.single(dimension(*branch, kLobe)));
+        sample_scattering(p, sampler_.pair(dimension(kDirection)), sampler_.single(dimension(kLobe)));
     if (!(s.pdf > 0.0f)) return false;
     const glm::vec3 direction = p.to_world(s.wi);
-    if (glm::dot(direction, p.normal) <= 0.0f) return false;  // into the surface, above the bent normal's horizon only
-    branch->weight *= s.f * (s.wi.z / s.pdf);
-    if (!survives(branch)) return false;
-    branch->ray = {offset_from_surface(p.position, p.error, p.normal), direction, 0.0f, 3.4e38f};
-    branch->pdf = s.pdf;
-    branch->scattered_at = p.position;
-    branch->from_camera = branch->straight = false;
-    ++branch->bounce;
-    ++branch->vertex;
+    if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
+    weight_ *= s.f * (s.wi.z / s.pdf);
+    if (!survives()) return false;
+    ray_ = {offset_from_surface(p.position, p.error, p.normal), direction};
+    pdf_ = s.pdf;
+    scattered_at_ = p.position;
+    ++bounce_;
     return true;
   }
 
-  bool survives(Branch* branch) const {
-    const float weight = largest(branch->weight);
+  bool survives() {
+    const float weight = largest(weight_);
     if (!(weight > 0.0f) || !std::isfinite(weight)) return false;
-    if (branch->bounce + 1 < kRouletteBounce) return true;
+    if (bounce_ + 1 < kRouletteBounce) return true;
     const float survival = std::min(weight, kMostSurvival);
-    if (sampler_.single(dimension(*branch, kRoulette)) >= survival) return false;
-    branch->weight /= survival;
+    if (sampler_.single(dimension(kRoulette)) >= survival) return false;
+    weight_ /= survival;
     return true;
   }
 
-  void add_direct(const Branch& branch, const SurfacePoint& p) {
+  void add_direct(const SurfacePoint& p) {
     if (!environment_.black()) {
-      const LightDraw light = environment_.draw(sampler_.pair(dimension(branch, kEnvironment)));
-      add_light(branch, p, light);
+      for (std::uint32_t k = 0; k < shadow_rays_; ++k) {
+        // One sequence for all rays of all paths.
+        const PathSampler sampler{sampler_.seed, sampler_.index * shadow_rays_ + k};
+        const LightDraw light = environment_.draw(sampler.pair(dimension(kEnvironment)), cell_);
+        environment_.record(light, cell_, add_light(p, light, static_cast<float>(shadow_rays_)));
+      }
     }
-    if (!scene_.lights.lights.empty()) {
-      const LightDraw light = draw_scene_light(scene_, p.position, sampler_.single(dimension(branch, kLightChoice)),
-                                               sampler_.pair(dimension(branch, kLight)), false);
-      add_light(branch, p, light);
-    }
+    if (!scene_.lights.lights.empty())
+      add_light(p,
+                draw_scene_light(scene_, p.position, sampler_.single(dimension(kLightChoice)),
+                                 sampler_.pair(dimension(kLight)), false),
+                1.0f);
   }
 
-  void add_light(const Branch& branch, const SurfacePoint& p, const LightDraw& light) {
-    if (!(light.pdf > 0.0f) || glm::dot(light.direction, p.normal) <= 0.0f) return;
+  /// One of `count` shadow rays of the same kind. Returns cosine times transmittance.
+  float add_light(const SurfacePoint& p, const LightDraw& light, float count) {
+    if (!(light.pdf > 0.0f) || glm::dot(light.direction, p.normal) <= 0.0f) return 0.0f;
     const glm::vec3 wi = p.to_local(light.direction);
-    if (wi.z <= 0.0f) return;
+    if (wi.z <= 0.0f) return 0.0f;
     const Scattering s = evaluate_scattering(p, wi);
-    const glm::vec3 value =
-        branch.weight * s.f * light.radiance * (wi.z / (light.pdf + (light.has_extent ? s.pdf : 0.0f)));
-    if (!(largest(value) > 0.0f)) return;
+    const float density = count * light.pdf + (light.has_extent ? s.pdf : 0.0f);
+    const glm::vec3 value = weight_ * s.f * light.radiance * (wi.z / density);
+    if (!(largest(value) > 0.0f)) return 0.0f;
     Ray ray{offset_from_surface(p.position, p.error, p.normal), light.direction, 0.0f, light.distance};
     // Short of a near light by the rounding of its distance and of the direction.
     if (light.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
-    result_.radiance += value * transmittance(scene_, ray);
+    const glm::vec3 through = transmittance(scene_, ray);
+    result_.radiance += value * through;
+    return wi.z * largest(through);
   }
 
   const PathScene& scene_;
   const EnvironmentLight& environment_;
   PathSampler sampler_;
   int max_bounces_;
-  const RayDifferential* differential_ = nullptr;
   PathEstimate result_;
-  std::array<Branch, kMostBranches> branches_;
-  std::size_t count_ = 0;
-  std::uint32_t base_ = 0, branch_number_ = 0;
+  Ray ray_;
+  glm::vec3 weight_{1.0f};
+  int bounce_ = 0;    ///< surfaces that scattered so far
+  int vertex_ = 0;    ///< surfaces met so far, panes included
+  float pdf_ = 0.0f;  ///< density of the last scattering; 0: nothing else could have found what is hit
+  glm::vec3 scattered_at_{0.0f};
+  std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
+  std::uint32_t shadow_rays_ = 1;             ///< sent there
+  std::uint32_t base_ = 0;                    ///< of the dimensions
 };
 
 }  // namespace
 
-PathEstimate estimate_full(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,
-                           const Ray& ray, const RayDifferential* differential, int max_bounces) {
-  return FullPath(scene, environment, sampler, max_bounces).follow(ray, differential);
+/// Panes send the ray both ways, blended surfaces let it go on behind them.
+class CameraRay::Splitter {
+ public:
+  Splitter(const PathScene& scene, const EnvironmentLight& environment, const RayDifferential* differential,
+           std::uint32_t chance, CameraRay* out)
+      : scene_(scene), environment_(environment), differential_(differential), chance_(chance), out_(*out) {}
+
+  void follow(const Ray& ray) {
+    branches_.push_back({ray, glm::vec3(1.0f), 0, true});
+    while (!branches_.empty()) {
+      const Branch branch = branches_.back();
+      branches_.pop_back();
+      advance(branch);
+    }
+  }
+
+ private:
+  struct Branch {
+    Ray ray;
+    glm::vec3 weight;
+    int splits;
+    bool straight;  ///< the picture's own line of sight
+  };
+
+  void push(const Ray& ray, const glm::vec3& weight, const Branch& from, bool straight) {
+    if (largest(weight) > 0.0f && from.splits < kMostPanes)
+      branches_.push_back({ray, weight, from.splits + 1, straight});
+  }
+
+  void advance(const Branch& branch) {
+    RayHit hit;
+    ++out_.rays_;
+    if (!intersect(scene_, branch.ray, differential_ ? RayKind::camera : RayKind::path, chance_, &hit)) {
+      if (!environment_.black())
+        out_.radiance_ +=
+            branch.weight * glm::vec3(environment_.radiance_and_density(glm::normalize(branch.ray.direction)));
+      return;
+    }
+    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr, false});
+    float surface = 1.0f - p.material->pane;
+    if (p.material->pane > 0.0f) {
+      out_.radiance_ += branch.weight * p.emission * p.material->pane;
+      const PaneRays rays = rays_of_pane(p, branch.ray);
+      const glm::vec3 weight = branch.weight * p.material->pane;
+      // The straight part last: it is followed first, and keeps its numbers whatever is mirrored.
+      if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
+      push(rays.passed, weight * rays.shares.transmitted, branch, branch.straight);
+    } else if (p.material->blended && differential_) {
+      surface = alpha_at(scene_, hit.triangle, hit.barycentric);
+      push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction},
+           branch.weight * (1.0f - surface), branch, branch.straight);
+    } else {
+      out_.covered_ |= branch.straight;
+    }
+    if (surface > 0.0f) add_surface(p, branch.weight * surface, branch.straight);
+  }
+
+  void add_surface(const SurfacePoint& p, const glm::vec3& weight, bool straight) {
+    out_.radiance_ += weight * p.emission;
+    if (p.material->values.unlit)
+      out_.radiance_ += weight * p.base_color;
+    else if (out_.surfaces_.size() < kMostBranches)
+      out_.surfaces_.push_back({p, weight, straight});
+  }
+
+  const PathScene& scene_;
+  const EnvironmentLight& environment_;
+  const RayDifferential* differential_;
+  std::uint32_t chance_;
+  CameraRay& out_;
+  std::vector<Branch> branches_;
+};
+
+CameraRay::CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
+                     const RayDifferential* differential, std::uint32_t chance)
+    : scene_(scene), environment_(environment) {
+  Splitter(scene, environment, differential, chance, this).follow(ray);
+}
+
+PathEstimate CameraRay::estimate(const PathSampler& sampler, int max_bounces) const {
+  FullPath path(scene_, environment_, sampler, max_bounces);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    const Surface& s = surfaces_[i];
+    const auto branch = static_cast<std::uint32_t>(i);
+    const float share = s.straight ? 1.0f : std::min(1.0f, kMirroredShare * largest(s.weight));
+    if (share < 1.0f && sampler.single(kDimensionsABranch * (64 + branch)) >= share) continue;
+    path.follow(s.point, s.weight / share, branch, s.straight ? kFirstShadowRays : 1);
+  }
+  PathEstimate result = path.result();
+  result.radiance += radiance_;
+  result.covered = covered_;
+  return result;
 }
 
 glm::vec3 estimate_radiance(const PathScene& scene, const PathOptions& options, const glm::vec3& origin,
@@ -235,9 +301,9 @@ glm::vec3 estimate_radiance(const PathScene& scene, const PathOptions& options, 
   const EnvironmentLight environment(scene.environment, options);
   const PathSampler sampler{seed, index};
   const Ray ray{origin, direction, 0.0f, 3.4e38f};
-  return options.transport == Transport::direct
-             ? estimate_direct(scene, environment, sampler, ray, nullptr).radiance
-             : estimate_full(scene, environment, sampler, ray, nullptr, options.max_bounces).radiance;
+  if (options.transport == Transport::direct)
+    return estimate_direct(scene, environment, sampler, ray, nullptr).radiance;
+  return CameraRay(scene, environment, ray, nullptr, sampler.word(0)).estimate(sampler, options.max_bounces).radiance;
 }
 
 }  // namespace maquette

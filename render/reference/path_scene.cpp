@@ -76,13 +76,14 @@ TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
   e.black = !(e.tables.luminance_integral > 0.0);
   e.texels.resize(source->rgb.size());
   for (std::size_t i = 0; i < e.texels.size(); ++i) e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
+  e.partition = std::make_unique<const EnvironmentPartition>(e.tables);
   e.source = std::move(source);
   return e;
 }
 
 }  // namespace
 
-glm::vec4 TracedEnvironment::radiance_and_density(const glm::vec3& direction) const {
+EnvironmentLookup TracedEnvironment::look_up(const glm::vec3& direction) const {
   struct Map {
     const glm::vec4* texels;
     int width;
@@ -99,7 +100,7 @@ glm::vec4 TracedEnvironment::radiance_and_density(const glm::vec3& direction) co
   const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width)), 0, width - 1);
   const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height)), 0, height - 1);
   return {Map{texels.data(), width}.latlong_bilinear(uv, glm::ivec2(width, height)),
-          texels[static_cast<std::size_t>(y * width + x)].w};
+          texels[static_cast<std::size_t>(y * width + x)].w, x, y};
 }
 
 std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {

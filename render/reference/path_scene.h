@@ -3,11 +3,13 @@
 #include <embree3/rtcore.h>
 
 #include <array>
+#include <functional>
 #include <type_traits>
 
 #include "render/environment/environment_tables.h"
 #include "render/lights/light_list.h"
 #include "render/materials/brdf_tables.h"
+#include "render/reference/light_guide.h"
 #include "render/reference/reference.h"
 #include "render/reference/shared_formulas.h"
 #include "render/texture_atlas.h"
@@ -43,14 +45,27 @@ struct TracedMaterial {
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
 };
 
+struct EnvironmentLookup {
+  glm::vec3 radiance;  ///< stored units, bilinear
+  float density;       ///< 1/sr with which plain importance sampling gives this direction
+  int x, y;            ///< texel whose cell holds it
+};
+
 /// The environment in its own frame (rotation undone), stored units.
 struct TracedEnvironment {
   std::shared_ptr<const Environment> source;
   EnvironmentTables tables;
   bool black = true;
   std::vector<glm::vec4> texels;  ///< [height][width] radiance, density of the texel's cell (1/sr)
-  /// Radiance, and the density over solid angle with which importance sampling gives this direction.
-  glm::vec4 radiance_and_density(const glm::vec3& direction) const;
+  std::unique_ptr<const EnvironmentPartition> partition;
+  EnvironmentLookup look_up(const glm::vec3& direction) const;
+};
+
+/// A ray as it was given to the ray tracer.
+struct LoggedRay {
+  glm::vec3 origin, direction;
+  float near, far;
+  bool shadow;  ///< any hit will do
 };
 
 struct EmbreeRelease {
@@ -74,6 +89,9 @@ struct PathScene {
   std::array<std::vector<std::uint32_t>, 2> mesh_triangles;
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease> device;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease> embree;
+
+  /// Benchmarks: gets every ray that is traced. Null otherwise.
+  mutable std::function<void(const LoggedRay&)> log;
 
   const TracedMaterial& material_of(std::uint32_t triangle) const {
     return materials[triangle_material[triangle] & ~kBothSides];

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "render/reference/path.h"
@@ -34,18 +36,45 @@ glm::dvec3 variance_of_mean(const PixelSums& p) {
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
+/// Calls back about 100 times.
+class Progress {
+ public:
+  Progress(const std::function<void(double)>& report, std::size_t total) : report_(report), total_(total) {}
+  void add(std::size_t count) const {
+    const std::size_t before = done_.fetch_add(count);
+    if (report_ && (before + count) * 100 / total_ != before * 100 / total_)
+      report_(std::min(static_cast<double>(before + count) / static_cast<double>(total_), 1.0));
+  }
+
+ private:
+  const std::function<void(double)>& report_;
+  std::size_t total_;
+  mutable std::atomic<std::size_t> done_{0};
+};
+
+/// Full transport only: what throws no shadows has nothing to learn.
+std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequest& r) {
+  if (r.paths.transport != Transport::full || scene.environment.black || scene.bounds.empty()) return nullptr;
+  const float radius = std::max(scene.bounds.radius(), glm::length(scene.bounds.center() - r.camera.eye));
+  return std::make_unique<LightGuide>(*scene.environment.partition, r.camera.eye, radius);
+}
+
 }  // namespace
 
 struct ReferencePicture::Impl {
   std::shared_ptr<const PathScene> scene;
   PictureRequest request;
+  std::unique_ptr<LightGuide> guide;
   EnvironmentLight environment;
   CameraFrame camera;
   std::vector<PixelSums> pixels;
   std::atomic<std::size_t> rays{0};
 
   Impl(std::shared_ptr<const PathScene> s, const PictureRequest& r)
-      : scene(std::move(s)), request(r), environment(scene->environment, request.paths) {
+      : scene(std::move(s)),
+        request(r),
+        guide(make_guide(*scene, r)),
+        environment(scene->environment, r.paths, guide.get()) {
     camera = make_camera_frame(r.camera, r.width, r.height, scene->bounds);
     pixels.resize(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
   }
@@ -57,32 +86,65 @@ struct ReferencePicture::Impl {
                               glm::vec2(ndc.x, -ndc.y));
   }
 
-  PathEstimate trace(std::size_t pixel, std::uint32_t index) const {
-    const auto width = static_cast<std::size_t>(request.width);
-    const PathSampler sampler{mix_seed(request.seed, static_cast<std::uint32_t>(pixel)), index};
-    const glm::vec2 corner(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
-    const glm::vec2 at = corner + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f));
+  /// A ray through a point of the picture, in pixels.
+  struct PixelRay {
+    Ray ray;
+    RayDifferential differential;
+  };
+  PixelRay ray_through(const glm::vec2& at) const {
     // Textures are filtered over as much as rasterisation does: the spacing of its samples.
     const float step = request.footprint * (request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f);
-    const Ray ray{camera.eye, direction_through(at), camera.near_m, std::numeric_limits<float>::max()};
-    const RayDifferential differential{camera.eye, direction_through(at + glm::vec2(step, 0.0f)),
-                                       direction_through(at + glm::vec2(0.0f, step))};
-    return request.paths.transport == Transport::direct
-               ? estimate_direct(*scene, environment, sampler, ray, &differential)
-               : estimate_full(*scene, environment, sampler, ray, &differential, request.paths.max_bounces);
+    return {{camera.eye, direction_through(at), camera.near_m, std::numeric_limits<float>::max()},
+            {camera.eye, direction_through(at + glm::vec2(step, 0.0f)), direction_through(at + glm::vec2(0.0f, step))}};
   }
 
-  std::uint32_t add_path(std::size_t pixel) {
+  /// Until the pixel has `target` paths. Returns the paths traced.
+  std::size_t trace_pixel(std::size_t pixel, std::uint32_t target, const std::stop_token& stop,
+                          std::size_t* ray_count) {
     PixelSums& p = pixels[pixel];
-    PathEstimate estimate = trace(pixel, p.count);
-    // A picture never holds NaN or infinity, whatever a table holds.
-    if (!is_finite(estimate.radiance)) estimate.radiance = glm::vec3(0.0f);
-    const glm::dvec3 value(estimate.radiance);
-    p.sum += value;
-    p.square += value * value;
-    ++p.count;
-    p.covered += estimate.covered ? 1 : 0;
-    return estimate.rays;
+    const std::uint32_t first = p.count;
+    const auto width = static_cast<std::size_t>(request.width);
+    const glm::vec2 corner(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
+    PathSampler sampler{mix_seed(request.seed, static_cast<std::uint32_t>(pixel)), 0};
+    std::optional<CameraRay> shared_ray;  // all paths through a pixel's centre begin alike
+    for (; p.count < target && !stop.stop_requested(); ++p.count) {
+      sampler.index = p.count;
+      const PixelRay r = ray_through(corner + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f)));
+      PathEstimate e;
+      if (request.paths.transport == Transport::direct) {
+        e = estimate_direct(*scene, environment, sampler, r.ray, &r.differential);
+      } else {
+        if (!shared_ray || request.msaa > 1) {
+          shared_ray.emplace(*scene, environment, r.ray, &r.differential, 0u);
+          *ray_count += shared_ray->rays();
+        }
+        e = shared_ray->estimate(sampler, request.paths.max_bounces);
+      }
+      *ray_count += e.rays;
+      // A picture never holds NaN or infinity, whatever a table holds.
+      const glm::dvec3 value = is_finite(e.radiance) ? glm::dvec3(e.radiance) : glm::dvec3(0.0);
+      p.sum += value;
+      p.square += value * value;
+      p.covered += e.covered ? 1 : 0;
+    }
+    return p.count - first;
+  }
+
+  std::uint32_t least_count() const {
+    return std::min_element(pixels.begin(), pixels.end(),
+                            [](const auto& a, const auto& b) { return a.count < b.count; })
+        ->count;
+  }
+
+  /// Until every pixel has `target` paths; false when stopped before.
+  bool trace_to(std::uint32_t target, const std::stop_token& stop, const Progress& progress) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels.size(), kPixelsATask), [&](const auto& range) {
+      std::size_t traced = 0, paths = 0;
+      for (std::size_t i = range.begin(); i < range.end(); ++i) paths += trace_pixel(i, target, stop, &traced);
+      rays += traced;
+      progress.add(paths);
+    });
+    return !stop.stop_requested();
   }
 
   template <typename Value>
@@ -101,27 +163,23 @@ ReferencePicture::ReferencePicture(std::shared_ptr<const PathScene> scene, const
     : impl_(std::make_unique<Impl>(std::move(scene), request)) {}
 ReferencePicture::~ReferencePicture() = default;
 ReferencePicture::ReferencePicture(ReferencePicture&&) noexcept = default;
+ReferencePicture& ReferencePicture::operator=(ReferencePicture&&) noexcept = default;
 
 const PictureRequest& ReferencePicture::request() const { return impl_->request; }
 
+/// The guide learns after 1, 2, 4, ... paths a pixel, whatever the portions that were asked for.
 bool ReferencePicture::add(int count, const std::stop_token& stop, const std::function<void(double)>& progress) {
   Impl& s = *impl_;
-  std::uint32_t target = 0;
-  for (const PixelSums& p : s.pixels) target = std::max(target, p.count);
-  // Pixels that an interrupted call left behind catch up.
-  if (std::any_of(s.pixels.begin(), s.pixels.end(), [&](const PixelSums& p) { return p.count != target; })) --count;
-  target += static_cast<std::uint32_t>(std::max(count, 0));
-  std::atomic<std::size_t> done{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, s.pixels.size(), kPixelsATask), [&](const auto& range) {
-    std::size_t rays = 0;
-    for (std::size_t i = range.begin(); i < range.end(); ++i)
-      while (s.pixels[i].count < target && !stop.stop_requested()) rays += s.add_path(i);
-    s.rays += rays;
-    const std::size_t before = done.fetch_add(range.size()), total = s.pixels.size();
-    if (progress && (before + range.size()) * 100 / total != before * 100 / total)
-      progress(static_cast<double>(before + range.size()) / static_cast<double>(total));
-  });
-  return !stop.stop_requested();
+  // After an interrupted call the pixels left behind catch up first.
+  const std::uint32_t target = s.least_count() + static_cast<std::uint32_t>(std::max(count, 0));
+  const Progress report(progress, s.pixels.size() * static_cast<std::size_t>(std::max(count, 1)));
+  for (std::uint32_t done = s.least_count(); done < target;) {
+    const std::uint32_t next = std::min(target, s.guide ? std::bit_ceil(done + 1) : target);
+    if (!s.trace_to(next, stop, report)) return false;
+    if (s.guide && std::has_single_bit(next)) s.guide->learn();
+    done = next;
+  }
+  return true;
 }
 
 ReferenceCounts ReferencePicture::counts() const {
@@ -134,11 +192,7 @@ ReferenceCounts ReferencePicture::counts() const {
   return counts;
 }
 
-int ReferencePicture::samples() const {
-  std::uint32_t least = std::numeric_limits<std::uint32_t>::max();
-  for (const PixelSums& p : impl_->pixels) least = std::min(least, p.count);
-  return static_cast<int>(least);
-}
+int ReferencePicture::samples() const { return static_cast<int>(impl_->least_count()); }
 
 Image ReferencePicture::mean() const {
   return impl_->image(4, [](const PixelSums& p) {

@@ -80,6 +80,7 @@ class ReferencePicture {
   ReferencePicture(std::shared_ptr<const PathScene> scene, const PictureRequest& request);
   ~ReferencePicture();
   ReferencePicture(ReferencePicture&&) noexcept;
+  ReferencePicture& operator=(ReferencePicture&&) noexcept;
 
   /// Adds `count` paths a pixel on all cores. False when `stop` came first: then some pixels have more paths than
   /// others, and the picture is as good as it got. `progress` in [0, 1], from any thread, at most about 100 times.

@@ -116,6 +116,7 @@ void build_hierarchy(PathScene* scene) {
 }
 
 bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit) {
+  if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, false});
   RayContext context;
   rtcInitIntersectContext(&context.base);
   context.scene = &scene;
@@ -146,6 +147,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
 }
 
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
+  if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, true});
   RayContext context;
   rtcInitIntersectContext(&context.base);
   context.scene = &scene;

@@ -116,5 +116,6 @@ Figures measure_multisampling(Stage& stage);
 Figures measure_interactive(Stage& stage);
 Figures measure_scaling(Stage& stage);
 Figures measure_reflections(Stage& stage);
+Figures measure_path_tracer(Stage& stage);
 
 }  // namespace maquette::bench

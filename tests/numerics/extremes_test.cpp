@@ -152,7 +152,8 @@ TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   request.width = request.height = 1;
   ReferencePicture picture(scene, request);
   ASSERT_TRUE(picture.add(1 << 19));
-  EXPECT_NEAR(picture.mean().at(0, 0, 1) / (0.1 / 3.0), 1.0, 2e-6);
+  // What is left is the sequence's own error; a float sum of as many would be off by 1e-4.
+  EXPECT_NEAR(picture.mean().at(0, 0, 1) / (0.1 / 3.0), 1.0, 1e-5);
   // What one float makes of it, and what the running mean of the GPU's frames makes of it (compose.comp).
   std::mt19937 random(1);
   std::exponential_distribution<double> exponential(1.0);

@@ -147,7 +147,7 @@ TEST(PathTracer, MirrorSphereShowsTheSky) {
     const glm::dvec3 n(x, y, std::sqrt(1.0 - x * x - y * y));
     const double expected = radiance(glm::dvec3(2.0 * n.z * n.x, 2.0 * n.z * n.y, 2.0 * n.z * n.z - 1.0));
     const double seen =
-        mean_radiance(*scene, {}, glm::vec3(static_cast<float>(x), static_cast<float>(y), 4.0f), {0, 0, -1}, 256)
+        mean_radiance(*scene, {}, glm::vec3(static_cast<float>(x), static_cast<float>(y), 4.0f), {0, 0, -1}, 1024)
             .mean.y;
     square += (seen - expected) * (seen - expected);
     mean += expected;

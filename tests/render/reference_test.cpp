@@ -148,6 +148,77 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   EXPECT_EQ(none.mean().data, whole.mean().data);
 }
 
+/// Rays that hit the surface they start on come back dark.
+TEST(Reference, RaysLeaveTheirSurfaceAtEveryScale) {
+  for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+    Scene scene = sphere_of(white_lambert());
+    for (const int root : scene.roots) {
+      glm::mat4& local = scene.nodes[static_cast<std::size_t>(root)].local;
+      local = glm::mat4(glm::vec4(scale, 0, 0, 0), glm::vec4(0, scale, 0, 0), glm::vec4(0, 0, scale, 0),
+                        glm::vec4(0, 0, 0, 1)) *
+              local;
+    }
+    PictureRequest request = sphere_request(24);
+    request.camera.eye = {0.0f, 0.0f, 3.0f * scale};
+    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
+                             request);
+    picture.add(32);
+    EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.004) << scale << " m";
+  }
+}
+
+TEST(Reference, RaysLeaveAVeryLargeTriangle) {
+  Scene scene;
+  Mesh mesh;
+  Primitive floor;
+  floor.positions = {{-1e6f, 0.3f, -1e6f}, {1e6f, 0.3f, 1e6f}, {1e6f, 0.3f, -1e6f}, {-1e6f, 0.3f, 1e6f}};
+  floor.indices = {0, 1, 2, 0, 3, 1};
+  floor.material = 0;
+  mesh.primitives.push_back(floor);
+  scene.meshes.push_back(mesh);
+  scene.materials.push_back(white_lambert());
+  Node node;
+  node.mesh = 0;
+  scene.nodes.push_back(node);
+  scene.roots.push_back(0);
+  PictureRequest request = sphere_request(16);
+  request.camera.eye = {0.1f, 2.0f, 0.2f};
+  request.camera.target = {0.4f, 0.3f, 0.1f};
+  request.camera.near_m = 0.01f;
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
+                           request);
+  picture.add(32);
+  EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.004);
+}
+
+TEST(Reference, LambertUnderALampAboveIsKnown) {
+  // A small square lamp of radiance L and area A straight above at height h: L A / (pi h^2) times the albedo.
+  Scene scene;
+  Mesh mesh;
+  Primitive floor, lamp;
+  floor.positions = {{-1.0f, 0.0f, -1.0f}, {1.0f, 0.0f, 1.0f}, {1.0f, 0.0f, -1.0f}, {-1.0f, 0.0f, 1.0f}};
+  floor.indices = {0, 1, 2, 0, 3, 1};
+  floor.material = 0;
+  const float s = 0.05f;
+  lamp.positions = {{-s, 2.0f, -s}, {s, 2.0f, s}, {s, 2.0f, -s}, {-s, 2.0f, s}};
+  lamp.indices = {0, 2, 1, 0, 1, 3};
+  lamp.material = 1;
+  mesh.primitives = {floor, lamp};
+  scene.meshes.push_back(mesh);
+  scene.materials = {white_lambert(), white_lambert()};
+  scene.materials[1].emissive = glm::vec3(1000.0f);
+  scene.materials[1].base_color = glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
+  Node node;
+  node.mesh = 0;
+  scene.nodes.push_back(node);
+  scene.roots.push_back(0);
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(0.0f))});
+  const glm::vec3 eye(0.3f, 1.0f, 0.0f);
+  double sum = 0.0;
+  for (std::uint32_t i = 0; i < 1024; ++i) sum += estimate_radiance(*traced, {}, eye, glm::normalize(-eye), 5, i).x;
+  EXPECT_NEAR(sum / 1024.0, 1000.0 * 0.01 / (3.14159265 * 4.0), 0.01);
+}
+
 TEST(Reference, ErrorEstimateFallsWithTheRootOfTheSamples) {
   const Scene scene = load_scene("builtin:cornell");
   const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});

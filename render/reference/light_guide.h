@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/environment/environment_tables.h"
+
+namespace maquette {
+
+/// The environment's map cut into rectangles that are either small or dim: the lamps of a guide.
+class EnvironmentPartition {
+ public:
+  static constexpr int kMostLeaves = 64;
+  explicit EnvironmentPartition(const EnvironmentTables& tables);
+
+  int leaf_count() const { return static_cast<int>(leaves_.size()); }
+  /// Probability of the leaf under the tables' own importance.
+  float probability(int leaf) const { return leaves_[static_cast<std::size_t>(leaf)].probability; }
+  int leaf_at(int x, int y) const { return leaf_map_[static_cast<std::size_t>(y * width_ + x)]; }
+  /// Direction within a leaf, by importance; `pdf` as if the leaf had its own probability (EnvironmentTables::density).
+  EnvironmentDirection sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
+
+ private:
+  struct Leaf {
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< texels, ends exclusive
+    float probability = 0.0f;
+    std::vector<float> rows;  ///< [y1 - y0 + 1] cumulative
+  };
+  int width_ = 0;
+  std::vector<Leaf> leaves_;
+  std::vector<std::uint8_t> leaf_map_;  ///< [height][width]
+};
+
+/// Learns while a picture is traced which parts of the environment light which parts of the scene, so that shadow rays
+/// are spent on what a place can see: in a cabin most of the sky cannot be seen from most places.
+///
+/// Places are cells of a hash grid, finer near the eye, by the direction that the surface faces. For every cell and
+/// leaf the squares of cosine times visibility of the shadow rays so far are summed (whole numbers: the order in which
+/// threads add does not matter). Between passes, learn() turns them into probabilities; a tenth stays with the plain
+/// importance, so that every direction keeps a density. Estimates stay unbiased: a pass draws with what passes before
+/// it learned. Source: Vorba et al. 2014, "On-line Learning of Parametric Mixture Models for Light Transport
+/// Simulation" (the idea); Bitterli 2015 and others tabulate visibility so.
+class LightGuide {
+ public:
+  static constexpr std::uint32_t kNoCell = 0xffffffffu;
+  LightGuide(const EnvironmentPartition& partition, const glm::vec3& eye, float scene_radius);
+
+  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
+  /// `u` in [0, 1) picks the leaf and is stretched over it again.
+  int choose_leaf(std::uint32_t cell, float* u) const;
+  /// Probability of the leaf in this cell over its plain one.
+  float gain(std::uint32_t cell, int leaf) const;
+  /// One shadow ray: `useful` is cosine times transmittance, in [0, 1]. Thread-safe.
+  void record(std::uint32_t cell, int leaf, float useful);
+  /// Takes what was recorded into the probabilities. Not while others use the guide.
+  void learn();
+
+ private:
+  static constexpr std::uint32_t kCells = 1u << 15;
+  std::size_t at(std::uint32_t cell, int leaf) const {
+    return static_cast<std::size_t>(cell) * static_cast<std::size_t>(leaves_) + static_cast<std::size_t>(leaf);
+  }
+  void learn_cell(std::uint32_t cell);
+
+  const EnvironmentPartition& partition_;
+  glm::vec3 eye_;
+  float finest_m_;
+  int leaves_;
+  std::vector<std::atomic<std::uint32_t>> tries_, useful_;  ///< [cell][leaf]
+  std::vector<float> cumulative_;                           ///< [cell][leaf] inclusive
+};
+
+}  // namespace maquette

@@ -1,0 +1,295 @@
+// The reference path tracer: rays a second, agreement with closed forms and with `uniform`, error against time.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "render/material_overrides.h"
+#include "render/reference/path_scene.h"
+#include "render/reference/reference.h"
+#include "render/reference/surface.h"
+#include "render/reference/traversal.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/sphere_quadrature.h"
+
+namespace maquette::bench {
+namespace {
+
+std::string percent(double v) { return number(100.0 * v) + " %"; }
+
+/// Rays through the whole hierarchy, as Embree takes them one by one: no filters, no shading.
+double embree_alone_ms(const PathScene& plain, const std::vector<LoggedRay>& rays) {
+  const Clock start = now();
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const LoggedRay& r = rays[i];
+      RTCRayHit query;
+      query.ray = {r.origin.x, r.origin.y, r.origin.z, r.near, r.direction.x, r.direction.y, r.direction.z, 0.0f,
+                   r.far,      ~0u,        0,          0};
+      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+      if (r.shadow)
+        rtcOccluded1(plain.embree.get(), &context, &query.ray);
+      else
+        rtcIntersect1(plain.embree.get(), &context, &query);
+    }
+  });
+  return (now() - start).cpu_ms;
+}
+
+std::vector<LoggedRay> log_rays(const std::shared_ptr<const PathScene>& scene, const PictureRequest& request) {
+  std::vector<LoggedRay> rays;
+  std::mutex mutex;
+  scene->log = [&](const LoggedRay& ray) {
+    const std::lock_guard lock(mutex);
+    rays.push_back(ray);
+  };
+  ReferencePicture(scene, request).add(8);
+  scene->log = nullptr;
+  return rays;
+}
+
+PictureRequest picture_of(const CameraView& camera, int width, int height) {
+  PictureRequest request;
+  request.camera = camera;
+  request.width = width;
+  request.height = height;
+  return request;
+}
+
+void measure_rays(Stage& stage, Figures* figures) {
+  const Scene scene = load_scene("builtin:cockpit");
+  const auto environment = std::make_shared<const Environment>(load_environment("builtin:clear-sky"));
+  Scene opaque = scene;
+  for (Material& m : opaque.materials) m = Material();
+  const auto traced = build_path_scene({.scene = scene, .environment = environment});
+  const auto plain = build_path_scene({.scene = opaque, .environment = environment});
+  const PictureRequest request = picture_of(find_camera(scene, "driver"), 320, 180);
+  const std::vector<LoggedRay> rays = log_rays(traced, request);
+  std::vector<double> ours, alone;
+  for (int i = 0; i < std::max(stage.options().repeats, 1); ++i) {
+    const Clock start = now();
+    ReferencePicture(traced, request).add(8);
+    ours.push_back((now() - start).cpu_ms);
+    alone.push_back(embree_alone_ms(*plain, rays));
+  }
+  std::nth_element(ours.begin(), ours.begin() + ours.size() / 2, ours.end());
+  std::nth_element(alone.begin(), alone.begin() + alone.size() / 2, alone.end());
+  const double count = static_cast<double>(rays.size());
+  const double mine = count / ours[ours.size() / 2] / 1e3, embree = count / alone[alone.size() / 2] / 1e3;
+  figures->push_back(judged("cockpit/driver: rays a second, shading included, over Embree alone", ">= 0.5",
+                            number(mine / embree) + " (" + number(mine) + " against " + number(embree) +
+                                " million rays a second of processor time and core)",
+                            mine / embree >= 0.5));
+}
+
+/// Shading normals of the sphere that the tracer sees at the pixel centres.
+Image traced_normals(const PathScene& scene, const PictureRequest& r) {
+  Image normals(r.width, r.height, 4);
+  const CameraFrame c = make_camera_frame(r.camera, r.width, r.height, scene.bounds);
+  for (int y = 0; y < r.height; ++y)
+    for (int x = 0; x < r.width; ++x) {
+      const glm::vec2 ndc(2.0f * (static_cast<float>(x) + 0.5f) / static_cast<float>(r.width) - 1.0f,
+                          1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / static_cast<float>(r.height));
+      const Ray ray{c.eye, shared::camera_ray(c.forward, c.right * c.tan_x, c.up * c.tan_y, ndc), c.near_m};
+      RayHit hit;
+      if (!intersect(scene, ray, RayKind::camera, 0, &hit)) continue;
+      const SurfacePoint p = resolve_surface(scene, ray, hit, {});
+      for (int k = 0; k < 3; ++k) normals.at(x, y, k) = p.n[k];
+      normals.at(x, y, 3) = 1.0f;
+    }
+  return normals;
+}
+
+void measure_quadrature(Stage& stage, Figures* figures) {
+  constexpr int kSide = 32, kPaths = 16384;
+  for (const char* name : {"matte-white", "paint-red-metallic", "metal-chrome"}) {
+    if (!stage.options().wants(std::string("reference/") + name)) continue;
+    const std::string material = std::string("builtin:") + name;
+    Scene scene = load_scene("builtin:sphere");
+    scene.materials = override_materials(scene.materials, {{"*", material}});
+    const auto environment = std::make_shared<const Environment>(load_environment("builtin:clear-sky"));
+    const auto traced = build_path_scene({.scene = scene, .environment = environment});
+    CameraView camera;
+    camera.eye = {0.0f, 0.0f, 4.5f};
+    camera.fov_y_rad = 0.5f;
+    PictureRequest request = picture_of(camera, kSide, kSide);
+    request.paths.transport = Transport::direct;
+    ReferencePicture picture(traced, request);
+    picture.add(kPaths);
+    const Image normals = traced_normals(*traced, request);
+    const test::SphereQuadrature exact =
+        test::integrate_sphere(*environment, load_brdf(material), {4.5, 0.5, kSide}, &normals);
+    const double error = test::relative_rmse(picture.mean(), exact);
+    figures->push_back(judged(std::string("direct transport against quadrature, ") + name, "<= 0.2 %",
+                              percent(error) + " (its own noise " + percent(picture.relative_error()) + ", " +
+                                  std::to_string(kPaths) + " paths)",
+                              error <= 0.002));
+  }
+}
+
+void measure_furnace(Figures* figures) {
+  auto environment = std::make_shared<Environment>();
+  environment->width = 16;
+  environment->height = 8;
+  environment->rgb.assign(128, glm::vec3(1.0f));
+  Scene scene = load_scene("builtin:sphere");
+  for (Material& m : scene.materials) {
+    m = Material();
+    m.metallic = 0.0f;
+    m.roughness = 1.0f;
+    m.specular = 0.0f;
+  }
+  CameraView camera;
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = environment}), picture_of(camera, 64, 64));
+  picture.add(4096);
+  const Image mean = picture.mean();
+  double worst = 0.0, square = 0.0;
+  std::size_t count = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const double error = std::abs(static_cast<double>(mean.at(x, y, 1)) - 1.0);
+      worst = std::max(worst, error);
+      square += error * error;
+      ++count;
+    }
+  const double rms = std::sqrt(square / static_cast<double>(count));
+  figures->push_back(judged("white furnace, full transport", "<= 0.1 %",
+                            percent(rms) + " (largest of any pixel " + percent(worst) + ")", rms <= 0.001));
+}
+
+void measure_uniform_agreement(Stage& stage, Figures* figures) {
+  for (Case c : {Case{.name = "reference/sphere", .scene = "builtin:sphere"},
+                 Case{.name = "reference/plate", .scene = "builtin:plate"},
+                 Case{.name = "reference/door", .scene = "builtin:cockpit", .camera = "door"}}) {
+    if (!stage.options().wants(c.name)) continue;
+    c.environment = "builtin:studio";
+    c.width = 160;
+    c.height = 90;
+    stage.show(c);
+    const auto converge = [&](const std::string& mode, const char* key, const char* value, std::uint32_t seed) {
+      FrameRequest r = stage.request(mode, mode == "reference" ? 1024 : 4096, seed);
+      r.settings.set_from_text(key, value);
+      for (int f = 0; f < (mode == "reference" ? 1 : 8); ++f) stage.renderer().render(r, f > 0);
+      return stage.renderer().read_radiance();
+    };
+    const Image uniform = converge("uniform", "shading.visibility", "none", 1);
+    const Image other = converge("uniform", "shading.visibility", "none", 2);
+    const Image direct = converge("reference", "reference.transport", "direct", 1);
+    const Image again = converge("reference", "reference.transport", "direct", 2);
+    const double noise_u = relative_rmse(other, uniform) / std::sqrt(2.0);
+    const double noise_d = relative_rmse(again, direct) / std::sqrt(2.0);
+    const double all = relative_rmse(direct, uniform);
+    const double error = std::sqrt(std::max(all * all - noise_u * noise_u - noise_d * noise_d, 0.0));
+    figures->push_back(judged(c.name + ": direct transport against uniform, noise of both taken out", "<= 0.5 %",
+                              percent(error) + " (noise " + percent(noise_d) + " and " + percent(noise_u) + ")",
+                              error <= 0.005));
+  }
+}
+
+/// Seen from the driver's eye, looking straight ahead; the car's front is towards -z.
+CameraView driver_of_the_car() {
+  CameraView camera;
+  camera.eye = {-0.36f, 0.98f, 0.12f};
+  camera.target = {-0.36f, 0.98f, -1.0f};
+  camera.fov_y_rad = 1.0122910f;  // 58 degrees
+  return camera;
+}
+
+std::shared_ptr<const PathScene> load_car(const Options& options) {
+  Scene scene = load_scene(options.data + "/scenes/ferrari458.glb");
+  scene.materials = override_materials(scene.materials, {{"Glass_Gray", "builtin:glass"}});
+  return build_path_scene({.scene = scene,
+                           .environment = std::make_shared<const Environment>(
+                               load_environment(options.data + "/environments/grace_latlong.exr"))});
+}
+
+/// RMS difference of two pictures of other seeds, which is sqrt(2) times the error of each, over the mean luminance.
+double pair_error(const Image& a, const Image& b, bool whole) {
+  double square = 0.0, luminance = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.data.size(); i += 4) {
+    if (!whole && a.data[i + 3] < 1.0f) continue;
+    for (std::size_t c = 0; c < 3; ++c) square += std::pow(static_cast<double>(a.data[i + c]) - b.data[i + c], 2.0);
+    luminance += 0.2126 * a.data[i] + 0.7152 * a.data[i + 1] + 0.0722 * a.data[i + 2];
+    ++count;
+  }
+  const auto n = static_cast<double>(count);
+  return std::sqrt(square / (6.0 * n)) / (luminance / n);
+}
+
+void measure_car(Stage& stage, Figures* figures) {
+  const std::string name = "Ferrari, driver's eye, Grace, 640 x 360: relative RMSE, sky included, after ";
+  if (stage.options().data.empty()) {
+    figures->push_back(absent(name + "7, 26, 95 s", "7.3, 3.0, 1.4 %", "needs --data"));
+    return;
+  }
+  const auto scene = load_car(stage.options());
+  PictureRequest request = picture_of(driver_of_the_car(), 640, 360);
+  ReferencePicture first(scene, request);
+  request.seed = 1;
+  ReferencePicture second(scene, request);
+  // Processor time of both cores: other load on the machine does not count.
+  double spent_ms = 0.0;
+  for (const auto& [seconds, target] : {std::pair{7.0, 0.073}, {26.0, 0.03}, {95.0, 0.014}}) {
+    while (spent_ms < 2e3 * seconds) {
+      const Clock start = now();
+      first.add(1);
+      second.add(1);
+      spent_ms += 0.5 * (now() - start).cpu_ms;
+    }
+    const double error = pair_error(first.mean(), second.mean(), true);
+    figures->push_back(judged(name + number(seconds) + " s of two cores", "<= " + percent(target),
+                              percent(error) + " (cabin alone " +
+                                  percent(pair_error(first.mean(), second.mean(), false)) + ", " +
+                                  std::to_string(first.samples()) + " paths a pixel)",
+                              error <= target));
+  }
+}
+
+/// Largest ratio of a pixel's luminance to the mean of the eight around it.
+double largest_outlier(const Image& image) {
+  const auto y_of = [&](int x, int y) {
+    return 0.2126 * image.at(x, y, 0) + 0.7152 * image.at(x, y, 1) + 0.0722 * image.at(x, y, 2);
+  };
+  double worst = 0.0;
+  for (int y = 1; y + 1 < image.height; ++y)
+    for (int x = 1; x + 1 < image.width; ++x) {
+      double around = 0.0;
+      for (int k = 0; k < 9; ++k)
+        if (k != 4) around += y_of(x + k % 3 - 1, y + k / 3 - 1) / 8.0;
+      if (around > 0.0) worst = std::max(worst, y_of(x, y) / around);
+    }
+  return worst;
+}
+
+void measure_fireflies(Stage& stage, Figures* figures) {
+  const std::string name = "Ferrari, largest pixel over its neighbourhood at 1024 paths, 160 x 90";
+  if (stage.options().data.empty()) {
+    figures->push_back(absent(name, "<= 50", "needs --data"));
+    return;
+  }
+  ReferencePicture picture(load_car(stage.options()), picture_of(driver_of_the_car(), 160, 90));
+  picture.add(1024);
+  const double worst = largest_outlier(picture.mean());
+  figures->push_back(judged(name, "<= 50", number(worst), worst <= 50.0));
+}
+
+}  // namespace
+
+Figures measure_path_tracer(Stage& stage) {
+  Figures figures;
+  const auto& wants = [&](const char* name) { return stage.options().wants(std::string("reference/") + name); };
+  if (wants("rays")) measure_rays(stage, &figures);
+  if (wants("furnace")) measure_furnace(&figures);
+  measure_quadrature(stage, &figures);
+  measure_uniform_agreement(stage, &figures);
+  if (wants("car")) measure_car(stage, &figures);
+  if (wants("fireflies")) measure_fireflies(stage, &figures);
+  return figures;
+}
+
+}  // namespace maquette::bench

@@ -59,6 +59,7 @@ struct EditorState {
   Edits edits;
   CameraView camera;
   std::string mode = "bandwidth";
+  std::string reflections = "off";  ///< reflector technique
   Settings settings;
   int msaa = 1;
   float exposure_ev = 0.0f;

@@ -33,12 +33,34 @@ void draw_mode(Ui& ui) {
     if (technique.name == ui.state.mode) dim_text(technique.help);
 }
 
+void draw_reflections(Ui& ui) {
+  row_label("Reflections");
+  if (!ImGui::BeginCombo("##reflections", ui.state.reflections.c_str())) {
+    mark_item(ui, "reflections");
+    return;
+  }
+  const auto choice = [&](const std::string& name, const std::string& help) {
+    if (ImGui::Selectable(name.c_str(), name == ui.state.reflections)) ui.state.reflections = name;
+    mark_item(ui, "reflections/" + name);
+    tooltip(help);
+  };
+  choice("off", "mirrors and glass show the sky only");
+  for (const TechniqueInfo& technique : techniques())
+    if (technique.kind == TechniqueKind::reflector) choice(technique.name, technique.help);
+  ImGui::EndCombo();
+}
+
+/// Whether a technique's settings change this picture.
+bool has_effect(const EditorState& state, const TechniqueInfo& technique) {
+  if (technique.kind == TechniqueKind::mode) return technique.name == state.mode;
+  if (technique.kind == TechniqueKind::reflector) return technique.name == state.reflections;
+  return technique.name != "reflections" || state.reflections != "off";
+}
+
 void draw_settings(Ui& ui) {
   bool any = false;
   for (const TechniqueInfo& technique : techniques()) {
-    const bool mine = technique.kind == TechniqueKind::shared ||
-                      (technique.kind == TechniqueKind::mode && technique.name == ui.state.mode);
-    if (!mine) continue;
+    if (!has_effect(ui.state, technique)) continue;
     for (const SettingDeclaration& declaration : technique.settings) {
       setting_row(ui, declaration);
       any = true;
@@ -79,7 +101,10 @@ void draw_debug_views(Ui& ui) {
 }  // namespace
 
 void draw_render_panel(Ui& ui) {
-  if (section("Shading mode")) draw_mode(ui);
+  if (section("Shading mode")) {
+    draw_mode(ui);
+    draw_reflections(ui);
+  }
   if (section("Settings")) draw_settings(ui);
   if (section("Resolution")) draw_resolution(ui);
   if (section("Debug view")) draw_debug_views(ui);

@@ -109,7 +109,8 @@ Json inspect_scene(const CommandLine& line) {
         {{"name", material.name.empty() ? "(unnamed)" : material.name}, {"kind", material_kind(material)}});
   json["warnings"] = scene->warnings;
   json["gpu_bytes"] = memory_json(*scene);
-  const FramePlan made = plan(facts, options.mode, options.settings, {options.width, options.height, options.msaa, options.reflections});
+  const FramePlan made =
+      plan(facts, options.mode, options.settings, {options.width, options.height, options.msaa, options.reflections});
   json["mode"] = made.mode;
   json["plan"] = plan_json(made);
   json["left_out"] = left_out_json(made);

@@ -72,8 +72,9 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
     session->add_message(MessageLevel::error, error.what());
     // A mode or setting that cannot draw this scene: back to what could.
     if (stats_ && (session->state.mode != drawn_.mode || !(session->state.settings == drawn_.settings) ||
-                   session->state.msaa != drawn_.msaa)) {
+                   session->state.msaa != drawn_.msaa || session->state.reflections != drawn_.reflections)) {
       session->state.mode = drawn_.mode;
+      session->state.reflections = drawn_.reflections;
       session->state.settings = drawn_.settings;
       session->state.msaa = drawn_.msaa;
     }

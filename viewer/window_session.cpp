@@ -71,6 +71,8 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.auto_exposure = !options.exposure_ev;
   state.exposure_ev = exposure_of(options, *environment_);
   seed_ = options.seed;
+  state.reflections = options.reflections;
+  reflectors_ = options.reflectors;
   for (const auto& [name, source] : options.materials) {
     renderer_.set_material(name, source);
     remember(&brdf_files_, source);
@@ -86,6 +88,7 @@ void WindowSession::take_scene(ScenePointer scene) {
   scene_ = std::move(scene);
   bounds_ = compute_bounds(*scene_);
   evaluators_.clear();
+  reflectors_.clear();  // names of the scene before
   dent_.reset();
   for (const std::string& warning : scene_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(scene_->name).filename().string() + ": " + warning);
@@ -356,6 +359,8 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.env_rotation_rad = state.edits.env_rotation_deg * kDegree;
   request.env_scale = state.edits.env_scale;
   request.variant = state.edits.variant;
+  request.reflections = state.reflections;
+  request.reflectors = reflectors_;
   request.settings = state.settings;
   return request;
 }

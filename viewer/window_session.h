@@ -85,6 +85,7 @@ class WindowSession {
   Edits applied_;
   UndoStack undo_;
   std::vector<Message> messages_;
+  std::vector<std::string> reflectors_;  ///< nodes named by `--reflector`; empty: those that the scene marks
   std::vector<std::string> environment_files_, brdf_files_;
   std::future<ScenePointer> scene_file_;
   std::future<EnvironmentPointer> environment_file_;

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "scenes/brdf.h"
 #include "tests/ui/headless_editor.h"
 
@@ -163,13 +165,22 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   editor.state.mode = "bandwidth";
   editor.state.right_tab = 1;
   editor.step(3);
-  int shown = 0;
-  for (const SettingDeclaration& declaration : setting_declarations()) {
-    const bool mine = declaration.name.starts_with("bandwidth.") || declaration.name.starts_with("shading.");
-    EXPECT_EQ(editor.frame.items.contains("setting/" + declaration.name), mine) << declaration.name;
-    shown += mine ? 1 : 0;
-  }
-  EXPECT_GE(shown, 4);
+  const auto expect_shown = [&](const std::set<std::string>& techniques) {
+    int shown = 0;
+    for (const SettingDeclaration& declaration : setting_declarations()) {
+      const bool mine = techniques.contains(declaration.name.substr(0, declaration.name.find('.')));
+      EXPECT_EQ(editor.frame.items.contains("setting/" + declaration.name), mine) << declaration.name;
+      shown += mine ? 1 : 0;
+    }
+    EXPECT_GE(shown, 4);
+  };
+  expect_shown({"bandwidth", "shading", "octree"});
+  ASSERT_TRUE(editor.click("reflections"));
+  editor.step(2);
+  ASSERT_TRUE(editor.click("reflections/raytraced"));
+  editor.step(3);
+  EXPECT_EQ(editor.state.reflections, "raytraced");
+  expect_shown({"bandwidth", "shading", "octree", "reflections", "raytraced"});
 }
 
 TEST(Panels, TheErrorTabMeasuresOnlyWhileInSight) {

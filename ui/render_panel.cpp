@@ -54,13 +54,15 @@ void draw_reflections(Ui& ui) {
 bool has_effect(const EditorState& state, const TechniqueInfo& technique) {
   if (technique.kind == TechniqueKind::mode) return technique.name == state.mode;
   if (technique.kind == TechniqueKind::reflector) return technique.name == state.reflections;
+  if (technique.name == "octree") return state.settings.get_string("shading.visibility") == "traced";
   return technique.name != "reflections" || state.reflections != "off";
 }
 
 void draw_settings(Ui& ui) {
   bool any = false;
   for (const TechniqueInfo& technique : techniques()) {
-    if (!has_effect(ui.state, technique)) continue;
+    if (!has_effect(ui.state, technique) || technique.settings.empty()) continue;
+    dim_text(technique.name);
     for (const SettingDeclaration& declaration : technique.settings) {
       setting_row(ui, declaration);
       any = true;

@@ -1,0 +1,139 @@
+#include "render/local_pca.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace maquette {
+namespace {
+
+Eigen::MatrixXf random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  Eigen::MatrixXf m(rows, columns);
+  for (Eigen::Index i = 0; i < m.size(); ++i) m.data()[i] = normal(random);
+  return m;
+}
+
+/// `clusters` flats of `rank` dimensions, `spread` apart, with noise; the columns of one cluster follow each other.
+Eigen::MatrixXf flats(int dimension, int clusters, int rank, int each, float noise) {
+  Eigen::MatrixXf all(dimension, clusters * each);
+  for (int k = 0; k < clusters; ++k) {
+    const auto seed = static_cast<unsigned>(10 * k);
+    const Eigen::VectorXf mean = 3.0f * random_matrix(dimension, 1, seed + 1);
+    all.middleCols(k * each, each) = random_matrix(dimension, rank, seed + 2) * random_matrix(rank, each, seed + 3) +
+                                     noise * random_matrix(dimension, each, seed + 4);
+    all.middleCols(k * each, each).colwise() += mean;
+  }
+  return all;
+}
+
+double mean_error(const LocalPca& pca, const Eigen::MatrixXf& x) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) sum += pca.error(x.col(i));
+  return sum / static_cast<double>(x.cols());
+}
+
+TEST(LocalPca, OneClusterIsTheSingularValueDecomposition) {
+  const Eigen::MatrixXf x = random_matrix(20, 6, 1) * random_matrix(6, 200, 2) + 0.1f * random_matrix(20, 200, 3);
+  for (int components : {0, 1, 3, 6}) {
+    const LocalPca pca = LocalPca::fit(x, {}, {.clusters = 1, .components = components});
+    const Eigen::MatrixXd centred = x.cast<double>().colwise() - x.cast<double>().rowwise().mean().eval();
+    const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(centred).singularValues();
+    const double expected = s.tail(s.size() - components).squaredNorm() / 200.0;
+    EXPECT_NEAR(mean_error(pca, x), expected, 1e-4 * expected) << components;
+  }
+}
+
+/// Tall and wide matrices, and the size where eigenvectors come from random projections.
+TEST(LocalPca, EverySizeFindsTheSameSubspace) {
+  for (const auto& [rows, columns] : {std::pair{300, 40}, std::pair{40, 300}, std::pair{1100, 1200}}) {
+    const Eigen::MatrixXf x =
+        random_matrix(rows, 3, 5) * random_matrix(3, columns, 6) + 0.01f * random_matrix(rows, columns, 7);
+    const LocalPca pca = LocalPca::fit(x, {}, {.clusters = 1, .components = 3});
+    // What is left is the noise, less the three directions that were fitted to it.
+    const double noise = 1e-4 * static_cast<double>(rows);
+    EXPECT_NEAR(mean_error(pca, x), noise, 0.15 * noise) << rows;
+    const Eigen::MatrixXf b = pca.components(0);
+    EXPECT_LT((b.transpose() * b - Eigen::MatrixXf::Identity(3, 3)).norm(), 1e-4f) << rows;
+  }
+}
+
+TEST(LocalPca, FindsClustersThatAreFlats) {
+  const Eigen::MatrixXf x = flats(24, 6, 2, 80, 0.01f);
+  const LocalPca pca = LocalPca::fit(x, {}, {.clusters = 6, .components = 2});
+  ASSERT_EQ(pca.cluster_count(), 6);
+  EXPECT_LT(mean_error(pca, x), 2.0 * 24.0 * 1e-4);
+  int apart = 0;
+  for (int k = 0; k < 6; ++k)
+    for (int i = 1; i < 80; ++i) apart += pca.encode(x.col(80 * k)).cluster != pca.encode(x.col(80 * k + i)).cluster;
+  EXPECT_EQ(apart, 0);
+  // One PCA of the same weights cannot: that is what clusters are for.
+  const LocalPca global = LocalPca::fit(x, {}, {.clusters = 1, .components = 2});
+  EXPECT_GT(mean_error(global, x), 100.0 * mean_error(pca, x));
+}
+
+TEST(LocalPca, TheErrorNeverGrows) {
+  const Eigen::MatrixXf x = flats(16, 9, 3, 40, 0.2f);
+  const LocalPca pca = LocalPca::fit(x, {}, {.clusters = 5, .components = 2, .rounds = 30, .least_gain = 0.0});
+  ASSERT_GT(pca.history().size(), 2u);
+  for (std::size_t i = 1; i < pca.history().size(); ++i)
+    EXPECT_LE(pca.history()[i], pca.history()[i - 1] * (1.0 + 1e-5)) << i;
+}
+
+/// Each solid angle counts once: a dimension that is split into two halves of its measure changes nothing.
+TEST(LocalPca, SplittingADimensionChangesNothing) {
+  const Eigen::MatrixXf x = flats(8, 3, 2, 60, 0.1f);
+  Eigen::VectorXf measure(8);
+  for (int i = 0; i < 8; ++i) measure[i] = 0.5f + 0.25f * static_cast<float>(i);
+  Eigen::MatrixXf split(9, x.cols());
+  split << x, x.bottomRows(1);
+  Eigen::VectorXf split_measure(9);
+  split_measure << measure, 0.5f * measure[7];
+  split_measure[7] *= 0.5f;
+  const LocalPcaOptions options{.clusters = 3, .components = 1};
+  const double whole = mean_error(LocalPca::fit(x, measure, options), x);
+  const double halves = mean_error(LocalPca::fit(split, split_measure, options), split);
+  EXPECT_NEAR(whole, halves, 1e-3 * whole);
+  EXPECT_GT(whole, 0.0);
+}
+
+TEST(LocalPca, WhatCountsNothingDoesNotDisturb) {
+  Eigen::MatrixXf x = flats(10, 2, 1, 50, 0.0f);
+  x.row(4) = 1000.0f * random_matrix(1, x.cols(), 8);
+  Eigen::VectorXf measure = Eigen::VectorXf::Ones(10);
+  measure[4] = 0.0f;
+  const LocalPca pca = LocalPca::fit(x, measure, {.clusters = 2, .components = 1});
+  EXPECT_LT(mean_error(pca, x), 1e-6);
+  EXPECT_EQ(pca.decode(pca.encode(x.col(3)))[4], 0.0f);
+}
+
+TEST(LocalPca, FittedOnASampleServesTheRest) {
+  const Eigen::MatrixXf x = flats(20, 4, 2, 400, 0.02f);
+  Eigen::MatrixXf sample(20, 200);
+  for (int i = 0; i < 200; ++i) sample.col(i) = x.col(8 * i + 3);
+  const LocalPca pca = LocalPca::fit(sample, {}, {.clusters = 4, .components = 2});
+  EXPECT_LT(mean_error(pca, x), 1.5 * mean_error(pca, sample) + 1e-6);
+}
+
+TEST(LocalPca, DegenerateInput) {
+  // Equal vectors, fewer vectors than clusters, more components than dimensions, one vector, zeros.
+  const Eigen::MatrixXf equal = Eigen::VectorXf::LinSpaced(5, 1.0f, 2.0f) * Eigen::RowVectorXf::Ones(7);
+  EXPECT_LT(mean_error(LocalPca::fit(equal, {}, {.clusters = 4, .components = 3}), equal), 1e-10);
+  const Eigen::MatrixXf few = random_matrix(6, 3, 9);
+  EXPECT_LT(mean_error(LocalPca::fit(few, {}, {.clusters = 8, .components = 2}), few), 1e-10);
+  const Eigen::MatrixXf small = random_matrix(2, 50, 10);
+  const LocalPca full = LocalPca::fit(small, {}, {.clusters = 2, .components = 5});
+  EXPECT_LT(mean_error(full, small), 1e-8);
+  EXPECT_EQ(full.encode(small.col(0)).weights.size(), 5);
+  EXPECT_LT(mean_error(LocalPca::fit(few.leftCols(1), {}, {}), few.leftCols(1)), 1e-10);
+  const Eigen::MatrixXf zeros = Eigen::MatrixXf::Zero(4, 9);
+  EXPECT_EQ(mean_error(LocalPca::fit(zeros, {}, {}), zeros), 0.0);
+}
+
+}  // namespace
+}  // namespace maquette

@@ -125,6 +125,9 @@ struct Renderer::Impl {
   void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
   void shade_band(const FramePlan& plan, int first_row, int chunk, const std::optional<RefineRates>& refine,
                   PassTimer* timer);
+  /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
+  void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
+                   const Program& gather);
   /// Some rows of the reflected picture, every pixel with the same count of samples.
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);

@@ -191,11 +191,18 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
     glBindImageTexture(2, progressive->spread.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
   }
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  shade_lists(plan, counters, shade_variant, gather);
+  timer->end("shade");
+}
+
+void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters,
+                                 ShaderVariant (*variant)(const FramePlan&, int), const Program& gather) {
+  const FrameTargets& t = *targets;
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
-    const Program& program = programs.get(shade_variant(plan, list == 0 ? 1 : 0));
+    const Program& program = programs.get(variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
@@ -206,7 +213,6 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
     gather.set("u_list", list);
     dispatch(gather, 256, 1);
   }
-  timer->end("shade");
 }
 
 void Renderer::Impl::fill(PassTimer* timer) {

@@ -43,7 +43,7 @@ ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
           "",
           {{"REFLECTED", "1"},
            {"MEASURED", measured ? "1" : "0"},
-           {"VISIBILITY", flag(plan.visibility == "baked")},
+           {"VISIBILITY", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)}}};
 }
 
@@ -62,11 +62,13 @@ std::vector<ShaderVariant> reflection_shader_variants() {
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}};
-  for (int k = 0; k < 8; ++k) {
-    FramePlan plan;
-    plan.visibility = k & 1 ? "baked" : "none";
-    plan.lights = k & 2;
-    variants.push_back(reflected_shade_variant(plan, k >> 2));
+  for (const char* visibility : {"none", "baked", "traced"}) {
+    for (int k = 0; k < 4; ++k) {
+      FramePlan plan;
+      plan.visibility = visibility;
+      plan.lights = k & 1;
+      variants.push_back(reflected_shade_variant(plan, k >> 1));
+    }
   }
   for (const ShaderVariant& variant : bezier_shader_variants()) variants.push_back(variant);
   for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
@@ -191,20 +193,7 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   const Program& gather = programs.get({"shading/gather.comp", "", {{"ACCUMULATE", "0"}}});
   glBindImageTexture(0, r.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  for (int list = 0; list < 2; ++list) {
-    if (counters[8 * list] == 0) continue;
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
-    const Program& program = programs.get(reflected_shade_variant(plan, list == 0 ? 1 : 0));
-    program.set("u_list", list);
-    glUseProgram(program.get());
-    glDispatchComputeIndirect(list * 32 + 8);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.points[list].get());
-    glBindTextureUnit(22, t.partial_view[list].get());
-    gather.set("u_list", list);
-    dispatch(gather, 256, 1);
-  }
+  shade_lists(plan, counters, reflected_shade_variant, gather);
 }
 
 void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {

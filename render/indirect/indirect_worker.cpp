@@ -136,77 +136,17 @@ std::optional<IndirectBake> load_indirect(const IndirectJob& job, std::shared_pt
   return bake;
 }
 
-IndirectWorker::IndirectWorker() : thread_([this](const std::stop_token& stop) { run(stop); }) {}
-
-IndirectWorker::~IndirectWorker() {
-  cancel();
-  thread_.request_stop();
-  changed_.notify_all();
-}
-
-void IndirectWorker::submit(IndirectJob job) {
-  const std::lock_guard lock(mutex_);
-  if (running_ && running_input_ != job.input) cancel_ = true;
-  if (done_ && done_->input != job.input) done_.reset();
-  failed_ = nullptr;
-  next_ = std::move(job);
-  changed_.notify_all();
-}
-
-void IndirectWorker::cancel() {
-  const std::lock_guard lock(mutex_);
-  next_.reset();
-  done_.reset();
-  failed_ = nullptr;
-  cancel_ = true;
-  changed_.notify_all();
-}
-
-std::optional<IndirectWorker::Result> IndirectWorker::take() {
-  const std::lock_guard lock(mutex_);
-  if (failed_) std::rethrow_exception(std::exchange(failed_, nullptr));
-  return std::exchange(done_, std::nullopt);
-}
-
-bool IndirectWorker::busy() const {
-  const std::lock_guard lock(mutex_);
-  return next_.has_value() || (running_ && !cancel_);
-}
-
-void IndirectWorker::wait() {
-  std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !next_ && (!running_ || cancel_); });
-}
-
-void IndirectWorker::run(const std::stop_token& stop) {
-  std::shared_ptr<const IndirectLinks> links;
-  std::shared_ptr<const IndirectInput> links_input;
-  std::unique_lock lock(mutex_);
-  while (changed_.wait(lock, stop, [this] { return next_.has_value(); })) {
-    const IndirectJob job = std::move(*next_);
-    next_.reset();
-    running_ = true;
-    running_input_ = job.input;
-    cancel_ = false;
-    progress_ = 0.0;
-    lock.unlock();
-    std::optional<IndirectBake> bake;
-    std::exception_ptr failed;
-    try {
-      if (links_input != job.input) links.reset();
-      links_input = job.input;
-      bake = load_indirect(job, &links, cancel_, [this](double p) { progress_ = p; });
-    } catch (...) {
-      failed = std::current_exception();
-    }
-    lock.lock();
-    running_ = false;
-    if (!cancel_) {
-      if (bake) done_ = Result{std::move(*bake), job.sky, job.input, links ? links->bytes() : 0};
-      failed_ = failed;
-    }
-    changed_.notify_all();
-  }
-}
+IndirectWorker::IndirectWorker()
+    : BackgroundWorker(
+          [links = std::shared_ptr<const IndirectLinks>(), links_input = std::shared_ptr<const IndirectInput>()](
+              const IndirectJob& job, const std::atomic<bool>& cancel,
+              const std::function<void(double)>& progress) mutable -> std::optional<IndirectResult> {
+            if (links_input != job.input) links.reset();
+            links_input = job.input;
+            std::optional<IndirectBake> bake = load_indirect(job, &links, cancel, progress);
+            if (!bake) return std::nullopt;
+            return IndirectResult{std::move(*bake), job.sky, job.input, links ? links->bytes() : 0};
+          },
+          [](const IndirectJob& before, const IndirectJob& next) { return before.input == next.input; }) {}
 
 }  // namespace maquette

@@ -1,12 +1,11 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
+#include <functional>
+#include <memory>
 #include <optional>
-#include <thread>
 
+#include "render/background_worker.h"
 #include "render/indirect/indirect_light.h"
 
 namespace maquette {
@@ -23,42 +22,19 @@ std::optional<IndirectBake> load_indirect(const IndirectJob& job, std::shared_pt
                                           const std::atomic<bool>& cancel,
                                           const std::function<void(double)>& progress = {});
 
+struct IndirectResult {
+  IndirectBake bake;
+  IndirectSky sky;
+  std::shared_ptr<const IndirectInput> input;
+  std::size_t link_bytes = 0;
+};
+
 /// Bakes indirect light on a thread of its own. A newer sky waits for the one in work (a light that turns all the time
-/// would else never be seen); newer surfaces stop it. Knows no OpenGL.
-class IndirectWorker {
+/// would else never be seen); newer surfaces stop it.
+class IndirectWorker : public BackgroundWorker<IndirectJob, IndirectResult> {
  public:
+  using Result = IndirectResult;
   IndirectWorker();
-  ~IndirectWorker();  ///< cancels and waits
-  IndirectWorker(const IndirectWorker&) = delete;
-  IndirectWorker& operator=(const IndirectWorker&) = delete;
-
-  void submit(IndirectJob job);
-  void cancel();
-  struct Result {
-    IndirectBake bake;
-    IndirectSky sky;
-    std::shared_ptr<const IndirectInput> input;
-    std::size_t link_bytes = 0;
-  };
-  /// The newest that is done, once. Rethrows what made it fail, once.
-  std::optional<Result> take();
-  bool busy() const;
-  double progress() const { return progress_; }
-  void wait();
-
- private:
-  void run(const std::stop_token& stop);
-
-  mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::optional<IndirectJob> next_;
-  std::shared_ptr<const IndirectInput> running_input_;
-  std::optional<Result> done_;
-  std::exception_ptr failed_;
-  bool running_ = false;
-  std::atomic<bool> cancel_{false};
-  std::atomic<double> progress_{0.0};
-  std::jthread thread_;  // last: it uses all of the above
 };
 
 }  // namespace maquette

@@ -194,7 +194,9 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
   if (plan.visibility == "traced")
     plan.passes.push_back({"octree", "shading.visibility is traced"});
-  else if (plan.reflections != "octree")
+  else if (plan.reflections == "octree")
+    plan.passes.push_back({"octree", "the reflectors' rays go through it"});
+  else
     plan.left_out.push_back({"octree", "neither shading.visibility=traced nor a reflector technique asks for one"});
   return plan;
 }

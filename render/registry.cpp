@@ -36,7 +36,6 @@ const std::vector<LaterName>& later_modes() {
 const std::vector<LaterName>& later_reflectors() {
   static const std::vector<LaterName> kReflectors = {
       {"triangle", "reflections in triangles with vertex normals"},
-      {"octree", "cone tracing through an octree"},
   };
   return kReflectors;
 }

@@ -131,6 +131,7 @@ struct Renderer::Impl {
   /// Some rows of the reflected picture, every pixel with the same count of samples.
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);
+  void forget_reflectors();
   ViewInfo view_info(const FrameRequest& request) const;
   int reflectors_in_view(const FrameRequest& request) const;
   int reflector_of_item(std::size_t item) const;

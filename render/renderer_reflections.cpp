@@ -59,6 +59,7 @@ ShaderVariant reflected_resolve_variant(bool textures, bool colors) {
 std::vector<ShaderVariant> reflection_shader_variants() {
   std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
                                       {"reflections/rays.comp", "", {}},
+                                      {"octree/reflect.comp", "", {}},
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}};
@@ -75,11 +76,15 @@ std::vector<ShaderVariant> reflection_shader_variants() {
   return variants;
 }
 
+void Renderer::Impl::forget_reflectors() {
+  if (!reflectors.empty()) drawn_surfaces.reset();  // mirrors are opaque surfaces again
+  reflectors.clear();
+  reflectors_epoch = 0;
+}
+
 void Renderer::Impl::update_reflectors(const FrameRequest& request) {
   if (request.reflections == "off") {
-    if (!reflectors.empty()) drawn_surfaces.reset();  // mirrors are opaque surfaces again
-    reflectors.clear();
-    reflectors_epoch = 0;
+    forget_reflectors();
     return;
   }
   if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors) return;
@@ -229,8 +234,8 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   occluding.flip();
   std::unique_ptr<ReflectorTechnique>& technique = reflector_techniques[plan.reflections];
   if (!technique) technique = find_reflector_implementation(plan.reflections).make();
-  technique->trace(
-      {&small, &*buffers, &reflectors, &occluding, geometry_epoch, &request.settings, &t, &programs, timer});
+  technique->trace({&small, &*buffers, &reflectors, &occluding, geometry_epoch,
+                    octree.ready() ? &octree.buffers() : nullptr, &request.settings, &t, &programs, timer});
 
   if (!technique->resolves()) {
     glBindTextureUnit(0, t.triangle.get());
@@ -244,7 +249,9 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   glBindTextureUnit(0, t.triangle.get());
   glBindTextureUnit(8, t.surface.get());
   glBindTextureUnit(9, t.depth.get());
-  shade_reflections(plan, timer);
+  FramePlan shading = plan;
+  if (technique->resolves() && plan.visibility == "baked") shading.visibility = "traced";
+  shade_reflections(shading, timer);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch(programs.get({"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}), groups(t.width, 8),
            groups(t.height, 8));

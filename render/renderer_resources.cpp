@@ -126,7 +126,7 @@ void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* pla
 }
 
 void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
-  if (plan->visibility != "traced") {
+  if (plan->visibility != "traced" && plan->reflections != "octree") {
     octree.clear();
     return;
   }
@@ -151,10 +151,21 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
   };
   if (octree.update(state, make_job)) ++epoch;
   if (octree.ready()) return;
-  plan->visibility = "none";
-  std::erase_if(plan->passes, [](const PlannedPass& p) { return p.name == "visibility" || p.name == "octree"; });
-  plan->left_out.push_back({"octree", "it is not built yet: " + percent(octree.progress())});
-  plan->left_out.push_back({"visibility", "its octree is not built yet"});
+  const auto leave_out = [&](const std::string& what, const std::string& why) {
+    std::erase_if(plan->passes, [&](const PlannedPass& p) { return p.name == what; });
+    plan->left_out.push_back({what, why});
+  };
+  leave_out("octree", "it is not built yet: " + percent(octree.progress()));
+  if (plan->visibility == "traced") {
+    plan->visibility = "none";
+    leave_out("visibility", "its octree is not built yet");
+  }
+  if (plan->reflections == "octree") {
+    plan->reflections.clear();
+    std::erase_if(plan->passes, [](const PlannedPass& p) { return p.name == "rays"; });
+    leave_out("reflections", "their octree is not built yet");
+    forget_reflectors();
+  }
 }
 
 bool Renderer::finish_background_work(const FrameRequest& request) {
@@ -163,7 +174,7 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   s.update_facts(request.variant);
   s.update_reflectors(request);
   FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
-  if (plan.visibility == "traced") {
+  if (plan.visibility == "traced" || plan.reflections == "octree") {
     FramePlan now = plan;  // says what is missing: not what is wanted
     s.update_octree(request.settings, &now);
     s.octree.wait();

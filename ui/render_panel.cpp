@@ -53,8 +53,8 @@ void draw_reflections(Ui& ui) {
 /// Whether a technique's settings change this picture.
 bool has_effect(const EditorState& state, const TechniqueInfo& technique) {
   if (technique.kind == TechniqueKind::mode) return technique.name == state.mode;
+  if (technique.name == "octree" && state.settings.get_string("shading.visibility") == "traced") return true;
   if (technique.kind == TechniqueKind::reflector) return technique.name == state.reflections;
-  if (technique.name == "octree") return state.settings.get_string("shading.visibility") == "traced";
   return technique.name != "reflections" || state.reflections != "off";
 }
 

@@ -175,6 +175,7 @@ class BezierReflections : public ReflectorTechnique {
     std::vector<std::size_t> items;
     for (std::size_t i = 0; i < geometry.items.size(); ++i) {
       const Bounds& bounds = frame.buffers->bounds(i);
+      if (i == (*frame.reflectors)[static_cast<std::size_t>(part.reflector)].item) continue;  // a mirror in itself
       if ((*frame.occluding)[i] && may_be_reflected(part, bounds.center(), bounds.radius())) items.push_back(i);
     }
     const Program& vertices_program = frame.programs->get({"bezier/vertices.comp", "", {}});

@@ -32,12 +32,44 @@ double deviation_from_plane(std::span<const OctreeFragment> fragments, const glm
   return largest;
 }
 
+/// Adds up the materials by the area that is seen along the normal: what lies behind other pieces (a screen's housing)
+/// counts as much less as those cover of the cell.
+void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& normal, double cell, OctreeSums* sums) {
+  struct Share {
+    std::uint32_t material;
+    double area = 0.0;
+    glm::dvec3 color{0.0};
+  };
+  std::vector<Share> shares;
+  const auto add = [&](const OctreeFragment& f, double area) {
+    auto found = std::find_if(shares.begin(), shares.end(), [&](const Share& s) { return s.material == f.material; });
+    if (found == shares.end()) found = shares.insert(shares.end(), Share{f.material});
+    found->area += area;
+    found->color += area * glm::dvec3(f.color);
+  };
+  const bool one = std::all_of(fragments.begin(), fragments.end(),
+                               [&](const OctreeFragment& f) { return f.material == fragments[0].material; });
+  std::vector<std::pair<double, const OctreeFragment*>> front_to_back;
+  for (const OctreeFragment& f : fragments)
+    front_to_back.emplace_back(one ? 0.0 : -glm::dot(normal, glm::dvec3(f.centroid)), &f);
+  if (!one)
+    std::stable_sort(front_to_back.begin(), front_to_back.end(), [](auto& a, auto& b) { return a.first < b.first; });
+  double covered = 0.0;
+  for (const auto& [height, f] : front_to_back) {
+    const double area = static_cast<double>(f->area) * static_cast<double>(f->opacity);
+    const double facing = one ? 1.0 : glm::dot(normal, glm::dvec3(f->geometric));
+    // A little of each counts always, so that a cell has a material.
+    add(*f, one ? area : area * std::max(std::abs(facing) * (1.0 - covered), 1e-6));
+    covered += std::max(facing, 0.0) * area / (cell * cell);
+  }
+  for (const Share& share : shares) sums->add_material(share.material, share.area, share.color);
+}
+
 OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
   OctreeSums sums;
   glm::dvec3 geometric(0.0);
   double all = 0.0;
   const OctreeFragment* largest = fragments.data();
-  std::vector<std::pair<std::uint32_t, double>> materials;
   for (const OctreeFragment& f : fragments) {
     const double area = static_cast<double>(f.area) * static_cast<double>(f.opacity);
     all += static_cast<double>(f.area);
@@ -45,16 +77,9 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
     sums.normal += area * glm::dvec3(f.normal);
     geometric += area * glm::dvec3(f.geometric);
     sums.centroid += area * glm::dvec3(f.centroid);
-    sums.color += area * glm::dvec3(f.color);
     if (f.area > largest->area) largest = &f;
-    const auto found = std::find_if(materials.begin(), materials.end(), [&](auto& m) { return m.first == f.material; });
-    if (found == materials.end())
-      materials.emplace_back(f.material, area);
-    else
-      found->second += area;
   }
   if (sums.area < kMinOpacity * all || sums.area <= 0.0) return {};
-  for (const auto& [id, amount] : materials) sums.add_material(id, amount);
   if (glm::length(sums.normal) < kCancelled * sums.area) {
     // Both sides of a thin sheet: the larger piece says which way is up, the viewer's side is found at the hit.
     sums.normal = geometric = glm::dvec3(0.0);
@@ -74,6 +99,7 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
       sums.normal = n * sums.area;
     }
   }
+  add_materials(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), cell, &sums);
   return sums;
 }
 
@@ -116,11 +142,12 @@ std::vector<BrickNode> join_level(const std::vector<BrickNode>& children, std::v
 
 }  // namespace
 
-void OctreeSums::add_material(std::uint32_t id, double amount) {
+void OctreeSums::add_material(std::uint32_t id, double amount, const glm::dvec3& color) {
   std::size_t smallest = 0;
   for (std::size_t k = 0; k < kMaterials; ++k) {
     if (material_area[k] > 0.0 && material[k] == id) {
       material_area[k] += amount;
+      material_color[k] += color;
       return;
     }
     if (material_area[k] < material_area[smallest]) smallest = k;
@@ -128,6 +155,7 @@ void OctreeSums::add_material(std::uint32_t id, double amount) {
   if (amount <= material_area[smallest]) return;
   material_area[smallest] = amount;
   material[smallest] = id;
+  material_color[smallest] = color;
 }
 
 OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, double child_cell) {
@@ -138,9 +166,9 @@ OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, doubl
     sums.area += child->area;
     sums.normal += child->normal;
     sums.centroid += child->centroid;
-    sums.color += child->color;
     for (std::size_t k = 0; k < OctreeSums::kMaterials; ++k)
-      if (child->material_area[k] > 0.0) sums.add_material(child->material[k], child->material_area[k]);
+      if (child->material_area[k] > 0.0)
+        sums.add_material(child->material[k], child->material_area[k], child->material_color[k]);
     if (!largest || child->area > largest->area) largest = child;
   }
   if (!largest) return sums;
@@ -163,15 +191,15 @@ OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, doubl
 
 OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double cell) {
   const auto largest = std::max_element(sums.material_area.begin(), sums.material_area.end());
-  const auto material = sums.material[static_cast<std::size_t>(largest - sums.material_area.begin())];
+  const auto chosen = static_cast<std::size_t>(largest - sums.material_area.begin());
   const glm::dvec3 n = unit_or(sums.normal, glm::dvec3(0.0, 1.0, 0.0));
   const glm::dvec3 point = (sums.centroid / sums.area - lower) / cell - 0.5;
   const bool planar = sums.deviation <= shared::kOctreePlanar;
   OctreeWords words;
   words.plane = shared::octree_pack_plane(glm::vec3(n), glm::vec3(point), planar);
   const double coverage = std::min(sums.area / (cell * cell), 1.0);
-  words.color = shared::octree_pack_color(static_cast<int>(material), static_cast<float>(coverage),
-                                          glm::vec3(sums.color / sums.area));
+  words.color = shared::octree_pack_color(static_cast<int>(sums.material[chosen]), static_cast<float>(coverage),
+                                          glm::vec3(sums.material_color[chosen] / *largest));
   return words;
 }
 

@@ -27,14 +27,15 @@ struct OctreeSums {
   double area = 0.0;         ///< of what is not cut out
   glm::dvec3 normal{0.0};    ///< area-weighted
   glm::dvec3 centroid{0.0};  ///< area-weighted
-  glm::dvec3 color{0.0};     ///< area-weighted
-  /// Largest areas by material; leaves are exact, and a node above keeps the four largest of its children's.
+  /// Largest areas by material, of what is seen along the normal; leaves are exact, and a node above keeps the four
+  /// largest of its children's.
   std::array<double, kMaterials> material_area{};
   std::array<std::uint32_t, kMaterials> material{};
+  std::array<glm::dvec3, kMaterials> material_color{};  ///< weighted by those areas
   /// Distance from the node's plane that all of its surface keeps; above kOctreePlanar the node is a solid box.
   double deviation = 0.0;
 
-  void add_material(std::uint32_t id, double amount);
+  void add_material(std::uint32_t id, double amount, const glm::dvec3& color);
 };
 
 /// Words of a node for the GPU (shaders/shared/octree.glsl).

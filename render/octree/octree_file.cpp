@@ -15,8 +15,8 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree";
-constexpr int kVersion = 1;
-constexpr std::size_t kSumFloats = 11 + OctreeSums::kMaterials;
+constexpr int kVersion = 2;
+constexpr std::size_t kSumFloats = 8 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 
 void append_bounds(std::vector<float>* out, const Bounds& b) {
@@ -25,10 +25,11 @@ void append_bounds(std::vector<float>* out, const Bounds& b) {
 Bounds read_bounds(const float* v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
 void append_sums(const OctreeSums& s, std::vector<float>* floats, std::vector<std::uint32_t>* materials) {
-  for (double v : {s.area, s.normal.x, s.normal.y, s.normal.z, s.centroid.x, s.centroid.y, s.centroid.z, s.color.x,
-                   s.color.y, s.color.z, s.deviation})
+  for (double v : {s.area, s.normal.x, s.normal.y, s.normal.z, s.centroid.x, s.centroid.y, s.centroid.z, s.deviation})
     floats->push_back(static_cast<float>(v));
   for (double v : s.material_area) floats->push_back(static_cast<float>(v));
+  for (const glm::dvec3& c : s.material_color)
+    for (int i = 0; i < 3; ++i) floats->push_back(static_cast<float>(c[i]));
   materials->insert(materials->end(), s.material.begin(), s.material.end());
 }
 
@@ -37,10 +38,11 @@ OctreeSums read_sums(const float* v, const std::uint32_t* materials) {
   s.area = static_cast<double>(v[0]);
   s.normal = glm::dvec3(v[1], v[2], v[3]);
   s.centroid = glm::dvec3(v[4], v[5], v[6]);
-  s.color = glm::dvec3(v[7], v[8], v[9]);
-  s.deviation = static_cast<double>(v[10]);
+  s.deviation = static_cast<double>(v[7]);
   for (std::size_t k = 0; k < OctreeSums::kMaterials; ++k) {
-    s.material_area[k] = static_cast<double>(v[11 + k]);
+    s.material_area[k] = static_cast<double>(v[8 + k]);
+    const float* color = v + 8 + OctreeSums::kMaterials + 3 * k;
+    s.material_color[k] = glm::dvec3(color[0], color[1], color[2]);
     s.material[k] = materials[k];
   }
   return s;

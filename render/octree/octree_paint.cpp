@@ -75,8 +75,9 @@ OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materi
   std::map<int, std::uint64_t> hashes;
   for (const Material& material : materials) {
     Entry entry;
-    entry.reference = material.base_color_texture;
     entry.masked = material.alpha_mode == AlphaMode::mask;
+    const bool glows = material.emissive != glm::vec3(0.0f) && material.emissive_texture && !entry.masked;
+    entry.reference = glows ? material.emissive_texture : material.base_color_texture;
     entry.alpha = material.base_color.a;
     entry.cutoff = material.alpha_cutoff;
     const int image = entry.reference.image;

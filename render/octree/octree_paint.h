@@ -10,12 +10,13 @@ namespace maquette {
 /// Mean colours of textures for the octree's cells: small mip chains of linear RGBA on the CPU.
 class OctreePaint {
  public:
-  /// Keeps only what `materials` use as base colour.
+  /// Keeps only what `materials` use: as emission where they have a texture for it and are not cut out, else as base
+  /// colour.
   OctreePaint(const Scene& scene, const std::vector<Material>& materials);
 
   bool textured(int material) const;
   int uv_set(int material) const;
-  /// Base colour's texture (1 without one) with alpha, averaged over about `uv_span` (units of UV) around `uv`.
+  /// That texture (1 without one) with alpha, averaged over about `uv_span` (units of UV) around `uv`.
   glm::vec4 mean_color(int material, const glm::vec2& uv, float uv_span) const;
   /// Alpha of the material's factor, and whether it is cut out at `cutoff`.
   bool cut_out(int material) const { return at(material) && at(material)->masked; }

@@ -4,12 +4,14 @@
 
 namespace maquette {
 
-/// The scene's octree: traced visibility and the reflector technique of that name share it.
+/// Traced visibility shares the octree and its settings.
 TechniqueInfo octree_technique() {
   TechniqueInfo info;
   info.name = "octree";
-  info.kind = TechniqueKind::shared;
-  info.help = "the scene's octree";
+  info.kind = TechniqueKind::reflector;
+  info.help =
+      "rays through the scene's octree, whose cells stand for the surfaces in them: the cost hardly grows with the "
+      "scene";
   info.settings = {
       {.name = "octree.depth",
        .default_value = 9,
@@ -22,6 +24,13 @@ TechniqueInfo octree_technique() {
       {.name = "octree.bake",
        .default_value = std::string(),
        .help = "folder of `maquette bake octree`; empty: the cache"},
+  };
+  info.quality_steps = {{.settings = {{"octree.depth", 7}, {"reflections.resolution", std::string("quarter")}}},
+                        {.settings = {{"octree.depth", 8}, {"reflections.resolution", std::string("half")}}},
+                        {.settings = {{"octree.depth", 9}, {"reflections.resolution", std::string("half")}}},
+                        {.settings = {{"octree.depth", 9}, {"reflections.resolution", std::string("full")}}}};
+  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
+    plan->passes.push_back({"rays", "the mirrored ray of every pixel of a reflector, through the octree"});
   };
   return info;
 }

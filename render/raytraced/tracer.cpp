@@ -3,6 +3,8 @@
 #include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
+#include <cmath>
+
 #include "scenes/error.h"
 
 namespace maquette {
@@ -67,7 +69,9 @@ class RaytracedReflections : public ReflectorTechnique {
       for (int x = 0; x < t.width; ++x) {
         const std::size_t i =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(x);
-        if (directions[i].w > 0.0f) hits[i] = hit(origins[i], directions[i]);
+        if (directions[i].w <= 0.0f) continue;
+        const auto reflector = static_cast<std::size_t>(directions[i].w - 0.5f);
+        hits[i] = hit(origins[i], directions[i], geometry.items[(*frame.reflectors)[reflector].item]);
       }
     });
     t.triangle.upload(0, t.width, t.height, GL_RED_INTEGER, GL_UNSIGNED_INT, hits.data());
@@ -78,8 +82,11 @@ class RaytracedReflections : public ReflectorTechnique {
   void add_counters(std::map<std::string, double>* counters) const override { (*counters)["rays"] = rays_; }
 
  private:
-  std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction) const {
-    constexpr float kNear_m = 1e-4f;  // the pane itself is not among the triangles, what touches it is
+  /// Number + 1 of the triangle that the ray hits. What touches a pane counts from kNear_m on. A mirror does not see
+  /// itself: the ray starts on the true surface, and facets of a hollow one lie before it.
+  std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction, const DrawItem& own) const {
+    constexpr float kNear_m = 1e-4f;
+    constexpr int kOwnFacets = 8;
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     RTCRayHit query{};
@@ -90,11 +97,18 @@ class RaytracedReflections : public ReflectorTechnique {
     query.ray.dir_y = direction.y;
     query.ray.dir_z = direction.z;
     query.ray.tnear = kNear_m;
-    query.ray.tfar = 1e30f;
     query.ray.mask = ~0u;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_.scene.get(), &context, &query);
-    return query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? 0u : scene_.numbers[query.hit.primID] + 1u;
+    for (int passed = 0; passed <= kOwnFacets; ++passed) {
+      query.ray.tfar = 1e30f;
+      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+      rtcIntersect1(scene_.scene.get(), &context, &query);
+      if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return 0u;
+      const std::uint32_t triangle = scene_.numbers[query.hit.primID];
+      const bool is_own = 3 * triangle >= own.first_index && 3 * triangle < own.first_index + own.index_count;
+      if (!is_own) return triangle + 1u;
+      query.ray.tnear = std::nextafter(query.ray.tfar, 1e30f);
+    }
+    return 0u;
   }
   RayScene scene_;
   std::uint32_t epoch_ = 0;

@@ -1,6 +1,7 @@
 #include "render/reflections/reflector_technique.h"
 
 #include "render/bezier/projection.h"
+#include "render/octree/reflections.h"
 #include "render/raytraced/tracer.h"
 #include "scenes/error.h"
 
@@ -9,6 +10,7 @@ namespace maquette {
 const ReflectorTechniqueInfo& find_reflector_implementation(const std::string& name) {
   static const ReflectorTechniqueInfo kTechniques[] = {
       {"bezier", make_bezier_reflections},
+      {"octree", make_octree_reflections},
       {"raytraced", make_raytraced_reflections},
   };
   for (const ReflectorTechniqueInfo& technique : kTechniques)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/frame_constants.h"
+#include "render/octree/octree_buffers.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
 #include "render/reflections/reflectors.h"
@@ -24,6 +25,7 @@ struct ReflectionFrame {
   const std::vector<Reflector>* reflectors = nullptr;
   const std::vector<bool>* occluding = nullptr;  ///< by item: drawn and opaque, so that mirrored rays end there
   std::uint32_t geometry_epoch = 0;              ///< raised by every change of geometry or of what occludes
+  const OctreeBuffers* octree = nullptr;         ///< bound; null unless the plan has one
   const Settings* settings = nullptr;
   ReflectionTargets* targets = nullptr;
   ProgramCache* programs = nullptr;
@@ -36,7 +38,7 @@ class ReflectorTechnique {
  public:
   virtual ~ReflectorTechnique() = default;
   /// Writes `targets->triangle` for every pixel; a technique whose hits are no triangles writes `surface` and `depth`
-  /// too, and says so by resolves().
+  /// too, and says so by resolves(): what is baked per vertex is then not known there.
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
   /// Bytes of its own buffers by vocabulary word.

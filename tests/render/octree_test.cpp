@@ -302,6 +302,34 @@ TEST(OctreeBuild, TakesTheMaterialOfTheLargestArea) {
   EXPECT_EQ(counts[1], 5 * 8);
 }
 
+/// A screen of the size of its housing's face, a little before it: every cell shows the screen, in its own colour.
+TEST(OctreeBuild, MaterialIsTheOneInFront) {
+  const auto quad = [](float z, int material, float shade) {
+    Primitive p;
+    p.positions = {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
+    p.normals.assign(4, {0, 0, 1});
+    p.colors.assign(4, glm::vec4(glm::vec3(shade), 1.0f));
+    p.indices = {0, 1, 2, 0, 2, 3};
+    p.material = material;
+    return p;
+  };
+  Scene scene = scene_of(quad(0.0f, 0, 1.0f));
+  scene.meshes[0].primitives.push_back(quad(0.001f, 1, 0.25f));
+  scene.meshes[0].primitives.push_back(quad(0.9f, 1, 0.25f));  // so that no cell ends between the two
+  scene.materials.resize(2);
+  const Model model(std::move(scene));
+  OctreeOptions options;
+  options.depth = 4;
+  const Octree octree = build_octree(model.source(), options);
+  const std::vector<OctreeCell> leaves = list_leaves(octree);
+  ASSERT_FALSE(leaves.empty());
+  for (const OctreeCell& leaf : leaves) {
+    const shared::OctreeColor color = shared::octree_unpack_color(octree.colors[leaf.node]);
+    EXPECT_EQ(color.material, 1);
+    EXPECT_NEAR(color.tint.x, 0.25f, 0.02f);
+  }
+}
+
 TEST(OctreeBuild, RegionsAreFinerThanTheRest) {
   const Model model(build_builtin_scene("sphere"));
   OctreeOptions options;

@@ -155,6 +155,19 @@ TEST(Plan, TracedVisibilityWantsAnOctree) {
   }
 }
 
+TEST(Plan, OctreeReflectionsWantAnOctree) {
+  ViewInfo view;
+  view.reflections = "octree";
+  view.reflectors = view.reflectors_in_view = 1;
+  const FramePlan p = plan({}, "bandwidth", {}, view);
+  EXPECT_EQ(p.reflections, "octree");
+  EXPECT_TRUE(has_pass(p, "octree"));
+  EXPECT_TRUE(has_pass(p, "rays"));
+  EXPECT_EQ(p.visibility, "none");
+  view.reflectors_in_view = 0;
+  EXPECT_FALSE(has_pass(plan({}, "bandwidth", {}, view), "octree"));
+}
+
 TEST(Plan, NeverFallsBack) {
   Settings baked;
   baked.set("shading.visibility", std::string("baked"));

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/reflections/reflector_technique.h"
+
+namespace maquette {
+
+/// Sends the mirrored rays through the scene's octree; their hits are its cells.
+std::unique_ptr<ReflectorTechnique> make_octree_reflections();
+
+}  // namespace maquette

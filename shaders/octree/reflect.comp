@@ -1,0 +1,114 @@
+// What mirrored rays hit in the octree, as a G-buffer: normal, material and mean colour of a cell. The cone of a pixel decides how deep the
+// walk goes.
+layout(local_size_x = 8, local_size_y = 8) in;
+#define REFLECTED 1
+#include "shared/frame.glsl"
+#include "shared/constants.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#include "octree/tables.glsl"
+layout(binding = 34) uniform usamplerBuffer t_octree_colors;  // [node]
+layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
+layout(binding = 1, r32f) uniform writeonly image2D o_depth;
+layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
+layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps; };
+uniform int u_own_material[16];  // of each reflector that is opaque, and so in the octree; -1: a pane, which is not
+uniform vec3 u_own_low[16];      // its bounds, m
+uniform vec3 u_own_high[16];
+
+/// So many cells away a solid cell is what touches the reflector, its frame.
+const float kFrameCells = 1.8;
+/// Of a mirror's own cells a ray passes as many: those that it starts in, and those of facets before a hollow mirror's true surface.
+const int kOwnCells = 6;
+/// A mean of normals may face away from the ray: it is bent back to this cosine, as interpolated ones are.
+const float kLeastFacing = 0.004;
+
+void store_nothing(ivec2 pixel) {
+  imageStore(o_surface, pixel, uvec4(0u));
+  imageStore(o_depth, pixel, vec4(0.0));
+  imageStore(o_guide, pixel, uvec4(0u));
+  imageStore(o_triangle, pixel, uvec4(0u));
+}
+
+/// Angle between the rays of neighbouring pixels: a curved pane spreads them.
+float spread_of(ivec2 pixel, vec4 direction) {
+  float sum = 0.0, count = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 to = pixel + ivec2((k & 1) * 2 - 1, 0) * (1 - (k >> 1)) + ivec2(0, (k & 1) * 2 - 1) * (k >> 1);
+    vec4 other = texelFetch(t_ray_direction, clamp(to, ivec2(0), u_frame.size.xy - 1), 0);
+    if (other.w != direction.w || to != clamp(to, ivec2(0), u_frame.size.xy - 1)) continue;
+    sum += length(other.xyz - direction.xyz);
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : u_frame.forward.w;
+}
+
+/// What a texture of the material's stands for in the cells' colours: the emission where it has one, else the base colour.
+bool emission_is_painted(int material, vec3 emission) {
+  if (emission == vec3(0.0)) return false;
+  uvec4 list = material_words(material, 7);
+  uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
+  for (int k = 0; k < 6; ++k) {
+    uint entry = k < 4 ? list[k & 3] : more[k & 1];
+    if (entry == kNoTexture) break;
+    if (entry >> 16u == kRoleEmissive) return true;
+  }
+  return false;
+}
+
+bool is_within(vec3 p, int reflector, float margin) {
+  return all(greaterThan(p, u_own_low[reflector] - margin)) && all(lessThan(p, u_own_high[reflector] + margin));
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  vec4 direction = texelFetch(t_ray_direction, pixel, 0);
+  if (direction.w <= 0.0) {
+    store_nothing(pixel);
+    return;
+  }
+  vec4 origin = texelFetch(t_ray_origin, pixel, 0);
+  int reflector = int(direction.w) - 1;
+  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells / u_octree.w, origin.w * u_frame.forward.w, spread_of(pixel, direction));
+  OctreeHit hit;
+  OctreeColor color;
+  int steps = 0;
+  for (int k = 0; k <= kOwnCells; ++k) {
+    hit = octree_trace(octree_frame(), ray);
+    steps += hit.steps;
+    if (hit.node < 0) break;
+    color = octree_unpack_color(texelFetch(t_octree_colors, hit.node).x);
+    float cell_m = float(1 << (u_octree_depth - hit.level)) / u_octree.w;
+    if (color.material != u_own_material[reflector] || !is_within(origin.xyz + hit.t * direction.xyz, reflector, cell_m)) break;
+    ray.t_min = hit.t + 0.5 * cell_m;
+  }
+  atomicAdd(b_rays, 1u);
+  atomicAdd(b_steps, uint(steps));
+  if (hit.node < 0) {
+    store_nothing(pixel);
+    return;
+  }
+  OctreePlane plane = octree_unpack_plane(hit.level == u_octree_depth ? octree_word(hit.node) : octree_plane_word(hit.node));
+  vec3 normal = normalize(plane.normal);
+  normal = dot(normal, direction.xyz) > 0.0 ? -normal : normal;
+  float facing = -dot(normal, direction.xyz);
+  if (facing < kLeastFacing) normal = normalize(normal - direction.xyz * (kLeastFacing - facing));
+  vec4 m0 = material_floats(color.material, 0), m1 = material_floats(color.material, 1), m2 = material_floats(color.material, 2);
+  bool glows = emission_is_painted(color.material, m2.rgb);
+  Surface surface;
+  surface.normal = normal;
+  surface.base_color = glows ? m0.rgb : m0.rgb * color.tint;
+  surface.metallic = m1.x;
+  surface.roughness = m1.y;
+  surface.clearcoat = material_floats(color.material, 3).x;
+  surface.material = color.material;
+  float depth = max(hit.t, 1e-30);
+  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * color.tint : m2.rgb));
+  imageStore(o_depth, pixel, vec4(depth));
+  imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, color.material), 0u, 0u));
+  imageStore(o_triangle, pixel, uvec4(1u));
+}

@@ -26,4 +26,35 @@ CameraFrame make_camera_frame(const CameraView& view, int width, int height, con
   return frame;
 }
 
+glm::mat4 clip_from_world(const CameraFrame& camera) {
+  glm::mat4 view(1.0f), projection(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    view[c][0] = camera.right[c];
+    view[c][1] = camera.up[c];
+    view[c][2] = -camera.forward[c];
+  }
+  view[3] = glm::vec4(-glm::dot(camera.right, camera.eye), -glm::dot(camera.up, camera.eye),
+                      glm::dot(camera.forward, camera.eye), 1.0f);
+  projection[0][0] = 1.0f / camera.tan_x;
+  projection[1][1] = 1.0f / camera.tan_y;
+  projection[2][3] = -1.0f;
+  projection[3][2] = camera.near_m;
+  return projection * view;
+}
+
+bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds) {
+  int outside[5] = {};
+  for (int k = 0; k < 8; ++k) {
+    const glm::vec4 p =
+        clip_from_world * glm::vec4(k & 1 ? bounds.max.x : bounds.min.x, k & 2 ? bounds.max.y : bounds.min.y,
+                                    k & 4 ? bounds.max.z : bounds.min.z, 1.0f);
+    outside[0] += p.x < -p.w;
+    outside[1] += p.x > p.w;
+    outside[2] += p.y < -p.w;
+    outside[3] += p.y > p.w;
+    outside[4] += p.w < 0.0f;
+  }
+  return std::none_of(outside, outside + 5, [](int n) { return n == 8; });
+}
+
 }  // namespace maquette

@@ -11,6 +11,7 @@ struct CameraView {
   glm::vec3 target{0.0f};
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   float fov_y_rad = 0.8f;
+  float aspect = 0.0f;  ///< width over height that the view was framed for; 0: any
   float near_m = 0.0f;  ///< 0: chosen from the scene bounds
   float far_m = 0.0f;
 };
@@ -25,5 +26,10 @@ struct CameraFrame {
 };
 /// `bounds`: of what is drawn, for a near plane that the view leaves open.
 CameraFrame make_camera_frame(const CameraView& view, int width, int height, const Bounds& bounds);
+
+/// Depth 1 at the near plane, 0 at infinity: float then resolves near and far alike.
+glm::mat4 clip_from_world(const CameraFrame& camera);
+/// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
+bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds);
 
 }  // namespace maquette

@@ -132,6 +132,7 @@ struct Renderer::Impl {
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);
   void forget_reflectors();
+  CameraFrame camera_frame(const FrameRequest& request) const;
   ViewInfo view_info(const FrameRequest& request) const;
   int reflectors_in_view(const FrameRequest& request) const;
   int reflector_of_item(std::size_t item) const;
@@ -163,8 +164,6 @@ struct Renderer::Impl {
   void bind_frame() const;
 };
 
-/// False when a box lies outside one of the frustum's side planes (in clip space; the far plane is at infinity).
-bool may_be_seen(const glm::mat4& clip_from_world, const Bounds& bounds);
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);

@@ -135,13 +135,8 @@ const Texture& Renderer::Impl::picture() {
 /// Every triangle is tried: a click is rare, and 360,000 take a few milliseconds.
 Renderer::Pick Renderer::Impl::pick_traced(int x, int y) const {
   const FlatGeometry& g = buffers->geometry();
-  Bounds bounds;
-  for (std::size_t i = 0; i < g.items.size(); ++i) {
-    bounds.min = glm::min(bounds.min, buffers->bounds(i).min);
-    bounds.max = glm::max(bounds.max, buffers->bounds(i).max);
-  }
   const int width = last_request.width, height = last_request.height;
-  const CameraFrame camera = make_camera_frame(last_request.camera, width, height, bounds);
+  const CameraFrame camera = camera_frame(last_request);
   const glm::vec2 ndc((2.0f * static_cast<float>(x) + 1.0f) / static_cast<float>(width) - 1.0f,
                       1.0f - (2.0f * static_cast<float>(y) + 1.0f) / static_cast<float>(height));
   const glm::vec3 ray = shared::camera_ray(camera.forward, camera.right * camera.tan_x, camera.up * camera.tan_y, ndc);

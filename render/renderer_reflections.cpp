@@ -109,19 +109,10 @@ bool Renderer::Impl::is_mirror(std::size_t item) const {
 }
 
 int Renderer::Impl::reflectors_in_view(const FrameRequest& request) const {
-  const glm::vec3 forward = glm::normalize(request.camera.target - request.camera.eye);
+  const glm::mat4 clip = clip_from_world(camera_frame(request));
   int count = 0;
-  for (const Reflector& reflector : reflectors) {
-    const Bounds& bounds = buffers->bounds(reflector.item);
-    // In front of the eye, and within a cone around the frustum.
-    const glm::vec3 to = bounds.center() - request.camera.eye;
-    const float distance = glm::length(to), radius = bounds.radius();
-    const float aspect = static_cast<float>(request.width) / static_cast<float>(request.height);
-    const float half = std::atan(std::tan(0.5f * request.camera.fov_y_rad) * std::sqrt(1.0f + aspect * aspect));
-    const float reach = distance > radius ? std::asin(radius / distance) : 3.2f;
-    const float angle = distance > 0.0f ? std::acos(std::clamp(glm::dot(to, forward) / distance, -1.0f, 1.0f)) : 0.0f;
-    count += buffers->visible(reflector.item) && angle <= half + reach;
-  }
+  for (const Reflector& reflector : reflectors)
+    count += buffers->visible(reflector.item) && may_be_seen(clip, buffers->bounds(reflector.item));
   return count;
 }
 

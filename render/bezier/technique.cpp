@@ -1,5 +1,7 @@
 #include "render/bezier/technique.h"
 
+#include "render/reflections/technique.h"
+
 namespace maquette {
 
 TechniqueInfo bezier_technique() {
@@ -20,6 +22,9 @@ TechniqueInfo bezier_technique() {
        .max = 8,
        .help = "how often an edge may be halved for that"},
   };
+  info.quality_steps = resolution_steps();
+  info.quality_steps.push_back(
+      {.settings = {{"reflections.resolution", std::string("full")}, {"bezier.tolerance", 0.125}}});
   info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back({"projection", "the scene's triangles that may be seen in a patch, projected into it"});
   };

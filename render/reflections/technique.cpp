@@ -21,4 +21,11 @@ TechniqueInfo reflections_technique() {
   return info;
 }
 
+std::vector<QualityStep> resolution_steps() {
+  std::vector<QualityStep> steps;
+  for (const char* resolution : {"quarter", "half", "full"})
+    steps.push_back({.settings = {{"reflections.resolution", std::string(resolution)}}});
+  return steps;
+}
+
 }  // namespace maquette

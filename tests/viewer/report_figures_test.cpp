@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 
+#include "scenes/image_io.h"
 #include "tests/viewer/run_program.h"
 #include "viewer/report/charts.h"
 #include "viewer/report/content_key.h"
@@ -14,6 +15,8 @@
 #include "viewer/report/measure.h"
 #include "viewer/report/page.h"
 #include "viewer/report/page_parts.h"
+#include "viewer/report/references.h"
+#include "viewer/report/studio.h"
 #include "viewer/report/sweep.h"
 #include "viewer/report/write_data.h"
 #include "viewer/session.h"
@@ -186,6 +189,20 @@ TEST(ReportPage, HoldsEverythingItself) {
   EXPECT_NE(html.find("To an estimator error of"), std::string::npos);
 }
 
+TEST(ReportPage, ReflectionsHaveTheirOwnSection) {
+  const TemporaryFolder folder;
+  Report report = two_techniques();
+  EXPECT_EQ(page_html({report, folder.path().string(), {}, {}}).find("reflection error"), std::string::npos);
+  Point p = point("one", "quick", 4, 3.0, 0.01);
+  p.scope = Scope::reflection;
+  p.picture = "none.png";
+  report.points.push_back(p);
+  const std::string html = page_html({report, folder.path().string(), {}, {}});
+  for (const char* part : {"<h3>Reflections</h3>", "given reflection error", "Lower pictures: reflection error"})
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  EXPECT_EQ(point_json(point_from_json(point_json(p))), point_json(p));
+}
+
 TEST(ReportPage, ChartsFollowTheTheme) {
   const std::string figure = chart_figure("<svg><g color=\"black\" stroke='rgb(  1,   2,   3)'/></svg>", "t");
   const std::string expected =
@@ -205,33 +222,90 @@ TEST(ReportPage, DataAddressesAreBase64) {
   EXPECT_FALSE(data_address(folder.file("none"), "text/plain"));
 }
 
-TEST(ReportSweep, EveryRegisteredModeTakesPart) {
-  const Scene scene = build_builtin_scene("sphere");
-  const std::vector<SweptTechnique> swept = swept_techniques(compute_facts(scene, -1), {});
-  const std::vector<std::string> names = technique_names(TechniqueKind::mode);
+TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
+  const SceneFacts facts = compute_facts(build_builtin_scene("cockpit"), -1);
+  const std::vector<SweptTechnique> swept = swept_techniques(facts, {}, 0);
+  std::vector<std::string> names = technique_names(TechniqueKind::mode);
+  for (const std::string& reflector : technique_names(TechniqueKind::reflector)) names.push_back(reflector);
   ASSERT_EQ(swept.size(), names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_EQ(swept[i].name, names[i]);
     EXPECT_FALSE(swept[i].steps.empty());
     EXPECT_FALSE(swept[i].refused) << *swept[i].refused;
   }
-  // What cannot draw with the settings asked for says why.
+}
+
+TEST(ReportSweep, WhatCannotDrawSaysWhy) {
+  const SceneFacts facts = compute_facts(build_builtin_scene("sphere"), -1);
+  for (const SweptTechnique& technique : swept_techniques(facts, {}, 0)) {
+    EXPECT_EQ(technique.refused.has_value(), technique.kind == TechniqueKind::reflector) << technique.name;
+    if (technique.refused) {
+      EXPECT_NE(technique.refused->find("name one with --reflector"), std::string::npos);
+    }
+  }
   Settings settings;
   settings.set_from_text("shading.visibility", "baked");
-  for (const SweptTechnique& technique : swept_techniques(compute_facts(scene, -1), settings))
+  for (const SweptTechnique& technique : swept_techniques(facts, settings, 0))
     if (technique.name == "splitsum") {
       EXPECT_TRUE(technique.refused);
     }
 }
 
 TEST(ReportSweep, EstimatorScopeIsRestricted) {
-  const SweptTechnique uniform{"uniform", "", {{}}, {}};
+  const SweptTechnique uniform{"uniform", "", TechniqueKind::mode, {{}}, {}};
   const QualityStep step{.samples = 8, .settings = {{"bandwidth.max_level", 2}}};
   EXPECT_EQ(quality_label(step), "8 samples, bandwidth.max_level 2");
   EXPECT_EQ(quality_label({}), "default");
-  EXPECT_EQ(settings_of({}, uniform, step, Scope::estimator).get_string("shading.visibility"), "none");
-  EXPECT_EQ(settings_of({}, uniform, step, Scope::model).get_string("shading.visibility"), "auto");
-  EXPECT_EQ(settings_of({}, uniform, step, Scope::model).get_int("bandwidth.max_level"), 2);
+  const FrameRequest restricted = request_of({}, uniform, step, Scope::estimator);
+  EXPECT_EQ(restricted.settings.get_string("shading.visibility"), "none");
+  EXPECT_EQ(restricted.mode, "uniform");
+  EXPECT_EQ(restricted.samples, 8);
+  const FrameRequest whole = request_of({}, uniform, step, Scope::model);
+  EXPECT_EQ(whole.settings.get_string("shading.visibility"), "auto");
+  EXPECT_EQ(whole.settings.get_int("bandwidth.max_level"), 2);
+}
+
+TEST(ReportSweep, ReflectorsAreDrawnByAModeWithoutNoise) {
+  const SweptTechnique bezier{"bezier", "", TechniqueKind::reflector, {{}}, {}};
+  const FrameRequest request = request_of({}, bezier, {}, Scope::reflection);
+  EXPECT_EQ(request.mode, kReflectionMode);
+  EXPECT_EQ(request.reflections, "bezier");
+  EXPECT_EQ(request.settings.get_string("shading.visibility"), "auto");
+}
+
+TEST(ReportReferences, ReflectorsAreJudgedByRays) {
+  const TemporaryFolder folder;
+  SceneOptions options;
+  options.scene = "builtin:cockpit";
+  options.camera = "driver";
+  options.width = 64;
+  options.height = 36;
+  options.settings.set_from_text("shading.visibility", "none");
+  Studio studio(options);
+  const std::vector<SweptTechnique> swept =
+      swept_techniques(compute_facts(studio.overridden_scene(), -1), options.settings, 0);
+  const auto technique = [&](const std::string& name) {
+    return *std::find_if(swept.begin(), swept.end(), [&](const SweptTechnique& t) { return t.name == name; });
+  };
+  const SweptCamera driver = swept_cameras(*studio.scene(), options).front();
+  const std::optional<Judge> judge =
+      obtain_reflection_reference(&studio, folder.path().string(), driver, technique(kReflectionReference));
+  ASSERT_TRUE(judge);
+  EXPECT_EQ(load_hdr_image(folder.file(judge->entry.file)).data, judge->picture.data);
+  const auto error = [&](const std::string& name, const QualityStep& step) {
+    const FrameRequest request = request_of(studio.request(driver), technique(name), step, Scope::reflection);
+    return judge_measurement(measure_frames(&studio.renderer(), request, request, 1), *judge).relative_rmse->median;
+  };
+  const SweptTechnique rays = technique(kReflectionReference);
+  EXPECT_EQ(error(rays.name, rays.steps.back()), 0.0);
+  EXPECT_GT(error(rays.name, rays.steps.front()), 0.0);
+  const double bezier = error("bezier", technique("bezier").steps.back());
+  EXPECT_GT(bezier, 0.0);
+  EXPECT_LT(bezier, error(rays.name, rays.steps.front()));
+
+  SweptCamera away = driver;  // at the seats
+  away.view.target = 2.0f * away.view.eye - away.view.target;
+  EXPECT_FALSE(obtain_reflection_reference(&studio, folder.path().string(), away, rays));
 }
 
 TEST(ReportSweep, AllCamerasOrTheOneAskedFor) {

@@ -16,10 +16,10 @@ namespace maquette::report {
 
 namespace {
 
-/// Told apart by people who see few colours, and on white and black. Source: Okabe and Ito 2008, two of them lightened
-/// or darkened for both grounds.
-constexpr const char* kColors[] = {"#e06c1f", "#2f86d0", "#18a076", "#c267a0",
-                                   "#b8930f", "#8a8f98", "#56b4e9", "#c0392b"};
+/// Told apart by people who see few colours, on white and black and beside the grey front. Source: Okabe and Ito 2008,
+/// some lightened or darkened for both grounds, three added.
+constexpr const char* kColors[] = {"#e06c1f", "#2f86d0", "#18a076", "#c267a0", "#b8930f",
+                                   "#7a5cc9", "#56b4e9", "#c0392b", "#7f9a2e", "#a0674b"};
 constexpr double kMargin = 1.35;
 
 std::string text(const char* format, double value) {
@@ -93,8 +93,7 @@ std::vector<Chart> list_charts(const Report& report) {
     std::replace_if(
         chart.name.begin(), chart.name.end(), [](unsigned char c) { return !std::isalnum(c) && c != '-' && c != '_'; },
         '-');
-    chart.title = (scope == Scope::estimator ? "Estimator error" : "Model error") +
-                  std::string(metric == Metric::flip ? ", FLIP" : ", relative RMSE");
+    chart.title = error_title(scope) + (metric == Metric::flip ? ", FLIP" : ", relative RMSE");
     chart.metric = metric;
     chart.techniques = names;
     chart.curves = camera.empty() ? mean_curves(report, scope, metric) : curves_of(report, camera, scope, metric);

@@ -74,27 +74,34 @@ void Conductor::run(Report* report) {
 void Conductor::list_techniques(Report* report) {
   const SceneOptions& options = studio_->options();
   facts_ = compute_facts(studio_->overridden_scene(), find_variant(*studio_->scene(), options.variant));
-  techniques_ = swept_techniques(facts_, options.settings);
+  techniques_ = swept_techniques(facts_, options.settings, options.reflectors.size());
   for (const SweptTechnique& technique : techniques_) {
     if (technique.refused) {
       report->left_out.push_back({technique.name, technique.name, *technique.refused});
       continue;
     }
     report->techniques.push_back({technique.name, technique.help});
-    const FramePlan plan =
-        maquette::plan(facts_, technique.name, options.settings, {options.width, options.height, options.msaa});
-    for (const LeftOut& left_out : plan.left_out)
+    for (const LeftOut& left_out : plan_of(technique, Scope::model).left_out)
       report->left_out.push_back({technique.name, left_out.what, left_out.why});
   }
   std::erase_if(techniques_, [](const SweptTechnique& t) { return t.refused.has_value(); });
-  for (const LaterName& later : later_modes())
-    report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
+  for (const auto& names : {later_modes(), later_reflectors()})
+    for (const LaterName& later : names)
+      report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
+}
+
+FramePlan Conductor::plan_of(const SweptTechnique& technique, Scope scope) const {
+  const FrameRequest request =
+      request_of(studio_->request(cameras_.front()), technique, technique.steps.front(), scope);
+  ViewInfo view{request.width, request.height, request.msaa, request.reflections};
+  if (!request.reflectors.empty()) view.reflectors = static_cast<int>(request.reflectors.size());
+  return plan(facts_, request.mode, request.settings, view);
 }
 
 void Conductor::make_references(Report* report) {
   const double share = kReferenceShare * studio_->options().budget_s / static_cast<double>(cameras_.size());
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
-    for (const Scope scope : kScopes) {
+    for (const Scope scope : {Scope::estimator, Scope::model}) {
       if (StopSignal::asked()) return;
       const ReferenceOrder order{cameras_[c], scope, share * (scope == Scope::model ? kFullShare : 1.0 - kFullShare)};
       Judge judge = obtain_reference(studio_, journal_, folder_, order);
@@ -107,7 +114,22 @@ void Conductor::make_references(Report* report) {
     report->cameras[c].reference_picture = "pictures/" + file_name(cameras_[c].name) + "-reference.png";
     save_png(folder_ + "/" + report->cameras[c].reference_picture,
              shown(judge.picture, exposure_of_camera(cameras_[c].name), studio_->options().tonemap));
+    make_reflection_reference(c, report);
   }
+}
+
+void Conductor::make_reflection_reference(std::size_t camera, Report* report) {
+  const auto raytraced = std::find_if(techniques_.begin(), techniques_.end(),
+                                      [](const SweptTechnique& t) { return t.name == kReflectionReference; });
+  if (raytraced == techniques_.end() || StopSignal::asked()) return;
+  std::optional<Judge> judge = obtain_reflection_reference(studio_, folder_, cameras_[camera], *raytraced);
+  if (!judge) {
+    report->skipped.push_back("reflections, camera " + cameras_[camera].name + ": no reflector is in view");
+    return;
+  }
+  say_("reference of " + cameras_[camera].name + ", " + scope_name(Scope::reflection));
+  report->references.push_back(judge->entry);
+  judges_[{cameras_[camera].name, Scope::reflection}] = std::move(*judge);
 }
 
 float Conductor::exposure_of_camera(const std::string& camera) const {
@@ -118,38 +140,37 @@ float Conductor::exposure_of_camera(const std::string& camera) const {
 
 std::vector<Conductor::Ladder> Conductor::make_ladders() const {
   std::vector<Ladder> ladders;
-  const SceneOptions& options = studio_->options();
-  const ViewInfo view{options.width, options.height, options.msaa};
   const auto passes = [&](const SweptTechnique& technique, Scope scope) {
-    const Settings settings = settings_of(options.settings, technique, technique.steps.front(), scope);
     std::string names;
-    for (const PlannedPass& pass : plan(facts_, technique.name, settings, view).passes) names += pass.name + " ";
+    for (const PlannedPass& pass : plan_of(technique, scope).passes) names += pass.name + " ";
     return names;
   };
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (std::size_t t = 0; t < techniques_.size(); ++t) {
       const SweptTechnique& technique = techniques_[t];
+      if (technique.kind == TechniqueKind::reflector) {
+        if (judges_.contains({cameras_[c].name, Scope::reflection}))
+          ladders.push_back({c, t, {Scope::reflection}, 0.0, 0, 0, {}, false});
+        continue;
+      }
       // The restricted settings of the shared techniques show in the plan; those of its own need not.
       const bool same = find_mode(technique.name).restricted_settings.empty() &&
                         passes(technique, Scope::estimator) == passes(technique, Scope::model);
       if (same)
         ladders.push_back({c, t, {Scope::estimator, Scope::model}, 0.0, 0, 0, {}, false});
       else
-        for (const Scope scope : kScopes) ladders.push_back({c, t, {scope}, 0.0, 0, 0, {}, false});
+        for (const Scope scope : {Scope::estimator, Scope::model})
+          ladders.push_back({c, t, {scope}, 0.0, 0, 0, {}, false});
     }
   }
   return ladders;
 }
 
-FrameRequest Conductor::request_of(const Ladder& ladder, const QualityStep& step) const {
-  const SweptTechnique& technique = techniques_[ladder.technique];
+FrameRequest Conductor::request(const Ladder& ladder, const QualityStep& step) const {
   FrameRequest request = studio_->request(cameras_[ladder.camera]);
-  request.mode = technique.name;
-  request.samples = step.samples;
   request.seed = kFirstSeed;
-  // Where both scopes draw the same picture, either will do.
-  request.settings = settings_of(studio_->options().settings, technique, step, ladder.scopes.back());
-  return request;
+  // Where several scopes judge the same picture, any will do.
+  return request_of(std::move(request), techniques_[ladder.technique], step, ladder.scopes.back());
 }
 
 std::string Conductor::key_of(const Ladder& ladder, const FrameRequest& request, Scope scope) const {
@@ -185,10 +206,10 @@ void Conductor::climb(Ladder* ladder, int step, Report* report) {
 
 bool Conductor::take_over(Ladder* ladder, int step, Report* report) {
   const QualityStep& quality = techniques_[ladder->technique].steps[static_cast<std::size_t>(step)];
-  const FrameRequest request = request_of(*ladder, quality);
+  const FrameRequest frame = request(*ladder, quality);
   std::vector<Point> points;
   for (const Scope scope : ladder->scopes) {
-    const std::optional<Point> known = journal_->find_point(key_of(*ladder, request, scope));
+    const std::optional<Point> known = journal_->find_point(key_of(*ladder, frame, scope));
     if (!known) return false;
     points.push_back(*known);
   }
@@ -201,11 +222,10 @@ bool Conductor::take_over(Ladder* ladder, int step, Report* report) {
 void Conductor::measure(Ladder* ladder, int step, Report* report) {
   const SweptTechnique& technique = techniques_[ladder->technique];
   const QualityStep& quality = technique.steps[static_cast<std::size_t>(step)];
-  const FrameRequest request = request_of(*ladder, quality);
-  studio_->renderer().finish_background_work(request);
-  const FrameRequest warm = step == 0 ? request : request_of(*ladder, technique.steps.front());
-  const Measurement measurement = measure_frames(&studio_->renderer(), request,
-                                                 ladder->last_ms < 300.0 ? request : warm, studio_->options().repeats);
+  const FrameRequest frame = request(*ladder, quality);
+  studio_->renderer().finish_background_work(frame);
+  const FrameRequest warm = ladder->last_ms < 300.0 ? frame : request(*ladder, technique.steps.front());
+  const Measurement measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
   std::vector<Point> points;
   for (const Scope scope : ladder->scopes) {
     const Judge& judge = judges_.at({cameras_[ladder->camera].name, scope});
@@ -217,8 +237,8 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
     point.scope = scope;
     point.samples = quality.samples;
     point.step = step;
-    if (scope == Scope::model) write_pictures(measurement.pictures.front(), flip_map, judge.picture, &point);
-    journal_->add_point(key_of(*ladder, request, scope), point);
+    if (scope != Scope::estimator) write_pictures(measurement.pictures.front(), flip_map, judge.picture, &point);
+    journal_->add_point(key_of(*ladder, frame, scope), point);
     say_(point.camera + ", " + technique.name + ", " + point.quality + ", " + scope_name(scope) + ": " +
          std::to_string(static_cast<int>(std::lround(point.time_ms.median))) + " ms, " +
          (point.relative_rmse ? percent(point.relative_rmse->median) : "no error figure"));

@@ -40,12 +40,14 @@ class Conductor {
   double elapsed_s() const;
   void list_techniques(Report* report);
   void make_references(Report* report);
+  void make_reflection_reference(std::size_t camera, Report* report);
   std::vector<Ladder> make_ladders() const;
   void climb(Ladder* ladder, int step, Report* report);
   bool take_over(Ladder* ladder, int step, Report* report);
   void measure(Ladder* ladder, int step, Report* report);
   void note_progress(Ladder* ladder, const QualityStep& step, const std::vector<Point>& points);
-  FrameRequest request_of(const Ladder& ladder, const QualityStep& step) const;
+  FramePlan plan_of(const SweptTechnique& technique, Scope scope) const;
+  FrameRequest request(const Ladder& ladder, const QualityStep& step) const;
   std::string key_of(const Ladder& ladder, const FrameRequest& request, Scope scope) const;
   void write_pictures(const Image& radiance, const Image& flip_map, const Image& reference, Point* point);
   float exposure_of_camera(const std::string& camera) const;

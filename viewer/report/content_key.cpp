@@ -101,6 +101,10 @@ void mix_request(const FrameRequest& request, ContentKey* key) {
         static_cast<double>(request.env_scale), static_cast<double>(request.variant)})
     key->mix(v);
   key->mix(request.mode);
+  if (request.reflections != "off") {
+    key->mix(request.reflections);
+    for (const std::string& node : request.reflectors) key->mix(node);
+  }
   for (const auto& [name, value] : request.settings.changed()) key->mix(name).mix(to_text(value));
 }
 

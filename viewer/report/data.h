@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -15,11 +16,15 @@ namespace maquette::report {
 
 /// What an error is measured against.
 enum class Scope {
-  estimator,  ///< unshadowed direct light, which the technique claims to compute: its own error
-  model,      ///< all light paths: what the picture lacks of the truth
+  estimator,   ///< unshadowed direct light, which the technique claims to compute: its own error
+  model,       ///< all light paths: what the picture lacks of the truth
+  reflection,  ///< the picture with `raytraced` reflections at full resolution: what a reflector technique misses of
+               ///< them
 };
-inline constexpr Scope kScopes[] = {Scope::estimator, Scope::model};
+inline constexpr Scope kScopes[] = {Scope::estimator, Scope::model, Scope::reflection};
 std::string scope_name(Scope scope);
+/// Throws std::out_of_range for a name that is none.
+Scope scope_from_name(const std::string& name);
 
 struct Spread {
   double median = 0.0;
@@ -89,6 +94,10 @@ struct Report {
   double budget_s = 0.0, seconds = 0.0;
   int measured_now = 0, taken_over = 0;  ///< points of this run, points of earlier runs
   bool interrupted = false;
+
+  bool has(Scope scope) const {
+    return std::any_of(points.begin(), points.end(), [scope](const Point& p) { return p.scope == scope; });
+  }
 };
 
 }  // namespace maquette::report

@@ -1,14 +1,31 @@
 #include "viewer/report/figures.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "viewer/stats.h"
 
 namespace maquette::report {
 
-std::string scope_name(Scope scope) { return scope == Scope::estimator ? "estimator" : "model"; }
+std::string scope_name(Scope scope) {
+  static constexpr const char* kNames[] = {"estimator", "model", "reflection"};
+  return kNames[static_cast<std::size_t>(scope)];
+}
+
+Scope scope_from_name(const std::string& name) {
+  for (const Scope scope : kScopes)
+    if (scope_name(scope) == name) return scope;
+  throw std::out_of_range(name + " is no scope");
+}
+
+std::string error_title(Scope scope) {
+  std::string title = scope_name(scope) + " error";
+  title.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(title.front())));
+  return title;
+}
 std::string metric_name(Metric metric) { return metric == Metric::flip ? "flip" : "relative_rmse"; }
 
 Spread spread_of(std::vector<double> values) {

@@ -11,6 +11,8 @@ namespace maquette::report {
 
 enum class Metric { relative_rmse, flip };
 std::string metric_name(Metric metric);
+/// `Estimator error`.
+std::string error_title(Scope scope);
 
 /// One technique's points of one camera and scope, or their mean over cameras.
 struct CurvePoint {

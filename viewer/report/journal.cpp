@@ -45,7 +45,7 @@ ErrorFigures figures_from_json(const Json& json) {
 ReferenceEntry reference_from_json(const Json& json) {
   ReferenceEntry entry;
   entry.camera = json.at("camera");
-  entry.scope = json.at("scope") == scope_name(Scope::estimator) ? Scope::estimator : Scope::model;
+  entry.scope = scope_from_name(json.at("scope"));
   entry.file = json.at("file");
   entry.made_by = json.at("made_by");
   entry.samples = json.at("samples");
@@ -80,7 +80,7 @@ Point point_from_json(const Json& json) {
   p.camera = json.at("camera");
   p.technique = json.at("technique");
   p.quality = json.at("quality");
-  p.scope = json.at("scope") == scope_name(Scope::estimator) ? Scope::estimator : Scope::model;
+  p.scope = scope_from_name(json.at("scope"));
   p.samples = json.at("samples");
   p.step = json.at("step");
   p.repeats = json.at("repeats");

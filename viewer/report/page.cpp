@@ -10,7 +10,9 @@ namespace {
 std::string camera_section(const PageInput& input, const CameraEntry& camera) {
   std::string html = "<h2>Camera " + escape(camera.name) + "</h2>\n" + chart_grid(input, camera.name);
   html += "<h3>Pictures at about equal time, and where they differ from the reference</h3>\n";
-  html += gallery(input, camera.name);
+  html += gallery(input, camera.name, Scope::model);
+  const std::string reflections = gallery(input, camera.name, Scope::reflection);
+  if (!reflections.empty()) html += "<h3>Reflections</h3>\n" + reflections;
   html += "<details><summary>All measured points of " + escape(camera.name) + "</summary>\n" +
           points_table(input.report, camera.name) + "</details>\n";
   return html;
@@ -30,8 +32,10 @@ std::string overview(const PageInput& input) {
        {std::tuple{Scope::estimator, Metric::relative_rmse,
                    "Time of a frame to a given estimator error (relative RMSE)"},
         std::tuple{Scope::estimator, Metric::flip, "Time of a frame to a given estimator error (FLIP)"},
-        std::tuple{Scope::model, Metric::flip, "Time of a frame to a given model error (FLIP)"}})
-    html += "<h3>" + std::string(title) + "</h3>\n" + time_table(report, camera, scope, metric);
+        std::tuple{Scope::model, Metric::flip, "Time of a frame to a given model error (FLIP)"},
+        std::tuple{Scope::reflection, Metric::flip, "Time of a frame to a given reflection error (FLIP)"}})
+    if (scope != Scope::reflection || report.has(scope))
+      html += "<h3>" + std::string(title) + "</h3>\n" + time_table(report, camera, scope, metric);
   return html;
 }
 

@@ -44,14 +44,14 @@ std::string image(const PageInput& input, const std::string& file, const std::st
 
 }  // namespace
 
-std::string gallery(const PageInput& input, const std::string& camera) {
+std::string gallery(const PageInput& input, const std::string& camera, Scope scope) {
   std::vector<const Point*> points;
   for (const Point& point : input.report.points)
-    if (point.camera == camera && point.scope == Scope::model && !point.picture.empty()) points.push_back(&point);
-  if (points.empty()) return "<p class=\"note\">No picture was measured.</p>\n";
+    if (point.camera == camera && point.scope == scope && !point.picture.empty()) points.push_back(&point);
+  if (points.empty()) return scope == Scope::model ? "<p class=\"note\">No picture was measured.</p>\n" : "";
   std::string html = "<div class=\"gallery\">\n";
   for (const CameraEntry& entry : input.report.cameras)
-    if (entry.name == camera && !entry.reference_picture.empty())
+    if (scope == Scope::model && entry.name == camera && !entry.reference_picture.empty())
       html += "<figure>" + image(input, entry.reference_picture, "reference") +
               "<figcaption><b>reference</b>, all light paths</figcaption></figure>\n";
   const double time = common_time_ms(points, input.report);
@@ -66,8 +66,8 @@ std::string gallery(const PageInput& input, const std::string& camera) {
     if (point->figures.flip) html += ", FLIP " + error_text(*point->figures.flip, Metric::flip);
     html += "</figcaption></figure>\n";
   }
-  return html +
-         "</div>\n<p class=\"note\">Lower pictures: model error, FLIP <span>0</span><span class=\"scale\" "
+  return html + "</div>\n<p class=\"note\">Lower pictures: " + scope_name(scope) +
+         " error, FLIP <span>0</span><span class=\"scale\" "
          "style=\"background:linear-gradient(90deg,#30123b,#4662d7,#36aaf9,#1ae4b6,#72fe5e,#c8ef34,#faba39,#f66b19,#"
          "ca2a04,"
          "#7a0403)\"></span>1</p>\n";

@@ -43,6 +43,11 @@ std::string dot(const Report& report, const std::string& technique) {
          "\"></span>" + escape(technique);
 }
 
+std::string reference_light(Scope scope) {
+  static constexpr const char* kLight[] = {"direct light, unshadowed", "all light paths", "all reflection rays"};
+  return kLight[static_cast<std::size_t>(scope)];
+}
+
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
   std::string html = "<tr>";
   for (const std::string& cell : cells) html += std::string("<") + tag + ">" + cell + "</" + tag + ">";
@@ -149,13 +154,13 @@ std::string points_table(const Report& report, const std::string& camera) {
       if (p.camera != camera || p.technique != technique.name) continue;
       char ssim[32];
       std::snprintf(ssim, sizeof ssim, "%.3f", p.figures.ssim.value_or(0.0));
-      html += row(
-          {dot(report, p.technique), escape(p.quality), p.scope == Scope::estimator ? "direct light" : "all light",
-           time_text(p.time_ms.median), time_text(p.time_ms.low) + " – " + time_text(p.time_ms.high),
-           p.relative_rmse ? (p.below_noise ? "≈ " : "") + error_text(p.relative_rmse->median, Metric::relative_rmse)
-                           : "none",
-           p.figures.flip ? error_text(*p.figures.flip, Metric::flip) : "none", p.figures.ssim ? ssim : "none",
-           std::to_string(p.gpu_bytes >> 20) + " MiB", std::to_string(p.shading_samples)});
+      html += row({dot(report, p.technique), escape(p.quality), reference_light(p.scope), time_text(p.time_ms.median),
+                   time_text(p.time_ms.low) + " – " + time_text(p.time_ms.high),
+                   p.relative_rmse
+                       ? (p.below_noise ? "≈ " : "") + error_text(p.relative_rmse->median, Metric::relative_rmse)
+                       : "none",
+                   p.figures.flip ? error_text(*p.figures.flip, Metric::flip) : "none", p.figures.ssim ? ssim : "none",
+                   std::to_string(p.gpu_bytes >> 20) + " MiB", std::to_string(p.shading_samples)});
     }
   }
   return html + "</table></div>\n<p class=\"note\">≈: within 1.5 times the reference's own noise.</p>\n";
@@ -166,9 +171,9 @@ std::string references_section(const Report& report) {
       "<h2>References</h2>\n<div class=\"wide\"><table>\n" +
       row({"camera", "light", "made by", "paths or samples a pixel", "own noise (relative RMSE)", "took"}, "th");
   for (const ReferenceEntry& entry : report.references)
-    html += row({escape(entry.camera), entry.scope == Scope::estimator ? "direct, unshadowed" : "all paths",
-                 escape(entry.made_by), std::to_string(entry.samples), error_text(entry.noise, Metric::relative_rmse),
-                 time_text(1e3 * entry.seconds)});
+    html +=
+        row({escape(entry.camera), reference_light(entry.scope), escape(entry.made_by), std::to_string(entry.samples),
+             error_text(entry.noise, Metric::relative_rmse), time_text(1e3 * entry.seconds)});
   return html + "</table></div>\n";
 }
 
@@ -209,7 +214,8 @@ std::string reading_section() {
 <p><b>Estimator error</b> compares a technique with a reference that computes the same thing: light straight from the sky and
 the lamps, without shadows. It is the technique's own error, and more time makes it smaller. <b>Model error</b> compares the
 picture as a user gets it with all light paths: what the technique leaves out (shadows, light by way of other surfaces) stays,
-however long it runs.</p>
+however long it runs. <b>Reflection error</b> compares a reflector technique with a ray for every pixel of every reflector, both in
+mode splitsum, which has no noise: what is wrong or missing in the mirrored picture, over the whole picture, sky included.</p>
 <p><b>Relative RMSE</b> is the root of the mean square difference over R, G and B, divided by the mean luminance of the
 reference, over the pixels that show a surface. The reference is traced in two halves of independent seeds, and the square is the product of the
 differences to both, so that its noise does not count as error. A few pixels that mirror

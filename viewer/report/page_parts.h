@@ -25,7 +25,8 @@ std::string summary_section(const PageInput& input);
 std::string chart_grid(const PageInput& input, const std::string& camera);
 /// Time to each error by technique; all cameras when `camera` is empty.
 std::string time_table(const Report& report, const std::string& camera, Scope scope, Metric metric);
-std::string gallery(const PageInput& input, const std::string& camera);
+/// Scope model or reflection; empty without a point of scope reflection.
+std::string gallery(const PageInput& input, const std::string& camera, Scope scope);
 std::string points_table(const Report& report, const std::string& camera);
 std::string left_out_section(const Report& report);
 std::string references_section(const Report& report);

@@ -148,4 +148,27 @@ Judge obtain_reference(Studio* studio, Journal* journal, const std::string& fold
   return judge;
 }
 
+std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::string& folder, const SweptCamera& camera,
+                                                 const SweptTechnique& raytraced) {
+  const FrameRequest request =
+      request_of(studio->request(camera), raytraced, raytraced.steps.back(), Scope::reflection);
+  const FrameStats stats = studio->renderer().render(request);
+  if (stats.plan.reflections.empty()) return std::nullopt;
+  ContentKey key = studio->key();
+  mix_request(request, &key);
+  Judge judge;
+  judge.key = key.text();
+  judge.picture = studio->renderer().read_radiance();
+  // Panes before the sky count too: what they mirror is all that this is about.
+  for (std::size_t i = 3; judge.picture.channels == 4 && i < judge.picture.data.size(); i += 4)
+    judge.picture.data[i] = 1.0f;
+  for (Image& half : judge.halves) half = judge.picture;
+  judge.entry = {camera.name, Scope::reflection,    half_file(judge.key, 0), raytraced.name, request.samples,
+                 0.0,         1e-3 * stats.frame_ms};
+  std::filesystem::create_directories(folder + "/references");
+  save_exr(folder + "/" + judge.entry.file, judge.picture,
+           {{"maquette.camera", camera.name}, {"maquette.scope", scope_name(Scope::reflection)}});
+  return judge;
+}
+
 }  // namespace maquette::report

@@ -24,14 +24,21 @@ struct ReferenceOrder {
   double target_noise = 0.003;  ///< relative RMSE at which it is good enough
 };
 
-/// The reference of one camera and scope: from the folder when an earlier run made it for the same content, else
-/// computed and kept there. Scope estimator: unshadowed direct light; model: all light paths. Throws Error when it
-/// cannot be written.
 /// Relative RMSE of a picture against what the reference would be without noise: the mean over the pixels of
 /// (a - r1) (a - r2), whose expectation is (a - r)^2 because the halves' noise is independent. Absent for a black
 /// reference; at least a tenth of the plain error, where noise makes the mean negative.
 std::optional<double> noise_free_error(const Image& picture, const Judge& judge);
 
+/// The reference of one camera in scope estimator (unshadowed direct light) or model (all light paths): from the folder
+/// when an earlier run made it for the same content, else computed and kept there. Throws Error when it cannot be
+/// written.
 Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order);
+
+/// The reflector technique that judges the others.
+inline constexpr const char* kReflectionReference = "raytraced";
+/// One frame with reflections by `raytraced` at its best step, without noise; kept in the folder. Nothing when no
+/// reflector is in view. Throws Error when it cannot be written.
+std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::string& folder, const SweptCamera& camera,
+                                                 const SweptTechnique& raytraced);
 
 }  // namespace maquette::report

@@ -73,7 +73,7 @@ void write_outputs(const std::string& folder, const Report& report, std::string*
 /// What the window's error budget works with.
 BudgetCurves budget_curves(const Report& report) {
   BudgetCurves curves;
-  for (const Scope scope : kScopes) {
+  for (const Scope scope : {Scope::estimator, Scope::model}) {
     for (const Curve& curve : mean_curves(report, scope, Metric::relative_rmse)) {
       BudgetCurve& stored = curves[curve_name(curve.technique, scope == Scope::model)];
       stored.source = "the report of " + report.machine.front().value;
@@ -89,6 +89,7 @@ std::string command_text(const SceneOptions& options) {
                      to_text(options.budget_s) + " --repeats " + std::to_string(options.repeats);
   for (const auto& [name, source] : options.materials) text += " --material '" + name + "=" + source + "'";
   if (!options.variant.empty()) text += " --variant '" + options.variant + "'";
+  for (const std::string& node : options.reflectors) text += " --reflector '" + node + "'";
   for (const auto& [name, value] : options.settings.changed()) text += " --set " + name + "=" + to_text(value);
   return text;
 }

@@ -25,18 +25,27 @@ std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& o
   return cameras;
 }
 
-std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings) {
+std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings,
+                                             std::size_t reflectors) {
   std::vector<SweptTechnique> swept;
-  for (const TechniqueInfo& info : techniques()) {
-    if (info.kind != TechniqueKind::mode) continue;
-    SweptTechnique technique{info.name, info.help, info.quality_steps, {}};
-    if (technique.steps.empty()) technique.steps.emplace_back();
-    try {
-      plan(facts, info.name, settings, {});
-    } catch (const Error& error) {
-      technique.refused = error.what();
+  for (const TechniqueKind kind : {TechniqueKind::mode, TechniqueKind::reflector}) {
+    for (const TechniqueInfo& info : techniques()) {
+      if (info.kind != kind) continue;
+      SweptTechnique technique{info.name, info.help, kind, info.quality_steps, {}};
+      if (technique.steps.empty()) technique.steps.emplace_back();
+      ViewInfo view;
+      if (kind == TechniqueKind::reflector) view.reflections = info.name;
+      if (reflectors > 0) view.reflectors = static_cast<int>(reflectors);
+      try {
+        const FramePlan frame = plan(facts, kind == TechniqueKind::mode ? info.name : kReflectionMode, settings, view);
+        const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
+                                      [](const LeftOut& l) { return l.what == "reflections"; });
+        if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;
+      } catch (const Error& error) {
+        technique.refused = error.what();
+      }
+      swept.push_back(std::move(technique));
     }
-    swept.push_back(std::move(technique));
   }
   return swept;
 }
@@ -47,14 +56,17 @@ std::string quality_label(const QualityStep& step) {
   return label.empty() ? "default" : label;
 }
 
-Settings settings_of(const Settings& asked, const SweptTechnique& technique, const QualityStep& step, Scope scope) {
-  Settings settings = asked;
-  for (const auto& [name, value] : step.settings) settings.set(name, value);
-  if (scope == Scope::model) return settings;
+FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope) {
+  const bool reflector = technique.kind == TechniqueKind::reflector;
+  request.mode = reflector ? kReflectionMode : technique.name;
+  request.reflections = reflector ? technique.name : "off";
+  request.samples = step.samples;
+  for (const auto& [name, value] : step.settings) request.settings.set(name, value);
+  if (scope != Scope::estimator) return request;
   for (const TechniqueInfo& info : techniques())
     if (info.kind == TechniqueKind::shared || info.name == technique.name)
-      for (const auto& [name, value] : info.restricted_settings) settings.set(name, value);
-  return settings;
+      for (const auto& [name, value] : info.restricted_settings) request.settings.set(name, value);
+  return request;
 }
 
 }  // namespace maquette::report

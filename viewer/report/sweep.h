@@ -24,16 +24,21 @@ std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& o
 struct SweptTechnique {
   std::string name;
   std::string help;
+  TechniqueKind kind = TechniqueKind::mode;
   std::vector<QualityStep> steps;      ///< at least one
   std::optional<std::string> refused;  ///< why it cannot draw this scene with these settings
 };
-/// Every registered mode, those that cannot draw the scene with the reason.
-std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings);
+/// Every registered mode and reflector technique, those that cannot draw the scene with the reason. `reflectors`: named
+/// by the options.
+std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors);
+
+/// The mode that draws the pictures with reflections: one without noise, so that they differ by the reflections alone.
+inline constexpr const char* kReflectionMode = "splitsum";
 
 /// `64 samples`, `octree.depth 8`, `default`.
 std::string quality_label(const QualityStep& step);
 
-/// The settings of one frame: those asked for, those of the step, and in the scope estimator the restricted ones.
-Settings settings_of(const Settings& asked, const SweptTechnique& technique, const QualityStep& step, Scope scope);
+/// One frame: `request` with the technique, the settings of the step, and in the scope estimator the restricted ones.
+FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope);
 
 }  // namespace maquette::report

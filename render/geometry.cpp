@@ -208,9 +208,9 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
 
 }  // namespace
 
-FlatGeometry flatten(const Scene& scene, int patch_side) {
+FlatGeometry flatten(const Scene& scene) {
   std::vector<Primitive> patches;
-  for (const BezierPatch& patch : scene.patches) patches.push_back(tessellate_patch(patch, patch_side));
+  for (const BezierPatch& patch : scene.patches) patches.push_back(tessellate_patch(patch, patch_side(patch)));
   std::vector<Instance> instances = collect_instances(scene, patches);
 
   std::size_t vertex_count = 0, index_count = 0;

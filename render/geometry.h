@@ -31,8 +31,8 @@ struct FlatGeometry {
   std::vector<DrawItem> items;
 };
 
-/// Flattens `scene`; patches become `patch_side` x `patch_side` quads. Triangles that mirror (negative determinant) are
-/// rewound.
-FlatGeometry flatten(const Scene& scene, int patch_side = 32);
+/// Flattens `scene`; patches become as many quads as their curvature asks for. Triangles that mirror (negative
+/// determinant) are rewound.
+FlatGeometry flatten(const Scene& scene);
 
 }  // namespace maquette

@@ -50,7 +50,35 @@ glm::dvec3 normal_at(const BezierPatch& patch, double u, double v) {
   return {0.0, 1.0, 0.0};
 }
 
+double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+}
+
 }  // namespace
+
+int patch_side(const BezierPatch& patch) {
+  constexpr double kAngle_rad = 0.006;
+  constexpr int kLines = 4, kSteps = 16, kLeast = 16, kMost = 128;
+  double most_rad = 0.0;
+  for (int line = 0; line <= kLines; ++line) {
+    for (const bool along_u : {true, false}) {
+      double normals_rad = 0.0, tangents_rad = 0.0;
+      glm::dvec3 last_normal{0.0}, last_tangent{0.0};
+      for (int step = 0; step <= kSteps; ++step) {
+        const double along = static_cast<double>(step) / kSteps, across = static_cast<double>(line) / kLines;
+        const double u = along_u ? along : across, v = along_u ? across : along;
+        const SurfacePoint point = evaluate(patch, u, v);
+        const glm::dvec3 normal = normal_at(patch, u, v), tangent = along_u ? point.along_u : point.along_v;
+        if (step > 0) normals_rad += angle_between(last_normal, normal);
+        if (step > 0) tangents_rad += angle_between(last_tangent, tangent);
+        last_normal = normal;
+        last_tangent = tangent;
+      }
+      most_rad = std::max({most_rad, normals_rad, tangents_rad});
+    }
+  }
+  return std::clamp(static_cast<int>(std::ceil(most_rad / kAngle_rad)), kLeast, kMost);
+}
 
 Primitive tessellate_patch(const BezierPatch& patch, int n) {
   n = std::max(n, 1);

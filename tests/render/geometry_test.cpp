@@ -125,15 +125,15 @@ TEST(Flatten, ListsInstancesAndPatchesAndSkipsTheHidden) {
   scene.nodes[3].mesh = 0;
   scene.nodes[3].visible = false;
   scene.roots = {0, 2, 3};
-  const FlatGeometry flat = flatten(scene, 2);
+  const FlatGeometry flat = flatten(scene);
   ASSERT_EQ(flat.items.size(), 3u);
   EXPECT_EQ(flat.items[1].first_vertex, 4u);
   EXPECT_EQ(flat.items[1].first_index, 6u);
   EXPECT_EQ(flat.positions[4], glm::vec3(0, 0, 5));
   EXPECT_EQ(flat.items[2].patch, 0);
   EXPECT_EQ(flat.items[2].mesh, -1);
-  EXPECT_EQ(flat.items[2].vertex_count, 9u);
-  EXPECT_EQ(flat.items[2].index_count, 24u);
+  EXPECT_EQ(flat.items[2].vertex_count, 17u * 17u);
+  EXPECT_EQ(flat.items[2].index_count, 6u * 16u * 16u);
   for (std::size_t i = flat.items[2].first_index; i < flat.indices.size(); ++i) EXPECT_GE(flat.indices[i], 8u);
   EXPECT_TRUE(flatten(Scene{}).positions.empty());
 }

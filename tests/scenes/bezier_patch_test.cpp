@@ -52,6 +52,22 @@ TEST(BezierPatch, MatchesDeCasteljau) {
   }
 }
 
+TEST(BezierPatch, SidesFollowTheCurvature) {
+  EXPECT_EQ(patch_side(BezierPatch{}), 16);
+  for (std::uint32_t seed = 0; seed < 5; ++seed) EXPECT_EQ(patch_side(bumpy_patch(seed)), 128);
+  BezierPatch bent;  // by a turn of 0.3 rad from one edge to the other
+  for (std::size_t i = 0; i < 16; ++i) {
+    const auto u = static_cast<float>(i % 4) / 3.0f;
+    bent.points[i] = glm::vec3(u, 0.15f * u * u, -static_cast<float>(i / 4));
+  }
+  const int side = patch_side(bent);
+  const Primitive mesh = tessellate_patch(bent, side);
+  for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(side); ++i)
+    EXPECT_LT(std::acos(std::min(glm::dot(mesh.normals[i], mesh.normals[i + 1]), 1.0f)), 0.008f);
+  EXPECT_GT(side, 16);
+  EXPECT_LT(side, 128);
+}
+
 TEST(BezierPatch, TrianglesFaceAlongTheNormals) {
   const Primitive mesh = tessellate_patch(bumpy_patch(7), 12);
   ASSERT_EQ(mesh.indices.size(), 12u * 12u * 6u);

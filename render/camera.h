@@ -11,9 +11,9 @@ struct CameraView {
   glm::vec3 target{0.0f};
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   float fov_y_rad = 0.8f;
-  float aspect = 0.0f;  ///< width over height that the view was framed for; 0: any
   float near_m = 0.0f;  ///< 0: chosen from the scene bounds
   float far_m = 0.0f;
+  float aspect = 0.0f;  ///< width over height that the view was framed for; 0: any
 };
 bool operator==(const CameraView& a, const CameraView& b);
 

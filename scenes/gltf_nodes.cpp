@@ -96,6 +96,7 @@ std::vector<int> import_cameras(Document* document, Scene* scene) {
     Camera camera;
     camera.name = json.value("name", "");
     camera.fov_y_rad = read_number(json["perspective"], "yfov", camera.fov_y_rad, path);
+    camera.aspect = std::max(read_number(json["perspective"], "aspectRatio", 0.0f, path), 0.0f);
     camera.near_m = read_number(json["perspective"], "znear", camera.near_m, path);
     camera.far_m = read_number(json["perspective"], "zfar", camera.far_m, path);
     if (!(camera.fov_y_rad > 0.0f && camera.fov_y_rad < glm::pi<float>()))

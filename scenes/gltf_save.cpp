@@ -168,11 +168,12 @@ class GlbWriter {
   }
 
   void write_cameras() {
-    for (const Camera& camera : scene_.cameras)
+    for (const Camera& camera : scene_.cameras) {
+      Json perspective = {{"yfov", camera.fov_y_rad}, {"znear", camera.near_m}, {"zfar", camera.far_m}};
+      if (camera.aspect > 0.0f) perspective["aspectRatio"] = camera.aspect;
       root_["cameras"].push_back(
-          {{"name", camera.name},
-           {"type", "perspective"},
-           {"perspective", {{"yfov", camera.fov_y_rad}, {"znear", camera.near_m}, {"zfar", camera.far_m}}}});
+          {{"name", camera.name}, {"type", "perspective"}, {"perspective", std::move(perspective)}});
+    }
   }
 
   void write_lights() {

@@ -127,6 +127,7 @@ void SceneBuilder::add_camera(const std::string& name, const Vec3& eye, const Ve
   Camera camera;
   camera.name = name;
   camera.fov_y_rad = static_cast<float>(fov_y_deg * kPi / 180.0);
+  camera.aspect = 16.0f / 9.0f;
   scene_.cameras.push_back(camera);
   Node node;
   node.name = name;

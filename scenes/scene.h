@@ -121,6 +121,7 @@ struct Camera {
   float fov_y_rad = 0.8f;
   float near_m = 0.01f;
   float far_m = 1000.0f;
+  float aspect = 0.0f;  ///< width over height of the picture that it was framed for; 0: any
 };
 
 struct PunctualLight {

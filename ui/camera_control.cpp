@@ -87,4 +87,10 @@ void frame_bounds(CameraView* camera, const Bounds& bounds, float aspect) {
   camera->eye = camera->target - forward * (radius / std::sin(std::min(half_x, half_y)));
 }
 
+void fit_aspect(CameraView* camera, float aspect) {
+  if (camera->aspect > aspect)
+    camera->fov_y_rad = 2.0f * std::atan(std::tan(0.5f * camera->fov_y_rad) * camera->aspect / std::max(aspect, 0.1f));
+  camera->aspect = 0.0f;
+}
+
 }  // namespace maquette

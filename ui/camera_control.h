@@ -3,7 +3,7 @@
 #include "render/renderer.h"
 #include "scenes/scene.h"
 
-/// Moves of the camera by mouse and keys; plain functions, all keep `up` and the field of view.
+/// Moves of the camera by mouse and keys; plain functions, all keep `up` and, but for fit_aspect, the field of view.
 namespace maquette {
 
 /// Turns the eye about the target: yaw about `up`, pitch about the camera's right, never over the pole.
@@ -20,5 +20,7 @@ void fly(CameraView* camera, const glm::vec3& motion);
 void set_target_distance(CameraView* camera, float distance_m);
 /// Backs the eye off along the view until the bounding sphere fits both ways.
 void frame_bounds(CameraView* camera, const Bounds& bounds, float aspect);
+/// Widens a view that was framed for a wider picture, once, so that nothing is cut off at the sides.
+void fit_aspect(CameraView* camera, float aspect);
 
 }  // namespace maquette

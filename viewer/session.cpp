@@ -27,7 +27,9 @@ CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& worl
   view.eye = glm::vec3(world_from_node[3]);
   view.target = view.eye - glm::normalize(glm::vec3(world_from_node[2]));
   view.up = glm::normalize(glm::vec3(world_from_node[1]));
-  view.fov_y_rad = scene.cameras[static_cast<std::size_t>(scene.nodes[node].camera)].fov_y_rad;
+  const Camera& camera = scene.cameras[static_cast<std::size_t>(scene.nodes[node].camera)];
+  view.fov_y_rad = camera.fov_y_rad;
+  view.aspect = camera.aspect;
   return view;
 }
 
@@ -109,6 +111,7 @@ CameraView choose_camera(const Scene& scene, const SceneOptions& options) {
   if (glm::length(glm::cross(forward, view.up)) < 1e-4f)
     view.up = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, -1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
   if (options.fov_deg) view.fov_y_rad = *options.fov_deg * kDegree;
+  if (options.fov_deg || options.eye) view.aspect = 0.0f;
   return view;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenes/error.h"
+#include "ui/camera_control.h"
 
 namespace maquette {
 
@@ -33,6 +34,7 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const int width_px = turn.width_px, height_px = turn.height_px;
   const double now_s = turn.now_s;
   if (turn.more_events && stats_ && picture_.width() == width_px && picture_.height() == height_px) return false;
+  fit_aspect(&session->state.camera, static_cast<float>(width_px) / static_cast<float>(std::max(height_px, 1)));
   const FrameRequest wanted = session->make_frame_request(width_px, height_px);
   const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
   // The first frame and a new window size are no moves.

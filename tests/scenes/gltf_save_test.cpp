@@ -124,6 +124,7 @@ void expect_equal(const Scene& a, const Scene& b) {
   for (std::size_t i = 0; i < a.cameras.size(); ++i) {
     EXPECT_EQ(a.cameras[i].name, b.cameras[i].name);
     EXPECT_EQ(a.cameras[i].fov_y_rad, b.cameras[i].fov_y_rad);
+    EXPECT_EQ(a.cameras[i].aspect, b.cameras[i].aspect);
     EXPECT_EQ(a.cameras[i].near_m, b.cameras[i].near_m);
     EXPECT_EQ(a.cameras[i].far_m, b.cameras[i].far_m);
   }

@@ -141,7 +141,7 @@ TEST_F(Gltf, BuildsTheNodeTree) {
 TEST_F(Gltf, ReadsCamerasAndLights) {
   add_quad();
   root_["cameras"] = test::Json::parse(R"([
-    {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1, "zfar": 20}},
+    {"type": "perspective", "perspective": {"yfov": 0.5, "aspectRatio": 1.5, "znear": 0.1, "zfar": 20}},
     {"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0.1, "zfar": 20}},
     {"type": "perspective", "name": "passenger", "perspective": {"yfov": 0.7, "znear": 0.2}}])");
   root_["nodes"] = test::Json::parse(R"([{"mesh": 0}, {"name": "driver", "camera": 0}, {"camera": 1}, {"camera": 2},
@@ -155,6 +155,8 @@ TEST_F(Gltf, ReadsCamerasAndLights) {
   ASSERT_EQ(scene.cameras.size(), 2u);
   EXPECT_EQ(scene.cameras[0].name, "driver");
   EXPECT_FLOAT_EQ(scene.cameras[0].fov_y_rad, 0.5f);
+  EXPECT_FLOAT_EQ(scene.cameras[0].aspect, 1.5f);
+  EXPECT_EQ(scene.cameras[1].aspect, 0.0f);
   EXPECT_FLOAT_EQ(scene.cameras[0].far_m, 20.0f);
   EXPECT_EQ(scene.nodes[2].camera, -1);
   EXPECT_EQ(scene.nodes[3].camera, 1);

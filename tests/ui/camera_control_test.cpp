@@ -99,6 +99,19 @@ TEST(CameraControl, FrameShowsTheWholeBox) {
   }
 }
 
+TEST(CameraControl, ANarrowPictureKeepsTheWidthOnce) {
+  CameraView camera = sample_camera();
+  const float half = std::tan(0.5f * camera.fov_y_rad);
+  camera.aspect = 1.6f;
+  fit_aspect(&camera, 0.8f);
+  EXPECT_NEAR(std::tan(0.5f * camera.fov_y_rad), 2.0f * half, 1e-5f);
+  fit_aspect(&camera, 0.4f);
+  EXPECT_NEAR(std::tan(0.5f * camera.fov_y_rad), 2.0f * half, 1e-5f);
+  camera.aspect = 1.6f;
+  fit_aspect(&camera, 2.0f);
+  EXPECT_NEAR(std::tan(0.5f * camera.fov_y_rad), 2.0f * half, 1e-5f);
+}
+
 TEST(CameraControl, FlyMovesAlongTheView) {
   CameraView camera = sample_camera();
   const CameraView before = camera;

@@ -1,0 +1,230 @@
+// Reflector techniques in whole frames: what they add to a frame, how that grows with the scene, and how far reflected
+// outlines are from those of `raytraced`.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "render/registry.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/local_bandwidth.h"
+
+namespace maquette::bench {
+
+namespace {
+
+const Case kDriver{.name = "cockpit/driver", .scene = "builtin:cockpit", .camera = "driver"};
+constexpr const char* kReference = "raytraced";
+constexpr const char* kMode = "splitsum";  // without noise
+
+FrameRequest request_of(const Stage& stage, const std::string& technique, const std::string& resolution) {
+  FrameRequest r = stage.request(kMode, 0);
+  r.reflections = technique;
+  r.settings.set("reflections.resolution", resolution);
+  return r;
+}
+
+/// Medians of a frame with each technique less that of a frame without, taken by turns. The eye moves, so that nothing
+/// of the frame before can be kept.
+std::vector<Clock> added_times(Renderer* renderer, const std::vector<FrameRequest>& requests, int repeats) {
+  std::vector<std::vector<double>> wall(requests.size()), cpu(requests.size());
+  const auto time = [&](FrameRequest r, int turn) {
+    // A change of technique makes new targets; only the frame after it is timed.
+    renderer->render(r);
+    r.camera.eye.x += 1e-4f * static_cast<float>(turn + 1);
+    const Clock begin = now();
+    renderer->render(r);
+    return now() - begin;
+  };
+  for (int turn = 0; turn < repeats; ++turn) {
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+      renderer->finish_background_work(requests[i]);
+      FrameRequest plain = requests[i];
+      plain.reflections = "off";
+      const Clock added = time(requests[i], turn) - time(plain, turn);
+      wall[i].push_back(added.wall_ms);
+      cpu[i].push_back(added.cpu_ms);
+    }
+  }
+  std::vector<Clock> medians;
+  for (std::size_t i = 0; i < requests.size(); ++i) medians.push_back({test::median(wall[i]), test::median(cpu[i])});
+  return medians;
+}
+
+std::string added_text(const Clock& t) { return number(t.wall_ms) + " ms (CPU " + number(t.cpu_ms) + " ms)"; }
+
+/// Pixels of a reflector that are twice as bright as their neighbour on the right or below, or half: outlines of what
+/// is mirrored.
+std::vector<glm::ivec2> outline(const Image& reflection) {
+  const auto luminance = [&](int x, int y) {
+    return 0.2126f * reflection.at(x, y, 0) + 0.7152f * reflection.at(x, y, 1) + 0.0722f * reflection.at(x, y, 2);
+  };
+  const auto differs = [&](int x, int y, int x2, int y2) {
+    if (!(reflection.at(x, y, 3) > 0.0f && reflection.at(x2, y2, 3) > 0.0f)) return false;
+    const float a = luminance(x, y), b = luminance(x2, y2);
+    return std::max(a, b) > 2.0f * std::min(a, b);
+  };
+  std::vector<glm::ivec2> pixels;
+  for (int y = 0; y + 1 < reflection.height; ++y)
+    for (int x = 0; x + 1 < reflection.width; ++x)
+      if (differs(x, y, x + 1, y) || differs(x, y, x, y + 1)) pixels.emplace_back(x, y);
+  return pixels;
+}
+
+struct Distances {
+  double mean = 0.0, most = 0.0;
+};
+/// From each pixel of `from` to the nearest of `to`.
+Distances distances(const std::vector<glm::ivec2>& from, const std::vector<glm::ivec2>& to) {
+  Distances d;
+  for (const glm::ivec2& a : from) {
+    long nearest = std::numeric_limits<long>::max();
+    for (const glm::ivec2& b : to) {
+      const long x = a.x - b.x, y = a.y - b.y;
+      nearest = std::min(nearest, x * x + y * y);
+    }
+    const double pixels = std::sqrt(static_cast<double>(nearest));
+    d.mean += pixels / static_cast<double>(from.size());
+    d.most = std::max(d.most, pixels);
+  }
+  return d;
+}
+
+Figures measure_outlines(Stage& stage) {
+  Case large = kDriver;
+  large.width = 1280;
+  large.height = 720;
+  stage.show(large);
+  const auto outline_of = [&](const std::string& technique) {
+    const FrameRequest request = request_of(stage, technique, "full");
+    stage.renderer().finish_background_work(request);
+    stage.renderer().render(request);
+    return outline(stage.renderer().read_debug_view("reflection"));
+  };
+  const std::vector<glm::ivec2> expected = outline_of(kReference);
+  Figures figures;
+  for (const std::string& technique : technique_names(TechniqueKind::reflector)) {
+    if (technique == kReference) continue;
+    const std::string name = "reflected outlines, " + technique + ", 1280 x 720";
+    const bool cells = technique == "octree";  // within 2 pixels and a cell: shown, the cell's size differs by place
+    const std::string target = "1 pixel, 3 at most";
+    const std::vector<glm::ivec2> measured = outline_of(technique);
+    if (expected.empty() || measured.empty()) {
+      figures.push_back(absent(name, target, "no outline is seen"));
+      continue;
+    }
+    const Distances extra = distances(measured, expected), lost = distances(expected, measured);
+    const std::string text = "lost: mean " + number(lost.mean) + ", at most " + number(lost.most) + "; extra: mean " +
+                             number(extra.mean) + ", at most " + number(extra.most) + " of " +
+                             std::to_string(measured.size()) + " pixels";
+    const bool met = std::max(lost.mean, extra.mean) <= 1.0 && std::max(lost.most, extra.most) <= 3.0;
+    figures.push_back(cells ? shown(name, text) : judged(name, target, text, met));
+  }
+  return figures;
+}
+
+Figures measure_added_times(Stage& stage) {
+  stage.show(kDriver);
+  std::vector<std::string> names;
+  std::vector<FrameRequest> requests;
+  for (const std::string& technique : technique_names(TechniqueKind::reflector)) {
+    for (const char* resolution : {"full", "half", "quarter"}) {
+      names.push_back(technique + " at " + resolution + " resolution");
+      requests.push_back(request_of(stage, technique, resolution));
+    }
+  }
+  const std::vector<Clock> times = added_times(&stage.renderer(), requests, stage.options().repeats);
+  Figures figures;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    figures.push_back(
+        judged("cockpit 640 x 360, added by " + names[i], "40 ms", added_text(times[i]), times[i].wall_ms <= 40.0));
+  return figures;
+}
+
+/// The cockpit's windshield over a rough board of about `triangles` triangles, seen from the driver's eye.
+std::shared_ptr<Scene> board_under_windshield(const Scene& cockpit, int triangles) {
+  const auto scene = std::make_shared<Scene>();
+  scene->name = "board of " + std::to_string(triangles) + " triangles";
+  const auto pane =
+      std::find_if(cockpit.nodes.begin(), cockpit.nodes.end(), [](const Node& n) { return n.patch >= 0; });
+  const auto index = static_cast<std::size_t>(pane - cockpit.nodes.begin());
+  scene->patches.push_back(cockpit.patches[static_cast<std::size_t>(pane->patch)]);
+  scene->patches[0].reflector = true;
+  scene->materials.push_back(cockpit.materials[static_cast<std::size_t>(scene->patches[0].material)]);
+  scene->patches[0].material = 0;
+  scene->materials.emplace_back();
+  scene->materials.back().base_color = glm::vec4(0.6f, 0.3f, 0.1f, 1.0f);
+  const glm::mat4 world = compute_world_transforms(cockpit)[index];
+  Bounds bounds;
+  for (const glm::vec3& p : scene->patches[0].points) {
+    const glm::vec3 at(world * glm::vec4(p, 1.0f));
+    bounds.min = glm::min(bounds.min, at);
+    bounds.max = glm::max(bounds.max, at);
+  }
+  const int side = static_cast<int>(std::lround(std::sqrt(0.5 * triangles)));
+  Primitive board;
+  board.material = 1;
+  for (int row = 0; row <= side; ++row) {
+    for (int column = 0; column <= side; ++column) {
+      const float u = static_cast<float>(column) / static_cast<float>(side),
+                  v = static_cast<float>(row) / static_cast<float>(side);
+      const float rough = 0.01f * std::sin(60.0f * u) * std::cos(50.0f * v);
+      board.positions.emplace_back(glm::mix(bounds.min.x, bounds.max.x, u), bounds.min.y - 0.05f + rough,
+                                   glm::mix(bounds.min.z, bounds.max.z, v));
+    }
+  }
+  const auto stride = static_cast<std::uint32_t>(side + 1);
+  for (std::uint32_t row = 0; row + 1 < stride; ++row) {
+    for (std::uint32_t column = 0; column + 1 < stride; ++column) {
+      const std::uint32_t a = row * stride + column, b = a + 1, c = a + stride, d = c + 1;
+      board.indices.insert(board.indices.end(), {a, c, d, a, d, b});
+    }
+  }
+  scene->meshes.emplace_back().primitives.push_back(std::move(board));
+  scene->nodes.resize(2);
+  scene->nodes[0].name = "board";
+  scene->nodes[0].mesh = 0;
+  scene->nodes[1] = cockpit.nodes[index];
+  scene->nodes[1].local = world;
+  scene->nodes[1].parent = -1;
+  scene->nodes[1].children.clear();
+  scene->nodes[1].patch = 0;
+  scene->roots = {0, 1};
+  return scene;
+}
+
+Figures measure_scene_sizes(Stage& stage) {
+  stage.show(kDriver);
+  const Scene cockpit = stage.renderer().scene();
+  Renderer renderer;
+  renderer.set_environment(std::make_shared<Environment>(load_environment(kDriver.environment)));
+  Figures figures;
+  for (const int triangles : {10000, 100000, 1000000}) {
+    renderer.set_scene(board_under_windshield(cockpit, triangles));
+    std::vector<FrameRequest> requests;
+    const std::vector<std::string> names = technique_names(TechniqueKind::reflector);
+    for (const std::string& technique : names) requests.push_back(request_of(stage, technique, "half"));
+    const std::vector<Clock> times = added_times(&renderer, requests, stage.options().repeats);
+    std::string text;
+    std::size_t fastest = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      text += (i > 0 ? ", " : "") + names[i] + " " + number(times[i].wall_ms) + " (" + number(times[i].cpu_ms) + ")";
+      if (times[i].wall_ms < times[fastest].wall_ms) fastest = i;
+    }
+    figures.push_back(
+        shown("added ms (CPU), " + std::to_string(triangles) + " triangles", text + "; " + names[fastest] + " wins"));
+  }
+  return figures;
+}
+
+}  // namespace
+
+Figures measure_reflection_frames(Stage& stage) {
+  Figures all;
+  for (const auto& measure : {measure_added_times, measure_outlines, measure_scene_sizes}) {
+    const Figures some = measure(stage);
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+}  // namespace maquette::bench

@@ -112,6 +112,7 @@ struct Renderer::Impl {
   /// says so instead.
   void update_octree(const Settings& settings, FramePlan* plan);
   std::vector<bool> transmitting_items() const;
+  std::vector<Passage> passages() const;  ///< of each item, as far as it transmits
   void upload_materials();
   /// Before the first frame of a picture: room for what it will know of its points, or none.
   void prepare_accumulation(const FramePlan& plan, bool accumulate);

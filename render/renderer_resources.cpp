@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/material_overrides.h"
 #include "render/octree/octree_file.h"
 #include "render/renderer_impl.h"
 
@@ -80,10 +81,25 @@ std::vector<bool> Renderer::Impl::transmitting_items() const {
   return transmits;
 }
 
+std::vector<Passage> Renderer::Impl::passages() const {
+  std::vector<Passage> passages;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const Material& m = material_of_item(i);
+    const float inside = (m.base_color.r + m.base_color.g + m.base_color.b) / 3.0f;
+    if (!buffers->visible(i))
+      passages.emplace_back();
+    else if (const float share = pane_share(m); share > 0.0f)
+      passages.push_back({share, std::max(m.ior, 1.0f), std::clamp(inside, 0.0f, 1.0f)});
+    else
+      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - m.base_color.a : 1.0f, 1.0f, 1.0f});
+  }
+  return passages;
+}
+
 void Renderer::Impl::update_visibility(FramePlan* plan) {
   if (plan->visibility != "baked") return;
   const bool empty = buffers->geometry().positions.empty();
-  if (!empty && visibility.update(buffers->geometry(), transmitting_items(), geometry_epoch)) ++epoch;
+  if (!empty && visibility.update(buffers->geometry(), transmitting_items(), passages(), geometry_epoch)) ++epoch;
   if (visibility.ready()) return;
   plan->visibility = "none";
   std::erase_if(plan->passes, [](const PlannedPass& pass) { return pass.name == "visibility"; });
@@ -183,7 +199,7 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;
   s.update_visibility(&plan);
   s.visibility.wait();
-  if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.geometry_epoch)) ++s.epoch;
+  if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.passages(), s.geometry_epoch)) ++s.epoch;
   if (plan.indirect != "baked" || !s.visibility.ready()) return s.visibility.ready();
   for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it
     FramePlan wanted = plan;

@@ -147,7 +147,9 @@ std::optional<std::vector<IndirectRadiance>> solve_indirect(const IndirectLinks&
     const VisibilityPoint& point = links.points.points[i % count];
     const std::uint32_t vertex = links.vertex_of_point[i % count];
     if (vertex == kNoPoint) return;
-    direct[i] = direct_irradiance(bits.vertices[vertex], i < count ? point.normal : -point.normal, cells);
+    const bool front = i < count;
+    direct[i] = direct_irradiance(bits.vertices[vertex], front ? point.normal : -point.normal, cells) *
+                bits.transmittance[vertex][front ? 0 : 1];
     if (!links.lamps.empty()) direct[i] += links.lamps[i];
   });
   const auto gather = [&](std::size_t slot, const std::vector<glm::vec3>& irradiance) {

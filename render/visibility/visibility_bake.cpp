@@ -13,6 +13,7 @@
 #include <span>
 #include <type_traits>
 
+#include "render/fresnel_shared.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_shared.h"
 #include "scenes/error.h"
@@ -27,7 +28,7 @@ constexpr int kPacket = 16;  // a 4 x 4 block of cells: rays of one origin withi
 /// Rays keep at least this above the tangent plane (sine of the elevation).
 constexpr float kMinElevation = 0.01f;
 constexpr std::size_t kPointsPerTask = 16;
-constexpr int kCacheVersion = 2;
+constexpr int kCacheVersion = 3;
 static_assert(kVisibilitySide == shared::kVisibilityCells);
 
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
@@ -36,19 +37,27 @@ using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&
 /// Stops a running build: Embree asks between its tasks.
 bool keep_building(void* cancel, double) { return !static_cast<const std::atomic<bool>*>(cancel)->load(); }
 
-/// Null when cancelled. Buffers are Embree's own copies (it reads 16 bytes from the last vertex).
-ScenePointer build_occluders(RTCDevice device, const VisibilityPoints& points, const std::atomic<bool>& cancel) {
+struct Triangles {
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<std::uint32_t, 3>> indices;
+};
+
+/// Null when cancelled. Buffers are Embree's own copies (it reads 16 bytes from the last vertex). `filter`: may be
+/// null.
+ScenePointer build_triangles(RTCDevice device, const Triangles& triangles, RTCFilterFunctionN filter, void* user,
+                             const std::atomic<bool>& cancel) {
   ScenePointer scene(rtcNewScene(device), &rtcReleaseScene);
   rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* positions = static_cast<float*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                3 * sizeof(float), points.points.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), points.triangles.size()));
+  void* positions = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                            triangles.positions.size());
+  void* indices = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
+                                          triangles.indices.size());
   if (positions && indices) {
-    for (std::size_t i = 0; i < points.points.size(); ++i)
-      std::memcpy(positions + 3 * i, &points.points[i].position, 12);
-    std::memcpy(indices, points.triangles.data(), points.triangles.size() * sizeof(points.triangles[0]));
+    std::memcpy(positions, triangles.positions.data(), triangles.positions.size() * sizeof(glm::vec3));
+    std::memcpy(indices, triangles.indices.data(), triangles.indices.size() * sizeof(triangles.indices[0]));
+    rtcSetGeometryUserData(mesh, user);
+    rtcSetGeometryOccludedFilterFunction(mesh, filter);
     rtcCommitGeometry(mesh);
     rtcAttachGeometry(scene.get(), mesh);
   }
@@ -58,7 +67,8 @@ ScenePointer build_occluders(RTCDevice device, const VisibilityPoints& points, c
   const RTCError error = rtcGetDeviceError(device);
   if (cancel) return {nullptr, &rtcReleaseScene};
   if (error != RTC_ERROR_NONE) {
-    throw Error("visibility", "the ray tracer could not take " + std::to_string(points.triangles.size()) + " triangles",
+    throw Error("visibility",
+                "the ray tracer could not take " + std::to_string(triangles.indices.size()) + " triangles",
                 "free memory, or set shading.visibility=none");
   }
   return scene;
@@ -95,41 +105,130 @@ CellRay make_ray(const VisibilityPoint& at, const glm::vec3& w) {
   return ray;
 }
 
+/// Sixteen rays of one origin.
+struct Packet {
+  alignas(64) int valid[kPacket];
+  RTCRay16 rays;
+  void set(int i, const CellRay& ray) {
+    valid[i] = -1;
+    rays.org_x[i] = ray.origin.x;
+    rays.org_y[i] = ray.origin.y;
+    rays.org_z[i] = ray.origin.z;
+    rays.dir_x[i] = ray.direction.x;
+    rays.dir_y[i] = ray.direction.y;
+    rays.dir_z[i] = ray.direction.z;
+    rays.tnear[i] = 0.0f;
+    rays.tfar[i] = std::numeric_limits<float>::infinity();
+    rays.time[i] = 0.0f;
+    rays.mask[i] = 0xffffffffu;
+    rays.id[i] = static_cast<unsigned>(i);
+    rays.flags[i] = 0;
+  }
+};
+
 VisibilityBits trace_point(RTCScene scene, const VisibilityPoint& at, const CellDirections& cells) {
   VisibilityBits bits{};
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  alignas(64) int valid[kPacket];
-  std::fill(std::begin(valid), std::end(valid), -1);
+  Packet packet;
   for (int block = 0; block < kDirectionCount / kPacket; ++block) {
-    RTCRay16 rays;
     int bit[kPacket];
     for (int i = 0; i < kPacket; ++i) {
       const int x = 4 * (block & 3) + (i & 3);
       const int y = 4 * (block >> 2) + (i >> 2);
       bit[i] = y * kVisibilitySide + x;
-      const CellRay ray = make_ray(at, cells.direction[static_cast<std::size_t>(bit[i])]);
-      rays.org_x[i] = ray.origin.x;
-      rays.org_y[i] = ray.origin.y;
-      rays.org_z[i] = ray.origin.z;
-      rays.dir_x[i] = ray.direction.x;
-      rays.dir_y[i] = ray.direction.y;
-      rays.dir_z[i] = ray.direction.z;
-      rays.tnear[i] = 0.0f;
-      rays.tfar[i] = std::numeric_limits<float>::infinity();
-      rays.time[i] = 0.0f;
-      rays.mask[i] = 0xffffffffu;
-      rays.id[i] = 0;
-      rays.flags[i] = 0;
+      packet.set(i, make_ray(at, cells.direction[static_cast<std::size_t>(bit[i])]));
     }
-    rtcOccluded16(valid, scene, &context, &rays);
+    rtcOccluded16(packet.valid, scene, &context, &packet.rays);
     for (int i = 0; i < kPacket; ++i) {
-      const bool open = rays.tfar[i] >= 0.0f;  // Embree marks a hit with -infinity
+      const bool open = packet.rays.tfar[i] >= 0.0f;  // Embree marks a hit with -infinity
       if (open) bits[static_cast<std::size_t>(bit[i] >> 5)] |= 1u << (bit[i] & 31);
     }
   }
   return bits;
+}
+
+/// The panes of the scene, in the units of the points, and what each triangle lets through.
+struct Panes {
+  Triangles triangles;
+  std::vector<Passage> passages;  ///< of each triangle
+};
+
+Panes find_panes(const FlatGeometry& geometry, const std::vector<bool>& transmits, const std::vector<Passage>& passages,
+                 const VisibilityPoints& points) {
+  Panes panes;
+  for (std::size_t item = 0; item < std::min(passages.size(), geometry.items.size()); ++item) {
+    if (!transmits[item] || passages[item] == Passage{}) continue;
+    const DrawItem& drawn = geometry.items[item];
+    for (std::uint32_t k = drawn.first_index; k + 2 < drawn.first_index + drawn.index_count; k += 3) {
+      const auto first = static_cast<std::uint32_t>(panes.triangles.positions.size());
+      for (std::uint32_t corner = 0; corner < 3; ++corner)
+        panes.triangles.positions.emplace_back(
+            (glm::dvec3(geometry.positions[geometry.indices[k + corner]]) - points.center) / points.scale_m);
+      panes.triangles.indices.push_back({first, first + 1, first + 2});
+      panes.passages.push_back(passages[item]);
+    }
+  }
+  return panes;
+}
+
+struct PassingContext {
+  RTCIntersectContext base;  // first: Embree gives back a pointer to it
+  float transmittance[kPacket];
+};
+
+/// Takes note of each pane on the way and lets the ray go on.
+void pass_pane(const RTCFilterFunctionNArguments* args) {
+  const auto& passages = static_cast<const Panes*>(args->geometryUserPtr)->passages;
+  auto* context = reinterpret_cast<PassingContext*>(args->context);
+  for (unsigned i = 0; i < args->N; ++i) {
+    if (args->valid[i] == 0) continue;
+    args->valid[i] = 0;
+    const glm::vec3 direction(RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                              RTCRayN_dir_z(args->ray, args->N, i));
+    const glm::vec3 normal(RTCHitN_Ng_x(args->hit, args->N, i), RTCHitN_Ng_y(args->hit, args->N, i),
+                           RTCHitN_Ng_z(args->hit, args->N, i));
+    const Passage& passage = passages[RTCHitN_primID(args->hit, args->N, i)];
+    const float length = glm::length(normal) * glm::length(direction);
+    const float cosine = length > 0.0f ? std::min(std::abs(glm::dot(direction, normal)) / length, 1.0f) : 1.0f;
+    context->transmittance[RTCRayN_id(args->ray, args->N, i)] *=
+        passage.share * shared::fresnel_pane(cosine, passage.ior, passage.inside).y;
+  }
+}
+
+/// Mean over up to sixteen open cells of each side.
+glm::vec2 trace_transmittance(RTCScene scene, const VisibilityPoint& at, const VisibilityBits& bits,
+                              const CellDirections& cells) {
+  glm::vec2 mean(1.0f);
+  for (int side = 0; side < 2; ++side) {
+    const glm::vec3 normal = side == 0 ? at.normal : -at.normal;
+    std::array<std::size_t, kDirectionCount> open;
+    std::size_t count = 0;
+    for (std::size_t b = 0; b < kDirectionCount; ++b)
+      if (((bits[b >> 5] >> (b & 31u)) & 1u) && glm::dot(normal, cells.direction[b]) > 0.0f) open[count++] = b;
+    if (count == 0) continue;
+    Packet packet;
+    std::fill(std::begin(packet.valid), std::end(packet.valid), 0);
+    PassingContext context;
+    rtcInitIntersectContext(&context.base);
+    float weight[kPacket] = {};
+    const std::size_t rays = std::min<std::size_t>(count, kPacket);
+    for (std::size_t i = 0; i < rays; ++i) {
+      const glm::vec3& direction = cells.direction[open[(2 * i + 1) * count / (2 * rays)]];
+      packet.set(static_cast<int>(i), make_ray(at, direction));
+      context.transmittance[i] = 1.0f;
+      weight[i] = glm::dot(normal, direction);
+    }
+    rtcOccluded16(packet.valid, scene, &context.base, &packet.rays);
+    float sum = 0.0f, weights = 0.0f;
+    for (std::size_t i = 0; i < rays; ++i) {
+      sum += weight[i] * context.transmittance[i];
+      weights += weight[i];
+    }
+    mean[side] = sum / weights;
+  }
+  return mean;
 }
 
 /// Calls back from one thread at a time, at most about 200 times, never backwards.
@@ -151,28 +250,41 @@ class ProgressReport {
   std::mutex mutex_;
 };
 
-std::vector<VisibilityBits> trace_points(const VisibilityPoints& points, const std::atomic<bool>& cancel,
-                                         const std::function<void(double)>& progress) {
-  std::vector<VisibilityBits> bits(points.points.size());
-  if (points.triangles.empty()) {
-    for (VisibilityBits& open : bits) open.fill(0xffffffffu);
-    return bits;
-  }
+struct Traced {
+  std::vector<VisibilityBits> bits;
+  std::vector<glm::vec2> transmittance;
+};
+
+Traced trace_points(const VisibilityPoints& points, const Panes& panes, const std::atomic<bool>& cancel,
+                    const std::function<void(double)>& progress) {
+  Traced traced;
+  traced.bits.resize(points.points.size());
+  traced.transmittance.assign(points.points.size(), glm::vec2(1.0f));
+  if (points.triangles.empty())
+    for (VisibilityBits& open : traced.bits) open.fill(0xffffffffu);
+  if (points.triangles.empty() && panes.passages.empty()) return traced;
   const DevicePointer device(rtcNewDevice(nullptr), &rtcReleaseDevice);
   if (!device) throw Error("visibility", "the ray tracer does not start", "set shading.visibility=none");
-  const ScenePointer scene = build_occluders(device.get(), points, cancel);
-  if (!scene) return bits;
+  Triangles occluders{{}, points.triangles};
+  for (const VisibilityPoint& point : points.points) occluders.positions.push_back(point.position);
+  const ScenePointer scene = build_triangles(device.get(), occluders, nullptr, nullptr, cancel);
+  const ScenePointer pane_scene =
+      build_triangles(device.get(), panes.triangles, pass_pane, const_cast<Panes*>(&panes), cancel);
+  if (!scene || !pane_scene) return traced;
   const CellDirections cells;
   ProgressReport report(progress, points.points.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.points.size(), kPointsPerTask),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin(); i != range.end(); ++i) {
                         if (cancel) return;
-                        bits[i] = trace_point(scene.get(), points.points[i], cells);
+                        const VisibilityPoint& at = points.points[i];
+                        if (!points.triangles.empty()) traced.bits[i] = trace_point(scene.get(), at, cells);
+                        if (!panes.passages.empty())
+                          traced.transmittance[i] = trace_transmittance(pane_scene.get(), at, traced.bits[i], cells);
                       }
                       report.add(range.size());
                     });
-  return bits;
+  return traced;
 }
 
 template <typename T>
@@ -181,64 +293,76 @@ std::uint64_t chain_hash(const std::vector<T>& values, std::uint64_t seed) {
 }
 
 /// Everything that decides the result.
-std::uint64_t visibility_key(const FlatGeometry& geometry, const std::vector<bool>& transmits) {
+std::uint64_t visibility_key(const FlatGeometry& geometry, const std::vector<bool>& transmits,
+                             const std::vector<Passage>& passages) {
   std::vector<std::uint32_t> items;
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
     const DrawItem& item = geometry.items[i];
     items.insert(items.end(), {item.first_index, item.index_count, i < transmits.size() && transmits[i] ? 1u : 0u});
   }
-  std::uint64_t key = chain_hash(items, geometry.positions.size());
+  std::uint64_t key = chain_hash(passages, chain_hash(items, geometry.positions.size()));
   key = chain_hash(geometry.positions, key);
   key = chain_hash(geometry.normals, key);
   return chain_hash(geometry.indices, key);
 }
 
-/// Both arrays one after the other; nothing when the size does not fit this geometry.
+template <typename T>
+void append(const std::vector<T>& values, std::vector<std::byte>* bytes) {
+  const auto raw = std::as_bytes(std::span(values));
+  bytes->insert(bytes->end(), raw.begin(), raw.end());
+}
+
+template <typename T>
+const std::byte* take(const std::byte* bytes, std::size_t count, std::vector<T>* values) {
+  values->resize(count);
+  if (count > 0) std::memcpy(values->data(), bytes, count * sizeof(T));
+  return bytes + count * sizeof(T);
+}
+
+/// All arrays one after the other; nothing when the size does not fit this geometry.
 std::optional<VisibilityBake> unpack(const std::vector<std::byte>& bytes, std::size_t vertex_count) {
-  const std::size_t bits_bytes = vertex_count * sizeof(VisibilityBits);
-  const std::size_t bandwidth_bytes = vertex_count * sizeof(float);
-  if (bytes.size() != bits_bytes + bandwidth_bytes) return std::nullopt;
+  if (bytes.size() != vertex_count * (sizeof(VisibilityBits) + sizeof(float) + sizeof(glm::vec2))) return std::nullopt;
   VisibilityBake bake;
-  bake.vertices.resize(vertex_count);
-  bake.bandwidth.resize(vertex_count);
-  if (vertex_count == 0) return bake;
-  std::memcpy(bake.vertices.data(), bytes.data(), bits_bytes);
-  std::memcpy(bake.bandwidth.data(), bytes.data() + bits_bytes, bandwidth_bytes);
-  for (float value : bake.bandwidth) {
+  take(take(take(bytes.data(), vertex_count, &bake.vertices), vertex_count, &bake.bandwidth), vertex_count,
+       &bake.transmittance);
+  for (float value : bake.bandwidth)
     if (!(value >= 0.0f) || !std::isfinite(value)) return std::nullopt;
-  }
+  for (const glm::vec2& value : bake.transmittance)
+    if (!(value.x >= 0.0f && value.x <= 1.0f && value.y >= 0.0f && value.y <= 1.0f)) return std::nullopt;
   return bake;
 }
 
 std::vector<std::byte> pack(const VisibilityBake& bake) {
-  const auto bits = std::as_bytes(std::span(bake.vertices));
-  const auto bandwidth = std::as_bytes(std::span(bake.bandwidth));
-  std::vector<std::byte> bytes(bits.begin(), bits.end());
-  bytes.insert(bytes.end(), bandwidth.begin(), bandwidth.end());
+  std::vector<std::byte> bytes;
+  append(bake.vertices, &bytes);
+  append(bake.bandwidth, &bytes);
+  append(bake.transmittance, &bytes);
   return bytes;
 }
 
 }  // namespace
 
 std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                                              const std::atomic<bool>& cancel,
+                                              const std::vector<Passage>& passages, const std::atomic<bool>& cancel,
                                               const std::function<void(double)>& progress) {
   if (cancel) return std::nullopt;
   const VisibilityPoints points = build_visibility_points(geometry, transmits, cancel);
   if (cancel) return std::nullopt;
-  const std::vector<VisibilityBits> bits = trace_points(points, cancel, progress);
+  const Traced traced = trace_points(points, find_panes(geometry, transmits, passages, points), cancel, progress);
   if (cancel) return std::nullopt;
-  const std::vector<float> bandwidth = compute_visibility_bandwidth(points, bits);
+  const std::vector<float> bandwidth = compute_visibility_bandwidth(points, traced.bits);
   VisibilityBake bake;
   VisibilityBits open;
   open.fill(0xffffffffu);
   bake.vertices.assign(geometry.positions.size(), open);
   bake.bandwidth.assign(geometry.positions.size(), 0.0f);
+  bake.transmittance.assign(geometry.positions.size(), glm::vec2(1.0f));
   for (std::size_t v = 0; v < points.point_of_vertex.size(); ++v) {
     const std::uint32_t point = points.point_of_vertex[v];
     if (point == kNoPoint) continue;
-    bake.vertices[v] = bits[point];
+    bake.vertices[v] = traced.bits[point];
     bake.bandwidth[v] = bandwidth[point];
+    bake.transmittance[v] = traced.transmittance[point];
   }
   if (cancel) return std::nullopt;
   if (progress) progress(1.0);
@@ -246,16 +370,16 @@ std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, cons
 }
 
 std::optional<VisibilityBake> load_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                                              const std::atomic<bool>& cancel,
+                                              const std::vector<Passage>& passages, const std::atomic<bool>& cancel,
                                               const std::function<void(double)>& progress) {
-  const std::uint64_t key = visibility_key(geometry, transmits);
+  const std::uint64_t key = visibility_key(geometry, transmits, passages);
   if (const auto bytes = cache_load("visibility", kCacheVersion, key)) {
     if (auto bake = unpack(*bytes, geometry.positions.size())) {
       if (progress) progress(1.0);
       return bake;
     }
   }
-  auto bake = bake_visibility(geometry, transmits, cancel, progress);
+  auto bake = bake_visibility(geometry, transmits, passages, cancel, progress);
   if (bake) cache_store("visibility", kCacheVersion, key, pack(*bake));
   return bake;
 }

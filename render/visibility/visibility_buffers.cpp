@@ -7,9 +7,9 @@
 namespace maquette {
 
 bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                               std::uint32_t geometry_epoch) {
+                               const std::vector<Passage>& passages, std::uint32_t geometry_epoch) {
   if (!worker_) worker_ = std::make_unique<VisibilityWorker>();
-  if (!asked_ || geometry_epoch != geometry_epoch_ || transmits != transmits_) {
+  if (!asked_ || geometry_epoch != geometry_epoch_ || transmits != transmits_ || passages != passages_) {
     GLint max_texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
     if (geometry.positions.size() * 8 > static_cast<std::size_t>(max_texels))
@@ -21,10 +21,12 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
     job.geometry.indices = geometry.indices;
     job.geometry.items = geometry.items;
     job.transmits = transmits;
+    job.passages = passages;
     worker_->submit(std::move(job));
     asked_ = true;
     geometry_epoch_ = geometry_epoch;
     transmits_ = transmits;
+    passages_ = passages;
   }
   std::optional<VisibilityBake> bake = worker_->take();
   if (!bake || bake->vertices.empty()) return false;
@@ -32,6 +34,8 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
   bandwidth_ = Buffer::from("visibility bandwidth", bake->bandwidth);
   word_view_ = Texture::make_buffer("visibility", GL_R32UI, words_);
   bandwidth_view_ = Texture::make_buffer("visibility bandwidth", GL_R32F, bandwidth_);
+  transmittance_ = Buffer::from("visibility transmittance", bake->transmittance);
+  transmittance_view_ = Texture::make_buffer("visibility transmittance", GL_RG32F, transmittance_);
   bake_ = std::make_shared<const VisibilityBake>(std::move(*bake));
   return true;
 }
@@ -48,11 +52,14 @@ void VisibilityBuffers::clear() {
   bandwidth_view_ = Texture();
   words_ = Buffer();
   bandwidth_ = Buffer();
+  transmittance_view_ = Texture();
+  transmittance_ = Buffer();
 }
 
 void VisibilityBuffers::bind() const {
   glBindTextureUnit(25, word_view_.get());
   glBindTextureUnit(30, bandwidth_view_.get());
+  glBindTextureUnit(35, transmittance_view_.get());
 }
 
 }  // namespace maquette

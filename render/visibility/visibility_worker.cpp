@@ -5,7 +5,7 @@ namespace maquette {
 VisibilityWorker::VisibilityWorker()
     : BackgroundWorker(
           [](const VisibilityJob& job, const std::atomic<bool>& cancel, const std::function<void(double)>& progress) {
-            return load_visibility(job.geometry, job.transmits, cancel, progress);
+            return load_visibility(job.geometry, job.transmits, job.passages, cancel, progress);
           }) {}
 
 }  // namespace maquette

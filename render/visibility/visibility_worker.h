@@ -10,6 +10,7 @@ namespace maquette {
 struct VisibilityJob {
   FlatGeometry geometry;  ///< positions, normals, indices and items suffice
   std::vector<bool> transmits;
+  std::vector<Passage> passages;
 };
 
 /// Bakes visibility on a thread of its own, through the disk cache.

@@ -5,10 +5,12 @@ layout(binding = 0) uniform usampler2D t_triangle;
 layout(binding = 4) uniform usamplerBuffer t_indices;
 layout(binding = 5) uniform samplerBuffer t_vertices;
 layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
+layout(binding = 35) uniform samplerBuffer t_transmittance;  // [vertex]: of the panes before the sky, side of +n and of -n
 
 struct VisibilityPoint {
   ivec3 vertices;
   vec3 barycentric;
+  vec3 open;    // barycentrics times the transmittance of the panes that each vertex looks through
   vec3 normal;  // of the bake's tangent plane: interpolated from the vertices, turned to the viewer, world
 };
 
@@ -29,7 +31,10 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
   vec3 n = mat3(texelFetch(t_vertices, 4 * v.x + 1).xyz, texelFetch(t_vertices, 4 * v.y + 1).xyz,
                 texelFetch(t_vertices, 4 * v.z + 1).xyz) * r.barycentric;
   n = dot(n, n) > 1e-12 ? normalize(n) : normal;
-  r.normal = dot(n, normal) < 0.0 ? -n : n;
+  bool back = dot(n, normal) < 0.0;
+  r.normal = back ? -n : n;
+  vec2 of_x = texelFetch(t_transmittance, v.x).xy, of_y = texelFetch(t_transmittance, v.y).xy, of_z = texelFetch(t_transmittance, v.z).xy;
+  r.open = r.barycentric * (back ? vec3(of_x.y, of_y.y, of_z.y) : vec3(of_x.x, of_y.x, of_z.x));
   return r;
 }
 
@@ -38,5 +43,5 @@ float visibility_of(VisibilityPoint p, vec3 world, vec2 u) {
   int bit = visibility_dithered_bit(world, p.normal, u);
   ivec3 words = 8 * p.vertices + (bit >> 5);
   uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
-  return dot(p.barycentric, vec3((bits >> uint(bit & 31)) & 1u));
+  return dot(p.open, vec3((bits >> uint(bit & 31)) & 1u));
 }

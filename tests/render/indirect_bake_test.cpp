@@ -90,7 +90,7 @@ Baked bake(const Scene& scene, std::size_t budget = 1 << 18) {
   b.input->transmits.assign(b.input->geometry->items.size(), false);
   b.input->measured_albedo.resize(scene.materials.size());
   b.input->measured_hash.assign(scene.materials.size(), 0);
-  b.visibility = std::make_shared<VisibilityBake>(*bake_visibility(*b.input->geometry, b.input->transmits, kGoOn));
+  b.visibility = std::make_shared<VisibilityBake>(*bake_visibility(*b.input->geometry, b.input->transmits, {}, kGoOn));
   b.links = trace_indirect_links(*b.input, budget, kGoOn);
   return b;
 }

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <random>
 
+#include "render/fresnel_shared.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_shared.h"
 
@@ -64,7 +65,7 @@ void add_box(FlatGeometry* g, const glm::vec3& low, const glm::vec3& high) {
 }
 
 VisibilityBake bake_opaque(const FlatGeometry& g) {
-  auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), kRun);
+  auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), {}, kRun);
   EXPECT_TRUE(bake.has_value());
   return bake.value_or(VisibilityBake{});
 }
@@ -314,12 +315,39 @@ TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
   EXPECT_EQ(closed, 0.0);
 }
 
+TEST(VisibilityBake, PanesDimWhatIsBehindThem) {
+  FlatGeometry g;
+  add_grid(&g, {-0.1f, 0.0f, -0.1f}, {0.0f, 0.0f, 0.2f}, {0.2f, 0.0f, 0.0f}, 2);
+  add_grid(&g, {-9.0f, 0.1f, -8.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
+  const auto mean = [&](const Passage& passage) {
+    const auto bake = bake_visibility(g, {false, true}, {Passage{}, passage}, kRun);
+    EXPECT_EQ(bake->transmittance[4].y, 1.0f);  // below is no pane
+    EXPECT_EQ(open_share(*bake, 4, {0.0f, 1.0f, 0.0f}), 1.0);
+    return static_cast<double>(bake->transmittance[4].x);
+  };
+  // 2 cos sin T integrated over the angle from the normal.
+  const auto expected = [](const Passage& p) {
+    double sum = 0.0;
+    constexpr int kSteps = 20000;
+    for (int i = 0; i < kSteps; ++i) {
+      const double c = (i + 0.5) / kSteps;
+      sum += 2.0 * c / kSteps * static_cast<double>(shared::fresnel_pane(static_cast<float>(c), p.ior, p.inside).y);
+    }
+    return sum * static_cast<double>(p.share);
+  };
+  EXPECT_EQ(mean({}), 1.0);
+  EXPECT_NEAR(mean({0.5f, 1.0f, 1.0f}), 0.5, 1e-6);
+  EXPECT_NEAR(mean({0.8f, 1.0f, 0.5f}), 0.4, 1e-6);
+  for (const Passage& p : {Passage{1.0f, 1.52f, 1.0f}, Passage{1.0f, 1.52f, 0.7f}, Passage{0.9f, 2.4f, 0.9f}})
+    EXPECT_NEAR(mean(p), expected(p), 0.03);  // sixteen directions
+}
+
 TEST(VisibilityBake, PanesNeitherOccludeNorMatter) {
   FlatGeometry g;
   add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 2);
   add_grid(&g, {-9.0f, 0.1f, -9.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
-  const auto through = bake_visibility(g, {false, true}, kRun);
-  const auto blocked = bake_visibility(g, {false, false}, kRun);
+  const auto through = bake_visibility(g, {false, true}, {}, kRun);
+  const auto blocked = bake_visibility(g, {false, false}, {}, kRun);
   ASSERT_TRUE(through && blocked);
   EXPECT_EQ(open_share(*through, 4, {0.0f, 1.0f, 0.0f}), 1.0);
   EXPECT_LT(open_share(*blocked, 4, {0.0f, 1.0f, 0.0f}), 0.02);
@@ -378,7 +406,7 @@ TEST(VisibilityBake, ProgressRisesAndCancelStops) {
   double last = 0.0;
   int calls = 0;
   const std::vector<bool> opaque(g.items.size(), false);
-  const auto whole = bake_visibility(g, opaque, cancel, [&](double fraction) {
+  const auto whole = bake_visibility(g, opaque, {}, cancel, [&](double fraction) {
     EXPECT_GE(fraction, last);
     last = fraction;
     ++calls;
@@ -387,13 +415,13 @@ TEST(VisibilityBake, ProgressRisesAndCancelStops) {
   EXPECT_EQ(last, 1.0);
   EXPECT_GT(calls, 20);
   double reached = 0.0;
-  const auto stopped = bake_visibility(g, opaque, cancel, [&](double fraction) {
+  const auto stopped = bake_visibility(g, opaque, {}, cancel, [&](double fraction) {
     reached = fraction;
     if (fraction > 0.1) cancel = true;
   });
   EXPECT_FALSE(stopped.has_value());
   EXPECT_LT(reached, 0.9);
-  EXPECT_FALSE(bake_visibility(g, opaque, cancel).has_value());
+  EXPECT_FALSE(bake_visibility(g, opaque, {}, cancel).has_value());
 }
 
 class VisibilityCache : public ::testing::Test {
@@ -420,7 +448,10 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 12);
   add_box(&g, {-0.3f, 0.2f, -0.3f}, {0.4f, 0.6f, 0.5f});
   std::vector<bool> transmits(g.items.size(), false);
-  const auto load = [&](int* calls) { return load_visibility(g, transmits, kRun, [calls](double) { ++*calls; }); };
+  std::vector<Passage> passages(g.items.size());
+  const auto load = [&](int* calls) {
+    return load_visibility(g, transmits, passages, kRun, [calls](double) { ++*calls; });
+  };
   int baked = 0;
   int cached = 0;
   const auto first = load(&baked);
@@ -430,11 +461,16 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   EXPECT_EQ(cached, 1);
   EXPECT_EQ(first->vertices, second->vertices);
   EXPECT_EQ(first->bandwidth, second->bandwidth);
+  EXPECT_EQ(first->transmittance, second->transmittance);
   // Another geometry or another pane is another entry.
   int other = 0;
   transmits[1] = true;
   load(&other);
   EXPECT_GT(other, 1);
+  passages[1].share = 0.5f;
+  load(&(other = 0));
+  EXPECT_GT(other, 1);
+  passages[1] = {};
   transmits[1] = false;
   // Damage in the middle, then a cut: baked again, with the same result.
   for (const bool cut : {false, true}) {

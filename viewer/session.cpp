@@ -9,6 +9,7 @@
 #include "scenes/error.h"
 #include "scenes/subdivision.h"
 #include "scenes/suggest.h"
+#include "ui/camera_control.h"
 
 namespace maquette {
 
@@ -191,6 +192,7 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.camera = choose_camera(scene, options);
   request.width = options.width;
   request.height = options.height;
+  fit_aspect(&request.camera, static_cast<float>(request.width) / static_cast<float>(request.height));
   request.msaa = options.msaa;
   request.samples = options.samples;
   request.seed = options.seed;

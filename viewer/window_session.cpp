@@ -59,7 +59,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   if (options.eye || options.target)
     state.camera = request.camera;
   else
-    set_camera(request.camera);
+    set_camera(choose_camera(*scene, options));  // fitted to the picture when its size is known
   state.mode = options.mode;
   state.settings = settings_of(options);
   state.msaa = options.msaa;

@@ -97,6 +97,20 @@ TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
   EXPECT_NO_THROW(choose_camera(Scene{}, {}));
 }
 
+TEST(Session, ANarrowPictureKeepsTheWidthOfACamera) {
+  Scene scene = make_scene();
+  scene.cameras[0].aspect = 1.5f;
+  SceneOptions options;
+  options.width = options.height = 90;
+  const auto half = [](float fov_rad) { return std::tan(0.5f * fov_rad); };
+  EXPECT_NEAR(half(make_request(scene, options).camera.fov_y_rad), 1.5f * half(0.5f), 1e-5f);
+  options.width = 200;
+  EXPECT_FLOAT_EQ(make_request(scene, options).camera.fov_y_rad, 0.5f);
+  options.width = 90;
+  options.fov_deg = 20.0f;  // asked for: taken as it is
+  EXPECT_NEAR(make_request(scene, options).camera.fov_y_rad, 0.34906585f, 1e-6f);
+}
+
 TEST(Session, VariantsAndMaterialsAreChecked) {
   const Scene scene = make_scene();
   EXPECT_EQ(find_variant(scene, ""), -1);

@@ -5,6 +5,7 @@
 
 #include "render/material_overrides.h"
 #include "scenes/files.h"
+#include "ui/camera_control.h"
 #include "viewer/budget_curve.h"
 #include "viewer/session.h"
 
@@ -50,6 +51,7 @@ const std::shared_ptr<const PathScene>& Studio::path_scene() {
 FrameRequest Studio::request(const SweptCamera& camera) const {
   FrameRequest request = make_request(*scene_, options_);
   request.camera = camera.view;
+  fit_aspect(&request.camera, static_cast<float>(request.width) / static_cast<float>(request.height));
   return request;
 }
 

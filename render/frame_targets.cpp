@@ -53,6 +53,12 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   t.band_rows = std::clamp(kBandPoints / w / 32 * 32, 32, (h + 31) / 32 * 32);
   const int band_points = w * std::min(t.band_rows, h);
   t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : band_points;
+  const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
+  t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
+  for (TileList* list : {&t.surface_tiles, &t.sky_tiles}) {
+    list->tiles = Buffer("tiles", bands * static_cast<std::size_t>(t.band_tiles()) * sizeof(unsigned));
+    list->counts.assign(bands, 0);
+  }
   t.counters = Buffer("counters", 2 * 8 * sizeof(unsigned));
   for (int k = 0; k < 2; ++k) {
     const auto items = static_cast<std::size_t>(t.item_capacity);

@@ -1,10 +1,17 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "render/gl/objects.h"
 
 namespace maquette {
+
+/// The tiles of 8 x 8 grid points (shaders/shared/tiles.glsl) that show something, found with the G-buffer.
+struct TileList {
+  Buffer tiles;             ///< uint each, x | y << 16 in tiles; [band][tiles of a band]
+  std::vector<int> counts;  ///< of each band
+};
 
 /// Images and lists whose size follows the picture's. Grid: width * side, height * side points (side^2 samples a
 /// pixel).
@@ -13,6 +20,8 @@ struct FrameTargets {
   bool bandwidth = false, texture_bandwidth = false;
   int item_capacity = 0;  ///< work items of each list
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
+  TileList surface_tiles, sky_tiles;
+  Buffer tile_counts;  ///< of both lists, by band
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
   Texture energy, moments, bend, curvature, pyramid;
@@ -22,6 +31,9 @@ struct FrameTargets {
 
   int grid_width() const { return width * side; }
   int grid_height() const { return height * side; }
+  /// Entries of a band in the lists of tiles.
+  int band_tiles() const { return (grid_width() + kTile - 1) / kTile * (band_rows / kTile); }
+  static constexpr int kTile = 8;
 };
 
 /// `chunked`: several work items a point (mode bandwidth). Throws Error when the picture is larger than the driver

@@ -12,19 +12,17 @@ namespace maquette {
 
 namespace {
 
-constexpr int kTile = 16;
 /// Share of the mean deviation that every point gets on top of its own.
 constexpr float kLeastShare = 0.1f;
 
 }  // namespace
 
-Progressive Progressive::make(int grid_width, int grid_height) {
+Progressive Progressive::make(int grid_width, int grid_height, std::size_t tiles) {
   Progressive p;
   p.mean = Texture::make_2d("accumulated mean", GL_RGBA32F, grid_width, grid_height);
   p.spread = Texture::make_2d("accumulated spread", GL_R32F, grid_width, grid_height);
   p.deviation = Texture::make_2d("measured deviation", GL_R32F, grid_width, grid_height);
-  p.tiles = ((grid_width + kTile - 1) / kTile) * ((grid_height + kTile - 1) / kTile);
-  p.sums = Buffer("sums of deviations", static_cast<std::size_t>(p.tiles) * sizeof(glm::vec4));
+  p.sums = Buffer("sums of deviations", tiles * sizeof(glm::vec4));
   p.clear();
   return p;
 }
@@ -45,9 +43,10 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, p.deviation.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, p.sums.get());
-  dispatch_list(programs.get({"bandwidth/measure.comp", "", {}}), p.tiles);
+  p.sums.clear_to_zero();
+  dispatch_tiles(programs.get({"bandwidth/measure.comp", "", {}}), t.surface_tiles, 0);
   glBindTextureUnit(19, p.deviation.get());
-  std::vector<glm::vec4> sums(static_cast<std::size_t>(p.tiles));
+  std::vector<glm::vec4> sums(p.sums.bytes() / sizeof(glm::vec4));
   p.sums.read(0, p.sums.bytes(), sums.data());
   double deviation = 0.0, share = 0.0, largest = 0.0, items = 0.0;
   for (const glm::vec4& s : sums) {

@@ -47,6 +47,7 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
 void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
   impl_->environment.emplace(std::move(environment));
   impl_->irradiance = Texture();
+  impl_->drawn_sky.reset();
   impl_->lookup_modes.clear();
   if (impl_->buffers) impl_->upload_materials();
   ++impl_->epoch;
@@ -223,6 +224,18 @@ void Renderer::Impl::dispatch_list(const Program& program, int count) {
   dispatch(program, std::min(groups, kGroupsPerRow), (groups + kGroupsPerRow - 1) / kGroupsPerRow);
 }
 
+void Renderer::Impl::dispatch_tiles(const Program& program, const TileList& list, int shift,
+                                    std::optional<std::size_t> band) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, list.tiles.get());
+  const std::size_t first = band.value_or(0), last = band ? first + 1 : list.counts.size();
+  for (std::size_t b = first; b < last; ++b) {
+    if (list.counts[b] == 0) continue;
+    glProgramUniform2i(program.get(), program.location("u_tiles"), static_cast<int>(b) * targets->band_tiles(),
+                       list.counts[b]);
+    dispatch_list(program, list.counts[b] << shift);
+  }
+}
+
 void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate) {
   if (accumulated > 0) return;
   if (!light_list_is_first) environment->resample(0);
@@ -232,7 +245,8 @@ void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate
   else if (progressive)
     progressive->clear();
   else
-    progressive = Progressive::make(targets->grid_width(), targets->grid_height());
+    progressive = Progressive::make(targets->grid_width(), targets->grid_height(),
+                                    targets->surface_tiles.tiles.bytes() / sizeof(unsigned));
 }
 
 namespace {
@@ -272,6 +286,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.glass_framebuffer.reset();
     s.near_terms = Texture();
     s.drawn_surfaces.reset();
+    s.drawn_sky.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
     s.accumulated = 0;
@@ -317,7 +332,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   stats.gpu_bytes["environment"] = s.environment->bytes();
   const FrameTargets& t = *s.targets;
   stats.gpu_bytes["gbuffer"] = t.triangle.bytes() + t.depth_buffer.bytes() + t.surface.bytes() + t.depth.bytes();
-  stats.gpu_bytes["shading"] = t.marks.bytes() + t.radiance.bytes() + t.picture.bytes() +
+  stats.gpu_bytes["shading"] = t.surface_tiles.tiles.bytes() + t.sky_tiles.tiles.bytes() + t.marks.bytes() +
+                               t.radiance.bytes() + t.picture.bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +

@@ -78,19 +78,45 @@ void Renderer::Impl::raster() {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
+void Renderer::Impl::find_tiles() {
+  FrameTargets& t = *targets;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.tile_counts.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.surface_tiles.tiles.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.sky_tiles.tiles.get());
+  t.tile_counts.clear_to_zero();
+  const Program& program = programs.get({"gbuffer/tiles.comp", "", {}});
+  program.set("u_band_rows", t.band_rows / FrameTargets::kTile);
+  dispatch_list(program, groups(t.grid_width(), FrameTargets::kTile) * groups(t.grid_height(), FrameTargets::kTile));
+  std::vector<unsigned> counts(2 * t.surface_tiles.counts.size());
+  t.tile_counts.read(0, t.tile_counts.bytes(), counts.data());
+  for (std::size_t band = 0; band < t.surface_tiles.counts.size(); ++band) {
+    t.surface_tiles.counts[band] = static_cast<int>(counts[2 * band]);
+    t.sky_tiles.counts[band] = static_cast<int>(counts[2 * band + 1]);
+  }
+  const float none[4] = {};
+  const GLuint nothing[4] = {};
+  glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, none);
+  glClearTexImage(t.guide.get(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nothing);
+  if (!t.bandwidth) return;
+  glClearTexImage(t.moments.get(), 0, GL_RGBA, GL_FLOAT, none);
+  glClearTexImage(t.pyramid.get(), 0, GL_RGBA, GL_FLOAT, none);
+}
+
 void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   raster();
   timer->end("raster");
+  find_tiles();
+  drawn_sky.reset();
   FrameTargets& t = *targets;
   glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
   if (plan.texture_bandwidth) glBindImageTexture(2, t.texture_nu.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  dispatch(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
-           groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  dispatch_tiles(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
+                 t.surface_tiles, 6);
   if (t.bandwidth) {
     glBindImageTexture(0, t.bend.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    dispatch(programs.get({"gbuffer/curvature.comp", "", {}}), groups(t.bend.width(), 8), groups(t.bend.height(), 8));
+    dispatch_tiles(programs.get({"gbuffer/curvature.comp", "", {}}), t.surface_tiles, 4);
   }
   timer->end("gbuffer");
 }

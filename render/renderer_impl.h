@@ -49,6 +49,13 @@ struct SurfaceKey {
   bool operator==(const SurfaceKey&) const = default;
 };
 
+/// All that the sky's points depend on besides the G-buffer and the environment.
+struct SkyKey {
+  float rotation_rad = 0.0f, scale = 0.0f;
+  bool in_picture = false;  ///< in the picture itself, or in the grid that it is filtered from
+  bool operator==(const SkyKey&) const = default;
+};
+
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -95,6 +102,7 @@ struct Renderer::Impl {
   std::uint32_t drawn_epoch = 0;
   std::uint32_t surface_epoch = 0;           ///< raised by every change of what the G-buffer holds
   std::optional<SurfaceKey> drawn_surfaces;  ///< what the G-buffer in `targets` shows; empty: nothing yet
+  std::optional<SkyKey> drawn_sky;           ///< what the sky's points show; empty: to be drawn
   FramePlan last_plan;
   std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0;
 
@@ -121,10 +129,12 @@ struct Renderer::Impl {
   bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
   void raster();
+  /// Lists the tiles, and empties what passes over them read of their neighbours.
+  void find_tiles();
   void predict(const FramePlan& plan, PassTimer* timer);
   /// `refine`: empty for the first frame of a picture.
   void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
-  void shade_band(const FramePlan& plan, int first_row, int chunk, const std::optional<RefineRates>& refine,
+  void shade_band(const FramePlan& plan, std::size_t band, int chunk, const std::optional<RefineRates>& refine,
                   PassTimer* timer);
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
@@ -158,10 +168,13 @@ struct Renderer::Impl {
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   void add_indirect(PassTimer* timer);
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
+  void draw_sky(const FramePlan& plan, const FrameRequest& request);
   void draw_glass(const FramePlan& plan);
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
   void dispatch_list(const Program& program, int count);
+  /// Over the tiles of a list, 2^shift invocations each; `band`: its tiles only.
+  void dispatch_tiles(const Program& program, const TileList& list, int shift, std::optional<std::size_t> band = {});
   void bind_frame() const;
 };
 

@@ -42,6 +42,13 @@ ShaderVariant mark_variant(bool bandwidth, bool refine) {
   return {"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}}};
 }
 
+/// Levels up to this one are filled by tiles: cells of the coarser ones are larger than a tile, and few.
+constexpr int kLastTileLevel = 2;
+
+ShaderVariant fill_variant(bool textures, bool cubic, bool tiles) {
+  return {"bandwidth/fill.comp", "", {{"TEXTURES", flag(textures)}, {"CUBIC", flag(cubic)}, {"TILES", flag(tiles)}}};
+}
+
 ShaderVariant indirect_variant_of(bool measured) {
   return {"shading/indirect.comp", "", {{"MEASURED", flag(measured)}}};
 }
@@ -52,8 +59,7 @@ std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
     variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
-    for (int cubic = 0; cubic < 2; ++cubic)
-      variants.push_back({"bandwidth/fill.comp", "", {{"TEXTURES", flag(k)}, {"CUBIC", flag(cubic)}}});
+    for (int j = 0; j < 3; ++j) variants.push_back(fill_variant(k, j > 0, j < 2));
     variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
@@ -80,9 +86,9 @@ std::vector<ShaderVariant> all_shader_variants() {
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
   variants.push_back(mark_variant(true, true));
-  for (const char* path :
-       {"gbuffer/curvature.comp", "bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
-        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+  for (const char* path : {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp",
+                           "bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
+                           "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   const std::vector<ShaderVariant> reflections = reflection_shader_variants();
@@ -105,7 +111,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
-  dispatch_list(programs.get({"bandwidth/classify.comp", "", {}}), groups(qw, 2) * groups(qh, 2));
+  dispatch_tiles(programs.get({"bandwidth/classify.comp", "", {}}), t.surface_tiles, 2);
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {
@@ -125,7 +131,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   glBindTextureUnit(31, t.bend.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  dispatch(programs.get(bandwidth_variant(plan)), groups(qw, 8), groups(qh, 8));
+  dispatch_tiles(programs.get(bandwidth_variant(plan)), t.surface_tiles, 4);
   timer->end("bandwidth");
   const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
   glBindTextureUnit(21, t.pyramid.get());
@@ -144,14 +150,13 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
 void Renderer::Impl::shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine,
                            PassTimer* timer) {
   visible_points = shaded_points = shading_samples = 0;
-  const int rows = targets->grid_height();
-  for (int row = 0; row < rows; row += targets->band_rows) shade_band(plan, row, chunk, refine, timer);
+  for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
+    shade_band(plan, band, chunk, refine, timer);
 }
 
-void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
+void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chunk,
                                 const std::optional<RefineRates>& refine, PassTimer* timer) {
   FrameTargets& t = *targets;
-  const int rows = std::min(t.band_rows, t.grid_height() - first_row);
   for (GLuint k = 0; k < 2; ++k) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, t.points[k].get());
@@ -159,7 +164,6 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   const bool bandwidth = plan.mode == "bandwidth";
   const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
-  glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
   if (refine) {
@@ -172,7 +176,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, int first_row, int chunk,
   for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
     t.counters.clear_to_zero();
     mark.set("u_sample_scale", scale);
-    dispatch_list(mark, groups(t.grid_width(), 4) * groups(rows, 4));
+    dispatch_tiles(mark, t.surface_tiles, 2, band);
     t.counters.read(0, sizeof(counters), counters);
     const auto capacity = static_cast<unsigned>(t.item_capacity);
     if (counters[0] <= capacity && counters[8] <= capacity) break;
@@ -221,14 +225,17 @@ void Renderer::Impl::fill(PassTimer* timer) {
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   for (int level = constants.size.w - 1; level >= 0; --level) {
-    const Program& program = programs.get(
-        {"bandwidth/fill.comp", "", {{"TEXTURES", flag(buffers->has_textures())}, {"CUBIC", flag(level > 0)}}});
+    const bool tiles = level <= kLastTileLevel;
+    const Program& program = programs.get(fill_variant(buffers->has_textures(), level > 0, tiles));
     program.set("u_level", level);
     const int side = 1 << level;
     for (int middle = 0; middle < 2; ++middle) {
       program.set("u_middle", middle);
-      const int pairs = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
-      dispatch_list(program, middle ? pairs : 2 * pairs);
+      const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
+      if (tiles)
+        dispatch_tiles(program, t.surface_tiles, 2 * (2 - level) + 1 - middle);
+      else
+        dispatch_list(program, middle ? cells : 2 * cells);
     }
   }
   timer->end("upsample");
@@ -242,26 +249,43 @@ void Renderer::Impl::add_indirect(PassTimer* timer) {
   glBindTextureUnit(0, t.triangle.get());
   indirect.bind();
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  dispatch(program, groups(t.grid_width(), 8), groups(t.grid_height(), 8));
+  dispatch_tiles(program, t.surface_tiles, 6);
   timer->end("indirect");
+}
+
+void Renderer::Impl::draw_sky(const FramePlan& plan, const FrameRequest& request) {
+  FrameTargets& t = *targets;
+  const bool in_picture = !plan.glass && t.side == 1;
+  const SkyKey key{request.env_rotation_rad, request.env_scale, in_picture};
+  if (!plan.glass && drawn_sky == key) return;
+  drawn_sky.reset();
+  if (!plan.glass) drawn_sky = key;  // panes are drawn over the very points
+  glBindImageTexture(0, in_picture ? t.picture.get() : t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  dispatch_tiles(programs.get({"shading/sky.comp", "", {}}), t.sky_tiles, 6);
 }
 
 void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
-  if (plan.glass) {
+  draw_sky(plan, request);
+  const bool in_place = plan.glass || t.side > 1;
+  if (in_place) {
     glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-    dispatch(programs.get({"shading/compose.comp", "", {{"STAGE", "1"}}}), groups(t.grid_width(), 8),
-             groups(t.grid_height(), 8));
+    dispatch_tiles(programs.get({"shading/compose.comp", "", {{"STAGE", "1"}}}), t.surface_tiles, 6);
     timer->end("compose");
+  }
+  if (plan.glass) {
     if (!plan.reflections.empty()) reflect(plan, request, timer);
     draw_glass(plan);
     timer->end("glass");
   }
-  const Program& program = programs.get({"shading/compose.comp", "", {{"STAGE", plan.glass ? "2" : "0"}}});
+  const Program& program = programs.get({"shading/compose.comp", "", {{"STAGE", in_place ? "2" : "0"}}});
   program.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  dispatch(program, groups(t.width, 8), groups(t.height, 8));
+  if (in_place)
+    dispatch(program, groups(t.width, 8), groups(t.height, 8));
+  else
+    dispatch_tiles(program, t.surface_tiles, 6);
   timer->end("compose");
 }
 

@@ -54,6 +54,10 @@ ShaderVariant reflected_resolve_variant(bool textures, bool colors) {
       {{"REFLECTED", "1"}, {"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", "0"}, {"VERTEX_COLORS", flag(colors)}}};
 }
 
+ShaderVariant reflected_mark_variant() {
+  return {"bandwidth/mark.comp", "", {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}}};
+}
+
 }  // namespace
 
 std::vector<ShaderVariant> reflection_shader_variants() {
@@ -62,7 +66,8 @@ std::vector<ShaderVariant> reflection_shader_variants() {
                                       {"octree/reflect.comp", "", {}},
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
-                                      {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}};
+                                      {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}},
+                                      reflected_mark_variant()};
   for (const char* visibility : {"none", "baked", "traced"}) {
     for (int k = 0; k < 4; ++k) {
       FramePlan plan;
@@ -177,7 +182,7 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
   }
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   targets->counters.clear_to_zero();
-  const Program& mark = programs.get({"bandwidth/mark.comp", "", {{"BANDWIDTH", "0"}, {"REFINE", "0"}}});
+  const Program& mark = programs.get(reflected_mark_variant());
   glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
   mark.set("u_item_capacity", t.item_capacity);
   mark.set("u_sample_scale", 1.0f);

@@ -1,7 +1,8 @@
 // Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
 // pixel along both screen axes.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/bandwidth.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
@@ -67,9 +68,9 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
 }
 
 void main() {
-  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 quad = tile_quad();
   ivec2 quads = (u_frame.size.xy + 1) / 2;
-  if (any(greaterThanEqual(quad, quads))) return;
+  if (quad.x < 0) return;
   ivec2 pixel = ivec2(-1);
   for (int k = 0; k < 4; ++k) {
     int j = (k + quad.x + 2 * quad.y) & 3;

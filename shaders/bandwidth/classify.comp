@@ -1,8 +1,8 @@
 // Lists the quads that have something to see, measured and analytic materials apart, so that the lanes of a vector run the
 // same code. The first visible point of a quad stands for it; which one is tried first alternates.
 layout(local_size_x = 64) in;
-#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
@@ -17,10 +17,10 @@ layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;
 
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;
-  ivec2 blocks = (quads + 1) / 2;
   int id = int(linear_id());
-  if (id >= blocks.x * blocks.y) return;
-  ivec2 corner = 2 * ivec2(id % blocks.x, id / blocks.x);
+  ivec2 tile = tile_of(id, 2);
+  if (tile.x < 0) return;
+  ivec2 corner = kTile / 2 * tile + 2 * ivec2(id & 1, (id >> 1) & 1);
   uint pixels[4];
   uint measured_count = 0u, analytic_count = 0u;
   for (int k = 0; k < 4; ++k) {

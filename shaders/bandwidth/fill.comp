@@ -4,8 +4,8 @@
 // left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
 // along which the picture varies less counting more: an anisotropic kernel.
 layout(local_size_x = 64) in;
-#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
@@ -78,16 +78,25 @@ void fill(ivec2 pixel, ivec2 odd, int s) {
 void main() {
   // The invocations are the points to fill and no others: (odd, odd), or (odd, even) and then (even, odd).
   int s = 1 << u_level;
-  ivec2 pairs = (u_frame.size.xy + 2 * s - 1) / (2 * s);
   int id = int(linear_id());
-  int count = pairs.x * pairs.y;
+#if TILES
+  // The cells of 2 s points of a tile.
+  int side_log2 = 2 - u_level, shift = 2 * side_log2;
+  int count = u_tiles.y << shift;
+#else
+  ivec2 cells = (u_frame.size.xy + 2 * s - 1) / (2 * s);
+  int count = cells.x * cells.y;
+#endif
   bool second = id >= count;
   if (id >= (u_middle == 0 ? 2 * count : count)) return;
   id = second ? id - count : id;
-  int row = int((float(id) + 0.5) / float(pairs.x));
-  row = row * pairs.x > id ? row - 1 : ((row + 1) * pairs.x <= id ? row + 1 : row);
+#if TILES
+  ivec2 cell = (tile_of(id, shift) << side_log2) + ivec2(id & ((1 << side_log2) - 1), (id & ((1 << shift) - 1)) >> side_log2);
+#else
+  ivec2 cell = ivec2(id % cells.x, id / cells.x);
+#endif
   ivec2 odd = u_middle == 1 ? ivec2(1, 1) : (second ? ivec2(0, 1) : ivec2(1, 0));
-  ivec2 pixel = (2 * ivec2(id - row * pairs.x, row) + odd) * s;
+  ivec2 pixel = (2 * cell + odd) * s;
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   uvec4 mark = texelFetch(t_marks, pixel, 0);
   if (mark.x == 0u && mark.w != 0u) fill(pixel, odd, s);

@@ -2,8 +2,11 @@
 // shaded when that is the coarsest level, when the predicted spacing is finer than the next coarser grid, or when the coarser points
 // around it lie on other surfaces. One invocation takes a 4 x 4 block and appends its points with one atomic per list.
 layout(local_size_x = 64) in;
-#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+#ifdef REFLECTED
+uniform ivec2 u_band;  // first row, rows
+#endif
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
@@ -29,7 +32,6 @@ layout(std430, binding = 2) writeonly buffer MeasuredItems { Item b_measured_ite
 layout(std430, binding = 3) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
 layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
 layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
-uniform ivec2 u_band;      // first row, rows (multiples of 32)
 uniform int u_item_capacity;
 uniform float u_sample_scale;
 #if REFINE
@@ -149,10 +151,16 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 }
 
 void main() {
-  ivec2 blocks = ivec2((u_frame.size.x + 3) / 4, (u_band.y + 3) / 4);
   int id = int(linear_id());
+#ifdef REFLECTED
+  ivec2 blocks = ivec2((u_frame.size.x + 3) / 4, (u_band.y + 3) / 4);
   if (id >= blocks.x * blocks.y) return;
   ivec2 corner = 4 * ivec2(id % blocks.x, id / blocks.x) + ivec2(0, u_band.x);
+#else
+  ivec2 tile = tile_of(id, 2);
+  if (tile.x < 0) return;
+  ivec2 corner = kTile * tile + 4 * ivec2(id & 1, (id >> 1) & 1);
+#endif
   uint counts[16];
   uvec2 items = uvec2(0u), points = uvec2(0u);
   uint visible = 0u;

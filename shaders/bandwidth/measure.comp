@@ -1,16 +1,15 @@
 // How much each shaded point deviates from sample to sample, measured from the frames before: the spread of its work items, pooled
-// with its neighbours' and with the prediction while there are few. One invocation takes a tile of 16 x 16 points and sums what the
+// with its neighbours' and with the prediction while there are few. One invocation takes a tile and sums what the
 // host needs to turn deviations into sample counts.
 layout(local_size_x = 64) in;
-#include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 layout(binding = 18) uniform sampler2D t_mean;    // mean, number of items
 layout(binding = 19) uniform sampler2D t_spread;
 layout(binding = 21) uniform sampler2D t_pyramid;
 layout(binding = 23) uniform usampler2D t_marks;  // shaded, level
 layout(binding = 0, r32f) uniform writeonly image2D o_deviation;  // of one sample; 0 where nothing was shaded
-layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // sum of deviation * share, sum of share, largest of the first, items
-const int kTile = 16;
+layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [tile]: sum of deviation * share, sum of share, largest of the first, items
 /// Degrees of freedom that the prediction counts as, and the most that one neighbour does.
 const float kPredicted = 1.0, kNeighbour = 1.5;
 
@@ -34,10 +33,10 @@ float deviation(ivec2 pixel, int level) {
 }
 
 void main() {
-  ivec2 tiles = (u_frame.size.xy + kTile - 1) / kTile;
   int id = int(linear_id());
-  if (id >= tiles.x * tiles.y) return;
-  ivec2 corner = kTile * ivec2(id % tiles.x, id / tiles.x);
+  ivec2 tile = tile_of(id, 0);
+  if (tile.x < 0) return;
+  ivec2 corner = kTile * tile;
   vec4 sums = vec4(0.0);
   for (int k = 0; k < kTile * kTile; ++k) {
     ivec2 pixel = corner + ivec2(k % kTile, k / kTile);
@@ -53,5 +52,5 @@ void main() {
     }
     imageStore(o_deviation, pixel, vec4(d));
   }
-  b_sums[id] = sums;
+  b_sums[u_tiles.x + id] = sums;
 }

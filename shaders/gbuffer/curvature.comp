@@ -1,6 +1,7 @@
 // Per 2 x 2 quad: curvature and footprint of the surface along the screen axes, found on screen so that geometry may change every frame.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
@@ -54,9 +55,8 @@ vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
 }
 
 void main() {
-  ivec2 quad = ivec2(gl_GlobalInvocationID.xy);
-  ivec2 quads = (u_frame.size.xy + 1) / 2;
-  if (any(greaterThanEqual(quad, quads))) return;
+  ivec2 quad = tile_quad();
+  if (quad.x < 0) return;
   ivec2 pixel = ivec2(-1);
   for (int k = 0; k < 4; ++k) {
     int j = (k + quad.x + 2 * quad.y) & 3;

@@ -1,8 +1,14 @@
 // Grid points to pixels: emission, sky, box filter over the samples of a pixel, and the running mean while nothing moves.
-// With panes in the scene in two steps, and the panes are drawn between them: STAGE 1 completes the grid's points, STAGE 2 filters
-// them. STAGE 0 does both.
-layout(local_size_x = 8, local_size_y = 8) in;
+// With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
+// place, STAGE 2 filters all. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
+// what reflectors show.
 #include "shared/frame.glsl"
+#if STAGE == 2 || defined(REFLECTED)
+layout(local_size_x = 8, local_size_y = 8) in;
+#else
+layout(local_size_x = 64) in;
+#include "shared/tiles.glsl"
+#endif
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
 #include "shared/octahedral.glsl"
@@ -19,54 +25,57 @@ layout(binding = 0, rgba32f) uniform image2D io_picture;
 uniform float u_blend;  // weight of this frame in the mean
 #endif
 
-#include "shading/environment_bilinear.glsl"
-
 #if STAGE < 2
-/// Alpha 0 where only the sky is seen.
-vec4 complete(ivec2 p, vec3 shaded) {
-  if (texelFetch(t_depth, p, 0).x > 0.0) {
-    uvec4 g = texelFetch(t_surface, p, 0);
-    vec3 emission = unpack_rgb9e5(g.w, kEmissionBias);
-    if ((material_words(int(g.z >> 16u), 6).x & kMaterialUnlit) != 0u) {
-      vec4 y = unpackUnorm4x8(g.y);
-      shaded = y.rgb * y.rgb;
-    }
-    return vec4(shaded + emission, 1.0);
+vec3 complete(ivec2 p, vec3 shaded) {
+  uvec4 g = texelFetch(t_surface, p, 0);
+  if ((material_words(int(g.z >> 16u), 6).x & kMaterialUnlit) != 0u) {
+    vec4 y = unpackUnorm4x8(g.y);
+    shaded = y.rgb * y.rgb;
   }
-  vec3 d = environment_from_world(normalize(view_ray(p)));
-  return vec4(environment_bilinear(d) * u_frame.environment.z, 0.0);
+  return shaded + unpack_rgb9e5(g.w, kEmissionBias);
 }
 #endif
 
+#if STAGE != 1
+/// As an increment: mix() multiplies the mean by 1 - 1/n, whose rounding adds up to 0.2 % over a million frames.
+void store_blended(ivec2 pixel, vec4 value) {
+  if (u_blend < 1.0) {
+    vec4 before = imageLoad(io_picture, pixel);
+    value = before + (value - before) * u_blend;
+  }
+  imageStore(io_picture, pixel, value);
+}
+#endif
+
+#ifdef REFLECTED
+#include "shading/sky.glsl"
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-#if STAGE == 1
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
-#ifdef REFLECTED
-  if (texelFetch(t_ray_direction, pixel, 0).w <= 0.0) {
-    imageStore(io_radiance, pixel, vec4(0.0));
-    return;
+  vec4 value = vec4(0.0);
+  if (texelFetch(t_ray_direction, pixel, 0).w > 0.0) {
+    bool surface = texelFetch(t_depth, pixel, 0).x > 0.0;
+    value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(sky_radiance(pixel), 0.0);
   }
-#endif
-  imageStore(io_radiance, pixel, complete(pixel, imageLoad(io_radiance, pixel).rgb));
-#else
+  imageStore(io_radiance, pixel, value);
+}
+#elif STAGE == 2
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, imageSize(io_picture)))) return;
   int side = u_frame.size.z;
   vec4 sum = vec4(0.0);
-  for (int k = 0; k < side * side; ++k) {
-    ivec2 p = pixel * side + ivec2(k % side, k / side);
-    vec4 value = texelFetch(t_radiance, p, 0);
+  for (int k = 0; k < side * side; ++k) sum += texelFetch(t_radiance, pixel * side + ivec2(k % side, k / side), 0);
+  store_blended(pixel, sum / float(side * side));
+}
+#else
+void main() {
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0 || texelFetch(t_depth, pixel, 0).x <= 0.0) return;
 #if STAGE == 0
-    value = complete(p, value.rgb);
-#endif
-    sum += value;
-  }
-  sum /= float(side * side);
-  // As an increment: mix() multiplies the mean by 1 - 1/n, whose rounding adds up to 0.2 % over a million frames.
-  if (u_blend < 1.0) {
-    vec4 before = imageLoad(io_picture, pixel);
-    sum = before + (sum - before) * u_blend;
-  }
-  imageStore(io_picture, pixel, sum);
+  store_blended(pixel, vec4(complete(pixel, texelFetch(t_radiance, pixel, 0).rgb), 1.0));
+#else
+  imageStore(io_radiance, pixel, vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0));
 #endif
 }
+#endif

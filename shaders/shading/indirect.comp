@@ -1,8 +1,9 @@
 // Adds the light that comes by way of other surfaces to every visible point: baked per vertex, interpolated here, so it costs three fetches
 // a point and no samples. Radiance is linear in the direction, and what a lobe makes of that is its albedo times the value in its mean
 // direction, exactly.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
 #include "shared/octahedral.glsl"
@@ -63,8 +64,8 @@ vec3 reflect_analytic(Point p, IndirectLight light) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy)) || !(texelFetch(t_depth, pixel, 0).x > 0.0)) return;
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0 || !(texelFetch(t_depth, pixel, 0).x > 0.0)) return;
   Point p = load_point(pixel);
   IndirectLight light = load_indirect(load_visibility(pixel, p.position, world_from_environment(p.n)));
   vec3 reflected = vec3(0.0);

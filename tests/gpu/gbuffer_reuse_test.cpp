@@ -62,12 +62,12 @@ std::shared_ptr<Scene> two_sheets() {
   return scene;
 }
 
-std::shared_ptr<const Environment> sloping_sky() {
+std::shared_ptr<const Environment> sloping_sky(float slope) {
   auto sky = std::make_shared<Environment>();
   sky->name = "sloping";
   sky->width = 32;
   sky->height = 16;
-  for (int i = 0; i < 32 * 16; ++i) sky->rgb.emplace_back(1.0f + static_cast<float>(i % 32) * 0.1f);
+  for (int i = 0; i < 32 * 16; ++i) sky->rgb.emplace_back(1.0f + static_cast<float>(i % 32) * slope);
   return sky;
 }
 
@@ -75,7 +75,7 @@ class KeptGbuffer : public ::testing::Test {
  protected:
   KeptGbuffer() {
     renderer_.set_scene(scene_);
-    renderer_.set_environment(sloping_sky());
+    renderer_.set_environment(sloping_sky(0.1f));
     request_.width = 96;
     request_.height = 64;
     request_.samples = 16;
@@ -125,7 +125,7 @@ TEST_F(KeptGbuffer, HoldsWhileOnlyTheLightChanges) {
   request_.seed = 5;
   request_.samples = 32;
   EXPECT_TRUE(draw());
-  renderer_.set_environment(sloping_sky());
+  renderer_.set_environment(sloping_sky(0.3f));
   EXPECT_TRUE(draw());
 }
 
@@ -172,6 +172,7 @@ TEST_F(KeptGbuffer, IsDrawnAnewWhenTheViewChanges) {
   EXPECT_FALSE(draw());
   request_.msaa = 4;
   EXPECT_FALSE(draw());
+  EXPECT_TRUE(draw());
   request_.mode = "uniform";
   EXPECT_FALSE(draw());
   EXPECT_TRUE(draw());

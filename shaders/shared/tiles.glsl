@@ -1,0 +1,29 @@
+// The grid points of passes that skip the sky: 8 x 8 tiles from a list (gbuffer/tiles.comp), so that what is not seen costs
+// nothing: software devices run a branch that no lane takes. The includer declares 64 invocations a group, and includes frame.glsl before.
+#include "shading/linear_id.glsl"
+layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
+uniform ivec2 u_tiles;  // first entry, number
+const int kTile = 8;
+
+/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list.
+ivec2 tile_of(int id, int shift) {
+  if (id >= u_tiles.y << shift) return ivec2(-1);
+  uint tile = b_tiles[u_tiles.x + (id >> shift)];
+  return ivec2(tile & 65535u, tile >> 16u);
+}
+
+/// Grid point of this invocation, one each; x < 0 for none.
+ivec2 tile_point() {
+  int id = int(linear_id());
+  ivec2 tile = tile_of(id, 6);
+  ivec2 p = kTile * tile + ivec2(id & 7, (id >> 3) & 7);
+  return tile.x < 0 || any(greaterThanEqual(p, u_frame.size.xy)) ? ivec2(-1) : p;
+}
+
+/// 2 x 2 quad of this invocation, one each; x < 0 for none.
+ivec2 tile_quad() {
+  int id = int(linear_id());
+  ivec2 tile = tile_of(id, 4);
+  ivec2 quad = kTile / 2 * tile + ivec2(id & 3, (id >> 2) & 3);
+  return tile.x < 0 || any(greaterThanEqual(2 * quad, u_frame.size.xy)) ? ivec2(-1) : quad;
+}

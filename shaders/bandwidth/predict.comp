@@ -11,6 +11,7 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
+#define POINTS_SORTED
 #include "shading/point.glsl"
 #if SHADOWED == 2
 #include "octree/visibility.glsl"
@@ -58,15 +59,16 @@ const float kLambertNu = 0.35;
 float ggx_nu(float alpha) { return 0.16 / alpha + kLambertNu; }
 
 float brdf_bandwidth(Point p, vec3 wi) {
-  if (p.slot >= 0) {
-    vec3 c = merl_coordinates(wi, p.wo);
-    int h = clamp(int(c.x + 0.5), 0, 89), d = clamp(int(c.y + 0.5), 0, 89);
-    return texelFetch(t_brdf_bandwidth, (p.slot * 90 + h) * 90 + d).x;
-  }
+#if MEASURED
+  vec3 c = merl_coordinates(wi, p.wo);
+  int h = clamp(int(c.x + 0.5), 0, 89), d = clamp(int(c.y + 0.5), 0, 89);
+  return texelFetch(t_brdf_bandwidth, (p.slot * 90 + h) * 90 + d).x;
+#else
   AnalyticLobes f = evaluate_analytic(p.analytic, wi, p.wo);
   float total = max(luminance(f.total), 1e-12);
   float rest = max(total - f.specular - f.coat, 0.0);
   return (f.specular * ggx_nu(p.analytic.alpha) + f.coat * ggx_nu(p.analytic.coat_alpha) + rest * kLambertNu) / total;
+#endif
 }
 
 #if SHADOWED

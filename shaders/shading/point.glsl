@@ -29,6 +29,15 @@ struct Point {
 vec3 to_local(Point p, vec3 d) { return vec3(dot(p.t, d), dot(p.b, d), dot(p.n, d)); }
 vec3 from_local(Point p, vec3 w) { return p.t * w.x + p.b * w.y + p.n * w.z; }
 
+/// POINTS_SORTED: the includer's points are all measured or all analytic, as MEASURED says. Software devices run both sides of a branch.
+bool is_measured(uint flags) {
+#ifdef POINTS_SORTED
+  return MEASURED == 1;
+#else
+  return (flags & kMaterialMeasured) != 0u;
+#endif
+}
+
 Point load_point(ivec2 pixel) {
   Point p;
   uvec4 g = texelFetch(t_surface, pixel, 0);
@@ -57,7 +66,7 @@ Point load_point(ivec2 pixel) {
   p.brdf_share = uintBitsToFloat(words.z);
   p.tint = vec3(1.0);
   p.slot = -1;
-  if ((words.x & kMaterialMeasured) != 0u) {
+  if (is_measured(words.x)) {
     p.slot = int(words.y);
     if ((words.x & kMaterialTinted) != 0u) p.tint = s.base_color;
     float e = latlong_atan2(p.wo.x, p.wo.z) * (float(kAlbedoEntries - 1) * 0.63661977);

@@ -10,6 +10,7 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
+#define POINTS_SORTED
 #include "shading/point.glsl"
 #if VISIBILITY == 2
 #include "octree/visibility.glsl"

@@ -167,6 +167,7 @@ struct Renderer::Impl {
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   void add_indirect(PassTimer* timer);
+  void bind_indirect(const Program& program) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_sky(const FramePlan& plan, const FrameRequest& request);
   void draw_glass(const FramePlan& plan);

@@ -241,13 +241,17 @@ void Renderer::Impl::fill(PassTimer* timer) {
   timer->end("upsample");
 }
 
+void Renderer::Impl::bind_indirect(const Program& program) const {
+  program.set("u_bias", indirect.bias());
+  program.set("u_back", indirect.sides() == 2 ? static_cast<int>(buffers->geometry().positions.size()) : 0);
+  indirect.bind();
+}
+
 void Renderer::Impl::add_indirect(PassTimer* timer) {
   FrameTargets& t = *targets;
   const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
-  program.set("u_bias", indirect.bias());
-  program.set("u_back", indirect.sides() == 2 ? static_cast<int>(buffers->geometry().positions.size()) : 0);
+  bind_indirect(program);
   glBindTextureUnit(0, t.triangle.get());
-  indirect.bind();
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch_tiles(program, t.surface_tiles, 6);
   timer->end("indirect");

@@ -58,6 +58,10 @@ ShaderVariant reflected_mark_variant() {
   return {"bandwidth/mark.comp", "", {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}}};
 }
 
+ShaderVariant reflected_indirect_variant(bool measured) {
+  return {"shading/indirect.comp", "", {{"REFLECTED", "1"}, {"MEASURED", flag(measured)}}};
+}
+
 }  // namespace
 
 std::vector<ShaderVariant> reflection_shader_variants() {
@@ -78,6 +82,7 @@ std::vector<ShaderVariant> reflection_shader_variants() {
   }
   for (const ShaderVariant& variant : bezier_shader_variants()) variants.push_back(variant);
   for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
+  for (int k = 0; k < 2; ++k) variants.push_back(reflected_indirect_variant(k));
   return variants;
 }
 
@@ -249,6 +254,11 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   if (technique->resolves() && plan.visibility == "baked") shading.visibility = "traced";
   shade_reflections(shading, timer);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  if (plan.indirect == "baked" && !technique->resolves()) {  // baked by vertex: cells have none
+    const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));
+    bind_indirect(program);
+    dispatch(program, groups(t.width, 8), groups(t.height, 8));
+  }
   dispatch(programs.get({"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}), groups(t.width, 8),
            groups(t.height, 8));
   timer->end("reflected shade");

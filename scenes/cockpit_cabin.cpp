@@ -129,12 +129,25 @@ void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
            m.gunmetal);
 }
 
+/// A reflector in the plane z = 0 of `place`, facing +z; `size` in metres.
+BezierPatch flat_patch(const std::string& name, const glm::dmat4& place, const glm::dvec2& size, int material) {
+  BezierPatch patch;
+  patch.name = name;
+  patch.material = material;
+  for (std::size_t i = 0; i < 16; ++i) {
+    const glm::dvec2 at = size * (glm::dvec2(i % 4, i / 4) / 3.0 - 0.5);
+    patch.points[i] = glm::vec3(place * glm::dvec4(at, 0.0, 1.0));
+  }
+  return patch;
+}
+
 void add_overhead(SceneBuilder* builder, const CockpitMaterials& m) {
   const glm::dmat4 mirror = look_at_frame({0.0, 1.222, 0.125}, {-0.22, 1.265, 0.90});
   builder->add_part("interior_mirror_housing", make_rounded_box({0.245, 0.070, 0.030}, 0.0149, 2), m.piano,
                     mirror * translation(0, 0, -0.010));
-  builder->add_part("interior_mirror", make_rounded_box({0.232, 0.058, 0.006}, 0.0029, 2), m.mirror,
+  builder->add_part("interior_mirror_rim", make_rounded_box({0.236, 0.062, 0.006}, 0.0029, 2), m.piano,
                     mirror * translation(0, 0, 0.0035));
+  builder->add_patch(flat_patch("interior_mirror", mirror * translation(0, 0, 0.0068), {0.226, 0.052}, m.mirror));
   builder->add_part("interior_mirror_stem",
                     make_tube({{0.0, 1.232, 0.135}, {0.0, 1.252, 0.155}, {0.0, 1.272, 0.160}}, 0.009, 12, 8), m.hard);
   add_pair(builder, "sun_visor",

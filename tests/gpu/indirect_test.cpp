@@ -101,6 +101,57 @@ TEST_P(Indirect, RoomIsAsBrightAsThePathTracerSays) {
   }
 }
 
+/// A mirror in place of the wall that the camera looks at.
+TEST_P(Indirect, AMirrorShowsTheLightOfTheRoom) {
+  Scene scene = room();
+  Material metal;
+  metal.base_color = glm::vec4(0.95f, 0.95f, 0.95f, 1.0f);
+  metal.metallic = 1.0f;
+  metal.roughness = 0.01f;
+  scene.materials.push_back(metal);
+  BezierPatch patch;
+  patch.material = 2;
+  for (std::size_t i = 0; i < 16; ++i)
+    patch.points[i] = {2.0f * static_cast<float>(i % 4) / 3.0f - 1.0f, 2.0f * static_cast<float>(i / 4) / 3.0f - 1.0f,
+                       -0.9f};
+  Node node;
+  node.patch = 0;
+  scene.patches.push_back(patch);
+  scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+  scene.nodes.push_back(node);
+  const auto sky = test::sky_of(64, 32, [](const glm::dvec3& d) { return glm::dvec3(1.0, 1.0, 1.2) * (1.0 + d.y); });
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(sky);
+  FrameRequest request;
+  request.mode = GetParam();
+  request.reflections = "raytraced";
+  request.width = request.height = 40;
+  request.samples = 64;
+  request.camera = {.eye = {0.2f, -0.2f, 0.8f}, .target = {0.0f, -0.3f, -0.9f}, .fov_y_rad = 0.5f};
+  request.settings.set_from_text("shading.visibility", "baked");
+  request.settings.set_from_text("reflections.resolution", "full");
+  request.settings.set_from_text("reflections.samples", "256");
+  const auto draw = [&](const char* indirect) {
+    request.settings.set_from_text("shading.indirect", indirect);
+    EXPECT_TRUE(renderer.finish_background_work(request));
+    renderer.render(request);
+    EXPECT_TRUE(take_gl_errors().empty());
+    return mean(renderer.read_radiance());
+  };
+  const glm::dvec3 without = draw("none"), with = draw("baked");
+  PictureRequest traced;
+  traced.camera = request.camera;
+  traced.width = traced.height = 40;
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = sky}), traced);
+  picture.add(256);
+  const glm::dvec3 truth = mean(picture.mean());
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_LT(without[c], 0.85 * truth[c]) << c;
+    EXPECT_NEAR(with[c] / truth[c], 1.0, 0.07) << c;
+  }
+}
+
 /// Textures vary at 1e8 cycles per metre in a scene of a micrometre: the G-buffer's channels must hold that.
 TEST_P(Indirect, ScaleLeavesThePictureAsItIs) {
   const auto picture = [&](float scale) {

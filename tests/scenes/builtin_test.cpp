@@ -193,7 +193,7 @@ TEST(Cockpit, IsLifeSizeAndSymmetricEnough) {
 
 TEST(Cockpit, WindshieldIsConvexOutsideWithItsRake) {
   const Scene scene = build_builtin_scene("cockpit");
-  ASSERT_EQ(scene.patches.size(), 1u);
+  ASSERT_EQ(scene.patches.size(), 2u);  // and the interior mirror
   const BezierPatch& patch = scene.patches[0];
   EXPECT_TRUE(patch.reflector);
   EXPECT_EQ(scene.materials.at(static_cast<std::size_t>(patch.material)).transmission, 1.0f);

@@ -96,6 +96,7 @@ int MaterialStore::slot_of(const std::string& source) {
   entry.source = source;
   entry.hash = brdf.hash;
   entry.albedo = tables.albedo;
+  entry.bandwidth_limit = *std::max_element(tables.bandwidth.begin(), tables.bandwidth.end());
   entry.lobe_sr = effective_solid_angle(tables, 12);
   entries_.push_back(std::move(entry));
   return static_cast<int>(slot);

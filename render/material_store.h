@@ -17,6 +17,8 @@ class MaterialStore {
   /// Share of BRDF samples that balances a table's lobe against lights that cover `environment_sr` (effective solid
   /// angle).
   float brdf_share(int slot, float environment_sr) const;
+  /// The largest local bandwidth of a table, cycles/rad.
+  float bandwidth_limit(int slot) const { return entries_[static_cast<std::size_t>(slot)].bandwidth_limit; }
   /// Fitted when first asked for, from the table as the GPU has it: no file is read again.
   const GgxFit& ggx(int slot);
   const SgFit& sg(int slot);
@@ -34,6 +36,7 @@ class MaterialStore {
   struct Entry {
     std::string source;
     float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
+    float bandwidth_limit = 0.0f;
     GgxFit ggx;
     SgFit sg;
     std::uint64_t hash = 0;  ///< of the table: key of its fits in the disk cache

@@ -83,11 +83,12 @@ void Renderer::set_material(const std::string& material_name, const std::string&
 
 void Renderer::Impl::upload_materials() {
   slots.clear();
-  std::vector<float> shares;
+  std::vector<float> shares, limits;
   const float environment_sr = environment ? environment->effective_sr() : 12.566f;
   for (const Material& m : effective) {
     const int slot = m.measured.empty() ? -1 : materials.slot_of(m.measured);
     slots.push_back(slot);
+    limits.push_back(slot < 0 ? 0.0f : materials.bandwidth_limit(slot));
     if (slot >= 0) {
       shares.push_back(materials.brdf_share(slot, environment_sr));
     } else {
@@ -97,7 +98,8 @@ void Renderer::Impl::upload_materials() {
   }
   slots.push_back(-1);
   shares.push_back(0.5f);
-  if (buffers->update_materials(effective, slots, shares)) ++surface_epoch;
+  limits.push_back(0.0f);
+  if (buffers->update_materials(effective, slots, shares, limits)) ++surface_epoch;
 }
 
 void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {

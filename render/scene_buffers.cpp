@@ -127,7 +127,7 @@ void SceneBuffers::build_textures(const Scene& scene) {
 }
 
 bool SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
-                                    const std::vector<float>& brdf_shares) {
+                                    const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits) {
   constexpr std::uint32_t kNone = 0xffffffffu;
   base_color_textures_.clear();
   std::vector<glm::uvec4> words, surface_words;
@@ -160,8 +160,9 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     words.push_back(bits(m.clearcoat, m.clearcoat_roughness, m.specular, m.transmission));
     words.push_back(bits(m.specular_color.r, m.specular_color.g, m.specular_color.b, m.sheen_roughness));
     words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, std::bit_cast<float>(list[4])));
-    words.emplace_back(flags, static_cast<std::uint32_t>(std::max(slot, 0)),
-                       std::bit_cast<std::uint32_t>(brdf_shares[i]), list[5]);
+    words.emplace_back(flags | glm::packHalf2x16({0.0f, bandwidth_limits[i]}),
+                       static_cast<std::uint32_t>(std::max(slot, 0)), std::bit_cast<std::uint32_t>(brdf_shares[i]),
+                       list[5]);
     words.emplace_back(list[0], list[1], list[2], list[3]);
     // All of a record but which table is measured, and what draw_gbuffer asks of the material itself.
     surface_words.insert(surface_words.end(), words.end() - 8, words.end());

@@ -4,6 +4,7 @@ layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
+#include "shared/bandwidth.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
 struct List {
@@ -15,6 +16,17 @@ layout(std430, binding = 4) writeonly buffer AnalyticPixels { uint b_analytic[];
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;
 
+/// Cycles/rad up to which a lobe is broad: no more than a third of a cycle over 8 degrees. The library's leathers, fabrics, matte plastics and
+/// rubbers lie below (at most 2.3), satin wood, paints and metals above.
+const float kBroad = 2.5;
+
+bool is_broad(uvec4 surface, uint flags, bool measured) {
+  float roughness = float(surface.z & 255u) * (1.0 / 255.0);
+  bool coated = ((surface.z >> 8u) & 255u) != 0u;
+  return measured ? unpackHalf2x16(flags).y <= kBroad
+                  : bandwidth_ggx(max(roughness * roughness, 1e-3)) <= kBroad && !coated;
+}
+
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;
   int id = int(linear_id());
@@ -22,7 +34,7 @@ void main() {
   if (tile.x < 0) return;
   ivec2 corner = kTile / 2 * tile + 2 * ivec2(id & 1, (id >> 1) & 1);
   uint pixels[4];
-  uint measured_count = 0u, analytic_count = 0u;
+  uint measured_count = 0u, analytic_count = 0u, first_material = 0xffffffffu;
   for (int k = 0; k < 4; ++k) {
     ivec2 quad = corner + ivec2(k & 1, k >> 1);
     pixels[k] = 0xffffffffu;
@@ -33,14 +45,18 @@ void main() {
       ivec2 q = min(2 * quad + ivec2(i & 1, i >> 1), u_frame.size.xy - 1);
       if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
     }
-    // With several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp).
-    if (u_frame.size.z > 1 && ((quad.x | quad.y) & 1) != 0) pixel.x = -1;
+    uvec4 surface = texelFetch(t_surface, max(pixel, ivec2(0)), 0);
+    uint material = surface.z >> 16u, flags = material_words(int(material), 6).x;
+    bool measured = (flags & kMaterialMeasured) != 0u;
+    // With several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp). So it is where nothing sharp can be
+    // seen and the block is of one material.
+    if (k == 0 && pixel.x >= 0) first_material = material;
+    if (k > 0 && (u_frame.size.z > 1 || (material == first_material && is_broad(surface, flags, measured)))) pixel.x = -1;
     if (pixel.x < 0) {
       imageStore(o_energy, quad, vec4(0.0));
       imageStore(o_moments, quad, vec4(0.0));
       continue;
     }
-    bool measured = (material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialMeasured) != 0u;
     measured_count += measured ? 1u : 0u;
     analytic_count += measured ? 0u : 1u;
     pixels[k] = uint(pixel.x) | (uint(pixel.y) << 16u) | (measured ? 0u : 0x80000000u);

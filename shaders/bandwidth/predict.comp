@@ -11,6 +11,7 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
+#include "shared/bandwidth.glsl"
 #define POINTS_SORTED
 #include "shading/point.glsl"
 #if SHADOWED == 2
@@ -53,11 +54,6 @@ float environment_bandwidth(vec3 d) {
   return texelFetch(t_environment_bandwidth, p.y * size.x + p.x).x;
 }
 
-/// Lobe bandwidth of GGX around its peak in cycles per radian of direction: the 95 % box of the lobe D(h) seen over wi, fitted to
-/// wavelet bandwidths of tabulated lobes (tests/render). A Lambert lobe changes over the half sphere: kLambertNu.
-const float kLambertNu = 0.35;
-float ggx_nu(float alpha) { return 0.16 / alpha + kLambertNu; }
-
 float brdf_bandwidth(Point p, vec3 wi) {
 #if MEASURED
   vec3 c = merl_coordinates(wi, p.wo);
@@ -67,7 +63,7 @@ float brdf_bandwidth(Point p, vec3 wi) {
   AnalyticLobes f = evaluate_analytic(p.analytic, wi, p.wo);
   float total = max(luminance(f.total), 1e-12);
   float rest = max(total - f.specular - f.coat, 0.0);
-  return (f.specular * ggx_nu(p.analytic.alpha) + f.coat * ggx_nu(p.analytic.coat_alpha) + rest * kLambertNu) / total;
+  return (f.specular * bandwidth_ggx(p.analytic.alpha) + f.coat * bandwidth_ggx(p.analytic.coat_alpha) + rest * kBandwidthLambert) / total;
 #endif
 }
 

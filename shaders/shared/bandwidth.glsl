@@ -33,3 +33,8 @@ float bandwidth_one_bounce(float nu_theta, float curvature, float nu_surface, fl
   b = bandwidth_curvature(b, curvature);
   return bandwidth_at_pixel(b, pixel_angle, footprint_m);
 }
+
+/// Lobe bandwidth of GGX around its peak in cycles per radian of direction: the 95 % box of the lobe D(h) seen over wi, fitted to
+/// wavelet bandwidths of tabulated lobes (tests/render). A Lambert lobe changes over the half sphere: kBandwidthLambert.
+const float kBandwidthLambert = 0.35f;
+float bandwidth_ggx(float alpha) { return 0.16f / alpha + kBandwidthLambert; }

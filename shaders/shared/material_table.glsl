@@ -8,7 +8,7 @@ vec4 material_floats(int material, int texel) {
 }
 // Texel 0: base colour rgb, alpha cutoff. 1: metallic, roughness, normal scale, occlusion strength. 2: emission rgb, ior.
 // 3: clearcoat, coat roughness, specular, transmission. 4: specular colour rgb, sheen roughness. 5: sheen rgb, fifth texture.
-// 6: flags, BRDF slot, BRDF sample share (float), sixth texture. 7: first four textures.
+// 6: flags and (upper half, as a half float) the largest bandwidth of the measured table in cycles/rad, BRDF slot, BRDF sample share (float), sixth texture. 7: first four textures.
 // A texture is its record's index with its role in the upper half; the list ends with kNoTexture.
 const uint kNoTexture = 0xffffffffu;
 const uint kRoleBaseColor = 0u, kRoleMetallicRoughness = 1u, kRoleNormal = 2u, kRoleEmissive = 3u, kRoleOcclusion = 4u,

@@ -21,7 +21,6 @@ struct Part {
   Figures (*measure)(Stage&);
 };
 constexpr Part kParts[] = {
-    {"hack", "", measure_hack},
     {"correct", "uniform against direct quadrature", measure_correct},
     {"research", "time to 2 % under Grace Cathedral, four measured tables", measure_research},
     {"converged", "what the converged pictures' own noise is, and that `uniform` tends to them", measure_converged},
@@ -31,6 +30,7 @@ constexpr Part kParts[] = {
     {"multisampling", "cost of 4 samples a pixel", measure_multisampling},
     {"interactive", "turning light, first frame, swaps", measure_interactive},
     {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},
+    {"reflection-frames", "reflector techniques: time, growth with the scene, outlines", measure_reflection_frames},
     {"octree", "octrees: building, walking against Embree, what they hide", measure_octree},
     {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin", measure_path_tracer},
     {"scaling", "cost against pixels and against samples", measure_scaling},

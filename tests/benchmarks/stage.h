@@ -106,7 +106,6 @@ std::vector<Case> quality_cases(const Options& options);
 /// Paths of MERL tables of the data, expanded into the scratch folder; throws Error when that fails.
 std::vector<std::string> expand_tables(const Options& options, const std::vector<std::string>& names);
 
-Figures measure_hack(Stage& stage);
 Figures measure_correct(Stage& stage);
 Figures measure_converged(Stage& stage);
 Figures measure_progressive(Stage& stage);
@@ -117,6 +116,7 @@ Figures measure_multisampling(Stage& stage);
 Figures measure_interactive(Stage& stage);
 Figures measure_scaling(Stage& stage);
 Figures measure_reflections(Stage& stage);
+Figures measure_reflection_frames(Stage& stage);
 Figures measure_octree(Stage& stage);
 Figures measure_path_tracer(Stage& stage);
 

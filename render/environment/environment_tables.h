@@ -37,10 +37,13 @@ struct EnvironmentCell {
   double position;  ///< in [0, 1]
 };
 EnvironmentCell find_environment_cell(const float* cdf, std::size_t count, double u);
-/// Direction of a point of the map: column position `x` (texels), and `t` in [0, 1] of its row by solid angle.
-EnvironmentDirection environment_direction(const EnvironmentTables& tables, std::size_t row, double x, double t);
-
+/// A point of the map: column position `x` (texels, below the width), and `t` in [0, 1] of its row by solid angle.
+struct EnvironmentPoint {
+  std::size_t row = 0;
+  double x = 0.0, t = 0.0;
+};
 /// What the importance tables make of u, v in [0, 1)^2. The environment must not be black.
+EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, double u, double v);
 EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v);
 
 /// One light sample: a direction and one of the four texels around it. Light of a direction is the mean of its texels

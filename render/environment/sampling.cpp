@@ -54,7 +54,17 @@ EnvironmentCell find_environment_cell(const float* cdf, std::size_t count, doubl
   return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
 }
 
-EnvironmentDirection environment_direction(const EnvironmentTables& tables, std::size_t row, double x, double t) {
+EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, double u, double v) {
+  const auto width = static_cast<std::size_t>(tables.width);
+  const EnvironmentCell row =
+      find_environment_cell(tables.marginal_cdf.data(), static_cast<std::size_t>(tables.height), v);
+  const EnvironmentCell column = find_environment_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
+  // A position of 1 stays in its own column.
+  return {row.index, static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position};
+}
+
+EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v) {
+  const auto [row, x, t] = sample_environment_point(tables, u, v);
   const auto width = static_cast<double>(tables.width), height = static_cast<double>(tables.height);
   // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
   const double top = std::cos(kPi * static_cast<double>(row) / height);
@@ -62,20 +72,10 @@ EnvironmentDirection environment_direction(const EnvironmentTables& tables, std:
   const double y = std::clamp(top + (bottom - top) * t, -1.0, 1.0);
   const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
   const double longitude = kPi - 2.0 * kPi * x / width;
-  const auto column = static_cast<std::size_t>(std::min(x, width - 1.0));
+  const auto column = static_cast<std::size_t>(x);
   return {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
           tables.density[row * static_cast<std::size_t>(tables.width) + column], static_cast<float>(x),
           static_cast<float>(std::acos(y) / kPi * height)};
-}
-
-EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v) {
-  const auto width = static_cast<std::size_t>(tables.width);
-  const EnvironmentCell row =
-      find_environment_cell(tables.marginal_cdf.data(), static_cast<std::size_t>(tables.height), v);
-  const EnvironmentCell column = find_environment_cell(&tables.conditional_cdf[row.index * (width + 1)], width, u);
-  // A position of 1 stays in its own column.
-  return environment_direction(tables, row.index,
-                               static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position);
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "render/low_discrepancy.h"
 
@@ -32,6 +33,7 @@ class ImportanceSums {
   std::vector<double> sums_;
 };
 
+constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kMostUseful = 255;  ///< fixed point of the recorded squares
 constexpr float kPlainShare = 0.1f;         ///< of every cell's probability
 /// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
@@ -42,6 +44,7 @@ constexpr float kCellAngle = 0.12f;
 }  // namespace
 
 EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : width_(tables.width) {
+  for (int y = 0; y <= tables.height; ++y) row_sines_.push_back(std::cos(kPi * y / tables.height));
   const ImportanceSums sums(tables);
   const auto make = [&](int x0, int y0, int x1, int y1) {
     Leaf leaf{x0, y0, x1, y1, 0.0f, {}};
@@ -70,25 +73,35 @@ EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : wi
   leaf_map_.resize(static_cast<std::size_t>(tables.width) * static_cast<std::size_t>(tables.height));
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     Leaf& leaf = leaves_[i];
-    leaf.rows.push_back(0.0f);
+    leaf.rows.push_back(0.0);
     for (int y = leaf.y0; y < leaf.y1; ++y) {
-      leaf.rows.push_back(static_cast<float>(sums.over(leaf.x0, leaf.y0, leaf.x1, y + 1) /
-                                             std::max(sums.over(leaf.x0, leaf.y0, leaf.x1, leaf.y1), 1e-300)));
+      leaf.rows.push_back(sums.over(leaf.x0, leaf.y0, leaf.x1, y + 1) /
+                          std::max(sums.over(leaf.x0, leaf.y0, leaf.x1, leaf.y1), 1e-300));
       std::fill_n(leaf_map_.begin() + y * tables.width + leaf.x0, leaf.x1 - leaf.x0, static_cast<std::uint8_t>(i));
     }
   }
 }
 
-EnvironmentDirection EnvironmentPartition::sample(const EnvironmentTables& tables, int leaf, double u, double v) const {
+EnvironmentPoint EnvironmentPartition::sample(const EnvironmentTables& tables, int leaf, double u, double v) const {
   const Leaf& l = leaves_[static_cast<std::size_t>(leaf)];
-  const EnvironmentCell row = find_environment_cell(l.rows.data(), l.rows.size() - 1, v);
+  const auto after = std::upper_bound(l.rows.begin() + 1, l.rows.end() - 1, v);
+  const EnvironmentCell row{static_cast<std::size_t>(after - l.rows.begin()) - 1,
+                            std::clamp((v - after[-1]) / std::max(*after - after[-1], 1e-300), 0.0, 1.0)};
   const std::size_t y = static_cast<std::size_t>(l.y0) + row.index;
   const float* columns = &tables.conditional_cdf[y * (static_cast<std::size_t>(tables.width) + 1)] + l.x0;
   const auto count = static_cast<std::size_t>(l.x1 - l.x0);
   const double begin = columns[0], end = columns[count];
   const EnvironmentCell column = find_environment_cell(columns, count, begin + u * (end - begin));
-  return environment_direction(
-      tables, y, l.x0 + static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position);
+  return {y, l.x0 + static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position};
+}
+
+glm::vec3 EnvironmentPartition::direction(const EnvironmentPoint& point) const {
+  // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
+  const double top = row_sines_[point.row], bottom = row_sines_[point.row + 1];
+  const double y = std::clamp(top + (bottom - top) * point.t, -1.0, 1.0);
+  const auto r = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - y * y)));
+  const auto longitude = static_cast<float>(kPi - 2.0 * kPi * point.x / width_);
+  return {std::sin(longitude) * r, static_cast<float>(y), std::cos(longitude) * r};
 }
 
 LightGuide::LightGuide(const EnvironmentPartition& partition, const glm::vec3& eye, float scene_radius)
@@ -117,18 +130,19 @@ std::uint32_t LightGuide::cell_of(const glm::vec3& position, const glm::vec3& no
 }
 
 int LightGuide::choose_leaf(std::uint32_t cell, float* u) const {
-  const float* begin = &cumulative_[at(cell, 0)];
-  const float* found = std::upper_bound(begin, begin + leaves_ - 1, *u);
-  const float before = found == begin ? 0.0f : found[-1];
-  *u = std::clamp((*u - before) / std::max(*found - before, 1e-20f), 0.0f, 0x1.fffffep-1f);
-  return static_cast<int>(found - begin);
+  const float scaled = *u * 65536.0f;
+  const auto value = static_cast<std::uint16_t>(scaled);
+  const std::uint16_t* shares = &cumulative_[at(cell, 0)];
+  std::uint16_t leaf = 0;  // all are compared: no branch to predict
+  for (int i = 0; i + 1 < leaves_; ++i) leaf = static_cast<std::uint16_t>(leaf + (shares[i] <= value ? 1 : 0));
+  const float before = leaf == 0 ? 0.0f : static_cast<float>(shares[leaf - 1]);
+  *u = std::min((scaled - before) / static_cast<float>(std::max(share(cell, leaf), 1u)), 0x1.fffffep-1f);
+  return leaf;
 }
 
 float LightGuide::gain(std::uint32_t cell, int leaf) const {
-  const std::size_t i = at(cell, leaf);
-  const float own = leaf == 0 ? cumulative_[i] : cumulative_[i] - cumulative_[i - 1];
   const float plain = partition_.probability(leaf);
-  return plain > 0.0f ? own / plain : 0.0f;
+  return plain > 0.0f ? static_cast<float>(share(cell, leaf)) * 0x1p-16f / plain : 0.0f;
 }
 
 void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
@@ -139,6 +153,8 @@ void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
 }
 
 void LightGuide::learn() {
+  if (!learning()) return;
+  ++lessons_;
   tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
     const auto* first = &tries_[at(cell, 0)];
     if (std::any_of(first, first + leaves_, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
@@ -158,11 +174,22 @@ void LightGuide::learn_cell(std::uint32_t cell) {
     weights[static_cast<std::size_t>(leaf)] = partition_.probability(leaf) * std::sqrt(square / rays);
     sum += weights[static_cast<std::size_t>(leaf)];
   }
-  float cumulative = 0.0f;
+  // At least one unit for every leaf with light, so that none is left out.
+  double total = 0.0;
+  int lit = 0;
   for (int leaf = 0; leaf < leaves_; ++leaf) {
-    const float guided = sum > 0.0f ? weights[static_cast<std::size_t>(leaf)] / sum : partition_.probability(leaf);
-    cumulative += (1.0f - kPlainShare) * guided + kPlainShare * partition_.probability(leaf);
-    cumulative_[at(cell, leaf)] = cumulative;
+    const float plain = partition_.probability(leaf);
+    float& weight = weights[static_cast<std::size_t>(leaf)];
+    weight = (1.0f - kPlainShare) * (sum > 0.0f ? weight / sum : plain) + kPlainShare * plain;
+    total += static_cast<double>(weight);
+    lit += plain > 0.0f ? 1 : 0;
+  }
+  double running = 0.0;
+  std::uint32_t before = 0;
+  for (int leaf = 0; leaf + 1 < leaves_; ++leaf) {
+    running += static_cast<double>(weights[static_cast<std::size_t>(leaf)]) / total * (65536.0 - lit);
+    before += partition_.probability(leaf) > 0.0f ? 1 : 0;
+    cumulative_[at(cell, leaf)] = static_cast<std::uint16_t>(static_cast<std::uint32_t>(running) + before);
   }
 }
 

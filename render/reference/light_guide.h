@@ -20,16 +20,20 @@ class EnvironmentPartition {
   /// Probability of the leaf under the tables' own importance.
   float probability(int leaf) const { return leaves_[static_cast<std::size_t>(leaf)].probability; }
   int leaf_at(int x, int y) const { return leaf_map_[static_cast<std::size_t>(y * width_ + x)]; }
-  /// Direction within a leaf, by importance; `pdf` as if the leaf had its own probability (EnvironmentTables::density).
-  EnvironmentDirection sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
+  /// Point within a leaf, by importance: the density is EnvironmentTables::density where the leaf has its own
+  /// probability.
+  EnvironmentPoint sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
+  /// Unit direction of a point, in the map's frame.
+  glm::vec3 direction(const EnvironmentPoint& point) const;
 
  private:
   struct Leaf {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< texels, ends exclusive
     float probability = 0.0f;
-    std::vector<float> rows;  ///< [y1 - y0 + 1] cumulative
+    std::vector<double> rows;  ///< [y1 - y0 + 1] cumulative
   };
   int width_ = 0;
+  std::vector<double> row_sines_;  ///< [height + 1] of the latitude of the rows' edges
   std::vector<Leaf> leaves_;
   std::vector<std::uint8_t> leaf_map_;  ///< [height][width]
 };
@@ -53,6 +57,8 @@ class LightGuide {
   int choose_leaf(std::uint32_t cell, float* u) const;
   /// Probability of the leaf in this cell over its plain one.
   float gain(std::uint32_t cell, int leaf) const;
+  /// Whether records still matter: places have seen enough after some passes.
+  bool learning() const { return lessons_ < kLessons; }
   /// One shadow ray: `useful` is cosine times transmittance, in [0, 1]. Thread-safe.
   void record(std::uint32_t cell, int leaf, float useful);
   /// Takes what was recorded into the probabilities. Not while others use the guide.
@@ -60,6 +66,13 @@ class LightGuide {
 
  private:
   static constexpr std::uint32_t kCells = 1u << 15;
+  static constexpr int kLessons = 7;  ///< the last one after 64 paths
+  /// Of a leaf, in units of 2^-16.
+  std::uint32_t share(std::uint32_t cell, int leaf) const {
+    const std::size_t i = at(cell, leaf);
+    const std::uint32_t end = leaf + 1 == leaves_ ? 0x10000u : cumulative_[i];
+    return leaf == 0 ? end : end - cumulative_[i - 1];
+  }
   std::size_t at(std::uint32_t cell, int leaf) const {
     return static_cast<std::size_t>(cell) * static_cast<std::size_t>(leaves_) + static_cast<std::size_t>(leaf);
   }
@@ -69,8 +82,10 @@ class LightGuide {
   glm::vec3 eye_;
   float finest_m_;
   int leaves_;
+  int lessons_ = 0;
   std::vector<std::atomic<std::uint32_t>> tries_, useful_;  ///< [cell][leaf]
-  std::vector<float> cumulative_;                           ///< [cell][leaf] inclusive
+  /// [cell][leaf] inclusive, in units of 2^-16 (the last one, 2^16, is cut to one less): draws and densities are exact.
+  std::vector<std::uint16_t> cumulative_;
 };
 
 }  // namespace maquette

@@ -27,24 +27,29 @@ glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::ui
 
 LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
   LightDraw draw;
-  if (environment_.black) return draw;
-  float along = u.x, gain = 1.0f;
-  if (cell != LightGuide::kNoCell) {
-    draw.leaf = guide_->choose_leaf(cell, &along);
-    gain = guide_->gain(cell, draw.leaf);
-  }
-  const EnvironmentDirection s = draw.leaf >= 0
-                                     ? environment_.partition->sample(environment_.tables, draw.leaf, along, u.y)
-                                     : sample_environment_direction(environment_.tables, along, u.y);
-  draw.direction = shared::latlong_turn(s.direction, cosine_, sine_);
   draw.distance = 3.4e38f;
-  draw.radiance = environment_.look_up(s.direction).radiance * scale_;
-  draw.pdf = s.pdf * gain;
+  EnvironmentPoint point;
+  if (cell == LightGuide::kNoCell) {
+    point = sample_environment_point(environment_.tables, u.x, u.y);
+  } else {
+    float along = u.x;
+    draw.leaf = guide_->choose_leaf(cell, &along);
+    point = environment_.partition->sample(environment_.tables, draw.leaf, along, u.y);
+  }
+  draw.direction = shared::latlong_turn(environment_.partition->direction(point), cosine_, sine_);
+  draw.texel = static_cast<int>(point.row) * environment_.tables.width + static_cast<int>(point.x);
   return draw;
 }
 
+void EnvironmentLight::fill(LightDraw* draw, std::uint32_t cell) const {
+  const glm::vec3 own = shared::latlong_turn(draw->direction, cosine_, -sine_);
+  draw->radiance = environment_.look_up(own).radiance * scale_;
+  draw->pdf = environment_.texels[static_cast<std::size_t>(draw->texel)].w;
+  if (cell != LightGuide::kNoCell) draw->pdf *= guide_->gain(cell, draw->leaf);
+}
+
 void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float useful) const {
-  if (cell != LightGuide::kNoCell && draw.leaf >= 0) guide_->record(cell, draw.leaf, useful);
+  if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, draw.leaf, useful);
 }
 
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, float choice, const glm::vec2& u,

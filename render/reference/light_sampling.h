@@ -6,12 +6,15 @@
 namespace maquette {
 
 /// A direction towards light, drawn by importance. What it brings: f cos radiance / pdf, times what comes through.
+/// Directions of the environment come without radiance and pdf, which wait in memory that a blocked ray need not touch:
+/// EnvironmentLight::fill reads them.
 struct LightDraw {
   glm::vec3 direction{0.0f};  ///< world, unit
   float distance = 0.0f;      ///< m; infinite for the environment
   glm::vec3 radiance{0.0f};   ///< cd/m2; for lights without extent lux, with pdf the probability of choosing the light
   float pdf = 0.0f;           ///< 1/sr; 0: nothing was drawn
   bool has_extent = true;     ///< BRDF samples can hit it
+  int texel = -1;             ///< of the environment, whose density this direction was drawn with
   int leaf = -1;              ///< of the environment's partition, where a guide drew
 };
 
@@ -23,7 +26,10 @@ class EnvironmentLight {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
   /// cd/m2 of a world direction (unit), and 1/sr with which `draw` gives it in this cell.
   glm::vec4 radiance_and_density(const glm::vec3& world, std::uint32_t cell = LightGuide::kNoCell) const;
+  /// Direction and distance only.
   LightDraw draw(const glm::vec2& u, std::uint32_t cell = LightGuide::kNoCell) const;
+  /// Radiance and pdf of what `draw` gave in this cell.
+  void fill(LightDraw* draw, std::uint32_t cell = LightGuide::kNoCell) const;
   /// Tells the guide what became of a draw: cosine times transmittance.
   void record(const LightDraw& draw, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }

@@ -15,7 +15,9 @@ glm::vec3 balanced(const glm::vec3& value, float pdf, float other) { return valu
 glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,
                              std::uint32_t dimension, const SurfacePoint& p) {
   glm::vec3 sum(0.0f);
-  if (const LightDraw light = environment.draw(sampler.pair(dimension)); light.pdf > 0.0f) {
+  if (!environment.black()) {
+    LightDraw light = environment.draw(sampler.pair(dimension));
+    environment.fill(&light);
     const glm::vec3 wi = p.to_local(light.direction);
     const Scattering s = evaluate_scattering(p, wi);
     if (wi.z > 0.0f) sum += balanced(s.f * wi.z * light.radiance, light.pdf, s.pdf);

@@ -159,28 +159,28 @@ class FullPath {
         environment_.record(light, cell_, add_light(p, light, static_cast<float>(shadow_rays_)));
       }
     }
-    if (!scene_.lights.lights.empty())
-      add_light(p,
-                draw_scene_light(scene_, p.position, sampler_.single(dimension(kLightChoice)),
-                                 sampler_.pair(dimension(kLight)), false),
-                1.0f);
+    if (scene_.lights.lights.empty()) return;
+    const LightDraw light = draw_scene_light(scene_, p.position, sampler_.single(dimension(kLightChoice)),
+                                             sampler_.pair(dimension(kLight)), false);
+    if (light.pdf > 0.0f) add_light(p, light, 1.0f);
   }
 
   /// One of `count` shadow rays of the same kind. Returns cosine times transmittance.
-  float add_light(const SurfacePoint& p, const LightDraw& light, float count) {
-    if (!(light.pdf > 0.0f) || glm::dot(light.direction, p.normal) <= 0.0f) return 0.0f;
+  float add_light(const SurfacePoint& p, LightDraw light, float count) {
+    if (glm::dot(light.direction, p.normal) <= 0.0f) return 0.0f;
     const glm::vec3 wi = p.to_local(light.direction);
     if (wi.z <= 0.0f) return 0.0f;
-    const Scattering s = evaluate_scattering(p, wi);
-    const float density = count * light.pdf + (light.has_extent ? s.pdf : 0.0f);
-    const glm::vec3 value = weight_ * s.f * light.radiance * (wi.z / density);
-    if (!(largest(value) > 0.0f)) return 0.0f;
     Ray ray{offset_from_surface(p.position, p.error, p.normal), light.direction, 0.0f, light.distance};
     // Short of a near light by the rounding of its distance and of the direction.
     if (light.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
     const glm::vec3 through = transmittance(scene_, ray);
-    result_.radiance += value * through;
+    // What is blocked needs no shading.
+    if (through == glm::vec3(0.0f)) return 0.0f;
+    if (light.texel >= 0) environment_.fill(&light, cell_);
+    const Scattering s = evaluate_scattering(p, wi);
+    const float density = count * light.pdf + (light.has_extent ? s.pdf : 0.0f);
+    if (density > 0.0f) result_.radiance += weight_ * s.f * light.radiance * through * (wi.z / density);
     return wi.z * largest(through);
   }
 

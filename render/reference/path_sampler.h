@@ -21,8 +21,8 @@ struct PathSampler {
             to_unit(reverse_bits(owen_scramble_reversed(sobol_second_reversed(i), key * 0x85ebca6bu + 2u)))};
   }
   float single(std::uint32_t dimension) const {
-    // Shuffled like the pairs, by a key of its own: two scrambled copies of one sequence in the same order lie on a curve in their plane,
-    // and a pixel whose choices do so never converges, whatever the number of paths.
+    // Shuffled like the pairs, by a key of its own: two scrambled copies of one sequence in the same order lie on a
+    // curve in their plane, and a pixel whose choices do so never converges, whatever the number of paths.
     const std::uint32_t key = mix_seed(seed ^ 0x5bd1e995u, dimension);
     const std::uint32_t i = owen_scramble(index, key);
     return to_unit(reverse_bits(owen_scramble_reversed(i, key * 0xc2b2ae35u + 3u)));

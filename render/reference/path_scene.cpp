@@ -1,7 +1,8 @@
 #include "render/reference/path_scene.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 
 #include "render/material_overrides.h"
@@ -50,19 +51,42 @@ int material_index(const Scene& scene, const DrawItem& item, int variant) {
   return index < 0 || index > count ? count : index;
 }
 
+/// Squares of tiny edges leave float's range: the cross product of edges scaled by their largest coordinate.
+glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
+  const float scale = std::max(shared::light_largest(e1), shared::light_largest(e2));
+  const glm::vec3 c = scale > 0.0f ? glm::cross(e1 / scale, e2 / scale) : glm::vec3(0.0f);
+  const float length = glm::length(c);
+  return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
+}
+
+std::vector<TracedTriangle> gather_triangles(const FlatGeometry& geometry) {
+  std::vector<TracedTriangle> triangles(geometry.indices.size() / 3);
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+    TracedTriangle& t = triangles[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      t.positions[k] = geometry.positions[geometry.indices[3 * i + k]];
+      t.normals[k] = geometry.normals[geometry.indices[3 * i + k]];
+    }
+    t.geometric = unit_cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]);
+  });
+  return triangles;
+}
+
 /// Gives every triangle its material and the mesh of the ray tracer that it belongs to.
 void assign_triangles(const PathSceneInput& input, PathScene* scene) {
   scene->triangle_material.assign(scene->geometry.indices.size() / 3, 0);
   for (const DrawItem& item : scene->geometry.items) {
     const auto material = static_cast<std::uint32_t>(material_index(input.scene, item, input.variant));
     const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
-    const TracedMaterial& m = scene->materials[material];
+    TracedMaterial& m = scene->materials[material];
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
     const std::size_t mesh = m.pane > 0.0f || m.masked || m.blended ? 1 : 0;
     for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
       scene->triangle_material[i] = material | sides;
       if (visible) scene->mesh_triangles[mesh].push_back(i);
     }
+    const glm::vec4* colors = scene->geometry.colors.data() + item.first_vertex;
+    m.colored |= std::any_of(colors, colors + item.vertex_count, [](const auto& c) { return c != glm::vec4(1.0f); });
     for (std::uint32_t v = item.first_vertex; visible && v < item.first_vertex + item.vertex_count; ++v) {
       scene->bounds.min = glm::min(scene->bounds.min, scene->geometry.positions[v]);
       scene->bounds.max = glm::max(scene->bounds.max, scene->geometry.positions[v]);
@@ -112,6 +136,7 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
   for (std::size_t i = 0; i < input.scene.materials.size(); ++i)
     scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, library));
   scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), library));
+  scene->triangles = gather_triangles(scene->geometry);
   assign_triangles(input, scene.get());
   scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
   if (!scene->lights.lights.empty()) {

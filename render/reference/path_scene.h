@@ -38,6 +38,7 @@ struct TracedMaterial {
   Material values;
   std::array<int, kTextureRoles> textures{};  ///< in the atlas, -1: none
   bool textured = false;                      ///< any of them
+  bool colored = false;                       ///< vertex colours other than 1
   std::shared_ptr<const MeasuredMaterial> measured;
   float pane = 0.0f;     ///< share that is a thin pane
   bool masked = false;   ///< cut out by its texture's alpha
@@ -73,6 +74,12 @@ struct EmbreeRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
 
+/// What every hit needs of its triangle, side by side in memory.
+struct TracedTriangle {
+  std::array<glm::vec3, 3> positions, normals;
+  glm::vec3 geometric;  ///< unit normal by winding
+};
+
 /// Flag in PathScene::triangle_material: the camera sees the back too.
 inline constexpr std::uint32_t kBothSides = 0x80000000u;
 
@@ -80,7 +87,8 @@ struct PathScene {
   FlatGeometry geometry;
   Bounds bounds;
   std::vector<TracedMaterial> materials;         ///< the last one is glTF's default
-  std::vector<std::uint32_t> triangle_material;  ///< [triangle of the geometry], with kBothSides
+  std::vector<TracedTriangle> triangles;         ///< [triangle of the geometry]
+  std::vector<std::uint32_t> triangle_material;  ///< [triangle], with kBothSides
   std::vector<std::uint32_t> triangle_light;     ///< [triangle] light of the list, kNoTriangle: none; may be empty
   TextureAtlas atlas;
   LightList lights;

@@ -27,14 +27,6 @@ Corners corners_of(const PathScene& scene, std::uint32_t triangle, const glm::ve
   return {scene.corners(triangle), 1.0f - b.x - b.y, b.x, b.y};
 }
 
-/// Squares of tiny edges leave float's range: the cross product of edges scaled by their largest coordinate.
-glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
-  const float scale = std::max(shared::light_largest(e1), shared::light_largest(e2));
-  const glm::vec3 c = scale > 0.0f ? glm::cross(e1 / scale, e2 / scale) : glm::vec3(0.0f);
-  const float length = glm::length(c);
-  return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
-}
-
 struct Footprint {
   glm::vec2 dx{0.0f}, dy{0.0f};  ///< of the barycentrics, to the neighbouring pixels
 };
@@ -116,16 +108,22 @@ glm::vec3 local_view(const SurfacePoint& p, const glm::vec3& view) {
   return glm::normalize(wo);
 }
 
-glm::vec3 interpolated_unit_normal(const PathScene& scene, const Corners& corners, const glm::vec3& geometric) {
-  return shared::interpolated_normal(corners.mix(scene.geometry.normals), geometric);
+glm::vec3 interpolated_unit_normal(const TracedTriangle& t, const Corners& c) {
+  return shared::interpolated_normal(t.normals[0] * c.b0 + t.normals[1] * c.b1 + t.normals[2] * c.b2, t.geometric);
+}
+
+/// Base colour before textures.
+glm::vec3 plain_color(const PathScene& scene, const TracedMaterial& m, const Corners& c) {
+  const glm::vec3 color(m.values.base_color);
+  return m.colored ? color * glm::vec3(c.mix(scene.geometry.colors)) : color;
 }
 
 }  // namespace
 
 SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options) {
   const Corners c = corners_of(scene, hit.triangle, hit.barycentric);
-  const glm::vec3 &p0 = scene.geometry.positions[c.index[0]], &p1 = scene.geometry.positions[c.index[1]],
-                  &p2 = scene.geometry.positions[c.index[2]];
+  const TracedTriangle& corner = scene.triangles[hit.triangle];
+  const auto& [p0, p1, p2] = corner.positions;
   SurfacePoint p;
   p.triangle = hit.triangle;
   p.material = &scene.material_of(hit.triangle);
@@ -135,18 +133,17 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
   const glm::vec3 magnitude = glm::abs(p0 * c.b0) + glm::abs(p1 * c.b1) + glm::abs(p2 * c.b2);
   p.error = glm::vec3(shared::light_largest(magnitude) * kPositionError);
   const glm::vec3 view = -glm::normalize(ray.direction);
-  const glm::vec3 geometric = unit_cross(p1 - p0, p2 - p0);
-  p.front = glm::dot(geometric, view) >= 0.0f;
-  p.normal = p.front ? geometric : -geometric;
+  p.front = glm::dot(corner.geometric, view) >= 0.0f;
+  p.normal = p.front ? corner.geometric : -corner.geometric;
 
   const TracedMaterial& m = *p.material;
   const Material& v = m.values;
-  Factors f{.base_color = glm::vec3(v.base_color) * glm::vec3(c.mix(scene.geometry.colors)),
+  Factors f{.base_color = plain_color(scene, m, c),
             .emission = v.emissive,
             .metallic = v.metallic,
             .roughness = v.roughness,
             .clearcoat = v.clearcoat};
-  glm::vec3 normal = interpolated_unit_normal(scene, c, geometric);
+  glm::vec3 normal = interpolated_unit_normal(corner, c);
   if (m.textured) {
     const Footprint footprint =
         options.differential ? footprint_of(*options.differential, p0, p1 - p0, p2 - p0, hit.barycentric) : Footprint();
@@ -179,11 +176,8 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
                              const glm::vec3& view) {
   const TracedMaterial& m = scene.material_of(triangle);
   const Corners c = corners_of(scene, triangle, barycentric);
-  const glm::vec3& p0 = scene.geometry.positions[c.index[0]];
-  const glm::vec3 geometric =
-      unit_cross(scene.geometry.positions[c.index[1]] - p0, scene.geometry.positions[c.index[2]] - p0);
-  const float cosine = std::abs(glm::dot(interpolated_unit_normal(scene, c, geometric), glm::normalize(view)));
-  glm::vec3 inside = glm::vec3(m.values.base_color) * glm::vec3(c.mix(scene.geometry.colors));
+  const float cosine = std::abs(glm::dot(interpolated_unit_normal(scene.triangles[triangle], c), glm::normalize(view)));
+  glm::vec3 inside = plain_color(scene, m, c);
   if (m.texture(TextureRole::base_color) >= 0)
     inside *= glm::vec3(TextureReader(scene, c, Footprint()).read(m.texture(TextureRole::base_color)));
   return pane_shares(cosine, m.values.ior, glm::clamp(inside, 0.0f, 1.0f)).transmitted * m.pane;

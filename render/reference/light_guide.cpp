@@ -38,8 +38,6 @@ constexpr std::uint32_t kMostUseful = 255;  ///< fixed point of the recorded squ
 constexpr float kPlainShare = 0.1f;         ///< of every cell's probability
 /// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
 constexpr float kPriorRays = 2.0f, kPriorUseful = 0.1f;
-/// Side of a cell over its distance from the eye.
-constexpr float kCellAngle = 0.12f;
 
 }  // namespace
 
@@ -104,29 +102,14 @@ glm::vec3 EnvironmentPartition::direction(const EnvironmentPoint& point) const {
   return {std::sin(longitude) * r, static_cast<float>(y), std::cos(longitude) * r};
 }
 
-LightGuide::LightGuide(const EnvironmentPartition& partition, const glm::vec3& eye, float scene_radius)
+LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid)
     : partition_(partition),
-      eye_(eye),
-      finest_m_(std::max(scene_radius * 1e-3f, 1e-30f)),
+      grid_(grid),
       leaves_(partition.leaf_count()),
       tries_(static_cast<std::size_t>(kCells) * static_cast<std::size_t>(leaves_)),
       useful_(tries_.size()),
       cumulative_(tries_.size()) {
   tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) { learn_cell(cell); });
-}
-
-std::uint32_t LightGuide::cell_of(const glm::vec3& position, const glm::vec3& normal) const {
-  // Sides in powers of two of the finest, so that places near each other agree.
-  const float wanted = std::max(kCellAngle * glm::length(position - eye_) / finest_m_, 1.0f);
-  const int level = std::min(static_cast<int>(std::log2(wanted)), 20);
-  const glm::vec3 cell = glm::floor(position / (finest_m_ * static_cast<float>(1 << level)));
-  const glm::vec3 a = glm::abs(normal);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-  const int facing = 2 * axis + (normal[axis] < 0.0f ? 1 : 0);
-  std::uint32_t key = mix_seed(static_cast<std::uint32_t>(facing), static_cast<std::uint32_t>(level));
-  for (int c = 0; c < 3; ++c)
-    key = mix_seed(key, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(cell[c], -2e9f, 2e9f))));
-  return key & (kCells - 1);
 }
 
 int LightGuide::choose_leaf(std::uint32_t cell, float* u) const {

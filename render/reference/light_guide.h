@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "render/environment/environment_tables.h"
+#include "render/reference/place_grid.h"
 
 namespace maquette {
 
@@ -41,18 +42,20 @@ class EnvironmentPartition {
 /// Learns while a picture is traced which parts of the environment light which parts of the scene, so that shadow rays
 /// are spent on what a place can see: in a cabin most of the sky cannot be seen from most places.
 ///
-/// Places are cells of a hash grid, finer near the eye, by the direction that the surface faces. For every cell and
-/// leaf the squares of cosine times visibility of the shadow rays so far are summed (whole numbers: the order in which
-/// threads add does not matter). Between passes, learn() turns them into probabilities; a tenth stays with the plain
-/// importance, so that every direction keeps a density. Estimates stay unbiased: a pass draws with what passes before
-/// it learned. Source: Vorba et al. 2014, "On-line Learning of Parametric Mixture Models for Light Transport
-/// Simulation" (the idea); Bitterli 2015 and others tabulate visibility so.
+/// For every cell of the places and every leaf the squares of cosine times visibility of the shadow rays so far are
+/// summed (whole numbers: the order in which threads add does not matter). Between passes, learn() turns them into
+/// probabilities; a tenth stays with the plain importance, so that every direction keeps a density. Estimates stay
+/// unbiased: a pass draws with what passes before it learned. Source: Vorba et al. 2014, "On-line Learning of
+/// Parametric Mixture Models for Light Transport Simulation" (the idea); Bitterli 2015 and others tabulate visibility
+/// so.
 class LightGuide {
  public:
-  static constexpr std::uint32_t kNoCell = 0xffffffffu;
-  LightGuide(const EnvironmentPartition& partition, const glm::vec3& eye, float scene_radius);
+  static constexpr std::uint32_t kNoCell = PlaceGrid::kNoCell;
+  LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid);
 
-  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
+  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
+    return grid_.cell_of(position, normal);
+  }
   /// `u` in [0, 1) picks the leaf and is stretched over it again.
   int choose_leaf(std::uint32_t cell, float* u) const;
   /// Probability of the leaf in this cell over its plain one.
@@ -65,7 +68,7 @@ class LightGuide {
   void learn();
 
  private:
-  static constexpr std::uint32_t kCells = 1u << 15;
+  static constexpr std::uint32_t kCells = PlaceGrid::kCells;
   static constexpr int kLessons = 7;  ///< the last one after 64 paths
   /// Of a leaf, in units of 2^-16.
   std::uint32_t share(std::uint32_t cell, int leaf) const {
@@ -79,8 +82,7 @@ class LightGuide {
   void learn_cell(std::uint32_t cell);
 
   const EnvironmentPartition& partition_;
-  glm::vec3 eye_;
-  float finest_m_;
+  PlaceGrid grid_;
   int leaves_;
   int lessons_ = 0;
   std::vector<std::atomic<std::uint32_t>> tries_, useful_;  ///< [cell][leaf]

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "render/reference/light_sampling.h"
+#include "render/reference/mirror_guide.h"
 #include "render/reference/path_sampler.h"
 #include "render/reference/surface.h"
 
@@ -22,8 +23,8 @@ class CameraRay {
  public:
   CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
             const RayDifferential* differential, std::uint32_t chance);
-  /// One path on from there, full transport.
-  PathEstimate estimate(const PathSampler& sampler, int max_bounces) const;
+  /// One path on from there, full transport. `mirrors`: may be null.
+  PathEstimate estimate(const PathSampler& sampler, int max_bounces, const MirrorGuide* mirrors = nullptr) const;
   std::uint32_t rays() const { return rays_; }  ///< traced by the constructor
 
  private:

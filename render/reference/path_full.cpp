@@ -14,41 +14,37 @@ constexpr float kMostSurvival = 0.95f;  ///< so that even white furnaces end
 /// Away from the camera panes mirror at least so often: what they mirror is found by chance only, and is bright when it
 /// is a lamp; what they let pass was found by shadow rays already.
 constexpr float kLeastMirrored = 0.25f;
+/// Where a guide has seen mirrored lamps, so many scattered rays look for them, and mirror at panes so often.
+constexpr float kMirrorShare = 0.15f, kGuidedMirrored = 0.9f;
 constexpr int kMostPanes = 4096;               ///< that one path passes between two surfaces
 constexpr std::size_t kMostBranches = 8;       ///< of one camera ray
 constexpr int kMostSplits = 6;                 ///< panes in a row that send a camera ray both ways
 constexpr std::uint32_t kFirstShadowRays = 4;  ///< of the environment, where the camera looks
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths.
 constexpr float kMirroredShare = 4.0f;
-/// Dimensions of the sampler: 8 of each surface of each branch.
-constexpr std::uint32_t kDimensionsASurface = 8;
+/// Dimensions of the sampler, so many of each surface of each branch.
+constexpr std::uint32_t kDimensionsASurface = 9;
 constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;
-enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kLobe, kDirection, kRoulette, kPane, kChance };
-
-float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
-
-struct PaneRays {
-  Ray mirrored, passed;
-  PaneShares shares;
+enum Dimension : std::uint32_t {
+  kEnvironment,
+  kLightChoice,
+  kLight,
+  kLobe,
+  kDirection,
+  kRoulette,
+  kPane,
+  kChance,
+  kGuide
 };
 
-PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
-  PaneRays rays;
-  rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
-  rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
-  rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
-  // Below the true surface by a bent normal: it would leave through the pane.
-  if (glm::dot(rays.mirrored.direction, p.normal) <= 0.0f) rays.shares.reflected = glm::vec3(0.0f);
-  rays.passed.origin = offset_from_surface(p.position, p.error, -p.normal);
-  rays.passed.direction = ray.direction;
-  return rays;
-}
+float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 
 /// Follows one path from the first surface that scatters.
 class FullPath {
  public:
-  FullPath(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler, int max_bounces)
-      : scene_(scene), environment_(environment), sampler_(sampler), max_bounces_(max_bounces) {}
+  FullPath(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler, int max_bounces,
+           const MirrorGuide* mirrors)
+      : scene_(scene), environment_(environment), sampler_(sampler), max_bounces_(max_bounces), mirrors_(mirrors) {}
 
   /// Adds what arrives at `point` and leaves along its wo, times `weight`.
   void follow(const SurfacePoint& point, const glm::vec3& weight, std::uint32_t branch, std::uint32_t shadow_rays) {
@@ -108,7 +104,7 @@ class FullPath {
     const PaneRays rays = rays_of_pane(p, ray_);
     const float reflect = largest(rays.shares.reflected), pass = largest(rays.shares.transmitted);
     float probability = reflect + pass > 0.0f ? reflect / (reflect + pass) : 0.0f;
-    if (reflect > 0.0f) probability = std::max(probability, kLeastMirrored);
+    if (reflect > 0.0f) probability = std::max(probability, glm::mix(kLeastMirrored, kGuidedMirrored, guided_));
     if (u < probability) {
       weight_ *= rays.shares.reflected / probability;
       ray_ = rays.mirrored;
@@ -124,10 +120,10 @@ class FullPath {
   bool scatter(const SurfacePoint& p) {
     if (bounce_ > 0) shadow_rays_ = 1;
     cell_ = environment_.cell_of(p.position, p.n);
+    ask_mirrors(p);
     add_direct(p);
     if (bounce_ >= max_bounces_) return false;
-    const ScatteringSample s =
-        sample_scattering(p, sampler_.pair(dimension(kDirection)), sampler_.single(dimension(kLobe)));
+    const ScatteringSample s = draw_direction(p);
     if (!(s.pdf > 0.0f)) return false;
     const glm::vec3 direction = p.to_world(s.wi);
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
@@ -138,6 +134,41 @@ class FullPath {
     scattered_at_ = p.position;
     ++bounce_;
     return true;
+  }
+
+  /// How many scattered rays look for mirrored lamps: of what scatters widely, where some were seen.
+  void ask_mirrors(const SurfacePoint& p) {
+    mirror_share_ = 0.0f;
+    if (!mirrors_) return;
+    mirror_cell_ = mirrors_->cell_of(p.position, p.n);
+    if (mirrors_->knows(mirror_cell_)) mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
+  }
+
+  /// Density of what draw_direction draws, given the BRDF's own.
+  float mixed_pdf(float own, const glm::vec3& direction) const {
+    if (!(mirror_share_ > 0.0f)) return own;
+    return (1.0f - mirror_share_) * own + mirror_share_ * mirrors_->pdf(mirror_cell_, direction);
+  }
+
+  ScatteringSample draw_direction(const SurfacePoint& p) {
+    const glm::vec2 u = sampler_.pair(dimension(kDirection));
+    guided_ = 0.0f;
+    if (!(mirror_share_ > 0.0f)) return sample_scattering(p, u, sampler_.single(dimension(kLobe)));
+    ScatteringSample s;
+    if (sampler_.single(dimension(kGuide)) < mirror_share_) {
+      s.wi = p.to_local(mirrors_->sample(mirror_cell_, u));
+      if (s.wi.z <= 0.0f) return s;
+      const Scattering own = evaluate_scattering(p, s.wi);
+      s.f = own.f;
+      s.pdf = own.pdf;
+    } else {
+      s = sample_scattering(p, u, sampler_.single(dimension(kLobe)));
+      if (!(s.pdf > 0.0f)) return s;
+    }
+    const float guide = mirror_share_ * mirrors_->pdf(mirror_cell_, p.to_world(s.wi));
+    s.pdf = (1.0f - mirror_share_) * s.pdf + guide;
+    guided_ = s.pdf > 0.0f ? guide / s.pdf : 0.0f;
+    return s;
   }
 
   bool survives() {
@@ -179,7 +210,7 @@ class FullPath {
     if (through == glm::vec3(0.0f)) return 0.0f;
     if (light.texel >= 0) environment_.fill(&light, cell_);
     const Scattering s = evaluate_scattering(p, wi);
-    const float density = count * light.pdf + (light.has_extent ? s.pdf : 0.0f);
+    const float density = count * light.pdf + (light.has_extent ? mixed_pdf(s.pdf, light.direction) : 0.0f);
     if (density > 0.0f) result_.radiance += weight_ * s.f * light.radiance * through * (wi.z / density);
     return wi.z * largest(through);
   }
@@ -188,6 +219,7 @@ class FullPath {
   const EnvironmentLight& environment_;
   PathSampler sampler_;
   int max_bounces_;
+  const MirrorGuide* mirrors_;
   PathEstimate result_;
   Ray ray_;
   glm::vec3 weight_{1.0f};
@@ -197,7 +229,10 @@ class FullPath {
   glm::vec3 scattered_at_{0.0f};
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
   std::uint32_t shadow_rays_ = 1;             ///< sent there
-  std::uint32_t base_ = 0;                    ///< of the dimensions
+  std::uint32_t mirror_cell_ = 0;
+  float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws there
+  float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction
+  std::uint32_t base_ = 0;     ///< of the dimensions
 };
 
 }  // namespace
@@ -281,8 +316,8 @@ CameraRay::CameraRay(const PathScene& scene, const EnvironmentLight& environment
   Splitter(scene, environment, differential, chance, this).follow(ray);
 }
 
-PathEstimate CameraRay::estimate(const PathSampler& sampler, int max_bounces) const {
-  FullPath path(scene_, environment_, sampler, max_bounces);
+PathEstimate CameraRay::estimate(const PathSampler& sampler, int max_bounces, const MirrorGuide* mirrors) const {
+  FullPath path(scene_, environment_, sampler, max_bounces, mirrors);
   for (std::size_t i = 0; i < surfaces_.size(); ++i) {
     const Surface& s = surfaces_[i];
     const auto branch = static_cast<std::uint32_t>(i);

@@ -52,12 +52,22 @@ class Progress {
   mutable std::atomic<std::size_t> done_{0};
 };
 
-/// Full transport only: what throws no shadows has nothing to learn.
-std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequest& r) {
-  if (r.paths.transport != Transport::full || scene.environment.black || scene.bounds.empty()) return nullptr;
-  const float radius = std::max(scene.bounds.radius(), glm::length(scene.bounds.center() - r.camera.eye));
-  return std::make_unique<LightGuide>(*scene.environment.partition, r.camera.eye, radius);
+PlaceGrid grid_of(const PathScene& scene, const PictureRequest& r) {
+  return {r.camera.eye, std::max(scene.bounds.radius(), glm::length(scene.bounds.center() - r.camera.eye))};
 }
+
+/// Full transport only: what throws no shadows has nothing to learn.
+bool learns(const PathScene& scene, const PictureRequest& r) {
+  return r.paths.transport == Transport::full && !scene.bounds.empty();
+}
+std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequest& r) {
+  if (!learns(scene, r) || scene.environment.black) return nullptr;
+  return std::make_unique<LightGuide>(*scene.environment.partition, grid_of(scene, r));
+}
+
+/// Lights that are sent over panes at each lesson, a pixel.
+constexpr double kMirroredLights = 0.25;
+constexpr std::uint32_t kLastLesson = 64;  ///< after so many paths
 
 }  // namespace
 
@@ -66,6 +76,7 @@ struct ReferencePicture::Impl {
   PictureRequest request;
   std::unique_ptr<LightGuide> guide;
   EnvironmentLight environment;
+  std::optional<MirrorGuide> mirrors;
   CameraFrame camera;
   std::vector<PixelSums> pixels;
   std::atomic<std::size_t> rays{0};
@@ -75,6 +86,7 @@ struct ReferencePicture::Impl {
         request(r),
         guide(make_guide(*scene, r)),
         environment(scene->environment, r.paths, guide.get()) {
+    if (learns(*scene, r)) mirrors.emplace(*scene, environment, grid_of(*scene, r), r.seed);
     camera = make_camera_frame(r.camera, r.width, r.height, scene->bounds);
     pixels.resize(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
   }
@@ -118,7 +130,7 @@ struct ReferencePicture::Impl {
           shared_ray.emplace(*scene, environment, r.ray, &r.differential, 0u);
           *ray_count += shared_ray->rays();
         }
-        e = shared_ray->estimate(sampler, request.paths.max_bounces);
+        e = shared_ray->estimate(sampler, request.paths.max_bounces, mirrors ? &*mirrors : nullptr);
       }
       *ray_count += e.rays;
       // A picture never holds NaN or infinity, whatever a table holds.
@@ -145,6 +157,11 @@ struct ReferencePicture::Impl {
       progress.add(paths);
     });
     return !stop.stop_requested();
+  }
+
+  void learn() {
+    if (guide) guide->learn();
+    mirrors->learn(static_cast<std::size_t>(kMirroredLights * static_cast<double>(pixels.size())));
   }
 
   template <typename Value>
@@ -174,9 +191,10 @@ bool ReferencePicture::add(int count, const std::stop_token& stop, const std::fu
   const std::uint32_t target = s.least_count() + static_cast<std::uint32_t>(std::max(count, 0));
   const Progress report(progress, s.pixels.size() * static_cast<std::size_t>(std::max(count, 1)));
   for (std::uint32_t done = s.least_count(); done < target;) {
-    const std::uint32_t next = std::min(target, s.guide ? std::bit_ceil(done + 1) : target);
+    const bool learns = done < kLastLesson && s.mirrors;
+    const std::uint32_t next = std::min(target, learns ? std::bit_ceil(done + 1) : target);
     if (!s.trace_to(next, stop, report)) return false;
-    if (s.guide && std::has_single_bit(next)) s.guide->learn();
+    if (learns && std::has_single_bit(next)) s.learn();
     done = next;
   }
   return true;

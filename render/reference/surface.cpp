@@ -172,6 +172,18 @@ PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
   return shares;
 }
 
+PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
+  PaneRays rays;
+  rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+  rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
+  rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
+  // Below the true surface by a bent normal: it would leave through the pane.
+  if (glm::dot(rays.mirrored.direction, p.normal) <= 0.0f) rays.shares.reflected = glm::vec3(0.0f);
+  rays.passed.origin = offset_from_surface(p.position, p.error, -p.normal);
+  rays.passed.direction = ray.direction;
+  return rays;
+}
+
 glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
                              const glm::vec3& view) {
   const TracedMaterial& m = scene.material_of(triangle);

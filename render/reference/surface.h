@@ -51,4 +51,12 @@ struct PaneShares {
 };
 PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside);
 
+/// Where a pane sends a ray that met it at `p`, and how much of it.
+struct PaneRays {
+  Ray mirrored, passed;
+  PaneShares shares;
+};
+
+PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray);
+
 }  // namespace maquette

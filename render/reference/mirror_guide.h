@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/reference/path_scene.h"
+#include "render/reference/place_grid.h"
+
+namespace maquette {
+
+class EnvironmentLight;
+
+/// Learns where lamps are seen mirrored in panes, so that surfaces lit this way look there: a shadow ray cannot find
+/// such a lamp, and a scattered one finds it once in a hundred thousand.
+///
+/// Light is sent from the lamps over the panes to the next surface; the directions in which it arrives are kept by the
+/// place (PlaceGrid) as a histogram over bins of equal solid angle. Scattered rays are then drawn from a mixture of
+/// BRDF and histogram, so estimates stay unbiased whatever was learned. Source: Jensen 1995, "Importance Driven Path
+/// Tracing Using the Photon Map" (the idea). Differs: light over panes only.
+class MirrorGuide {
+ public:
+  MirrorGuide(const PathScene& scene, const EnvironmentLight& environment, const PlaceGrid& grid, std::uint32_t seed);
+
+  /// Sends `count` more lights over the panes. Not while others use the guide; the same for any number of threads.
+  void learn(std::size_t count);
+  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
+    return grid_.cell_of(position, normal);
+  }
+  /// Whether any light arrived in this cell.
+  bool knows(std::uint32_t cell) const { return starts_[cell + 1] > starts_[cell]; }
+  /// World direction towards a pane, in a cell that it knows.
+  glm::vec3 sample(std::uint32_t cell, const glm::vec2& u) const;
+  /// 1/sr.
+  float pdf(std::uint32_t cell, const glm::vec3& direction) const;
+
+ private:
+  struct Arrival {
+    std::uint32_t cell = PlaceGrid::kNoCell, bin = 0;
+    double flux = 0.0;  ///< any unit
+  };
+  struct Entry {
+    std::uint32_t bin;
+    float cumulative;  ///< inclusive, over the cell's entries
+  };
+  Arrival send(std::uint32_t index) const;
+  void collect(std::vector<Arrival> arrivals);
+
+  const PathScene& scene_;
+  const EnvironmentLight& environment_;
+  PlaceGrid grid_;
+  std::uint32_t seed_;
+  std::uint32_t sent_ = 0;
+  std::vector<std::uint32_t> panes_;   ///< triangles
+  std::vector<double> areas_;          ///< [pane] cumulative
+  std::vector<Arrival> arrivals_;      ///< merged, by cell and bin
+  std::vector<std::uint32_t> starts_;  ///< [cell + 1] first entry
+  std::vector<Entry> entries_;
+};
+
+}  // namespace maquette

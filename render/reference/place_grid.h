@@ -1,0 +1,43 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "render/low_discrepancy.h"
+
+namespace maquette {
+
+/// Places of a scene by the side that a surface there faces: cells of a hash grid, finer near the eye. Guides keep what
+/// they learn by cell; two places may share one.
+struct PlaceGrid {
+  static constexpr std::uint32_t kNoCell = 0xffffffffu;
+  static constexpr std::uint32_t kCells = 1u << 15;
+  static constexpr float kAngle = 0.12f;  ///< side of a cell over its distance from the eye
+
+  glm::vec3 eye{0.0f};
+  float finest_m = 1.0f;
+
+  PlaceGrid(const glm::vec3& eye_at, float scene_radius)
+      : eye(eye_at), finest_m(std::max(scene_radius * 1e-3f, 1e-30f)) {}
+  /// Sides go in powers of two of the finest, so that places near each other agree.
+  int level(const glm::vec3& position) const {
+    const float wanted = std::max(kAngle * glm::length(position - eye) / finest_m, 1.0f);
+    return std::min(static_cast<int>(std::log2(wanted)), 20);
+  }
+  float side(const glm::vec3& position) const { return finest_m * static_cast<float>(1 << level(position)); }
+  std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
+    const int fineness = level(position);
+    const glm::vec3 cell = glm::floor(position / (finest_m * static_cast<float>(1 << fineness)));
+    const glm::vec3 a = glm::abs(normal);
+    const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+    const int facing = 2 * axis + (normal[axis] < 0.0f ? 1 : 0);
+    std::uint32_t key = mix_seed(static_cast<std::uint32_t>(facing), static_cast<std::uint32_t>(fineness));
+    for (int c = 0; c < 3; ++c)
+      key = mix_seed(key, static_cast<std::uint32_t>(static_cast<std::int32_t>(std::clamp(cell[c], -2e9f, 2e9f))));
+    return key & (kCells - 1);
+  }
+};
+
+}  // namespace maquette

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -34,6 +35,8 @@ struct FrameRequest {
   std::string reflections = "off";      ///< reflector technique
   std::vector<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
   Settings settings;
+  /// Mode reference stops tracing then, within a pass if need be.
+  std::optional<std::chrono::steady_clock::time_point> deadline = {};
   bool operator==(const FrameRequest&) const = default;
 };
 
@@ -91,6 +94,8 @@ class Renderer {
 
   /// The frame just drawn: linear RGBA, alpha 0 where only the sky is seen. Includes env_scale, no exposure.
   Image read_radiance() const;
+  /// RGB variance of the picture's pixels, where the mode itself knows it (mode reference, not in a window).
+  std::optional<Image> read_variance() const;
   /// One of debug_view_names() of the last frame: values in the unit of the view (the same in R, G, B for scalars),
   /// alpha 0 where only the sky is seen; at the shading grid's size. Throws Error when the frame's mode does not have
   /// it.

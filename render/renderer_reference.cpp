@@ -31,6 +31,7 @@ PictureRequest picture_request(const FrameRequest& request) {
   r.paths.env_rotation_rad = request.env_rotation_rad;
   r.paths.env_scale = request.env_scale;
   r.paths.max_bounces = request.settings.get_int("reference.bounces");
+  r.adaptive = request.settings.get_bool("reference.adaptive");
   return r;
 }
 
@@ -57,7 +58,7 @@ void Renderer::Impl::trace_reference(const FrameRequest& request, bool accumulat
     r.picture.emplace(r.scene, picture_request(request));
     accumulated = 0;
   }
-  r.picture->add(asked_paths(request));
+  r.picture->add(asked_paths(request), {}, {}, request.deadline);
   ++accumulated;
   r.news = {r.picture->mean(), r.picture->samples(), r.picture->relative_error(), r.picture->counts()};
 }
@@ -112,6 +113,12 @@ FrameStats Renderer::Impl::render_reference(const FrameRequest& request, FramePl
   stats.frame_ms = milliseconds_since(begin);
   stats.passes = {{"trace", stats.frame_ms}};
   return stats;
+}
+
+std::optional<Image> Renderer::read_variance() const {
+  const ReferenceFrame& r = impl_->reference;
+  if (!impl_->shows_reference() || !r.picture) return std::nullopt;
+  return r.picture->variance();
 }
 
 Renderer::PathSnapshot Renderer::path_snapshot() const {

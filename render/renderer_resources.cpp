@@ -214,6 +214,11 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   if (impl_->visibility.busy()) work.push_back({"visibility", impl_->visibility.progress()});
   if (impl_->indirect.busy()) work.push_back({"indirect", impl_->indirect.progress()});
   if (impl_->octree.busy()) work.push_back({"octree", impl_->octree.progress()});
+  // So few paths are too noisy to be metered.
+  constexpr int kFirstPaths = 4;
+  const int paths = impl_->reference.news.paths;
+  if (impl_->interactive && impl_->shows_reference() && paths < kFirstPaths)
+    work.push_back({"trace", static_cast<double>(paths) / kFirstPaths});
   return work;
 }
 

@@ -16,10 +16,11 @@ constexpr int kMaxNesting = 200;
 /// Exact integers of a double: counts and offsets above are damage.
 constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 
-constexpr std::array<std::string_view, 12> kReadExtensions = {
+constexpr std::array<std::string_view, 13> kReadExtensions = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization",           "KHR_texture_transform",  "KHR_lights_punctual",
     "KHR_materials_clearcoat",    "KHR_materials_transmission",      "KHR_materials_ior",      "KHR_materials_specular",
     "KHR_materials_sheen",        "KHR_materials_emissive_strength", "KHR_materials_variants", "KHR_materials_unlit",
+    "KHR_materials_volume",
 };
 
 enum class Kind { index, natural, stride, number, text, boolean, object, array };

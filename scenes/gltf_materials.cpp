@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <string_view>
 
@@ -155,6 +156,14 @@ class MaterialReader {
     out_.transmission = factor(transmission, "transmissionFactor", out_.transmission);
     out_.transmission_texture = texture(transmission, "transmissionTexture");
     out_.glass = out_.transmission > 0.0f;
+    const Json& volume = extension("KHR_materials_volume");
+    out_.thickness = std::max(number(volume, "thicknessFactor", out_.thickness), 0.0f);
+    out_.attenuation_color = glm::clamp(colour<3>(volume, "attenuationColor", out_.attenuation_color), 0.0f, 1.0f);
+    out_.attenuation_distance = number(volume, "attenuationDistance", out_.attenuation_distance);
+    if (!(out_.attenuation_distance > 0.0f)) {
+      document_.warnings.add("an attenuationDistance that is not above 0 is taken as infinite", name_);
+      out_.attenuation_distance = std::numeric_limits<float>::infinity();
+    }
     out_.ior = number(extension("KHR_materials_ior"), "ior", out_.ior);
     if (out_.ior < 1.0f && out_.ior != 0.0f) {
       document_.warnings.add("an ior below 1 is taken as 1", name_);

@@ -102,8 +102,8 @@ class MaterialWriter {
   }
 
   void write_layers(const Material& material, Json* out) {
-    Json coat = Json::object(), transmission = Json::object(), ior = Json::object(), specular = Json::object(),
-         sheen = Json::object();
+    Json coat = Json::object(), transmission = Json::object(), volume = Json::object(), ior = Json::object(),
+         specular = Json::object(), sheen = Json::object();
     put_number(&coat, "clearcoatFactor", material.clearcoat, 0.0f);
     put_number(&coat, "clearcoatRoughnessFactor", material.clearcoat_roughness, 0.0f);
     put_texture(&coat, "clearcoatTexture", material.clearcoat_texture);
@@ -111,6 +111,9 @@ class MaterialWriter {
     put_texture(&coat, "clearcoatNormalTexture", material.clearcoat_normal_texture);
     put_number(&transmission, "transmissionFactor", material.transmission, 0.0f);
     put_texture(&transmission, "transmissionTexture", material.transmission_texture);
+    put_number(&volume, "thicknessFactor", material.thickness, 0.0f);
+    if (std::isfinite(material.attenuation_distance)) volume["attenuationDistance"] = material.attenuation_distance;
+    if (material.attenuation_color != glm::vec3(1.0f)) volume["attenuationColor"] = to_json(material.attenuation_color);
     put_number(&ior, "ior", material.ior, 1.5f);
     put_number(&specular, "specularFactor", material.specular, 1.0f);
     put_texture(&specular, "specularTexture", material.specular_texture);
@@ -122,6 +125,7 @@ class MaterialWriter {
     put_texture(&sheen, "sheenRoughnessTexture", material.sheen_roughness_texture);
     put_extension(out, "KHR_materials_clearcoat", std::move(coat));
     put_extension(out, "KHR_materials_transmission", std::move(transmission));
+    put_extension(out, "KHR_materials_volume", std::move(volume));
     put_extension(out, "KHR_materials_ior", std::move(ior));
     put_extension(out, "KHR_materials_specular", std::move(specular));
     put_extension(out, "KHR_materials_sheen", std::move(sheen));

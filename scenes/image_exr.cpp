@@ -152,26 +152,38 @@ void stream_exr(const std::string& path, const HdrBegin& begin, const HdrRows& r
   }
 }
 
-void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes) {
+namespace {
+
+/// Names the image's channels, with `prefix` before each, in header and buffer.
+void add_channels(const std::string& prefix, const Image& image, Imf::Header* header, Imf::FrameBuffer* buffer) {
   assert(image.width > 0 && image.height > 0 && (image.channels == 1 || image.channels == 3 || image.channels == 4));
   assert(image.data.size() == image.index(0, image.height));
-  use_all_cores();
   static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
-  static constexpr std::array<const char*, 1> kGrey = {"Y"};
-  const char* const* names = image.channels == 1 ? kGrey.data() : kColour.data();
-  const auto channel_count = static_cast<std::size_t>(image.channels);
+  const auto count = static_cast<std::size_t>(image.channels);
+  for (std::size_t c = 0; c < count; ++c) {
+    const std::string name = prefix + (count == 1 ? "Y" : kColour[c]);
+    header->channels().insert(name.c_str(), Imf::Channel(Imf::FLOAT));
+    buffer->insert(name.c_str(), Imf::Slice::Make(Imf::FLOAT, image.data.data() + c, {0, 0}, image.width, image.height,
+                                                  count * sizeof(float),
+                                                  count * sizeof(float) * static_cast<std::size_t>(image.width)));
+  }
+}
+
+}  // namespace
+
+void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes,
+              const ImageLayers& layers) {
+  use_all_cores();
   try {
     write_atomically(path, [&](const std::string& temporary) {
       Imf::Header header(image.width, image.height);
       header.compression() = Imf::ZIP_COMPRESSION;
       for (const auto& [name, value] : attributes) header.insert(name.c_str(), Imf::StringAttribute(value));
       Imf::FrameBuffer buffer;
-      for (std::size_t c = 0; c < channel_count; ++c) {
-        header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
-        buffer.insert(names[c],
-                      Imf::Slice::Make(Imf::FLOAT, image.data.data() + c, {0, 0}, image.width, image.height,
-                                       channel_count * sizeof(float),
-                                       channel_count * sizeof(float) * static_cast<std::size_t>(image.width)));
+      add_channels("", image, &header, &buffer);
+      for (const auto& [name, layer] : layers) {
+        assert(layer.width == image.width && layer.height == image.height);
+        add_channels(name + ".", layer, &header, &buffer);
       }
       Imf::OutputFile file(temporary.c_str(), header);
       file.setFrameBuffer(buffer);

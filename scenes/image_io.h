@@ -11,9 +11,14 @@ namespace maquette {
 /// Throws Error: unreadable, truncated, missing R/G/B channels, absurd size.
 Image load_hdr_image(const std::string& path);
 
+/// Further images of an EXR file by name: the layer `variance` has the channels variance.R, variance.G, variance.B.
+using ImageLayers = std::map<std::string, Image>;
+
 /// Writes a linear image as EXR, 32-bit float (alpha kept), beside the target and renamed.
-/// `attributes` become string attributes of the header. Throws Error and leaves no partial file.
-void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes = {});
+/// `attributes` become string attributes of the header; `layers` have the image's size. Throws Error and leaves no
+/// partial file.
+void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes = {},
+              const ImageLayers& layers = {});
 
 /// Writes an already tone mapped image (display-encoded, 0..1) as 8-bit PNG, beside and renamed.
 void save_png(const std::string& path, const Image& image);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -55,6 +56,11 @@ struct Material {
   float clearcoat_roughness = 0.0f;
   float transmission = 0.0f;
   float ior = 1.5f;
+  /// Above 0 (KHR_materials_volume, m) what transmits is a closed solid: mode reference refracts in it, the other modes
+  /// take its faces for panes. Light in it is filtered by attenuation_color every attenuation_distance (m).
+  float thickness = 0.0f;
+  glm::vec3 attenuation_color{1.0f};
+  float attenuation_distance = std::numeric_limits<float>::infinity();
   float specular = 1.0f;
   glm::vec3 specular_color{1.0f};
   glm::vec3 sheen_color{0.0f};
@@ -74,7 +80,8 @@ struct Material {
   /// base_color and base_color_texture then tint the table only if `tint_measured` is set.
   std::string measured;
   bool tint_measured = false;
-  /// A thin glass pane (`builtin:glass`, or transmission > 0): transmits and does not occlude in the direct modes.
+  /// Glass (`builtin:glass`, or transmission > 0), a thin pane unless `thickness` says otherwise: transmits and does
+  /// not occlude in the direct modes.
   bool glass = false;
 };
 

@@ -82,10 +82,11 @@ void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions&
 }
 
 /// Averages frames until --time or --target-error. Returns whether the error asked for (if any) was reached.
-bool accumulate_frames(Renderer* renderer, const FrameRequest& request, const SceneOptions& options,
+bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options,
                        const std::optional<Image>& reference, RenderReport* report) {
   const double limit_s = options.time_s.value_or(kPatience_s);
   const Clock::time_point start = Clock::now();
+  request.deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
   int next_check = 1;
   Image half;
   while (true) {
@@ -127,11 +128,19 @@ std::map<std::string, std::string> provenance(const SceneOptions& options, const
   return attributes;
 }
 
+/// What a picture in EXR carries besides.
+ImageLayers layers_of(const Renderer& renderer, const SceneOptions& options) {
+  ImageLayers layers;
+  if (auto variance = renderer.read_variance(); variance && options.debug_view.empty())
+    layers.emplace("variance", std::move(*variance));
+  return layers;
+}
+
 void write_picture(const Renderer& renderer, const Image& radiance, float exposure_ev, const SceneOptions& options,
                    const FrameRequest& request) {
   const Image picture = options.debug_view.empty() ? radiance : renderer.read_debug_view(options.debug_view);
   if (picture_format(options.output) == PictureFormat::exr)
-    save_exr(options.output, picture, provenance(options, request));
+    save_exr(options.output, picture, provenance(options, request), layers_of(renderer, options));
   else
     save_png(options.output, options.debug_view.empty() ? tone_map(picture, exposure_ev, options.tonemap)
                                                         : debug_view_picture(picture, options.debug_view));
@@ -160,8 +169,8 @@ int run_render(const CommandLine& line) {
   for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
   FrameRequest request = make_request(*scene, options);
   const bool accumulates = options.time_s || options.target_error;
-  // Its frames cost nothing but their paths: one each, to look at the clock as often as possible.
-  if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 1;
+  // Its frames cost little but their paths, and stop in time: a few paths each, that share the rays of the camera.
+  if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 8;
   renderer.finish_background_work(request);
 
   RenderReport report;

@@ -60,12 +60,14 @@ EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : wi
                                        [&](const Leaf& a, const Leaf& b) { return urgency(a) < urgency(b); });
     if (!(urgency(*next) > 0.0f)) break;
     const Leaf l = *next;
+    // The second half beside the first: what is near in the list is near in the map, so that points well spread over
+    // the list are well spread over the sky.
     if (l.x1 - l.x0 >= l.y1 - l.y0) {
       *next = make(l.x0, l.y0, (l.x0 + l.x1) / 2, l.y1);
-      leaves_.push_back(make((l.x0 + l.x1) / 2, l.y0, l.x1, l.y1));
+      leaves_.insert(next + 1, make((l.x0 + l.x1) / 2, l.y0, l.x1, l.y1));
     } else {
       *next = make(l.x0, l.y0, l.x1, (l.y0 + l.y1) / 2);
-      leaves_.push_back(make(l.x0, (l.y0 + l.y1) / 2, l.x1, l.y1));
+      leaves_.insert(next + 1, make(l.x0, (l.y0 + l.y1) / 2, l.x1, l.y1));
     }
   }
   leaf_map_.resize(static_cast<std::size_t>(tables.width) * static_cast<std::size_t>(tables.height));

@@ -41,7 +41,7 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
     : scene_(scene), environment_(environment), grid_(grid), seed_(mix_seed(seed, 0x6d697272u)) {
   double area = 0.0;
   for (const std::uint32_t triangle : scene.mesh_triangles[1]) {
-    if (!(scene.material_of(triangle).pane > 0.0f)) continue;
+    if (!(scene.material_of(triangle).clear() > 0.0f)) continue;
     const auto& [p0, p1, p2] = scene.triangles[triangle].positions;
     area += static_cast<double>(glm::length(glm::cross(p1 - p0, p2 - p0)));
     panes_.push_back(triangle);
@@ -91,6 +91,7 @@ MirrorGuide::Arrival MirrorGuide::send(std::uint32_t index) const {
   for (int passed = 0; passed < kMostPanes && flux > 0.0f && std::isfinite(flux); ++passed) {
     if (!intersect(scene_, ray, RayKind::path, sampler.word(kWhich + 1), &hit)) return {};
     const SurfacePoint q = resolve_surface(scene_, ray, hit, {});
+    if (q.material->bends()) return {};
     if (!(q.material->pane > 0.0f)) {
       // Smeared over a cell and a bin, so that their borders show in no picture.
       const glm::vec2 o = sampler.pair(kOffset) - 0.5f;

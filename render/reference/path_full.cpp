@@ -2,6 +2,7 @@
 // sampling by the balance heuristic, Veach and Guibas 1995.
 #include <algorithm>
 
+#include "render/reference/bending.h"
 #include "render/reference/path.h"
 #include "render/reference/scattering.h"
 
@@ -50,9 +51,16 @@ class FullPath {
   void follow(const SurfacePoint& point, const glm::vec3& weight, std::uint32_t branch, std::uint32_t shadow_rays) {
     base_ = 1 + kDimensionsABranch * branch;
     weight_ = weight;
+    polarisation_ = {};
     bounce_ = vertex_ = 0;
     shadow_rays_ = shadow_rays;
-    if (!scatter(point)) return;
+    ray_.direction = -point.to_world(point.wo);
+    from_ = point.position;
+    if (point.material->bends() && pass_bending(point)) {
+      if (!(largest(weight_) > 0.0f)) return;
+    } else if (!scatter(point)) {
+      return;
+    }
     while (advance()) {
     }
   }
@@ -73,7 +81,8 @@ class FullPath {
     }
     const SurfacePoint p = resolve_surface(scene_, ray_, hit, {});
     ++vertex_;
-    if (p.material->pane > 0.0f && pass_pane(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
+    if (p.material->bends() && pass_bending(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
+    if (p.material->clear() > 0.0f && pass_pane(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
     add_emission(p);
     return !p.material->values.unlit && scatter(p);
   }
@@ -113,12 +122,33 @@ class FullPath {
       weight_ *= rays.shares.transmitted / (1.0f - probability);
       ray_ = rays.passed;
     }
+    from_ = p.position;
+    return true;
+  }
+
+  /// Solid or rough glass: mirrors or lets pass at a facet. No shadow ray finds what is behind; a weight of 0 ends the
+  /// path. False as pass_pane.
+  bool pass_bending(const SurfacePoint& p) {
+    const TracedMaterial& m = *p.material;
+    float u = sampler_.single(dimension(kPane));
+    if (u >= m.pane) return false;
+    u /= m.pane;
+    if (m.solid && !p.front) weight_ *= glm::exp(-m.absorption * glm::length(p.position - from_));
+    if (vertex_ > 0) add_emission(p);
+    const float roughness = m.rough ? p.analytic.alpha : 0.0f;
+    const BentRay bent = bend_at_glass(p, glm::normalize(ray_.direction), roughness,
+                                       sampler_.pair(dimension(kDirection)), u, &polarisation_);
+    weight_ *= bent.weight;
+    ray_ = {offset_from_surface(p.position, p.error, bent.passed ? -p.normal : p.normal), bent.direction};
+    from_ = p.position;
+    pdf_ = 0.0f;
     return true;
   }
 
   /// Light that arrives straight, then on in a new direction. False when the path ends.
   bool scatter(const SurfacePoint& p) {
     if (bounce_ > 0) shadow_rays_ = 1;
+    polarisation_ = {};
     cell_ = environment_.cell_of(p.position, p.n);
     ask_mirrors(p);
     add_direct(p);
@@ -131,7 +161,7 @@ class FullPath {
     if (!survives()) return false;
     ray_ = {offset_from_surface(p.position, p.error, p.normal), direction};
     pdf_ = s.pdf;
-    scattered_at_ = p.position;
+    scattered_at_ = from_ = p.position;
     ++bounce_;
     return true;
   }
@@ -223,10 +253,12 @@ class FullPath {
   PathEstimate result_;
   Ray ray_;
   glm::vec3 weight_{1.0f};
-  int bounce_ = 0;    ///< surfaces that scattered so far
-  int vertex_ = 0;    ///< surfaces met so far, panes included
-  float pdf_ = 0.0f;  ///< density of the last scattering; 0: nothing else could have found what is hit
+  Polarisation polarisation_;  ///< by glass since the last surface
+  int bounce_ = 0;             ///< surfaces that scattered so far
+  int vertex_ = 0;             ///< surfaces met so far, panes included
+  float pdf_ = 0.0f;           ///< density of the last scattering; 0: nothing else could have found what is hit
   glm::vec3 scattered_at_{0.0f};
+  glm::vec3 from_{0.0f};                      ///< of the ray, on the surface itself
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
   std::uint32_t shadow_rays_ = 1;             ///< sent there
   std::uint32_t mirror_cell_ = 0;
@@ -276,8 +308,8 @@ class CameraRay::Splitter {
       return;
     }
     const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr, false});
-    float surface = 1.0f - p.material->pane;
-    if (p.material->pane > 0.0f) {
+    float surface = 1.0f - p.material->clear();
+    if (p.material->clear() > 0.0f) {
       out_.radiance_ += branch.weight * p.emission * p.material->pane;
       const PaneRays rays = rays_of_pane(p, branch.ray);
       const glm::vec3 weight = branch.weight * p.material->pane;

@@ -35,6 +35,10 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
   }
   if (!values.measured.empty()) m.measured = load_measured(values.measured, library);
   m.pane = pane_share(values);
+  m.solid = m.pane > 0.0f && values.thickness > 0.0f;
+  m.rough = m.pane > 0.0f && values.roughness * values.roughness > shared::kMinAlpha;
+  // Source: KHR_materials_volume: color^(distance / attenuation distance).
+  m.absorption = -glm::log(glm::max(values.attenuation_color, glm::vec3(1e-20f))) / values.attenuation_distance;
   m.blended = values.alpha_mode == AlphaMode::blend && m.pane <= 0.0f;
   m.masked = values.alpha_mode == AlphaMode::mask && m.texture(TextureRole::base_color) >= 0;
   return m;
@@ -80,7 +84,7 @@ void assign_triangles(const PathSceneInput& input, PathScene* scene) {
     const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
     TracedMaterial& m = scene->materials[material];
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
-    const std::size_t mesh = m.pane > 0.0f || m.masked || m.blended ? 1 : 0;
+    const std::size_t mesh = m.clear() > 0.0f || m.masked || m.blended ? 1 : 0;
     for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
       scene->triangle_material[i] = material | sides;
       if (visible) scene->mesh_triangles[mesh].push_back(i);

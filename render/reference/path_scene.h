@@ -40,7 +40,14 @@ struct TracedMaterial {
   bool textured = false;                      ///< any of them
   bool colored = false;                       ///< vertex colours other than 1
   std::shared_ptr<const MeasuredMaterial> measured;
-  float pane = 0.0f;     ///< share that is a thin pane
+  float pane = 0.0f;           ///< share that is glass, a thin pane unless it bends light
+  bool solid = false;          ///< glass with an inside: refracts
+  bool rough = false;          ///< glass that scatters
+  glm::vec3 absorption{0.0f};  ///< 1/m, of the inside
+  /// Glass that straight lines do not cross: shadow rays end there, paths are bent.
+  bool bends() const { return solid || rough; }
+  /// Share that straight lines do cross.
+  float clear() const { return bends() ? 0.0f : pane; }
   bool masked = false;   ///< cut out by its texture's alpha
   bool blended = false;  ///< covers by alpha
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }

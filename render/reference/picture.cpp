@@ -6,7 +6,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "render/reference/path.h"
@@ -25,6 +28,7 @@ struct PixelSums {
   glm::dvec3 square{0.0};
   std::uint32_t count = 0;
   std::uint32_t covered = 0;
+  std::uint32_t rays = 0;  ///< of the first kPilotPaths paths
 };
 
 glm::dvec3 variance_of_mean(const PixelSums& p) {
@@ -32,6 +36,35 @@ glm::dvec3 variance_of_mean(const PixelSums& p) {
   const double n = p.count;
   const glm::dvec3 variance = glm::max(p.square - p.sum * p.sum / n, glm::dvec3(0.0)) / (n - 1.0);
   return variance / n;
+}
+
+/// Paths of every pixel before their numbers part.
+constexpr std::uint32_t kPilotPaths = 8;
+/// Fewest and most paths of a pixel over the average.
+constexpr double kLeastRate = 0.25, kMostRate = 6.0;
+constexpr int kBlock = 8;  ///< pixels; the first pass goes from one pixel of each block to all
+
+/// When a pass ends early.
+class Halt {
+ public:
+  Halt(std::stop_token stop, const Deadline& deadline) : stop_(std::move(stop)), deadline_(deadline) {}
+  bool operator()() const {
+    return stop_.stop_requested() || (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
+  }
+  const std::stop_token& stop() const { return stop_; }
+
+ private:
+  std::stop_token stop_;
+  Deadline deadline_;
+};
+
+/// Standard deviation of one path, over the root of what it costs: the best number of paths is in proportion.
+/// Source: Neyman 1934, "On the Two Different Aspects of the Representative Method" (with costs, Sec. 4).
+float spread_of(const PixelSums& p) {
+  if (p.count < 2) return 0.0f;
+  const glm::dvec3 v = variance_of_mean(p);
+  const double a_path = (v.x + v.y + v.z) / 3.0 * p.count, cost = std::max(1.0 * p.rays / p.count, 0.25);
+  return static_cast<float>(std::sqrt(a_path / cost));
 }
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -79,6 +112,8 @@ struct ReferencePicture::Impl {
   std::optional<MirrorGuide> mirrors;
   CameraFrame camera;
   std::vector<PixelSums> pixels;
+  std::vector<float> rates;  ///< [pixel] paths over the average, after the first kPilotPaths; empty: all 1
+  std::uint32_t done = 0;    ///< paths a pixel, of complete passes
   std::atomic<std::size_t> rays{0};
 
   Impl(std::shared_ptr<const PathScene> s, const PictureRequest& r)
@@ -110,16 +145,22 @@ struct ReferencePicture::Impl {
             {camera.eye, direction_through(at + glm::vec2(step, 0.0f)), direction_through(at + glm::vec2(0.0f, step))}};
   }
 
+  /// Of a pixel when the average is `average`.
+  std::uint32_t target_of(std::size_t pixel, std::uint32_t average) const {
+    if (rates.empty() || average <= kPilotPaths) return average;
+    return kPilotPaths +
+           static_cast<std::uint32_t>(std::lround(rates[pixel] * static_cast<float>(average - kPilotPaths)));
+  }
+
   /// Until the pixel has `target` paths. Returns the paths traced.
-  std::size_t trace_pixel(std::size_t pixel, std::uint32_t target, const std::stop_token& stop,
-                          std::size_t* ray_count) {
+  std::size_t trace_pixel(std::size_t pixel, std::uint32_t target, const Halt& halt, std::size_t* ray_count) {
     PixelSums& p = pixels[pixel];
     const std::uint32_t first = p.count;
     const auto width = static_cast<std::size_t>(request.width);
     const glm::vec2 corner(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
     PathSampler sampler{mix_seed(request.seed, static_cast<std::uint32_t>(pixel)), 0};
     std::optional<CameraRay> shared_ray;  // all paths through a pixel's centre begin alike
-    for (; p.count < target && !stop.stop_requested(); ++p.count) {
+    for (; p.count < target && !halt(); ++p.count) {
       sampler.index = p.count;
       const PixelRay r = ray_through(corner + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f)));
       PathEstimate e;
@@ -133,6 +174,7 @@ struct ReferencePicture::Impl {
         e = shared_ray->estimate(sampler, request.paths.max_bounces, mirrors ? &*mirrors : nullptr);
       }
       *ray_count += e.rays;
+      if (p.count < kPilotPaths) p.rays += e.rays;
       // A picture never holds NaN or infinity, whatever a table holds.
       const glm::dvec3 value = is_finite(e.radiance) ? glm::dvec3(e.radiance) : glm::dvec3(0.0);
       p.sum += value;
@@ -142,21 +184,90 @@ struct ReferencePicture::Impl {
     return p.count - first;
   }
 
-  std::uint32_t least_count() const {
-    return std::min_element(pixels.begin(), pixels.end(),
-                            [](const auto& a, const auto& b) { return a.count < b.count; })
-        ->count;
-  }
-
-  /// Until every pixel has `target` paths; false when stopped before.
-  bool trace_to(std::uint32_t target, const std::stop_token& stop, const Progress& progress) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels.size(), kPixelsATask), [&](const auto& range) {
+  void trace_pixels(std::span<const std::uint32_t> order, std::uint32_t average, const Halt& halt,
+                    const Progress& progress) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), kPixelsATask), [&](const auto& range) {
       std::size_t traced = 0, paths = 0;
-      for (std::size_t i = range.begin(); i < range.end(); ++i) paths += trace_pixel(i, target, stop, &traced);
+      for (std::size_t i = range.begin(); i < range.end(); ++i)
+        paths += trace_pixel(order[i], target_of(order[i], average), halt, &traced);
       rays += traced;
       progress.add(paths);
     });
-    return !stop.stop_requested();
+  }
+
+  /// Until the pixels have `average` paths; false when it halted before.
+  bool trace_to(std::uint32_t average, const Halt& halt, const Progress& progress) {
+    if (done > 0) {
+      std::vector<std::uint32_t> rows(pixels.size());
+      std::iota(rows.begin(), rows.end(), 0u);
+      trace_pixels(rows, average, halt, progress);
+    } else {
+      // From coarse to fine. What time does not end is the first pixel of each block.
+      for (int side = kBlock; side > 0; side /= 2) {
+        const std::vector<std::uint32_t> grid = pixels_of_grid(side);
+        trace_pixels(grid, average, side == kBlock ? Halt(halt.stop(), {}) : halt, progress);
+      }
+    }
+    return !halt();
+  }
+
+  /// Whose coordinates are multiples of `side`, but not of twice that.
+  std::vector<std::uint32_t> pixels_of_grid(int side) const {
+    std::vector<std::uint32_t> grid;
+    for (int y = 0; y < request.height; y += side)
+      for (int x = 0; x < request.width; x += side)
+        if (side == kBlock || x % (2 * side) != 0 || y % (2 * side) != 0)
+          grid.push_back(static_cast<std::uint32_t>(y * request.width + x));
+    return grid;
+  }
+
+  /// Of the pixel, or of one that stands for it.
+  const PixelSums& sums_near(std::size_t pixel) const {
+    const auto width = static_cast<std::size_t>(request.width);
+    const std::size_t x = pixel % width, y = pixel / width;
+    for (std::size_t side = 1; side < kBlock; side *= 2)
+      if (const PixelSums& p = pixels[y / side * side * width + x / side * side]; p.count > 0) return p;
+    return pixels[y / kBlock * kBlock * width + x / kBlock * kBlock];
+  }
+
+  /// Mean spread of the 24 pixels around one, its own left out: what a pixel saw itself must not decide how often it
+  /// looks again, or lucky ones would stop and the picture come out too dark.
+  std::vector<float> spreads_around() const {
+    const int width = request.width, height = request.height;
+    std::vector<float> own(pixels.size()), around(pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) own[i] = spread_of(pixels[i]);
+    tbb::parallel_for(0, height, [&](int y) {
+      for (int x = 0; x < width; ++x) {
+        float sum = 0.0f;
+        int count = 0;
+        for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v)
+          for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u) {
+            if (u == x && v == y) continue;
+            sum += own[static_cast<std::size_t>(v * width + u)];
+            ++count;
+          }
+        around[static_cast<std::size_t>(y * width + x)] = count > 0 ? sum / static_cast<float>(count) : 0.0f;
+      }
+    });
+    return around;
+  }
+
+  /// Decided once: later counts would follow what the pixel itself saw.
+  void find_rates() {
+    rates = spreads_around();
+    const auto total = [&](double scale) {
+      double sum = 0.0;
+      for (const float r : rates) sum += std::clamp(scale * static_cast<double>(r), kLeastRate, kMostRate);
+      return sum / static_cast<double>(rates.size());
+    };
+    const double mean = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
+    if (!(mean > 0.0)) {
+      rates.clear();
+      return;
+    }
+    double scale = 1.0 / mean;
+    for (int i = 0; i < 20; ++i) scale /= total(scale);  // clamped ones shift the average
+    for (float& r : rates) r = static_cast<float>(std::clamp(scale * static_cast<double>(r), kLeastRate, kMostRate));
   }
 
   void learn() {
@@ -168,7 +279,7 @@ struct ReferencePicture::Impl {
   Image image(int channels, const Value& value) const {
     Image out(request.width, request.height, channels);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const glm::dvec4 v = value(pixels[i]);
+      const glm::dvec4 v = value(i);
       for (int c = 0; c < channels; ++c)
         out.data[i * static_cast<std::size_t>(channels) + static_cast<std::size_t>(c)] = static_cast<float>(v[c]);
     }
@@ -184,18 +295,21 @@ ReferencePicture& ReferencePicture::operator=(ReferencePicture&&) noexcept = def
 
 const PictureRequest& ReferencePicture::request() const { return impl_->request; }
 
-/// The guide learns after 1, 2, 4, ... paths a pixel, whatever the portions that were asked for.
-bool ReferencePicture::add(int count, const std::stop_token& stop, const std::function<void(double)>& progress) {
+/// The guides learn after 1, 2, 4, ... paths a pixel, whatever the portions that were asked for.
+bool ReferencePicture::add(int count, const std::stop_token& stop, const std::function<void(double)>& progress,
+                           const Deadline& deadline) {
   Impl& s = *impl_;
-  // After an interrupted call the pixels left behind catch up first.
-  const std::uint32_t target = s.least_count() + static_cast<std::uint32_t>(std::max(count, 0));
+  const Halt halt(stop, deadline);
+  const std::uint32_t target = s.done + static_cast<std::uint32_t>(std::max(count, 0));
   const Progress report(progress, s.pixels.size() * static_cast<std::size_t>(std::max(count, 1)));
-  for (std::uint32_t done = s.least_count(); done < target;) {
-    const bool learns = done < kLastLesson && s.mirrors;
-    const std::uint32_t next = std::min(target, learns ? std::bit_ceil(done + 1) : target);
-    if (!s.trace_to(next, stop, report)) return false;
+  while (s.done < target) {
+    const bool learns = s.mirrors && s.done < kLastLesson;
+    std::uint32_t next = learns ? std::min(target, std::bit_ceil(s.done + 1)) : target;
+    if (s.done < kPilotPaths) next = std::min(next, kPilotPaths);
+    if (!s.trace_to(next, halt, report)) return false;
+    s.done = next;
     if (learns && std::has_single_bit(next)) s.learn();
-    done = next;
+    if (next == kPilotPaths && s.request.adaptive) s.find_rates();
   }
   return true;
 }
@@ -210,17 +324,18 @@ ReferenceCounts ReferencePicture::counts() const {
   return counts;
 }
 
-int ReferencePicture::samples() const { return static_cast<int>(impl_->least_count()); }
+int ReferencePicture::samples() const { return static_cast<int>(impl_->done); }
 
 Image ReferencePicture::mean() const {
-  return impl_->image(4, [](const PixelSums& p) {
+  return impl_->image(4, [this](std::size_t pixel) {
+    const PixelSums& p = impl_->sums_near(pixel);
     const double scale = p.count > 0 ? 1.0 / p.count : 0.0;
     return glm::dvec4(p.sum * scale, p.covered * scale);
   });
 }
 
 Image ReferencePicture::variance() const {
-  return impl_->image(3, [](const PixelSums& p) { return glm::dvec4(variance_of_mean(p), 0.0); });
+  return impl_->image(3, [this](std::size_t i) { return glm::dvec4(variance_of_mean(impl_->pixels[i]), 0.0); });
 }
 
 double ReferencePicture::relative_error(bool whole) const {

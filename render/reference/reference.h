@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -64,9 +66,15 @@ struct PictureRequest {
   int width = 640, height = 360;
   int msaa = 1;  ///< 1: rays through pixel centres; more: over the pixel's area
   std::uint32_t seed = 0;
+  /// Paths go where the picture is noisy: after the first few, a pixel's number follows the spread that its neighbours
+  /// measured (not its own, which would bias its mean).
+  bool adaptive = true;
   float footprint = 1.0f;  ///< of a pixel, that textures are filtered over: less where pixels stand for finer ones
   PathOptions paths;
 };
+
+/// When to stop, if ever.
+using Deadline = std::optional<std::chrono::steady_clock::time_point>;
 
 struct ReferenceCounts {
   std::size_t paths = 0, rays = 0;
@@ -82,12 +90,15 @@ class ReferencePicture {
   ReferencePicture(ReferencePicture&&) noexcept;
   ReferencePicture& operator=(ReferencePicture&&) noexcept;
 
-  /// Adds `count` paths a pixel on all cores. False when `stop` came first: then some pixels have more paths than
-  /// others, and the picture is as good as it got. `progress` in [0, 1], from any thread, at most about 100 times.
-  bool add(int count, const std::stop_token& stop = {}, const std::function<void(double)>& progress = {});
+  /// Adds `count` paths a pixel (on the average, where `adaptive`) on all cores. False when `stop` or `deadline` came
+  /// first: the picture is as good as it got, and the next call goes on from there. A deadline never leaves it empty:
+  /// one pixel in 64 gets a path in any case, and stands for its neighbours until they have their own. `progress` in
+  /// [0, 1], from any thread, at most about 100 times.
+  bool add(int count, const std::stop_token& stop = {}, const std::function<void(double)>& progress = {},
+           const Deadline& deadline = {});
 
   const PictureRequest& request() const;
-  /// Fewest paths of any pixel.
+  /// Paths a pixel (on the average) of the passes that are complete.
   int samples() const;
   ReferenceCounts counts() const;
   /// RGBA, linear, cd/m2; alpha is the share of the pixel that shows more than sky (and panes before it).

@@ -26,6 +26,9 @@ TechniqueInfo reference_technique() {
        .max = 4096,
        .unit = "bounces",
        .help = "longest path in full transport; roulette ends nearly all before"},
+      {.name = "reference.adaptive",
+       .default_value = true,
+       .help = "paths go where the picture is noisy; false: the same number for every pixel"},
   };
   for (int samples = 1; samples <= 1024; samples *= 4) info.quality_steps.push_back({.samples = samples});
   info.restricted_settings = {{"reference.transport", std::string("direct")}};

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <mutex>
+#include <numbers>
 
 #include "render/material_overrides.h"
 #include "render/reference/path_scene.h"
@@ -11,12 +13,19 @@
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
 #include "tests/benchmarks/stage.h"
+#include "tests/support/cornell.h"
 #include "tests/support/sphere_quadrature.h"
 
 namespace maquette::bench {
 namespace {
 
 std::string percent(double v) { return number(100.0 * v) + " %"; }
+
+/// Says a figure as soon as it is known: the part takes minutes.
+void keep(Figures* figures, Figure figure) {
+  std::fprintf(stderr, "   %s: %s\n", figure.name.c_str(), figure.measured.c_str());
+  figures->push_back(std::move(figure));
+}
 
 /// Rays through the whole hierarchy, as Embree takes them one by one: no filters, no shading.
 double embree_alone_ms(const PathScene& plain, const std::vector<LoggedRay>& rays) {
@@ -80,10 +89,10 @@ void measure_rays(Stage& stage, Figures* figures) {
   std::nth_element(alone.begin(), alone.begin() + alone.size() / 2, alone.end());
   const double count = static_cast<double>(rays.size());
   const double mine = count / ours[ours.size() / 2] / 1e3, embree = count / alone[alone.size() / 2] / 1e3;
-  figures->push_back(judged("cockpit/driver: rays a second, shading included, over Embree alone", ">= 0.5",
-                            number(mine / embree) + " (" + number(mine) + " against " + number(embree) +
-                                " million rays a second of processor time and core)",
-                            mine / embree >= 0.5));
+  keep(figures, judged("cockpit/driver: rays a second, shading included, over Embree alone", ">= 0.5",
+                       number(mine / embree) + " (" + number(mine) + " against " + number(embree) +
+                           " million rays a second of processor time and core)",
+                       mine / embree >= 0.5));
 }
 
 /// Shading normals of the sphere that the tracer sees at the pixel centres.
@@ -105,7 +114,8 @@ Image traced_normals(const PathScene& scene, const PictureRequest& r) {
 }
 
 void measure_quadrature(Stage& stage, Figures* figures) {
-  constexpr int kSide = 32, kPaths = 16384;
+  constexpr int kSide = 32, kMostPaths = 16384;
+  constexpr double kNoise = 0.0005, kMost_ms = 60e3;  // of processor time
   for (const char* name : {"matte-white", "paint-red-metallic", "metal-chrome"}) {
     if (!stage.options().wants(std::string("reference/") + name)) continue;
     const std::string material = std::string("builtin:") + name;
@@ -119,15 +129,17 @@ void measure_quadrature(Stage& stage, Figures* figures) {
     PictureRequest request = picture_of(camera, kSide, kSide);
     request.paths.transport = Transport::direct;
     ReferencePicture picture(traced, request);
-    picture.add(kPaths);
+    const Clock start = now();
+    do picture.add(std::max(picture.samples(), 256));
+    while (picture.samples() < kMostPaths && picture.relative_error() > kNoise && (now() - start).cpu_ms < kMost_ms);
     const Image normals = traced_normals(*traced, request);
     const test::SphereQuadrature exact =
         test::integrate_sphere(*environment, load_brdf(material), {4.5, 0.5, kSide}, &normals);
     const double error = test::relative_rmse(picture.mean(), exact);
-    figures->push_back(judged(std::string("direct transport against quadrature, ") + name, "<= 0.2 %",
-                              percent(error) + " (its own noise " + percent(picture.relative_error()) + ", " +
-                                  std::to_string(kPaths) + " paths)",
-                              error <= 0.002));
+    keep(figures, judged(std::string("direct transport against quadrature, ") + name, "<= 0.2 %",
+                         percent(error) + " (its own noise " + percent(picture.relative_error()) + ", " +
+                             std::to_string(picture.samples()) + " paths)",
+                         error <= 0.002));
   }
 }
 
@@ -157,8 +169,44 @@ void measure_furnace(Figures* figures) {
       ++count;
     }
   const double rms = std::sqrt(square / static_cast<double>(count));
-  figures->push_back(judged("white furnace, full transport", "<= 0.1 %",
-                            percent(rms) + " (largest of any pixel " + percent(worst) + ")", rms <= 0.001));
+  keep(figures, judged("white furnace, full transport", "<= 0.1 %",
+                       percent(rms) + " (largest of any pixel " + percent(worst) + ")", rms <= 0.001));
+}
+
+/// The box of diffuse walls against radiosity, the paths' noise included.
+void measure_cornell(Figures* figures) {
+  constexpr std::uint32_t kPaths = 49152;
+  const test::Radiosity radiosity(test::cornell_triangles(), {.largest_edge = 0.8, .rays = 1024, .light_cells = 16});
+  auto dark = std::make_shared<Environment>();
+  dark->width = 2;
+  dark->height = 1;
+  dark->rgb.assign(2, glm::vec3(0.0f));
+  const auto scene = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = dark});
+  const test::CornellView view(12);
+  const std::vector<test::CornellPixel> pixels = view.pixels(radiosity);
+  std::vector<double> seen(pixels.size()), exact(pixels.size());
+  const auto y_of = [](const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
+  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
+    const test::SurfaceHit& hit = pixels[i].hit;
+    exact[i] = y_of(hit.albedo / std::numbers::pi * radiosity.irradiance(hit.position, hit.normal, 4096));
+    const glm::dvec3 eye = hit.position + 0.01 * (glm::dvec3(0.0, 2.73, 10.8) - hit.position);
+    glm::dvec3 sum(0.0);
+    for (std::uint32_t k = 0; k < kPaths; ++k)
+      sum += glm::dvec3(estimate_radiance(*scene, {}, glm::vec3(eye), glm::vec3(glm::normalize(hit.position - eye)),
+                                          static_cast<std::uint32_t>(i + 1), k));
+    seen[i] = y_of(sum / static_cast<double>(kPaths));
+  });
+  double square = 0.0, mean = 0.0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    square += (seen[i] - exact[i]) * (seen[i] - exact[i]);
+    mean += exact[i];
+  }
+  const auto n = static_cast<double>(pixels.size());
+  const double error = std::sqrt(square / n) / (mean / n);
+  keep(figures, judged("Cornell box against radiosity, noise of the paths included", "<= 0.5 %",
+                       percent(error) + " (" + std::to_string(pixels.size()) + " points, " + std::to_string(kPaths) +
+                           " paths each)",
+                       error <= 0.005));
 }
 
 void measure_uniform_agreement(Stage& stage, Figures* figures) {
@@ -173,7 +221,7 @@ void measure_uniform_agreement(Stage& stage, Figures* figures) {
     const auto converge = [&](const std::string& mode, const char* key, const char* value, std::uint32_t seed) {
       FrameRequest r = stage.request(mode, mode == "reference" ? 1024 : 4096, seed);
       r.settings.set_from_text(key, value);
-      for (int f = 0; f < (mode == "reference" ? 1 : 8); ++f) stage.renderer().render(r, f > 0);
+      for (int f = 0; f < (mode == "reference" ? 1 : 4); ++f) stage.renderer().render(r, f > 0);
       return stage.renderer().read_radiance();
     };
     const Image uniform = converge("uniform", "shading.visibility", "none", 1);
@@ -184,9 +232,9 @@ void measure_uniform_agreement(Stage& stage, Figures* figures) {
     const double noise_d = relative_rmse(again, direct) / std::sqrt(2.0);
     const double all = relative_rmse(direct, uniform);
     const double error = std::sqrt(std::max(all * all - noise_u * noise_u - noise_d * noise_d, 0.0));
-    figures->push_back(judged(c.name + ": direct transport against uniform, noise of both taken out", "<= 0.5 %",
-                              percent(error) + " (noise " + percent(noise_d) + " and " + percent(noise_u) + ")",
-                              error <= 0.005));
+    keep(figures,
+         judged(c.name + ": direct transport against uniform, noise of both taken out", "<= 0.5 %",
+                percent(error) + " (noise " + percent(noise_d) + " and " + percent(noise_u) + ")", error <= 0.005));
   }
 }
 
@@ -224,7 +272,7 @@ double pair_error(const Image& a, const Image& b, bool whole) {
 void measure_car(Stage& stage, Figures* figures) {
   const std::string name = "Ferrari, driver's eye, Grace, 640 x 360: relative RMSE, sky included, after ";
   if (stage.options().data.empty()) {
-    figures->push_back(absent(name + "7, 26, 95 s", "7.3, 3.0, 1.4 %", "needs --data"));
+    keep(figures, absent(name + "7, 26, 95 s", "7.3, 3.0, 1.4 %", "needs --data"));
     return;
   }
   const auto scene = load_car(stage.options());
@@ -242,11 +290,10 @@ void measure_car(Stage& stage, Figures* figures) {
       spent_ms += 0.5 * (now() - start).cpu_ms;
     }
     const double error = pair_error(first.mean(), second.mean(), true);
-    figures->push_back(judged(name + number(seconds) + " s of two cores", "<= " + percent(target),
-                              percent(error) + " (cabin alone " +
-                                  percent(pair_error(first.mean(), second.mean(), false)) + ", " +
-                                  std::to_string(first.samples()) + " paths a pixel)",
-                              error <= target));
+    keep(figures, judged(name + number(seconds) + " s of two cores", "<= " + percent(target),
+                         percent(error) + " (cabin alone " + percent(pair_error(first.mean(), second.mean(), false)) +
+                             ", " + std::to_string(first.samples()) + " paths a pixel)",
+                         error <= target));
   }
 }
 
@@ -267,15 +314,24 @@ double largest_outlier(const Image& image) {
 }
 
 void measure_fireflies(Stage& stage, Figures* figures) {
-  const std::string name = "Ferrari, largest pixel over its neighbourhood at 1024 paths, 160 x 90";
-  if (stage.options().data.empty()) {
-    figures->push_back(absent(name, "<= 50", "needs --data"));
-    return;
-  }
-  ReferencePicture picture(load_car(stage.options()), picture_of(driver_of_the_car(), 160, 90));
-  picture.add(1024);
-  const double worst = largest_outlier(picture.mean());
-  figures->push_back(judged(name, "<= 50", number(worst), worst <= 50.0));
+  constexpr int kPaths = 1024;
+  const auto measure = [&](const std::string& name, const std::shared_ptr<const PathScene>& scene,
+                           const CameraView& camera) {
+    ReferencePicture picture(scene, picture_of(camera, 160, 90));
+    picture.add(kPaths);
+    const double worst = largest_outlier(picture.mean());
+    keep(figures, judged(name + ", largest pixel over its neighbourhood at 1024 paths, 160 x 90", "<= 50",
+                         number(worst), worst <= 50.0));
+  };
+  const Scene cockpit = load_scene("builtin:cockpit");
+  measure("cockpit/driver",
+          build_path_scene({.scene = cockpit,
+                            .environment = std::make_shared<const Environment>(load_environment("builtin:clear-sky"))}),
+          find_camera(cockpit, "driver"));
+  if (stage.options().data.empty())
+    keep(figures, absent("Ferrari, largest pixel over its neighbourhood at 1024 paths", "<= 50", "needs --data"));
+  else
+    measure("Ferrari", load_car(stage.options()), driver_of_the_car());
 }
 
 }  // namespace
@@ -285,6 +341,7 @@ Figures measure_path_tracer(Stage& stage) {
   const auto& wants = [&](const char* name) { return stage.options().wants(std::string("reference/") + name); };
   if (wants("rays")) measure_rays(stage, &figures);
   if (wants("furnace")) measure_furnace(&figures);
+  if (wants("cornell")) measure_cornell(&figures);
   measure_quadrature(stage, &figures);
   measure_uniform_agreement(stage, &figures);
   if (wants("car")) measure_car(stage, &figures);

@@ -92,6 +92,7 @@ TEST(PathTracer, LosslessSurfacesVanishInAFurnace) {
   Material pane = matte(glm::vec3(1.0f));
   pane.glass = true;
   pane.transmission = 1.0f;
+  pane.roughness = 0.0f;
   pane.double_sided = true;
   for (const Material& material : {matte(glm::vec3(1.0f)), mirror, pane}) {
     const auto scene = trace(scene_of(fine_sphere(64), material), constant_sky(1.0));
@@ -163,6 +164,7 @@ TEST(PathTracer, PaneFollowsFresnel) {
   Material pane = matte(glm::vec3(1.0f));
   pane.glass = true;
   pane.transmission = 1.0f;
+  pane.roughness = 0.0f;
   pane.ior = 1.52f;
   pane.double_sided = true;
   const auto above = trace(scene_of(floor_quad(), pane),

@@ -76,6 +76,7 @@ TEST(Reference, ClearPaneLosesNothing) {
   Material glass;
   glass.glass = true;
   glass.transmission = 1.0f;
+  glass.roughness = 0.0f;
   glass.double_sided = true;
   const Scene scene = sphere_of(glass);
   for (const Transport transport : {Transport::full, Transport::direct}) {
@@ -99,7 +100,7 @@ TEST(Reference, EnvironmentScaleAndAlphaHold) {
   request.paths.env_scale = 7.0f;
   ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
                            request);
-  picture.add(16);
+  picture.add(64);
   const Image mean = picture.mean();
   EXPECT_EQ(mean.at(0, 0, 3), 0.0f);
   EXPECT_NEAR(mean.at(0, 0, 0), 7.0f, 1e-4);
@@ -146,6 +147,130 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   EXPECT_TRUE(none.add(4));
   whole.add(4);
   EXPECT_EQ(none.mean().data, whole.mean().data);
+}
+
+/// Counts that follow the spread leave the mean where it was: over many seeds, both ways agree within their noise.
+TEST(Reference, AdaptivePathsAreUnbiased) {
+  const auto traced =
+      build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_environment(glm::vec3(0.0f))});
+  PictureRequest request = sphere_request(16);
+  request.camera.eye = {0.0f, 2.73f, 10.8f};
+  request.camera.target = {0.0f, 2.73f, 0.0f};
+  constexpr int kSeeds = 24;
+  double mean[2] = {0.0, 0.0}, square[2] = {0.0, 0.0};
+  for (int k = 0; k < 2 * kSeeds; ++k) {
+    const bool adaptive = k % 2 == 1;
+    request.adaptive = adaptive;
+    request.seed = static_cast<std::uint32_t>(k);
+    ReferencePicture picture(traced, request);
+    picture.add(32);
+    const double y = mean_of_surface(picture.mean());
+    mean[adaptive] += y / kSeeds;
+    square[adaptive] += y * y / kSeeds;
+  }
+  const double noise = std::sqrt((square[0] - mean[0] * mean[0] + square[1] - mean[1] * mean[1]) / (kSeeds - 1));
+  EXPECT_NEAR(mean[1], mean[0], 4.0 * noise);
+  EXPECT_LT(noise, 0.01 * mean[0]) << "too noisy to tell";
+}
+
+/// Where one half of a picture is hard and the other easy, the paths go to the hard one, and all keep some.
+TEST(Reference, AdaptivePathsGoWhereTheSpreadIs) {
+  const auto traced =
+      build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_environment(glm::vec3(0.0f))});
+  PictureRequest request = sphere_request(32);
+  request.camera.eye = {0.0f, 2.73f, 10.8f};
+  request.camera.target = {0.0f, 2.73f, 0.0f};
+  const auto error = [&](bool adaptive) {
+    double square = 0.0, paths = 0.0;
+    for (std::uint32_t seed = 0; seed < 8; ++seed) {
+      request.adaptive = adaptive;
+      request.seed = 2 * seed + (adaptive ? 1 : 0);
+      ReferencePicture picture(traced, request);
+      picture.add(64);
+      square += std::pow(picture.relative_error(true), 2.0);
+      paths += static_cast<double>(picture.counts().paths);
+      EXPECT_EQ(picture.samples(), 64);
+    }
+    return std::pair(std::sqrt(square), paths);
+  };
+  const auto [even, even_paths] = error(false);
+  const auto [adaptive, adaptive_paths] = error(true);
+  EXPECT_NEAR(adaptive_paths / even_paths, 1.0, 0.02);
+  EXPECT_LT(adaptive, even);
+}
+
+/// Time is up in the middle of the first pass: every pixel has a value all the same, and the picture goes on from
+/// there.
+TEST(Reference, DeadlineWithinAPassLeavesAPicture) {
+  const auto traced =
+      build_path_scene({.scene = sphere_of(white_lambert()), .environment = constant_environment(glm::vec3(1.0f))});
+  ReferencePicture hurried(traced, sphere_request(64)), whole(traced, sphere_request(64));
+  EXPECT_FALSE(hurried.add(16, {}, {}, std::chrono::steady_clock::now()));
+  EXPECT_EQ(hurried.samples(), 0);
+  EXPECT_EQ(hurried.counts().paths, 64u) << "one pixel of each block of 8 x 8";
+  const Image coarse = hurried.mean();
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) EXPECT_GT(coarse.at(x, y, 0), 0.0f) << x << ", " << y;
+  EXPECT_TRUE(hurried.add(16));
+  EXPECT_TRUE(whole.add(16));
+  EXPECT_EQ(hurried.mean().data, whole.mean().data);
+}
+
+/// A lamp mirrored in a pane onto a floor: what finds it sooner does not change how bright it is.
+TEST(Reference, GuideToMirroredLampsIsUnbiased) {
+  Scene scene = load_scene("builtin:plate");
+  Material pane;
+  pane.glass = true;
+  pane.transmission = 1.0f;
+  pane.roughness = 0.0f;
+  pane.double_sided = true;
+  scene.materials.push_back(pane);
+  Primitive wall;
+  wall.positions = {{-2, 0, -1}, {2, 0, -1}, {2, 3, -1}, {-2, 3, -1}};
+  wall.normals.assign(4, {0, 0, 1});
+  wall.indices = {0, 1, 2, 0, 2, 3};
+  wall.material = static_cast<int>(scene.materials.size()) - 1;
+  for (std::size_t m = 0; m + 1 < scene.materials.size(); ++m) scene.materials[m] = white_lambert();
+  Mesh mesh;
+  mesh.primitives.push_back(wall);
+  scene.meshes.push_back(mesh);
+  Node node;
+  node.mesh = static_cast<int>(scene.meshes.size()) - 1;
+  scene.nodes.push_back(node);
+  scene.roots.push_back(static_cast<int>(scene.nodes.size()) - 1);
+  auto sky = std::make_shared<Environment>();
+  sky->width = 64;
+  sky->height = 32;
+  sky->rgb.assign(64 * 32, glm::vec3(0.01f));
+  sky->rgb[9 * 64 + 32] = glm::vec3(100.0f);  // towards +z, 37 degrees up
+  const auto traced = build_path_scene({.scene = scene, .environment = sky});
+  PictureRequest request = sphere_request(24);
+  request.camera.eye = {0.0f, 1.5f, 2.5f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  ReferencePicture picture(traced, request);
+  picture.add(2048);
+  // Without guides: single radiances along the same rays.
+  double guided = 0.0, plain = 0.0, square = 0.0;
+  const glm::vec3 direction = glm::normalize(request.camera.target - request.camera.eye);
+  constexpr int kRuns = 64, kPaths = 2048;
+  for (std::uint32_t run = 0; run < kRuns; ++run) {
+    double sum = 0.0;
+    for (std::uint32_t i = 0; i < kPaths; ++i)
+      sum +=
+          static_cast<double>(estimate_radiance(*traced, {}, request.camera.eye, direction, 100 + run, i).y) / kPaths;
+    plain += sum / kRuns;
+    square += sum * sum / kRuns;
+  }
+  const Image mean = picture.mean(), variance = picture.variance();
+  double spread = 0.0;
+  for (int y = 11; y < 13; ++y)
+    for (int x = 11; x < 13; ++x) {
+      guided += 0.25 * static_cast<double>(mean.at(x, y, 1));
+      spread += static_cast<double>(variance.at(x, y, 1)) / 16.0;
+    }
+  const double noise = std::sqrt((square - plain * plain) / (kRuns - 1) + spread);
+  EXPECT_NEAR(guided, plain, 4.0 * noise + 0.01 * plain);
+  EXPECT_LT(noise, 0.03 * plain) << "too noisy to tell";
 }
 
 /// Rays that hit the surface they start on come back dark.

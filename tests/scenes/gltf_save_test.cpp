@@ -51,6 +51,9 @@ void expect_equal(const Material& a, const Material& b) {
   EXPECT_EQ(a.clearcoat_roughness, b.clearcoat_roughness);
   EXPECT_EQ(a.transmission, b.transmission);
   EXPECT_EQ(a.ior, b.ior);
+  EXPECT_EQ(a.thickness, b.thickness);
+  EXPECT_EQ(a.attenuation_color, b.attenuation_color);
+  EXPECT_EQ(a.attenuation_distance, b.attenuation_distance);
   EXPECT_EQ(a.specular, b.specular);
   EXPECT_EQ(a.specular_color, b.specular_color);
   EXPECT_EQ(a.sheen_color, b.sheen_color);
@@ -165,6 +168,9 @@ Scene everything() {
   material.clearcoat_roughness = 0.05f;
   material.transmission = 0.8f;
   material.ior = 1.33f;
+  material.thickness = 0.01f;
+  material.attenuation_color = {0.5f, 0.6f, 0.7f};
+  material.attenuation_distance = 0.25f;
   material.specular = 0.4f;
   material.specular_color = {0.9f, 0.8f, 0.7f};
   material.sheen_color = {0.1f, 0.0f, 0.2f};

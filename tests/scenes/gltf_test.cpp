@@ -177,6 +177,7 @@ TEST_F(Gltf, ReadsMaterialsAndTheirExtensions) {
     "metallicFactor": 0.6, "roughnessFactor": 0.7}, "extensions": {
       "KHR_materials_clearcoat": {"clearcoatFactor": 0.9, "clearcoatRoughnessFactor": 0.1},
       "KHR_materials_transmission": {"transmissionFactor": 0.8}, "KHR_materials_ior": {"ior": 1.7},
+      "KHR_materials_volume": {"thicknessFactor": 0.02, "attenuationDistance": 0.5, "attenuationColor": [0.2, 0.9, 0.4]},
       "KHR_materials_specular": {"specularFactor": 0.3, "specularColorFactor": [1, 2, 3]},
       "KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3], "sheenRoughnessFactor": 0.4},
       "KHR_materials_emissive_strength": {"emissiveStrength": 100}, "KHR_materials_unlit": {}},
@@ -197,6 +198,9 @@ TEST_F(Gltf, ReadsMaterialsAndTheirExtensions) {
   EXPECT_FLOAT_EQ(m.transmission, 0.8f);
   EXPECT_TRUE(m.glass);
   EXPECT_FLOAT_EQ(m.ior, 1.7f);
+  EXPECT_FLOAT_EQ(m.thickness, 0.02f);
+  EXPECT_FLOAT_EQ(m.attenuation_distance, 0.5f);
+  EXPECT_EQ(m.attenuation_color, glm::vec3(0.2f, 0.9f, 0.4f));
   EXPECT_FLOAT_EQ(m.specular, 0.3f);
   EXPECT_EQ(m.specular_color, glm::vec3(1, 2, 3));
   EXPECT_EQ(m.sheen_color, glm::vec3(0.1f, 0.2f, 0.3f));
@@ -277,16 +281,17 @@ TEST_F(Gltf, NamesEverythingThatIsNotSupportedOnce) {
   primitive()["targets"] = {{{"POSITION", 0}}};
   root_["animations"] = {test::Json::object(), test::Json::object()};
   root_["skins"] = {{{"joints", {0}}}};
-  root_["extensionsUsed"] = {"KHR_materials_volume", "ACME_wheels"};
-  use_material({{"extensions",
-                 {{"KHR_materials_volume", test::Json::object()}, {"KHR_materials_anisotropy", test::Json::object()}}},
-                {"extras", {{"extensions", {{"not_an_extension", 1}}}}}});
+  root_["extensionsUsed"] = {"KHR_materials_iridescence", "ACME_wheels"};
+  use_material(
+      {{"extensions",
+        {{"KHR_materials_iridescence", test::Json::object()}, {"KHR_materials_anisotropy", test::Json::object()}}},
+       {"extras", {{"extensions", {{"not_an_extension", 1}}}}}});
   const Scene scene = load();
   expect_warning(scene, "2 animations");
   expect_warning(scene, "1 skins");
   expect_warning(scene, "morph targets");
   expect_warning(scene, "_TEMPERATURE");
-  expect_warning(scene, "KHR_materials_volume");
+  expect_warning(scene, "KHR_materials_iridescence");
   expect_warning(scene, "KHR_materials_anisotropy");
   expect_warning(scene, "ACME_wheels");
   EXPECT_EQ(scene.warnings.size(), 7u);

@@ -51,6 +51,24 @@ TEST_F(ImageIo, ExrKeepsEveryBit) {
   }
 }
 
+TEST_F(ImageIo, ExrCarriesLayers) {
+  const Image image = random_image(19, 31, 4), variance = random_image(19, 31, 3);
+  save_exr(path("a.exr"), image, {}, {{"variance", variance}});
+  EXPECT_EQ(load_hdr_image(path("a.exr")).data, image.data) << "a reader of R, G, B, A sees the picture alone";
+  Imf::InputFile file(path("a.exr").c_str());
+  Image back(19, 31, 3);
+  Imf::FrameBuffer buffer;
+  const char* names[] = {"variance.R", "variance.G", "variance.B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    ASSERT_NE(file.header().channels().findChannel(names[c]), nullptr) << names[c];
+    buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, back.data.data() + c, {0, 0}, 19, 31, 3 * sizeof(float),
+                                             3 * sizeof(float) * 19));
+  }
+  file.setFrameBuffer(buffer);
+  file.readPixels(0, 30);
+  EXPECT_EQ(back.data, variance.data);
+}
+
 TEST_F(ImageIo, ReadsTilesHalfUintAndAnOffsetWindow) {
   constexpr int kWidth = 100;
   constexpr int kHeight = 70;

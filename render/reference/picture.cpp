@@ -98,8 +98,10 @@ std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequ
   return std::make_unique<LightGuide>(*scene.environment.partition, grid_of(scene, r));
 }
 
-/// Lights that are sent over panes at each lesson, a pixel.
+/// Lights that are sent over panes at each lesson: so many a pixel, and at least some, because small pictures show as
+/// many places as large ones.
 constexpr double kMirroredLights = 0.25;
+constexpr std::size_t kLeastLights = 16384;
 constexpr std::uint32_t kLastLesson = 64;  ///< after so many paths
 
 }  // namespace
@@ -272,7 +274,8 @@ struct ReferencePicture::Impl {
 
   void learn() {
     if (guide) guide->learn();
-    mirrors->learn(static_cast<std::size_t>(kMirroredLights * static_cast<double>(pixels.size())));
+    mirrors->learn(
+        std::max(kLeastLights, static_cast<std::size_t>(kMirroredLights * static_cast<double>(pixels.size()))));
   }
 
   template <typename Value>

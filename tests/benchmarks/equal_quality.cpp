@@ -162,22 +162,15 @@ Figures measure_progressive(Stage& stage) {
 
 Figures measure_research(Stage& stage) {
   Figures figures;
-  const std::vector<std::string> names{"gold-metallic-paint", "color-changing-paint3", "teflon", "chrome-steel"};
   const std::string target = "<= 1 s";
   if (stage.options().data.empty()) return {absent("to 2 % under Grace Cathedral", target, "needs --data")};
-  const std::vector<std::string> tables = expand_tables(stage.options(), names);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!stage.options().wants("grace/" + names[i])) continue;
-    stage.show({.name = "grace/" + names[i],
-                .scene = "builtin:sphere",
-                .material = tables[i],
-                .environment = stage.options().data + "/environments/grace_latlong.exr",
-                .width = 512,
-                .height = 512});
+  for (const Case& c : research_cases(stage.options())) {
+    if (!stage.options().wants(c.name)) continue;
+    stage.show(c);
     const double noise = stage.reference().noise;
     const Curve curve = sweep(stage, {"bandwidth"}, 0.018)[0];
     const auto wall = time_to(curve, 0.02, false), cpu = time_to(curve, 0.02, true);
-    const std::string name = "512 x 512 sphere under Grace to 2 %, " + names[i];
+    const std::string name = "512 x 512 sphere to 2 %, " + c.name;
     const std::string tail = ", reference noise " + percent(noise);
     if (noise > 0.02)
       figures.push_back(absent(name, target, "the converged picture's own noise is " + percent(noise)));

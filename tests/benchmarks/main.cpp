@@ -23,6 +23,7 @@ struct Part {
 constexpr Part kParts[] = {
     {"correct", "uniform against direct quadrature", measure_correct},
     {"research", "time to 2 % under Grace Cathedral, four measured tables", measure_research},
+    {"samples", "deviation and time of one shading sample", measure_samples},
     {"converged", "what the converged pictures' own noise is, and that `uniform` tends to them", measure_converged},
     {"equal-quality", "time of bandwidth and uniform to the same error", measure_equal_quality},
     {"progressive", "error while nothing moves, bandwidth against uniform", measure_progressive},
@@ -32,7 +33,8 @@ constexpr Part kParts[] = {
     {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},
     {"reflection-frames", "reflector techniques: time, growth with the scene, outlines", measure_reflection_frames},
     {"octree", "octrees: building, walking against Embree, what they hide", measure_octree},
-    {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin", measure_path_tracer},
+    {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin",
+     measure_path_tracer},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

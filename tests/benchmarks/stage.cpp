@@ -297,4 +297,19 @@ std::vector<std::string> expand_tables(const Options& options, const std::vector
   return paths;
 }
 
+std::vector<Case> research_cases(const Options& options) {
+  std::vector<Case> cases;
+  if (options.data.empty()) return cases;
+  const std::vector<std::string> names{"gold-metallic-paint", "color-changing-paint3", "teflon", "chrome-steel"};
+  const std::vector<std::string> tables = expand_tables(options, names);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    cases.push_back({.name = "grace/" + names[i],
+                     .scene = "builtin:sphere",
+                     .material = tables[i],
+                     .environment = options.data + "/environments/grace_latlong.exr",
+                     .width = 512,
+                     .height = 512});
+  return cases;
+}
+
 }  // namespace maquette::bench

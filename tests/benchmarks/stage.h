@@ -103,10 +103,14 @@ double relative_rmse(const Image& picture, const Image& reference);
 
 /// The seven pictures of the equal-quality figure; without the data six.
 std::vector<Case> quality_cases(const Options& options);
+/// A sphere under Grace Cathedral, four measured tables: the comparison with a research renderer. None without the
+/// data.
+std::vector<Case> research_cases(const Options& options);
 /// Paths of MERL tables of the data, expanded into the scratch folder; throws Error when that fails.
 std::vector<std::string> expand_tables(const Options& options, const std::vector<std::string>& names);
 
 Figures measure_correct(Stage& stage);
+Figures measure_samples(Stage& stage);
 Figures measure_converged(Stage& stage);
 Figures measure_progressive(Stage& stage);
 Figures measure_research(Stage& stage);

@@ -11,6 +11,7 @@
 #include "render/sg/technique.h"
 #include "render/shading/technique.h"
 #include "render/splitsum/technique.h"
+#include "render/triangle/technique.h"
 #include "render/uniform/technique.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -19,8 +20,9 @@ namespace maquette {
 
 const std::vector<TechniqueInfo>& techniques() {
   static const std::vector<TechniqueInfo> kTechniques = {
-      shading_technique(), octree_technique(),    bandwidth_technique(),   uniform_technique(), splitsum_technique(),
-      sg_technique(),      reference_technique(), reflections_technique(), bezier_technique(),  raytraced_technique(),
+      shading_technique(),  octree_technique(),   bandwidth_technique(), uniform_technique(),
+      splitsum_technique(), sg_technique(),       reference_technique(), reflections_technique(),
+      bezier_technique(),   triangle_technique(), raytraced_technique(),
   };
   return kTechniques;
 }
@@ -31,13 +33,6 @@ const std::vector<LaterName>& later_modes() {
       {"prt", "precomputed radiance transfer"},
   };
   return kModes;
-}
-
-const std::vector<LaterName>& later_reflectors() {
-  static const std::vector<LaterName> kReflectors = {
-      {"triangle", "reflections in triangles with vertex normals"},
-  };
-  return kReflectors;
 }
 
 const std::vector<LaterName>& later_settings() {
@@ -88,7 +83,7 @@ const TechniqueInfo* find_reflector_technique(const std::string& name) {
   if (const TechniqueInfo* technique = find(TechniqueKind::reflector, name)) return technique;
   std::vector<std::string> known = technique_names(TechniqueKind::reflector);
   known.insert(known.begin(), "off");
-  fail("--reflections", name, known, later_reflectors());
+  fail("--reflections", name, known, {});
 }
 
 }  // namespace maquette

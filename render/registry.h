@@ -57,7 +57,6 @@ struct LaterName {
   std::string help;
 };
 const std::vector<LaterName>& later_modes();
-const std::vector<LaterName>& later_reflectors();
 const std::vector<LaterName>& later_settings();
 
 }  // namespace maquette

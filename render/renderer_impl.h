@@ -9,6 +9,7 @@
 #include "render/environment_buffers.h"
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
+#include "render/frustum.h"
 #include "render/gl/context.h"
 #include "render/indirect/indirect_buffers.h"
 #include "render/lights/light_buffers.h"
@@ -150,8 +151,9 @@ struct Renderer::Impl {
   /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
   bool is_mirror(std::size_t item) const;
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
-  /// The reflected picture alone; alpha 0 outside the reflectors. Throws Error when none was drawn.
-  Image read_reflection() const;
+  /// The reflected picture alone, or a channel of `ReflectionTargets::effort`; alpha 0 outside the reflectors. Throws
+  /// Error when none was drawn.
+  Image read_reflection(int effort_channel) const;
   void draw_panes(ReflectionTargets* targets_of_panes);
   void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);

@@ -4,8 +4,10 @@
 
 #include "render/bezier/projection.h"
 #include "render/bezier/reflector_patch.h"
+#include "render/reflections/raster.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/renderer_impl.h"
+#include "render/triangle/reflections.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -80,7 +82,8 @@ std::vector<ShaderVariant> reflection_shader_variants() {
       variants.push_back(reflected_shade_variant(plan, k >> 1));
     }
   }
-  for (const ShaderVariant& variant : bezier_shader_variants()) variants.push_back(variant);
+  for (const auto& more : {bezier_shader_variants(), triangle_shader_variants(), raster_shader_variants()})
+    variants.insert(variants.end(), more.begin(), more.end());
   for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
   for (int k = 0; k < 2; ++k) variants.push_back(reflected_indirect_variant(k));
   return variants;

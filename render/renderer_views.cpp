@@ -35,16 +35,24 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, quads, axes, depth, surface, reflection } from;
+  enum { marks, quads, axes, depth, surface, reflection, effort } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
-    {"shaded", ViewSource::marks, 0},           {"level", ViewSource::marks, 1},
-    {"samples", ViewSource::marks, 2},          {"bandwidth", ViewSource::quads, 0},
-    {"variance", ViewSource::quads, 2},         {"curvature", ViewSource::axes, 2},
-    {"angular_bandwidth", ViewSource::axes, 3}, {"depth", ViewSource::depth, 0},
-    {"normal", ViewSource::surface, 0},         {"base_color", ViewSource::surface, 1},
-    {"material", ViewSource::surface, 2},       {"reflection", ViewSource::reflection, 0},
+    {"shaded", ViewSource::marks, 0},
+    {"level", ViewSource::marks, 1},
+    {"samples", ViewSource::marks, 2},
+    {"bandwidth", ViewSource::quads, 0},
+    {"variance", ViewSource::quads, 2},
+    {"curvature", ViewSource::axes, 2},
+    {"angular_bandwidth", ViewSource::axes, 3},
+    {"depth", ViewSource::depth, 0},
+    {"normal", ViewSource::surface, 0},
+    {"base_color", ViewSource::surface, 1},
+    {"material", ViewSource::surface, 2},
+    {"reflection", ViewSource::reflection, 0},
+    {"reflection_steps", ViewSource::effort, 0},
+    {"reflection_root", ViewSource::effort, 1},
 };
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
@@ -72,15 +80,21 @@ const std::vector<std::string>& Renderer::debug_view_names() {
   return kNames;
 }
 
-Image Renderer::Impl::read_reflection() const {
+Image Renderer::Impl::read_reflection(int effort_channel) const {
   if (last_plan.reflections.empty())
-    throw Error("--view", "'reflection' needs a reflector in view and a technique", "add --reflections raytraced");
+    throw Error("--view", "reflections are seen with a reflector in view and a technique",
+                "add --reflections raytraced");
   const ReflectionTargets& r = *reflection;
   const auto radiance = read_texture<float>(r.radiance, GL_RGBA, GL_FLOAT, 4);
   const auto direction = read_texture<float>(r.ray_direction, GL_RGBA, GL_FLOAT, 4);
+  const auto effort = read_texture<std::uint8_t>(r.effort, GL_RG_INTEGER, GL_UNSIGNED_BYTE, 2);
   Image image(r.width, r.height, 4);
-  for (std::size_t i = 0; i < image.data.size(); ++i)
-    image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : radiance[i];
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    const float value = effort_channel < 0
+                            ? radiance[i]
+                            : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(effort_channel)]);
+    image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : value;
+  }
   return image;
 }
 
@@ -94,7 +108,8 @@ Image Renderer::read_debug_view(const std::string& name) const {
     throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
   if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
-  if (view->from == ViewSource::reflection) return impl_->read_reflection();
+  if (view->from == ViewSource::reflection) return impl_->read_reflection(-1);
+  if (view->from == ViewSource::effort) return impl_->read_reflection(view->channel);
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);
   const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);

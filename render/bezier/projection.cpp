@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "render/bezier/reflector_patch.h"
+#include "render/reflections/clusters.h"
+#include "render/reflections/raster.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -40,41 +43,59 @@ std::vector<glm::vec4> node_texels(const ReflectorNodes& nodes) {
   return texels;
 }
 
-/// Whether rays from the patch may meet a sphere: around each node they fill a cone that holds its neighbours' rays.
-bool may_be_reflected(const Part& part, const glm::vec3& center, float radius) {
+/// The rays of each quad of nodes. Between nodes they leave the corners' cone by what its own turn differs from a
+/// straight one's; kSlack of the turn is more than car glass bends in a quarter of a pane.
+std::vector<Beam> make_beams(const Part& part) {
+  constexpr float kSlack = 0.25f;
   const auto& nodes = part.nodes.nodes;
-  float spacing = 0.0f, spread = 0.0f;
   const auto side = static_cast<std::size_t>(kNodesPerSide);
-  for (std::size_t j = 0; j < side; ++j)
-    for (std::size_t i = 0; i < side; ++i)
-      for (const std::size_t other :
-           {i + 1 < side ? j * side + i + 1 : j * side + i, j + 1 < side ? (j + 1) * side + i : j * side + i}) {
-        const auto &a = nodes[j * side + i], &b = nodes[other];
-        spacing = std::max(spacing, glm::length(a.position - b.position));
-        spread = std::max(spread, std::acos(std::clamp(glm::dot(a.direction, b.direction), -1.0f, 1.0f)));
+  std::vector<Beam> beams;
+  for (std::size_t j = 0; j + 1 < side; ++j)
+    for (std::size_t i = 0; i + 1 < side; ++i) {
+      std::vector<glm::vec3> origins, directions;
+      for (const std::size_t k : {j * side + i, j * side + i + 1, (j + 1) * side + i, (j + 1) * side + i + 1}) {
+        origins.push_back(part.origin + nodes[k].position);
+        directions.push_back(nodes[k].direction);
       }
-  for (const auto& node : nodes) {
-    const glm::vec3 to = center - part.origin - node.position;
-    const float distance = glm::length(to), reach = radius + spacing;
-    if (distance <= reach) return true;
-    const float angle = std::acos(std::clamp(glm::dot(to, node.direction) / distance, -1.0f, 1.0f));
-    if (angle <= spread + std::asin(reach / distance)) return true;
-  }
-  return false;
+      Beam beam = make_beam(origins, directions);
+      const float angle = std::acos(std::clamp(beam.cosine, 0.0f, 1.0f)) * (1.0f + kSlack) + 1e-3f;
+      beam.cosine = angle < 1.5f ? std::cos(angle) : 0.0f;
+      beam.sine = std::sqrt(1.0f - beam.cosine * beam.cosine);
+      beam.base_radius *= 1.0f + kSlack;
+      beams.push_back(beam);
+    }
+  return beams;
+}
+
+/// Where the search begins for all of a cluster; std430 twin of the one in shaders/bezier/vertices.comp.
+struct ClusterStart {
+  glm::vec2 x{0.0f}, shortest{0.0f};
+  glm::vec4 certified{0.0f};
+};
+
+ClusterStart find_cluster_start(const Part& part, const glm::vec3& eye, const Cluster& cluster) {
+  const glm::vec3 center = cluster.center - part.origin;
+  const bezier_float::BezierStart start = choose_start(part.nodes, eye - part.origin, center);
+  bool certified = true;
+  for (const bezier_float::BezierNode& node : part.nodes.nodes)
+    certified = certified && bezier_float::is_before_focus(node, glm::length(center - node.position) + cluster.radius);
+  return {start.x, start.shortest, glm::vec4(certified || part.nodes.unique ? 1.0f : 0.0f)};
 }
 
 class BezierReflections : public ReflectorTechnique {
  public:
   void trace(const ReflectionFrame& frame) override {
     prepare(frame);
-    clear(*frame.targets);
     counts_.fill(0.0);
+    for (std::size_t r = 0; r < frame.reflectors->size(); ++r)
+      if ((*frame.reflectors)[r].plane) raster_.draw_planar(frame, r);
     for (const Part& part : find_parts(frame)) project(frame, part);
     frame.timer->end("projection");
   }
   void add_bytes(std::map<std::string, std::size_t>* bytes) const override {
-    (*bytes)["projection"] =
-        projected_.bytes() + drawn_.bytes() + pieces_[0].bytes() + pieces_[1].bytes() + nodes_.bytes() + depth_.bytes();
+    (*bytes)["projection"] = projected_.bytes() + drawn_.bytes() + pieces_[0].bytes() + pieces_[1].bytes() +
+                             nodes_.bytes() + vertex_list_.bytes() + triangle_list_.bytes() + start_list_.bytes() +
+                             raster_.bytes();
   }
   void add_counters(std::map<std::string, double>* counters) const override {
     (*counters)["newton_steps"] = counts_[newton_steps];
@@ -87,37 +108,22 @@ class BezierReflections : public ReflectorTechnique {
 
  private:
   void prepare(const ReflectionFrame& frame) {
-    const std::size_t vertex_bytes = frame.buffers->geometry().positions.size() * 2 * sizeof(glm::vec4);
-    if (projected_.bytes() != vertex_bytes)
-      projected_ = Buffer("projected vertices", std::max<std::size_t>(vertex_bytes, 32));
+    const std::size_t vertex_count = frame.buffers->geometry().positions.size();
+    if (projected_.bytes() != std::max<std::size_t>(vertex_count * 2 * sizeof(glm::vec4), 32))
+      projected_ = Buffer("projected vertices", std::max<std::size_t>(vertex_count * 2 * sizeof(glm::vec4), 32));
+    if (!clusters_ || epoch_ != frame.geometry_epoch) {
+      clusters_ = make_clusters(frame.buffers->geometry());
+      epoch_ = frame.geometry_epoch;
+      listed_.assign(vertex_count, 0);
+      stamp_ = 0;
+    }
     if (!drawn_) {
       drawn_ = Buffer("reflected triangles", std::size_t{kDrawnCapacity} * 64);
       drawn_view_ = Texture::make_buffer("reflected triangles", GL_RGBA32F, drawn_);
       for (Buffer& pieces : pieces_) pieces = Buffer("pieces", std::size_t{kPieceCapacity} * 64);
       counters_ = Buffer("projection counters", counter_count * sizeof(unsigned));
-      GLuint name = 0;
-      glCreateVertexArrays(1, &name);
-      vertex_array_ = GlName<VertexArrayTraits>(name);
     }
-    const ReflectionTargets& t = *frame.targets;
-    if (depth_.width() == t.width && depth_.height() == t.height && attached_ == t.triangle.get()) return;
-    depth_ = Texture::make_2d("reflected depth buffer", GL_DEPTH_COMPONENT32F, t.width, t.height);
-    GLuint framebuffer = 0;
-    glCreateFramebuffers(1, &framebuffer);
-    framebuffer_ = GlName<FramebufferTraits>(framebuffer);
-    attached_ = t.triangle.get();
-    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, attached_, 0);
-    glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, depth_.get(), 0);
-  }
-
-  void clear(const ReflectionTargets& t) {
-    const GLuint none[4] = {0, 0, 0, 0};
-    const float far_depth = 0.0f;
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
-    glViewport(0, 0, t.width, t.height);
-    glClearNamedFramebufferuiv(framebuffer_.get(), GL_COLOR, 0, none);
-    glClearNamedFramebufferfv(framebuffer_.get(), GL_DEPTH, 0, &far_depth);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    raster_.begin(*frame.targets);
   }
 
   std::vector<Part> find_parts(const ReflectionFrame& frame) {
@@ -125,9 +131,10 @@ class BezierReflections : public ReflectorTechnique {
     std::vector<glm::vec4> texels;
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       const Reflector& reflector = (*frame.reflectors)[r];
+      if (reflector.plane) continue;
       if (!reflector.patch)
-        throw Error("--reflections bezier", "'" + reflector.name + "' is a mesh, not a Bezier patch",
-                    "use another technique for it, or name the patches with --reflector");
+        throw Error("--reflections bezier", "'" + reflector.name + "' is a curved mesh, not a Bezier patch",
+                    "use --reflections triangle or octree for it, or name the patches with --reflector");
       const ReflectorPatch patch = make_reflector_patch(reflector.points);
       if (patch.degenerate)
         throw Error("--reflections bezier", "the patch '" + reflector.name + "' has no area",
@@ -167,30 +174,56 @@ class BezierReflections : public ReflectorTechnique {
     return values;
   }
 
+  /// What may be seen in the part: its vertices with the start of their cluster, and its triangles.
+  void list_clusters(const ReflectionFrame& frame, const Part& part) {
+    const std::vector<Beam> beams = make_beams(part);
+    const auto may_be_reflected = [&](const glm::vec3& center, float radius) {
+      return std::any_of(beams.begin(), beams.end(), [&](const Beam& b) { return may_meet(b, center, radius); });
+    };
+    vertices_.clear();
+    triangles_.clear();
+    starts_.clear();
+    ++stamp_;
+    for (std::size_t i = 0; i < clusters_->of_item.size(); ++i) {
+      if (i == (*frame.reflectors)[static_cast<std::size_t>(part.reflector)].item) continue;  // a mirror in itself
+      const Bounds& bounds = frame.buffers->bounds(i);
+      if (!(*frame.occluding)[i] || !may_be_reflected(bounds.center(), bounds.radius())) continue;
+      for (std::size_t c = clusters_->of_item[i].begin; c < clusters_->of_item[i].end; ++c) {
+        const Cluster& cluster = clusters_->clusters[c];
+        if (!may_be_reflected(cluster.center, cluster.radius)) continue;
+        for (std::uint32_t k = 0; k < cluster.vertex_count; ++k) {
+          const std::uint32_t v = clusters_->vertices[cluster.first_vertex + k];
+          if (listed_[v] != stamp_) vertices_.emplace_back(v, static_cast<unsigned>(starts_.size()));
+          listed_[v] = stamp_;
+        }
+        for (std::uint32_t k = 0; k < cluster.triangle_count; ++k)
+          triangles_.push_back(clusters_->triangles[cluster.first_triangle + k].y);
+        starts_.push_back(find_cluster_start(part, glm::vec3(frame.constants->eye), cluster));
+      }
+    }
+  }
+
   void project(const ReflectionFrame& frame, const Part& part) {
-    const FlatGeometry& geometry = frame.buffers->geometry();
+    list_clusters(frame, part);
+    if (triangles_.empty()) return;
+    vertex_list_ = Buffer::from("mirrored vertices", vertices_);
+    triangle_list_ = Buffer::from("mirrored triangles", triangles_);
+    start_list_ = Buffer::from("starts", starts_);
     counters_.clear_to_zero();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, projected_.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, counters_.get());
-    std::vector<std::size_t> items;
-    for (std::size_t i = 0; i < geometry.items.size(); ++i) {
-      const Bounds& bounds = frame.buffers->bounds(i);
-      if (i == (*frame.reflectors)[static_cast<std::size_t>(part.reflector)].item) continue;  // a mirror in itself
-      if ((*frame.occluding)[i] && may_be_reflected(part, bounds.center(), bounds.radius())) items.push_back(i);
-    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, vertex_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, start_list_.get());
     const Program& vertices_program = frame.programs->get({"bezier/vertices.comp", "", {}});
     set_part(vertices_program, part);
-    for (const std::size_t i : items) {
-      vertices_program.set("u_first_vertex", static_cast<int>(geometry.items[i].first_vertex));
-      vertices_program.set("u_vertex_count", static_cast<int>(geometry.items[i].vertex_count));
-      run(vertices_program, static_cast<int>(geometry.items[i].vertex_count));
-    }
+    vertices_program.set("u_count", static_cast<int>(vertices_.size()));
+    run(vertices_program, static_cast<int>(vertices_.size()));
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    subdivide(frame, part, items);
+    subdivide(frame, part);
     draw(frame, part);
   }
 
-  void subdivide(const ReflectionFrame& frame, const Part& part, const std::vector<std::size_t>& items) {
+  void subdivide(const ReflectionFrame& frame, const Part& part) {
     const int levels = frame.settings->get_int("bezier.levels");
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, drawn_.get());
     const auto set_up = [&](const Program& program, int level) {
@@ -205,12 +238,9 @@ class BezierReflections : public ReflectorTechnique {
     };
     const Program& first = frame.programs->get(triangles_variant(true));
     set_up(first, 0);
-    for (const std::size_t i : items) {
-      const DrawItem& item = frame.buffers->geometry().items[i];
-      first.set("u_first", static_cast<int>(item.first_index / 3));
-      first.set("u_count", static_cast<int>(item.index_count / 3));
-      run(first, static_cast<int>(item.index_count / 3));
-    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_list_.get());
+    first.set("u_count", static_cast<int>(triangles_.size()));
+    run(first, static_cast<int>(triangles_.size()));
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     const Program& further = frame.programs->get(triangles_variant(false));
     for (int level = 1; level <= levels; ++level) {
@@ -220,7 +250,6 @@ class BezierReflections : public ReflectorTechnique {
       const unsigned zero = 0;
       counters_.update(to * sizeof(unsigned), sizeof zero, &zero);
       set_up(further, level);
-      further.set("u_first", 0);
       further.set("u_count", count);
       run(further, count);
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -231,32 +260,27 @@ class BezierReflections : public ReflectorTechnique {
     const std::array<unsigned, counter_count> values = read_counters();
     for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += values[k];
     const int count = std::min(static_cast<int>(values[drawn]), kDrawnCapacity);
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.get());
-    glViewport(0, 0, frame.targets->width, frame.targets->height);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_GREATER);
-    glDepthMask(GL_TRUE);
-    glDisable(GL_BLEND);
-    glDisable(GL_CULL_FACE);
-    glEnable(GL_CLIP_DISTANCE0);
-    glBindVertexArray(vertex_array_.get());
-    glBindTextureUnit(55, drawn_view_.get());
+    if (count == 0) return;
     const Program& program = frame.programs->get({"reflections/projected.frag", "reflections/projected.vert", {}});
     program.set("u_reflector", part.reflector);
-    glUseProgram(program.get());
-    if (count > 0) glDrawArrays(GL_TRIANGLES, 0, 3 * count);
-    glBindVertexArray(0);
-    glDisable(GL_CLIP_DISTANCE0);
-    glDisable(GL_DEPTH_TEST);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    raster_.draw(*frame.targets, [&] {
+      glUseProgram(program.get());
+      glBindVertexArray(raster_.vertex_array());
+      glBindTextureUnit(55, drawn_view_.get());
+      glDrawArrays(GL_TRIANGLES, 0, 3 * count);
+    });
   }
 
-  Buffer projected_, drawn_, pieces_[2], counters_, nodes_;
-  Texture drawn_view_, node_view_, depth_;
-  GlName<FramebufferTraits> framebuffer_;
-  GlName<VertexArrayTraits> vertex_array_;
-  GLuint attached_ = 0;
+  std::optional<ClusterSet> clusters_;
+  std::uint32_t epoch_ = 0;
+  std::vector<std::uint32_t> listed_;  ///< of each vertex: the stamp of the last list that it is on
+  std::uint32_t stamp_ = 0;
+  std::vector<glm::uvec2> vertices_;  ///< vertex, start
+  std::vector<std::uint32_t> triangles_;
+  std::vector<ClusterStart> starts_;
+  ReflectionRaster raster_;
+  Buffer projected_, drawn_, pieces_[2], counters_, nodes_, vertex_list_, triangle_list_, start_list_;
+  Texture drawn_view_, node_view_;
   std::array<double, counter_count> counts_{};
 };
 

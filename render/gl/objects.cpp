@@ -41,11 +41,13 @@ std::size_t texel_bytes(GLenum internal_format) {
     case GL_R16F:
     case GL_R16UI:
     case GL_RG8:
+    case GL_RG8UI:
       return 2;
     case GL_R32F:
     case GL_R32UI:
     case GL_RG16F:
     case GL_RGBA8:
+    case GL_RGBA8UI:
     case GL_SRGB8_ALPHA8:
     case GL_RGB9_E5:
     case GL_DEPTH_COMPONENT32F:

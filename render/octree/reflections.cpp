@@ -23,6 +23,7 @@ class OctreeReflections : public ReflectorTechnique {
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
     glBindImageTexture(2, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+    glBindImageTexture(4, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
     counters_.clear_to_zero();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
     glUseProgram(program.get());

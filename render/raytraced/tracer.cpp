@@ -75,6 +75,8 @@ class RaytracedReflections : public ReflectorTechnique {
       }
     });
     t.triangle.upload(0, t.width, t.height, GL_RED_INTEGER, GL_UNSIGNED_INT, hits.data());
+    const GLubyte no_effort[2] = {0, 0};
+    glClearTexImage(t.effort.get(), 0, GL_RG_INTEGER, GL_UNSIGNED_BYTE, no_effort);
     rays_ = 0.0;
     for (const glm::vec4& d : directions) rays_ += d.w > 0.0f ? 1.0 : 0.0;
     frame.timer->end("rays");

@@ -3,6 +3,7 @@
 #include "render/bezier/projection.h"
 #include "render/octree/reflections.h"
 #include "render/raytraced/tracer.h"
+#include "render/triangle/reflections.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -10,6 +11,7 @@ namespace maquette {
 const ReflectorTechniqueInfo& find_reflector_implementation(const std::string& name) {
   static const ReflectorTechniqueInfo kTechniques[] = {
       {"bezier", make_bezier_reflections},
+      {"triangle", make_triangle_reflections},
       {"octree", make_octree_reflections},
       {"raytraced", make_raytraced_reflections},
   };

@@ -1,6 +1,7 @@
 #include "render/reflections/reflectors.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -14,6 +15,28 @@ bool is_marked(const Scene& scene, const Node& node) {
   return node.reflector;
 }
 
+/// The plane that all points keep to within 1e-6 of their extent; where they have normals, these must be the plane's.
+std::optional<glm::vec4> find_plane(const std::vector<glm::vec3>& points, const std::vector<glm::vec3>& normals) {
+  constexpr double kFlat = 1e-6, kSameNormal = 1e-3;
+  if (points.size() < 3) return std::nullopt;
+  const glm::dvec3 origin(points[0]);
+  glm::dvec3 far_point = origin, normal(0.0);
+  for (const glm::vec3& p : points)
+    if (glm::length(glm::dvec3(p) - origin) > glm::length(far_point - origin)) far_point = p;
+  const double extent = glm::length(far_point - origin);
+  for (const glm::vec3& p : points) {
+    const glm::dvec3 n = glm::cross(far_point - origin, glm::dvec3(p) - origin);
+    if (glm::length(n) > glm::length(normal)) normal = n;
+  }
+  if (!(glm::length(normal) > kFlat * extent * extent)) return std::nullopt;
+  normal = glm::normalize(normal);
+  for (const glm::vec3& p : points)
+    if (std::abs(glm::dot(normal, glm::dvec3(p) - origin)) > kFlat * extent) return std::nullopt;
+  for (const glm::vec3& n : normals)
+    if (std::abs(glm::dot(normal, glm::dvec3(n))) < 1.0 - 0.5 * kSameNormal * kSameNormal) return std::nullopt;
+  return glm::vec4(glm::vec3(normal), static_cast<float>(-glm::dot(normal, origin)));
+}
+
 Reflector make_reflector(const Scene& scene, const FlatGeometry& geometry, std::size_t item, bool mirror,
                          const std::vector<glm::mat4>& world) {
   const DrawItem& drawn = geometry.items[item];
@@ -23,11 +46,18 @@ Reflector make_reflector(const Scene& scene, const FlatGeometry& geometry, std::
   out.name = scene.nodes[static_cast<std::size_t>(drawn.node)].name;
   out.mirror = mirror;
   out.patch = drawn.patch >= 0;
-  if (!out.patch) return out;
+  if (!out.patch) {
+    const auto first = static_cast<std::ptrdiff_t>(drawn.first_vertex),
+               count = static_cast<std::ptrdiff_t>(drawn.vertex_count);
+    out.plane = find_plane({geometry.positions.begin() + first, geometry.positions.begin() + first + count},
+                           {geometry.normals.begin() + first, geometry.normals.begin() + first + count});
+    return out;
+  }
   const glm::dmat4 transform(world[static_cast<std::size_t>(drawn.node)]);
   const BezierPatch& patch = scene.patches[static_cast<std::size_t>(drawn.patch)];
   for (std::size_t k = 0; k < 16; ++k)
     out.points[k] = glm::dvec3(transform * glm::dvec4(glm::dvec3(patch.points[k]), 1.0));
+  out.plane = find_plane({out.points.begin(), out.points.end()}, {});
   return out;
 }
 

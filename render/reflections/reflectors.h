@@ -2,6 +2,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct Reflector {
   std::string name;
   bool mirror = false;  ///< opaque: nothing is seen through it
   bool patch = false;
+  std::optional<glm::vec4> plane = {};  ///< of one that is flat, world: dot(n, p) + w = 0, n unit
   std::array<glm::dvec3, 16> points{};  ///< of a patch: world, [row v][column u]
 };
 

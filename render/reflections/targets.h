@@ -17,6 +17,7 @@ struct ReflectionTargets {
   Texture ray_origin;     ///< RGBA32F: point of the pane, m; w: its depth along the viewing axis, 0 where none is seen
   Texture ray_direction;  ///< RGBA32F: mirrored ray, unit; w: reflector + 1
   Texture triangle;       ///< R32UI: what the ray hits, triangle + 1; 0: nothing. The technique writes it.
+  Texture effort;         ///< RG8UI, for debug views: steps of the search; level of the octree, or root of the cubic
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
 };

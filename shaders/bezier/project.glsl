@@ -51,6 +51,7 @@ Projected place(ReflectionPoint r, bool certified) {
   vec3 to = r.position - reflector_eye();
   Projected v;
   v.clip = u_frame.clip_from_world * vec4(u_frame.eye.xyz + to * (r.length / max(length(to), 1e-20)), 1.0);
+  v.clip.z = float(min(r.steps, 255));  // see shaders/reflections/projected.vert
   v.x = r.x;
   v.height = r.height;
   v.status = r.status;
@@ -62,6 +63,12 @@ Projected place(ReflectionPoint r, bool certified) {
 Projected project_from(vec3 world, BezierStart start) {
   vec3 p = world - u_reflectors[u_reflector].origin.xyz;
   return place(reflection_point(load_surface(u_reflector), reflector_eye(), p, start, u_careful == 1), start.certified);
+}
+
+/// The same to the second step of Newton's method: enough to tell how far an edge bends, and to start from.
+Projected estimate_near(vec3 world, vec2 x) {
+  vec3 p = world - u_reflectors[u_reflector].origin.xyz;
+  return place(reflect_from(load_surface(u_reflector), reflector_eye(), p, x, kParameterLimit, 2), false);
 }
 
 /// A point between two that are known: started from between theirs.

@@ -1,6 +1,6 @@
 // Triangles to their reflections: those that show nothing are dropped, edges that a straight line does not show to the tolerance are
 // halved. Whether an edge is halved depends on its two ends alone, so neighbours agree and no cracks open.
-// SCENE 1: triangles of one item, their vertices projected before. SCENE 0: pieces from the pass before.
+// SCENE 1: triangles of the scene, their vertices projected before. SCENE 0: pieces from the pass before.
 layout(local_size_x = 64) in;
 #include "bezier/project.glsl"
 layout(binding = 4) uniform usamplerBuffer t_indices;
@@ -10,7 +10,9 @@ layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };  // 0: dra
 layout(std430, binding = 4) writeonly buffer Drawn { vec4 b_drawn[]; };   // 4 a triangle: three clip positions | heights, number
 layout(std430, binding = 5) readonly buffer Pieces { vec4 b_pieces[]; };  // 4 a piece: three of (m, x.x) | x.y of each, number
 layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };
-uniform int u_first;
+#if SCENE
+layout(std430, binding = 7) readonly buffer Triangles { uint b_triangles[]; };
+#endif
 uniform int u_count;
 uniform int u_next_counter;
 uniform int u_drawn_capacity;
@@ -29,10 +31,13 @@ bool beyond(Corner a, Corner b, int axis) {
   return (a.v.x[axis] > 1.0 && b.v.x[axis] > 1.0) || (a.v.x[axis] < -1.0 && b.v.x[axis] < -1.0);
 }
 
+/// An edge that shows nothing may be as crooked as it likes.
+bool is_hidden(Corner a, Corner b) {
+  return (a.v.status == kReflectionBehind && b.v.status == kReflectionBehind) || beyond(a, b, 0) || beyond(a, b, 1);
+}
+
 bool needs_halving(Corner a, Corner b, Projected middle) {
   bool behind_a = a.v.status == kReflectionBehind, behind_b = b.v.status == kReflectionBehind;
-  if (behind_a && behind_b) return false;
-  if (beyond(a, b, 0) || beyond(a, b, 1)) return false;
   if (a.v.status == kReflectionLost || b.v.status == kReflectionLost || behind_a != behind_b) return true;
   if (a.v.clip.w <= 0.0 || b.v.clip.w <= 0.0 || middle.clip.w <= 0.0) return true;
   vec2 p = on_screen(a.v.clip), d = on_screen(b.v.clip) - p, m = on_screen(middle.clip) - p;
@@ -47,7 +52,7 @@ bool may_bend(Corner a, Corner b) {
   return dot(d, d) > 36.0 * u_tolerance_px * u_tolerance_px;
 }
 
-Projected middle_of(Corner a, Corner b) { return project_near(0.5 * (a.world + b.world), 0.5 * (a.v.x + b.v.x)); }
+Projected middle_of(Corner a, Corner b) { return estimate_near(0.5 * (a.world + b.world), 0.5 * (a.v.x + b.v.x)); }
 
 void draw(Corner a, Corner b, Corner c, float number) {
   uint at = atomicAdd(b_counters[0], 1u);
@@ -84,7 +89,7 @@ void main() {
   Corner corner[3];
   float number;
 #if SCENE
-  int triangle = u_first + i;
+  int triangle = int(b_triangles[i]);
   number = float(triangle + 1);
   for (int k = 0; k < 3; ++k) corner[k] = fetch_corner(int(texelFetch(t_indices, 3 * triangle + k).x));
 #else
@@ -110,7 +115,7 @@ void main() {
   if (u_last == 0 && bends) {
     for (int k = 0; k < 3; ++k) {
       Corner a = corner[k], b = corner[(k + 1) % 3];
-      if (!may_bend(a, b)) continue;
+      if (is_hidden(a, b) || !may_bend(a, b)) continue;
       Projected m = middle_of(a, b);
       middle[k] = m.x;
       if (needs_halving(a, b, m)) halved |= 1 << k;

@@ -13,6 +13,7 @@ layout(binding = 34) uniform usamplerBuffer t_octree_colors;  // [node]
 layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
 layout(binding = 1, r32f) uniform writeonly image2D o_depth;
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = 4, rg8ui) uniform writeonly uimage2D o_effort;
 layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
 layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps; };
 uniform int u_own_material[16];  // of each reflector that is opaque, and so in the octree; -1: a pane, which is not
@@ -26,7 +27,8 @@ const int kOwnCells = 6;
 /// A mean of normals may face away from the ray: it is bent back to this cosine, as interpolated ones are.
 const float kLeastFacing = 0.004;
 
-void store_nothing(ivec2 pixel) {
+void store_nothing(ivec2 pixel, int steps) {
+  imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), 0u, 0u, 0u));
   imageStore(o_surface, pixel, uvec4(0u));
   imageStore(o_depth, pixel, vec4(0.0));
   imageStore(o_guide, pixel, uvec4(0u));
@@ -68,7 +70,7 @@ void main() {
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   vec4 direction = texelFetch(t_ray_direction, pixel, 0);
   if (direction.w <= 0.0) {
-    store_nothing(pixel);
+    store_nothing(pixel, 0);
     return;
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
@@ -89,7 +91,7 @@ void main() {
   atomicAdd(b_rays, 1u);
   atomicAdd(b_steps, uint(steps));
   if (hit.node < 0) {
-    store_nothing(pixel);
+    store_nothing(pixel, steps);
     return;
   }
   OctreePlane plane = octree_unpack_plane(hit.level == u_octree_depth ? octree_word(hit.node) : octree_plane_word(hit.node));
@@ -110,5 +112,6 @@ void main() {
   imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * color.tint : m2.rgb));
   imageStore(o_depth, pixel, vec4(depth));
   imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, color.material), 0u, 0u));
+  imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
   imageStore(o_triangle, pixel, uvec4(1u));
 }

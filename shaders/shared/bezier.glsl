@@ -308,6 +308,9 @@ struct BezierStart {
   bool certified;
 };
 
+// Whether what is so far away lies before the caustic of the node's rays, with a tenth to spare.
+MAQUETTE_FN bool is_before_focus(BezierNode node, Real distance) { return distance * node.inverse_focus < Real(0.9f); }
+
 MAQUETTE_FN BezierStart no_start(Real side) {
   BezierStart s;
   s.side = side;
@@ -335,7 +338,7 @@ MAQUETTE_FN BezierStart consider_node(BezierStart best, BezierNode node, vec3 ey
     best.length = path;
     best.shortest = node.x;
   }
-  best.certified = best.certified && lb * node.inverse_focus < Real(0.9f);
+  best.certified = best.certified && is_before_focus(node, lb);
   return best;
 }
 

@@ -9,6 +9,7 @@
 #include "render/gl/context.h"
 #include "render/renderer.h"
 #include "scenes/environment_builtin.h"
+#include "scenes/error.h"
 #include "scenes/image_io.h"
 
 namespace maquette {
@@ -98,6 +99,17 @@ void add_patch(Scene* scene, float bend) {
   scene->patches.push_back(patch);
   scene->roots.push_back(static_cast<int>(scene->nodes.size()));
   scene->nodes.push_back(node);
+}
+
+/// The same mirror as a mesh with normals.
+void add_mesh_mirror(Scene* scene, float bend, int side) {
+  Primitive p = make_grid({-1.0f, -0.6f, -1.0f}, {2, 0, 0}, {0, 1.2f, 0}, side, 3);
+  for (std::size_t i = 0; i < p.positions.size(); ++i) {
+    glm::vec3& at = p.positions[i];
+    at.z += bend * (at.x * at.x + 0.5f * at.y * at.y);
+    p.normals[i] = glm::normalize(glm::vec3(-2.0f * bend * at.x, -bend * at.y, 1.0f));
+  }
+  add(scene, p, "mirror")->reflector = true;
 }
 
 FrameRequest request_of(const std::string& technique) {
@@ -198,6 +210,152 @@ TEST_F(Reflections, BezierShowsWhatRaysShow) {
   }
 }
 
+TEST_F(Reflections, TriangleShowsWhatRaysShow) {
+  for (const float bend : {0.15f, -0.15f}) {
+    SCOPED_TRACE(bend);
+    Scene scene = room();
+    add_patch(&scene, bend);
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    for (const char* side : {"4", "8", "16"}) {
+      SCOPED_TRACE(side);
+      FrameRequest request = request_of("triangle");
+      request.settings.set_from_text("triangle.side", side);
+      expect_near_rays(request, 0.002, 0.004);
+    }
+  }
+}
+
+/// A mesh with normals, coarse enough that its rays are far from a smooth surface's.
+TEST_F(Reflections, AMeshReflectsByItsNormals) {
+  for (const float bend : {0.15f, -0.3f}) {
+    SCOPED_TRACE(bend);
+    Scene scene = room();
+    add_mesh_mirror(&scene, bend, 6);
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    expect_near_rays(request_of("triangle"), 0.002, 0.004);
+    expect_near_rays(request_of("octree"), 0.03, 0.06);
+    EXPECT_THROW(renderer_.render(request_of("bezier")), Error);
+  }
+}
+
+TEST_F(Reflections, APlaneMirrorIsExact) {
+  for (const bool mesh : {false, true}) {
+    SCOPED_TRACE(mesh);
+    Scene scene = room();
+    mesh ? add_mesh_mirror(&scene, 0.0f, 3) : add_patch(&scene, 0.0f);
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    for (const char* technique : {"triangle", "bezier"}) expect_near_rays(request_of(technique), 0.002, 0.004);
+  }
+}
+
+constexpr const char* kTechniques[] = {"raytraced", "bezier", "triangle", "octree"};
+
+/// A patch with one edge drawn together to a point.
+TEST_F(Reflections, ACollapsedEdgeReflects) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  for (std::size_t i = 0; i < 4; ++i) scene.patches[0].points[i] = scene.patches[0].points[0];
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  expect_near_rays(request_of("triangle"), 0.002, 0.004);
+  expect_near_rays(request_of("octree"), 0.03, 0.06);
+  draw_reflection(&renderer_, request_of("bezier"));
+}
+
+TEST_F(Reflections, APatchWithoutAreaShowsNothing) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  scene.patches[0].points.fill(glm::vec3(0.0f, 0.2f, -1.0f));
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const std::string technique : kTechniques) {
+    SCOPED_TRACE(technique);
+    if (technique == "bezier") {
+      EXPECT_THROW(renderer_.render(request_of(technique)), Error);
+      continue;
+    }
+    const Image image = draw_reflection(&renderer_, request_of(technique));
+    for (std::size_t i = 3; i < image.data.size(); i += 4) ASSERT_EQ(image.data[i], 0.0f);
+  }
+}
+
+TEST_F(Reflections, AReflectorBehindTheEyeCostsNothing) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const char* technique : kTechniques) {
+    FrameRequest request = request_of(technique);
+    request.camera.target = {0.0f, 0.0f, 5.0f};
+    EXPECT_TRUE(renderer_.finish_background_work(request));
+    const FrameStats stats = renderer_.render(request);
+    EXPECT_TRUE(stats.plan.reflections.empty());
+    EXPECT_EQ(stats.gpu_bytes.count("reflections"), 0u);
+    EXPECT_EQ(stats.gpu_bytes.count("octree"), 0u);
+  }
+}
+
+TEST_F(Reflections, TheEyeOnTheSurfaceIsSound) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const char* technique : kTechniques) {
+    FrameRequest request = request_of(technique);
+    request.camera.eye = {0.0f, 0.0f, -1.0f};
+    request.camera.target = {1.0f, 0.0f, -0.9f};
+    draw_reflection(&renderer_, request);
+  }
+}
+
+/// Nothing stands before the mirror: it shows the sky, and no technique finds a triangle.
+TEST_F(Reflections, AnEmptyReflectionShowsTheSky) {
+  Scene scene;
+  scene.materials.assign(4, mirror_metal());
+  add_patch(&scene, 0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const char* technique : kTechniques) expect_near_rays(request_of(technique), 1e-4, 1e-4);
+}
+
+/// Which way a mirror's normals point, and whether a file has any, does not matter to what it shows.
+TEST_F(Reflections, FlippedAndMissingNormalsReflect) {
+  for (const bool flipped : {false, true}) {
+    SCOPED_TRACE(flipped);
+    Scene scene = room();
+    add_mesh_mirror(&scene, 0.15f, 12);
+    auto& normals = scene.meshes.back().primitives[0].normals;
+    if (flipped)
+      for (glm::vec3& n : normals) n = -n;
+    else
+      normals.clear();
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    expect_near_rays(request_of("triangle"), 0.002, 0.004);
+    expect_near_rays(request_of("octree"), 0.03, 0.06);
+  }
+}
+
+TEST_F(Reflections, ViewsTellWhatTheSearchTook) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  const auto range = [&](const std::string& view) {
+    const Image image = renderer_.read_debug_view(view);
+    std::pair<float, float> least_most{1e30f, 0.0f};
+    for (std::size_t i = 0; i < image.data.size(); i += 4) {
+      if (image.data[i + 3] <= 0.0f || image.data[i] <= 0.0f) continue;
+      least_most = {std::min(least_most.first, image.data[i]), std::max(least_most.second, image.data[i])};
+    }
+    return least_most;
+  };
+  draw_reflection(&renderer_, request_of("octree"));
+  EXPECT_GE(range("reflection_steps").second, 9.0f);
+  EXPECT_GE(range("reflection_root").first, 1.0f);
+  EXPECT_GE(range("reflection_root").second, 9.0f);  // the finest level, and up to three around the core
+  EXPECT_LE(range("reflection_root").second, 12.0f);
+  draw_reflection(&renderer_, request_of("bezier"));
+  EXPECT_GE(range("reflection_steps").second, 1.0f);
+  EXPECT_LE(range("reflection_steps").second, 40.0f);
+  draw_reflection(&renderer_, request_of("triangle"));
+  EXPECT_EQ(range("reflection_root").first, 1.0f);
+  EXPECT_LE(range("reflection_root").second, 3.0f);
+}
+
 /// A closed box under a bright sky: with shadows nothing in it is lit, and the mirror has nothing to show.
 TEST_F(Reflections, AMirrorInAClosedBoxStaysDark) {
   Scene scene;
@@ -206,7 +364,7 @@ TEST_F(Reflections, AMirrorInAClosedBoxStaysDark) {
   add_box(&scene, {-2.0f, -2.0f, -2.0f}, {2.0f, 2.0f, 2.5f}, 0);
   add_patch(&scene, 0.15f);
   renderer_.set_scene(std::make_shared<Scene>(scene));
-  for (const std::string technique : {"raytraced", "bezier", "octree"})
+  for (const std::string technique : {"raytraced", "bezier", "triangle", "octree"})
     for (const std::string visibility : {"baked", "traced", "none"}) {
       FrameRequest request = request_of(technique);
       request.mode = "uniform";

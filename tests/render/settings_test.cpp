@@ -99,9 +99,6 @@ TEST(Registry, EveryNameIsDistinctAndLaterOnesSaySo) {
   }
   for (const LaterName& later : later_modes())
     EXPECT_TRUE(contains(message_of<Error>([&] { find_mode(later.name); }), "not available in this version"));
-  for (const LaterName& later : later_reflectors())
-    EXPECT_TRUE(
-        contains(message_of<Error>([&] { find_reflector_technique(later.name); }), "not available in this version"));
   EXPECT_EQ(find_reflector_technique("off"), nullptr);
   EXPECT_TRUE(contains(message_of<UsageError>([] { find_mode("unifrom"); }), "did you mean uniform?"));
   EXPECT_THROW(find_mode("shading"), UsageError);  // settings, not a mode

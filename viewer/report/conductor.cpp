@@ -85,9 +85,8 @@ void Conductor::list_techniques(Report* report) {
       report->left_out.push_back({technique.name, left_out.what, left_out.why});
   }
   std::erase_if(techniques_, [](const SweptTechnique& t) { return t.refused.has_value(); });
-  for (const auto& names : {later_modes(), later_reflectors()})
-    for (const LaterName& later : names)
-      report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
+  for (const LaterName& later : later_modes())
+    report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
 }
 
 FramePlan Conductor::plan_of(const SweptTechnique& technique, Scope scope) const {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/frame_constants.h"
+#include "render/reflections/clusters.h"
+#include "render/reflections/reflectors.h"
+#include "render/triangle/triangle_mirror.h"
+
+namespace maquette {
+
+/// One triangle of a reflector as the eye of this frame sees it.
+struct Facet {
+  mirror::TriangleMirror mirror;
+  Beam beam;
+  /// Sides of the mirrored frustum, one along each edge: p is outside where
+  /// dot(side, (p, 1)) > widening |p - beam.base|.
+  glm::vec4 sides[3]{};
+  glm::vec3 widening{0.0f};
+  glm::vec4 box{-1.0f, -1.0f, 1.0f, 1.0f};  ///< on screen: lower and upper corner, -1 to 1
+  /// What the true surface's rays differ from the triangle's by, at most, as the eye sees it, and that in barycentrics.
+  float margin_px = 1.0f, margin = 1.0f;
+  std::size_t reflector = 0;
+};
+
+/// False only when no ray of the facet meets the sphere.
+bool may_meet(const Facet& facet, const glm::vec3& center, float radius);
+
+/// The triangles of a curved reflector that may be seen: of a patch `side` x `side` quads, of a mesh its own.
+std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
+                               const FrameConstants& frame, int side);
+
+}  // namespace maquette

@@ -1,0 +1,9 @@
+#pragma once
+
+#include "render/registry.h"
+
+namespace maquette {
+
+TechniqueInfo triangle_technique();
+
+}  // namespace maquette

@@ -67,6 +67,19 @@ float brdf_bandwidth(Point p, vec3 wi) {
 #endif
 }
 
+/// How fast a table's albedo changes with the elevation of the view, cycles/rad: what a lobe reflects of a constant sky. It multiplies what
+/// the lobe filtered, so bandwidths add. A curve like 1 + cos(2 pi nu x) has |a'| / a and sqrt(|a''| / a) up to 2 pi nu.
+float albedo_bandwidth(Point p) {
+  if (p.slot < 0) return 0.0;
+  const int kHalf = 2;  // entries to either side: measured tables are rough
+  int i = int(latlong_atan2(p.wo.x, p.wo.z) * (float(kAlbedoEntries - 1) * 0.63661977) + 0.5);
+  int middle = p.slot * kAlbedoEntries + clamp(i, kHalf, kAlbedoEntries - 1 - kHalf);
+  float a = max(texelFetch(t_albedo, middle).x, 1e-6);
+  float before = texelFetch(t_albedo, middle - kHalf).x / a, after = texelFetch(t_albedo, middle + kHalf).x / a;
+  float step_rad = float(kHalf) * (1.5707963 / float(kAlbedoEntries - 1));
+  return max(0.5 * abs(after - before), sqrt(abs(after - 2.0 + before))) / (2.0 * kPi * step_rad);
+}
+
 #if SHADOWED
 uint hash(uint x);
 vec2 unit_pair(uint x);
@@ -150,6 +163,8 @@ void predict(ivec2 quad, ivec2 pixel) {
   result.edges = vec2(0.0);
 #endif
   integrate(p, pixel, 0u, count, result);
+  // A normal that turns moves the mirror direction twice as far as the view's elevation.
+  result.energy.x += 0.5 * albedo_bandwidth(p) * result.energy.y;
 #if SHADOWED || LIGHTS
   vec4 near = vec4(0.0);
 #if SHADOWED == 2

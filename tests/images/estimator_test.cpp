@@ -78,13 +78,19 @@ TEST_F(Estimator, BandwidthConvergesToUniform) {
   // by what was measured.
   for (const char* material : {"builtin:matte-white", "builtin:paint-red-metallic"}) {
     show(material);
-    Image uniform = draw(request("uniform", 1024, 5, 64), 8);
-    const Image other = draw(request("uniform", 1024, 6, 64), 8);
-    const double noise = 0.5 * difference(uniform, other);
-    for (std::size_t i = 0; i < uniform.data.size(); ++i) uniform.data[i] = 0.5f * (uniform.data[i] + other.data[i]);
-    const FrameRequest r = request("bandwidth", 128, 6, 64);
+    const auto mean = [](const Image& a, const Image& b) {
+      Image m = a;
+      for (std::size_t i = 0; i < m.data.size(); ++i) m.data[i] = 0.5f * (a.data[i] + b.data[i]);
+      return m;
+    };
+    const Image one = draw(request("uniform", 1024, 5, 64), 8), other = draw(request("uniform", 1024, 6, 64), 8);
+    const double noise = 0.5 * difference(one, other);
+    const Image uniform = mean(one, other);
+    const FrameRequest r = request("bandwidth", 128, 6, 64), again = request("bandwidth", 128, 7, 64);
     const double early = difference(draw(r), uniform);
-    const double late = difference(draw(r, 79), uniform);  // every point is shaded itself by then
+    // Every point is shaded itself by then. Of two seeds: a single one has 0.4 to 0.7 % of noise itself.
+    const Image first = draw(r, 79);
+    const double late = difference(mean(first, draw(again, 80)), uniform);
     EXPECT_LT(late, 0.5 * early) << material;
     EXPECT_LT(late, std::hypot(0.005, noise)) << material << " noise " << noise;
     RecordProperty(material, std::to_string(late));

@@ -9,7 +9,6 @@
 #include "render/environment_buffers.h"
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
-#include "render/frustum.h"
 #include "render/gl/context.h"
 #include "render/indirect/indirect_buffers.h"
 #include "render/lights/light_buffers.h"

@@ -1,6 +1,6 @@
 #include "render/reflections/raster.h"
 
-#include "render/frustum.h"
+#include "render/camera.h"
 
 namespace maquette {
 

@@ -24,7 +24,7 @@ uniform int u_mirror;                                    // 1: an opaque metal
 in vec3 v_position;
 in vec3 v_normal;
 in vec2 v_uv;
-in vec2 v_open;
+in float v_open;
 layout(location = 0, index = 0) out vec4 o_color;
 layout(location = 0, index = 1) out vec4 o_through;
 
@@ -67,16 +67,15 @@ void main() {
 #endif
   vec3 view = -normalize(v_position);
   vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
-  float open = dot(n, view) < 0.0 ? v_open.y : v_open.x;
   n = dot(n, view) < 0.0 ? -n : n;
   vec3 surface = u_emission.rgb;
-  if (u_pane.x < 1.0) surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * open);
+  if (u_pane.x < 1.0) surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * v_open);
   o_color = vec4(surface * base.a, 0.0);
   o_through = vec4(vec3(1.0 - base.a), 1.0);
   if (u_pane.x > 0.0) {
     float c = dot(n, view);
     vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
-    vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * open);
+    vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
 #if REFLECTIONS
     vec4 scene = u_reflector >= 0 ? reflected_scene() : vec4(0.0);
     mirrored = mix(mirrored, scene.rgb, scene.w);
@@ -89,7 +88,7 @@ void main() {
   if (u_mirror == 1) {
     float c = dot(n, view);
     vec4 scene = reflected_scene();
-    vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * open);
+    vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
     o_color = vec4(u_emission.rgb + share * mirrored, 0.0);
     o_through = vec4(0.0, 0.0, 0.0, 1.0);

@@ -13,7 +13,7 @@ layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
 out vec3 v_position;  // m, relative to the eye
 out vec3 v_normal;
 out vec2 v_uv;
-out vec2 v_open;      // share of the mirror direction that is not occluded: of the normal's face, of the other
+out float v_open;     // share of the mirror direction that is not occluded
 
 #if VISIBILITY == 1
 /// Bilinear between the four cells around; cells on the far side of the pane belong to its other face.
@@ -34,31 +34,22 @@ float open_share(vec3 direction, vec3 normal) {
 }
 #endif
 
-#if VISIBILITY
-/// As seen by the face on the side of `n`. Where the eye is on the other side it looks along the surface, so that triangles across a
-/// pane's outline keep what each face sees.
-float open_of_face(vec3 from_eye, vec3 n) {
-  vec3 view = normalize(from_eye);
-  float away = dot(view, n);
-  vec3 mirrored = away < 0.0 ? view - 2.0 * away * n : normalize(view - away * n + 1e-4 * n);
-#if VISIBILITY == 1
-  return open_share(mirrored, n);
-#else
-  // The pane itself is not in the octree, the frame that it touches is.
-  float own_m = 2.0 * octree_cell_at(octree_frame(), from_eye + u_frame.eye.xyz) / u_octree.w;
-  OctreeRay ray = OctreeRay(from_eye + u_frame.eye.xyz, mirrored, own_m, 1e30, 0.0, 0.0, 0.0);
-  return octree_trace(octree_frame(), ray).node >= 0 ? 0.0 : 1.0;
-#endif
-}
-#endif
-
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
   v_position = a_position - u_frame.eye.xyz;
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
   v_uv = a_uv;
-  v_open = vec2(1.0);
+  v_open = 1.0;
 #if VISIBILITY
-  v_open = vec2(open_of_face(v_position, v_normal), open_of_face(v_position, -v_normal));
+  vec3 n = dot(v_normal, v_position) > 0.0 ? -v_normal : v_normal;
+  vec3 mirrored = reflect(normalize(v_position), n);
+#endif
+#if VISIBILITY == 1
+  v_open = open_share(mirrored, n);
+#elif VISIBILITY == 2
+  // The pane itself is not in the octree, the frame that it touches is.
+  float own_m = 2.0 * octree_cell_at(octree_frame(), a_position) / u_octree.w;
+  OctreeHit hit = octree_trace(octree_frame(), OctreeRay(a_position, mirrored, own_m, 1e30, 0.0, 0.0, 0.0));
+  v_open = hit.node >= 0 ? 0.0 : 1.0;
 #endif
 }

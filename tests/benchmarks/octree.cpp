@@ -13,10 +13,14 @@
 #include "render/octree/octree_shared.h"
 #include "render/octree/octree_worker.h"
 #include "tests/benchmarks/stage.h"
+#include "tests/support/octree_rays.h"
 
 namespace maquette::bench {
 
 namespace {
+
+using test::HitRecord;
+using test::RayRecord;
 
 constexpr int kDepth = 9;
 constexpr int kRays = 100000;
@@ -25,22 +29,11 @@ constexpr std::size_t kTwoMillion = 2000000;
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
 using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
 
-/// As in shaders/octree/trace_rays.comp.
-struct RayRecord {
-  glm::vec3 origin;
-  float t_min;
-  glm::vec3 direction;
-  float t_max, t_box, width, spread, unused;
-};
-struct HitRecord {
-  float t;
-  int node, level, steps;
-};
-
 /// Embree over the triangles that are in the octree.
 class EmbreeRays {
  public:
-  explicit EmbreeRays(const OctreeJob& job) : device_(rtcNewDevice(nullptr), &rtcReleaseDevice), scene_(nullptr, &rtcReleaseScene) {
+  explicit EmbreeRays(const OctreeJob& job)
+      : device_(rtcNewDevice(nullptr), &rtcReleaseDevice), scene_(nullptr, &rtcReleaseScene) {
     scene_.reset(rtcNewScene(device_.get()));
     rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     std::vector<std::uint32_t> indices;
@@ -146,7 +139,8 @@ void measure_scene(Figures* figures, const std::string& name, const Scene& scene
   OctreeJob job = make_octree_job(scene, -1, kDepth);
   const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
   shared::octree_view = {octree.words.data(), octree.planes.data()};
-  const shared::OctreeFrame frame{octree.corner, std::exp2(static_cast<float>(octree.depth)) / octree.side_m, octree.depth};
+  const shared::OctreeFrame frame{octree.corner, std::exp2(static_cast<float>(octree.depth)) / octree.side_m,
+                                  octree.depth};
   EmbreeRays embree(job);
   const Rays rays = shadow_rays(&embree, frame, eye);
   const OctreeBuffers buffers(octree);

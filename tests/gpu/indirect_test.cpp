@@ -7,6 +7,7 @@
 #include "render/reference/reference.h"
 #include "render/renderer.h"
 #include "tests/support/path_scenes.h"
+#include "tests/support/test_scenes.h"
 
 namespace {
 
@@ -22,35 +23,9 @@ INSTANTIATE_TEST_SUITE_P(Modes, Indirect, ::testing::Values("uniform", "bandwidt
 
 /// A room, open above, two metres deep; one wall red. Grids, because light is baked at vertices.
 Scene room() {
-  Scene scene;
-  scene.materials = {test::matte(glm::vec3(0.7f)), test::matte(glm::vec3(0.8f, 0.1f, 0.1f))};
-  const auto wall = [&](const glm::vec3& origin, const glm::vec3& a, const glm::vec3& b, int material) {
-    Primitive p;
-    constexpr int n = 16;
-    for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) {
-        p.positions.push_back(origin + a * (static_cast<float>(i) / n) + b * (static_cast<float>(j) / n));
-        p.normals.push_back(glm::normalize(glm::cross(a, b)));
-      }
-    for (std::uint32_t j = 0; j < n; ++j)
-      for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t k = j * (n + 1) + i;
-        p.indices.insert(p.indices.end(), {k, k + 1, k + n + 2, k, k + n + 2, k + n + 1});
-      }
-    p.material = material;
-    Mesh mesh;
-    mesh.primitives.push_back(p);
-    Node node;
-    node.mesh = static_cast<int>(scene.meshes.size());
-    scene.meshes.push_back(mesh);
-    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
-    scene.nodes.push_back(node);
-  };
-  wall({-1, -1, 1}, {2, 0, 0}, {0, 0, -2}, 0);
-  wall({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, 0);
-  wall({-1, -1, 1}, {0, 0, -2}, {0, 2, 0}, 1);
-  wall({1, -1, -1}, {0, 0, 2}, {0, 2, 0}, 0);
-  wall({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}, 0);
+  Scene scene = test::box_scene(5, 16, test::matte(glm::vec3(0.7f)));
+  scene.materials.push_back(test::matte(glm::vec3(0.8f, 0.1f, 0.1f)));
+  scene.meshes[2].primitives[0].material = 1;
   return scene;
 }
 

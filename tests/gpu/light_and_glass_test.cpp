@@ -9,9 +9,13 @@
 #include "render/fresnel_shared.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
+
+using test::add;
+using test::make_grid;
 
 Material matte(const std::string& name, float albedo) {
   Material m;
@@ -24,33 +28,6 @@ Material matte(const std::string& name, float albedo) {
   return m;
 }
 
-/// `side` x `side` quads from `corner`; normal along cross(u, v).
-Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, int side, int material) {
-  Primitive p;
-  p.material = material;
-  for (int j = 0; j <= side; ++j)
-    for (int i = 0; i <= side; ++i) {
-      p.positions.push_back(corner + u * (static_cast<float>(i) / static_cast<float>(side)) +
-                            v * (static_cast<float>(j) / static_cast<float>(side)));
-      p.normals.push_back(glm::normalize(glm::cross(u, v)));
-    }
-  const auto at = [side](int i, int j) { return static_cast<std::uint32_t>(j * (side + 1) + i); };
-  for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i)
-      p.indices.insert(p.indices.end(),
-                       {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-  return p;
-}
-
-void add(Scene* scene, Primitive primitive) {
-  Node node;
-  node.mesh = static_cast<int>(scene->meshes.size());
-  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
-  scene->nodes.push_back(node);
-  scene->meshes.emplace_back();
-  scene->meshes.back().primitives.push_back(std::move(primitive));
-}
-
 Scene floor_scene() {
   Scene scene;
   scene.materials.push_back(matte("floor", 0.5f));
@@ -58,20 +35,7 @@ Scene floor_scene() {
   return scene;
 }
 
-/// Six walls around [-1, 1]^3, seen from inside; `walls` of them.
-Scene box_scene(int walls) {
-  Scene scene;
-  scene.materials.push_back(matte("wall", 0.5f));
-  add(&scene, make_grid({-1, -1, 1}, {2, 0, 0}, {0, 0, -2}, 6, 0));
-  add(&scene, make_grid({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, 6, 0));
-  add(&scene, make_grid({-1, -1, 1}, {0, 0, -2}, {0, 2, 0}, 6, 0));
-  add(&scene, make_grid({1, -1, -1}, {0, 0, 2}, {0, 2, 0}, 6, 0));
-  add(&scene, make_grid({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}, 6, 0));
-  add(&scene, make_grid({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 6, 0));
-  scene.nodes.resize(static_cast<std::size_t>(walls));
-  scene.roots.resize(static_cast<std::size_t>(walls));
-  return scene;
-}
+Scene box_scene(int walls) { return test::box_scene(walls, 6, matte("wall", 0.5f)); }
 
 std::shared_ptr<const Environment> constant_sky(float radiance) {
   auto sky = std::make_shared<Environment>();

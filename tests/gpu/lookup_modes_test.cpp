@@ -10,11 +10,13 @@
 #include "render/gl/context.h"
 #include "render/materials/brdf_tables.h"
 #include "render/renderer.h"
+#include "tests/support/test_scenes.h"
 
 // Modes splitsum and sg against closed forms and against mode uniform.
 namespace {
 
 using namespace maquette;
+using test::white_lambert;
 
 constexpr int kSize = 64;
 
@@ -35,20 +37,7 @@ std::shared_ptr<Environment> constant_sky(double value) {
 glm::dvec3 smooth_radiance(const glm::dvec3& d) { return {1.0 + 0.8 * d.y, 1.0 + 0.5 * d.x * d.z, 1.0 - 0.6 * d.x}; }
 
 std::shared_ptr<Scene> sphere_of(const Material& material) {
-  auto scene = std::make_shared<Scene>(load_scene("builtin:sphere"));
-  for (Material& m : scene->materials) {
-    const std::string name = m.name;
-    m = material;
-    m.name = name;
-  }
-  return scene;
-}
-
-Material white_lambert() {
-  Material m;
-  m.metallic = 0.0f;
-  m.specular = 0.0f;
-  return m;
+  return std::make_shared<Scene>(test::sphere_of(material));
 }
 
 FrameRequest sphere_request(const Scene& scene, const std::string& mode) {

@@ -11,21 +11,14 @@
 #include "render/octree/octree_shared.h"
 #include "render/octree/octree_worker.h"
 #include "render/renderer.h"
+#include "tests/support/octree_rays.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
 
-/// As in shaders/octree/trace_rays.comp.
-struct RayRecord {
-  glm::vec3 origin;
-  float t_min;
-  glm::vec3 direction;
-  float t_max, t_box, width, spread, unused;
-};
-struct HitRecord {
-  float t;
-  int node, level, steps;
-};
+using test::HitRecord;
+using test::RayRecord;
 
 Octree build(const std::string& name, int depth) {
   const Scene scene = build_builtin_scene(name);
@@ -80,44 +73,11 @@ TEST(OctreeOnGpu, WalksAsTheCpuDoes) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
-Primitive quad(const glm::vec3& corner, const glm::vec3& a, const glm::vec3& b) {
-  Primitive p;
-  p.material = 0;
-  for (int y = 0; y <= 8; ++y)
-    for (int x = 0; x <= 8; ++x) {
-      p.positions.push_back(corner + a * (static_cast<float>(x) / 8.0f) + b * (static_cast<float>(y) / 8.0f));
-      p.normals.push_back(glm::normalize(glm::cross(a, b)));
-    }
-  for (std::uint32_t y = 0; y < 8; ++y)
-    for (std::uint32_t x = 0; x < 8; ++x) {
-      const std::uint32_t v = 9 * y + x;
-      p.indices.insert(p.indices.end(), {v, v + 1, v + 10, v, v + 10, v + 9});
-    }
-  return p;
-}
-
-void add(Scene* scene, const Primitive& p) {
-  Node node;
-  node.mesh = static_cast<int>(scene->meshes.size());
-  scene->meshes.push_back({"quad", {p}, nullptr});
-  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
-  scene->nodes.push_back(node);
-}
-
 /// A box around [-1, 1]^3, matte at 0.5, seen from inside; the last wall is the roof.
 std::shared_ptr<Scene> box(int walls) {
-  auto scene = std::make_shared<Scene>();
-  Material matte;
+  Material matte = test::white_lambert();
   matte.base_color = glm::vec4(0.5f, 0.5f, 0.5f, 1.0f);
-  matte.metallic = 0.0f;
-  matte.roughness = 1.0f;
-  matte.specular = 0.0f;
-  scene->materials.push_back(matte);
-  const Primitive sides[] = {quad({-1, -1, 1}, {2, 0, 0}, {0, 0, -2}), quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}),
-                             quad({-1, -1, 1}, {0, 0, -2}, {0, 2, 0}), quad({1, -1, -1}, {0, 0, 2}, {0, 2, 0}),
-                             quad({1, -1, 1}, {-2, 0, 0}, {0, 2, 0}),  quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2})};
-  for (int i = 0; i < walls; ++i) add(scene.get(), sides[i]);
-  return scene;
+  return std::make_shared<Scene>(test::box_scene(walls, 8, matte));
 }
 
 std::shared_ptr<const Environment> constant_sky() {

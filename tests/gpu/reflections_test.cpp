@@ -11,9 +11,13 @@
 #include "scenes/environment_builtin.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
+
+using test::add;
+using test::make_grid;
 
 Material plain(const std::string& name, const glm::vec3& color) {
   Material m;
@@ -30,34 +34,6 @@ Material mirror_metal() {
   m.metallic = 1.0f;
   m.roughness = 0.02f;
   return m;
-}
-
-Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, int side, int material) {
-  Primitive p;
-  p.material = material;
-  for (int j = 0; j <= side; ++j)
-    for (int i = 0; i <= side; ++i) {
-      p.positions.push_back(corner + u * (static_cast<float>(i) / static_cast<float>(side)) +
-                            v * (static_cast<float>(j) / static_cast<float>(side)));
-      p.normals.push_back(glm::normalize(glm::cross(u, v)));
-    }
-  const auto at = [side](int i, int j) { return static_cast<std::uint32_t>(j * (side + 1) + i); };
-  for (int j = 0; j < side; ++j)
-    for (int i = 0; i < side; ++i)
-      p.indices.insert(p.indices.end(),
-                       {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-  return p;
-}
-
-Node* add(Scene* scene, Primitive primitive, const std::string& name) {
-  Node node;
-  node.name = name;
-  node.mesh = static_cast<int>(scene->meshes.size());
-  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
-  scene->nodes.push_back(node);
-  scene->meshes.emplace_back();
-  scene->meshes.back().primitives.push_back(std::move(primitive));
-  return &scene->nodes.back();
 }
 
 void add_box(Scene* scene, const glm::vec3& low, const glm::vec3& high, int material) {

@@ -9,9 +9,13 @@
 #include <thread>
 
 #include "scenes/error.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
+
+using test::sphere_of;
+using test::white_lambert;
 
 std::shared_ptr<const Environment> constant_environment(const glm::vec3& radiance) {
   auto e = std::make_shared<Environment>();
@@ -20,24 +24,6 @@ std::shared_ptr<const Environment> constant_environment(const glm::vec3& radianc
   e->height = 8;
   e->rgb.assign(128, radiance);
   return e;
-}
-
-Scene sphere_of(const Material& material) {
-  Scene scene = load_scene("builtin:sphere");
-  for (Material& m : scene.materials) {
-    const std::string name = m.name;
-    m = material;
-    m.name = name;
-  }
-  return scene;
-}
-
-Material white_lambert() {
-  Material m;
-  m.metallic = 0.0f;
-  m.roughness = 1.0f;
-  m.specular = 0.0f;
-  return m;
 }
 
 PictureRequest sphere_request(int side) {

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <utility>
+
+#include "scenes/scene.h"
+
+/// Small scenes that many tests are made of.
+namespace maquette::test {
+
+/// `side` x `side` quads from `corner`; normal along cross(u, v).
+inline Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, int side, int material) {
+  Primitive p;
+  p.material = material;
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) {
+      p.positions.push_back(corner + u * (static_cast<float>(i) / static_cast<float>(side)) +
+                            v * (static_cast<float>(j) / static_cast<float>(side)));
+      p.normals.push_back(glm::normalize(glm::cross(u, v)));
+    }
+  const auto at = [side](int i, int j) { return static_cast<std::uint32_t>(j * (side + 1) + i); };
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i)
+      p.indices.insert(p.indices.end(),
+                       {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+  return p;
+}
+
+/// At the root, as a mesh of its own.
+inline Node* add(Scene* scene, Primitive primitive, const std::string& name = {}) {
+  Node node;
+  node.name = name;
+  node.mesh = static_cast<int>(scene->meshes.size());
+  scene->roots.push_back(static_cast<int>(scene->nodes.size()));
+  scene->nodes.push_back(node);
+  scene->meshes.emplace_back();
+  scene->meshes.back().primitives.push_back(std::move(primitive));
+  return &scene->nodes.back();
+}
+
+/// The first `walls` of six around [-1, 1]^3, of `side` x `side` quads, to be seen from inside: floor, back, left,
+/// right, front, roof. Material 0.
+inline Scene box_scene(int walls, int side, const Material& material) {
+  Scene scene;
+  scene.materials.push_back(material);
+  const glm::vec3 frames[][3] = {{{-1, -1, 1}, {2, 0, 0}, {0, 0, -2}}, {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}},
+                                 {{-1, -1, 1}, {0, 0, -2}, {0, 2, 0}}, {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}},
+                                 {{1, -1, 1}, {-2, 0, 0}, {0, 2, 0}},  {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}}};
+  for (int i = 0; i < walls; ++i) add(&scene, make_grid(frames[i][0], frames[i][1], frames[i][2], side, 0));
+  return scene;
+}
+
+/// The unit sphere, all of it of one material.
+inline Scene sphere_of(const Material& material) {
+  Scene scene = load_scene("builtin:sphere");
+  for (Material& m : scene.materials) {
+    const std::string name = m.name;
+    m = material;
+    m.name = name;
+  }
+  return scene;
+}
+
+inline Material white_lambert() {
+  Material m;
+  m.metallic = 0.0f;
+  m.specular = 0.0f;
+  return m;
+}
+
+}  // namespace maquette::test

@@ -186,7 +186,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
   c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
-                                lights ? lights->count() : 0, first_sample);
+                                lights ? lights->count() : 0, 0);
   // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
   // together.
   const float frames = static_cast<float>(accumulated + 1);
@@ -251,6 +251,13 @@ void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate
                                     targets->surface_tiles.tiles.bytes() / sizeof(unsigned));
 }
 
+void Renderer::Impl::renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count) {
+  constexpr std::int64_t kLength = EnvironmentBuffers::kListLength;
+  if (begin == 0 || begin / kLength == (begin + count) / kLength) return;
+  environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
+  light_list_is_first = false;
+}
+
 namespace {
 
 /// What a frame does without because nothing moved since the one before.
@@ -298,6 +305,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.drawn_epoch = s.epoch;
   s.last_request = request;
   s.prepare_accumulation(plan, accumulate);
+  if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
   s.prepare_constants(request, plan, samples, chunk);
   s.bind_frame();
   PassTimer timer(s.device.software);

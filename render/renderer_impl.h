@@ -124,6 +124,9 @@ struct Renderer::Impl {
   void upload_materials();
   /// Before the first frame of a picture: room for what it will know of its points, or none.
   void prepare_accumulation(const FramePlan& plan, bool accumulate);
+  /// Draws the light samples anew when a point that takes `count` more samples after its first `begin` would come round
+  /// the list in this frame.
+  void renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count);
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
   /// False, and the plan says so, when the G-buffer of the frame before still holds.
   bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);

@@ -217,7 +217,6 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   small.forward.w = constants.forward.w * static_cast<float>(divisor);
   const int samples = request.settings.get_int("reflections.samples");
   small.sampling = glm::ivec4(samples, samples, accumulated * samples, constants.sampling.w ^ 0x5bd1e995);
-  small.bandwidth_size.w = accumulated * samples;
   if (!reflection_block) reflection_block = Buffer("reflection constants", sizeof(FrameConstants));
   reflection_block.update(0, sizeof small, &small);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, reflection_block.get());

@@ -64,7 +64,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #endif
     ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
   }
-  uint light_first = hash(rotation ^ 0x5bd1e995u) + block * uint(light_count) + uint(u_frame.bandwidth_size.w);
+  uint light_first = hash(rotation ^ 0x5bd1e995u) + block * uint(light_count);
   int list_mask = u_frame.environment_size.w - 1;
   for (int i = 0; i < light_count; ++i) {
     int index = int((light_first + uint(i)) & uint(list_mask));

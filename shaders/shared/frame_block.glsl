@@ -11,6 +11,6 @@ struct FrameConstants {
   ivec4 size;          // shading grid width, height; side of the sample grid in a pixel (1, 2, 4); coarsest level
   ivec4 sampling;      // samples a point, samples a work item, first sample index of the frame, seed
   ivec4 environment_size;  // texels width, height; log2 scale of the packed texels; light sample list length
-  ivec4 bandwidth_size;    // nu_L map width, height; number of lights; light list offset of the frame
+  ivec4 bandwidth_size;    // nu_L map width, height; number of lights; 0
   vec4 quality;        // x: bandwidth.quality, sharpened with the samples and the frames averaged; w: least bandwidth taken for true (cycles/px)
 };

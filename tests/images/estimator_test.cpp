@@ -73,6 +73,14 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
   }
 }
 
+TEST_F(Estimator, UniformGoesOnWithItsSequence) {
+  // Frames that are averaged take the samples of one long frame, but for the rounding of the two strategies' counts.
+  show("builtin:paint-red-metallic");
+  const Image frames = draw(request("uniform", 64, 5, 48), 16), whole = draw(request("uniform", 1024, 5, 48));
+  const Image other = draw(request("uniform", 1024, 6, 48));
+  EXPECT_LT(difference(frames, whole), 0.3 * difference(other, whole));
+}
+
 TEST_F(Estimator, BandwidthConvergesToUniform) {
   // Nothing may stay of the interpolation of early frames, of the wrong predictions, or of the choice of sample counts
   // by what was measured.

@@ -21,6 +21,7 @@ void close_cluster(const FlatGeometry& geometry, Cluster cluster, ClusterSet* se
     high = glm::max(high, p);
   });
   cluster.center = 0.5f * (low + high);
+  cluster.half_extent = 0.5f * (high - low);
   each([&](const glm::vec3& p) { cluster.radius = std::max(cluster.radius, glm::length(p - cluster.center)); });
   set->clusters.push_back(cluster);
 }

@@ -14,6 +14,7 @@ struct Cluster {
   static constexpr std::uint32_t kMaxVertices = 64, kMaxTriangles = 128;
   glm::vec3 center{0.0f};
   float radius = 0.0f;
+  glm::vec3 half_extent{0.0f};                           ///< of its box, about the center
   std::uint32_t first_vertex = 0, vertex_count = 0;      ///< in ClusterSet::vertices
   std::uint32_t first_triangle = 0, triangle_count = 0;  ///< in ClusterSet::triangles
 };

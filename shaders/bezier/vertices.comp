@@ -5,7 +5,8 @@ layout(binding = 5) uniform samplerBuffer t_vertices;
 layout(std430, binding = 2) writeonly buffer Projections { vec4 b_projected[]; };  // 2 a vertex: clip | x, height, status
 layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };
 layout(std430, binding = 4) readonly buffer Vertices { uvec2 b_vertices[]; };  // vertex, start
-layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };       // 2 a cluster: x, node of the shortest path | certified
+// 4 a cluster: its middle's parameters, certified | derivatives of both by the place of a point | middle, m
+layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };
 uniform int u_count;
 
 void main() {
@@ -14,10 +15,13 @@ void main() {
   uvec2 of = b_vertices[i];
   int vertex = int(of.x);
   vec3 world = texelFetch(t_vertices, 4 * vertex).xyz;
+  vec4 middle = b_starts[4u * of.y], place = b_starts[4u * of.y + 3u];
+  vec3 from_middle = world - place.xyz;
   BezierStart start = no_start(u_side);
-  start.x = b_starts[2u * of.y].xy;
-  start.shortest = b_starts[2u * of.y].zw;
-  start.certified = b_starts[2u * of.y + 1u].x > 0.0;
+  start.x = middle.xy + vec2(dot(b_starts[4u * of.y + 1u].xyz, from_middle), dot(b_starts[4u * of.y + 2u].xyz, from_middle));
+  start.x = clamp(start.x, middle.xy - 0.75, middle.xy + 0.75);
+  start.shortest = clamp(start.x, vec2(-1.0), vec2(1.0));
+  start.certified = middle.z > 0.0;
   Projected v = project_from(world, start);
   int steps = v.steps;
   if (v.status == kReflectionLost) {

@@ -245,6 +245,24 @@ MAQUETTE_FN ReflectionPoint reflect_from(BezierSurface s, vec3 eye, vec3 p, vec2
   return r;
 }
 
+// How the parameters of a reflection point change with the object's place, 1/m each. Path length stationary at both: H dx + d(gradient) = 0.
+struct ReflectionDerivative {
+  vec3 x, y;
+};
+
+MAQUETTE_FN ReflectionDerivative reflection_derivative(BezierSurface s, vec3 eye, vec3 p, vec2 x) {
+  SurfaceJet jet = bezier_jet(s, x);
+  PathTerms t = path_terms(jet, eye, p);
+  vec3 h = t.spread + t.bend, ub = (jet.p - p) / not_zero(t.object_distance);
+  vec3 mx = (jet.dx - ub * dot(jet.dx, ub)) / not_zero(t.object_distance), my = (jet.dy - ub * dot(jet.dy, ub)) / not_zero(t.object_distance);
+  Real determinant = h[0] * h[2] - h[1] * h[1];
+  Real inverse = abs(determinant) > Real(1.0e-18f) ? Real(1.0f) / determinant : Real(0.0f);
+  ReflectionDerivative d;
+  d.x = (mx * h[2] - my * h[1]) * inverse;
+  d.y = (my * h[0] - mx * h[1]) * inverse;
+  return d;
+}
+
 // One of the starting points spread over the patch, with what depends on patch and eye alone.
 struct BezierNode {
   vec2 x;

@@ -182,7 +182,7 @@ TEST_F(Reflections, BezierShowsWhatRaysShow) {
     add_patch(&scene, bend);
     renderer_.set_scene(std::make_shared<Scene>(scene));
     SCOPED_TRACE(bend);
-    expect_near_rays(request_of("bezier"), 0.01, 0.02);
+    expect_near_rays(request_of("bezier"), 0.002, 0.004);
   }
 }
 

@@ -29,6 +29,42 @@ TEST(BezierReflection, CertificateMeansOneMinimum) {
   EXPECT_GT(r.uncertified, 0u) << "the concave side beyond the caustics was not tried";
 }
 
+/// Against central differences of the points that the search finds, in double.
+TEST(BezierReflection, DerivativeIsThatOfTheReflectionPoint) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int compared = 0;
+  for (int n = 0; n < 400; ++n) {
+    std::array<glm::dvec3, 16> points;
+    const double bend = 0.3 * uniform(random);
+    for (std::size_t k = 0; k < 16; ++k) {
+      const double x = static_cast<double>(k % 4) / 1.5 - 1.0, y = static_cast<double>(k / 4) / 1.5 - 1.0;
+      points[k] = {x, 0.7 * y, bend * (x * x + 0.5 * y * y) + 0.02 * uniform(random)};
+    }
+    const ReflectorPatch patch = make_reflector_patch(points);
+    const glm::dvec3 eye = glm::dvec3(uniform(random), uniform(random), 2.0) - patch.origin;
+    const glm::dvec3 p = glm::dvec3(0.7 * uniform(random), 0.5 * uniform(random), 1.2) - patch.origin;
+    const auto find = [&](const glm::dvec3& object, const glm::dvec2& from) {
+      return bezier_double::reflect_from(patch.exact, eye, object, from, 1.0, 60);
+    };
+    const auto r = find(p, {0.0, 0.0});
+    if (r.status != bezier_double::kReflectionInside || std::max(std::abs(r.x.x), std::abs(r.x.y)) > 0.95) continue;
+    const auto d = reflection_derivative(patch.exact, eye, p, r.x);
+    const double steepest = std::max(glm::length(d.x), glm::length(d.y));
+    if (steepest > 20.0) continue;  // at a caustic
+    constexpr double kStep = 1e-2;  // the search ends at 1e-5 rad
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 step(0.0);
+      step[axis] = kStep;
+      const glm::dvec2 slope = (find(p + step, r.x).x - find(p - step, r.x).x) / (2.0 * kStep);
+      EXPECT_NEAR(slope.x, d.x[axis], 0.01 * (1.0 + steepest * steepest));
+      EXPECT_NEAR(slope.y, d.y[axis], 0.01 * (1.0 + steepest * steepest));
+    }
+    ++compared;
+  }
+  EXPECT_GT(compared, 100);
+}
+
 /// A bowl of radius 1 seen from its middle focuses at 1: an object beyond is marked, one before is not.
 TEST(BezierReflection, CausticIsKnown) {
   std::array<glm::dvec3, 16> points;

@@ -44,7 +44,7 @@ ShaderVariant glass_variant(const FramePlan& plan, bool textures) {
            {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
 }
 
-void Renderer::Impl::draw_glass(const FramePlan& plan) {
+void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& request) {
   FrameTargets& t = *targets;
   std::vector<std::size_t> items;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
@@ -91,6 +91,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan) {
     if (!plan.reflections.empty()) {
       program.set("u_reflector", reflector_of_item(i));
       program.set("u_mirror", is_mirror(i) ? 1 : 0);
+      program.set("u_hatch", request.settings.get_string("reflections.mark") == "hatch" ? 1 : 0);
     }
     if (buffers->has_textures())
       program.set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));

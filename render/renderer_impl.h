@@ -153,9 +153,9 @@ struct Renderer::Impl {
   /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
   bool is_mirror(std::size_t item) const;
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
-  /// The reflected picture alone, or a channel of `ReflectionTargets::effort`; alpha 0 outside the reflectors. Throws
+  /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the reflectors. Throws
   /// Error when none was drawn.
-  Image read_reflection(int effort_channel) const;
+  Image read_reflection(int channel) const;
   void draw_panes(ReflectionTargets* targets_of_panes);
   void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
@@ -174,7 +174,7 @@ struct Renderer::Impl {
   void bind_indirect(const Program& program) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_sky(const FramePlan& plan, const FrameRequest& request);
-  void draw_glass(const FramePlan& plan);
+  void draw_glass(const FramePlan& plan, const FrameRequest& request);
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
   void dispatch_list(const Program& program, int count);

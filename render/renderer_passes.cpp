@@ -279,7 +279,7 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   }
   if (plan.glass) {
     if (!plan.reflections.empty()) reflect(plan, request, timer);
-    draw_glass(plan);
+    draw_glass(plan, request);
     timer->end("glass");
   }
   const Program& program = programs.get({"shading/compose.comp", "", {{"STAGE", in_place ? "2" : "0"}}});

@@ -226,6 +226,9 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   glBindTextureUnit(52, f.depth.get());
   glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  const GLubyte no_doubt = 0;
+  glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &no_doubt);
   const Program& rays = programs.get({"reflections/rays.comp", "", {}});
   rays.set("u_divisor", divisor);
   dispatch(rays, groups(t.width, 8), groups(t.height, 8));
@@ -268,6 +271,7 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   glBindTextureUnit(0, f.triangle.get());
   glBindTextureUnit(50, t.ray_direction.get());
   glBindTextureUnit(53, t.radiance.get());
+  glBindTextureUnit(56, t.doubt.get());
 }
 
 }  // namespace maquette

@@ -16,6 +16,7 @@ template <typename T>
 std::vector<T> read_texture(const Texture& texture, GLenum format, GLenum type, int channels) {
   std::vector<T> data(static_cast<std::size_t>(texture.width()) * static_cast<std::size_t>(texture.height()) *
                       static_cast<std::size_t>(channels));
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glGetTextureImage(texture.get(), 0, format, type, static_cast<GLsizei>(data.size() * sizeof(T)), data.data());
   return data;
 }
@@ -35,7 +36,7 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, quads, axes, depth, surface, reflection, effort } from;
+  enum { marks, quads, axes, depth, surface, reflection, effort, doubt } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -53,6 +54,7 @@ constexpr ViewSource kViews[] = {
     {"reflection", ViewSource::reflection, 0},
     {"reflection_steps", ViewSource::effort, 0},
     {"reflection_root", ViewSource::effort, 1},
+    {"reflection_doubt", ViewSource::doubt, 0},
 };
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
@@ -80,7 +82,7 @@ const std::vector<std::string>& Renderer::debug_view_names() {
   return kNames;
 }
 
-Image Renderer::Impl::read_reflection(int effort_channel) const {
+Image Renderer::Impl::read_reflection(int channel) const {
   if (last_plan.reflections.empty())
     throw Error("--view", "reflections are seen with a reflector in view and a technique",
                 "add --reflections raytraced");
@@ -88,11 +90,12 @@ Image Renderer::Impl::read_reflection(int effort_channel) const {
   const auto radiance = read_texture<float>(r.radiance, GL_RGBA, GL_FLOAT, 4);
   const auto direction = read_texture<float>(r.ray_direction, GL_RGBA, GL_FLOAT, 4);
   const auto effort = read_texture<std::uint8_t>(r.effort, GL_RG_INTEGER, GL_UNSIGNED_BYTE, 2);
+  const auto doubt = read_texture<std::uint8_t>(r.doubt, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1);
   Image image(r.width, r.height, 4);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
-    const float value = effort_channel < 0
-                            ? radiance[i]
-                            : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(effort_channel)]);
+    const float value = channel < 0   ? radiance[i]
+                        : channel > 1 ? static_cast<float>(doubt[i / 4])
+                                      : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(channel)]);
     image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : value;
   }
   return image;
@@ -109,6 +112,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
   if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
   if (view->from == ViewSource::reflection) return impl_->read_reflection(-1);
+  if (view->from == ViewSource::doubt) return impl_->read_reflection(2);
   if (view->from == ViewSource::effort) return impl_->read_reflection(view->channel);
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);

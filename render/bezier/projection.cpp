@@ -21,7 +21,19 @@ constexpr int kPieceCapacity = 1 << 18;
 constexpr std::size_t kNodeTexels = 5;
 
 // Slots of the counters in shaders/bezier/*.comp.
-enum Counter { small, pieces_a, pieces_b, newton_steps, vertices, lost, uncertain, dropped, large, counter_count = 16 };
+enum Counter {
+  small,
+  pieces_a,
+  pieces_b,
+  newton_steps,
+  vertices,
+  lost,
+  uncertain,
+  dropped,
+  large,
+  doubtful,
+  counter_count = 16
+};
 
 const ShaderVariant kVertices{"bezier/vertices.comp", "", {}}, kClassify{"bezier/classify.comp", "", {}},
     kPieces{"bezier/pieces.comp", "", {}}, kMend{"bezier/mend.comp", "", {}},
@@ -119,6 +131,7 @@ class BezierReflections : public ReflectorTechnique {
     (*counters)["lost_vertices"] = counts_[lost];
     (*counters)["uncertain_vertices"] = counts_[uncertain];
     (*counters)["dropped_triangles"] = counts_[dropped];
+    (*counters)["uncertain_pixels"] = counts_[doubtful];
   }
 
  private:
@@ -319,14 +332,27 @@ class BezierReflections : public ReflectorTechnique {
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r)
       if (!(*frame.reflectors)[r].plane) patches |= 1u << r;
     const Program& program = frame.programs->get(kMend);
+    Bounds box;
+    for (std::size_t i = 0; i < frame.occluding->size(); ++i) {
+      if (!(*frame.occluding)[i]) continue;
+      box.min = glm::min(box.min, frame.buffers->bounds(i).min);
+      box.max = glm::max(box.max, frame.buffers->bounds(i).max);
+    }
+    glProgramUniform3fv(program.get(), program.location("u_low"), 1, &box.min.x);
+    glProgramUniform3fv(program.get(), program.location("u_high"), 1, &box.max.x);
     glProgramUniform1ui(program.get(), program.location("u_patches"), patches);
     glBindTextureUnit(0, t.triangle.get());
     glBindImageTexture(0, mended_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    glBindImageTexture(1, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+    glBindTextureUnit(54, t.focus.get());
+    counters_.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, counters_.get());
     glUseProgram(program.get());
     glDispatchCompute(static_cast<GLuint>((t.width + 7) / 8), static_cast<GLuint>((t.height + 7) / 8), 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     glCopyImageSubData(mended_.get(), GL_TEXTURE_2D, 0, 0, 0, 0, t.triangle.get(), GL_TEXTURE_2D, 0, 0, 0, 0, t.width,
                        t.height, 1);
+    counts_[doubtful] = read_counters()[doubtful];
   }
 
   std::optional<ClusterSet> clusters_;

@@ -17,6 +17,10 @@ TechniqueInfo reflections_technique() {
        .min = 2,
        .max = 4096,
        .help = "shading samples a pixel of what is reflected, in the modes that sample"},
+      {.name = "reflections.mark",
+       .default_value = std::string("hatch"),
+       .help = "what a technique does not vouch for in its reflections: hatched in orange, or shown like the rest",
+       .choices = {"hatch", "none"}},
   };
   return info;
 }

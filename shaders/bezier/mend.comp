@@ -3,8 +3,20 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "reflections/ray_triangle.glsl"
 layout(binding = 0) uniform usampler2D t_drawn;  // triangle + 1
+layout(binding = 54) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
 layout(binding = 0, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = 1, r8ui) uniform writeonly uimage2D o_doubt;
+layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };  // 9: pixels in doubt
 uniform uint u_patches;  // bit k: reflector k is a patch
+uniform vec3 u_low;      // box of what can be mirrored, m
+uniform vec3 u_high;
+
+/// Where the ray has left all that can be mirrored behind.
+float exit_distance(vec3 origin, vec3 direction) {
+  vec3 d = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
+  vec3 t = max((u_low - origin) / d, (u_high - origin) / d);
+  return max(min(min(t.x, t.y), t.z), 0.0);
+}
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(t_drawn, 0);
@@ -30,6 +42,13 @@ void main() {
       }
     }
     if (nearest == 1e30 && sky) shown = 0u;
+    // A shortest path reaches its object before the ray's caustic. What the ray meets beyond it has paths of other kinds, which the search
+    // does not look for: whether this is what belongs here is not known.
+    float reach = shown != 0u && nearest < 1e30 ? nearest : exit_distance(origin, direction.xyz);
+    if (reach * texelFetch(t_focus, pixel, 0).x > 1.0) {
+      imageStore(o_doubt, pixel, uvec4(1u));
+      atomicAdd(b_counters[9], 1u);
+    }
   }
   imageStore(o_triangle, pixel, uvec4(shown));
 }

@@ -20,6 +20,8 @@ layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
 layout(binding = 53) uniform sampler2D t_reflection;     // what the nearest reflector of each pixel shows, cd/m2
 uniform int u_reflector;                                 // of this item, or -1
 uniform int u_mirror;                                    // 1: an opaque metal
+layout(binding = 56) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
+uniform int u_hatch;                                     // 1: hatch it
 #endif
 in vec3 v_position;
 in vec3 v_normal;
@@ -48,6 +50,15 @@ vec4 reflected_scene() {
     sum += same * vec4(texelFetch(t_reflection, p, 0).rgb, 1.0);
   }
   return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
+}
+
+/// Thin slanting lines, an orange filter over reflection and background alike: seen at every exposure, and never taken for what is reflected.
+vec3 doubt_filter() {
+  vec2 size = vec2(textureSize(t_doubt, 0));
+  ivec2 at = clamp(ivec2(gl_FragCoord.xy / vec2(u_frame.size.xy) * size), ivec2(0), ivec2(size) - 1);
+  bool doubtful = u_hatch == 1 && texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
+  float along = mod((gl_FragCoord.x + gl_FragCoord.y) / float(u_frame.size.z), 7.0);
+  return doubtful && along < 1.5 ? vec3(0.8, 0.3, 0.02) : vec3(1.0);
 }
 
 /// Reflectance of a smooth metal known by its colour at normal incidence: Fresnel's equations with the real index that has it.
@@ -92,6 +103,11 @@ void main() {
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
     o_color = vec4(u_emission.rgb + share * mirrored, 0.0);
     o_through = vec4(0.0, 0.0, 0.0, 1.0);
+  }
+  if (u_reflector >= 0) {
+    vec3 mark = doubt_filter();
+    o_color.rgb *= mark;
+    o_through.rgb *= mark;
   }
 #endif
 }

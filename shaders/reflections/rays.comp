@@ -8,10 +8,12 @@ layout(binding = 51) uniform usampler2D t_pane;
 layout(binding = 52) uniform sampler2D t_opaque_depth;  // of the whole grid, along the viewing axis
 layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
+layout(binding = 2, r16f) uniform writeonly image2D o_focus;
 uniform int u_divisor;
 
 struct PanePoint {
   vec3 position, normal;
+  float focus;  // 1/m, of the mirrored ray
 };
 
 /// Newton's method for eye + k ray = S(x), from the parameters that the triangles give. Their error is of second order in their size.
@@ -27,8 +29,9 @@ PanePoint refine(int reflector, vec2 uv, vec3 ray) {
     if (abs(determinant) < 1e-20 || k == 2) break;
     x += clamp(vec2(dot(miss, n), dot(miss, cross(ray, jet.dx))) / determinant, vec2(-0.2), vec2(0.2));
   }
-  vec3 normal = cross(jet.dx, jet.dy);
-  return PanePoint(jet.p + u_reflectors[reflector].origin.xyz, dot(normal, normal) > 0.0 ? normalize(normal) : -normalize(ray));
+  vec3 normal = cross(jet.dx, jet.dy), incident = normalize(ray);
+  normal = dot(normal, normal) > 0.0 ? normalize(normal) : -incident;
+  return PanePoint(jet.p + u_reflectors[reflector].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)));
 }
 
 /// Farthest opaque depth among the grid points that the pixel covers; infinity for the sky.
@@ -47,6 +50,7 @@ void main() {
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   uvec2 pane = texelFetch(t_pane, pixel, 0).xy;
   vec4 origin = vec4(0.0), direction = vec4(0.0);
+  float focus = 0.0;
   if (pane.x != 0u) {
     int triangle = int(pane.x) - 1, reflector = int(pane.y) - 1;
     ivec3 v = 4 * ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x,
@@ -62,6 +66,7 @@ void main() {
     b *= 1.0 / max(1.0, b.x + b.y);
     PanePoint point;
     point.position = p0.xyz + b.x * e1 + b.y * e2;
+    point.focus = 0.0;
     point.normal = n0.xyz + b.x * (n1.xyz - n0.xyz) + b.y * (n2.xyz - n0.xyz);
     point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
     if (u_reflectors[reflector].origin.w > 0.0)
@@ -74,8 +79,10 @@ void main() {
     if (depth > 0.0 && depth < opaque_depth(pixel) && dot(mirrored, mirrored) > 0.5) {
       origin = vec4(point.position, depth);
       direction = vec4(mirrored, float(pane.y));
+      focus = point.focus;
     }
   }
   imageStore(o_origin, pixel, origin);
   imageStore(o_direction, pixel, direction);
+  imageStore(o_focus, pixel, vec4(focus));
 }

@@ -186,6 +186,48 @@ TEST_F(Reflections, BezierShowsWhatRaysShow) {
   }
 }
 
+/// Bowls that fold the room over: what is not marked is what rays show, what differs is marked, and the picture and the
+/// stats say so.
+TEST_F(Reflections, BezierMarksWhatItDoesNotVouchFor) {
+  const auto view = [&](const FrameRequest& request, const std::string& name) {
+    draw_reflection(&renderer_, request);
+    return renderer_.read_debug_view(name);
+  };
+  for (const float bend : {0.35f, 0.45f}) {
+    SCOPED_TRACE(bend);
+    Scene scene = room();
+    add_patch(&scene, bend);
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    const Image image = view(request_of("bezier"), "reflection"), doubt = renderer_.read_debug_view("reflection_doubt");
+    const Image exact = view(request_of("raytraced"), "reflection");
+    double certain = 0.0, doubtful = 0.0, wrong = 0.0;
+    for (std::size_t i = 0; i < exact.data.size(); i += 4) {
+      if (exact.data[i + 3] <= 0.0f) continue;
+      float difference = 0.0f, level = 0.01f;
+      for (std::size_t c = 0; c < 3; ++c) {
+        difference = std::max(difference, std::abs(image.data[i + c] - exact.data[i + c]));
+        level = std::max(level, exact.data[i + c]);
+      }
+      const bool marked = doubt.data[i] > 0.0f;
+      (marked ? doubtful : certain) += 1.0;
+      wrong += !marked && difference > 0.1f * level ? 1.0 : 0.0;
+    }
+    EXPECT_GT(doubtful, 200.0);
+    EXPECT_GT(certain, 200.0);
+    EXPECT_LT(wrong, 0.004 * certain);
+    FrameRequest hatched = request_of("bezier"), plain = hatched;
+    plain.settings.set_from_text("reflections.mark", "none");
+    EXPECT_EQ(renderer_.render(hatched).technique.at("uncertain_pixels"), doubtful);
+    const Image with = renderer_.read_radiance();
+    renderer_.render(plain);
+    const Image without = renderer_.read_radiance();
+    double changed = 0.0;
+    for (std::size_t i = 0; i < with.data.size(); i += 4) changed += with.data[i] < without.data[i] ? 1.0 : 0.0;
+    EXPECT_GT(changed, 0.1 * doubtful);
+    EXPECT_LT(changed, 0.4 * doubtful);
+  }
+}
+
 TEST_F(Reflections, TriangleShowsWhatRaysShow) {
   for (const float bend : {0.15f, -0.15f}) {
     SCOPED_TRACE(bend);

@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/fresnel.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/fresnel.glsl and pane.glsl as C++: the very lines that the GPU compiles.
 #include <glm/glm.hpp>
 
 #ifndef MAQUETTE_FN
@@ -10,4 +10,5 @@
 namespace maquette::shared {
 using namespace glm;
 #include "shared/fresnel.glsl"
+#include "shared/pane.glsl"
 }  // namespace maquette::shared

@@ -136,6 +136,19 @@ const SgFit& MaterialStore::sg(int slot) {
   return entries_[i].sg;
 }
 
+const LobeBound& MaterialStore::lobe_bound(int slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  if (!entries_[i].has_bound) {
+    const BrdfTable table = read_table(i);
+    entries_[i].bound = make_lobe_bound([&](const glm::vec3& wi, const glm::vec3& wo) {
+      const glm::dvec3 f = evaluate_brdf(table, wi, wo);
+      return static_cast<float>(std::max({f.x, f.y, f.z}));
+    });
+  }
+  entries_[i].has_bound = true;
+  return entries_[i].bound;
+}
+
 void MaterialStore::bind() const {
   glBindTextureUnit(10, word_view_.get());
   glBindTextureUnit(11, theta_view_.get());

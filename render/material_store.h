@@ -6,6 +6,7 @@
 
 #include "render/gl/objects.h"
 #include "render/materials/brdf_tables.h"
+#include "render/reflections/lobe_bound.h"
 
 namespace maquette {
 
@@ -22,6 +23,7 @@ class MaterialStore {
   /// Fitted when first asked for, from the table as the GPU has it: no file is read again.
   const GgxFit& ggx(int slot);
   const SgFit& sg(int slot);
+  const LobeBound& lobe_bound(int slot);
   /// BrdfTables::albedo of a slot.
   const std::vector<glm::vec3>& albedo(int slot) const { return entries_[static_cast<std::size_t>(slot)].albedo; }
   /// Of the filled table; key of everything derived from it.
@@ -39,9 +41,10 @@ class MaterialStore {
     float bandwidth_limit = 0.0f;
     GgxFit ggx;
     SgFit sg;
+    LobeBound bound;
     std::uint64_t hash = 0;  ///< of the table: key of its fits in the disk cache
     std::vector<glm::vec3> albedo;
-    bool has_ggx = false, has_sg = false;
+    bool has_ggx = false, has_sg = false, has_bound = false;
   };
   void reserve(std::size_t slots);
   BrdfTable read_table(std::size_t slot) const;

@@ -310,6 +310,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.bind_frame();
   PassTimer timer(s.device.software);
   timer.start();
+  s.skips = s.update_skipping(&plan, request);
+  if (s.skips) timer.end("skip");
   const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
   if (goes_on) leave_out_known(&plan);
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
@@ -358,6 +360,13 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
     s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);
     s.reflector_techniques[plan.reflections]->add_counters(&stats.technique);
+    if (s.skips) {
+      unsigned counts[2];
+      s.skipping->counters.read(0, sizeof counts, counts);
+      stats.technique["rays_skipped"] = counts[1];
+      stats.technique["rays_skipped_share"] = counts[1] / std::max(1.0 * counts[0] + counts[1], 1.0);
+      stats.gpu_bytes["reflections"] += s.skipping->bytes();
+    }
   }
   for (const auto& [name, mode] : s.lookup_modes) stats.gpu_bytes["prefilter"] += mode->bytes();
   if (plan.texture_bandwidth) stats.gpu_bytes["texture_bandwidth"] = t.texture_nu.bytes();

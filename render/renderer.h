@@ -34,6 +34,8 @@ struct FrameRequest {
   int variant = -1;
   std::string reflections = "off";      ///< reflector technique
   std::vector<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
+  /// Seen by an eye only, through a tone curve: what cannot be told apart may be left out (`reflections.skip`).
+  bool display = false;
   Settings settings;
   /// Mode reference stops tracing then, within a pass if need be.
   std::optional<std::chrono::steady_clock::time_point> deadline = {};

@@ -92,6 +92,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
       program.set("u_reflector", reflector_of_item(i));
       program.set("u_mirror", is_mirror(i) ? 1 : 0);
       program.set("u_hatch", request.settings.get_string("reflections.mark") == "hatch" ? 1 : 0);
+      program.set("u_ghost", ghost && !is_mirror(i) ? 1 : 0);
     }
     if (buffers->has_textures())
       program.set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));

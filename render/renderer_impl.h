@@ -20,6 +20,7 @@
 #include "render/progressive.h"
 #include "render/reference/worker.h"
 #include "render/reflections/reflector_technique.h"
+#include "render/reflections/skipping.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
 #include "render/visibility/visibility_buffers.h"
@@ -92,7 +93,11 @@ struct Renderer::Impl {
   Buffer reflector_block;                     ///< patches of the reflectors, std140
   Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
+  std::optional<ReflectionTargets> ghost;   ///< the second image of panes, while it is drawn
+  std::optional<ReflectionTargets> probes;  ///< the same of fewer rays, while some are not followed
   std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
+  bool skips = false;                ///< some rays of this frame are not followed
+  std::optional<Skipping> skipping;  ///< while mirrored rays may be left out
   FrameConstants constants{};
   ReferenceFrame reference;
   bool interactive = false;
@@ -153,10 +158,23 @@ struct Renderer::Impl {
   /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
   bool is_mirror(std::size_t item) const;
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
+  enum class RayKind { all, some, ghost };  ///< `some`: only those that matter; `ghost`: mirrored by the back faces
+  /// One reflected picture, a point for `divisor` x `divisor` of the grid.
+  void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the reflectors. Throws
   /// Error when none was drawn.
   Image read_reflection(int channel) const;
+  Image read_ghost();          ///< the second image alone
+  Image read_skipped() const;  ///< 1 where the mirrored ray was not followed
   void draw_panes(ReflectionTargets* targets_of_panes);
+  /// Bounds of what the panes mirror in this frame. False, and the plan says so, when every ray is to be followed.
+  bool update_skipping(FramePlan* plan, const FrameRequest& request);
+  bool update_skip_geometry();
+  void update_skip_light(const FramePlan& plan, const FrameRequest& request);
+  int lobe_of(std::size_t material, std::vector<LobeBound>* lobes);
+  void draw_cover();
+  void bind_ghost(const Program& rays, const Settings& settings) const;
+  void bind_skipping(const Program& rays, float contrast);
   void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   /// What the frames so far say about the next one's sample counts.

@@ -1,5 +1,6 @@
 // What the reflectors show: their rays, the hits that a technique finds, and the hits' shading by the frame's own mode.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "render/bezier/projection.h"
@@ -13,6 +14,9 @@
 namespace maquette {
 
 namespace {
+
+/// A probe for so many points each way decides whether they are followed.
+constexpr int kProbeSpacing = 4;
 
 int groups(int count, int size) { return (count + size - 1) / size; }
 
@@ -38,6 +42,10 @@ Buffer make_reflector_block(const std::vector<Reflector>& reflectors) {
 int divisor_of(const Settings& settings) {
   const std::string& resolution = settings.get_string("reflections.resolution");
   return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
+}
+
+ShaderVariant rays_variant(bool skip, bool ghost) {
+  return {"reflections/rays.comp", "", {{"SKIP", flag(skip)}, {"GHOST", flag(ghost)}}};
 }
 
 ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
@@ -68,7 +76,10 @@ ShaderVariant reflected_indirect_variant(bool measured) {
 
 std::vector<ShaderVariant> reflection_shader_variants() {
   std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
-                                      {"reflections/rays.comp", "", {}},
+                                      rays_variant(false, false),
+                                      rays_variant(true, false),
+                                      rays_variant(false, true),
+                                      {"reflections/cover.frag", "reflections/cover.vert", {}},
                                       {"octree/reflect.comp", "", {}},
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
@@ -207,6 +218,44 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
 
 void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
   const int divisor = divisor_of(request.settings);
+  if (skips) {
+    std::swap(reflection, probes);
+    reflect_at(divisor * kProbeSpacing, RayKind::all, plan, request, timer);
+    std::swap(reflection, probes);
+  } else {
+    probes.reset();
+  }
+  if (request.settings.get_bool("reflections.ghost")) {
+    std::swap(reflection, ghost);
+    reflect_at(divisor, RayKind::ghost, plan, request, timer);
+    std::swap(reflection, ghost);
+  } else {
+    ghost.reset();
+  }
+  reflect_at(divisor, skips ? RayKind::some : RayKind::all, plan, request, timer);
+  bind_frame();
+  glBindTextureUnit(0, targets->triangle.get());
+  glBindTextureUnit(50, reflection->ray_direction.get());
+  glBindTextureUnit(53, reflection->radiance.get());
+  glBindTextureUnit(56, reflection->doubt.get());
+  glBindTextureUnit(62, ghost ? ghost->ray_direction.get() : 0);
+  glBindTextureUnit(63, ghost ? ghost->radiance.get() : 0);
+}
+
+void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) const {
+  std::array<glm::vec2, kMaxReflectors> optics{};
+  for (std::size_t k = 0; k < reflectors.size(); ++k)
+    optics[k] = {
+        std::max(material_of_item(reflectors[k].item).ior, 1.0f),
+        reflectors[k].mirror ? 0.0f : 1e-3f * static_cast<float>(settings.get_double("reflections.thickness"))};
+  glProgramUniform2fv(rays.get(), rays.location("u_ghost_optics"), static_cast<GLsizei>(kMaxReflectors), &optics[0].x);
+  glProgramUniform1f(rays.get(), rays.location("u_wedge"),
+                     1e-3f * static_cast<float>(settings.get_double("reflections.wedge")));
+}
+
+void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request,
+                                PassTimer* timer) {
+  const bool skip = kind == RayKind::some;
   FrameTargets& f = *targets;
   if (!reflection || reflection->divisor != divisor || reflection->width != groups(f.grid_width(), divisor) ||
       reflection->height != groups(f.grid_height(), divisor))
@@ -229,7 +278,10 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   const GLubyte no_doubt = 0;
   glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &no_doubt);
-  const Program& rays = programs.get({"reflections/rays.comp", "", {}});
+  if (skip) draw_cover();
+  const Program& rays = programs.get(rays_variant(skip, kind == RayKind::ghost));
+  if (kind == RayKind::ghost) bind_ghost(rays, request.settings);
+  if (skip) bind_skipping(rays, static_cast<float>(request.settings.get_double("reflections.skip")));
   rays.set("u_divisor", divisor);
   dispatch(rays, groups(t.width, 8), groups(t.height, 8));
   glBindTextureUnit(49, t.ray_origin.get());
@@ -267,11 +319,6 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   dispatch(programs.get({"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}), groups(t.width, 8),
            groups(t.height, 8));
   timer->end("reflected shade");
-  bind_frame();
-  glBindTextureUnit(0, f.triangle.get());
-  glBindTextureUnit(50, t.ray_direction.get());
-  glBindTextureUnit(53, t.radiance.get());
-  glBindTextureUnit(56, t.doubt.get());
 }
 
 }  // namespace maquette

@@ -36,7 +36,7 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, quads, axes, depth, surface, reflection, effort, doubt } from;
+  enum { marks, quads, axes, depth, surface, reflection, effort, doubt, skipped } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -52,9 +52,11 @@ constexpr ViewSource kViews[] = {
     {"base_color", ViewSource::surface, 1},
     {"material", ViewSource::surface, 2},
     {"reflection", ViewSource::reflection, 0},
+    {"ghost", ViewSource::reflection, 1},
     {"reflection_steps", ViewSource::effort, 0},
     {"reflection_root", ViewSource::effort, 1},
     {"reflection_doubt", ViewSource::doubt, 0},
+    {"rays_skipped", ViewSource::skipped, 0},
 };
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
@@ -96,8 +98,25 @@ Image Renderer::Impl::read_reflection(int channel) const {
     const float value = channel < 0   ? radiance[i]
                         : channel > 1 ? static_cast<float>(doubt[i / 4])
                                       : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(channel)]);
-    image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : value;
+    image.data[i] = i % 4 == 3 ? (direction[i] != 0.0f ? 1.0f : 0.0f) : value;
   }
+  return image;
+}
+
+Image Renderer::Impl::read_ghost() {
+  if (last_plan.reflections.empty() || !ghost)
+    throw Error("--view", "there is no second image", "add --set reflections.ghost=true");
+  std::swap(ghost, reflection);
+  Image image = read_reflection(-1);
+  std::swap(ghost, reflection);
+  return image;
+}
+
+Image Renderer::Impl::read_skipped() const {
+  Image image = read_reflection(-1);
+  const auto direction = read_texture<float>(reflection->ray_direction, GL_RGBA, GL_FLOAT, 4);
+  for (std::size_t i = 0; i < image.data.size(); ++i)
+    if (i % 4 != 3) image.data[i] = direction[i / 4 * 4 + 3] < 0.0f ? 1.0f : 0.0f;
   return image;
 }
 
@@ -111,9 +130,11 @@ Image Renderer::read_debug_view(const std::string& name) const {
     throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
   if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
+  if (view->from == ViewSource::reflection && view->channel == 1) return impl_->read_ghost();
   if (view->from == ViewSource::reflection) return impl_->read_reflection(-1);
   if (view->from == ViewSource::doubt) return impl_->read_reflection(2);
   if (view->from == ViewSource::effort) return impl_->read_reflection(view->channel);
+  if (view->from == ViewSource::skipped) return impl_->read_skipped();
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);
   const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);
@@ -164,7 +185,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
 }
 
 Image debug_view_picture(const Image& values, const std::string& name) {
-  if (name == "reflection") return tone_map(at_mean_grey(values), 0.0f, "pbr-neutral");
+  if (name == "reflection" || name == "ghost") return tone_map(at_mean_grey(values), 0.0f, "pbr-neutral");
   if (name != "normal" && name != "base_color") return false_color_image(values);
   Image picture = values;
   for (std::size_t i = 0; i < picture.data.size(); ++i) {

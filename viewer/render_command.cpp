@@ -168,6 +168,8 @@ int run_render(const CommandLine& line) {
   renderer.set_environment(environment);
   for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
   FrameRequest request = make_request(*scene, options);
+  request.display =
+      options.reference.empty() && (options.output.empty() || picture_format(options.output) == PictureFormat::png);
   const bool accumulates = options.time_s || options.target_error;
   // Its frames cost little but their paths, and stop in time: a few paths each, that share the rays of the camera.
   if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 8;

@@ -362,6 +362,7 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.reflections = state.reflections;
   request.reflectors = reflectors_;
   request.settings = state.settings;
+  request.display = true;
   return request;
 }
 

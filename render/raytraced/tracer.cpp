@@ -1,60 +1,21 @@
 #include "render/raytraced/tracer.h"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include <cmath>
 
-#include "scenes/error.h"
+#include "render/raytraced/ray_scene.h"
 
 namespace maquette {
 
 namespace {
-
-using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
-using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
-
-/// Triangles of the occluding items, with the number that each has in the scene's index buffer.
-struct RayScene {
-  DevicePointer device{nullptr, &rtcReleaseDevice};
-  ScenePointer scene{nullptr, &rtcReleaseScene};
-  std::vector<std::uint32_t> numbers;
-};
-
-RayScene build_scene(const FlatGeometry& geometry, const std::vector<bool>& occluding) {
-  RayScene out;
-  std::vector<std::uint32_t> indices;
-  for (std::size_t i = 0; i < geometry.items.size(); ++i) {
-    if (!occluding[i]) continue;
-    const DrawItem& item = geometry.items[i];
-    for (std::uint32_t k = 0; k < item.index_count; ++k) indices.push_back(geometry.indices[item.first_index + k]);
-    for (std::uint32_t k = 0; k < item.index_count / 3; ++k) out.numbers.push_back(item.first_index / 3 + k);
-  }
-  out.device = DevicePointer(rtcNewDevice(nullptr), &rtcReleaseDevice);
-  out.scene = ScenePointer(rtcNewScene(out.device.get()), &rtcReleaseScene);
-  rtcSetSceneFlags(out.scene.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry mesh = rtcNewGeometry(out.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* p = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, geometry.positions.size());
-  auto* t = rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, indices.size() / 3);
-  if (p && t && !indices.empty()) {
-    std::copy_n(geometry.positions.data(), geometry.positions.size(), static_cast<glm::vec3*>(p));
-    std::copy_n(indices.data(), indices.size(), static_cast<std::uint32_t*>(t));
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(out.scene.get(), mesh);
-  }
-  rtcReleaseGeometry(mesh);
-  rtcCommitScene(out.scene.get());
-  if (rtcGetDeviceError(out.device.get()) != RTC_ERROR_NONE)
-    throw Error("--reflections raytraced", "the ray tracer could not be built", "free some memory");
-  return out;
-}
 
 class RaytracedReflections : public ReflectorTechnique {
  public:
   void trace(const ReflectionFrame& frame) override {
     const FlatGeometry& geometry = frame.buffers->geometry();
     if (!scene_.scene || epoch_ != frame.geometry_epoch || occluding_ != *frame.occluding) {
-      scene_ = build_scene(geometry, *frame.occluding);
+      scene_ = build_ray_scene(geometry, *frame.occluding);
       epoch_ = frame.geometry_epoch;
       occluding_ = *frame.occluding;
     }

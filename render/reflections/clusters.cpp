@@ -26,7 +26,9 @@ void close_cluster(const FlatGeometry& geometry, Cluster cluster, ClusterSet* se
   set->clusters.push_back(cluster);
 }
 
-/// The item's triangles by the Morton code of their middles, 10 bits an axis.
+}  // namespace
+
+/// By the Morton code of their middles, 10 bits an axis.
 std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const DrawItem& item) {
   const auto middle = [&](std::uint32_t t) {
     const std::uint32_t* v = &geometry.indices[3 * static_cast<std::size_t>(t)];
@@ -52,8 +54,6 @@ std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const
   for (const auto& [code, t] : coded) order.push_back(t);
   return order;
 }
-
-}  // namespace
 
 ClusterSet make_clusters(const FlatGeometry& geometry) {
   constexpr std::uint32_t kNone = ~0u;

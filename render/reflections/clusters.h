@@ -33,6 +33,9 @@ struct ClusterSet {
 /// All triangles; those of an item along a curve that keeps neighbours together, whatever the order of the file.
 ClusterSet make_clusters(const FlatGeometry& geometry);
 
+/// Numbers of the item's triangles, along the same curve.
+std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const DrawItem& item);
+
 /// Rays that leave a small part of a mirror: origins in a sphere, directions in a cone.
 struct Beam {
   glm::vec3 base{0.0f};

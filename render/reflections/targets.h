@@ -12,12 +12,14 @@ struct ReflectionTargets {
   int width = 0, height = 0;
   int divisor = 1;  ///< of the grid
   GlName<FramebufferTraits> pane_framebuffer;
-  Texture pane;           ///< RG32UI: triangle + 1, reflector + 1; 0 where none is seen
-  Texture pane_depth;     ///< depth buffer of the panes
-  Texture ray_origin;     ///< RGBA32F: point of the pane, m; w: its depth along the viewing axis, 0 where none is seen
-  Texture ray_direction;  ///< RGBA32F: mirrored ray, unit; w: reflector + 1
-  Texture triangle;       ///< R32UI: what the ray hits, triangle + 1; 0: nothing. The technique writes it.
-  Texture effort;         ///< RG8UI, for debug views: steps of the search; level of the octree, or root of the cubic
+  Texture pane;        ///< RG32UI: triangle + 1, reflector + 1; 0 where none is seen
+  Texture pane_depth;  ///< depth buffer of the panes
+  Texture ray_origin;  ///< RGBA32F: point of the pane, m; w: its depth along the viewing axis, 0 where none is seen
+  /// RGBA32F: mirrored ray, unit; w: reflector + 1, negated where it need not be followed: `ray_origin` is then
+  /// what is shown, cd/m2
+  Texture ray_direction;
+  Texture triangle;  ///< R32UI: what the ray hits, triangle + 1; 0: nothing. The technique writes it.
+  Texture effort;    ///< RG8UI, for debug views: steps of the search; level of the octree, or root of the cubic
   Texture focus;          ///< R16F, 1/m: the mirrored ray of a patch meets a caustic at its reciprocal; 0: never
   Texture doubt;          ///< R8UI: 1 where the technique does not vouch for what it shows; cleared before it
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray

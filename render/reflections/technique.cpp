@@ -21,6 +21,28 @@ TechniqueInfo reflections_technique() {
        .default_value = std::string("hatch"),
        .help = "what a technique does not vouch for in its reflections: hatched in orange, or shown like the rest",
        .choices = {"hatch", "none"}},
+      {.name = "reflections.ghost",
+       .default_value = false,
+       .help = "the second image too, which the back faces of panes mirror: as many rays again"},
+      {.name = "reflections.thickness",
+       .default_value = 5.0,
+       .min = 0.0,
+       .max = 50.0,
+       .unit = "mm",
+       .help = "of the panes, for their second image"},
+      {.name = "reflections.wedge",
+       .default_value = 0.0,
+       .min = -20.0,
+       .max = 20.0,
+       .unit = "mrad",
+       .help = "by which their faces part upwards"},
+      {.name = "reflections.skip",
+       .default_value = 0.05,
+       .min = 0.0,
+       .max = 0.5,
+       .help =
+           "in pictures for the eye a mirrored ray is not followed where what it may bring at most is this share of "
+           "what is seen through the pane; 0: all are followed. Never in EXR files and reports"},
   };
   return info;
 }

@@ -16,12 +16,15 @@ uniform vec4 u_base;      // base colour, alpha
 uniform vec4 u_emission;  // cd/m2; w: 1 for unlit
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
 #if REFLECTIONS
-layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
+layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
 layout(binding = 53) uniform sampler2D t_reflection;     // what the nearest reflector of each pixel shows, cd/m2
 uniform int u_reflector;                                 // of this item, or -1
 uniform int u_mirror;                                    // 1: an opaque metal
 layout(binding = 56) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
 uniform int u_hatch;                                     // 1: hatch it
+uniform int u_ghost;                                     // 1: its back face mirrors a second image
+layout(binding = 62) uniform sampler2D t_ghost_direction;  // the same of the second image
+layout(binding = 63) uniform sampler2D t_ghost;
 #endif
 in vec3 v_position;
 in vec3 v_normal;
@@ -37,7 +40,7 @@ vec3 white_under_sky(vec3 n) {
 
 #if REFLECTIONS
 /// Bilinear among the pixels that show this very reflector; w: their share, 0 where another reflector hides it.
-vec4 reflected_scene() {
+vec4 reflected_scene(bool ghost) {
   vec2 size = vec2(textureSize(t_reflection, 0));
   vec2 at = gl_FragCoord.xy / vec2(u_frame.size.xy) * size - 0.5;
   ivec2 corner = ivec2(floor(at));
@@ -46,8 +49,9 @@ vec4 reflected_scene() {
   for (int k = 0; k < 4; ++k) {
     ivec2 o = ivec2(k & 1, k >> 1), p = clamp(corner + o, ivec2(0), ivec2(size) - 1);
     vec2 w = mix(1.0 - f, f, vec2(o));
-    float same = int(texelFetch(t_ray_direction, p, 0).w) == u_reflector + 1 ? w.x * w.y + 1e-4 : 0.0;
-    sum += same * vec4(texelFetch(t_reflection, p, 0).rgb, 1.0);
+    float reflector = ghost ? texelFetch(t_ghost_direction, p, 0).w : abs(texelFetch(t_ray_direction, p, 0).w);
+    float same = int(reflector) == u_reflector + 1 ? w.x * w.y + 1e-4 : 0.0;
+    sum += same * vec4(ghost ? texelFetch(t_ghost, p, 0).rgb : texelFetch(t_reflection, p, 0).rgb, 1.0);
   }
   return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
 }
@@ -88,17 +92,24 @@ void main() {
     vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
     vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
 #if REFLECTIONS
-    vec4 scene = u_reflector >= 0 ? reflected_scene() : vec4(0.0);
+    vec4 scene = u_reflector >= 0 ? reflected_scene(false) : vec4(0.0);
     mirrored = mix(mirrored, scene.rgb, scene.w);
 #endif
     vec3 reflected = vec3(red.x, green.x, blue.x) * mirrored;
+#if REFLECTIONS
+    if (u_ghost == 1 && scene.w > 0.0) {
+      vec4 second = reflected_scene(true);
+      vec3 back = vec3(fresnel_faces(c, u_pane.y, base.r).y, fresnel_faces(c, u_pane.y, base.g).y, fresnel_faces(c, u_pane.y, base.b).y);
+      reflected += back * (second.rgb - mirrored) * second.w;
+    }
+#endif
     o_color = vec4(u_emission.rgb + reflected + (1.0 - u_pane.x) * (surface - u_emission.rgb), 0.0);
     o_through = vec4(vec3(red.y, green.y, blue.y) * u_pane.x, 1.0);
   }
 #if REFLECTIONS
   if (u_mirror == 1) {
     float c = dot(n, view);
-    vec4 scene = reflected_scene();
+    vec4 scene = reflected_scene(false);
     vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
     o_color = vec4(u_emission.rgb + share * mirrored, 0.0);

@@ -10,6 +10,72 @@ layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
 layout(binding = 2, r16f) uniform writeonly image2D o_focus;
 uniform int u_divisor;
+#if SKIP
+#include "shared/fresnel.glsl"
+layout(binding = 56) uniform usamplerBuffer t_parts;   // [triangle of the reflectors] part
+layout(binding = 57) uniform samplerBuffer t_bounds;   // [part] the brightest small thing that it may mirror, cd/m2
+layout(binding = 60) uniform sampler2D t_probes;       // the reflected picture of few rays, cd/m2
+layout(binding = 61) uniform sampler2D t_probe_directions;  // w: reflector + 1
+layout(binding = 58) uniform sampler2D t_cover;        // share of the opaque picture that comes through at least
+layout(binding = 59) uniform sampler2D t_opaque;       // the opaque picture, on the whole grid
+layout(std430, binding = 8) buffer SkipCounters { uint b_followed, b_skipped; };
+uniform int u_part_offset[16];  // of a reflector: added to a triangle's number
+uniform vec3 u_optics[16];      // refractive index, largest internal transmittance, 1 for a pane
+uniform float u_contrast;
+
+/// Least luminance of the opaque picture among the points that the pixel is interpolated to.
+float least_behind(ivec2 pixel) {
+  ivec2 size = textureSize(t_opaque, 0);
+  float least = 1e30;
+  int side = u_divisor > 1 ? 4 : 1;
+  for (int k = 0; k < side * side; ++k) {
+    ivec2 o = u_divisor > 1 ? (ivec2(k & 3, k >> 2) * (2 * u_divisor - 1)) / 3 - u_divisor / 2 : ivec2(0);
+    vec3 c = texelFetch(t_opaque, clamp(pixel * u_divisor + o, ivec2(0), size - 1), 0).rgb;
+    least = min(least, dot(c, vec3(0.2126, 0.7152, 0.0722)));
+  }
+  return least;
+}
+
+/// What the probes around show of a pane: their mean by distance, and of the nine around the brightest channel, less than 0 where
+/// another reflector or none is beside.
+vec4 probed(ivec2 pixel, float reflector) {
+  ivec2 size = textureSize(t_probes, 0);
+  vec2 at = (vec2(pixel) + 0.5) / vec2(u_frame.size.xy) * vec2(size);
+  ivec2 middle = ivec2(at);
+  vec4 sum = vec4(0.0);
+  float most = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    ivec2 p = middle + ivec2(k % 3, k / 3) - 1;
+    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, size))) continue;
+    if (texelFetch(t_probe_directions, p, 0).w != reflector) return vec4(-1.0);
+    vec3 c = texelFetch(t_probes, p, 0).rgb;
+    most = max(most, max(c.r, max(c.g, c.b)));
+    vec2 w = max(1.0 - abs(vec2(p) + 0.5 - at), 0.0);
+    sum += w.x * w.y * vec4(c, 1.0);
+  }
+  return vec4(sum.rgb / max(sum.w, 1e-6), most);
+}
+
+/// What the probes say of a ray that need not be followed, because what it brings is invisible before what is seen through the
+/// pane; else below 0.
+/// Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.3.3: at most 5 % of the transmitted light.
+/// Differs: Fresnel exact; the bound is twice what the probes around show, or more where a part of the pane may show something small
+/// and bright (render/reflections/mirrored_bound.h); light that saturates the screen is no reason, as exposure is the viewer's.
+vec3 unseen_radiance(ivec2 pixel, int triangle, float reflector, float cosine) {
+  int number = int(reflector) - 1;
+  vec4 probe = u_optics[number].z < 1.0 ? vec4(-1.0) : probed(pixel, reflector);
+  if (probe.w < 0.0) return vec3(-1.0);
+  float most = max(2.0 * probe.w, texelFetch(t_bounds, int(texelFetch(t_parts, triangle + u_part_offset[number]).x)).x);
+  float mirrored = fresnel_pane(cosine, u_optics[number].x, u_optics[number].y).x * most;
+  return mirrored <= u_contrast * texelFetch(t_cover, pixel, 0).x * least_behind(pixel) ? probe.rgb : vec3(-1.0);
+}
+#endif
+
+#if GHOST
+#include "shared/pane.glsl"
+uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
+uniform float u_wedge;            // rad: how much thicker a pane gets upwards
+#endif
 
 struct PanePoint {
   vec3 position, normal;
@@ -33,6 +99,26 @@ PanePoint refine(int reflector, vec2 uv, vec3 ray) {
   normal = dot(normal, normal) > 0.0 ? normalize(normal) : -incident;
   return PanePoint(jet.p + u_reflectors[reflector].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)));
 }
+
+#if GHOST
+/// Towards the eye, at a point near where the ray of the pixel met the pane.
+vec3 facing_normal(vec3 normal, vec3 incident) { return dot(normal, incident) > 0.0 ? -normal : normal; }
+
+/// How much the interpolated normal changes from a point of a triangle to one beside it.
+vec3 normal_turn(vec3 offset, vec3 e1, vec3 e2, vec3 d1, vec3 d2) {
+  float a = dot(e1, e1), c = dot(e1, e2), d = dot(e2, e2), determinant = a * d - c * c;
+  if (determinant < 1e-20) return vec3(0.0);
+  vec2 right = vec2(dot(offset, e1), dot(offset, e2));
+  vec3 turn = d1 * ((d * right.x - c * right.y) / determinant) + d2 * ((a * right.y - c * right.x) / determinant);
+  return dot(turn, turn) < 0.01 ? turn : vec3(0.0);
+}
+
+/// The back face's normal, tilted by the wedge about the pane's horizontal line.
+vec3 wedged(vec3 normal) {
+  vec3 up = vec3(0.0, 1.0, 0.0) - normal * normal.y;
+  return dot(up, up) > 1e-6 ? normalize(normal + u_wedge * normalize(up)) : normal;
+}
+#endif
 
 /// Farthest opaque depth among the grid points that the pixel covers; infinity for the sky.
 float opaque_depth(ivec2 pixel) {
@@ -72,7 +158,8 @@ void main() {
     if (u_reflectors[reflector].origin.w > 0.0)
       point = refine(reflector, vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w), ray);
     vec3 incident = normalize(ray);
-    if (dot(point.normal, incident) > 0.0) point.normal = -point.normal;
+    float normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
+    point.normal *= normal_side;
     float depth = dot(point.position - u_frame.eye.xyz, u_frame.forward.xyz);
     // Interpolated normals may lean away at silhouettes: a ray into the pane mirrors nothing.
     vec3 mirrored = reflect(incident, point.normal);
@@ -80,6 +167,33 @@ void main() {
       origin = vec4(point.position, depth);
       direction = vec4(mirrored, float(pane.y));
       focus = point.focus;
+#if GHOST
+      float n = u_ghost_optics[reflector].x, thickness = u_ghost_optics[reflector].y;
+      vec3 back = point.normal, leaving = point.normal;
+      GhostRay ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
+      // The pane turns over the few millimetres: normals where the ray is mirrored and where it leaves.
+      vec3 turn = normal_turn(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
+      if (u_reflectors[reflector].origin.w > 0.0) {
+        vec2 uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
+        PanePoint beside = refine(reflector, uv, point.position + ghost.offset - u_frame.eye.xyz);
+        turn = facing_normal(beside.normal, incident) - point.normal;
+      }
+      back = normalize(point.normal + 0.5 * turn);
+      leaving = normalize(point.normal + turn);
+      ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
+      origin.xyz += ghost.offset;
+      direction = thickness > 0.0 && ghost.valid ? vec4(ghost.direction, float(pane.y)) : vec4(0.0);
+      if (direction.w == 0.0) origin = vec4(0.0);
+#endif
+#if SKIP
+      vec3 unseen = unseen_radiance(pixel, triangle, direction.w, -dot(point.normal, incident));
+      if (unseen.x >= 0.0) {
+        origin.xyz = unseen;
+        direction.w = -direction.w;
+      }
+      if (unseen.x >= 0.0) atomicAdd(b_skipped, 1u);
+      else atomicAdd(b_followed, 1u);
+#endif
     }
   }
   imageStore(o_origin, pixel, origin);

@@ -53,7 +53,9 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   vec4 value = vec4(0.0);
-  if (texelFetch(t_ray_direction, pixel, 0).w > 0.0) {
+  float reflector = texelFetch(t_ray_direction, pixel, 0).w;
+  if (reflector < 0.0) value = vec4(texelFetch(t_ray_origin, pixel, 0).xyz, 0.0);  // not followed: rays.comp says why
+  if (reflector > 0.0) {
     bool surface = texelFetch(t_depth, pixel, 0).x > 0.0;
     value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(sky_radiance(pixel), 0.0);
   }

@@ -30,3 +30,10 @@ MAQUETTE_FN vec2 fresnel_pane(float cos_i, float n, float inside) {
   vec2 transmitted = vec2(q.x * q.x * inside / d.x, q.y * q.y * inside / d.y);
   return vec2(0.5f * (reflected.x + reflected.y), 0.5f * (transmitted.x + transmitted.y));
 }
+
+// The reflectance of a pane, apart: of its front face alone (x), and of all that comes back from its inside (y). Their sum is
+// fresnel_pane's.
+MAQUETTE_FN vec2 fresnel_faces(float cos_i, float n, float inside) {
+  float front = fresnel_surface(cos_i, n);
+  return vec2(front, max(fresnel_pane(cos_i, n, inside).x - front, 0.0f));
+}

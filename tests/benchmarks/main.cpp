@@ -32,6 +32,7 @@ constexpr Part kParts[] = {
     {"interactive", "turning light, first frame, swaps", measure_interactive},
     {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},
     {"reflection-frames", "reflector techniques: time, growth with the scene, outlines", measure_reflection_frames},
+    {"skipped-rays", "mirrored rays that need not be followed: share, time, FLIP", measure_skipping},
     {"octree", "octrees: building, walking against Embree, what they hide", measure_octree},
     {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin",
      measure_path_tracer},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "render/metrics.h"
 #include "render/registry.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
@@ -223,6 +224,35 @@ Figures measure_scene_sizes(Stage& stage) {
 }
 
 }  // namespace
+
+/// What `reflections.skip` saves in the default mode before the bright sky, and what it changes.
+Figures measure_skipping(Stage& stage) {
+  stage.show(kDriver);
+  Figures figures;
+  for (const char* resolution : {"half", "full"}) {
+    FrameRequest all = stage.request("bandwidth", 0);
+    all.reflections = "octree";
+    all.settings.set("reflections.resolution", std::string(resolution));
+    all.settings.set_from_text("shading.visibility", "auto");
+    FrameRequest some = all;
+    some.display = true;
+    stage.renderer().finish_background_work(all);
+    const std::vector<Clock> times = added_times(&stage.renderer(), {all, some}, stage.options().repeats);
+    stage.renderer().render(all);
+    Image reference = stage.renderer().read_radiance();
+    const FrameStats stats = stage.renderer().render(some);
+    Image image = stage.renderer().read_radiance();
+    for (std::size_t i = 3; i < image.data.size(); i += 4) image.data[i] = reference.data[i] = 1.0f;  // the sky counts
+    const double share = stats.technique.at("rays_skipped_share"),
+                 flip = measure_error(image, reference).figures.flip.value();
+    figures.push_back(judged(std::string("rays not followed, octree at ") + resolution + " resolution",
+                             "30 %, FLIP 0.02",
+                             number(100.0 * share) + " %, FLIP " + number(flip) + "; added " + added_text(times[1]) +
+                                 " instead of " + added_text(times[0]),
+                             share >= 0.3 && flip <= 0.02));
+  }
+  return figures;
+}
 
 Figures measure_reflection_frames(Stage& stage) {
   Figures all;

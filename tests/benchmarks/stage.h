@@ -121,6 +121,7 @@ Figures measure_interactive(Stage& stage);
 Figures measure_scaling(Stage& stage);
 Figures measure_reflections(Stage& stage);
 Figures measure_reflection_frames(Stage& stage);
+Figures measure_skipping(Stage& stage);
 Figures measure_octree(Stage& stage);
 Figures measure_path_tracer(Stage& stage);
 

@@ -58,5 +58,49 @@ TEST(Fresnel, EqualsTheSeriesOfBounces) {
   }
 }
 
+/// Flat parallel faces: the second ray is parallel to the first, d sin(2 theta) / sqrt(n^2 - sin^2 theta) beside it.
+TEST(Pane, SecondImageOfParallelFacesIsDisplaced) {
+  constexpr float kThickness = 0.005f, kIndex = 1.52f;
+  for (const float degrees : {5.0f, 30.0f, 45.0f, 60.0f, 70.0f, 85.0f}) {
+    const float theta = degrees * 0.0174532925f;
+    const glm::vec3 d(std::sin(theta), -std::cos(theta), 0.0f), n(0.0f, 1.0f, 0.0f);
+    const shared::GhostRay ray = shared::pane_ghost(d, n, n, n, kIndex, kThickness);
+    ASSERT_TRUE(ray.valid);
+    EXPECT_LT(glm::length(ray.direction - glm::vec3(d.x, -d.y, 0.0f)), 1e-5f);
+    EXPECT_NEAR(ray.offset.y, 0.0f, 1e-8f);
+    const float beside = glm::length(glm::cross(ray.offset, ray.direction)), s = std::sin(theta);
+    const float refracted = std::asin(s / kIndex);
+    EXPECT_NEAR(beside, 2.0f * kThickness * std::tan(refracted) * std::cos(theta), 1e-7f);
+    EXPECT_NEAR(beside, kThickness * std::sin(2.0f * theta) / std::sqrt(kIndex * kIndex - s * s), 1e-7f);
+  }
+}
+
+/// A wedge of angle alpha turns the second ray: sin(out) = n sin(theta' + 2 alpha), near 2 n alpha at normal incidence.
+TEST(Pane, SecondImageOfAWedgeIsTurned) {
+  constexpr float kIndex = 1.52f;
+  for (const float alpha : {1e-3f, -1e-3f, 0.01f})
+    for (const float degrees : {0.0f, 20.0f, 60.0f}) {
+      const float theta = degrees * 0.0174532925f;
+      const glm::vec3 d(std::sin(theta), -std::cos(theta), 0.0f), n(0.0f, 1.0f, 0.0f);
+      const glm::vec3 back(std::sin(alpha), std::cos(alpha), 0.0f);
+      const shared::GhostRay ray = shared::pane_ghost(d, n, back, n, kIndex, 0.005f);
+      ASSERT_TRUE(ray.valid);
+      const double inside = std::asin(std::sin(theta) / kIndex) + 2.0 * static_cast<double>(alpha);
+      const double out = std::asin(kIndex * std::sin(inside));
+      EXPECT_NEAR(std::atan2(ray.direction.x, ray.direction.y), out, 2e-5);
+      if (degrees == 0.0f) EXPECT_NEAR(out, 2.0 * kIndex * alpha, 3.0 * std::abs(alpha * alpha));
+    }
+}
+
+TEST(Pane, FacesSumToThePane) {
+  for (const float c : {0.01f, 0.3f, 0.7f, 1.0f})
+    for (const float inside : {0.0f, 0.5f, 1.0f}) {
+      const glm::vec2 faces = shared::fresnel_faces(c, 1.52f, inside);
+      EXPECT_NEAR(faces.x + faces.y, shared::fresnel_pane(c, 1.52f, inside).x, 1e-6f);
+      EXPECT_NEAR(faces.x, shared::fresnel_surface(c, 1.52f), 1e-7f);
+      if (inside == 0.0f) EXPECT_NEAR(faces.y, 0.0f, 1e-7f);
+    }
+}
+
 }  // namespace
 }  // namespace maquette

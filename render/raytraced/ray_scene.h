@@ -1,0 +1,26 @@
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <memory>
+#include <type_traits>
+#include <vector>
+
+#include "render/geometry.h"
+
+namespace maquette {
+
+/// Triangles of the occluding items in Embree, with the number that each has in the scene's index buffer.
+struct RayScene {
+  using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
+  using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
+  DevicePointer device{nullptr, &rtcReleaseDevice};
+  ScenePointer scene{nullptr, &rtcReleaseScene};
+  std::vector<std::uint32_t> numbers;
+};
+
+/// `occluding[i]`: item i counts. Throws Error when memory does not do.
+RayScene build_ray_scene(const FlatGeometry& geometry, const std::vector<bool>& occluding);
+
+}  // namespace maquette

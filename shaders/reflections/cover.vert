@@ -1,0 +1,11 @@
+// Everything that lies over the opaque picture, to know how much of it comes through at least.
+#include "shared/frame.glsl"
+layout(location = 0) in vec3 a_position;
+layout(binding = 5) uniform samplerBuffer t_vertices;
+out vec3 v_position;  // m, relative to the eye
+out vec3 v_normal;
+void main() {
+  gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  v_position = a_position - u_frame.eye.xyz;
+  v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
+}

@@ -1,0 +1,38 @@
+// The second image of a pane: what its back face mirrors. Common subset of GLSL and C++ with GLM (render/fresnel_shared.h).
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+
+// A ray that entered a pane and left it again on the same side.
+struct GhostRay {
+  vec3 offset;     // m, from where it entered
+  vec3 direction;  // unit
+  bool valid;      // false: it does not come out (total reflection in a strong wedge)
+};
+
+// Snell's law for a unit direction at a unit normal that faces it; eta: index before over index behind. 0: total reflection.
+MAQUETTE_FN vec3 pane_refract(vec3 direction, vec3 normal, float eta) {
+  float c = -dot(direction, normal);
+  float k = 1.0f - eta * eta * (1.0f - c * c);
+  return k < 0.0f ? vec3(0.0f, 0.0f, 0.0f) : eta * direction + (eta * c - sqrt(k)) * normal;
+}
+
+// Where a ray that meets the front at normal `front` gets to on the back, `thickness` behind, from where it entered.
+MAQUETTE_FN vec3 pane_back_point(vec3 direction, vec3 front, float n, float thickness) {
+  vec3 t = pane_refract(direction, front, 1.0f / n);
+  return t * (thickness / max(-dot(t, front), 1.0e-6f));
+}
+
+// Enters at `front`, is mirrored by the back at `back`, leaves at `leaving`: the normals there, all towards the viewer. For parallel
+// flat faces it leaves parallel to the ray that the front mirrors, 2 t tan(theta') cos(theta) beside it.
+MAQUETTE_FN GhostRay pane_ghost(vec3 direction, vec3 front, vec3 back, vec3 leaving, float n, float thickness) {
+  vec3 inside = pane_refract(direction, front, 1.0f / n);
+  vec3 mirrored = inside - back * (2.0f * dot(back, inside));
+  GhostRay r;
+  vec3 outside = pane_refract(mirrored, -leaving, n);
+  r.valid = dot(outside, outside) > 0.5f && dot(mirrored, front) > 1.0e-3f;
+  float up = max(dot(mirrored, front), 1.0e-3f);
+  r.offset = inside * (thickness / max(-dot(inside, front), 1.0e-6f)) + mirrored * (thickness / up);
+  r.direction = r.valid ? outside * inversesqrt(dot(outside, outside)) : direction;
+  return r;
+}

@@ -64,10 +64,12 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #endif
     ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
   }
-  uint light_first = hash(rotation ^ 0x5bd1e995u) + block * uint(light_count);
+  // The list in an order of the point's own: aligned runs of 2^k entries are digital nets, and numbers XORed with a mask run through them one
+  // after the other from the first sample on (a mere offset begins amid one: 6 to 16 % more error on the Ferrari).
+  uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u);
   int list_mask = u_frame.environment_size.w - 1;
   for (int i = 0; i < light_count; ++i) {
-    int index = int((light_first + uint(i)) & uint(list_mask));
+    int index = int(((light_first + uint(i)) ^ light_mask) & uint(list_mask));
     vec4 direction_pdf = texelFetch(t_light_samples, 2 * index);
     vec3 wi = to_local(p, direction_pdf.xyz);
     q3 += 0xD1B54A33u;

@@ -1,8 +1,10 @@
 // Frames after the first while nothing moves, mode `bandwidth`: the G-buffer and the prediction stay, every point goes
-// on with its own sequence of samples, and the deviations measured so far decide who gets how many.
+// on with its own sequence of samples. The deviations measured so far decide who gets how many, and the distance of own
+// means from what was interpolated decides where interpolation still serves.
 #include "render/progressive.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,24 +16,62 @@ namespace {
 
 /// Share of the mean deviation that every point gets on top of its own.
 constexpr float kLeastShare = 0.1f;
+/// Frames in which all points are shaded at least once, needed or not; coarser levels are through sooner by four.
+constexpr float kScoutFrames = 64.0f;
+/// What a frame costs besides its samples grows with the grid, so that is what its samples are measured by.
+constexpr double kFrameShare = 0.5;
+/// Share of all items that points which came round the list of light samples have, from which on it is theirs.
+constexpr double kHungryShare = 0.25;
+
+constexpr int kClasses = 2;                  // as shaders/shared/interpolation.glsl
+constexpr int kRates = 8;                    // as shaders/bandwidth/worth.comp
+constexpr double kRateStep = 1.41421356237;  // the same
+
+/// The rate at which `wanted` items come together, between those that were tried: the sum is convex in the rate.
+double rate_for(double wanted, double first_rate, const std::array<double, kRates>& items) {
+  double rate = first_rate;
+  for (int k = 0; k + 1 < kRates; ++k, rate *= kRateStep) {
+    const auto i = static_cast<std::size_t>(k);
+    if (items[i + 1] < wanted) continue;
+    const double t = (wanted - items[i]) / std::max(items[i + 1] - items[i], 1e-9);
+    return rate * (1.0 + std::clamp(t, 0.0, 1.0) * (kRateStep - 1.0));
+  }
+  return rate;
+}
+
+std::vector<glm::vec4> read_all(const Buffer& buffer) {
+  std::vector<glm::vec4> values(buffer.bytes() / sizeof(glm::vec4));
+  buffer.read(0, buffer.bytes(), values.data());
+  return values;
+}
 
 }  // namespace
 
-Progressive Progressive::make(int grid_width, int grid_height, std::size_t tiles) {
+Progressive Progressive::make(const FrameTargets& targets, int levels) {
+  const int w = targets.grid_width(), h = targets.grid_height();
+  const int tiles_x = (w + FrameTargets::kTile - 1) / FrameTargets::kTile;
+  const int tiles_y = (h + FrameTargets::kTile - 1) / FrameTargets::kTile;
   Progressive p;
-  p.mean = Texture::make_2d("accumulated mean", GL_RGBA32F, grid_width, grid_height);
-  p.spread = Texture::make_2d("accumulated spread", GL_R32F, grid_width, grid_height);
-  p.deviation = Texture::make_2d("measured deviation", GL_R32F, grid_width, grid_height);
-  p.sums = Buffer("sums of deviations", tiles * sizeof(glm::vec4));
+  p.levels = levels;
+  p.mean = Texture::make_2d("accumulated mean", GL_RGBA32F, w, h);
+  p.spread = Texture::make_2d("accumulated spread", GL_R32F, w, h);
+  p.deviation = Texture::make_2d("measured deviation", GL_R32F, w, h);
+  p.residual = Texture::make_2d("interpolation residual", GL_R32F, w, h);
+  const int layers = kClasses * (levels + 1);  // the coarsest level is never interpolated
+  p.residuals = Texture::make_2d_array("interpolation residuals", GL_RGBA32F, tiles_x, tiles_y, layers);
+  p.worth = Texture::make_2d_array("interpolation worth", GL_RG32F, tiles_x, tiles_y, layers);
+  p.sums = Buffer("sums of deviations", targets.surface_tiles.tiles.bytes() / sizeof(unsigned) * 2 * sizeof(glm::vec4));
   p.clear();
   return p;
 }
 
 void Progressive::clear() {
-  const float zero[4] = {};
+  const float zero[4] = {}, none[4] = {-1.0f, -1.0f, -1.0f, -1.0f};
   glClearTexImage(mean.get(), 0, GL_RGBA, GL_FLOAT, zero);
   glClearTexImage(spread.get(), 0, GL_RED, GL_FLOAT, zero);
-  items = largest = 0.0;
+  glClearTexImage(residual.get(), 0, GL_RED, GL_FLOAT, none);
+  glClearTexImage(residuals.get(), 0, GL_RGBA, GL_FLOAT, zero);  // tiles without surfaces stay so
+  rate = rounds = 0.0;
 }
 
 RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
@@ -41,37 +81,60 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
   glBindTextureUnit(19, p.spread.get());
   glBindTextureUnit(21, t.pyramid.get());
   glBindTextureUnit(23, t.marks.get());
+  glBindTextureUnit(57, p.residual.get());
   glBindImageTexture(0, p.deviation.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(1, p.residuals.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, p.sums.get());
   p.sums.clear_to_zero();
   dispatch_tiles(programs.get({"bandwidth/measure.comp", "", {}}), t.surface_tiles, 0);
-  glBindTextureUnit(19, p.deviation.get());
-  std::vector<glm::vec4> sums(p.sums.bytes() / sizeof(glm::vec4));
-  p.sums.read(0, p.sums.bytes(), sums.data());
-  double deviation = 0.0, share = 0.0, largest = 0.0, items = 0.0;
-  for (const glm::vec4& s : sums) {
-    deviation += s.x;
-    share += s.y;
-    largest = std::max<double>(largest, s.z);
-    items += s.w;
+  double deviation = 0.0, share = 0.0, items = 0.0, hungry = 0.0, hungry_items = 0.0;
+  const std::vector<glm::vec4> measured = read_all(p.sums);
+  for (std::size_t i = 0; i + 1 < measured.size(); i += 2) {
+    deviation += measured[i].x;
+    share += measured[i].y;
+    hungry += measured[i].z;
+    items += measured[i].w;
+    hungry_items += measured[i + 1].x;
   }
   if (!(deviation > 0.0)) return {};
-  // What a frame costs besides its samples grows with the grid, so that is what its samples are measured by.
-  const double frame_items = 0.5 * static_cast<double>(t.grid_width()) * t.grid_height() * constants.sampling.x /
-                             std::max(constants.sampling.y, 1);
+  const double frame_items = kFrameShare * static_cast<double>(t.grid_width()) * t.grid_height() *
+                             constants.sampling.x / std::max(constants.sampling.y, 1);
   const double least = kLeastShare * deviation / share;
-  const double rate = (items + frame_items) / (deviation + least * share);
-  // Light samples come from a list that goes round: drawn anew before the hungriest point sees it twice.
-  const double wanted = std::min(rate * (largest + least), p.largest + 4096.0);
-  if (wanted * constants.sampling.y > EnvironmentBuffers::kListLength) {
+  const double first_rate = p.rate > 0.0 ? p.rate : items / (deviation + least * share);
+
+  glBindTextureUnit(19, p.deviation.get());
+  glBindTextureUnit(56, p.worth.get());
+  glBindTextureUnit(58, p.residuals.get());
+  glBindImageTexture(0, p.worth.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
+  p.sums.clear_to_zero();
+  const Program& worth = programs.get({"bandwidth/worth.comp", "", {}});
+  worth.set("u_items_per_deviation", static_cast<float>(first_rate));
+  worth.set("u_least_deviation", static_cast<float>(least));
+  dispatch_tiles(worth, t.surface_tiles, 0);
+  std::array<double, kRates> wanted_at{};
+  const std::vector<glm::vec4> sums = read_all(p.sums);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    for (int k = 0; k < 4; ++k) wanted_at[4 * (i % 2) + static_cast<std::size_t>(k)] += sums[i][k];
+  const double rate = rate_for(frame_items, first_rate, wanted_at);
+
+  // Light samples come from a list that goes round: drawn anew when the typical point comes round it. Every point then
+  // begins another sequence, at the price of an error that falls more slowly, so that a few hungry points see it more
+  // than once, unless they are where the samples go.
+  double points = static_cast<double>(std::max<std::size_t>(visible_points, 1)), seen = items;
+  if (hungry_items > kHungryShare * items) points = hungry, seen = hungry_items;
+  const double rounds = seen / points * constants.sampling.y / EnvironmentBuffers::kListLength;
+  if (rounds >= p.rounds + 1.0) {
     environment->resample(request.seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
     light_list_is_first = false;
-    p.largest = 0.0;
-  } else {
-    p.largest = wanted;
+    p.rounds = rounds;
   }
-  p.items = items;
-  return {static_cast<float>(rate), static_cast<float>(least)};
+  p.rate = rate;
+  RefineRates rates;
+  rates.items_per_deviation = static_cast<float>(rate);
+  rates.least_deviation = static_cast<float>(least);
+  rates.most_items = static_cast<unsigned>(std::max(2.0 * frame_items, 4096.0));
+  rates.scouts = static_cast<float>(accumulated) / kScoutFrames;
+  return rates;
 }
 
 }  // namespace maquette

@@ -2,28 +2,38 @@
 
 #include <cstdint>
 
+#include "render/frame_targets.h"
 #include "render/gl/objects.h"
 
 namespace maquette {
 
 /// What mode `bandwidth` keeps of each grid point while nothing moves. Made only for pictures that accumulate.
 struct Progressive {
-  Texture mean;          ///< RGBA32F: mean of the point's work items, and their number
-  Texture spread;        ///< R32F: sum of squared deviations of the items
-  Texture deviation;     ///< R32F: measured deviation of one sample
-  Buffer sums;           ///< vec4 a tile, as in the list of tiles (shaders/bandwidth/measure.comp)
-  double items = 0.0;    ///< taken so far, all points
-  double largest = 0.0;  ///< items of the point that has most of them, since the light samples were drawn
+  Texture mean;         ///< RGBA32F: mean of the point's work items, and their number
+  Texture spread;       ///< R32F: sum of squared deviations of the items
+  Texture deviation;    ///< R32F: measured deviation of one sample
+  Texture residual;     ///< R32F: squared distance of own mean and what was interpolated there; -1 for none
+  Texture residuals;    ///< RGBA32F: its sums [layer][tile] (shaders/bandwidth/measure.comp)
+  Texture worth;        ///< RG32F: what interpolation is worth [layer][tile] (shaders/shared/interpolation.glsl)
+  Buffer sums;          ///< two vec4 a tile, as in the list of tiles
+  int levels = 0;       ///< that are interpolated
+  double rate = 0.0;    ///< items per deviation of the frame before; 0 for none
+  double rounds = 0.0;  ///< of the list of light samples, by the typical point
 
-  static Progressive make(int grid_width, int grid_height, std::size_t tiles);
+  static Progressive make(const FrameTargets& targets, int levels);
   void clear();
-  std::size_t bytes() const { return mean.bytes() + spread.bytes() + deviation.bytes() + sums.bytes(); }
+  std::size_t bytes() const {
+    return mean.bytes() + spread.bytes() + deviation.bytes() + residual.bytes() + residuals.bytes() + worth.bytes() +
+           sums.bytes();
+  }
 };
 
 /// How measured deviations become work items in the next frame.
 struct RefineRates {
   float items_per_deviation = 0.0f;
   float least_deviation = 0.0f;  ///< added everywhere, so that nothing the measurement missed starves
+  unsigned most_items = 0;       ///< of either list, should the rate have been too bold
+  float scouts = 0.0f;           ///< share of the finest points that were to be shaded without need by now
 };
 
 }  // namespace maquette

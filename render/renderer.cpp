@@ -149,12 +149,6 @@ int choose_chunk(const FrameRequest& request, int samples) {
   return std::clamp(power_of_two(per_point / 4), std::min(power_of_two(per_point), kEnough), 4096);
 }
 
-/// While nothing moves, points come closer with this power of the frames; a level is given up for good after each
-/// 2^kFramesPerLevel_log2 times as many. Chosen by error against time: with 0.5 and 1.5 the Ferrari has 1.68 % after
-/// 138 million samples, with these 1.05 % after 155; giving levels up at once (0.3) costs textured scenes the averaging
-/// that interpolation gives (plate 1.8 instead of 1.3 % after 126 million).
-constexpr float kRefineExponent = 1.0f, kFramesPerLevel_log2 = 0.75f;
-
 }  // namespace
 
 CameraFrame Renderer::Impl::camera_frame(const FrameRequest& request) const {
@@ -188,14 +182,10 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
                                 lights ? lights->count() : 0, 0);
   // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
-  // together.
-  const float frames = static_cast<float>(accumulated + 1);
+  // together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f) * std::pow(frames, kRefineExponent);
-  // While the picture converges, every point is shaded itself in the end, whatever was predicted.
-  const float levels = static_cast<float>(c.size.w) + 1.0f - std::log2(frames) / kFramesPerLevel_log2;
-  const float least = accumulated == 0 ? 0.0f : 0.25f / (quality * std::exp2(levels));
-  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, least);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f);
+  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
   frame_block.update(0, sizeof(c), &c);
 }
 
@@ -244,11 +234,10 @@ void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate
   light_list_is_first = true;
   if (!accumulate || plan.mode != "bandwidth")
     progressive.reset();
-  else if (progressive)
+  else if (progressive && progressive->levels == constants.size.w)
     progressive->clear();
   else
-    progressive = Progressive::make(targets->grid_width(), targets->grid_height(),
-                                    targets->surface_tiles.tiles.bytes() / sizeof(unsigned));
+    progressive = Progressive::make(*targets, constants.size.w);
 }
 
 void Renderer::Impl::renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count) {
@@ -304,9 +293,9 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (!accumulate || !kept || s.drawn_epoch != s.epoch || !(s.last_request == request)) s.accumulated = 0;
   s.drawn_epoch = s.epoch;
   s.last_request = request;
-  s.prepare_accumulation(plan, accumulate);
   if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
   s.prepare_constants(request, plan, samples, chunk);
+  s.prepare_accumulation(plan, accumulate);
   s.bind_frame();
   PassTimer timer(s.device.software);
   timer.start();
@@ -325,7 +314,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.shade_by_lookup(*lookup, &timer);
   else
     s.shade(plan, chunk, refine, &timer);
-  if (bandwidth) s.fill(&timer);
+  if (bandwidth) s.fill(refine.has_value(), &timer);
   if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.

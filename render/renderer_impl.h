@@ -179,7 +179,8 @@ struct Renderer::Impl {
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   /// What the frames so far say about the next one's sample counts.
   RefineRates measure_deviations(const FrameRequest& request);
-  void fill(PassTimer* timer);
+  /// `own`: points that were shaded take part in what is interpolated at them.
+  void fill(bool own, PassTimer* timer);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
   void trace_reference(const FrameRequest& request, bool accumulate);
   void watch_reference(const FrameRequest& request);

@@ -45,8 +45,10 @@ ShaderVariant mark_variant(bool bandwidth, bool refine) {
 /// Levels up to this one are filled by tiles: cells of the coarser ones are larger than a tile, and few.
 constexpr int kLastTileLevel = 2;
 
-ShaderVariant fill_variant(bool textures, bool cubic, bool tiles) {
-  return {"bandwidth/fill.comp", "", {{"TEXTURES", flag(textures)}, {"CUBIC", flag(cubic)}, {"TILES", flag(tiles)}}};
+ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own) {
+  return {"bandwidth/fill.comp",
+          "",
+          {{"TEXTURES", flag(textures)}, {"CUBIC", flag(cubic)}, {"TILES", flag(tiles)}, {"OWN", flag(own)}}};
 }
 
 ShaderVariant indirect_variant_of(bool measured) {
@@ -59,7 +61,7 @@ std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
     variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
-    for (int j = 0; j < 3; ++j) variants.push_back(fill_variant(k, j > 0, j < 2));
+    for (int j = 0; j < 6; ++j) variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1));
     variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
@@ -86,9 +88,10 @@ std::vector<ShaderVariant> all_shader_variants() {
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
   variants.push_back(mark_variant(true, true));
-  for (const char* path : {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp",
-                           "bandwidth/classify.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
-                           "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+  for (const char* path :
+       {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/classify.comp",
+        "bandwidth/pyramid.comp", "bandwidth/measure.comp", "bandwidth/worth.comp", "octree/trace_rays.comp",
+        "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
   const std::vector<ShaderVariant> reflections = reflection_shader_variants();
@@ -165,11 +168,12 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const bool bandwidth = plan.mode == "bandwidth";
   const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
   mark.set("u_item_capacity", t.item_capacity);
-  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   if (refine) {
     glBindImageTexture(1, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     mark.set("u_items_per_deviation", refine->items_per_deviation);
     mark.set("u_least_deviation", refine->least_deviation);
+    mark.set("u_scouts", refine->scouts);
   }
   unsigned counters[16];
   // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
@@ -179,7 +183,8 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
     dispatch_tiles(mark, t.surface_tiles, 2, band);
     t.counters.read(0, sizeof(counters), counters);
     const auto capacity = static_cast<unsigned>(t.item_capacity);
-    if (counters[0] <= capacity && counters[8] <= capacity) break;
+    const unsigned limit = refine ? std::min(capacity, refine->most_items) : capacity;
+    if (counters[0] <= limit && counters[8] <= limit) break;
   }
   timer->end("mark");
   visible_points += counters[6];
@@ -219,14 +224,19 @@ void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters
   }
 }
 
-void Renderer::Impl::fill(PassTimer* timer) {
+void Renderer::Impl::fill(bool own, PassTimer* timer) {
   FrameTargets& t = *targets;
   glBindTextureUnit(21, t.curvature.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  if (own) {
+    glBindTextureUnit(18, progressive->mean.get());
+    glBindTextureUnit(56, progressive->worth.get());
+    glBindImageTexture(1, progressive->residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  }
   for (int level = constants.size.w - 1; level >= 0; --level) {
     const bool tiles = level <= kLastTileLevel;
-    const Program& program = programs.get(fill_variant(buffers->has_textures(), level > 0, tiles));
+    const Program& program = programs.get(fill_variant(buffers->has_textures(), level > 0, tiles, own));
     program.set("u_level", level);
     const int side = 1 << level;
     for (int middle = 0; middle < 2; ++middle) {

@@ -3,6 +3,8 @@
 // Dubuc 1989) where all lie on one smooth surface; else, and at the finest level (CUBIC 0: three quarters of the points, and what is
 // left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
 // along which the picture varies less counting more: an anisotropic kernel.
+// OWN: while nothing moves. Points that were shaded are interpolated too; their own mean and the interpolated value are weighted by what the
+// frames before told of both, and how far they are apart tells the next frame.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -13,6 +15,14 @@ layout(binding = 21) uniform sampler2D t_axes;  // nu_x, nu_y
 layout(binding = 23) uniform usampler2D t_marks;
 #include "bandwidth/bilateral.glsl"
 layout(binding = 0, rgba32f) uniform image2D io_radiance;
+#if OWN
+#include "shared/interpolation.glsl"
+layout(binding = 18) uniform sampler2D t_mean;        // mean, number of items
+layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa
+layout(binding = 1, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
+/// Weight of the neighbours below which interpolation says nothing: of two in a row, as where marking lets points be filled.
+const float kLeastWeight = 1.1;
+#endif
 uniform int u_level;
 uniform int u_middle;  // 0: between two, 1: in the middle of four
 
@@ -58,7 +68,7 @@ vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
   return vec4((values[1] * weights[1] + values[2] * weights[2]) / max(sum, 1e-12), sum);
 }
 
-void fill(ivec2 pixel, ivec2 odd, int s) {
+void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
   Guide center = load_guide(pixel);
   vec4 value;
   if (u_middle == 0) {
@@ -71,6 +81,16 @@ void fill(ivec2 pixel, ivec2 odd, int s) {
   }
 #if TEXTURES
   value.rgb *= base_factor(pixel);
+#endif
+#if OWN
+  if (mark.x != 0u) {
+    vec4 own = texelFetch(t_mean, pixel, 0);
+    bool known = value.w >= kLeastWeight;
+    vec3 apart = own.rgb - value.rgb;
+    imageStore(o_residual, pixel, vec4(known ? dot(apart, apart) * (1.0 / 3.0) : -1.0));
+    float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
+    value.rgb += apart * (known ? own_weight(own.w, kappa) : 1.0);
+  }
 #endif
   imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
 }
@@ -99,5 +119,5 @@ void main() {
   ivec2 pixel = (2 * cell + odd) * s;
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   uvec4 mark = texelFetch(t_marks, pixel, 0);
-  if (mark.x == 0u && mark.w != 0u) fill(pixel, odd, s);
+  if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) fill(pixel, odd, s, mark);
 }

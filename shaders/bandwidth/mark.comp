@@ -17,7 +17,12 @@ layout(binding = 9) uniform sampler2D t_depth;
 layout(binding = 21) uniform sampler2D t_pyramid;  // level 0: quads
 #include "bandwidth/bilateral.glsl"
 #endif
+#if REFINE
+layout(binding = 0, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible
+#define o_marks io_marks
+#else
 layout(binding = 0, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
+#endif
 struct Item {
   uint pixel, first_sample;
 };
@@ -38,12 +43,15 @@ uniform float u_sample_scale;
 // While nothing moves: what the frames before have measured.
 layout(binding = 18) uniform sampler2D t_mean;       // mean, number of items
 layout(binding = 19) uniform sampler2D t_deviation;  // of one sample
+layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa, sample share
+layout(binding = 57) uniform sampler2D t_residual;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_radiance;
 uniform float u_items_per_deviation;
 uniform float u_least_deviation;
+uniform float u_scouts;  // share of the finest level's points that were to be shaded without need by now
 #endif
 
-#if BANDWIDTH
+#if BANDWIDTH && !REFINE
 /// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
 /// below it, 2.5 does best for matte spheres under Grace Cathedral, 5 for chrome ones.
 const float kPointsPerCycle = 4.0;
@@ -66,7 +74,6 @@ bool carries(ivec2 pixel, int level, float mean_radiance) {
     // An error weighs by the radiance it is a share of; the square root stands for the eye's and the tone curve's compression.
     nu = max(nu, (k == 4 ? 1.0 : kNeighbourShare) * b.x * clamp(sqrt(b.y / mean_radiance), 0.35, 3.0));
   }
-  nu = max(nu, u_frame.quality.w);
   return nu * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
 }
 bool neighbours_agree(ivec2 pixel, int level) {
@@ -91,10 +98,13 @@ bool neighbours_agree(ivec2 pixel, int level) {
 #endif
 
 #if BANDWIDTH
+#include "shared/interpolation.glsl"
 #include "bandwidth/block_share.glsl"
 #endif
 
 #if REFINE
+#include "bandwidth/wanted.glsl"
+
 /// Deviation of one sample at a point that is shaded for the first time: that of the coarser points around it or the prediction, whichever
 /// is more, because a mirrored lamp between the coarser points is worse than some samples too many.
 float new_deviation(ivec2 pixel, int level, float predicted) {
@@ -110,33 +120,44 @@ float new_deviation(ivec2 pixel, int level, float predicted) {
   return sum.y > 0.0 ? max(sum.x / sum.y, 0.5 * predicted) : predicted;
 }
 
-/// Samples that a point starts with at least.
-const float kFirstSamples = 64.0;
+/// Samples that a point starts with at least, and items: one alone says nothing of its own noise.
+const float kFirstSamples = 64.0, kFirstItems = 2.0;
 
-/// Items that a point still needs to have its share of all samples so far (Neyman: in proportion to its measured deviation).
-uvec3 refine(ivec2 pixel, int level, float predicted) {
-  float have = texelFetch(t_mean, pixel, 0).w;
-  float d = have > 0.0 ? texelFetch(t_deviation, pixel, 0).x : new_deviation(pixel, level, predicted);
-  float wanted = u_items_per_deviation * block_share(level) * (d + u_least_deviation);
-  float items = floor((wanted - have) * u_sample_scale + 0.5);
-  return uvec3(1u, uint(level), uint(clamp(items, have > 0.0 ? 0.0 : max(kFirstSamples / float(u_frame.sampling.y), 1.0), 4096.0)));
+float unit_hash(ivec2 pixel) {
+  uint x = uint(pixel.x) * 0x9E3779B1u ^ uint(pixel.y) * 0x85EBCA77u;
+  x = (x ^ (x >> 15u)) * 0x2C1B3C6Du;
+  x = (x ^ (x >> 12u)) * 0x297A2D39u;
+  return float((x ^ (x >> 15u)) >> 8u) * (1.0 / 16777216.0);
 }
-#endif
+
+/// While nothing moves: what a point has is kept; the items that it still needs to have its share of all samples so far. A few points are
+/// shaded before they are needed, to measure interpolation there: all of them in the end, so that nothing stays unseen.
+uvec3 decide(ivec2 pixel, int level, vec4 mean) {
+  uvec4 mark = imageLoad(io_marks, pixel);
+  int enters = level_entered(pixel.x, pixel.y, u_frame.size.w);
+  float have = texelFetch(t_mean, pixel, 0).w;
+  float d = texelFetch(t_deviation, pixel, 0).x;
+  if (have <= 0.0) d = new_deviation(pixel, min(int(mark.y), enters), texelFetch(t_pyramid, pixel / 2, 0).z);
+  vec2 worth = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(enters, int(mark.y))), 0).xy;
+  float residual = texelFetch(t_residual, pixel, 0).x;
+  float wanted = wanted_items(worth, enters, int(mark.y), have, residual, u_items_per_deviation * (d + u_least_deviation));
+  bool shaded = mark.x != 0u || wanted >= 1.0 || unit_hash(pixel) < u_scouts * float(1 << (2 * enters));
+  if (!shaded) return uvec3(0u, mark.y, 0u);
+  float items = floor(max(wanted - have, 0.0) * u_sample_scale + 0.5);
+  float first = max(kFirstSamples / float(u_frame.sampling.y), kFirstItems);
+  // What is not known well yet does not get all at once.
+  return uvec3(1u, mark.y, uint(clamp(items, have > 0.0 ? 0.0 : first, min(4.0 * (have + first), 4096.0))));
+}
+#else
 
 /// Shaded or not, its level, and its number of work items; 0 for not shaded.
 uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 #if BANDWIDTH
   int top = u_frame.size.w;
-  int enters = min(min(findLSB(pixel.x | (1 << top)), findLSB(pixel.y | (1 << top))), top);
+  int enters = level_entered(pixel.x, pixel.y, top);
   bool shaded = enters >= top || level <= enters;
   if (!shaded) shaded = !neighbours_agree(pixel, enters);
-#if REFINE
-  shaded = shaded || texelFetch(t_mean, pixel, 0).w > 0.0;  // what a point has is kept
-#endif
   if (!shaded) return uvec3(0u, uint(level), 0u);
-#if REFINE
-  return refine(pixel, min(level, enters), texelFetch(t_pyramid, pixel / 2, 0).z);
-#endif
   vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
   int spacing = min(level, enters);
@@ -149,6 +170,7 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   return uvec3(1u, 0u, uint(max(u_frame.sampling.x / u_frame.sampling.y, 1)));
 #endif
 }
+#endif
 
 void main() {
   int id = int(linear_id());
@@ -167,7 +189,7 @@ void main() {
   vec4 mean = vec4(0.0);
   int block_level = 0;
   bool quad_carries[4] = bool[4](false, false, false, false);
-#if BANDWIDTH
+#if BANDWIDTH && !REFINE
   mean = picture_mean();
   for (int k = 0; k < 4; ++k)
     quad_carries[k] = u_frame.size.w >= 1 && carries(corner + 2 * ivec2(k & 1, k >> 1), 1, max(mean.y, 1e-30));

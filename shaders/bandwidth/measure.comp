@@ -1,15 +1,18 @@
-// How much each shaded point deviates from sample to sample, measured from the frames before: the spread of its work items, pooled
-// with its neighbours' and with the prediction while there are few. One invocation takes a tile and sums what the
-// host needs to turn deviations into sample counts.
+// What the frames before measured. Of each shaded point how much it deviates from sample to sample: the spread of its work items,
+// pooled with its neighbours' and with the prediction while there are few. Of each tile, level and class how far interpolation was from
+// what points measured themselves. One invocation takes a tile and sums what the host needs to turn deviations into sample counts.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
+#include "shared/interpolation.glsl"
 layout(binding = 18) uniform sampler2D t_mean;    // mean, number of items
 layout(binding = 19) uniform sampler2D t_spread;
 layout(binding = 21) uniform sampler2D t_pyramid;
 layout(binding = 23) uniform usampler2D t_marks;  // shaded, level
+layout(binding = 57) uniform sampler2D t_residual;
 layout(binding = 0, r32f) uniform writeonly image2D o_deviation;  // of one sample; 0 where nothing was shaded
-layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [tile]: sum of deviation * share, sum of share, largest of the first, items
+layout(binding = 1, rgba32f) uniform writeonly image2DArray o_residuals;  // [layer][tile]: sums over points of r^2, noise in it, item variance; count
+layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: sum of deviation * share, sum of share, points that came round the light list, items; their items
 /// Degrees of freedom that the prediction counts as, and the most that one neighbour does.
 const float kPredicted = 1.0, kNeighbour = 1.5;
 
@@ -19,8 +22,8 @@ vec2 squares(ivec2 pixel) {  // sum of squares and its degrees of freedom
   return vec2(texelFetch(t_spread, pixel, 0).x, max(texelFetch(t_mean, pixel, 0).w - 1.0, 0.0));
 }
 
-float deviation(ivec2 pixel, int level) {
-  vec2 sum = squares(pixel);
+float deviation(ivec2 pixel, vec2 own, int level) {
+  vec2 sum = own;
   for (int k = 0; k < 4; ++k) {
     ivec2 q = pixel + (ivec2(k & 1, k >> 1) * 2 - 1) * (1 << level);
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
@@ -37,20 +40,39 @@ void main() {
   ivec2 tile = tile_of(id, 0);
   if (tile.x < 0) return;
   ivec2 corner = kTile * tile;
-  vec4 sums = vec4(0.0);
+  int top = u_frame.size.w;
+  float round_items = 0.0;
+  vec4 sums = vec4(0.0), residuals[16];
+  for (int layer = 0; layer < kClasses * top; ++layer) residuals[layer] = vec4(0.0);
   for (int k = 0; k < kTile * kTile; ++k) {
     ivec2 pixel = corner + ivec2(k % kTile, k / kTile);
     if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
     uvec4 mark = texelFetch(t_marks, pixel, 0);
     float d = 0.0;
     if (mark.x != 0u) {
-      float share = block_share(int(mark.y));
-      d = deviation(pixel, int(mark.y));
+      int enters = level_entered(pixel.x, pixel.y, top), level = min(int(mark.y), enters);
+      float share = block_share(level);
+      vec2 own = squares(pixel);
+      d = deviation(pixel, own, level);
       sums.xy += vec2(d, 1.0) * share;
-      sums.z = max(sums.z, d * share);
-      sums.w += texelFetch(t_mean, pixel, 0).w;
+      float items = own.y + 1.0;
+      sums.w += items;
+      if (items * float(u_frame.sampling.y) > float(u_frame.environment_size.w)) {
+        sums.z += 1.0;
+        round_items += items;
+      }
+      float residual = texelFetch(t_residual, pixel, 0).x;
+      if (residual >= 0.0 && own.y > 0.0) {
+        // Noise by the point's own items alone: pooled or predicted, it would pass for an error of interpolation, or hide one. Points
+        // of little noise tell more, bright ones no more than others.
+        float item = own.x / own.y, fall = noise_fall(items);
+        float weight = 1.0 / ((fall + 0.05) * max(d * d, 1e-30));
+        residuals[worth_layer(enters, int(mark.y))] += vec4(weight * vec3(residual, item * fall, item), 1.0);
+      }
     }
     imageStore(o_deviation, pixel, vec4(d));
   }
-  b_sums[u_tiles.x + id] = sums;
+  for (int layer = 0; layer < kClasses * top; ++layer) imageStore(o_residuals, ivec3(tile, layer), residuals[layer]);
+  b_sums[2 * (u_tiles.x + id)] = sums;
+  b_sums[2 * (u_tiles.x + id) + 1] = vec4(round_items, 0.0, 0.0, 0.0);
 }

@@ -1,0 +1,15 @@
+/// Share of the samples of a point that enters at `enters`: finer points that borrow from it see its error too. The first frame's block
+/// bounds it from above. `share`: as worth.comp found it, in grid points.
+float sample_share(float share, int enters, int level) {
+  int pixel_level = findMSB(u_frame.size.z);
+  return enters > pixel_level ? min(max(share, 1.0), block_share(min(level, enters))) : block_share(min(level, enters));
+}
+
+/// Work items that a point should have in all. Neyman: in proportion to its deviation, less what interpolation is worth: the sum that
+/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `worth`: kappa, share; `scaled_deviation`: deviation times the rate.
+float wanted_items(vec2 worth, int enters, int level, float have, float residual, float scaled_deviation) {
+  float saved = interpolation_items(worth.x);
+  // Where the coarser points lie on other surfaces there is nothing to borrow.
+  if (enters >= u_frame.size.w || (have > 0.0 && residual < 0.0)) saved = 0.0;
+  return scaled_deviation * sample_share(worth.y, enters, level) - saved;
+}

@@ -1,0 +1,38 @@
+// What interpolation between coarser points is worth while nothing moves. A point's own mean of n work items and the value interpolated there
+// err independently of each other (finer points use coarser ones, never the reverse): weighted by the other's error they err less than either.
+// The squared error of interpolation is kept as `kappa`, in units of the variance of one item, by tiles of the picture, grid levels and classes:
+// what the first frame shaded is sharper than what it filled.
+#ifndef MAQUETTE_FN
+#define MAQUETTE_FN
+#endif
+const int kClasses = 2;
+const float kNeverInterpolate = 1e9f;
+
+/// The grid level that a point enters at: the largest whose spacing divides its coordinates.
+MAQUETTE_FN int level_entered(int x, int y, int top) { return min(min(findLSB(x | (1 << top)), findLSB(y | (1 << top))), top); }
+
+/// `block_level`: of the block around, as the first frame had it (marks, y).
+MAQUETTE_FN int worth_layer(int enters, int block_level) { return kClasses * enters + (block_level > enters ? 1 : 0); }
+
+/// Variance of the mean of n items over that of one. They go on with one low-discrepancy sequence: on the Ferrari own means of 4 to 100 items
+/// keep to this power within a fifth. Too steep a fall trusts own means too early, too flat a one blurs.
+const float kNoiseExponent = 1.35f;
+MAQUETTE_FN float noise_fall(float items) { return pow(max(items, 1e-3f), -kNoiseExponent); }
+
+/// Weight of the own mean against the interpolated value.
+MAQUETTE_FN float own_weight(float items, float kappa) { return items > 0.0f ? kappa / (kappa + noise_fall(items)) : 0.0f; }
+
+/// How many items of its own a point would need to err as little as interpolation does.
+MAQUETTE_FN float interpolation_items(float kappa) { return pow(max(kappa, 1e-9f), -1.0f / kNoiseExponent); }
+
+/// `sums` over measured points: weighted squared distance of own mean and interpolated value, noise in it, variance of one item; unweighted count.
+///
+/// Was all noise taken out, chance would make interpolation look better than it is just as often as worse, and be trusted then. Two
+/// measurements' worth of noise stays, by which the squared error is nowhere above that of own means alone. Source: James and Stein 1961,
+/// "Estimation with quadratic loss", Sec. 2. One measurement's worth stays in any case: more is not known.
+MAQUETTE_FN float pooled_kappa(vec4 sums, bool was_filled) {
+  // Before the first measurement the prediction is believed.
+  if (sums.w <= 0.0f || sums.z <= 0.0f) return was_filled ? 0.0f : kNeverInterpolate;
+  float noise = sums.y / sums.w;
+  return max(sums.x - sums.y + 2.0f * min(noise, 0.5f * sums.y), noise) / sums.z;
+}

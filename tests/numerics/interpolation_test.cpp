@@ -1,0 +1,85 @@
+// What interpolation is worth (shaders/shared/interpolation.glsl) against simulated points whose errors are known.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "render/interpolation_shared.h"
+
+namespace maquette {
+namespace {
+
+/// Squared errors over many pools of points, in units of the variance of one item.
+struct Errors {
+  double own = 0.0, interpolated = 0.0, both = 0.0, best = 0.0;
+};
+
+/// Pools of `count` points with `items` items each, whose interpolated values are off by `bias` (deviations of one
+/// item). The variance of an item is known only from the items.
+Errors simulate(int count, int items, double bias, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Errors e;
+  constexpr int kPools = 1000;
+  const double fall = shared::noise_fall(static_cast<float>(items));
+  for (int pool = 0; pool < kPools; ++pool) {
+    std::vector<double> own(static_cast<std::size_t>(count)), other = own;
+    glm::vec4 sums(0.0f);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      own[i] = std::sqrt(fall) * normal(random);  // the truth is 0
+      other[i] = bias * normal(random);
+      double variance = 0.0;
+      for (int k = 1; k < items; ++k) variance += std::pow(normal(random), 2.0) / (items - 1);
+      sums += glm::vec4(std::pow(own[i] - other[i], 2.0), variance * fall, variance, 1.0);
+    }
+    const double w = shared::own_weight(static_cast<float>(items), shared::pooled_kappa(sums, true));
+    const double ideal = bias * bias / (bias * bias + fall);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      e.own += own[i] * own[i];
+      e.interpolated += other[i] * other[i];
+      e.both += std::pow(w * own[i] + (1.0 - w) * other[i], 2.0);
+      e.best += std::pow(ideal * own[i] + (1.0 - ideal) * other[i], 2.0);
+    }
+  }
+  return e;
+}
+
+TEST(InterpolationWorth, BothTogetherErrNoMoreThanOwnMeans) {
+  for (const int count : {3, 6, 40})
+    for (const int items : {3, 8, 30})
+      for (const double bias : {0.0, 0.03, 0.2, 1.0, 10.0}) {
+        const Errors e = simulate(count, items, bias, static_cast<std::uint32_t>(count + 100 * items));
+        EXPECT_LT(e.both, 1.05 * e.own) << count << " points of " << items << " items, bias " << bias;
+        if (count == 40) {
+          EXPECT_LT(e.both, 1.15 * e.best + 0.05 * e.own) << items << " items, bias " << bias;
+        }
+      }
+}
+
+TEST(InterpolationWorth, BelievesThePredictionBeforeTheFirstMeasurement) {
+  EXPECT_EQ(shared::own_weight(2.0f, shared::pooled_kappa(glm::vec4(0.0f), true)), 0.0f);
+  EXPECT_EQ(shared::own_weight(2.0f, shared::pooled_kappa(glm::vec4(0.0f), false)), 1.0f);
+}
+
+TEST(InterpolationWorth, OwnMeansWinInTheEnd) {
+  // However small the measured error, a point that goes on is shown as itself.
+  for (const float kappa : {1e-5f, 1e-2f, 1.0f}) {
+    const float enough = shared::interpolation_items(kappa);
+    EXPECT_NEAR(shared::own_weight(enough, kappa), 0.5f, 1e-3f) << kappa;
+    EXPECT_GT(shared::own_weight(100.0f * enough, kappa), 0.99f) << kappa;
+    EXPECT_LT(shared::own_weight(0.01f * enough, kappa), 0.01f) << kappa;
+  }
+}
+
+TEST(InterpolationWorth, PointsEnterAtTheLargestSpacingThatDividesThem) {
+  for (int top = 0; top <= 4; ++top)
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x) {
+        int level = top;
+        while (x % (1 << level) != 0 || y % (1 << level) != 0) --level;
+        EXPECT_EQ(shared::level_entered(x, y, top), level) << x << " " << y;
+      }
+}
+
+}  // namespace
+}  // namespace maquette

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "render/interpolation_shared.h"
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -23,7 +24,6 @@ constexpr double kFrameShare = 0.5;
 /// Share of all items that points which came round the list of light samples have, from which on it is theirs.
 constexpr double kHungryShare = 0.25;
 
-constexpr int kClasses = 2;                  // as shaders/shared/interpolation.glsl
 constexpr int kRates = 8;                    // as shaders/bandwidth/worth.comp
 constexpr double kRateStep = 1.41421356237;  // the same
 
@@ -57,7 +57,7 @@ Progressive Progressive::make(const FrameTargets& targets, int levels) {
   p.spread = Texture::make_2d("accumulated spread", GL_R32F, w, h);
   p.deviation = Texture::make_2d("measured deviation", GL_R32F, w, h);
   p.residual = Texture::make_2d("interpolation residual", GL_R32F, w, h);
-  const int layers = kClasses * (levels + 1);  // the coarsest level is never interpolated
+  const int layers = shared::kClasses * (levels + 1);  // the coarsest level is never interpolated
   p.residuals = Texture::make_2d_array("interpolation residuals", GL_RGBA32F, tiles_x, tiles_y, layers);
   p.worth = Texture::make_2d_array("interpolation worth", GL_RG32F, tiles_x, tiles_y, layers);
   p.sums = Buffer("sums of deviations", targets.surface_tiles.tiles.bytes() / sizeof(unsigned) * 2 * sizeof(glm::vec4));
@@ -72,6 +72,36 @@ void Progressive::clear() {
   glClearTexImage(residual.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(residuals.get(), 0, GL_RGBA, GL_FLOAT, zero);  // tiles without surfaces stay so
   rate = rounds = 0.0;
+}
+
+std::vector<float> Renderer::Impl::borrowed_shares() const {
+  const FrameTargets& t = *targets;
+  const std::size_t w = static_cast<std::size_t>(t.grid_width()), count = w * static_cast<std::size_t>(t.grid_height());
+  std::vector<std::uint8_t> marks(4 * count);
+  glGetTextureImage(t.marks.get(), 0, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, static_cast<GLsizei>(marks.size()),
+                    marks.data());
+  std::vector<float> shares(count);
+  for (std::size_t i = 0; i < count; ++i) shares[i] = marks[4 * i] != 0 ? 0.0f : 1.0f;
+  if (!progressive || accumulated < 2) return shares;
+  const Progressive& p = *progressive;
+  const auto read = [](const Texture& texture, GLenum format) {
+    std::vector<float> values(texture.bytes() / sizeof(float));
+    glGetTextureImage(texture.get(), 0, format, GL_FLOAT, static_cast<GLsizei>(texture.bytes()), values.data());
+    return values;
+  };
+  const std::vector<float> mean = read(p.mean, GL_RGBA), residual = read(p.residual, GL_RED),
+                           worth = read(p.worth, GL_RG);
+  const std::size_t tiles_x = static_cast<std::size_t>(p.worth.width());
+  const std::size_t tiles = tiles_x * static_cast<std::size_t>(p.worth.height());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (marks[4 * i] == 0 || residual[i] < 0.0f) continue;
+    const std::size_t x = i % w, y = i / w;
+    const int enters = shared::level_entered(static_cast<int>(x), static_cast<int>(y), p.levels);
+    const auto layer = static_cast<std::size_t>(shared::worth_layer(enters, marks[4 * i + 1]));
+    const float kappa = worth[2 * (layer * tiles + y / FrameTargets::kTile * tiles_x + x / FrameTargets::kTile)];
+    if (enters < p.levels) shares[i] = 1.0f - shared::own_weight(mean[4 * i + 3], kappa);
+  }
+  return shares;
 }
 
 RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {

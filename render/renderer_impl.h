@@ -177,6 +177,8 @@ struct Renderer::Impl {
   void bind_skipping(const Program& rays, float contrast);
   void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
+  /// Of each grid point the share of what it shows that was interpolated from others.
+  std::vector<float> borrowed_shares() const;
   /// What the frames so far say about the next one's sample counts.
   RefineRates measure_deviations(const FrameRequest& request);
   /// `own`: points that were shaded take part in what is interpolated at them.

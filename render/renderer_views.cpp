@@ -36,13 +36,14 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, quads, axes, depth, surface, reflection, effort, doubt, skipped } from;
+  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, skipped } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
     {"shaded", ViewSource::marks, 0},
     {"level", ViewSource::marks, 1},
     {"samples", ViewSource::marks, 2},
+    {"borrowed", ViewSource::borrowed, 0},
     {"bandwidth", ViewSource::quads, 0},
     {"variance", ViewSource::quads, 2},
     {"curvature", ViewSource::axes, 2},
@@ -159,6 +160,9 @@ Image Renderer::read_debug_view(const std::string& name) const {
       const float v = marks[4 * at(x, y) + static_cast<std::size_t>(view->channel)];
       return glm::vec3(view->channel == 2 && v > 0.0f ? std::exp2(v) : v);
     });
+  } else if (view->from == ViewSource::borrowed) {
+    const std::vector<float> share = impl_->borrowed_shares();
+    each([&](int x, int y) { return glm::vec3(share[at(x, y)]); });
   } else if (view->from == ViewSource::surface) {
     const auto surface = read_texture<std::uint32_t>(t.surface, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
     each([&](int x, int y) {

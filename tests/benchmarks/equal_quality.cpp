@@ -81,6 +81,7 @@ void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& 
   for (const double error : {0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1}) {
     if (error < noise) continue;
     const TimeTo u = time_or_bound(uniform, error, true), b = time_or_bound(bandwidth, error, true);
+    if (!u.reached && u.ms < b.ms) continue;  // a bound below 1 tells nothing
     const double ratio = b.reached ? u.ms / b.ms : u.reached ? 0.0 : 1e30;
     if (ratio < sums->least) {
       sums->least = ratio;

@@ -25,10 +25,11 @@ struct EnvironmentTables {
 EnvironmentTables compute_environment_tables(const Environment& environment);
 EnvironmentTables load_environment_tables(const Environment& environment);  ///< through the disk cache
 
-/// A direction drawn by importance.
+/// A direction drawn by importance: in proportion to the bilinear light, not only to its mean by cell. What light over
+/// density varies within the cells of a sun is noise wherever it shines: a quarter of the square under the clear sky.
 struct EnvironmentDirection {
   glm::vec3 direction;
-  float pdf;           ///< 1/sr: `density` of the cell
+  float pdf;           ///< 1/sr
   float map_x, map_y;  ///< texels, centres at half-integers
 };
 /// Interval of a cumulative table that holds u, and where inside it; never one of probability 0.
@@ -44,7 +45,8 @@ struct EnvironmentPoint {
 };
 /// What the importance tables make of u, v in [0, 1)^2. The environment must not be black.
 EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, double u, double v);
-EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v);
+EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
+                                                  double u, double v);
 
 /// One light sample: a direction and one of the four texels around it. Light of a direction is the mean of its texels
 /// by bilinear weights; a shader that meets it by BRDF sampling chooses one by these weights. Both strategies must

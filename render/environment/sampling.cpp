@@ -5,12 +5,17 @@
 #include <numbers>
 
 #include "render/environment/environment_tables.h"
+#include "render/environment/texel_cell.h"
 #include "render/low_discrepancy.h"
 
 namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+
+double importance_of(const glm::vec3& radiance) {
+  return (static_cast<double>(radiance.x) + static_cast<double>(radiance.y) + static_cast<double>(radiance.z)) / 3.0;
+}
 
 /// One of the four texels around a point of the map (texel centres at whole numbers).
 struct ChosenTexel {
@@ -63,19 +68,26 @@ EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, doubl
   return {row.index, static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position};
 }
 
-EnvironmentDirection sample_environment_direction(const EnvironmentTables& tables, double u, double v) {
-  const auto [row, x, t] = sample_environment_point(tables, u, v);
-  const auto width = static_cast<double>(tables.width), height = static_cast<double>(tables.height);
-  // Uniform over the cell's solid angle: even in longitude and in the sine of the latitude.
-  const double top = std::cos(kPi * static_cast<double>(row) / height);
-  const double bottom = std::cos(kPi * static_cast<double>(row + 1) / height);
-  const double y = std::clamp(top + (bottom - top) * t, -1.0, 1.0);
-  const double r = std::sqrt(std::max(0.0, 1.0 - y * y));
-  const double longitude = kPi - 2.0 * kPi * x / width;
-  const auto column = static_cast<std::size_t>(x);
-  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, y, std::cos(longitude) * r)),
-          tables.density[row * static_cast<std::size_t>(tables.width) + column], static_cast<float>(x),
-          static_cast<float>(std::acos(y) / kPi * height)};
+EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
+                                                  double u, double v) {
+  const auto [row, column, t] = sample_environment_point(tables, u, v);
+  const int width = tables.width, height = tables.height;
+  const auto x = static_cast<int>(column), y = static_cast<int>(row);
+  const TexelCell cell([&](int dx, int dy) {
+    const auto at_x = static_cast<std::size_t>((x + dx + width) % width);
+    const auto at_y = static_cast<std::size_t>(std::clamp(y + dy, 0, height - 1));
+    return importance_of(environment.rgb[at_y * static_cast<std::size_t>(width) + at_x]);
+  });
+  const glm::dvec2 place = cell.warp({column - x, t});
+  const double mean = cell.mean();
+  // Even in longitude and in the sine of the latitude.
+  const double top = std::cos(kPi * y / height), bottom = std::cos(kPi * (y + 1) / height);
+  const double up = std::clamp(top + (bottom - top) * place.y, -1.0, 1.0);
+  const double r = std::sqrt(std::max(0.0, 1.0 - up * up)), longitude = kPi - 2.0 * kPi * (x + place.x) / width;
+  const auto density = static_cast<double>(tables.density[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]);
+  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, up, std::cos(longitude) * r)),
+          static_cast<float>(mean > 0.0 ? density * cell.at(place) / mean : density), static_cast<float>(x + place.x),
+          static_cast<float>(std::acos(up) / kPi * height)};
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
@@ -87,7 +99,7 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
     const auto index = static_cast<std::uint32_t>(i);
     const double u = owen_scramble(reverse_bits(index), seeds[0]) * 0x1p-32;
     const double v = owen_scramble(reverse_bits(sobol_second_reversed(index)), seeds[1]) * 0x1p-32;
-    const EnvironmentDirection d = sample_environment_direction(tables, u, v);
+    const EnvironmentDirection d = sample_environment_direction(environment, tables, u, v);
     // A third dimension for the texel: the golden ratio's additive recurrence.
     const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
     const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));

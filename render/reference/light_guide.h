@@ -24,6 +24,8 @@ class EnvironmentPartition {
   /// Point within a leaf, by importance: the density is EnvironmentTables::density where the leaf has its own
   /// probability.
   EnvironmentPoint sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
+  /// Of the latitude of a row's upper edge.
+  double sine_above(std::size_t row) const { return row_sines_[row]; }
   /// Unit direction of a point, in the map's frame.
   glm::vec3 direction(const EnvironmentPoint& point) const;
 

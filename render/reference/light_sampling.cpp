@@ -19,10 +19,12 @@ std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::ve
 }
 
 glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::uint32_t cell) const {
-  const EnvironmentLookup found = environment_.look_up(shared::latlong_turn(world, cosine_, -sine_));
+  const glm::vec3 own = shared::latlong_turn(world, cosine_, -sine_);
+  const EnvironmentLookup found = environment_.look_up(own);
+  const auto texel = static_cast<std::size_t>(found.y * environment_.tables.width + found.x);
   const float gain =
       cell == LightGuide::kNoCell ? 1.0f : guide_->gain(cell, environment_.partition->leaf_at(found.x, found.y));
-  return {found.radiance * scale_, found.density * gain};
+  return {found.radiance * scale_, environment_.density_at(texel, own) * gain};
 }
 
 LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
@@ -36,6 +38,7 @@ LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
     draw.leaf = guide_->choose_leaf(cell, &along);
     point = environment_.partition->sample(environment_.tables, draw.leaf, along, u.y);
   }
+  point = environment_.follow_light(point);
   draw.direction = shared::latlong_turn(environment_.partition->direction(point), cosine_, sine_);
   draw.texel = static_cast<int>(point.row) * environment_.tables.width + static_cast<int>(point.x);
   return draw;
@@ -44,7 +47,7 @@ LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
 void EnvironmentLight::fill(LightDraw* draw, std::uint32_t cell) const {
   const glm::vec3 own = shared::latlong_turn(draw->direction, cosine_, -sine_);
   draw->radiance = environment_.look_up(own).radiance * scale_;
-  draw->pdf = environment_.texels[static_cast<std::size_t>(draw->texel)].w;
+  draw->pdf = environment_.density_at(static_cast<std::size_t>(draw->texel), own);
   if (cell != LightGuide::kNoCell) draw->pdf *= guide_->gain(cell, draw->leaf);
 }
 

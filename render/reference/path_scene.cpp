@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "render/environment/texel_cell.h"
 #include "render/material_overrides.h"
 #include "render/reference/traversal.h"
 #include "scenes/error.h"
@@ -98,12 +99,30 @@ void assign_triangles(const PathSceneInput& input, PathScene* scene) {
   }
 }
 
+/// Cells of a density above this (1/sr; the sphere's mean is 0.08) are sampled by their bilinear light: lamps, and what
+/// they leak into their neighbours. Elsewhere a cell's mean will do, and shadow rays need not read its texels.
+constexpr float kBright = 0.5f;
+
+TexelCell cell_of(const TracedEnvironment& e, std::size_t texel) {
+  const int width = e.tables.width, height = e.tables.height;
+  const int x = static_cast<int>(texel) % width, y = static_cast<int>(texel) / width;
+  return TexelCell([&](int dx, int dy) {
+    const int at = std::clamp(y + dy, 0, height - 1) * width + (x + dx + width) % width;
+    const glm::vec4& t = e.texels[static_cast<std::size_t>(at)];
+    return static_cast<double>(t.x + t.y + t.z) / 3.0;
+  });
+}
+
 TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
   TracedEnvironment e;
   e.tables = load_environment_tables(*source);
   e.black = !(e.tables.luminance_integral > 0.0);
   e.texels.resize(source->rgb.size());
-  for (std::size_t i = 0; i < e.texels.size(); ++i) e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
+  e.bright.resize(e.texels.size());
+  for (std::size_t i = 0; i < e.texels.size(); ++i) {
+    e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
+    e.bright[i] = e.tables.density[i] > kBright;
+  }
   e.partition = std::make_unique<const EnvironmentPartition>(e.tables);
   e.source = std::move(source);
   return e;
@@ -127,8 +146,29 @@ EnvironmentLookup TracedEnvironment::look_up(const glm::vec3& direction) const {
   const int width = source->width, height = source->height;
   const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width)), 0, width - 1);
   const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height)), 0, height - 1);
-  return {Map{texels.data(), width}.latlong_bilinear(uv, glm::ivec2(width, height)),
-          texels[static_cast<std::size_t>(y * width + x)].w, x, y};
+  return {Map{texels.data(), width}.latlong_bilinear(uv, glm::ivec2(width, height)), x, y};
+}
+
+float TracedEnvironment::density_at(std::size_t texel, const glm::vec3& direction) const {
+  const float mean = texels[texel].w;
+  if (!bright[texel]) return mean;
+  const auto width = static_cast<std::size_t>(tables.width);
+  const std::size_t row = texel / width;
+  const double column = static_cast<double>(shared::latlong_uv_from_direction(direction).x) * tables.width;
+  const glm::dvec2 place(column - static_cast<double>(texel - row * width),
+                         (partition->sine_above(row) - static_cast<double>(direction.y)) /
+                             (partition->sine_above(row) - partition->sine_above(row + 1)));
+  const TexelCell cell = cell_of(*this, texel);
+  const double cell_mean = cell.mean();
+  return cell_mean > 0.0 ? mean * static_cast<float>(cell.at(glm::clamp(place, 0.0, 1.0)) / cell_mean) : mean;
+}
+
+EnvironmentPoint TracedEnvironment::follow_light(const EnvironmentPoint& point) const {
+  const double column = std::floor(point.x);
+  const std::size_t texel = point.row * static_cast<std::size_t>(tables.width) + static_cast<std::size_t>(column);
+  if (!bright[texel]) return point;
+  const glm::dvec2 place = cell_of(*this, texel).warp({point.x - column, point.t});
+  return {point.row, column + std::min(place.x, 1.0 - 1e-9), place.y};
 }
 
 std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {

@@ -55,7 +55,6 @@ struct TracedMaterial {
 
 struct EnvironmentLookup {
   glm::vec3 radiance;  ///< stored units, bilinear
-  float density;       ///< 1/sr with which plain importance sampling gives this direction
   int x, y;            ///< texel whose cell holds it
 };
 
@@ -64,9 +63,14 @@ struct TracedEnvironment {
   std::shared_ptr<const Environment> source;
   EnvironmentTables tables;
   bool black = true;
-  std::vector<glm::vec4> texels;  ///< [height][width] radiance, density of the texel's cell (1/sr)
+  std::vector<glm::vec4> texels;  ///< [height][width] radiance, mean density over the texel's cell (1/sr)
+  std::vector<bool> bright;  ///< [height][width] cells within which light is followed
   std::unique_ptr<const EnvironmentPartition> partition;
   EnvironmentLookup look_up(const glm::vec3& direction) const;
+  /// 1/sr with which plain importance sampling gives a direction in the cell of a texel.
+  float density_at(std::size_t texel, const glm::vec3& direction) const;
+  /// A point of the map drawn by the tables, moved within its cell to where the light is.
+  EnvironmentPoint follow_light(const EnvironmentPoint& point) const;
 };
 
 /// A ray as it was given to the ray tracer.

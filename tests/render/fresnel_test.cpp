@@ -88,7 +88,9 @@ TEST(Pane, SecondImageOfAWedgeIsTurned) {
       const double inside = std::asin(std::sin(theta) / kIndex) + 2.0 * static_cast<double>(alpha);
       const double out = std::asin(kIndex * std::sin(inside));
       EXPECT_NEAR(std::atan2(ray.direction.x, ray.direction.y), out, 2e-5);
-      if (degrees == 0.0f) EXPECT_NEAR(out, 2.0 * kIndex * alpha, 3.0 * std::abs(alpha * alpha));
+      if (degrees == 0.0f) {
+        EXPECT_NEAR(out, 2.0 * kIndex * alpha, 3.0 * std::abs(alpha * alpha));
+      }
     }
 }
 
@@ -98,7 +100,9 @@ TEST(Pane, FacesSumToThePane) {
       const glm::vec2 faces = shared::fresnel_faces(c, 1.52f, inside);
       EXPECT_NEAR(faces.x + faces.y, shared::fresnel_pane(c, 1.52f, inside).x, 1e-6f);
       EXPECT_NEAR(faces.x, shared::fresnel_surface(c, 1.52f), 1e-7f);
-      if (inside == 0.0f) EXPECT_NEAR(faces.y, 0.0f, 1e-7f);
+      if (inside == 0.0f) {
+        EXPECT_NEAR(faces.y, 0.0f, 1e-7f);
+      }
     }
 }
 

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "render/environment/environment_tables.h"
+#include "render/environment/texel_cell.h"
 #include "render/lights/light_list.h"
 #include "tests/support/chi_square.h"
 
@@ -209,6 +211,55 @@ TEST(EnvironmentChiSquare, CumulativeTablesDrawWhatTheDensitySays) {
     EXPECT_EQ(lost, 0.0) << name;
     EXPECT_LT(worst, 1e-6) << name;
   }
+}
+
+/// Bilinear importance by its definition, x and y from the corner of the middle texel of 3 x 3.
+double bilinear(const std::array<double, 9>& texels, double x, double y) {
+  double sum = 0.0;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i)
+      sum += texels[static_cast<std::size_t>(3 * j + i)] * std::max(1.0 - std::abs(x - (i - 0.5)), 0.0) *
+             std::max(1.0 - std::abs(y - (j - 0.5)), 0.0);
+  return sum;
+}
+
+TEST(EnvironmentChiSquare, PlacesWithinACellFollowBilinearLight) {
+  constexpr int kSide = 8;
+  std::mt19937 random(test::test_seed(31));
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int round = 0; round < 12; ++round) {
+    std::array<double, 9> texels{};
+    for (double& t : texels) t = round % 3 == 0 ? unit(random) : std::pow(10.0, 8.0 * unit(random) - 4.0);
+    if (round == 1) texels = {0, 0, 0, 0, 1, 0, 0, 0, 0};
+    if (round == 2) texels = {0, 0, 0, 0, 0, 0, 0, 0, 1e6};
+    if (round == 4) texels = {1e30, 0, 0, 0, 0, 0, 0, 0, 1e30};
+    const TexelCell cell([&](int dx, int dy) { return texels[static_cast<std::size_t>(3 * (dy + 1) + dx + 1)]; });
+    const std::size_t samples = test::test_samples(40000);
+    std::vector<double> expected(kSide * kSide, 0.0), counted(kSide * kSide, 0.0);
+    // Bilinear pieces: the middle of each part is its mean.
+    double mean = 0.0;
+    for (int k = 0; k < kSide * kSide; ++k) {
+      const double x = (k % kSide + 0.5) / kSide, y = (static_cast<double>(k / kSide) + 0.5) / kSide;
+      const double exact = bilinear(texels, x, y);
+      EXPECT_NEAR(cell.at({x, y}), exact, 1e-12 * exact);
+      expected[static_cast<std::size_t>(k)] = exact;
+      mean += exact / (kSide * kSide);
+    }
+    EXPECT_NEAR(cell.mean(), mean, 1e-12 * mean);
+    for (double& e : expected) e *= static_cast<double>(samples) / (mean * kSide * kSide);
+    for (std::size_t i = 0; i < samples; ++i) {
+      const glm::dvec2 p = cell.warp({unit(random), unit(random)});
+      ASSERT_TRUE(p.x >= 0.0 && p.x <= 1.0 && p.y >= 0.0 && p.y <= 1.0) << p.x << ' ' << p.y;
+      counted[static_cast<std::size_t>(std::min(static_cast<int>(p.y * kSide), kSide - 1) * kSide +
+                                       std::min(static_cast<int>(p.x * kSide), kSide - 1))] += 1.0;
+    }
+    const auto result = test::chi_square(expected, counted);
+    EXPECT_GT(result.p, kLeastP) << round << ", statistic " << result.statistic << " of " << result.freedom;
+  }
+  // Nothing shines: any place will do, but one in the cell.
+  const glm::dvec2 dark = TexelCell([](int, int) { return 0.0; }).warp({0.25, 0.75});
+  EXPECT_EQ(dark.x, 0.25);
+  EXPECT_EQ(dark.y, 0.75);
 }
 
 TEST(LightChiSquare, PointsOnATriangleAreEven) {

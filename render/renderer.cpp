@@ -217,14 +217,15 @@ void Renderer::Impl::dispatch_list(const Program& program, int count) {
 }
 
 void Renderer::Impl::dispatch_tiles(const Program& program, const TileList& list, int shift,
-                                    std::optional<std::size_t> band) {
+                                    std::optional<std::size_t> band, TileShare share) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, list.tiles.get());
   const std::size_t first = band.value_or(0), last = band ? first + 1 : list.counts.size();
   for (std::size_t b = first; b < last; ++b) {
-    if (list.counts[b] == 0) continue;
-    glProgramUniform2i(program.get(), program.location("u_tiles"), static_cast<int>(b) * targets->band_tiles(),
-                       list.counts[b]);
-    dispatch_list(program, list.counts[b] << shift);
+    const int count = (list.counts[b] - share.first + share.step - 1) / share.step;
+    if (count <= 0) continue;
+    glProgramUniform3i(program.get(), program.location("u_tiles"),
+                       static_cast<int>(b) * targets->band_tiles() + share.first, count, share.step);
+    dispatch_list(program, count << shift);
   }
 }
 
@@ -259,6 +260,15 @@ void leave_out_known(FramePlan* plan) {
     plan->passes.push_back({"measure", "nothing moved: the frames so far say where samples are worth most"});
 }
 
+/// What a frame does otherwise because only the light turned.
+void note_turn(FramePlan* plan) {
+  for (PlannedPass& pass : plan->passes) {
+    if (pass.name == "bandwidth") pass.reason = "only the light turned: predicted anew for a part of the tiles";
+    if (pass.name == "shade")
+      pass.reason = "only the light turned: points go on from their past, by what turning changed";
+  }
+}
+
 }  // namespace
 
 FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
@@ -287,6 +297,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.drawn_sky.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
+    s.history.reset();
     s.accumulated = 0;
   }
   const bool kept = !bandwidth || s.progressive;  // a frame that was not to be accumulated kept nothing to go on from
@@ -294,6 +305,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.drawn_epoch = s.epoch;
   s.last_request = request;
   if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
+  const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
   s.prepare_constants(request, plan, samples, chunk);
   s.prepare_accumulation(plan, accumulate);
   s.bind_frame();
@@ -303,8 +315,9 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.skips) timer.end("skip");
   const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
   if (goes_on) leave_out_known(&plan);
+  if (turn.goes_on()) note_turn(&plan);
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
-  if (bandwidth && !goes_on) s.predict(plan, &timer);
+  if (bandwidth && !goes_on) s.predict(plan, turn, &timer);
   std::optional<RefineRates> refine;
   if (bandwidth && goes_on) {
     refine = s.measure_deviations(request);
@@ -312,6 +325,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   }
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
     s.shade_by_lookup(*lookup, &timer);
+  else if (turn.goes_on())
+    s.shade_scheduled(plan, turn, &timer);
   else
     s.shade(plan, chunk, refine, &timer);
   if (bandwidth) s.fill(refine.has_value(), &timer);
@@ -327,6 +342,11 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   stats.visible_pixels = s.visible_points;
   stats.shaded_pixels = s.shaded_points;
   stats.shading_samples = s.shading_samples;
+  if (turn.goes_on()) {
+    unsigned continued = 0;
+    s.history->continued.read(0, sizeof continued, &continued);
+    stats.technique["continued_points"] = continued;
+  }
   stats.gpu_bytes["geometry"] = s.buffers->geometry_bytes();
   if (s.buffers->has_textures()) stats.gpu_bytes["textures"] = s.buffers->texture_bytes();
   if (s.materials.count() > 0) stats.gpu_bytes["materials"] = s.materials.bytes();
@@ -340,6 +360,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +
                                    t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
+  if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
   if (s.indirect.ready()) stats.gpu_bytes["indirect"] = s.indirect.bytes();
   if (s.octree.ready()) stats.gpu_bytes["octree"] = s.octree.bytes();

@@ -23,6 +23,7 @@
 #include "render/reflections/skipping.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
+#include "render/turning.h"
 #include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
@@ -57,6 +58,14 @@ struct SkyKey {
   bool operator==(const SkyKey&) const = default;
 };
 
+/// Every `step`-th tile of a list from `first` on.
+struct TileShare {
+  int first = 0, step = 1;
+};
+
+/// The tiles whose prediction and marks are renewed in this frame.
+TileShare renewed_share(const Turn& turn);
+
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -86,6 +95,8 @@ struct Renderer::Impl {
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
   std::optional<Progressive> progressive;     ///< mode bandwidth, while pictures accumulate
+  std::optional<TurnHistory> history;         ///< mode bandwidth, from frame to frame while nothing but the light turns
+  std::uint32_t indirect_news = 0;            ///< changes of `epoch` by indirect light alone
   bool light_list_is_first = true;            ///< false after a long accumulation drew the light samples anew
   std::vector<Reflector> reflectors;          ///< of the last request; empty when reflections are off
   std::vector<std::string> reflectors_named;  ///< what they were found for
@@ -139,14 +150,22 @@ struct Renderer::Impl {
   void raster();
   /// Lists the tiles, and empties what passes over them read of their neighbours.
   void find_tiles();
-  void predict(const FramePlan& plan, PassTimer* timer);
+  /// What the frame goes on from, if only the light has turned. `keeps`: its own points are kept for the next one.
+  Turn begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps);
+  /// For a part of the picture only while the light turns.
+  void predict(const FramePlan& plan, const Turn& turn, PassTimer* timer);
+  /// Mode bandwidth where pictures do not accumulate: two rounds of samples, and what is left of earlier frames.
+  void shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer);
+  void schedule_band(std::size_t band, const Turn& turn, unsigned* counters);
+  void shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer);
+  void bind_lists();
   /// `refine`: empty for the first frame of a picture.
   void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
   void shade_band(const FramePlan& plan, std::size_t band, int chunk, const std::optional<RefineRates>& refine,
                   PassTimer* timer);
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
-                   const Program& gather);
+                   const Program& gather, const Turn* turn = nullptr);
   /// Some rows of the reflected picture, every pixel with the same count of samples.
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);
@@ -200,10 +219,15 @@ struct Renderer::Impl {
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
   void dispatch_list(const Program& program, int count);
   /// Over the tiles of a list, 2^shift invocations each; `band`: its tiles only.
-  void dispatch_tiles(const Program& program, const TileList& list, int shift, std::optional<std::size_t> band = {});
+  void dispatch_tiles(const Program& program, const TileList& list, int shift, std::optional<std::size_t> band = {},
+                      TileShare share = {});
   void bind_frame() const;
 };
 
+ShaderVariant shade_variant(const FramePlan& plan, int measured);
+/// The same for the points that shaders/turning/schedule.comp lists; `history`: they may go on from earlier frames.
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, int measured);
+std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);

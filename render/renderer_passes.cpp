@@ -1,5 +1,6 @@
 // The passes of one frame, in the order of the plan.
 #include <algorithm>
+#include <cmath>
 
 #include "render/renderer_impl.h"
 
@@ -32,12 +33,6 @@ ShaderVariant bandwidth_variant(const FramePlan& plan) {
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-ShaderVariant shade_variant(const FramePlan& plan, int measured) {
-  return {"shading/shade.comp",
-          "",
-          {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
-}
-
 ShaderVariant mark_variant(bool bandwidth, bool refine) {
   return {"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}}};
 }
@@ -57,6 +52,12 @@ ShaderVariant indirect_variant_of(bool measured) {
 
 }  // namespace
 
+ShaderVariant shade_variant(const FramePlan& plan, int measured) {
+  return {"shading/shade.comp",
+          "",
+          {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
+}
+
 std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
@@ -70,6 +71,7 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.texture_bandwidth = j & 1;
       variants.push_back(predict_variant(plan, k));
       variants.push_back(shade_variant(plan, k));
+      variants.push_back(scheduled_shade_variant(plan, k));
       if (k == 0) variants.push_back(glass_variant(plan, j & 1));
       plan.reflections = "raytraced";
       if (k == 0) variants.push_back(glass_variant(plan, j & 1));
@@ -94,13 +96,14 @@ std::vector<ShaderVariant> all_shader_variants() {
         "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
-  const std::vector<ShaderVariant> reflections = reflection_shader_variants();
-  variants.insert(variants.end(), reflections.begin(), reflections.end());
+  for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
+    variants.insert(variants.end(), more.begin(), more.end());
   return variants;
 }
 
-void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
+void Renderer::Impl::predict(const FramePlan& plan, const Turn& turn, PassTimer* timer) {
   FrameTargets& t = *targets;
+  const TileShare share = renewed_share(turn);
   const int qw = t.energy.width(), qh = t.energy.height();
   if (has_near_terms(plan)) {
     if (!near_terms) near_terms = Texture::make_2d("near terms", GL_RGBA32F, qw, qh);
@@ -114,7 +117,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
-  dispatch_tiles(programs.get({"bandwidth/classify.comp", "", {}}), t.surface_tiles, 2);
+  dispatch_tiles(programs.get({"bandwidth/classify.comp", "", {}}), t.surface_tiles, 2, {}, share);
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {
@@ -134,7 +137,7 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   glBindTextureUnit(31, t.bend.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  dispatch_tiles(programs.get(bandwidth_variant(plan)), t.surface_tiles, 4);
+  dispatch_tiles(programs.get(bandwidth_variant(plan)), t.surface_tiles, 4, {}, share);
   timer->end("bandwidth");
   const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
   glBindTextureUnit(21, t.pyramid.get());
@@ -150,6 +153,14 @@ void Renderer::Impl::predict(const FramePlan& plan, PassTimer* timer) {
   timer->end("pyramid");
 }
 
+void Renderer::Impl::bind_lists() {
+  for (GLuint k = 0; k < 2; ++k) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, targets->items[k].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, targets->points[k].get());
+  }
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->counters.get());
+}
+
 void Renderer::Impl::shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine,
                            PassTimer* timer) {
   visible_points = shaded_points = shading_samples = 0;
@@ -160,11 +171,7 @@ void Renderer::Impl::shade(const FramePlan& plan, int chunk, const std::optional
 void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chunk,
                                 const std::optional<RefineRates>& refine, PassTimer* timer) {
   FrameTargets& t = *targets;
-  for (GLuint k = 0; k < 2; ++k) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, t.items[k].get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, t.points[k].get());
-  }
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
+  bind_lists();
   const bool bandwidth = plan.mode == "bandwidth";
   const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
   mark.set("u_item_capacity", t.item_capacity);
@@ -205,7 +212,8 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
 }
 
 void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters,
-                                 ShaderVariant (*variant)(const FramePlan&, int), const Program& gather) {
+                                 ShaderVariant (*variant)(const FramePlan&, int), const Program& gather,
+                                 const Turn* turn) {
   const FrameTargets& t = *targets;
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
@@ -213,6 +221,11 @@ void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
     const Program& program = programs.get(variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
+    if (turn) {
+      glProgramUniform2f(program.get(), program.location("u_turn"), std::cos(turn->angle_rad),
+                         std::sin(turn->angle_rad));
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[list].get());  // gather lists the second round
+    }
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);

@@ -131,7 +131,10 @@ void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* pla
     job.sky = {environment->shared_environment(), request.env_rotation_rad, request.env_scale};
     indirect_epoch = bounce_epoch;
     indirect_variant = request.variant;
-    if (indirect.update(job)) ++epoch;
+    if (indirect.update(job)) {
+      ++epoch;
+      ++indirect_news;
+    }
   }
   if (indirect.ready() && plan->visibility == "baked") return;
   plan->indirect = "none";

@@ -224,6 +224,9 @@ void main() {
   }
   if (visible == 0u) return;
   atomicAdd(b_lists[0].visible, visible);
+#ifdef MARKS_ONLY
+  return;  // turning/schedule.comp lists the points
+#endif
   uvec2 next_item = uvec2(0u), next_point = uvec2(0u);
   if (points.x > 0u) {
     next_item.x = atomicAdd(b_lists[0].items, items.x);

@@ -12,6 +12,19 @@ uint hash(uint x) {
 float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
+/// Balance heuristic over the density: weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the
+/// second over the environment's integral.
+float brdf_weight(float cosine, float f_hat, vec3 radiance, float nb, float nl, float pdf) {
+  return cosine * f_hat / max((nb * f_hat + nl * luminance(radiance)) * pdf, 1e-30);
+}
+float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
+  return cosine * l * inverse_integral / max((nb * f_hat + nl * l) * pdf, 1e-30);
+}
+
+#ifdef TURNED
+#include "turning/before.glsl"
+#endif
+
 /// How many of `count` samples are drawn from the BRDF; the rest come from the environment.
 int brdf_sample_count(Point p, int count) {
   return u_frame.environment.w > 0.0 ? clamp(int(p.brdf_share * float(count) + 0.5), 1, count - 1) : count;
@@ -58,9 +71,21 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #endif
     vec3 world = from_local(p, wi);
     vec3 radiance = environment_stochastic(world, unit_pair(q4));
-    float weight = wi.z * f_hat / max((nb * f_hat + nl * luminance(radiance)) * pdf, 1e-30);
+    float weight = brdf_weight(wi.z, f_hat, radiance, nb, nl, pdf);
 #if VISIBILITY
-    weight *= visibility_of(result.visibility, world_from_environment(world), unit_pair(q3 ^ q4));
+    float open = visibility_of(result.visibility, world_from_environment(world), unit_pair(q3 ^ q4));
+    weight *= open;
+#endif
+#ifdef TURNED
+    // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
+    result.before = vec3(0.0);
+    for (int once = 0; once < result.looks_back; ++once) {
+      vec3 sky = environment_stochastic(stood_before(world), unit_pair(q4));
+      result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
+#if VISIBILITY
+      result.before *= open;
+#endif
+    }
 #endif
     ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
   }
@@ -73,7 +98,14 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     vec4 direction_pdf = texelFetch(t_light_samples, 2 * index);
     vec3 wi = to_local(p, direction_pdf.xyz);
     q3 += 0xD1B54A33u;
+#ifdef TURNED
+    // The same light where it stood before.
+    result.before = vec3(0.0);
+    vec3 from = seen_before(direction_pdf.xyz), wi_before = to_local(p, from);
+    if (max(wi.z, wi_before.z) <= 0.0) continue;
+#else
     if (wi.z <= 0.0) continue;
+#endif
     vec4 radiance_nu = texelFetch(t_light_samples, 2 * index + 1);
     vec3 radiance = radiance_nu.rgb;
 #if MEASURED
@@ -84,9 +116,20 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     float f_hat = analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
 #endif
     float l = luminance(radiance);
-    float weight = wi.z * l * inverse_integral / max((nb * f_hat + nl * l) * direction_pdf.w, 1e-30);
+    float weight = light_weight(wi.z, f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
 #if VISIBILITY
-    weight *= visibility_of(result.visibility, world_from_environment(direction_pdf.xyz), unit_pair(q3 ^ (q4 + uint(i) * 0x9E3779B9u)));
+    vec2 dither = unit_pair(q3 ^ (q4 + uint(i) * 0x9E3779B9u));
+    weight *= visibility_of(result.visibility, world_from_environment(direction_pdf.xyz), dither);
+#endif
+#ifdef TURNED
+    weight = wi.z > 0.0 ? weight : 0.0;
+    for (int once = 0; once < (wi_before.z > 0.0 ? result.looks_back : 0); ++once) {
+      LobeValue lobe = evaluate_lobe(p, wi_before, unit_pair(q3));
+      result.before = lobe.f * radiance * light_weight(wi_before.z, lobe.f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
+#if VISIBILITY
+      result.before *= visibility_of(result.visibility, world_from_environment(from), dither);
+#endif
+    }
 #endif
     ON_SAMPLE(f, radiance, weight, wi, direction_pdf.xyz, direction_pdf.w, false);
   }

@@ -10,6 +10,9 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
+#ifdef TURNED
+#include "turning/item.glsl"
+#endif
 #define POINTS_SORTED
 #include "shading/point.glsl"
 #if VISIBILITY == 2
@@ -32,11 +35,26 @@ layout(std430, binding = 3) writeonly buffer Partial { vec4 b_partial[]; };
 
 struct Result {
   vec3 sum;
+#ifdef TURNED
+  vec3 before;     // what the sample at hand was worth before the light turned
+  float kept;      // share of the point's history that is kept
+  int looks_back;  // 1 where it is not 0
+  float squares;
+#endif
 #if VISIBILITY
   VisibilityPoint visibility;
 #endif
 };
+#ifdef TURNED
+void take(inout Result r, vec3 now) {
+  vec3 v = now - r.kept * r.before;
+  r.sum += v;
+  r.squares += dot(v, v) * (1.0 / 3.0);
+}
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) take(result, f * radiance * weight)
+#else
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
+#endif
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"
@@ -53,14 +71,33 @@ void main() {
 #if VISIBILITY
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
 #endif
+#ifdef TURNED
+  TurnedItem turned = unpack_turned_item(item.first_sample);
+  result.kept = turned.kept;
+  result.looks_back = turned.kept > 0.0 ? 1 : 0;
+  result.squares = 0.0;
+  int count = turned.samples;
+  uint first_sample = turned.first_sample;
+#else
+  int count = u_frame.sampling.y;
   uint first_sample = item.first_sample + uint(u_frame.sampling.z);
-  integrate(p, pixel, first_sample, u_frame.sampling.y, result);
+#endif
+  integrate(p, pixel, first_sample, count, result);
   vec3 sum = result.sum * u_frame.environment.z;
+  float spread = 1.0;
+#ifdef TURNED
+  // Of one sample, from the terms of the sum.
+  spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * u_frame.environment.z * u_frame.environment.z;
+#endif
 #if LIGHTS
 #if VISIBILITY == 2
   g_light_visibility = result.visibility;
 #endif
-  sum += direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, u_frame.sampling.y);
+  vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
+#ifdef TURNED
+  lights *= 1.0 - turned.kept;  // they did not turn
 #endif
-  b_partial[id] = vec4(sum, 1.0);
+  sum += lights;
+#endif
+  b_partial[id] = vec4(sum, spread);
 }

@@ -2,13 +2,13 @@
 // nothing: software devices run a branch that no lane takes. The includer declares 64 invocations a group, and includes frame.glsl before.
 #include "shading/linear_id.glsl"
 layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
-uniform ivec2 u_tiles;  // first entry, number
+uniform ivec3 u_tiles;  // first entry, number, step from one to the next
 const int kTile = 8;
 
 /// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list.
 ivec2 tile_of(int id, int shift) {
   if (id >= u_tiles.y << shift) return ivec2(-1);
-  uint tile = b_tiles[u_tiles.x + (id >> shift)];
+  uint tile = b_tiles[u_tiles.x + (id >> shift) * u_tiles.z];
   return ivec2(tile & 65535u, tile >> 16u);
 }
 

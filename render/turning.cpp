@@ -1,0 +1,150 @@
+// Frames while only the light turns, mode `bandwidth`: the prediction is renewed for a part of the picture, and every
+// point's mean goes on by what its samples changed.
+#include "render/turning.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "render/renderer_impl.h"
+
+namespace maquette {
+
+namespace {
+
+/// The prediction is renewed once in so many frames at most, and before the light has turned so far: bandwidth changes
+/// as slowly as the light.
+constexpr int kPredictionFrames = 8;
+constexpr float kPredictionHolds_rad = 0.3f;
+/// A light that turns further between two frames has jumped: nothing goes on.
+constexpr float kJump_rad = 0.5f;
+
+const ShaderVariant kMarks{"bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"MARKS_ONLY", "1"}}};
+const ShaderVariant kMore{"turning/more.comp", "", {}};
+
+const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
+
+ShaderVariant gather_variant(int round) { return {"turning/gather.comp", "", {{"MORE", std::to_string(round)}}}; }
+
+/// As in shaders/turning/item.glsl.
+int least_item_log2(int item_samples) {
+  return std::max(static_cast<int>(std::bit_width(static_cast<unsigned>(item_samples))) - 4, 1);
+}
+
+}  // namespace
+
+TurnHistory TurnHistory::make(int grid_width, int grid_height) {
+  TurnHistory h;
+  h.mean = Texture::make_2d("history mean", GL_RGBA32F, grid_width, grid_height);
+  h.renewed = Texture::make_2d("history renewed", GL_R32UI, grid_width, grid_height);
+  const GLuint never[4] = {};
+  glClearTexImage(h.renewed.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, never);
+  h.continued = Buffer("continued points", sizeof(unsigned));
+  return h;
+}
+
+Turn Renderer::Impl::begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps) {
+  if (!keeps) {
+    history.reset();
+    return {};
+  }
+  TurnHistory::Key key{request, epoch - indirect_news, plan.visibility, plan.lights};
+  key.request.env_rotation_rad = 0.0f;
+  key.request.deadline.reset();
+  if (!history || history->mean.width() != targets->grid_width() || history->mean.height() != targets->grid_height())
+    history = TurnHistory::make(targets->grid_width(), targets->grid_height());
+  Turn turn;
+  if (history->key == key)
+    turn.angle_rad = std::remainder(request.env_rotation_rad - history->rotation_rad, 2.0f * std::numbers::pi_v<float>);
+  if (std::abs(turn.angle_rad) > kJump_rad) turn.angle_rad = 0.0f;
+  history->key = std::move(key);
+  history->rotation_rad = request.env_rotation_rad;
+  // A number is left out when nothing goes on, so that no point looks renewed in the frame before.
+  history->frame += turn.goes_on() ? 1 : 2;
+  turn.frame = history->frame;
+  return turn;
+}
+
+TileShare renewed_share(const Turn& turn) {
+  if (!turn.goes_on()) return {};
+  const int frames =
+      std::clamp(static_cast<int>(kPredictionHolds_rad / std::abs(turn.angle_rad)), 1, kPredictionFrames);
+  return {static_cast<int>(turn.frame) % frames, frames};
+}
+
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, int measured) {
+  ShaderVariant variant = shade_variant(plan, measured);
+  variant.defines.emplace_back("TURNED", "1");
+  return variant;
+}
+
+std::vector<ShaderVariant> turning_shader_variants() {
+  return {kMarks, kSchedule, kMore, gather_variant(0), gather_variant(1)};
+}
+
+void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned* counters) {
+  FrameTargets& t = *targets;
+  bind_lists();
+  const Program& mark = programs.get(kMarks);
+  mark.set("u_item_capacity", t.item_capacity);
+  mark.set("u_sample_scale", 1.0f);
+  t.counters.clear_to_zero();
+  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  dispatch_tiles(mark, t.surface_tiles, 2, band, renewed_share(turn));
+  const Program& schedule = programs.get(kSchedule);
+  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
+  glBindTextureUnit(18, history->mean.get());
+  glBindTextureUnit(19, history->renewed.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history->continued.get());
+  glBindTextureUnit(20, t.curvature.get());
+  schedule.set("u_item_capacity", t.item_capacity);
+  schedule.set("u_turn_rad", std::abs(turn.angle_rad));
+  schedule.set("u_frame_number", static_cast<int>(turn.frame));
+  // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
+  for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
+    t.counters.clear_to_zero();
+    if (band == 0) history->continued.clear_to_zero();
+    schedule.set("u_sample_scale", scale);
+    dispatch_tiles(schedule, t.surface_tiles, 2, band);
+    t.counters.read(0, 16 * sizeof(unsigned), counters);
+    const auto capacity = static_cast<unsigned>(t.item_capacity);
+    if (counters[0] <= capacity && counters[8] <= capacity) break;
+  }
+}
+
+void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer) {
+  FrameTargets& t = *targets;
+  unsigned counters[16];
+  schedule_band(band, turn, counters);
+  timer->end("mark");
+  shaded_points += counters[1] + counters[9];
+  dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(1, history->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(2, history->renewed.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+  for (int round = 0; round < 2; ++round) {
+    const Program& gather = programs.get(gather_variant(round));
+    gather.set("u_frame_number", static_cast<int>(turn.frame));
+    gather.set("u_item_capacity", t.item_capacity);
+    gather.set("u_point_capacity", static_cast<int>(t.points[0].bytes() / 16));
+    shade_lists(plan, counters, scheduled_shade_variant, gather, &turn);
+    timer->end("shade");
+    if (round == 1) break;
+    const Program& more = programs.get(kMore);
+    more.set("u_item_capacity", t.item_capacity);
+    more.set("u_item_samples", 1 << (least_item_log2(constants.sampling.y) + 3));
+    dispatch(more, 1, 1);
+  }
+  t.counters.read(0, sizeof counters, counters);
+  shading_samples += counters[5] + counters[13];
+}
+
+void Renderer::Impl::shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer) {
+  shaded_points = shading_samples = 0;
+  for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
+    shade_scheduled_band(plan, band, turn, timer);
+}
+
+}  // namespace maquette

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "render/gl/objects.h"
+#include "render/renderer.h"
+
+namespace maquette {
+
+/// What mode `bandwidth` keeps of each grid point from frame to frame while only the light turns (shaders/turning).
+struct TurnHistory {
+  /// All that a point's radiance depends on but the light's rotation.
+  struct Key {
+    FrameRequest request;     ///< rotation 0
+    std::uint32_t epoch = 0;  ///< of everything but indirect light
+    std::string visibility;
+    bool lights = false;
+    bool operator==(const Key&) const = default;
+  };
+  Texture mean;      ///< RGBA32F: mean without clamping, and the samples that it is worth
+  Texture renewed;   ///< R32UI: number of the frame that last renewed the point
+  Buffer continued;  ///< uint: points of the last frame that went on from their past
+  std::optional<Key> key;
+  float rotation_rad = 0.0f;
+  std::uint32_t frame = 1;  ///< number of the frame at hand, from 2
+
+  static TurnHistory make(int grid_width, int grid_height);
+  std::size_t bytes() const { return mean.bytes() + renewed.bytes(); }
+};
+
+/// How the frame at hand goes on from the one before.
+struct Turn {
+  float angle_rad = 0.0f;  ///< of the light since the frame before, in (-pi, pi]; 0: everything is drawn anew
+  std::uint32_t frame = 2;
+  bool goes_on() const { return angle_rad != 0.0f; }
+};
+
+}  // namespace maquette

@@ -1,0 +1,24 @@
+// Where the sky stood before the last turn of the light. Directions are in the environment's frame, as everywhere in shading.
+uniform vec2 u_turn;  // cosine and sine of the last turn
+
+/// What stood before in the world's direction that `now` is.
+vec3 stood_before(vec3 now) {
+  return vec3(u_turn.x * now.x + u_turn.y * now.z, now.y, -u_turn.y * now.x + u_turn.x * now.z);
+}
+/// Today's name of the world's direction in which `light` was seen before.
+vec3 seen_before(vec3 light) {
+  return vec3(u_turn.x * light.x - u_turn.y * light.z, light.y, u_turn.y * light.x + u_turn.x * light.z);
+}
+
+struct LobeValue {
+  vec3 f;
+  float f_hat;  // density for the balance heuristic
+};
+LobeValue evaluate_lobe(Point p, vec3 wi, vec2 xi) {
+#if MEASURED
+  vec3 f = measured_brdf(p.slot, wi, p.wo, xi) * p.tint;
+  return LobeValue(f, luminance(f) * wi.z * p.inverse_albedo);
+#else
+  return LobeValue(evaluate_analytic(p.analytic, wi, p.wo).total, analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo));
+#endif
+}

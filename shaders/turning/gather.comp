@@ -1,0 +1,93 @@
+// Averages the work items of each point and lets its history go on (schedule.comp). Points whose samples turned out to deviate far
+// more than was predicted (mirrored lamps) are listed once more, with the count that their own deviation asks for.
+// MORE 0: the first round; 1: the second, of those points alone.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "turning/item.glsl"
+struct Item {
+  uint pixel, packed_item;
+};
+struct ShadedPoint {
+  uint pixel, first_item, item_count, packed_point;
+};
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, more_items, more_points;
+};
+layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
+layout(std430, binding = 2) buffer Points { ShadedPoint b_points[]; };
+layout(std430, binding = 4) writeonly buffer Items { Item b_items[]; };
+layout(binding = 22) uniform samplerBuffer t_partial;
+layout(binding = 21) uniform sampler2D t_pyramid;
+layout(binding = 0, rgba32f) uniform image2D io_radiance;
+layout(binding = 1, rgba32f) uniform image2D io_history;  // mean, samples that it is worth
+layout(binding = 2, r32ui) uniform writeonly uimage2D o_renewed;
+uniform int u_list;
+uniform int u_frame_number;
+uniform int u_item_capacity;
+uniform int u_point_capacity;
+
+#include "bandwidth/block_share.glsl"
+
+// A picture never holds NaN or infinity, whatever a table holds.
+vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
+
+vec4 mean_of_items(ShadedPoint point, uint count) {
+  vec4 sum = vec4(0.0);
+  for (uint i = 0u; i < count; ++i) {
+    vec4 item = texelFetch(t_partial, int(point.first_item + i));
+    sum += vec4(finite(item.rgb), item.w);
+  }
+  return sum / float(max(count, 1u));
+}
+
+/// Items of the second round are the largest, and a point gets at most so many.
+int more_size_log2() { return least_item_log2() + 3; }
+const float kMostMore = 256.0;
+/// From this many times the samples that were taken a second round is worth its list.
+const float kFarMore = 4.0;
+
+/// Neyman's count for the deviation that was measured; 0 where that is not far from what was taken. They replace what was taken, which
+/// decided on them.
+uint more_items(float variance, int level, float taken, float mean_deviation) {
+  float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share(level);
+  return wanted > kFarMore * taken ? uint(clamp(wanted * exp2(float(-more_size_log2())), 1.0, kMostMore)) : 0u;
+}
+
+void main() {
+  List list = b_lists[u_list];
+#if MORE
+  uint begin = list.points, end = min(list.points + list.more_points, uint(u_point_capacity));
+#else
+  uint begin = 0u, end = list.points;
+  float mean_deviation = texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1).z;
+#endif
+  for (uint id = begin + gl_GlobalInvocationID.x; id < end; id += gl_NumWorkGroups.x * 64u) {
+    ShadedPoint point = b_points[id];
+    ivec2 pixel = ivec2(point.pixel & 65535u, point.pixel >> 16u);
+    TurnedPoint turned = unpack_turned_point(point.packed_point);
+#if MORE
+    // What was far from its prediction goes on from nothing and says nothing about the next frame.
+    vec3 mean = mean_of_items(point, point.item_count).rgb;
+    imageStore(io_history, pixel, vec4(mean, 0.0));
+    imageStore(io_radiance, pixel, vec4(mean, 1.0));
+#else
+    vec4 now = mean_of_items(point, point.item_count);
+    vec3 mean = now.rgb;
+    mean += turned.kept > 0.0 ? turned.kept * imageLoad(io_history, pixel).rgb : vec3(0.0);
+    imageStore(io_history, pixel, vec4(mean, turned.worth));
+    imageStore(o_renewed, pixel, uvec4(u_frame_number));
+    float taken = float(point.item_count << uint(turned.size_log2));
+    uint more = more_items(now.w, turned.level, taken, mean_deviation);
+    if (more > 0u) {
+      uint first = atomicAdd(b_lists[u_list].more_items, more);
+      // What does not fit is left as it is.
+      bool fits = first + more <= uint(u_item_capacity);
+      uint at = fits ? list.points + atomicAdd(b_lists[u_list].more_points, 1u) : uint(u_point_capacity);
+      if (at < uint(u_point_capacity)) b_points[at] = ShadedPoint(point.pixel, first, more, point.packed_point);
+      for (uint i = 0u; i < (fits ? more : 0u); ++i)
+        b_items[first + i] = Item(point.pixel, pack_turned_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
+    }
+    imageStore(io_radiance, pixel, vec4(max(mean, vec3(0.0)), 1.0));
+#endif
+  }
+}

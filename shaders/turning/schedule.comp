@@ -1,0 +1,146 @@
+// While the light turns: how many samples each marked point gets in this frame, and how much of its history is kept. One
+// invocation takes a 4 x 4 block and appends its points with one atomic per list.
+//
+// A point's mean m of earlier frames goes on as kept m + mean(f(now) - kept f(before)), where f(now) and f(before) are one sample of the
+// estimator under the sky as it stands and as it stood: without bias for every value of `kept`, so that a light that jumps, a wrong
+// prediction or a long history cost noise and nothing else. With correlation rho between both, a history worth N samples and n new
+// ones, the best share is kept = rho N / (N + n), and then the mean is worth 1 / (kept^2 / N + (1 + kept^2 - 2 kept rho) / n) samples.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+#include "shared/constants.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#include "turning/item.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 18) uniform sampler2D t_history;   // mean, samples that it is worth
+layout(binding = 19) uniform usampler2D t_renewed;  // frame that it was last renewed in
+layout(std430, binding = 6) buffer Continued { uint b_continued; };  // points that go on from their past
+layout(binding = 21) uniform sampler2D t_pyramid;
+layout(binding = 20) uniform sampler2D t_axes;         // w: nu_theta, cycles/rad
+layout(binding = 0, rgba8ui) uniform uimage2D io_marks;
+struct Item {
+  uint pixel, packed_item;
+};
+struct ShadedPoint {
+  uint pixel, first_item, item_count, packed_point;
+};
+struct List {
+  uint items, points, groups_x, groups_y, groups_z, samples, more_items, more_points;
+};
+layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
+layout(std430, binding = 2) writeonly buffer MeasuredItems { Item b_measured_items[]; };
+layout(std430, binding = 3) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
+layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
+layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
+uniform int u_item_capacity;
+uniform float u_sample_scale;
+uniform float u_turn_rad;  // of the light since the frame before, positive
+uniform int u_frame_number;
+
+#include "bandwidth/block_share.glsl"
+
+/// What a sample costs that is evaluated twice.
+const float kTwice = 1.7;
+/// Energy-weighted mean bandwidth to the root mean square frequency of a sample's change over the turn.
+const float kBandwidthToChange = 0.25;
+
+struct Plan {
+  int items, size_log2;
+  uint kept;
+  float worth;
+};
+
+/// How many new samples make a history worth `have` samples worth `wanted`: 1 / wanted = s (v + s (1 - rho^2)) / (v + s), s = 1 / n,
+/// v = 1 / have, solved for n.
+float new_samples(float have, float wanted, float rho) {
+  float d = wanted - have;
+  return 0.5 * (d + sqrt(d * d + 4.0 * (1.0 - rho * rho) * wanted * have));
+}
+
+/// `have`: samples that the point brings from the frame before.
+Plan plan_point(float wanted, float have, float nu) {
+  float x = kBandwidthToChange * 2.0 * kPi * nu * u_turn_rad;
+  float rho = exp(-0.5 * x * x);
+  float fewest = exp2(float(least_item_log2()));
+  wanted = max(wanted, fewest);
+  float n = max(new_samples(have, wanted, rho), fewest);
+  bool goes_on = have > 0.0 && kTwice * n <= wanted;
+  n = goes_on ? n : wanted;
+  Plan plan;
+  int least = least_item_log2();
+  plan.size_log2 = clamp(int(log2(n) + 0.25), least, least + (goes_on ? 1 : 3));
+  plan.items = clamp(int(n * exp2(float(-plan.size_log2)) + 0.5), 1, 4096);
+  n = float(plan.items << plan.size_log2);
+  plan.kept = goes_on ? uint(kKeptSteps * min(rho * have / (have + n), 0.99)) : 0u;
+  float kept = float(plan.kept) / kKeptSteps;
+  plan.worth = 1.0 / (kept * kept / max(have, 1.0) + (1.0 + kept * kept - 2.0 * kept * rho) / n);
+  return plan;
+}
+
+float wanted_samples(ivec2 pixel, int level, float mean_deviation) {
+  float predicted = texelFetch(t_pyramid, pixel / 2, 0).z;
+  float relative = mean_deviation > 0.0 ? predicted / mean_deviation : 1.0;
+  return float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(level) * u_sample_scale;
+}
+
+float samples_so_far(ivec2 pixel) {
+  return texelFetch(t_renewed, pixel, 0).x + 1u == uint(u_frame_number) ? texelFetch(t_history, pixel, 0).w : 0.0;
+}
+
+void main() {
+  int id = int(linear_id());
+  ivec2 tile = tile_of(id, 2);
+  if (tile.x < 0) return;
+  ivec2 corner = kTile * tile + 4 * ivec2(id & 1, (id >> 1) & 1);
+  float mean_deviation = texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1).z;
+  uint counts[16], points_packed[16];
+  uvec2 items = uvec2(0u), points = uvec2(0u), samples = uvec2(0u);
+  uint continued = 0u;
+  for (int k = 0; k < 16; ++k) {
+    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
+    counts[k] = 0u;
+    if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
+    uvec4 mark = imageLoad(io_marks, pixel);
+    if (mark.x == 0u) continue;
+    Plan plan = plan_point(wanted_samples(pixel, int(mark.y), mean_deviation), samples_so_far(pixel), texelFetch(t_axes, pixel / 2, 0).w);
+    continued += plan.kept > 0u ? 1u : 0u;
+    bool measured = (material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialMeasured) != 0u;
+    uint n = uint(plan.items << plan.size_log2);
+    imageStore(io_marks, pixel, uvec4(mark.xy, min(uint(findMSB(n)), 255u), mark.w));
+    counts[k] = uint(plan.items) | (measured ? 0u : 0x80000000u);
+    points_packed[k] = pack_turned_point(int(mark.y), plan.size_log2, plan.kept, plan.worth);
+    items += measured ? uvec2(plan.items, 0u) : uvec2(0u, plan.items);
+    points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
+    samples += measured ? uvec2(n, 0u) : uvec2(0u, n);
+  }
+  if (continued > 0u) atomicAdd(b_continued, continued);
+  uvec2 next_item = uvec2(0u), next_point = uvec2(0u);
+  for (int list = 0; list < 2; ++list) {
+    if (points[list] == 0u) continue;
+    next_item[list] = atomicAdd(b_lists[list].items, items[list]);
+    next_point[list] = atomicAdd(b_lists[list].points, points[list]);
+    atomicAdd(b_lists[list].samples, samples[list]);
+  }
+  for (int k = 0; k < 16; ++k) {
+    if (counts[k] == 0u) continue;
+    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
+    int list = int(counts[k] >> 31u);
+    uint n = counts[k] & 0x7fffffffu, first = next_item[list], packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
+    // Over capacity nothing is written; the host sees the count and asks again for fewer.
+    uint written = first + n <= uint(u_item_capacity) ? n : 0u;
+    ShadedPoint point = ShadedPoint(packed_pixel, first, written, points_packed[k]);
+    int size_log2 = unpack_turned_point(points_packed[k]).size_log2;
+    if (list == 0) b_measured_points[next_point.x] = point;
+    else b_analytic_points[next_point.y] = point;
+    for (uint i = 0u; i < written; ++i) {
+      Item item = Item(packed_pixel, turned_item_of(points_packed[k], uint(u_frame_number) * n + i, size_log2));
+      if (list == 0) b_measured_items[first + i] = item;
+      else b_analytic_items[first + i] = item;
+    }
+    next_item[list] += n;
+    next_point[list] += 1u;
+  }
+}

@@ -1,0 +1,214 @@
+// Frames while only the light turns: points go on from their past, without bias, and from nothing after every other
+// change.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/gl/context.h"
+#include "render/metrics.h"
+#include "render/renderer.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+class Turning : public ::testing::Test {
+ protected:
+  Turning() { show("builtin:leather-black"); }
+
+  void show(const std::string& material) {
+    scene_ = std::make_shared<Scene>(load_scene("builtin:sphere"));
+    renderer_.set_scene(scene_);
+    renderer_.set_environment(std::make_shared<Environment>(load_environment("builtin:clear-sky")));
+    renderer_.set_material("*", material);
+  }
+  static FrameRequest request() {
+    FrameRequest r;
+    r.camera.eye = {0.0f, 0.0f, 4.5f};
+    r.camera.fov_y_rad = 0.5236f;
+    r.width = r.height = 64;
+    r.settings.set_from_text("shading.visibility", "none");
+    return r;
+  }
+  /// Frames that arrive at the request's rotation in steps of `step_rad`.
+  FrameStats turn(FrameRequest r, int frames, float step_rad = 0.035f) {
+    const float end = r.env_rotation_rad;
+    FrameStats stats;
+    for (int f = 0; f < frames; ++f) {
+      r.env_rotation_rad = end - static_cast<float>(frames - 1 - f) * step_rad;
+      stats = renderer_.render(r);
+    }
+    return stats;
+  }
+  Image from_nothing(FrameRequest r) {
+    r.settings.set("shading.reuse", false);
+    renderer_.render(r);
+    return renderer_.read_radiance();
+  }
+  Image converged(FrameRequest r, std::uint32_t seed) {
+    r.mode = "uniform";
+    r.samples = 1024;
+    r.seed = seed;
+    for (int f = 0; f < 8; ++f) renderer_.render(r, true);
+    return renderer_.read_radiance();
+  }
+  static double difference(const Image& a, const Image& b) { return compare_images(a, b).relative_rmse.value(); }
+  static double continued(const FrameStats& stats) {
+    const auto found = stats.technique.find("continued_points");
+    return found == stats.technique.end() ? -1.0 : found->second;
+  }
+  void TearDown() override { EXPECT_TRUE(take_gl_errors().empty()); }
+
+  GlContext context_ = GlContext::create_headless();
+  std::shared_ptr<Scene> scene_;
+  Renderer renderer_;
+};
+
+TEST_F(Turning, FewerSamplesGiveNoLargerError) {
+  for (const char* material : {"builtin:leather-black", "builtin:paint-red-metallic", "builtin:metal-chrome"}) {
+    show(material);
+    const FrameRequest r = request();
+    const Image truth = converged(r, 77);
+    double turned_square = 0.0, fresh_square = 0.0, turned_samples = 0.0, fresh_samples = 0.0;
+    for (std::uint32_t seed = 0; seed < 4; ++seed) {
+      FrameRequest one = r;
+      one.seed = seed;
+      const FrameStats stats = turn(one, 30);
+      turned_square += std::pow(difference(renderer_.read_radiance(), truth), 2.0);
+      turned_samples += static_cast<double>(stats.shading_samples);
+      one.settings.set("shading.reuse", false);
+      fresh_samples += static_cast<double>(renderer_.render(one).shading_samples);
+      fresh_square += std::pow(difference(renderer_.read_radiance(), truth), 2.0);
+    }
+    RecordProperty(std::string(material) + " error", std::to_string(std::sqrt(turned_square / fresh_square)));
+    RecordProperty(std::string(material) + " samples", std::to_string(turned_samples / fresh_samples));
+    EXPECT_LT(turned_square, 1.5 * 1.5 * fresh_square) << material;
+    if (std::string(material) == "builtin:leather-black") {
+      EXPECT_LT(turned_samples, 0.5 * fresh_samples);
+    }
+  }
+}
+
+TEST_F(Turning, NoBiasIsLeftByTheTurn) {
+  // Steps so long that a plain mean of the last frames would show yesterday's light.
+  const FrameRequest r = request();
+  const Image truth = converged(r, 77);
+  constexpr int kSeeds = 24;
+  Image mean(64, 64, 4);
+  double square = 0.0;
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    FrameRequest one = r;
+    one.seed = seed;
+    EXPECT_GT(continued(turn(one, 12, 0.1f)), 0.0);
+    const Image picture = renderer_.read_radiance();
+    square += std::pow(difference(picture, truth), 2.0) / kSeeds;
+    for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += picture.data[i] / kSeeds;
+  }
+  // What the same count of frames from nothing leaves is interpolation and the rest of the noise.
+  Image fresh(64, 64, 4);
+  double fresh_square = 0.0;
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+    FrameRequest one = r;
+    one.seed = seed;
+    const Image picture = from_nothing(one);
+    fresh_square += std::pow(difference(picture, truth), 2.0) / kSeeds;
+    for (std::size_t i = 0; i < fresh.data.size(); ++i) fresh.data[i] += picture.data[i] / kSeeds;
+  }
+  const double left = difference(mean, truth), left_fresh = difference(fresh, truth);
+  RecordProperty("turning", std::to_string(left));
+  RecordProperty("from nothing", std::to_string(left_fresh));
+  EXPECT_LT(left, std::hypot(left_fresh, 1.5 * std::sqrt(square / kSeeds))) << left_fresh;
+}
+
+TEST_F(Turning, ALightThatJumpsLeavesNoGhost) {
+  FrameRequest r = request();
+  turn(r, 20);
+  r.env_rotation_rad = 0.3f;
+  renderer_.render(r);
+  const Image leapt = renderer_.read_radiance(), truth = converged(r, 77);
+  EXPECT_LT(difference(leapt, truth), 1.5 * difference(from_nothing(r), truth));
+  turn(r, 20);
+  r.env_rotation_rad = 2.0f;
+  EXPECT_LT(continued(renderer_.render(r)), 0.0);
+  const Image jumped = renderer_.read_radiance();
+  EXPECT_EQ(jumped.data, from_nothing(r).data);
+}
+
+TEST_F(Turning, EveryOtherChangeBeginsAnew) {
+  const auto begins_anew = [&](const FrameRequest& r, const char* what) {
+    EXPECT_LT(continued(renderer_.render(r)), 0.0) << what;
+    const Image picture = renderer_.read_radiance();
+    EXPECT_EQ(picture.data, from_nothing(r).data) << what;
+  };
+  FrameRequest r = request();
+  const auto turned = [&] {
+    EXPECT_GT(continued(turn(r, 4)), 0.0);
+    r.env_rotation_rad += 0.035f;
+    return r;
+  };
+  turned();
+  renderer_.set_environment(std::make_shared<Environment>(load_environment("builtin:studio")));
+  begins_anew(r, "environment");
+  turned();
+  renderer_.set_material("*", "builtin:matte-white");
+  begins_anew(r, "paint");
+  turned();
+  Primitive bent = scene_->meshes[0].primitives[0];
+  for (glm::vec3& p : bent.positions) p.y *= 0.9f;
+  renderer_.update_mesh(0, bent.positions, bent.normals);
+  begins_anew(r, "dent");
+  turned();
+  r.camera.eye.x += 0.1f;
+  begins_anew(r, "camera");
+  turned();
+  r.env_scale = 2.0f;
+  begins_anew(r, "scale of the light");
+  turned();
+  r.seed = 3;
+  begins_anew(r, "seed");
+  turned();
+  r.width = 80;
+  begins_anew(r, "size");
+  turned();
+  r.mode = "uniform";
+  renderer_.render(r);
+  r.mode = "bandwidth";
+  r.env_rotation_rad += 0.035f;
+  begins_anew(r, "mode");
+  turned();
+  renderer_.render(r, true);
+  r.env_rotation_rad += 0.035f;
+  begins_anew(r, "a picture that accumulates");
+  turned();
+  r.settings.set("shading.reuse", false);
+  begins_anew(r, "switched off");
+}
+
+TEST_F(Turning, TheSameTurnIsTheSamePicture) {
+  const FrameRequest r = request();
+  turn(r, 12);
+  const Image first = renderer_.read_radiance();
+  from_nothing(r);
+  turn(r, 12);
+  EXPECT_EQ(first.data, renderer_.read_radiance().data);
+  FrameRequest other = r;
+  other.seed = 9;
+  turn(other, 12);
+  EXPECT_NE(first.data, renderer_.read_radiance().data);
+}
+
+TEST_F(Turning, ABrightMirrorImageIsSampledForWhatItIs) {
+  // A mirrored sun is found by chance and then measured: the second round of samples.
+  show("builtin:plastic-piano-black");
+  const FrameRequest r = request();
+  const Image truth = converged(r, 77);
+  turn(r, 20);
+  const double turned = difference(renderer_.read_radiance(), truth);
+  EXPECT_LT(turned, difference(from_nothing(r), truth));
+}
+
+}  // namespace
+}  // namespace maquette

@@ -113,6 +113,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
   std::vector<int> owner(count, 0);
   std::vector<double> errors(count, 0.0);
   for (int round = 0; round < kLloydRounds + options.rounds; ++round) {
+    if (options.stop && options.stop()) break;
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       errors[i] = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < pca.clusters_.size(); ++k) {
@@ -142,6 +143,24 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
     tbb::parallel_for(std::size_t{0}, members.size(), [&](std::size_t k) {
       pca.clusters_[k] = fit_cluster(scaled, members[k], components, options.seed + static_cast<std::uint32_t>(k));
     });
+  }
+  return pca;
+}
+
+LocalPca LocalPca::restore(const Eigen::VectorXf& measure, const Eigen::MatrixXf& means,
+                           const Eigen::MatrixXf& components) {
+  LocalPca pca;
+  const Eigen::Index count = means.cols() > 0 ? components.cols() / means.cols() : 0;
+  pca.components_ = static_cast<int>(count);
+  pca.roots_ = measure.cwiseMax(0.0f).cwiseSqrt();
+  for (Eigen::Index k = 0; k < means.cols(); ++k) {
+    Cluster cluster{pca.roots_.cwiseProduct(means.col(k)),
+                    pca.roots_.asDiagonal() * components.middleCols(k * count, count)};
+    // Columns that the fit did not need are kept as 0.
+    Eigen::Index used = count;
+    while (used > 0 && cluster.basis.col(used - 1).squaredNorm() < 0.5f) --used;
+    cluster.basis.conservativeResize(Eigen::NoChange, used);
+    pca.clusters_.push_back(std::move(cluster));
   }
   return pca;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace maquette {
@@ -12,6 +13,8 @@ struct LocalPcaOptions {
   int rounds = 20;  ///< at most; ends earlier when the error falls by less than `least_gain` of itself
   double least_gain = 1e-4;
   std::uint32_t seed = 1;
+  /// Asked before each round; true ends the fit where it is.
+  std::function<bool()> stop = {};
 };
 
 /// One vector, compressed.
@@ -30,6 +33,11 @@ class LocalPca {
   /// direction); errors are sums of measure * difference^2. Empty: all count 1. Fewer samples than clusters give fewer
   /// clusters. Cost per round: samples * clusters * components * dimension.
   static LocalPca fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure, const LocalPcaOptions& options);
+
+  /// One that was fitted before, from what mean() and components() gave. `means`: [dimension][cluster]; `components`:
+  /// [dimension][cluster * count + component].
+  static LocalPca restore(const Eigen::VectorXf& measure, const Eigen::MatrixXf& means,
+                          const Eigen::MatrixXf& components);
 
   /// The cluster that reconstructs `x` best, and its weights. A dimension that counts nothing comes back as 0.
   LocalPcaCode encode(const Eigen::VectorXf& x) const;

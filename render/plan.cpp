@@ -198,6 +198,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
     plan.passes.push_back({"octree", "the reflectors' rays go through it"});
   else
     plan.left_out.push_back({"octree", "neither shading.visibility=traced nor a reflector technique asks for one"});
+  if (plan.reflections == "octree" && settings.get_string("octree.brdf") != "none")
+    plan.passes.push_back({"cell_brdfs", "octree.brdf is " + settings.get_string("octree.brdf")});
   return plan;
 }
 

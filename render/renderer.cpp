@@ -363,7 +363,12 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();
   if (s.indirect.ready()) stats.gpu_bytes["indirect"] = s.indirect.bytes();
-  if (s.octree.ready()) stats.gpu_bytes["octree"] = s.octree.bytes();
+  if (s.octree.ready()) {
+    stats.gpu_bytes["octree"] = s.octree.bytes();
+    stats.technique["octree_fine_cells"] = static_cast<double>(s.octree.leaf_counts().first);
+    stats.technique["octree_coarse_cells"] = static_cast<double>(s.octree.leaf_counts().second);
+  }
+  if (s.octree.cells()) stats.gpu_bytes["cell_brdfs"] = s.octree.cell_bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance) stats.gpu_bytes["glass"] = s.irradiance.bytes();
   if (!plan.reflections.empty()) {

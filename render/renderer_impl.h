@@ -135,6 +135,7 @@ struct Renderer::Impl {
   /// Starts or uploads the octree that the plan wants, and drops one that it does not; while there is none, the plan
   /// says so instead.
   void update_octree(const Settings& settings, FramePlan* plan);
+  void update_cell_brdfs(const Settings& settings, const std::function<OctreeJob()>& make_octree, FramePlan* plan);
   std::vector<bool> transmitting_items() const;
   std::vector<Passage> passages() const;  ///< of each item, as far as it transmits
   void upload_materials();

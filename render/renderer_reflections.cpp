@@ -5,6 +5,7 @@
 
 #include "render/bezier/projection.h"
 #include "render/bezier/reflector_patch.h"
+#include "render/octree/reflections.h"
 #include "render/reflections/raster.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/renderer_impl.h"
@@ -17,6 +18,8 @@ namespace {
 
 /// A probe for so many points each way decides whether they are followed.
 constexpr int kProbeSpacing = 4;
+/// Of the environment, for cells with BRDFs in the modes that look tables up: they show no noise.
+constexpr int kLookupLayerSamples = 64;
 
 int groups(int count, int size) { return (count + size - 1) / size; }
 
@@ -68,6 +71,10 @@ ShaderVariant reflected_mark_variant() {
   return {"bandwidth/mark.comp", "", {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}}};
 }
 
+ShaderVariant reflected_compose_variant(bool layers) {
+  return {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}, {"LAYERS", flag(layers)}}};
+}
+
 ShaderVariant reflected_indirect_variant(bool measured) {
   return {"shading/indirect.comp", "", {{"REFLECTED", "1"}, {"MEASURED", flag(measured)}}};
 }
@@ -80,10 +87,14 @@ std::vector<ShaderVariant> reflection_shader_variants() {
                                       rays_variant(true, false),
                                       rays_variant(false, true),
                                       {"reflections/cover.frag", "reflections/cover.vert", {}},
-                                      {"octree/reflect.comp", "", {}},
+                                      octree_reflect_variant(false),
+                                      octree_reflect_variant(true),
+                                      shade_cells_variant(false),
+                                      shade_cells_variant(true),
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
-                                      {"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}},
+                                      reflected_compose_variant(false),
+                                      reflected_compose_variant(true),
                                       reflected_mark_variant()};
   for (const char* visibility : {"none", "baked", "traced"}) {
     for (int k = 0; k < 4; ++k) {
@@ -292,8 +303,18 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   occluding.flip();
   std::unique_ptr<ReflectorTechnique>& technique = reflector_techniques[plan.reflections];
   if (!technique) technique = find_reflector_implementation(plan.reflections).make();
-  technique->trace({&small, &*buffers, &reflectors, &occluding, geometry_epoch,
-                    octree.ready() ? &octree.buffers() : nullptr, &request.settings, &t, &programs, timer});
+  const ReflectionFrame frame{&small,
+                              &*buffers,
+                              &reflectors,
+                              &occluding,
+                              geometry_epoch,
+                              octree.ready() ? &octree.buffers() : nullptr,
+                              octree.cells(),
+                              &request.settings,
+                              &t,
+                              &programs,
+                              timer};
+  technique->trace(frame);
 
   if (!technique->resolves()) {
     glBindTextureUnit(0, t.triangle.get());
@@ -316,8 +337,9 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
     bind_indirect(program);
     dispatch(program, groups(t.width, 8), groups(t.height, 8));
   }
-  dispatch(programs.get({"shading/compose.comp", "", {{"REFLECTED", "1"}, {"STAGE", "1"}}}), groups(t.width, 8),
-           groups(t.height, 8));
+  const bool layers = technique->shade_layers(frame, shading.visibility == "traced",
+                                              find_lookup_mode(plan.mode) ? kLookupLayerSamples : samples);
+  dispatch(programs.get(reflected_compose_variant(layers)), groups(t.width, 8), groups(t.height, 8));
   timer->end("reflected shade");
 }
 

@@ -4,6 +4,7 @@
 
 #include "render/material_overrides.h"
 #include "render/octree/octree_file.h"
+#include "render/octree/octree_interest.h"
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -144,6 +145,22 @@ void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* pla
                                             : "it waits for the bake of visibility"});
 }
 
+void Renderer::Impl::update_cell_brdfs(const Settings& settings, const std::function<OctreeJob()>& make_octree,
+                                       FramePlan* plan) {
+  const bool wanted = plan->reflections == "octree" && settings.get_string("octree.brdf") != "none";
+  const auto make_job = [&] {
+    CellBrdfJob job;
+    job.octree = make_octree();
+    job.materials = effective;
+    return job;
+  };
+  const auto contents = wanted ? cell_material_contents(effective) : std::vector<std::uint64_t>();
+  if (octree.update_cells(contents, make_job)) ++epoch;
+  if (!wanted || octree.cells()) return;
+  std::erase_if(plan->passes, [](const PlannedPass& p) { return p.name == "cell_brdfs"; });
+  plan->left_out.push_back({"cell_brdfs", "their bake is not ready yet: " + percent(octree.cells_progress())});
+}
+
 void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
   if (plan->visibility != "traced" && plan->reflections != "octree") {
     octree.clear();
@@ -154,6 +171,7 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
   state.transmits = transmitting_items();
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) state.materials.push_back(buffers->material(i));
   state.depth = settings.get_int("octree.depth");
+  state.interest = find_interest(settings.get_string("octree.interest"), *scene, buffers->geometry());
   const std::string& folder = settings.get_string("octree.bake");
   state.path = octree_file_path(folder, scene->name, state.depth);
   const auto make_job = [&] {
@@ -163,13 +181,17 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
     job.transmits = state.transmits;
     job.paint = std::make_shared<const OctreePaint>(*scene, effective);
     job.options.depth = state.depth;
+    job.options.interest = state.interest;
     job.path = state.path;
     job.scene = scene->name;
     job.must_load = !folder.empty();
     return job;
   };
   if (octree.update(state, make_job)) ++epoch;
-  if (octree.ready()) return;
+  if (octree.ready()) {
+    update_cell_brdfs(settings, make_job, plan);
+    return;
+  }
   const auto leave_out = [&](const std::string& what, const std::string& why) {
     std::erase_if(plan->passes, [&](const PlannedPass& p) { return p.name == what; });
     plan->left_out.push_back({what, why});
@@ -196,8 +218,11 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   if (plan.visibility == "traced" || plan.reflections == "octree") {
     FramePlan now = plan;  // says what is missing: not what is wanted
     s.update_octree(request.settings, &now);
-    s.octree.wait();
-    s.update_octree(request.settings, &plan);
+    for (int round = 0; round < 2; ++round) {  // the cells' BRDFs start when the octree is there
+      s.octree.wait();
+      FramePlan wanted = plan;
+      s.update_octree(request.settings, &wanted);
+    }
   }
   if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;
   s.update_visibility(&plan);
@@ -217,6 +242,7 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   if (impl_->visibility.busy()) work.push_back({"visibility", impl_->visibility.progress()});
   if (impl_->indirect.busy()) work.push_back({"indirect", impl_->indirect.progress()});
   if (impl_->octree.busy()) work.push_back({"octree", impl_->octree.progress()});
+  if (impl_->octree.cells_busy()) work.push_back({"cell_brdfs", impl_->octree.cells_progress()});
   // So few paths are too noisy to be metered.
   constexpr int kFirstPaths = 4;
   const int paths = impl_->reference.news.paths;

@@ -21,15 +21,20 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& fallback) {
   return length > 1e-12 ? v / length : fallback;
 }
 
-/// How far fragments reach from the plane through `point` with unit normal `n`.
-double deviation_from_plane(std::span<const OctreeFragment> fragments, const glm::dvec3& n, const glm::dvec3& point) {
-  double largest = 0.0;
+/// How far fragments reach along the unit normal `n` below and above `point`.
+struct Reach {
+  double low = 0.0, high = 0.0;
+  double deviation() const { return std::max(-low, high); }
+};
+Reach reach_along(std::span<const OctreeFragment> fragments, const glm::dvec3& n, const glm::dvec3& point) {
+  Reach all;
   for (const OctreeFragment& f : fragments) {
-    const double c = glm::dot(n, glm::dvec3(f.geometric));
-    const double reach = f.radius * std::sqrt(std::max(1.0 - c * c, 0.0));
-    largest = std::max(largest, std::abs(glm::dot(n, glm::dvec3(f.centroid) - point)) + reach);
+    const double c = glm::dot(n, glm::dvec3(f.geometric)), middle = glm::dot(n, glm::dvec3(f.centroid) - point);
+    const double own = f.radius * std::sqrt(std::max(1.0 - c * c, 0.0));
+    all.low = std::min(all.low, middle - own);
+    all.high = std::max(all.high, middle + own);
   }
-  return largest;
+  return all;
 }
 
 /// Adds up the materials by the area that is seen along the normal: what lies behind other pieces (a screen's housing)
@@ -90,15 +95,19 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
     }
   }
   const glm::dvec3 point = sums.centroid / sums.area;
-  sums.deviation = deviation_from_plane(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), point) / cell;
+  Reach reach = reach_along(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), point);
+  sums.deviation = reach.deviation() / cell;
   if (sums.deviation > shared::kOctreePlanar) {
     const glm::dvec3 n = unit_or(geometric, glm::dvec3(largest->geometric));
-    const double other = deviation_from_plane(fragments, n, point) / cell;
-    if (other <= shared::kOctreePlanar) {
-      sums.deviation = other;
+    const Reach other = reach_along(fragments, n, point);
+    if (other.deviation() / cell <= shared::kOctreePlanar) {
+      reach = other;
+      sums.deviation = other.deviation() / cell;
       sums.normal = n * sums.area;
     }
   }
+  sums.low = reach.low / cell;
+  sums.high = reach.high / cell;
   add_materials(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), cell, &sums);
   return sums;
 }
@@ -183,7 +192,10 @@ OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, doubl
     const double c = glm::dot(n, unit_or(child->normal, n));
     // Half the diagonal of a cell bounds its surface's reach along a tilted plane.
     const double reach = (0.87 * std::sqrt(std::max(1.0 - c * c, 0.0)) + child->deviation) * child_cell;
-    sums.deviation = std::max(sums.deviation, std::abs(glm::dot(n, child->centroid / child->area - point)) + reach);
+    const double middle = glm::dot(n, child->centroid / child->area - point);
+    sums.deviation = std::max(sums.deviation, std::abs(middle) + reach);
+    sums.low = std::min(sums.low, (middle - reach) / (2.0 * child_cell));
+    sums.high = std::max(sums.high, (middle + reach) / (2.0 * child_cell));
   }
   sums.deviation /= 2.0 * child_cell;
   return sums;
@@ -194,9 +206,11 @@ OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double ce
   const auto chosen = static_cast<std::size_t>(largest - sums.material_area.begin());
   const glm::dvec3 n = unit_or(sums.normal, glm::dvec3(0.0, 1.0, 0.0));
   const glm::dvec3 point = (sums.centroid / sums.area - lower) / cell - 0.5;
-  const bool planar = sums.deviation <= shared::kOctreePlanar;
   OctreeWords words;
-  words.plane = shared::octree_pack_plane(glm::vec3(n), glm::vec3(point), planar);
+  words.plane = sums.deviation <= shared::kOctreePlanar
+                    ? shared::octree_pack_plane(glm::vec3(n), glm::vec3(point))
+                    : shared::octree_pack_solid(glm::vec3(n), glm::vec3(point), static_cast<float>(sums.low),
+                                                static_cast<float>(sums.high));
   const double coverage = std::min(sums.area / (cell * cell), 1.0);
   words.color = shared::octree_pack_color(static_cast<int>(sums.material[chosen]), static_cast<float>(coverage),
                                           glm::vec3(sums.material_color[chosen] / *largest));

@@ -34,6 +34,8 @@ struct OctreeSums {
   std::array<glm::dvec3, kMaterials> material_color{};  ///< weighted by those areas
   /// Distance from the node's plane that all of its surface keeps; above kOctreePlanar the node is a solid box.
   double deviation = 0.0;
+  /// How far it reaches along the unit normal, from the centroid, in its cells.
+  double low = 0.0, high = 0.0;
 
   void add_material(std::uint32_t id, double amount, const glm::dvec3& color);
 };

@@ -53,7 +53,8 @@ class Builder {
       fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
                        glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
     }
-    const double setup[] = {grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
+    constexpr double kAlgorithm = 2.0;  // raised when the same triangles give other nodes
+    const double setup[] = {kAlgorithm, grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
     setup_ =
         content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(64 * grid.depth + grid.rest_depth));
     setup_ = content_hash(std::as_bytes(std::span(fine_)), setup_);
@@ -120,13 +121,14 @@ class Builder {
     return content_hash(std::as_bytes(std::span(data)), hash);
   }
 
-  OctreeBrick build(std::uint32_t code, std::span<const Triangle> triangles) const {
-    std::vector<OctreeFragment> fragments;
+  /// Calls `take(piece, fragment, triangle)` for what each triangle has in each leaf of a brick.
+  template <typename Take>
+  void clip(std::uint32_t code, std::span<const Triangle> triangles, Take&& take) const {
     const glm::ivec3 lower = decode_morton(code) << levels_;
     const CellClipper::IsLeaf is_leaf = [&](const glm::ivec3& at, int level) { return this->is_leaf(at, level); };
     Triangle current;
     const std::function<void(const CellClipper::Piece&)> emit = [&](const CellClipper::Piece& piece) {
-      fragments.push_back(make_fragment(piece, lower, current));
+      take(piece, make_fragment(piece, lower, current), current);
     };
     const CellClipper clipper(grid_.depth, is_leaf, emit);
     for (const Triangle& t : triangles) {
@@ -136,6 +138,12 @@ class Builder {
       for (std::size_t k = 0; k < 3; ++k) polygon.corners[k] = to_cells(source_.geometry.indices[t.first_index + k]);
       clipper.clip(polygon, lower, grid_.brick_level);
     }
+  }
+
+  OctreeBrick build(std::uint32_t code, std::span<const Triangle> triangles) const {
+    std::vector<OctreeFragment> fragments;
+    clip(code, triangles,
+         [&](const CellClipper::Piece&, const OctreeFragment& f, const Triangle&) { fragments.push_back(f); });
     return build_brick(&fragments, levels_);
   }
 
@@ -388,6 +396,29 @@ Octree assemble_octree(const OctreeBricks& bricks) {
         add(filled[b]->masks[next[b]], filled[b]->words[next[b]]);
   }
   return octree;
+}
+
+struct OctreePieces::Impl {
+  Builder builder;
+  Bins bins;
+};
+
+OctreePieces::OctreePieces(const OctreeSource& source, const OctreeGrid& grid)
+    : impl_(std::make_unique<Impl>(Impl{Builder(source, grid), {}})) {
+  impl_->bins = impl_->builder.bin();
+}
+OctreePieces::~OctreePieces() = default;
+
+std::vector<OctreePiece> OctreePieces::of_brick(std::uint32_t code) const {
+  const Bins& bins = impl_->bins;
+  std::vector<OctreePiece> pieces;
+  impl_->builder.clip(code,
+                      std::span(bins.triangles.data() + bins.begin[code], bins.begin[code + 1] - bins.begin[code]),
+                      [&](const CellClipper::Piece& piece, const OctreeFragment& f, const Triangle&) {
+                        pieces.push_back({f.code, static_cast<int>(f.material), f.color, f.opacity, *piece.polygon});
+                      });
+  std::stable_sort(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.code < b.code; });
+  return pieces;
 }
 
 Octree build_octree(const OctreeSource& source, const OctreeOptions& options) {

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "render/geometry.h"
 #include "render/octree/octree.h"
 #include "render/octree/octree_brick.h"
+#include "render/octree/octree_clip.h"
 #include "render/octree/octree_paint.h"
 
 namespace maquette {
@@ -65,6 +67,31 @@ struct OctreeProgress {
 /// are more nodes than `max_nodes`, naming the depth that fits, or more materials than a node can name.
 std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, const OctreeOptions& options,
                                                 const OctreeBricks* before, const OctreeProgress& progress);
+/// What one triangle has in one leaf.
+struct OctreePiece {
+  std::uint32_t code = 0;  ///< of the leaf, as OctreeFragment::code
+  int material = 0;
+  glm::vec3 color{1.0f};  ///< mean of texture and vertices; multiplies the material's own
+  float opacity = 1.0f;
+  ClipPolygon polygon;  ///< in finest cells from the root's corner
+};
+
+/// The scene cut along the leaves of a grid, brick by brick: what bakes of cells are made from. The source must outlive
+/// it.
+class OctreePieces {
+ public:
+  OctreePieces(const OctreeSource& source, const OctreeGrid& grid);
+  ~OctreePieces();
+  OctreePieces(const OctreePieces&) = delete;
+  OctreePieces& operator=(const OctreePieces&) = delete;
+  /// In the order of the leaves. May be called from several threads.
+  std::vector<OctreePiece> of_brick(std::uint32_t code) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Joins the bricks below a common top.
 Octree assemble_octree(const OctreeBricks& bricks);
 /// Both, without a past.

@@ -15,8 +15,8 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree";
-constexpr int kVersion = 2;
-constexpr std::size_t kSumFloats = 8 + 4 * OctreeSums::kMaterials;
+constexpr int kVersion = 3;
+constexpr std::size_t kSumFloats = 10 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 
 void append_bounds(std::vector<float>* out, const Bounds& b) {
@@ -25,7 +25,8 @@ void append_bounds(std::vector<float>* out, const Bounds& b) {
 Bounds read_bounds(const float* v) { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
 
 void append_sums(const OctreeSums& s, std::vector<float>* floats, std::vector<std::uint32_t>* materials) {
-  for (double v : {s.area, s.normal.x, s.normal.y, s.normal.z, s.centroid.x, s.centroid.y, s.centroid.z, s.deviation})
+  for (double v : {s.area, s.normal.x, s.normal.y, s.normal.z, s.centroid.x, s.centroid.y, s.centroid.z, s.deviation,
+                   s.low, s.high})
     floats->push_back(static_cast<float>(v));
   for (double v : s.material_area) floats->push_back(static_cast<float>(v));
   for (const glm::dvec3& c : s.material_color)
@@ -39,9 +40,11 @@ OctreeSums read_sums(const float* v, const std::uint32_t* materials) {
   s.normal = glm::dvec3(v[1], v[2], v[3]);
   s.centroid = glm::dvec3(v[4], v[5], v[6]);
   s.deviation = static_cast<double>(v[7]);
+  s.low = static_cast<double>(v[8]);
+  s.high = static_cast<double>(v[9]);
   for (std::size_t k = 0; k < OctreeSums::kMaterials; ++k) {
-    s.material_area[k] = static_cast<double>(v[8 + k]);
-    const float* color = v + 8 + OctreeSums::kMaterials + 3 * k;
+    s.material_area[k] = static_cast<double>(v[10 + k]);
+    const float* color = v + 10 + OctreeSums::kMaterials + 3 * k;
     s.material_color[k] = glm::dvec3(color[0], color[1], color[2]);
     s.material[k] = materials[k];
   }

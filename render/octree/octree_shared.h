@@ -20,5 +20,6 @@ inline thread_local OctreeView octree_view;
 inline uint octree_word(int node) { return octree_view.words[node]; }
 inline uint octree_plane_word(int node) { return octree_view.planes[node]; }
 
+#include "shared/cell_brdf.glsl"
 #include "shared/octree.glsl"
 }  // namespace maquette::shared

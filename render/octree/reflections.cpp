@@ -1,5 +1,6 @@
 #include "render/octree/reflections.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -16,7 +17,7 @@ class OctreeReflections : public ReflectorTechnique {
   void trace(const ReflectionFrame& frame) override {
     assert(frame.octree);
     ReflectionTargets& t = *frame.targets;
-    const Program& program = frame.programs->get({"octree/reflect.comp", "", {}});
+    const Program& program = frame.programs->get(octree_reflect_variant(frame.cells != nullptr));
     frame.octree->set_uniforms(program);
     set_mirrors(frame, program);
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
@@ -24,22 +25,59 @@ class OctreeReflections : public ReflectorTechnique {
     glBindImageTexture(2, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
     glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
     glBindImageTexture(4, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
-    counters_.clear_to_zero();
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
-    glUseProgram(program.get());
-    glDispatchCompute(static_cast<GLuint>(groups(t.width, 8)), static_cast<GLuint>(groups(t.height, 8)), 1);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    if (frame.cells) prepare_layers(frame, program);
+    for (bool again = true; again;) {
+      counters_.clear_to_zero();
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
+      glUseProgram(program.get());
+      glDispatchCompute(static_cast<GLuint>(groups(t.width, 8)), static_cast<GLuint>(groups(t.height, 8)), 1);
+      glMemoryBarrier(GL_ALL_BARRIER_BITS);
+      if (!frame.cells) break;
+      counters_.read(2 * sizeof(unsigned), sizeof layer_count_, &layer_count_);
+      again = layer_count_ > layer_capacity_;
+      if (again) make_layers(layer_count_, program);
+    }
     frame.timer->end("rays");
+  }
+  bool shade_layers(const ReflectionFrame& frame, bool traced, int samples) override {
+    if (!frame.cells) return false;
+    glBindTextureUnit(48, frame.targets->layers.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, layers_.get());
+    if (layer_count_ == 0) return true;
+    const Program& program = frame.programs->get(shade_cells_variant(traced));
+    frame.octree->set_uniforms(program);
+    program.set("u_layer_count", static_cast<int>(layer_count_));
+    program.set("u_samples", samples);
+    const int count = groups(static_cast<int>(layer_count_), 64), row = std::min(count, 65535);
+    glUseProgram(program.get());
+    glDispatchCompute(static_cast<GLuint>(row), static_cast<GLuint>(groups(count, row)), 1);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    return true;
   }
   bool resolves() const override { return true; }
   void add_counters(std::map<std::string, double>* counters) const override {
-    unsigned values[2];
+    unsigned values[3];
     counters_.read(0, sizeof values, values);
     (*counters)["rays"] = values[0];
     (*counters)["octree_steps"] = values[1];
+    if (layers_) (*counters)["cell_layers"] = values[2];
   }
 
  private:
+  void make_layers(unsigned capacity, const Program& program) {
+    layer_capacity_ = std::max(capacity, 64u);
+    layers_ = Buffer("cell layers", std::size_t{layer_capacity_} * 16);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, layers_.get());
+    program.set("u_layer_capacity", static_cast<int>(layer_capacity_));
+  }
+  void prepare_layers(const ReflectionFrame& frame, const Program& program) {
+    ReflectionTargets& t = *frame.targets;
+    frame.cells->bind();
+    if (!t.layers) t.layers = Texture::make_2d("cell layers", GL_RG32UI, t.width, t.height);
+    glBindImageTexture(5, t.layers.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+    make_layers(layers_ ? layer_capacity_ : static_cast<unsigned>(t.width * t.height / 2), program);
+    program.set("u_all_cells", frame.settings->get_string("octree.brdf") == "all" ? 1 : 0);
+  }
   static void set_mirrors(const ReflectionFrame& frame, const Program& program) {
     std::array<GLint, kMaxReflectors> materials;
     std::array<glm::vec3, kMaxReflectors> low{}, high{};
@@ -56,10 +94,18 @@ class OctreeReflections : public ReflectorTechnique {
     glProgramUniform3fv(program.get(), program.location("u_own_low"), kCount, &low[0].x);
     glProgramUniform3fv(program.get(), program.location("u_own_high"), kCount, &high[0].x);
   }
-  Buffer counters_ = Buffer("octree counters", 2 * sizeof(unsigned));
+  Buffer counters_ = Buffer("octree counters", 3 * sizeof(unsigned));
+  Buffer layers_;
+  unsigned layer_capacity_ = 0, layer_count_ = 0;
 };
 
 }  // namespace
+
+ShaderVariant octree_reflect_variant(bool cells) { return {"octree/reflect.comp", "", {{"CELLS", cells ? "1" : "0"}}}; }
+
+ShaderVariant shade_cells_variant(bool traced) {
+  return {"octree/shade_cells.comp", "", {{"VISIBILITY", traced ? "2" : "0"}}};
+}
 
 std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(); }
 

@@ -6,5 +6,7 @@ namespace maquette {
 
 /// Sends the mirrored rays through the scene's octree; their hits are its cells.
 std::unique_ptr<ReflectorTechnique> make_octree_reflections();
+ShaderVariant octree_reflect_variant(bool cells);
+ShaderVariant shade_cells_variant(bool traced);
 
 }  // namespace maquette

@@ -21,6 +21,15 @@ TechniqueInfo octree_technique() {
        .help = "cells are the width of the model / 2^depth (the part that holds nearly all triangles; what lies around "
                "it is "
                "coarser)"},
+      {.name = "octree.brdf",
+       .default_value = std::string("none"),
+       .help = "cells with a BRDF of their own, transparency included: none; mixed: those of several materials or not "
+               "flat; all: the flat ones too, at the 98 directions of a cell instead of their material's own lobes",
+       .choices = {"none", "mixed", "all"}},
+      {.name = "octree.interest",
+       .default_value = std::string(),
+       .help = "what gets cells of octree.depth, two levels coarser elsewhere: names of nodes and boxes "
+               "x0,y0,z0,x1,y1,z1 (m), separated by semicolons; empty: everything"},
       {.name = "octree.bake",
        .default_value = std::string(),
        .help = "folder of `maquette bake octree`; empty: the cache"},

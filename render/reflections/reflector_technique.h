@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/frame_constants.h"
+#include "render/octree/cell_brdf_buffers.h"
 #include "render/octree/octree_buffers.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
@@ -26,6 +27,7 @@ struct ReflectionFrame {
   const std::vector<bool>* occluding = nullptr;  ///< by item: drawn and opaque, so that mirrored rays end there
   std::uint32_t geometry_epoch = 0;              ///< raised by every change of geometry or of what occludes
   const OctreeBuffers* octree = nullptr;         ///< bound; null unless the plan has one
+  const CellBrdfBuffers* cells = nullptr;        ///< of its cells; null unless the plan has them
   const Settings* settings = nullptr;
   ReflectionTargets* targets = nullptr;
   ProgramCache* programs = nullptr;
@@ -41,6 +43,9 @@ class ReflectorTechnique {
   /// too, and says so by resolves(): what is baked per vertex is then not known there.
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
+  /// Shades what lies before the hits and lets a share of them through; true when there is such, for the composition
+  /// (unit 48, storage 7). `traced`: shadow rays through the octree; `samples` of the environment for each.
+  virtual bool shade_layers(const ReflectionFrame&, bool /*traced*/, int /*samples*/) { return false; }
   /// Bytes of its own buffers by vocabulary word.
   virtual void add_bytes(std::map<std::string, std::size_t>*) const {}
   /// Counters of the frame just traced.

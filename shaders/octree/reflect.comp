@@ -15,7 +15,27 @@ layout(binding = 1, r32f) uniform writeonly image2D o_depth;
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
 layout(binding = 4, rg8ui) uniform writeonly uimage2D o_effort;
 layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
-layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps; };
+layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps, b_layer_count; };
+#if CELLS
+#include "octree/cells.glsl"
+layout(std430, binding = 7) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
+layout(binding = 5, rg32ui) uniform writeonly uimage2D o_layers;            // first layer, count | what comes through (half) << 16
+uniform int u_layer_capacity;
+uniform int u_all_cells;  // 0: flat cells of one material keep that
+
+/// Cells with BRDFs that a ray may meet before the last counts as opaque.
+const int kMaxLayers = 4;
+/// What comes through less than this is not followed, what covers less than this is not shaded.
+const float kLeastShare = 0.01;
+
+/// Distance at which the ray leaves the cell that it meets at `t`.
+float leave_cell(vec3 origin, vec3 direction, float t, float cell_m) {
+  vec3 lower = u_octree.xyz + floor((origin + (t + 1e-3 * cell_m) * direction - u_octree.xyz) / cell_m) * cell_m;
+  vec3 to = lower + cell_m * vec3(greaterThan(direction, vec3(0.0)));
+  vec3 out_t = (to - origin) / (max(abs(direction), vec3(1e-20)) * (vec3(1.0) - 2.0 * vec3(lessThan(direction, vec3(0.0)))));
+  return max(min(min(out_t.x, out_t.y), out_t.z), t + 0.02 * cell_m);
+}
+#endif
 uniform int u_own_material[16];  // of each reflector that is opaque, and so in the octree; -1: a pane, which is not
 uniform vec3 u_own_low[16];      // its bounds, m
 uniform vec3 u_own_high[16];
@@ -34,6 +54,7 @@ void store_nothing(ivec2 pixel, int steps) {
   imageStore(o_guide, pixel, uvec4(0u));
   imageStore(o_triangle, pixel, uvec4(0u));
 }
+
 
 /// Angle between the rays of neighbouring pixels: a curved pane spreads them.
 float spread_of(ivec2 pixel, vec4 direction) {
@@ -71,6 +92,9 @@ void main() {
   vec4 direction = texelFetch(t_ray_direction, pixel, 0);
   if (direction.w <= 0.0) {
     store_nothing(pixel, 0);
+#if CELLS
+    imageStore(o_layers, pixel, uvec4(0u, packHalf2x16(vec2(1.0, 0.0)) << 16u, 0u, 0u));
+#endif
     return;
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
@@ -78,18 +102,60 @@ void main() {
   OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells / u_octree.w, origin.w * u_frame.forward.w, spread_of(pixel, direction));
   OctreeHit hit;
   OctreeColor color;
-  int steps = 0;
-  for (int k = 0; k <= kOwnCells; ++k) {
+  int steps = 0, own = 0;
+#if CELLS
+  uvec4 layers[kMaxLayers];
+  int layer_count = 0;
+  float through = 1.0;
+#endif
+  bool going = true;
+  while (going) {
     hit = octree_trace(octree_frame(), ray);
     steps += hit.steps;
     if (hit.node < 0) break;
+    going = false;
     color = octree_unpack_color(texelFetch(t_octree_colors, hit.node).x);
     float cell_m = float(1 << (u_octree_depth - hit.level)) / u_octree.w;
-    if (color.material != u_own_material[reflector] || !is_within(origin.xyz + hit.t * direction.xyz, reflector, cell_m)) break;
-    ray.t_min = hit.t + 0.5 * cell_m;
+    if (own < kOwnCells && color.material == u_own_material[reflector] && is_within(origin.xyz + hit.t * direction.xyz, reflector, cell_m)) {
+      ++own;
+      ray.t_min = hit.t + 0.5 * cell_m;
+      going = true;
+    }
+#if CELLS
+    int cell = going ? 0 : int(texelFetch(t_cell_of_node, hit.node).x);
+    CellCode code = cell_code(max(cell - 1, 0));
+    if (cell > 0 && (u_all_cells != 0 || !code.flat_shared)) {
+      OctreePlane plane = cell_plane(hit.node, hit.level);
+      float seen = cell_seen(code, cell_from_world(cell_frame(plane.normal), -direction.xyz));
+      float outline = cell_outline(direction.xyz);
+      // The walk has met the plane of a flat cell itself: nothing comes through there.
+      float opacity = plane.planar || layer_count + 1 == kMaxLayers ? 1.0 : min(seen / outline, 1.0);
+      if (opacity > 1.0 - kLeastShare) opacity = 1.0;
+      if (opacity > kLeastShare && seen > 1e-4) {
+        uint where = uint(pixel.x) | (uint(pixel.y) << 16u);
+        layers[layer_count++] = uvec4(where, uint(hit.node) | (uint(hit.level) << 26u), floatBitsToUint(hit.t), floatBitsToUint(through * opacity / seen));
+        through *= 1.0 - opacity;
+      }
+      going = through > kLeastShare;
+      if (!going) through = 0.0;
+      ray.t_min = leave_cell(origin.xyz, direction.xyz, hit.t, cell_m);
+    }
+#endif
   }
   atomicAdd(b_rays, 1u);
   atomicAdd(b_steps, uint(steps));
+#if CELLS
+  uint first = layer_count > 0 ? atomicAdd(b_layer_count, uint(layer_count)) : 0u;
+  // Room is for two a pixel: the host draws again with more when this is not enough.
+  if (first + uint(layer_count) > uint(u_layer_capacity)) layer_count = 0;
+  for (int k = 0; k < layer_count; ++k) b_layers[first + uint(k)] = layers[k];
+  imageStore(o_layers, pixel, uvec4(first, uint(layer_count) | (packHalf2x16(vec2(through, 0.0)) << 16u), 0u, 0u));
+  if (hit.node >= 0 && through == 0.0) {
+    store_nothing(pixel, steps);
+    imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
+    return;
+  }
+#endif
   if (hit.node < 0) {
     store_nothing(pixel, steps);
     return;

@@ -49,6 +49,18 @@ void store_blended(ivec2 pixel, vec4 value) {
 
 #ifdef REFLECTED
 #include "shading/sky.glsl"
+#if LAYERS
+layout(std430, binding = 7) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
+layout(binding = 48) uniform usampler2D t_layers;
+/// Cells with BRDFs before what the ray ends at.
+vec4 with_layers(ivec2 pixel, vec4 behind) {
+  uvec4 list = texelFetch(t_layers, pixel, 0);
+  float through = unpackHalf2x16(list.y >> 16u).x;
+  vec4 sum = vec4(behind.rgb * through, 1.0 - (1.0 - behind.w) * through);
+  for (uint k = 0u; k < (list.y & 65535u); ++k) sum.rgb += uintBitsToFloat(b_layers[list.x + k].xyz);
+  return sum;
+}
+#endif
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
@@ -58,6 +70,9 @@ void main() {
   if (reflector > 0.0) {
     bool surface = texelFetch(t_depth, pixel, 0).x > 0.0;
     value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(sky_radiance(pixel), 0.0);
+#if LAYERS
+    value = with_layers(pixel, value);
+#endif
   }
   imageStore(io_radiance, pixel, value);
 }

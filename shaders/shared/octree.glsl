@@ -3,7 +3,7 @@
 //
 // Words. Above the last level: child mask << 24 | first child, children in the order x + 2 y + 4 z; mask 0 is a leaf. On the last level: the
 // plane. A plane word: normal (octahedral, 2 x 11 bits, kept with |x| + |y| + |z| = 1, so that no root is needed), offset from the cell's
-// centre in cells (9 bits), 1 bit: the surface is that plane; without it the whole cell is solid. A colour word: material 12 bits, coverage 4
+// centre in cells (9 bits), 1 bit: the surface is that plane; without it the cell is solid between two planes of that normal (4 and 5 bits). A colour word: material 12 bits, coverage 4
 // bits, mean colour of its textures (square root, 5 + 6 + 5 bits).
 //
 // The including file declares, of a node's index:
@@ -23,6 +23,8 @@ struct OctreePlane {
   vec3 normal;   // sum of the absolute components is 1; a small array of directions needs no unit vectors
   float offset;  // dot(normal, p) = offset, p in cells from the cell's centre
   bool planar;
+  float low;     // what is not planar lies between: low <= dot(normal, p) <= high
+  float high;
 };
 
 MAQUETTE_FN OctreePlane octree_unpack_plane(uint word) {
@@ -34,25 +36,43 @@ MAQUETTE_FN OctreePlane octree_unpack_plane(uint word) {
   float z = y < 0.0f ? (v >= 0.0f ? 1.0f - abs(u) : abs(u) - 1.0f) : v;
   OctreePlane plane;
   plane.normal = vec3(x, y, z);
-  plane.offset = float(int((word >> 22u) & 511u)) * (1.0f / 511.0f) - 0.5f;
   plane.planar = (word >> 31u) != 0u;
+  plane.offset = plane.planar ? float(int((word >> 22u) & 511u)) * (1.0f / 511.0f) - 0.5f : 0.0f;
+  plane.low = float(int((word >> 22u) & 15u)) * (1.0f / 16.0f) - 0.5f;
+  plane.high = float(int((word >> 26u) & 31u) + 1) * (1.0f / 32.0f) - 0.5f;
   return plane;
 }
 
-// `normal` of any length above 0; `point` on the plane, in cells from the cell's centre.
-MAQUETTE_FN uint octree_pack_plane(vec3 normal, vec3 point, bool planar) {
+// The normal's bits of a plane word; `normal` of any length above 0.
+MAQUETTE_FN uint octree_pack_normal(vec3 normal) {
   float scale = 1.0f / max(abs(normal.x) + abs(normal.y) + abs(normal.z), 1.0e-30f);
   float p = normal.x * scale;
   float q = normal.z * scale;
   bool below = normal.y < 0.0f;
   float u = below ? (p >= 0.0f ? 1.0f - abs(q) : abs(q) - 1.0f) : p;
   float v = below ? (q >= 0.0f ? 1.0f - abs(p) : abs(p) - 1.0f) : q;
-  uint word = uint(clamp(int((u * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) |
-              (uint(clamp(int((v * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) << 11u);
+  return uint(clamp(int((u * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) |
+         (uint(clamp(int((v * 0.5f + 0.5f) * 2047.0f + 0.5f), 0, 2047)) << 11u);
+}
+
+// `point` on the plane, in cells from the cell's centre.
+MAQUETTE_FN uint octree_pack_plane(vec3 normal, vec3 point) {
+  uint word = octree_pack_normal(normal);
   // The offset belongs to the normal as it will be read.
   float offset = dot(octree_unpack_plane(word).normal, point);
-  word |= uint(clamp(int((offset + 0.5f) * 511.0f + 0.5f), 0, 511)) << 22u;
-  return planar ? word | 0x80000000u : word;
+  return word | (uint(clamp(int((offset + 0.5f) * 511.0f + 0.5f), 0, 511)) << 22u) | 0x80000000u;
+}
+
+// Something that reaches from `low` to `high` along the unit normal, measured from `point`, all in cells.
+MAQUETTE_FN uint octree_pack_solid(vec3 normal, vec3 point, float low, float high) {
+  uint word = octree_pack_normal(normal);
+  vec3 n = octree_unpack_plane(word).normal;
+  float middle = dot(n, point);
+  float scale = sqrt(dot(n, n));
+  // Rounded outwards, and a little more: the normal is rounded too.
+  float from = (middle + low * scale - 0.002f + 0.5f) * 16.0f;
+  float to = (middle + high * scale + 0.002f + 0.5f) * 32.0f;
+  return word | (uint(clamp(int(floor(from)), 0, 15)) << 22u) | (uint(clamp(int(ceil(to)) - 1, 0, 31)) << 26u);
 }
 
 struct OctreeColor {
@@ -177,9 +197,13 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
         float per_t = dot(n, slope) * scale;
         float a = at_origin + t * per_t;
         float b = at_origin + t_out * per_t;
-        bool in_slab = min(a, b) <= kOctreeSlab && max(a, b) >= -kOctreeSlab;
-        bool solid = plane.planar ? in_slab : t >= ray.t_box;
-        float t_hit = plane.planar ? clamp(-at_origin / (abs(per_t) > 1.0e-20f ? per_t : 1.0e-20f), t, t_out) : t;
+        float low = plane.planar ? -kOctreeSlab : plane.low;
+        float high = plane.planar ? kOctreeSlab : plane.high;
+        // A plane is met in its middle, a solid where the ray enters it.
+        float goal = plane.planar ? 0.0f : clamp(a, low, high);
+        float t_hit = clamp((goal - at_origin) / (abs(per_t) > 1.0e-20f ? per_t : 1.0e-20f), t, t_out);
+        t_hit = !plane.planar && goal == a ? t : t_hit;
+        bool solid = min(a, b) <= high && max(a, b) >= low && (plane.planar || t_hit >= ray.t_box);
         if (solid && t_hit < ray.t_max) {
           hit.t = t_hit;
           hit.node = node;

@@ -147,15 +147,19 @@ Answer brute_force(const Octree& octree, const std::vector<Box>& boxes, const sh
     if (!(in < out) || (slack < 0.0 && (out - in) * length < -slack)) continue;
     const bool last = box.level == octree.depth;
     const auto plane = exact::octree_unpack_plane(last ? octree.words[box.node] : octree.planes[box.node]);
-    if (plane.planar) {
+    {
       const glm::dvec3 center = 0.5 * (box.low + box.high);
       const double cell = box.high.x - box.low.x;
       const double f0 = glm::dot(plane.normal, o - center) / cell - plane.offset;
       const double f1 = glm::dot(plane.normal, d) / cell;
-      const double a = f0 + in * f1, b = f0 + out * f1, half = exact::kOctreeSlab + slack;
-      if (std::min(a, b) > half || std::max(a, b) < -half) continue;
-    } else if (in < static_cast<double>(ray.t_box)) {
-      continue;
+      const double a = f0 + in * f1, b = f0 + out * f1;
+      const double low = (plane.planar ? -exact::kOctreeSlab : plane.low) - slack;
+      const double high = (plane.planar ? exact::kOctreeSlab : plane.high) + slack;
+      if (std::min(a, b) > high || std::max(a, b) < low) continue;
+      if (!plane.planar) {
+        if (a < low || a > high) in += ((a < low ? low : high) - a) / f1;
+        if (in < static_cast<double>(ray.t_box)) continue;
+      }
     }
     // Cells are met in the order of their entries.
     if (in < best.t) best = {in, static_cast<int>(box.node)};

@@ -1,0 +1,53 @@
+// BRDFs of octree cells (render/octree/cell_brdf_buffers.h): their frames, what of them is seen, and their codes. Needs octree/tables.glsl.
+#include "shared/cell_brdf.glsl"
+layout(binding = 36) uniform usamplerBuffer t_cell_of_node;  // [node], code + 1, 0: none
+layout(binding = 37) uniform usamplerBuffer t_cell_codes;    // cluster (highest bit: shared by flat cells), four weights, scale
+layout(binding = 38) uniform samplerBuffer t_cell_pairs;     // [cluster][pair][5]
+layout(binding = 39) uniform samplerBuffer t_cell_seen;      // [cluster][direction][5]
+
+struct CellCode {
+  int cluster;
+  bool flat_shared;
+  vec4 weights;
+  float scale;  // of light
+};
+
+CellCode cell_code(int code) {
+  uvec4 w = texelFetch(t_cell_codes, code);
+  return CellCode(int(w.x & 0x7fffffffu), (w.x >> 31u) != 0u, vec4(unpackHalf2x16(w.y), unpackHalf2x16(w.z)), uintBitsToFloat(w.w));
+}
+
+OctreePlane cell_plane(int node, int level) {
+  return octree_unpack_plane(level == u_octree_depth ? octree_word(node) : octree_plane_word(node));
+}
+
+struct CellFrame {
+  vec3 t, b, n;
+};
+CellFrame cell_frame(vec3 normal) {
+  vec3 n = normalize(normal), t = cell_tangent(n);
+  return CellFrame(t, cross(n, t), n);
+}
+vec3 cell_from_world(CellFrame f, vec3 d) { return vec3(dot(f.t, d), dot(f.b, d), dot(f.n, d)); }
+
+float cell_seen_at(CellCode c, int direction) {
+  int first = (c.cluster * kCellDirections + direction) * 5;
+  float sum = texelFetch(t_cell_seen, first).x;
+  for (int k = 0; k < 4; ++k) sum += c.weights[k] * texelFetch(t_cell_seen, first + 1 + k).x;
+  return sum;
+}
+
+/// Area that is seen along a direction of the cell's frame, over that of a face.
+float cell_seen(CellCode c, vec3 d) {
+  CellLookup at = cell_lookup(d);
+  float low = mix(cell_seen_at(c, at.first), cell_seen_at(c, at.first + 1), at.x);
+  float high = mix(cell_seen_at(c, at.first + kCellSide), cell_seen_at(c, at.first + kCellSide + 1), at.x);
+  return max(mix(low, high, at.y), 0.0);
+}
+
+vec3 cell_pair_value(CellCode c, int a, int b) {
+  int first = (c.cluster * kCellPairs + cell_pair(a, b)) * 5;
+  vec3 sum = texelFetch(t_cell_pairs, first).rgb;
+  for (int k = 0; k < 4; ++k) sum += c.weights[k] * texelFetch(t_cell_pairs, first + 1 + k).rgb;
+  return sum * c.scale;
+}

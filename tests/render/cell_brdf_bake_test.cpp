@@ -71,7 +71,7 @@ TEST_F(CellBrdfBake, ANewPaintBakesItsOwnBricksAndNoGeometry) {
   Scene scene = two_places();
   const CellBrdfJob first = job_of(scene, "");
   const CellBrdfs before = run(first);
-  scene.materials[2].base_color = glm::vec4(0.1f, 0.8f, 0.1f, 1.0f);
+  scene.materials[2].base_color = glm::vec4(0.08f, 0.08f, 0.6f, 1.0f);
   CellBrdfJob job = first;
   job.octree.before = first.bricks;
   std::atomic<bool> cancel{false};
@@ -87,7 +87,9 @@ TEST_F(CellBrdfBake, ANewPaintBakesItsOwnBricksAndNoGeometry) {
   for (const auto& [code, brick] : after.bricks) {
     const bool same = brick.key == before.bricks.at(code).key;
     EXPECT_EQ(brick.nodes, before.bricks.at(code).nodes);
-    if (same) EXPECT_EQ(brick.codes, before.bricks.at(code).codes);
+    if (same) {
+      EXPECT_EQ(brick.codes, before.bricks.at(code).codes);
+    }
   }
 }
 

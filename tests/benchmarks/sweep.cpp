@@ -85,7 +85,7 @@ FrameRequest whole_frame(Stage& stage, const std::string& mode, int samples, std
 
 Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_t seed, const Reference& reference) {
   Renderer& renderer = stage.renderer();
-  renderer.render(whole_frame(stage, mode, 2, seed));  // the mode's targets and programs
+  renderer.render(whole_frame(stage, mode, 4, seed));  // the mode's targets and programs
   Trial trial;
   const Clock begin = now();
   trial.stats = renderer.render(whole_frame(stage, mode, samples, seed));

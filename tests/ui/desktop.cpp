@@ -114,7 +114,8 @@ Desktop::Desktop(int width, int height) : width_(width), height_(height) {
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const std::string screen = std::to_string(width) + "x" + std::to_string(height) + "x24";
   screen_process_ = spawn(
-      {"Xvfb", "-displayfd", std::to_string(ends[1]), "-screen", "0", screen, "-nolisten", "tcp", "-noreset"}, {});
+      {"Xvfb", "-displayfd", std::to_string(ends[1]), "-screen", "0", screen, "-nolisten", "tcp", "-noreset", "-r"},
+      {});
   close(ends[1]);
   std::string number;
   for (char c = 0; read(ends[0], &c, 1) == 1 && c != '\n';) number += c;

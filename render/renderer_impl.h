@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "render/bandwidth/progressive.h"
+#include "render/bandwidth/turning.h"
 #include "render/environment_buffers.h"
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
@@ -17,13 +19,11 @@
 #include "render/octree/octree_store.h"
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
-#include "render/progressive.h"
 #include "render/reference/worker.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/reflections/skipping.h"
 #include "render/renderer.h"
 #include "render/scene_buffers.h"
-#include "render/turning.h"
 #include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
@@ -181,8 +181,8 @@ struct Renderer::Impl {
   enum class RayKind { all, some, ghost };  ///< `some`: only those that matter; `ghost`: mirrored by the back faces
   /// One reflected picture, a point for `divisor` x `divisor` of the grid.
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
-  /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the reflectors. Throws
-  /// Error when none was drawn.
+  /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the
+  /// reflectors. Throws Error when none was drawn.
   Image read_reflection(int channel) const;
   Image read_ghost();          ///< the second image alone
   Image read_skipped() const;  ///< 1 where the mirrored ray was not followed

@@ -1,6 +1,6 @@
 // Frames while only the light turns, mode `bandwidth`: the prediction is renewed for a part of the picture, and every
 // point's mean goes on by what its samples changed.
-#include "render/turning.h"
+#include "render/bandwidth/turning.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 // Frames after the first while nothing moves, mode `bandwidth`: the G-buffer and the prediction stay, every point goes
 // on with its own sequence of samples. The deviations measured so far decide who gets how many, and the distance of own
 // means from what was interpolated decides where interpolation still serves.
-#include "render/progressive.h"
+#include "render/bandwidth/progressive.h"
 
 #include <algorithm>
 #include <array>

@@ -6,6 +6,43 @@
 
 namespace maquette {
 
+namespace {
+
+RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float near) {
+  RTCRay ray{};
+  ray.org_x = origin.x;
+  ray.org_y = origin.y;
+  ray.org_z = origin.z;
+  ray.dir_x = direction.x;
+  ray.dir_y = direction.y;
+  ray.dir_z = direction.z;
+  ray.tnear = near;
+  ray.tfar = 1e30f;
+  ray.mask = ~0u;
+  return ray;
+}
+
+}  // namespace
+
+std::optional<RayScene::Hit> RayScene::nearest(const glm::vec3& origin, const glm::vec3& direction, float near) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query{};
+  query.ray = ray_from(origin, direction, near);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene.get(), &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return Hit{numbers[query.hit.primID], query.ray.tfar};
+}
+
+bool RayScene::is_blocked(const glm::vec3& origin, const glm::vec3& direction, float near) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = ray_from(origin, direction, near);
+  rtcOccluded1(scene.get(), &context, &ray);
+  return ray.tfar < 0.0f;
+}
+
 RayScene build_ray_scene(const FlatGeometry& geometry, const std::vector<bool>& occluding) {
   RayScene out;
   std::vector<std::uint32_t> indices;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -18,6 +19,14 @@ struct RayScene {
   DevicePointer device{nullptr, &rtcReleaseDevice};
   ScenePointer scene{nullptr, &rtcReleaseScene};
   std::vector<std::uint32_t> numbers;
+
+  struct Hit {
+    std::uint32_t triangle = 0;
+    float distance = 0.0f;  ///< in lengths of the direction
+  };
+  /// First triangle met at `near` (in lengths of the direction) or beyond.
+  std::optional<Hit> nearest(const glm::vec3& origin, const glm::vec3& direction, float near) const;
+  bool is_blocked(const glm::vec3& origin, const glm::vec3& direction, float near) const;
 };
 
 /// `occluding[i]`: item i counts. Throws Error when memory does not do.

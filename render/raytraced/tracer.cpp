@@ -50,26 +50,13 @@ class RaytracedReflections : public ReflectorTechnique {
   std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction, const DrawItem& own) const {
     constexpr float kNear_m = 1e-4f;
     constexpr int kOwnFacets = 8;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query{};
-    query.ray.org_x = origin.x;
-    query.ray.org_y = origin.y;
-    query.ray.org_z = origin.z;
-    query.ray.dir_x = direction.x;
-    query.ray.dir_y = direction.y;
-    query.ray.dir_z = direction.z;
-    query.ray.tnear = kNear_m;
-    query.ray.mask = ~0u;
+    float near = kNear_m;
     for (int passed = 0; passed <= kOwnFacets; ++passed) {
-      query.ray.tfar = 1e30f;
-      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(scene_.scene.get(), &context, &query);
-      if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return 0u;
-      const std::uint32_t triangle = scene_.numbers[query.hit.primID];
-      const bool is_own = 3 * triangle >= own.first_index && 3 * triangle < own.first_index + own.index_count;
-      if (!is_own) return triangle + 1u;
-      query.ray.tnear = std::nextafter(query.ray.tfar, 1e30f);
+      const auto met = scene_.nearest(glm::vec3(origin), glm::vec3(direction), near);
+      if (!met) return 0u;
+      const std::uint32_t first = 3 * met->triangle;
+      if (first < own.first_index || first >= own.first_index + own.index_count) return met->triangle + 1u;
+      near = std::nextafter(met->distance, 1e30f);
     }
     return 0u;
   }

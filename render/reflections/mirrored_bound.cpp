@@ -20,6 +20,7 @@ constexpr float kTurn_rad = 0.02f;
 constexpr float kMostSpread_rad = 0.7f;
 constexpr float kAnything = 1e30f;  // cd/m2
 constexpr float kFaint = 1.0f;      // cd/m2, of a lamp's highlight
+constexpr float kNear_m = 1e-4f;
 constexpr float kOwnFacet_m = 2e-3f;
 constexpr std::uint32_t kShadowTests = 8;  // points of a cluster, at least
 
@@ -109,25 +110,12 @@ MirroredBound::Cell MirroredBound::test_cell(const Part& part, std::size_t numbe
     const glm::vec3 side =
         glm::mix(part.positions[triangle], part.positions[triangle + 1], part_of(0.5385972572236101));
     const glm::vec3 origin = glm::mix(side, part.positions[triangle + 2], 0.5f);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query{};
-    query.ray.org_x = origin.x;
-    query.ray.org_y = origin.y;
-    query.ray.org_z = origin.z;
-    query.ray.dir_x = d.x;
-    query.ray.dir_y = d.y;
-    query.ray.dir_z = d.z;
-    query.ray.tnear = 1e-4f;
-    query.ray.tfar = 1e30f;
-    query.ray.mask = ~0u;
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(rays_.scene.get(), &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+    const auto met = rays_.nearest(origin, d, kNear_m);
+    if (!met) {
       cell.sky = true;
       continue;
     }
-    const std::uint32_t triangle_met = rays_.numbers[query.hit.primID];
+    const std::uint32_t triangle_met = met->triangle;
     const glm::vec3 normal(normals_[triangle_met]);
     cell.met.push_back(
         {cluster_of_[triangle_met], glm::dot(normal, d) > 0.0f ? -normal : normal, -d, normals_[triangle_met].w});
@@ -158,23 +146,6 @@ void MirroredBound::set_light(const BoundLight& light) {
   });
 }
 
-bool MirroredBound::is_blocked(const glm::vec3& origin, const glm::vec3& direction) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray{};
-  ray.org_x = origin.x;
-  ray.org_y = origin.y;
-  ray.org_z = origin.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = kOwnFacet_m;
-  ray.tfar = 1e30f;
-  ray.mask = ~0u;
-  rtcOccluded1(rays_.scene.get(), &context, &ray);
-  return ray.tfar < 0.0f;
-}
-
 void MirroredBound::light_cluster(Lit* lit, std::size_t number) const {
   const BoundSurface& surface = light_.surfaces[lit->item];
   const LobeBound& lobe = light_.lobes[static_cast<std::size_t>(surface.lobe)];
@@ -187,7 +158,8 @@ void MirroredBound::light_cluster(Lit* lit, std::size_t number) const {
     for (std::uint32_t k = 0; k < cluster.vertex_count && !lit_by; k += 1 + cluster.vertex_count / kShadowTests) {
       const glm::vec3& at = positions_[clusters_.vertices[cluster.first_vertex + k]];
       // Towards the cluster's middle, so that an edge's own neighbours do not hide the lamp.
-      lit_by = !is_blocked(glm::mix(at, lit->center, 0.05f), lamp.direction) || !is_blocked(at, lamp.direction);
+      lit_by = !rays_.is_blocked(glm::mix(at, lit->center, 0.05f), lamp.direction, kOwnFacet_m) ||
+               !rays_.is_blocked(at, lamp.direction, kOwnFacet_m);
     }
     if (!lit_by) continue;
     lit->lamps.push_back(l);

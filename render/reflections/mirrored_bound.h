@@ -81,7 +81,6 @@ class MirroredBound {
   Cell test_cell(const Part& part, std::size_t number) const;
   float bound_of_cell(Part* part, std::size_t number) const;
   void light_cluster(Lit* lit, std::size_t cluster) const;
-  bool is_blocked(const glm::vec3& origin, const glm::vec3& direction) const;
   float radiance_of(const Met& met) const;
   float bound_of(Part* part, const FrameConstants& frame) const;
 

@@ -12,25 +12,9 @@ namespace maquette {
 namespace {
 
 using test::add;
+using test::constant_sky;
 using test::make_grid;
-
-Material matte(const glm::vec3& color) {
-  Material m;
-  m.metallic = 0.0f;
-  m.specular = 0.0f;
-  m.double_sided = true;
-  m.base_color = glm::vec4(color, 1.0f);
-  return m;
-}
-
-std::shared_ptr<const Environment> white_sky() {
-  auto sky = std::make_shared<Environment>();
-  sky->name = "constant";
-  sky->width = 32;
-  sky->height = 16;
-  sky->rgb.assign(32 * 16, glm::vec3(1.0f));
-  return sky;
-}
+using test::matte;
 
 /// A flat mirror that faces a white floor and, when `comb`, a comb of thin red plates on it, finer than a cell.
 Scene before_a_mirror(bool comb) {
@@ -39,6 +23,7 @@ Scene before_a_mirror(bool comb) {
   mirror.metallic = 1.0f;
   mirror.roughness = 0.02f;
   scene.materials = {matte(glm::vec3(0.8f)), matte({0.8f, 0.1f, 0.1f}), mirror};
+  for (Material& m : scene.materials) m.double_sided = true;
   add(&scene, make_grid({-2.0f, -0.5f, 3.0f}, {4, 0, 0}, {0, 0, -3.8f}, 8, 0), "floor");
   for (int k = 0; comb && k < 15; ++k) {
     const float z = -0.4f + 0.13f * static_cast<float>(k);
@@ -96,7 +81,7 @@ glm::vec3 mean_of(const Image& image, int y0, int y1) {
 /// A flat floor by the BRDFs of its cells is the floor by its material: Lambert under an even sky.
 TEST_F(CellBrdfReflections, FlatLambertCellsAreLambert) {
   renderer_.set_scene(std::make_shared<const Scene>(before_a_mirror(false)));
-  renderer_.set_environment(white_sky());
+  renderer_.set_environment(constant_sky(1.0f));
   const glm::vec3 own = mean_of(draw("octree", "none"), 0, 64);
   EXPECT_EQ(stats_.gpu_bytes.count("cell_brdfs"), 0u);
   const glm::vec3 cells = mean_of(draw("octree", "all"), 0, 64);
@@ -111,7 +96,7 @@ TEST_F(CellBrdfReflections, FlatLambertCellsAreLambert) {
 /// Plates lower than a cell: without BRDFs their cells are floor, with them they are red from the side.
 TEST_F(CellBrdfReflections, FineStructureKeepsItsMeanColour) {
   renderer_.set_scene(std::make_shared<const Scene>(before_a_mirror(true)));
-  renderer_.set_environment(white_sky());
+  renderer_.set_environment(constant_sky(1.0f));
   const Image rays = draw("raytraced", "none");
   const glm::vec3 truth = mean_of(rays, 0, 64), boxes = mean_of(draw("octree", "none"), 0, 64);
   const glm::vec3 cells = mean_of(draw("octree", "mixed"), 0, 64);

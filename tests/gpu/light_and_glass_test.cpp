@@ -15,6 +15,7 @@ namespace maquette {
 namespace {
 
 using test::add;
+using test::constant_sky;
 using test::make_grid;
 
 Material matte(const std::string& name, float albedo) {
@@ -36,15 +37,6 @@ Scene floor_scene() {
 }
 
 Scene box_scene(int walls) { return test::box_scene(walls, 6, matte("wall", 0.5f)); }
-
-std::shared_ptr<const Environment> constant_sky(float radiance) {
-  auto sky = std::make_shared<Environment>();
-  sky->name = "constant";
-  sky->width = 32;
-  sky->height = 16;
-  sky->rgb.assign(32 * 16, glm::vec3(radiance));
-  return sky;
-}
 
 FrameRequest request_of(const std::string& mode, const std::string& visibility) {
   FrameRequest r;

@@ -16,6 +16,7 @@
 namespace {
 
 using namespace maquette;
+using test::constant_sky;
 using test::white_lambert;
 
 constexpr int kSize = 64;
@@ -28,10 +29,6 @@ std::shared_ptr<Environment> make_sky(int width, const std::function<glm::dvec3(
     for (int x = 0; x < width; ++x)
       sky->rgb.emplace_back(radiance(direction_from_latlong(x + 0.5, y + 0.5, width, sky->height)));
   return sky;
-}
-
-std::shared_ptr<Environment> constant_sky(double value) {
-  return make_sky(16, [value](const glm::dvec3&) { return glm::dvec3(value); });
 }
 
 glm::dvec3 smooth_radiance(const glm::dvec3& d) { return {1.0 + 0.8 * d.y, 1.0 + 0.5 * d.x * d.z, 1.0 - 0.6 * d.x}; }
@@ -91,7 +88,7 @@ TEST_P(LookupModes, WhiteLambertShowsAConstantSky) {
   Renderer renderer;
   const auto scene = sphere_of(white_lambert());
   renderer.set_scene(scene);
-  renderer.set_environment(constant_sky(0.75));
+  renderer.set_environment(constant_sky(0.75f));
   FrameRequest request = sphere_request(*scene, GetParam());
   request.env_scale = 2.0f;
   renderer.render(request);
@@ -112,7 +109,7 @@ TEST_P(LookupModes, MeasuredTableShowsItsAlbedoUnderAConstantSky) {
   material.measured = source;
   const auto scene = sphere_of(material);
   renderer.set_scene(scene);
-  renderer.set_environment(constant_sky(1.0));
+  renderer.set_environment(constant_sky(1.0f));
   renderer.render(sphere_request(*scene, GetParam()));
   const Image image = renderer.read_radiance();
   // Two reflectances cannot follow every table over all elevations; sg has a factor for each of them.
@@ -201,7 +198,7 @@ TEST_P(LookupModes, HardSkiesStayFinite) {
   const auto scene = sphere_of(material);
   renderer.set_scene(scene);
   for (int kind = 0; kind < 3; ++kind) {
-    auto sky = constant_sky(0.0);
+    auto sky = constant_sky(0.0f);
     if (kind == 1) sky->rgb[40] = glm::vec3(1e7f);
     if (kind == 2) *sky = *make_sky(2, [](const glm::dvec3&) { return glm::dvec3(1.0); });
     renderer.set_environment(sky);
@@ -220,7 +217,7 @@ TEST_P(LookupModes, ResourcesExistOnlyOnceUsed) {
   Renderer renderer;
   const auto scene = sphere_of(white_lambert());
   renderer.set_scene(scene);
-  renderer.set_environment(constant_sky(1.0));
+  renderer.set_environment(constant_sky(1.0f));
   FrameRequest request = sphere_request(*scene, "uniform");
   request.samples = 4;
   const FrameStats before = renderer.render(request);

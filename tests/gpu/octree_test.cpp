@@ -17,6 +17,7 @@
 namespace maquette {
 namespace {
 
+using test::constant_sky;
 using test::HitRecord;
 using test::RayRecord;
 
@@ -75,18 +76,7 @@ TEST(OctreeOnGpu, WalksAsTheCpuDoes) {
 
 /// A box around [-1, 1]^3, matte at 0.5, seen from inside; the last wall is the roof.
 std::shared_ptr<Scene> box(int walls) {
-  Material matte = test::white_lambert();
-  matte.base_color = glm::vec4(0.5f, 0.5f, 0.5f, 1.0f);
-  return std::make_shared<Scene>(test::box_scene(walls, 8, matte));
-}
-
-std::shared_ptr<const Environment> constant_sky() {
-  auto sky = std::make_shared<Environment>();
-  sky->name = "constant";
-  sky->width = 32;
-  sky->height = 16;
-  sky->rgb.assign(32 * 16, glm::vec3(1.0f));
-  return sky;
+  return std::make_shared<Scene>(test::box_scene(walls, 8, test::matte(glm::vec3(0.5f))));
 }
 
 FrameRequest request_of(const std::string& mode) {
@@ -126,7 +116,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, TracedVisibility, ::testing::Values("uniform", "
 TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
   Renderer renderer;
   renderer.set_scene(box(6));
-  renderer.set_environment(constant_sky());
+  renderer.set_environment(constant_sky(1.0f));
   FrameRequest request = request_of(GetParam());
   request.camera.eye = {0.3f, 0.2f, 0.8f};
   request.camera.target = {0.0f, 0.0f, -1.0f};
@@ -136,7 +126,7 @@ TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
 TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
   Renderer renderer;
   renderer.set_scene(box(1));
-  renderer.set_environment(constant_sky());
+  renderer.set_environment(constant_sky(1.0f));
   FrameRequest request = request_of(GetParam());
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};
@@ -149,7 +139,7 @@ TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
 TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
   Renderer renderer;
   renderer.set_scene(box(5));
-  renderer.set_environment(constant_sky());
+  renderer.set_environment(constant_sky(1.0f));
   FrameRequest request = request_of(GetParam());
   request.samples = 256;
   request.camera.eye = {0.0f, 0.9f, 0.0f};
@@ -165,7 +155,7 @@ TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
 TEST_P(TracedVisibility, FollowsChangedGeometry) {
   Renderer renderer;
   renderer.set_scene(box(6));
-  renderer.set_environment(constant_sky());
+  renderer.set_environment(constant_sky(1.0f));
   FrameRequest request = request_of(GetParam());
   request.camera.eye = {0.0f, 0.5f, 0.0f};
   request.camera.target = {0.0f, -1.0f, 0.0f};

@@ -17,10 +17,6 @@ std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const
   return build_path_scene({.scene = scene, .environment = std::move(sky)});
 }
 
-std::shared_ptr<const Environment> constant_sky(double radiance) {
-  return sky_of(16, 8, [=](const glm::dvec3&) { return glm::dvec3(radiance); });
-}
-
 glm::vec3 to_floor(double degrees) {
   const double t = degrees * std::numbers::pi / 180.0;
   return glm::vec3(glm::dvec3(-std::sin(t), -std::cos(t), 0.0));
@@ -29,7 +25,7 @@ glm::vec3 to_floor(double degrees) {
 /// A surface that sees nothing but a constant sky shows its albedo; a ray that meets the surface that it starts on
 /// would show less.
 void expect_half(const Primitive& primitive, const glm::vec3& at, double height, const char* what) {
-  const auto scene = trace(scene_of(primitive, matte(glm::vec3(0.5f))), constant_sky(1.0));
+  const auto scene = trace(scene_of(primitive, matte(glm::vec3(0.5f))), constant_sky(1.0f));
   double worst = 0.0;
   for (const double degrees : {0.0, 45.0, 80.0, 89.0}) {
     const glm::vec3 d = to_floor(degrees);
@@ -58,7 +54,7 @@ TEST(Extremes, RaysOnThinAndLargeTrianglesDoNotMeetTheirOwnSurface) {
   Primitive tilted = quad({-300, -170, 90}, {600, 340.5f, 11}, {20, -50, -700});
   const glm::vec3 n = tilted.normals[0];
   const glm::vec3 at = tilted.positions[0] * 0.3f + tilted.positions[2] * 0.7f;
-  const auto scene = trace(scene_of(tilted, matte(glm::vec3(0.5f))), constant_sky(1.0));
+  const auto scene = trace(scene_of(tilted, matte(glm::vec3(0.5f))), constant_sky(1.0f));
   EXPECT_NEAR(mean_radiance(*scene, {}, at + 5.0f * n, -n, 4096).mean.y, 0.5, 5e-4);
 }
 
@@ -76,7 +72,7 @@ TEST(Extremes, SizeOfTheSceneDoesNotMatter) {
                       .target = glm::vec3(0.0f, 2.73f, 0.0f) * scale,
                       .fov_y_rad = 0.686f};
     request.width = request.height = 16;
-    ReferencePicture p(trace(scene, constant_sky(0.1)), request);
+    ReferencePicture p(trace(scene, constant_sky(0.1f)), request);
     p.add(64);
     return p.mean();
   };
@@ -100,7 +96,7 @@ TEST(Extremes, GrazingViewsOfMeasuredMaterials) {
   for (const char* name : {"paint-red-metallic", "metal-chrome", "leather-black", "matte-white"}) {
     Material material;
     material.measured = std::string("builtin:") + name;
-    const auto scene = trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), material), constant_sky(1.0));
+    const auto scene = trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), material), constant_sky(1.0f));
     BrdfTables tables;
     compute_albedo(SymmetricBrdf(make_builtin_brdf(name)), tables);
     for (const double degrees : {88.0, 89.0, 89.9, 89.99}) {
@@ -146,7 +142,7 @@ TEST(Extremes, SunOfAMillionTimesTheSky) {
 /// A million paths into one pixel. The tracer's own sums against what one float would hold.
 TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   const auto scene =
-      trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), matte(glm::vec3(1.0f / 3.0f))), constant_sky(0.1));
+      trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), matte(glm::vec3(1.0f / 3.0f))), constant_sky(0.1f));
   PictureRequest request;
   request.camera = {.eye = {0, 3, 0}, .target = {0, 0, 0}, .up = {0, 0, 1}};
   request.width = request.height = 1;

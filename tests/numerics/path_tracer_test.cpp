@@ -43,10 +43,6 @@ std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const
   return build_path_scene({.scene = scene, .environment = std::move(sky)});
 }
 
-std::shared_ptr<const Environment> constant_sky(double radiance) {
-  return sky_of(16, 8, [=](const glm::dvec3&) { return glm::dvec3(radiance); });
-}
-
 /// The floor y = 0, seen from `degrees` off its normal at the origin.
 struct FloorView {
   glm::vec3 origin, direction;
@@ -66,7 +62,7 @@ TEST(PathTracer, EveryBuiltInMaterialShowsItsAlbedoInAFurnace) {
   for (const BuiltinBrdf& entry : builtin_brdfs()) {
     Material material;
     material.measured = "builtin:" + entry.name;
-    const auto scene = trace(scene_of(floor_quad(), material), constant_sky(1.0));
+    const auto scene = trace(scene_of(floor_quad(), material), constant_sky(1.0f));
     BrdfTables tables;
     compute_albedo(SymmetricBrdf(make_builtin_brdf(entry.name)), tables);
     for (const std::size_t i : {4u, 28u, 52u}) {
@@ -95,7 +91,7 @@ TEST(PathTracer, LosslessSurfacesVanishInAFurnace) {
   pane.roughness = 0.0f;
   pane.double_sided = true;
   for (const Material& material : {matte(glm::vec3(1.0f)), mirror, pane}) {
-    const auto scene = trace(scene_of(fine_sphere(64), material), constant_sky(1.0));
+    const auto scene = trace(scene_of(fine_sphere(64), material), constant_sky(1.0f));
     PictureRequest request;
     request.camera.eye = {0, 0, 3};
     request.width = request.height = 24;
@@ -192,7 +188,7 @@ TEST(PathTracer, PaneFollowsFresnel) {
 /// out of the error.
 TEST(PathTracer, CornellBoxMeetsTheLinearSystem) {
   const Radiosity radiosity(cornell_triangles(), {.largest_edge = 0.8, .rays = 1024, .light_cells = 16});
-  const auto scene = trace(load_scene("builtin:cornell"), constant_sky(0.0));
+  const auto scene = trace(load_scene("builtin:cornell"), constant_sky(0.0f));
   const CornellView view(12);
   const auto paths = static_cast<std::uint32_t>(test_samples(4096));
   double square = 0.0, noise = 0.0, mean = 0.0, seen_mean = 0.0;

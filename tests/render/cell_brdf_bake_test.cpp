@@ -17,13 +17,7 @@ namespace {
 
 using test::add;
 using test::make_grid;
-
-Material matte(const glm::vec3& color) {
-  Material m;
-  m.metallic = 0.0f;
-  m.base_color = glm::vec4(color, 1.0f);
-  return m;
-}
+using test::matte;
 
 /// Two floors, each with a post: one of materials 0 and 1, the other of 0 and 2, too far apart to share a brick.
 Scene two_places() {

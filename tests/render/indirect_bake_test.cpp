@@ -8,10 +8,12 @@
 #include "render/indirect/indirect_light.h"
 #include "render/indirect/indirect_shared.h"
 #include "render/indirect/indirect_worker.h"
+#include "tests/support/test_scenes.h"
 
 namespace {
 
 using namespace maquette;
+using test::matte;
 
 constexpr double kPi = std::numbers::pi;
 const std::atomic<bool> kGoOn{false};
@@ -24,14 +26,6 @@ std::shared_ptr<Environment> make_sky(int width, int height, const std::function
     for (int x = 0; x < width; ++x)
       sky->rgb.push_back(f(kPi - 2.0 * kPi * (x + 0.5) / width, kPi / 2 - kPi * (y + 0.5) / height));
   return sky;
-}
-
-Material matte(const glm::vec3& albedo) {
-  Material m;
-  m.base_color = glm::vec4(albedo, 1.0f);
-  m.metallic = 0.0f;
-  m.specular = 0.0f;
-  return m;
 }
 
 void add_mesh(Scene* scene, Primitive primitive, const Material& material) {

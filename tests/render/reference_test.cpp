@@ -14,17 +14,9 @@
 namespace maquette {
 namespace {
 
+using test::constant_sky;
 using test::sphere_of;
 using test::white_lambert;
-
-std::shared_ptr<const Environment> constant_environment(const glm::vec3& radiance) {
-  auto e = std::make_shared<Environment>();
-  e->name = "constant";
-  e->width = 16;
-  e->height = 8;
-  e->rgb.assign(128, radiance);
-  return e;
-}
 
 PictureRequest sphere_request(int side) {
   PictureRequest request;
@@ -51,8 +43,7 @@ TEST(Reference, WhiteSphereVanishesInAFurnace) {
   for (const Transport transport : {Transport::full, Transport::direct}) {
     PictureRequest request = sphere_request(32);
     request.paths.transport = transport;
-    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
-                             request);
+    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_sky(1.0f)}), request);
     ASSERT_TRUE(picture.add(64));
     EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.002);
   }
@@ -69,7 +60,7 @@ TEST(Reference, ClearPaneLosesNothing) {
     PictureRequest request = sphere_request(32);
     request.paths.transport = transport;
     ReferencePicture picture(
-        build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(2.0f, 1.0f, 0.5f))}), request);
+        build_path_scene({.scene = scene, .environment = constant_sky(glm::vec3(2.0f, 1.0f, 0.5f))}), request);
     ASSERT_TRUE(picture.add(4));
     const Image mean = picture.mean();
     double sum = 0.0;
@@ -84,8 +75,7 @@ TEST(Reference, EnvironmentScaleAndAlphaHold) {
   const Scene scene = sphere_of(white_lambert());
   PictureRequest request = sphere_request(16);
   request.paths.env_scale = 7.0f;
-  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
-                           request);
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_sky(1.0f)}), request);
   picture.add(64);
   const Image mean = picture.mean();
   EXPECT_EQ(mean.at(0, 0, 3), 0.0f);
@@ -96,7 +86,7 @@ TEST(Reference, EnvironmentScaleAndAlphaHold) {
 
 TEST(Reference, SameForAnyThreadCountAndAnyPortions) {
   const Scene scene = load_scene("builtin:cornell");
-  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(1.0f)});
   PictureRequest request = sphere_request(24);
   request.msaa = 4;
   request.seed = 11;
@@ -116,7 +106,7 @@ TEST(Reference, SameForAnyThreadCountAndAnyPortions) {
 
 TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   const Scene scene = load_scene("builtin:cornell");
-  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(1.0f)});
   ReferencePicture stopped(traced, sphere_request(32)), whole(traced, sphere_request(32));
   std::stop_source source;
   std::jthread later([&] {
@@ -137,8 +127,7 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
 
 /// Counts that follow the spread leave the mean where it was: over many seeds, both ways agree within their noise.
 TEST(Reference, AdaptivePathsAreUnbiased) {
-  const auto traced =
-      build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_environment(glm::vec3(0.0f))});
+  const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(0.0f)});
   PictureRequest request = sphere_request(16);
   request.camera.eye = {0.0f, 2.73f, 10.8f};
   request.camera.target = {0.0f, 2.73f, 0.0f};
@@ -161,8 +150,7 @@ TEST(Reference, AdaptivePathsAreUnbiased) {
 
 /// Where one half of a picture is hard and the other easy, the paths go to the hard one, and all keep some.
 TEST(Reference, AdaptivePathsGoWhereTheSpreadIs) {
-  const auto traced =
-      build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_environment(glm::vec3(0.0f))});
+  const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(0.0f)});
   PictureRequest request = sphere_request(32);
   request.camera.eye = {0.0f, 2.73f, 10.8f};
   request.camera.target = {0.0f, 2.73f, 0.0f};
@@ -188,8 +176,7 @@ TEST(Reference, AdaptivePathsGoWhereTheSpreadIs) {
 /// Time is up in the middle of the first pass: every pixel has a value all the same, and the picture goes on from
 /// there.
 TEST(Reference, DeadlineWithinAPassLeavesAPicture) {
-  const auto traced =
-      build_path_scene({.scene = sphere_of(white_lambert()), .environment = constant_environment(glm::vec3(1.0f))});
+  const auto traced = build_path_scene({.scene = sphere_of(white_lambert()), .environment = constant_sky(1.0f)});
   ReferencePicture hurried(traced, sphere_request(64)), whole(traced, sphere_request(64));
   EXPECT_FALSE(hurried.add(16, {}, {}, std::chrono::steady_clock::now()));
   EXPECT_EQ(hurried.samples(), 0);
@@ -271,8 +258,7 @@ TEST(Reference, RaysLeaveTheirSurfaceAtEveryScale) {
     }
     PictureRequest request = sphere_request(24);
     request.camera.eye = {0.0f, 0.0f, 3.0f * scale};
-    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
-                             request);
+    ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_sky(1.0f)}), request);
     picture.add(32);
     EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.004) << scale << " m";
   }
@@ -296,8 +282,7 @@ TEST(Reference, RaysLeaveAVeryLargeTriangle) {
   request.camera.eye = {0.1f, 2.0f, 0.2f};
   request.camera.target = {0.4f, 0.3f, 0.1f};
   request.camera.near_m = 0.01f;
-  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))}),
-                           request);
+  ReferencePicture picture(build_path_scene({.scene = scene, .environment = constant_sky(1.0f)}), request);
   picture.add(32);
   EXPECT_NEAR(mean_of_surface(picture.mean()), 1.0, 0.004);
 }
@@ -323,7 +308,7 @@ TEST(Reference, LambertUnderALampAboveIsKnown) {
   node.mesh = 0;
   scene.nodes.push_back(node);
   scene.roots.push_back(0);
-  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(0.0f))});
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(0.0f)});
   const glm::vec3 eye(0.3f, 1.0f, 0.0f);
   double sum = 0.0;
   for (std::uint32_t i = 0; i < 1024; ++i) sum += estimate_radiance(*traced, {}, eye, glm::normalize(-eye), 5, i).x;
@@ -332,7 +317,7 @@ TEST(Reference, LambertUnderALampAboveIsKnown) {
 
 TEST(Reference, ErrorEstimateFallsWithTheRootOfTheSamples) {
   const Scene scene = load_scene("builtin:cornell");
-  const auto traced = build_path_scene({.scene = scene, .environment = constant_environment(glm::vec3(1.0f))});
+  const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(1.0f)});
   ReferencePicture picture(traced, sphere_request(32));
   EXPECT_EQ(picture.relative_error(), 0.0);
   picture.add(16);

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "render/reference/reference.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette::test {
 
@@ -21,14 +22,6 @@ inline std::shared_ptr<const Environment> sky_of(int width, int height,
     }
   }
   return sky;
-}
-
-inline Material matte(const glm::vec3& albedo) {
-  Material m;
-  m.base_color = glm::vec4(albedo, 1.0f);
-  m.metallic = 0.0f;
-  m.specular = 0.0f;
-  return m;
 }
 
 /// One primitive with one material, at the root.

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <string>
 #include <utility>
 
+#include "scenes/environment.h"
 #include "scenes/scene.h"
 
 /// Small scenes that many tests are made of.
@@ -62,11 +64,25 @@ inline Scene sphere_of(const Material& material) {
   return scene;
 }
 
-inline Material white_lambert() {
+/// Lambert's reflector without a specular part.
+inline Material matte(const glm::vec3& albedo) {
   Material m;
+  m.base_color = glm::vec4(albedo, 1.0f);
   m.metallic = 0.0f;
   m.specular = 0.0f;
   return m;
 }
+
+inline Material white_lambert() { return matte(glm::vec3(1.0f)); }
+
+inline std::shared_ptr<Environment> constant_sky(const glm::vec3& radiance) {
+  auto sky = std::make_shared<Environment>();
+  sky->name = "constant";
+  sky->width = 32;
+  sky->height = 16;
+  sky->rgb.assign(32 * 16, radiance);
+  return sky;
+}
+inline std::shared_ptr<Environment> constant_sky(float radiance) { return constant_sky(glm::vec3(radiance)); }
 
 }  // namespace maquette::test

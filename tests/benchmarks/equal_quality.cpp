@@ -142,8 +142,8 @@ Figures measure_progressive(Stage& stage) {
     if (!stage.options().wants(c.name)) continue;
     stage.show(c);
     const Reference& reference = stage.reference();
-    const Curve bandwidth = accumulate(stage, "bandwidth", 0.005, reference);
-    const Curve uniform = accumulate(stage, "uniform", 0.005, reference);
+    const std::vector<Curve> curves = accumulate(stage, {"uniform", "bandwidth"}, 0.005, reference);
+    const Curve &uniform = curves[0], &bandwidth = curves[1];
     std::string text;
     for (const SweepPoint& p : uniform) {
       const auto e = error_after(bandwidth, p.cpu_ms, true);

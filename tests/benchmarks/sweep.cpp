@@ -1,6 +1,8 @@
 #include "tests/benchmarks/sweep.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 
@@ -15,12 +17,15 @@ Curve sorted_by_time(Curve curve, bool cpu) {
   return curve;
 }
 
-/// Only the points that are better than all faster ones.
-Curve lower_envelope(const Curve& curve, bool cpu) {
-  Curve envelope;
-  for (const SweepPoint& p : sorted_by_time(curve, cpu))
+/// Only the points that are better than all faster ones: of frames on their own, and of accumulated ones. Between two
+/// points of one kind lies what that kind would have reached; between points of both kinds lies nothing.
+std::array<Curve, 2> lower_envelopes(const Curve& curve, bool cpu) {
+  std::array<Curve, 2> envelopes;
+  for (const SweepPoint& p : sorted_by_time(curve, cpu)) {
+    Curve& envelope = envelopes[p.accumulated ? 1 : 0];
     if (envelope.empty() || p.error < envelope.back().error) envelope.push_back(p);
-  return envelope;
+  }
+  return envelopes;
 }
 
 double interpolate_log(double x, double x0, double x1, double y0, double y1) {
@@ -30,6 +35,7 @@ double interpolate_log(double x, double x0, double x1, double y0, double y1) {
 
 struct Trial {
   Clock time;
+  int frames = 0;
   double error = 0.0;
   FrameStats stats;                            ///< of the last frame, shading_samples of all
   double prediction_ms = 0.0, frame_ms = 0.0;  ///< of all frames
@@ -95,57 +101,86 @@ Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_
   return trial;
 }
 
+/// After how many frames a run is looked at.
+bool is_looked_at(int frame) {
+  const auto n = static_cast<unsigned>(frame);
+  return std::has_single_bit(n) || (n % 3 == 0 && std::has_single_bit(n / 3));
+}
+
+constexpr int kRunSamples = 64;
+
+/// A trial for each time that the run is looked at.
+std::vector<Trial> one_run(Stage& stage, const std::string& mode, std::uint32_t seed, double until,
+                           const Reference& reference) {
+  Renderer& renderer = stage.renderer();
+  for (int warm = 0; warm < 2; ++warm) renderer.render(whole_frame(stage, mode, 2, seed), true);
+  std::vector<Trial> trials;
+  Trial trial;
+  do {
+    ++trial.frames;
+    const Clock begin = now();
+    const FrameStats stats = renderer.render(whole_frame(stage, mode, kRunSamples, seed), true);
+    trial.time = trial.time + (now() - begin);
+    const std::size_t samples = trial.stats.shading_samples + stats.shading_samples;
+    trial.stats = stats;
+    trial.stats.shading_samples = samples;
+    add_frame(stats, &trial);
+    if (!is_looked_at(trial.frames)) continue;
+    trial.error = error_against(renderer.read_radiance(), reference);
+    trials.push_back(trial);
+  } while (trials.back().error >= until && 0.5 * trial.time.cpu_ms <= 1e3 * stage.options().sweep_seconds);
+  return trials;
+}
+
 }  // namespace
 
-Curve accumulate(Stage& stage, const std::string& mode, double until, const Reference& reference) {
-  constexpr int kSamples = 64;
-  Renderer& renderer = stage.renderer();
-  std::vector<std::vector<Trial>> trials;
-  for (int repeat = 0; repeat < stage.options().repeats; ++repeat) {
-    const FrameRequest r = whole_frame(stage, mode, kSamples, static_cast<std::uint32_t>(11 + repeat));
-    for (int warm = 0; warm < 2; ++warm) renderer.render(whole_frame(stage, mode, 2, r.seed), true);
-    Trial trial;
-    for (int frame = 1, k = 0;; ++frame) {
-      const Clock begin = now();
-      const FrameStats stats = renderer.render(r, true);
-      trial.time = trial.time + (now() - begin);
-      const std::size_t samples = trial.stats.shading_samples + stats.shading_samples;
-      trial.stats = stats;
-      trial.stats.shading_samples = samples;
-      add_frame(stats, &trial);
-      if ((frame & (frame - 1)) != 0) continue;
-      trial.error = error_against(renderer.read_radiance(), reference);
-      if (trials.size() <= static_cast<std::size_t>(k)) trials.emplace_back();
-      trials[static_cast<std::size_t>(k)].push_back(trial);
-      ++k;
-      if (trial.error < until || 0.5 * trial.time.cpu_ms > 1e3 * stage.options().sweep_seconds) break;
+std::vector<Curve> accumulate(Stage& stage, const std::vector<std::string>& modes, double until,
+                              const Reference& reference) {
+  std::vector<std::vector<std::vector<Trial>>> trials(modes.size());  // [mode][look][repeat]
+  for (int repeat = 0; repeat < stage.options().repeats; ++repeat)
+    for (std::size_t m = 0; m < modes.size(); ++m) {
+      const std::vector<Trial> run =
+          one_run(stage, modes[m], static_cast<std::uint32_t>(11 + repeat), until, reference);
+      if (trials[m].size() < run.size()) trials[m].resize(run.size());
+      for (std::size_t k = 0; k < run.size(); ++k) trials[m][k].push_back(run[k]);
     }
-  }
-  Curve curve;
-  for (std::size_t k = 0; k < trials.size(); ++k) {
-    curve.push_back(summarise(trials[k], kSamples, 1 << k));
-    log_point(stage.current().name, mode, curve.back());
-  }
-  return curve;
+  std::vector<Curve> curves(modes.size());
+  for (std::size_t m = 0; m < modes.size(); ++m)
+    for (const std::vector<Trial>& look : trials[m]) {
+      curves[m].push_back(summarise(look, kRunSamples, look.front().frames));
+      curves[m].back().accumulated = true;
+      log_point(stage.current().name, modes[m], curves[m].back());
+    }
+  return curves;
 }
 
 std::optional<double> time_to(const Curve& curve, double error, bool cpu) {
-  const Curve e = lower_envelope(curve, cpu);
-  for (std::size_t i = 0; i < e.size(); ++i) {
-    if (e[i].error > error) continue;
-    if (i == 0) return e[0].time(cpu);
-    return interpolate_log(error, e[i - 1].error, e[i].error, e[i - 1].time(cpu), e[i].time(cpu));
-  }
-  return std::nullopt;
+  std::optional<double> least;
+  for (const Curve& e : lower_envelopes(curve, cpu))
+    for (std::size_t i = 0; i < e.size(); ++i) {
+      if (e[i].error > error) continue;
+      const double time = i == 0
+                              ? e[0].time(cpu)
+                              : interpolate_log(error, e[i - 1].error, e[i].error, e[i - 1].time(cpu), e[i].time(cpu));
+      least = std::min(least.value_or(time), time);
+      break;
+    }
+  return least;
 }
 
 std::optional<double> error_after(const Curve& curve, double time_ms, bool cpu) {
-  const Curve e = lower_envelope(curve, cpu);
-  if (e.empty() || e.front().time(cpu) > time_ms) return std::nullopt;
-  for (std::size_t i = 1; i < e.size(); ++i)
-    if (e[i].time(cpu) > time_ms)
-      return interpolate_log(time_ms, e[i - 1].time(cpu), e[i].time(cpu), e[i - 1].error, e[i].error);
-  return e.back().error;
+  std::optional<double> least;
+  for (const Curve& e : lower_envelopes(curve, cpu)) {
+    if (e.empty() || e.front().time(cpu) > time_ms) continue;
+    double error = e.back().error;
+    for (std::size_t i = 1; i < e.size(); ++i) {
+      if (e[i].time(cpu) <= time_ms) continue;
+      error = interpolate_log(time_ms, e[i - 1].time(cpu), e[i].time(cpu), e[i - 1].error, e[i].error);
+      break;
+    }
+    least = std::min(least.value_or(error), error);
+  }
+  return least;
 }
 
 std::vector<Curve> sweep(Stage& stage, const std::vector<std::string>& modes, double until) {
@@ -166,10 +201,8 @@ std::vector<Curve> sweep(Stage& stage, const std::vector<std::string>& modes, do
     }
     if (std::all_of(done.begin(), done.end(), [](bool d) { return d; })) break;
   }
-  for (std::size_t m = 0; m < modes.size(); ++m) {
-    const Curve more = accumulate(stage, modes[m], until, reference);
-    curves[m].insert(curves[m].end(), more.begin() + 1, more.end());
-  }
+  const std::vector<Curve> more = accumulate(stage, modes, until, reference);
+  for (std::size_t m = 0; m < modes.size(); ++m) curves[m].insert(curves[m].end(), more[m].begin(), more[m].end());
   return curves;
 }
 

@@ -181,10 +181,10 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
                                   environment->bias(), EnvironmentBuffers::kListLength);
   c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
                                 lights ? lights->count() : 0, 0);
-  // Interpolation's error falls with the square of the spacing and noise with the root of the samples: they fall
-  // together. Once there is a picture, what was measured decides instead.
+  // Interpolation's error falls with the square of the spacing, and noise with the 0.8th power of the samples (docs/
+  // numerics.md): so they fall together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.25f);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f);
   c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
   frame_block.update(0, sizeof(c), &c);
 }
@@ -329,7 +329,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.shade_scheduled(plan, turn, &timer);
   else
     s.shade(plan, chunk, refine, &timer);
-  if (bandwidth) s.fill(refine.has_value(), &timer);
+  if (bandwidth) s.fill(s.progressive.has_value(), &timer);
   if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.

@@ -201,6 +201,8 @@ struct Renderer::Impl {
   std::vector<float> borrowed_shares() const;
   /// What the frames so far say about the next one's sample counts.
   RefineRates measure_deviations(const FrameRequest& request);
+  /// Of the finest level's points, those that are to be shaded without need by this frame.
+  float scout_share() const;
   /// `own`: points that were shaded take part in what is interpolated at them.
   void fill(bool own, PassTimer* timer);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);

@@ -176,11 +176,12 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
+  const bool accumulate = bandwidth && progressive;
+  if (bandwidth) mark.set("u_scouts", accumulate ? scout_share() : 0.0f);
   if (refine) {
     glBindImageTexture(1, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     mark.set("u_items_per_deviation", refine->items_per_deviation);
     mark.set("u_least_deviation", refine->least_deviation);
-    mark.set("u_scouts", refine->scouts);
   }
   unsigned counters[16];
   // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
@@ -200,7 +201,6 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const Program& arguments = programs.get({"shading/arguments.comp", "", {}});
   dispatch(arguments, 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
-  const bool accumulate = bandwidth && progressive;
   const Program& gather = programs.get({"shading/gather.comp", "", {{"ACCUMULATE", flag(accumulate)}}});
   if (accumulate) {
     glBindImageTexture(1, progressive->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
@@ -244,6 +244,7 @@ void Renderer::Impl::fill(bool own, PassTimer* timer) {
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (own) {
     glBindTextureUnit(18, progressive->mean.get());
+    glBindTextureUnit(19, progressive->deviation.get());
     glBindTextureUnit(56, progressive->worth.get());
     glBindImageTexture(1, progressive->residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   }

@@ -19,8 +19,9 @@ namespace {
 constexpr float kLeastShare = 0.1f;
 /// Frames in which all points are shaded at least once, needed or not; coarser levels are through sooner by four.
 constexpr float kScoutFrames = 64.0f;
-/// What a frame costs besides its samples grows with the grid, so that is what its samples are measured by.
-constexpr double kFrameShare = 0.5;
+/// A frame adds this share of the samples so far, so that what was measured is soon put to use; but no less and no more
+/// than these shares of the grid's base count, because what a frame costs besides its samples grows with the grid.
+constexpr double kGrowth = 0.6, kLeastFrameShare = 0.15, kMostFrameShare = 0.5;
 /// Share of all items that points which came round the list of light samples have, from which on it is theirs.
 constexpr double kHungryShare = 0.25;
 
@@ -45,7 +46,31 @@ std::vector<glm::vec4> read_all(const Buffer& buffer) {
   return values;
 }
 
+/// Before the first measurement the prediction is believed: what it filled is as good there as it can be.
+float believed_kappa(int layer) { return layer % shared::kClasses == 1 ? 0.0f : shared::kNeverInterpolate; }
+
 }  // namespace
+
+std::vector<float> Progressive::typical_kappas() const {
+  const std::size_t layers = static_cast<std::size_t>(shared::kClasses * levels);
+  const std::size_t tiles = static_cast<std::size_t>(residuals.width()) * static_cast<std::size_t>(residuals.height());
+  std::vector<glm::vec4> measured(tiles * (layers + shared::kClasses));
+  glGetTextureImage(residuals.get(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(measured.size() * sizeof(glm::vec4)),
+                    measured.data());
+  std::vector<float> typical, of_tiles;
+  for (std::size_t layer = 0; layer < layers; ++layer) {
+    of_tiles.clear();
+    for (std::size_t i = layer * tiles; i < (layer + 1) * tiles; ++i)
+      if (measured[i].w > 0.0f && measured[i].z > 0.0f)
+        of_tiles.push_back((measured[i].x - measured[i].y) / measured[i].z);
+    typical.push_back(believed_kappa(static_cast<int>(layer)));
+    if (of_tiles.empty()) continue;
+    const auto middle = of_tiles.begin() + static_cast<std::ptrdiff_t>(of_tiles.size() / 2);
+    std::nth_element(of_tiles.begin(), middle, of_tiles.end());
+    typical.back() = std::max(*middle, 0.0f);
+  }
+  return typical;
+}
 
 Progressive Progressive::make(const FrameTargets& targets, int levels) {
   const int w = targets.grid_width(), h = targets.grid_height();
@@ -69,10 +94,17 @@ void Progressive::clear() {
   const float zero[4] = {}, none[4] = {-1.0f, -1.0f, -1.0f, -1.0f};
   glClearTexImage(mean.get(), 0, GL_RGBA, GL_FLOAT, zero);
   glClearTexImage(spread.get(), 0, GL_RED, GL_FLOAT, zero);
+  glClearTexImage(deviation.get(), 0, GL_RED, GL_FLOAT, zero);
   glClearTexImage(residual.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(residuals.get(), 0, GL_RGBA, GL_FLOAT, zero);  // tiles without surfaces stay so
+  for (int layer = 0; layer < shared::kClasses * (levels + 1); ++layer) {
+    const float unmeasured[2] = {believed_kappa(layer), 1.0f};
+    glClearTexSubImage(worth.get(), 0, 0, 0, layer, worth.width(), worth.height(), 1, GL_RG, GL_FLOAT, unmeasured);
+  }
   rate = rounds = 0.0;
 }
+
+float Renderer::Impl::scout_share() const { return static_cast<float>(accumulated + 1) / kScoutFrames; }
 
 std::vector<float> Renderer::Impl::borrowed_shares() const {
   const FrameTargets& t = *targets;
@@ -82,7 +114,7 @@ std::vector<float> Renderer::Impl::borrowed_shares() const {
                     marks.data());
   std::vector<float> shares(count);
   for (std::size_t i = 0; i < count; ++i) shares[i] = marks[4 * i] != 0 ? 0.0f : 1.0f;
-  if (!progressive || accumulated < 2) return shares;
+  if (!progressive) return shares;
   const Progressive& p = *progressive;
   const auto read = [](const Texture& texture, GLenum format) {
     std::vector<float> values(texture.bytes() / sizeof(float));
@@ -90,7 +122,7 @@ std::vector<float> Renderer::Impl::borrowed_shares() const {
     return values;
   };
   const std::vector<float> mean = read(p.mean, GL_RGBA), residual = read(p.residual, GL_RED),
-                           worth = read(p.worth, GL_RG);
+                           deviation = read(p.deviation, GL_RED), worth = read(p.worth, GL_RG);
   const std::size_t tiles_x = static_cast<std::size_t>(p.worth.width());
   const std::size_t tiles = tiles_x * static_cast<std::size_t>(p.worth.height());
   for (std::size_t i = 0; i < count; ++i) {
@@ -98,8 +130,11 @@ std::vector<float> Renderer::Impl::borrowed_shares() const {
     const std::size_t x = i % w, y = i / w;
     const int enters = shared::level_entered(static_cast<int>(x), static_cast<int>(y), p.levels);
     const auto layer = static_cast<std::size_t>(shared::worth_layer(enters, marks[4 * i + 1]));
-    const float kappa = worth[2 * (layer * tiles + y / FrameTargets::kTile * tiles_x + x / FrameTargets::kTile)];
-    if (enters < p.levels) shares[i] = 1.0f - shared::own_weight(mean[4 * i + 3], kappa);
+    const float around = worth[2 * (layer * tiles + y / FrameTargets::kTile * tiles_x + x / FrameTargets::kTile)];
+    const float items = mean[4 * i + 3],
+                item_variance = deviation[i] * deviation[i] / static_cast<float>(constants.sampling.y);
+    const float kappa = shared::point_kappa(around, items, residual[i], item_variance);
+    if (enters < p.levels) shares[i] = 1.0f - shared::own_weight(items, kappa);
   }
   return shares;
 }
@@ -127,8 +162,9 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
     hungry_items += measured[i + 1].x;
   }
   if (!(deviation > 0.0)) return {};
-  const double frame_items = kFrameShare * static_cast<double>(t.grid_width()) * t.grid_height() *
-                             constants.sampling.x / std::max(constants.sampling.y, 1);
+  const double grid_items =
+      static_cast<double>(t.grid_width()) * t.grid_height() * constants.sampling.x / std::max(constants.sampling.y, 1);
+  const double frame_items = std::clamp(kGrowth * items, kLeastFrameShare * grid_items, kMostFrameShare * grid_items);
   const double least = kLeastShare * deviation / share;
   const double first_rate = p.rate > 0.0 ? p.rate : items / (deviation + least * share);
 
@@ -140,6 +176,9 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
   const Program& worth = programs.get({"bandwidth/worth.comp", "", {}});
   worth.set("u_items_per_deviation", static_cast<float>(first_rate));
   worth.set("u_least_deviation", static_cast<float>(least));
+  const std::vector<float> typical = p.typical_kappas();
+  for (std::size_t layer = 0; layer < typical.size(); ++layer)
+    worth.set("u_unmeasured[" + std::to_string(layer) + "]", typical[layer]);
   dispatch_tiles(worth, t.surface_tiles, 0);
   std::array<double, kRates> wanted_at{};
   const std::vector<glm::vec4> sums = read_all(p.sums);
@@ -163,7 +202,6 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
   rates.items_per_deviation = static_cast<float>(rate);
   rates.least_deviation = static_cast<float>(least);
   rates.most_items = static_cast<unsigned>(std::max(2.0 * frame_items, 4096.0));
-  rates.scouts = static_cast<float>(accumulated) / kScoutFrames;
   return rates;
 }
 

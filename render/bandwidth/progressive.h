@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "render/frame_targets.h"
 #include "render/gl/objects.h"
@@ -22,6 +23,8 @@ struct Progressive {
 
   static Progressive make(const FrameTargets& targets, int levels);
   void clear();
+  /// By layer, where a tile has nothing to go by: the median over the tiles that were measured.
+  std::vector<float> typical_kappas() const;
   std::size_t bytes() const {
     return mean.bytes() + spread.bytes() + deviation.bytes() + residual.bytes() + residuals.bytes() + worth.bytes() +
            sums.bytes();
@@ -33,7 +36,6 @@ struct RefineRates {
   float items_per_deviation = 0.0f;
   float least_deviation = 0.0f;  ///< added everywhere, so that nothing the measurement missed starves
   unsigned most_items = 0;       ///< of either list, should the rate have been too bold
-  float scouts = 0.0f;           ///< share of the finest points that were to be shaded without need by now
 };
 
 }  // namespace maquette

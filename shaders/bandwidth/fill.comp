@@ -18,6 +18,7 @@ layout(binding = 0, rgba32f) uniform image2D io_radiance;
 #if OWN
 #include "shared/interpolation.glsl"
 layout(binding = 18) uniform sampler2D t_mean;        // mean, number of items
+layout(binding = 19) uniform sampler2D t_deviation;   // of one sample; 0 for what was shaded first in this frame
 layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa
 layout(binding = 1, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
 /// Weight of the neighbours below which interpolation says nothing: of two in a row, as where marking lets points be filled.
@@ -87,8 +88,10 @@ void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
     vec4 own = texelFetch(t_mean, pixel, 0);
     bool known = value.w >= kLeastWeight;
     vec3 apart = own.rgb - value.rgb;
-    imageStore(o_residual, pixel, vec4(known ? dot(apart, apart) * (1.0 / 3.0) : -1.0));
+    float residual = dot(apart, apart) * (1.0 / 3.0), d = texelFetch(t_deviation, pixel, 0).x;
+    imageStore(o_residual, pixel, vec4(known ? residual : -1.0));
     float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
+    kappa = point_kappa(kappa, own.w, residual, d * d / float(u_frame.sampling.y));
     value.rgb += apart * (known ? own_weight(own.w, kappa) : 1.0);
   }
 #endif

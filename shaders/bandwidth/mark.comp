@@ -48,7 +48,9 @@ layout(binding = 57) uniform sampler2D t_residual;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_radiance;
 uniform float u_items_per_deviation;
 uniform float u_least_deviation;
-uniform float u_scouts;  // share of the finest level's points that were to be shaded without need by now
+#endif
+#if BANDWIDTH
+uniform float u_scouts;  // while nothing moves: share of the finest level's points that were to be shaded without need by now
 #endif
 
 #if BANDWIDTH && !REFINE
@@ -100,6 +102,20 @@ bool neighbours_agree(ivec2 pixel, int level) {
 #if BANDWIDTH
 #include "shared/interpolation.glsl"
 #include "bandwidth/block_share.glsl"
+
+/// Samples that a point starts with at least while nothing moves, and items: one alone says nothing of its own noise.
+const float kFirstSamples = 64.0, kFirstItems = 2.0;
+float first_items() { return max(kFirstSamples / float(u_frame.sampling.y), kFirstItems); }
+
+float unit_hash(ivec2 pixel) {
+  uint x = uint(pixel.x) * 0x9E3779B1u ^ uint(pixel.y) * 0x85EBCA77u;
+  x = (x ^ (x >> 15u)) * 0x2C1B3C6Du;
+  x = (x ^ (x >> 12u)) * 0x297A2D39u;
+  return float((x ^ (x >> 15u)) >> 8u) * (1.0 / 16777216.0);
+}
+
+/// A few points are shaded before they are needed, to measure interpolation there: all of them in the end, so that nothing stays unseen.
+bool is_scout(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * float(1 << (2 * enters)); }
 #endif
 
 #if REFINE
@@ -120,18 +136,7 @@ float new_deviation(ivec2 pixel, int level, float predicted) {
   return sum.y > 0.0 ? max(sum.x / sum.y, 0.5 * predicted) : predicted;
 }
 
-/// Samples that a point starts with at least, and items: one alone says nothing of its own noise.
-const float kFirstSamples = 64.0, kFirstItems = 2.0;
-
-float unit_hash(ivec2 pixel) {
-  uint x = uint(pixel.x) * 0x9E3779B1u ^ uint(pixel.y) * 0x85EBCA77u;
-  x = (x ^ (x >> 15u)) * 0x2C1B3C6Du;
-  x = (x ^ (x >> 12u)) * 0x297A2D39u;
-  return float((x ^ (x >> 15u)) >> 8u) * (1.0 / 16777216.0);
-}
-
-/// While nothing moves: what a point has is kept; the items that it still needs to have its share of all samples so far. A few points are
-/// shaded before they are needed, to measure interpolation there: all of them in the end, so that nothing stays unseen.
+/// While nothing moves: what a point has is kept; the items that it still needs to have its share of all samples so far.
 uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   uvec4 mark = imageLoad(io_marks, pixel);
   int enters = level_entered(pixel.x, pixel.y, u_frame.size.w);
@@ -140,11 +145,11 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   if (have <= 0.0) d = new_deviation(pixel, min(int(mark.y), enters), texelFetch(t_pyramid, pixel / 2, 0).z);
   vec2 worth = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(enters, int(mark.y))), 0).xy;
   float residual = texelFetch(t_residual, pixel, 0).x;
-  float wanted = wanted_items(worth, enters, int(mark.y), have, residual, u_items_per_deviation * (d + u_least_deviation));
-  bool shaded = mark.x != 0u || wanted >= 1.0 || unit_hash(pixel) < u_scouts * float(1 << (2 * enters));
+  float wanted = wanted_items(worth, enters, int(mark.y), have, residual, d, u_items_per_deviation * (d + u_least_deviation));
+  bool shaded = mark.x != 0u || wanted >= 1.0 || is_scout(pixel, enters);
   if (!shaded) return uvec3(0u, mark.y, 0u);
   float items = floor(max(wanted - have, 0.0) * u_sample_scale + 0.5);
-  float first = max(kFirstSamples / float(u_frame.sampling.y), kFirstItems);
+  float first = first_items();
   // What is not known well yet does not get all at once.
   return uvec3(1u, mark.y, uint(clamp(items, have > 0.0 ? 0.0 : first, min(4.0 * (have + first), 4096.0))));
 }
@@ -157,6 +162,7 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   int enters = level_entered(pixel.x, pixel.y, top);
   bool shaded = enters >= top || level <= enters;
   if (!shaded) shaded = !neighbours_agree(pixel, enters);
+  if (!shaded && is_scout(pixel, enters)) return uvec3(1u, uint(level), uint(first_items()));
   if (!shaded) return uvec3(0u, uint(level), 0u);
   vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;

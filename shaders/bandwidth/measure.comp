@@ -16,7 +16,15 @@ layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 til
 /// Degrees of freedom that the prediction counts as, and the most that one neighbour does.
 const float kPredicted = 1.0, kNeighbour = 1.5;
 
+/// Where interpolation errs by more than this many variances of an item it is of no use, however much more.
+const float kMostKappa = 10.0;
+
 #include "bandwidth/block_share.glsl"
+
+float brightness2(ivec2 pixel) {
+  vec3 mean = texelFetch(t_mean, pixel, 0).rgb;
+  return dot(mean, mean);
+}
 
 vec2 squares(ivec2 pixel) {  // sum of squares and its degrees of freedom
   return vec2(texelFetch(t_spread, pixel, 0).x, max(texelFetch(t_mean, pixel, 0).w - 1.0, 0.0));
@@ -24,15 +32,21 @@ vec2 squares(ivec2 pixel) {  // sum of squares and its degrees of freedom
 
 float deviation(ivec2 pixel, vec2 own, int level) {
   vec2 sum = own;
+  float brightness = 0.0;
   for (int k = 0; k < 4; ++k) {
     ivec2 q = pixel + (ivec2(k & 1, k >> 1) * 2 - 1) * (1 << level);
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
     vec2 s = squares(q);
-    sum += s * (s.y > 0.0 ? min(s.y, kNeighbour) / s.y : 0.0);
+    s *= s.y > 0.0 ? min(s.y, kNeighbour) / s.y : 0.0;
+    sum += s;
+    brightness += s.y * brightness2(q);
   }
   // Items are means of sampling.y samples each.
   float measured = sum.x * float(u_frame.sampling.y), predicted = texelFetch(t_pyramid, pixel / 2, 0).z;
-  return sqrt((measured + kPredicted * predicted * predicted) / (sum.y + kPredicted));
+  float squared = (measured + kPredicted * predicted * predicted) / (sum.y + kPredicted);
+  // A single item says nothing of its deviation. What is much brighter than the points around is taken to deviate as much more.
+  if (own.y <= 0.0 && brightness > 0.0) squared = max(squared, measured * brightness2(pixel) / brightness);
+  return sqrt(squared);
 }
 
 void main() {
@@ -64,10 +78,10 @@ void main() {
       float residual = texelFetch(t_residual, pixel, 0).x;
       if (residual >= 0.0 && own.y > 0.0) {
         // Noise by the point's own items alone: pooled or predicted, it would pass for an error of interpolation, or hide one. Points
-        // of little noise tell more, bright ones no more than others.
-        float item = own.x / own.y, fall = noise_fall(items);
-        float weight = 1.0 / ((fall + 0.05) * max(d * d, 1e-30));
-        residuals[worth_layer(enters, int(mark.y))] += vec4(weight * vec3(residual, item * fall, item), 1.0);
+        // of little noise tell more, bright ones no more than others. What stands out is the point's own affair (point_kappa).
+        float item = own.x / own.y, pooled = d * d / float(u_frame.sampling.y), fall = noise_fall(items);
+        float weight = 1.0 / ((fall + 0.05) * max(pooled, 1e-30));
+        residuals[worth_layer(enters, int(mark.y))] += vec4(weight * vec3(min(residual, kMostKappa * max(item, pooled)), item * fall, item), 1.0);
       }
     }
     imageStore(o_deviation, pixel, vec4(d));

@@ -14,6 +14,7 @@ layout(binding = 0, rg32f) uniform writeonly image2DArray o_worth;  // [layer][t
 layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: items wanted at kRates rates, each sqrt(2) times the one before
 uniform float u_items_per_deviation;  // the first rate
 uniform float u_least_deviation;
+uniform float u_unmeasured[16];  // kappa by layer where there is nothing to go by
 const int kRates = 8;
 #include "bandwidth/block_share.glsl"
 #include "bandwidth/wanted.glsl"
@@ -26,7 +27,7 @@ float kappa_around(ivec2 tile, ivec2 tiles, int layer) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, tiles))) continue;
     sums += texelFetch(t_residuals, ivec3(q, layer), 0) * (k == 4 ? 1.0 : 0.5);
   }
-  return pooled_kappa(sums, layer % kClasses == 1);
+  return pooled_kappa(sums, u_unmeasured[layer]);
 }
 
 void main() {
@@ -52,7 +53,8 @@ void main() {
     if (enters >= top) continue;
     float kappa = kappas[worth_layer(enters, int(mark.y))];
     float residual = texelFetch(t_residual, pixel, 0).x;
-    float share = mark.x == 0u ? 1.0 : residual < 0.0 ? 0.0 : 1.0 - own_weight(texelFetch(t_mean, pixel, 0).w, kappa);
+    float have = texelFetch(t_mean, pixel, 0).w;
+    float share = mark.x == 0u ? 1.0 : residual < 0.0 ? 0.0 : 1.0 - own_weight(have, point_kappa(kappa, have, residual, item_variance(d)));
     borrowed[enters] += vec2(share, 1.0);
   }
   float shares[9];
@@ -79,7 +81,7 @@ void main() {
     if (have <= 0.0) d = max(mean_deviation, 0.5 * texelFetch(t_pyramid, pixel / 2, 0).z);
     float rate = u_items_per_deviation;
     for (int r = 0; r < kRates; ++r) {
-      items[r] += max(wanted_items(worth, enters, int(mark.y), have, texelFetch(t_residual, pixel, 0).x, rate * (d + u_least_deviation)) - have, 0.0);
+      items[r] += max(wanted_items(worth, enters, int(mark.y), have, texelFetch(t_residual, pixel, 0).x, d, rate * (d + u_least_deviation)) - have, 0.0);
       rate *= 1.41421356;
     }
   }

@@ -32,7 +32,7 @@ Errors simulate(int count, int items, double bias, std::uint32_t seed) {
       for (int k = 1; k < items; ++k) variance += std::pow(normal(random), 2.0) / (items - 1);
       sums += glm::vec4(std::pow(own[i] - other[i], 2.0), variance * fall, variance, 1.0);
     }
-    const double w = shared::own_weight(static_cast<float>(items), shared::pooled_kappa(sums, true));
+    const double w = shared::own_weight(static_cast<float>(items), shared::pooled_kappa(sums, 0.0f));
     const double ideal = bias * bias / (bias * bias + fall);
     for (std::size_t i = 0; i < own.size(); ++i) {
       e.own += own[i] * own[i];
@@ -56,9 +56,44 @@ TEST(InterpolationWorth, BothTogetherErrNoMoreThanOwnMeans) {
       }
 }
 
-TEST(InterpolationWorth, BelievesThePredictionBeforeTheFirstMeasurement) {
-  EXPECT_EQ(shared::own_weight(2.0f, shared::pooled_kappa(glm::vec4(0.0f), true)), 0.0f);
-  EXPECT_EQ(shared::own_weight(2.0f, shared::pooled_kappa(glm::vec4(0.0f), false)), 1.0f);
+TEST(InterpolationWorth, TakesWhatItIsToldWhereNothingWasMeasured) {
+  for (const float kappa : {0.0f, 0.3f, shared::kNeverInterpolate})
+    EXPECT_EQ(shared::pooled_kappa(glm::vec4(0.0f), kappa), kappa);
+  EXPECT_EQ(shared::own_weight(2.0f, 0.0f), 0.0f);
+  EXPECT_EQ(shared::own_weight(2.0f, shared::kNeverInterpolate), 1.0f);
+}
+
+TEST(InterpolationWorth, WhatStandsOutIsShownAsItself) {
+  // Around it interpolation errs by a fifth of an item's deviation.
+  constexpr float kKappa = 0.04f;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (const float items : {1.0f, 4.0f, 30.0f}) {
+    const double fall = shared::noise_fall(items);
+    for (const double bias : {0.2, 20.0, 200.0}) {
+      double own_error = 0.0, plain_error = 0.0, error = 0.0;
+      for (int k = 0; k < 10000; ++k) {
+        const double own = std::sqrt(fall) * normal(random), other = bias == 0.2 ? bias * normal(random) : bias;
+        const auto squared = static_cast<float>((own - other) * (own - other));
+        const auto mixed = [&](float kappa) {
+          const double w = shared::own_weight(items, kappa);
+          return std::pow(w * own + (1.0 - w) * other, 2.0);
+        };
+        own_error += own * own;
+        plain_error += mixed(kKappa);
+        error += mixed(shared::point_kappa(kKappa, items, squared, 1.0f));
+      }
+      if (bias == 0.2) {
+        EXPECT_LT(error, 1.05 * plain_error) << items;
+      } else {
+        EXPECT_LT(error, 1.5 * own_error) << items << " items, bias " << bias;
+        EXPECT_GT(plain_error, 2.0 * error) << items << " items, bias " << bias;
+      }
+    }
+  }
+  EXPECT_EQ(shared::point_kappa(kKappa, 4.0f, -1.0f, 1.0f), kKappa);  // not known
+  EXPECT_EQ(shared::point_kappa(kKappa, 4.0f, 1e6f, 0.0f), kKappa);
+  EXPECT_LE(shared::point_kappa(kKappa, 4.0f, 1e30f, 1e-30f), shared::kNeverInterpolate);
 }
 
 TEST(InterpolationWorth, OwnMeansWinInTheEnd) {

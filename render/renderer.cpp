@@ -160,7 +160,8 @@ CameraFrame Renderer::Impl::camera_frame(const FrameRequest& request) const {
   return make_camera_frame(request.camera, request.width, request.height, bounds);
 }
 
-void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk) {
+void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, const Turn& turn,
+                                       int samples, int chunk) {
   const CameraFrame camera = camera_frame(request);
   FrameConstants& c = constants;
   c.clip_from_world = clip_from_world(camera);
@@ -176,6 +177,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
       plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") + (side == 4 ? 2 : side / 2) : 0);
   // In mode bandwidth each point counts its own samples.
   const int first_sample = plan.mode == "bandwidth" ? 0 : accumulated * samples;
+  if (turn.goes_on()) samples = std::max(static_cast<int>(kTurningSamples * static_cast<float>(samples)), 1);
   c.sampling = glm::ivec4(samples, chunk, first_sample, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
@@ -184,7 +186,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   // Interpolation's error falls with the square of the spacing, and noise with the 0.8th power of the samples (docs/
   // numerics.md): so they fall together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * (turn.goes_on() ? kTurningDensity : 1.0f);
   c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
   frame_block.update(0, sizeof(c), &c);
 }
@@ -294,7 +296,6 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.glass_framebuffer.reset();
     s.near_terms = Texture();
     s.drawn_surfaces.reset();
-    s.traced.reset();
     s.drawn_sky.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
@@ -307,7 +308,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.last_request = request;
   if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
   const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
-  s.prepare_constants(request, plan, samples, chunk);
+  s.prepare_constants(request, plan, turn, samples, chunk);
   s.prepare_accumulation(plan, accumulate);
   s.bind_frame();
   PassTimer timer(s.device.software);
@@ -317,6 +318,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
   if (goes_on) leave_out_known(&plan);
   if (turn.goes_on()) note_turn(&plan);
+  s.keeps_surfaces = true;
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
   if (bandwidth && !goes_on) s.predict(plan, turn, &timer);
   std::optional<RefineRates> refine;
@@ -333,7 +335,6 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (bandwidth) s.fill(s.progressive.has_value(), &timer);
   if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
-  s.keep_reflections(request, &plan);
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
   s.compose(plan, request, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
@@ -344,11 +345,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   stats.visible_pixels = s.visible_points;
   stats.shaded_pixels = s.shaded_points;
   stats.shading_samples = s.shading_samples;
-  if (turn.goes_on()) {
-    unsigned continued = 0;
-    s.history->continued.read(0, sizeof continued, &continued);
-    stats.technique["continued_points"] = continued;
-  }
+  if (turn.goes_on()) stats.technique["continued_points"] = static_cast<double>(s.continued_points);
   stats.gpu_bytes["geometry"] = s.buffers->geometry_bytes();
   if (s.buffers->has_textures()) stats.gpu_bytes["textures"] = s.buffers->texture_bytes();
   if (s.materials.count() > 0) stats.gpu_bytes["materials"] = s.materials.bytes();
@@ -356,11 +353,11 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const FrameTargets& t = *s.targets;
   stats.gpu_bytes["gbuffer"] = t.triangle.bytes() + t.depth_buffer.bytes() + t.surface.bytes() + t.depth.bytes();
   stats.gpu_bytes["shading"] = t.surface_tiles.tiles.bytes() + t.sky_tiles.tiles.bytes() + t.marks.bytes() +
-                               t.radiance.bytes() + t.picture.bytes() +
+                               t.radiance.bytes() + t.picture.bytes() + t.indirect.bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +
-                                   t.pyramid.bytes() + s.near_terms.bytes();
+                                   t.weights.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();

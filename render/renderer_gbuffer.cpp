@@ -107,6 +107,9 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   timer->end("raster");
   find_tiles();
   drawn_sky.reset();
+  keeps_surfaces = false;
+  weights_levels = -1;
+  indirect_drawn.reset();
   FrameTargets& t = *targets;
   glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);

@@ -36,11 +36,13 @@ std::string visibility_define(const FramePlan& plan) {
   return plan.visibility == "traced" ? "2" : plan.visibility == "baked" ? "1" : "0";
 }
 
-ShaderVariant glass_variant(const FramePlan& plan, bool textures) {
+ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
   return {"glass/glass.frag",
           "glass/glass.vert",
           {{"VISIBILITY", visibility_define(plan)},
-           {"TEXTURES", textures ? "1" : "0"},
+           {"TEXTURES", kind.texture ? "1" : "0"},
+           {"SURFACE", kind.surface ? "1" : "0"},
+           {"PANE", kind.pane ? "1" : "0"},
            {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
 }
 
@@ -62,9 +64,9 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
     GLuint name = 0;
     glCreateFramebuffers(1, &name);
     glass_framebuffer = GlName<FramebufferTraits>(name);
-    glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, t.radiance.get(), 0);
     glNamedFramebufferTexture(name, GL_DEPTH_ATTACHMENT, t.depth_buffer.get(), 0);
   }
+  glNamedFramebufferTexture(glass_framebuffer.get(), GL_COLOR_ATTACHMENT0, under_panes().get(), 0);
   glBindFramebuffer(GL_FRAMEBUFFER, glass_framebuffer.get());
   glViewport(0, 0, t.grid_width(), t.grid_height());
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
@@ -77,13 +79,16 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
   glCullFace(GL_BACK);
   glBindTextureUnit(29, irradiance.get());
   glBindVertexArray(buffers->vertex_array());
-  const Program& program = programs.get(glass_variant(plan, buffers->has_textures()));
-  if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
-  glUseProgram(program.get());
   for (std::size_t i : items) {
     const DrawItem& item = buffers->geometry().items[i];
     const Material& m = material_of_item(i);
     (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    const int texture =
+        buffers->has_textures() ? buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))) : -1;
+    const Program& program =
+        programs.get(glass_variant(plan, {texture >= 0, pane_share(m) < 1.0f, pane_share(m) > 0.0f}));
+    if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
+    glUseProgram(program.get());
     const float alpha = m.alpha_mode == AlphaMode::blend ? m.base_color.a : 1.0f;
     glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
     glUniform4f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b, m.unlit ? 1.0f : 0.0f);
@@ -94,8 +99,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
       program.set("u_hatch", request.settings.get_string("reflections.mark") == "hatch" ? 1 : 0);
       program.set("u_ghost", ghost && !is_mirror(i) ? 1 : 0);
     }
-    if (buffers->has_textures())
-      program.set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));
+    if (texture >= 0) program.set("u_texture", texture);
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
                    reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
   }

@@ -51,16 +51,6 @@ struct SurfaceKey {
   bool operator==(const SurfaceKey&) const = default;
 };
 
-/// All that the hits of the mirrored rays depend on.
-struct TracedKey {
-  SurfaceKey surfaces;
-  std::uint32_t epoch = 0;
-  std::string technique;
-  std::vector<std::string> named;
-  Settings settings;
-  bool operator==(const TracedKey&) const = default;
-};
-
 /// All that the sky's points depend on besides the G-buffer and the environment.
 struct SkyKey {
   float rotation_rad = 0.0f, scale = 0.0f;
@@ -114,8 +104,6 @@ struct Renderer::Impl {
   Buffer reflector_block;                     ///< patches of the reflectors, std140
   Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
-  std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
-  bool reflections_kept = false;            ///< in this frame
   std::optional<ReflectionTargets> ghost;   ///< the second image of panes, while it is drawn
   std::optional<ReflectionTargets> probes;  ///< the same of fewer rays, while some are not followed
   std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
@@ -128,11 +116,15 @@ struct Renderer::Impl {
   int accumulated = 0;
   std::uint32_t epoch = 0;  ///< raised by every change of scene, materials or environment
   std::uint32_t drawn_epoch = 0;
-  std::uint32_t surface_epoch = 0;           ///< raised by every change of what the G-buffer holds
-  std::optional<SurfaceKey> drawn_surfaces;  ///< what the G-buffer in `targets` shows; empty: nothing yet
-  std::optional<SkyKey> drawn_sky;           ///< what the sky's points show; empty: to be drawn
+  std::uint32_t surface_epoch = 0;              ///< raised by every change of what the G-buffer holds
+  std::optional<SurfaceKey> drawn_surfaces;     ///< what the G-buffer in `targets` shows; empty: nothing yet
+  bool keeps_surfaces = false;                  ///< the G-buffer is that of an earlier frame
+  int weights_levels = -1;                      ///< that the weights of upsampling were found for; -1: none
+  std::optional<std::uint32_t> indirect_drawn;  ///< epoch that the indirect light of the points was found in
+  bool composes_in_picture = false;  ///< the frame at hand, and not in the grid that the picture is filtered from
+  std::optional<SkyKey> drawn_sky;   ///< what the sky's points show; empty: to be drawn
   FramePlan last_plan;
-  std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0;
+  std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0, continued_points = 0;
 
   void require_ready() const;
   void update_facts(int variant);
@@ -156,7 +148,7 @@ struct Renderer::Impl {
   /// Draws the light samples anew when a point that takes `count` more samples after its first `begin` would come round
   /// the list in this frame.
   void renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count);
-  void prepare_constants(const FrameRequest& request, const FramePlan& plan, int samples, int chunk);
+  void prepare_constants(const FrameRequest& request, const FramePlan& plan, const Turn& turn, int samples, int chunk);
   /// False, and the plan says so, when the G-buffer of the frame before still holds.
   bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
@@ -170,6 +162,8 @@ struct Renderer::Impl {
   /// Mode bandwidth where pictures do not accumulate: two rounds of samples, and what is left of earlier frames.
   void shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer);
   void schedule_band(std::size_t band, const Turn& turn, unsigned* counters);
+  /// Items `first` to `first + count` of a list of schedule_band.
+  void shade_items(const FramePlan& plan, int list, const Turn& turn, bool looks_back, unsigned first, unsigned count);
   void shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer);
   void bind_lists();
   /// `refine`: empty for the first frame of a picture.
@@ -178,7 +172,7 @@ struct Renderer::Impl {
                   PassTimer* timer);
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
-                   const Program& gather, const Turn* turn = nullptr);
+                   const Program& gather);
   /// Some rows of the reflected picture, every pixel with the same count of samples.
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);
@@ -192,12 +186,9 @@ struct Renderer::Impl {
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   enum class RayKind { all, some, ghost };  ///< `some`: only those that matter; `ghost`: mirrored by the back faces
   /// One reflected picture, a point for `divisor` x `divisor` of the grid.
-  void cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer);
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the
   /// reflectors. Throws Error when none was drawn.
-  /// Whether the hits of the frame before hold, so that they are only shaded anew.
-  void keep_reflections(const FrameRequest& request, FramePlan* plan);
   Image read_reflection(int channel) const;
   Image read_ghost();          ///< the second image alone
   Image read_skipped() const;  ///< 1 where the mirrored ray was not followed
@@ -232,6 +223,7 @@ struct Renderer::Impl {
   void bind_indirect(const Program& program) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_sky(const FramePlan& plan, const FrameRequest& request);
+  const Texture& under_panes() const;  ///< the image that panes are drawn over
   void draw_glass(const FramePlan& plan, const FrameRequest& request);
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
@@ -243,13 +235,19 @@ struct Renderer::Impl {
 };
 
 ShaderVariant shade_variant(const FramePlan& plan, int measured);
-/// The same for the points that shaders/turning/schedule.comp lists; `history`: they may go on from earlier frames.
-ShaderVariant scheduled_shade_variant(const FramePlan& plan, int measured);
+/// `textures`: points are kept without their base factor (shaders/bandwidth/base_factor.glsl).
+ShaderVariant gather_variant(bool accumulate, bool textures);
+/// The same for the points that shaders/turning/schedule.comp lists; `looks_back`: they may go on from earlier frames.
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back);
 std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);
-ShaderVariant glass_variant(const FramePlan& plan, bool textures);
+/// What an item of draw_glass is made of.
+struct GlassKind {
+  bool texture = false, surface = false, pane = false;
+};
+ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind);
 std::vector<ShaderVariant> reflection_shader_variants();
 
 }  // namespace maquette

@@ -33,17 +33,36 @@ ShaderVariant bandwidth_variant(const FramePlan& plan) {
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-ShaderVariant mark_variant(bool bandwidth, bool refine) {
-  return {"bandwidth/mark.comp", "", {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}}};
+ShaderVariant mark_variant(bool bandwidth, bool refine, bool textures) {
+  return {"bandwidth/mark.comp",
+          "",
+          {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}, {"TEXTURES", flag(textures)}}};
 }
 
 /// Levels up to this one are filled by tiles: cells of the coarser ones are larger than a tile, and few.
 constexpr int kLastTileLevel = 2;
 
-ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own) {
+enum class FillStep {
+  once,  ///< weights are found for this frame alone
+  find,  ///< weights are found for the frames to come
+  kept   ///< weights were found before
+};
+
+ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, FillStep step) {
   return {"bandwidth/fill.comp",
           "",
-          {{"TEXTURES", flag(textures)}, {"CUBIC", flag(cubic)}, {"TILES", flag(tiles)}, {"OWN", flag(own)}}};
+          {{"TEXTURES", flag(textures)},
+           {"CUBIC", flag(cubic)},
+           {"TILES", flag(tiles)},
+           {"OWN", flag(own)},
+           {"FIND", flag(step == FillStep::find)},
+           {"KEPT", flag(step == FillStep::kept)}}};
+}
+
+ShaderVariant compose_variant(int stage, bool textures, bool indirect) {
+  return {"shading/compose.comp",
+          "",
+          {{"STAGE", std::to_string(stage)}, {"TEXTURES", flag(textures)}, {"INDIRECT", flag(indirect)}}};
 }
 
 ShaderVariant indirect_variant_of(bool measured) {
@@ -51,6 +70,10 @@ ShaderVariant indirect_variant_of(bool measured) {
 }
 
 }  // namespace
+
+ShaderVariant gather_variant(bool accumulate, bool textures) {
+  return {"shading/gather.comp", "", {{"ACCUMULATE", flag(accumulate)}, {"TEXTURES", flag(textures)}}};
+}
 
 ShaderVariant shade_variant(const FramePlan& plan, int measured) {
   return {"shading/shade.comp",
@@ -62,8 +85,11 @@ std::vector<ShaderVariant> all_shader_variants() {
   std::vector<ShaderVariant> variants;
   for (int k = 0; k < 2; ++k) {
     variants.push_back({"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(k)}}});
-    for (int j = 0; j < 6; ++j) variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1));
-    variants.push_back({"shading/compose.comp", "", {{"STAGE", std::to_string(k)}}});
+    for (const FillStep step : {FillStep::once, FillStep::find, FillStep::kept})
+      for (int j = 0; j < 6; ++j)
+        if (step != FillStep::find || (k == 0 && (j & 1) == 0))
+          variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
+    for (int j = 0; j < 4; ++j) variants.push_back(compose_variant(k, j & 1, j & 2));
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
       plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
@@ -71,17 +97,23 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.texture_bandwidth = j & 1;
       variants.push_back(predict_variant(plan, k));
       variants.push_back(shade_variant(plan, k));
-      variants.push_back(scheduled_shade_variant(plan, k));
-      if (k == 0) variants.push_back(glass_variant(plan, j & 1));
-      plan.reflections = "raytraced";
-      if (k == 0) variants.push_back(glass_variant(plan, j & 1));
+      for (const bool looks_back : {false, true}) variants.push_back(scheduled_shade_variant(plan, k, looks_back));
+      for (const char* reflections : {"", "raytraced"}) {
+        plan.reflections = reflections;
+        const bool textured = j & 1;
+        if (k == 0)
+          for (const GlassKind& kind :
+               {GlassKind{textured, true, false}, {textured, false, true}, {textured, true, true}})
+            variants.push_back(glass_variant(plan, kind));
+      }
       plan.reflections.clear();
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
       if (j < 2) variants.push_back(bandwidth_variant(plan));
     }
-    variants.push_back(mark_variant(k, false));
-    variants.push_back({"shading/gather.comp", "", {{"ACCUMULATE", flag(k)}}});
+    variants.push_back(mark_variant(k, false, false));
+    variants.push_back(mark_variant(true, true, k));
+    for (int j = 0; j < 2; ++j) variants.push_back(gather_variant(k, j));
     variants.push_back(indirect_variant_of(k));
   }
   for (int k = 0; k < 8; ++k) {
@@ -89,13 +121,12 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
-  variants.push_back(mark_variant(true, true));
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/classify.comp",
         "bandwidth/pyramid.comp", "bandwidth/measure.comp", "bandwidth/worth.comp", "octree/trace_rays.comp",
         "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
-  variants.push_back({"shading/compose.comp", "", {{"STAGE", "2"}}});
+  variants.push_back(compose_variant(2, false, false));
   for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   return variants;
@@ -173,7 +204,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   FrameTargets& t = *targets;
   bind_lists();
   const bool bandwidth = plan.mode == "bandwidth";
-  const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value()));
+  const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures()));
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   const bool accumulate = bandwidth && progressive;
@@ -201,7 +232,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const Program& arguments = programs.get({"shading/arguments.comp", "", {}});
   dispatch(arguments, 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
-  const Program& gather = programs.get({"shading/gather.comp", "", {{"ACCUMULATE", flag(accumulate)}}});
+  const Program& gather = programs.get(gather_variant(accumulate, bandwidth && buffers->has_textures()));
   if (accumulate) {
     glBindImageTexture(1, progressive->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     glBindImageTexture(2, progressive->spread.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
@@ -212,8 +243,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
 }
 
 void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters,
-                                 ShaderVariant (*variant)(const FramePlan&, int), const Program& gather,
-                                 const Turn* turn) {
+                                 ShaderVariant (*variant)(const FramePlan&, int), const Program& gather) {
   const FrameTargets& t = *targets;
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
@@ -221,11 +251,6 @@ void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
     const Program& program = programs.get(variant(plan, list == 0 ? 1 : 0));
     program.set("u_list", list);
-    if (turn) {
-      glProgramUniform2f(program.get(), program.location("u_turn"), std::cos(turn->angle_rad),
-                         std::sin(turn->angle_rad));
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[list].get());  // gather lists the second round
-    }
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     glDispatchComputeIndirect(list * 32 + 8);
@@ -242,26 +267,37 @@ void Renderer::Impl::fill(bool own, PassTimer* timer) {
   glBindTextureUnit(21, t.curvature.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(2, t.weights.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
   if (own) {
     glBindTextureUnit(18, progressive->mean.get());
     glBindTextureUnit(19, progressive->deviation.get());
     glBindTextureUnit(56, progressive->worth.get());
     glBindImageTexture(1, progressive->residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   }
-  for (int level = constants.size.w - 1; level >= 0; --level) {
-    const bool tiles = level <= kLastTileLevel;
-    const Program& program = programs.get(fill_variant(buffers->has_textures(), level > 0, tiles, own));
-    program.set("u_level", level);
-    const int side = 1 << level;
-    for (int middle = 0; middle < 2; ++middle) {
-      program.set("u_middle", middle);
-      const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
-      if (tiles)
-        dispatch_tiles(program, t.surface_tiles, 2 * (2 - level) + 1 - middle);
-      else
-        dispatch_list(program, middle ? cells : 2 * cells);
+  const int levels = constants.size.w;
+  const auto over_points = [&](FillStep step) {
+    for (int level = levels - 1; level >= 0; --level) {
+      const bool tiles = level <= kLastTileLevel, find = step == FillStep::find;
+      const Program& program =
+          programs.get(fill_variant(!find && buffers->has_textures(), level > 0, tiles, !find && own, step));
+      program.set("u_level", level);
+      const int side = 1 << level;
+      for (int middle = 0; middle < 2; ++middle) {
+        program.set("u_middle", middle);
+        const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
+        if (tiles)
+          dispatch_tiles(program, t.surface_tiles, 2 * (2 - level) + 1 - middle);
+        else
+          dispatch_list(program, middle ? cells : 2 * cells);
+      }
     }
+  };
+  // From the second frame on that shows the same surfaces.
+  if (keeps_surfaces && weights_levels != levels) {
+    over_points(FillStep::find);
+    weights_levels = levels;
   }
+  over_points(keeps_surfaces ? FillStep::kept : FillStep::once);
   timer->end("upsample");
 }
 
@@ -273,47 +309,59 @@ void Renderer::Impl::bind_indirect(const Program& program) const {
 
 void Renderer::Impl::add_indirect(PassTimer* timer) {
   FrameTargets& t = *targets;
+  if (!t.indirect) {
+    t.indirect = Texture::make_2d("indirect light", GL_RGBA32F, t.grid_width(), t.grid_height());
+    indirect_drawn.reset();
+  }
+  if (indirect_drawn == epoch) return;
+  indirect_drawn = epoch;
   const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
   bind_indirect(program);
   glBindTextureUnit(0, t.triangle.get());
-  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(0, t.indirect.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(program, t.surface_tiles, 6);
   timer->end("indirect");
 }
 
 void Renderer::Impl::draw_sky(const FramePlan& plan, const FrameRequest& request) {
   FrameTargets& t = *targets;
-  const bool in_picture = !plan.glass && t.side == 1;
-  const SkyKey key{request.env_rotation_rad, request.env_scale, in_picture};
+  const SkyKey key{request.env_rotation_rad, request.env_scale, composes_in_picture};
   if (!plan.glass && drawn_sky == key) return;
   drawn_sky.reset();
   if (!plan.glass) drawn_sky = key;  // panes are drawn over the very points
-  glBindImageTexture(0, in_picture ? t.picture.get() : t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(programs.get({"shading/sky.comp", "", {}}), t.sky_tiles, 6);
+}
+
+const Texture& Renderer::Impl::under_panes() const {
+  return composes_in_picture ? targets->picture : targets->radiance;
 }
 
 void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
+  composes_in_picture = t.side == 1 && (!plan.glass || blend >= 1.0f);
   draw_sky(plan, request);
-  const bool in_place = plan.glass || t.side > 1;
-  if (in_place) {
-    glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-    dispatch_tiles(programs.get({"shading/compose.comp", "", {{"STAGE", "1"}}}), t.surface_tiles, 6);
-    timer->end("compose");
+  const Program& complete = programs.get(compose_variant(
+      composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), plan.indirect == "baked"));
+  if (composes_in_picture) {
+    complete.set("u_blend", blend);
+    glBindTextureUnit(24, t.radiance.get());
   }
+  if (plan.indirect == "baked") glBindTextureUnit(18, t.indirect.get());
+  glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch_tiles(complete, t.surface_tiles, 6);
+  timer->end("compose");
   if (plan.glass) {
     if (!plan.reflections.empty()) reflect(plan, request, timer);
     draw_glass(plan, request);
     timer->end("glass");
   }
-  const Program& program = programs.get({"shading/compose.comp", "", {{"STAGE", in_place ? "2" : "0"}}});
-  program.set("u_blend", blend);
+  if (composes_in_picture) return;
+  const Program& filter = programs.get(compose_variant(2, false, false));
+  filter.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  if (in_place)
-    dispatch(program, groups(t.width, 8), groups(t.height, 8));
-  else
-    dispatch_tiles(program, t.surface_tiles, 6);
+  dispatch(filter, groups(t.width, 8), groups(t.height, 8));
   timer->end("compose");
 }
 

@@ -193,7 +193,7 @@ void Renderer::Impl::bind_skipping(const Program& rays, float contrast) {
   glBindTextureUnit(56, s.part_view.get());
   glBindTextureUnit(57, s.bound_view.get());
   glBindTextureUnit(58, s.cover.get());
-  glBindTextureUnit(59, targets->radiance.get());
+  glBindTextureUnit(59, under_panes().get());
   glBindTextureUnit(60, probes->radiance.get());
   glBindTextureUnit(61, probes->ray_direction.get());
   std::array<GLint, kMaxReflectors> offsets{};

@@ -9,25 +9,17 @@
 namespace maquette {
 
 namespace {
-constexpr double kSettle_s = 0.3;    // the coarse picture stays so long after the last move
-constexpr double kFluid_ms = 100.0;  // what a moving frame may take before it gets coarser
+constexpr double kSettle_s = 0.3;  // the coarse picture stays so long after the last move
 constexpr std::size_t kHistory = 120;
 constexpr double kSmoothing = 0.15;
 }  // namespace
 
-/// The finest scale whose frame is fluid, judged by the cost a pixel of the last frame.
-float WindowPicture::choose_moving_scale(const WindowSession& session, const PictureTurn& turn) const {
-  if (session.state.moving_scale > 0.0f) return std::min(session.state.moving_scale, session.state.still_scale);
-  if (!stats_) return session.state.still_scale;
-  const double pixels = static_cast<double>(drawn_.width) * static_cast<double>(drawn_.height);
-  const double full = static_cast<double>(turn.width_px) * static_cast<double>(turn.height_px);
-  for (const float scale : {1.0f, 0.5f, 0.25f}) {
-    if (scale > session.state.still_scale) continue;
-    // Going finer again within one move needs to be well worth it, so that the picture does not flicker.
-    const double limit = moving_ && scale > last_moving_scale_ ? 0.5 * kFluid_ms : kFluid_ms;
-    if (stats_->frame_ms / pixels * full * static_cast<double>(scale * scale) <= limit) return scale;
-  }
-  return 0.25f;
+float WindowPicture::choose_moving_scale(const WindowSession& session, const PictureTurn& turn,
+                                         MovingScale::Kind kind) {
+  const float most = session.state.still_scale;
+  if (session.state.moving_scale > 0.0f) return std::min(session.state.moving_scale, most);
+  if (!stats_) return most;
+  return moving_scale_.choose(kind, static_cast<double>(turn.width_px) * turn.height_px, most);
 }
 
 bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
@@ -39,12 +31,21 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
   // The first frame and a new window size are no moves.
   const bool moved = changed && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
+  FrameRequest turned = last_wanted_;
+  turned.env_rotation_rad = wanted.env_rotation_rad;
+  const bool light_alone = turned == wanted && session->revision() == last_revision_;
   last_wanted_ = wanted;
   last_revision_ = session->revision();
   if (changed) failed_ = false;
   if (moved) last_change_s_ = now_s;
   const bool moving = now_s - last_change_s_ < kSettle_s;
-  if (moving && moved) last_moving_scale_ = choose_moving_scale(*session, turn);
+  // The first frame of a move goes on from nothing and does not count.
+  const bool begins = !moving_ || light_alone != (moving_kind_ == MovingScale::Kind::light);
+  if (moving && moved) {
+    moving_kind_ = light_alone ? MovingScale::Kind::light : MovingScale::Kind::other;
+    last_moving_scale_ = choose_moving_scale(*session, turn, moving_kind_);
+  }
+  if (!moving) moving_scale_.rest();
   moving_ = moving;
   const float scale = moving_ ? last_moving_scale_ : session->state.still_scale;
   FrameRequest request = wanted;
@@ -55,7 +56,9 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   background_ = background;
   const bool stale = changed || news || !(request == drawn_);
   const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
+  const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
   if (due) draw(session, request, !stale);
+  if (due && !failed_) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested();
   const EditorState& state = session->state;
   if (due || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||
@@ -81,6 +84,15 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
       session->state.msaa = drawn_.msaa;
     }
   }
+}
+
+/// `move`: the frame went on with a move, at the size of the frame before.
+void WindowPicture::note_cost(bool move) {
+  const double px = static_cast<double>(drawn_.width) * drawn_.height;
+  if (move)
+    moving_scale_.note(moving_kind_, stats_->frame_ms, px);
+  else
+    moving_scale_.note_still(stats_->frame_ms, px);
 }
 
 void WindowPicture::note_times() {

@@ -8,6 +8,7 @@
 #include "render/gl/objects.h"
 #include "render/renderer.h"
 #include "ui/layout.h"
+#include "viewer/moving_scale.h"
 #include "viewer/window_session.h"
 
 namespace maquette {
@@ -46,10 +47,11 @@ class WindowPicture {
   bool resting(double now_s) const { return converged() && now_s - last_change_s_ > 1.0; }
 
  private:
-  float choose_moving_scale(const WindowSession& session, const PictureTurn& turn) const;
+  float choose_moving_scale(const WindowSession& session, const PictureTurn& turn, MovingScale::Kind kind);
   void draw(WindowSession* session, const FrameRequest& request, bool accumulate);
   void present(WindowSession* session, int width_px, int height_px);
   void note_times();
+  void note_cost(bool move);
 
   std::optional<FrameStats> stats_;
   std::vector<float> history_ms_;
@@ -60,6 +62,8 @@ class WindowPicture {
   double last_change_s_ = -1e9;
   bool moving_ = false;
   float last_moving_scale_ = 1.0f;
+  MovingScale moving_scale_;
+  MovingScale::Kind moving_kind_ = MovingScale::Kind::other;
   bool failed_ = false;  ///< the present request cannot be drawn; the last good picture stays
   bool background_ = false;
   float shown_exposure_ev_ = 0.0f;

@@ -20,14 +20,18 @@ constexpr float kPredictionHolds_rad = 0.3f;
 /// A light that turns further between two frames has jumped: nothing goes on.
 constexpr float kJump_rad = 0.5f;
 
-const ShaderVariant kMarks{"bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"MARKS_ONLY", "1"}}};
-const ShaderVariant kMore{"turning/more.comp", "", {}};
-
+const ShaderVariant kMarks{
+    "bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"MARKS_ONLY", "1"}}};
 const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
 
-ShaderVariant gather_variant(int round) { return {"turning/gather.comp", "", {{"MORE", std::to_string(round)}}}; }
+ShaderVariant turned_gather_variant(int round, bool textures) {
+  return {"turning/gather.comp", "", {{"MORE", std::to_string(round)}, {"TEXTURES", textures ? "1" : "0"}}};
+}
 
 /// As in shaders/turning/item.glsl.
+struct TurnCounters {
+  unsigned continued, small_items[2], large_items[2];
+};
 int least_item_log2(int item_samples) {
   return std::max(static_cast<int>(std::bit_width(static_cast<unsigned>(item_samples))) - 4, 1);
 }
@@ -40,7 +44,7 @@ TurnHistory TurnHistory::make(int grid_width, int grid_height) {
   h.renewed = Texture::make_2d("history renewed", GL_R32UI, grid_width, grid_height);
   const GLuint never[4] = {};
   glClearTexImage(h.renewed.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, never);
-  h.continued = Buffer("continued points", sizeof(unsigned));
+  h.counters = Buffer("turning counters", sizeof(TurnCounters));
   return h;
 }
 
@@ -73,14 +77,17 @@ TileShare renewed_share(const Turn& turn) {
   return {static_cast<int>(turn.frame) % frames, frames};
 }
 
-ShaderVariant scheduled_shade_variant(const FramePlan& plan, int measured) {
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back) {
   ShaderVariant variant = shade_variant(plan, measured);
   variant.defines.emplace_back("TURNED", "1");
+  variant.defines.emplace_back("LOOKS_BACK", looks_back ? "1" : "0");
   return variant;
 }
 
 std::vector<ShaderVariant> turning_shader_variants() {
-  return {kMarks, kSchedule, kMore, gather_variant(0), gather_variant(1)};
+  std::vector<ShaderVariant> variants{kMarks, kSchedule};
+  for (int k = 0; k < 4; ++k) variants.push_back(turned_gather_variant(k / 2, k & 1));
+  return variants;
 }
 
 void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned* counters) {
@@ -96,7 +103,7 @@ void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned*
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   glBindTextureUnit(18, history->mean.get());
   glBindTextureUnit(19, history->renewed.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history->continued.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history->counters.get());
   glBindTextureUnit(20, t.curvature.get());
   schedule.set("u_item_capacity", t.item_capacity);
   schedule.set("u_turn_rad", std::abs(turn.angle_rad));
@@ -104,7 +111,7 @@ void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned*
   // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
   for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
     t.counters.clear_to_zero();
-    if (band == 0) history->continued.clear_to_zero();
+    history->counters.clear_to_zero();
     schedule.set("u_sample_scale", scale);
     dispatch_tiles(schedule, t.surface_tiles, 2, band);
     t.counters.read(0, 16 * sizeof(unsigned), counters);
@@ -113,36 +120,57 @@ void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned*
   }
 }
 
+void Renderer::Impl::shade_items(const FramePlan& plan, int list, const Turn& turn, bool looks_back, unsigned first,
+                                 unsigned count) {
+  if (count == 0) return;
+  const FrameTargets& t = *targets;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
+  const Program& program = programs.get(scheduled_shade_variant(plan, list == 0, looks_back));
+  glProgramUniform2i(program.get(), program.location("u_range"), static_cast<GLint>(first), static_cast<GLint>(count));
+  if (looks_back)
+    glProgramUniform2f(program.get(), program.location("u_turn"), std::cos(turn.angle_rad), std::sin(turn.angle_rad));
+  if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
+  dispatch_list(program, static_cast<int>(count));
+}
+
 void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer) {
   FrameTargets& t = *targets;
+  const auto capacity = static_cast<unsigned>(t.item_capacity);
   unsigned counters[16];
   schedule_band(band, turn, counters);
+  TurnCounters listed;
+  history->counters.read(0, sizeof listed, &listed);
+  continued_points += listed.continued;
   timer->end("mark");
   shaded_points += counters[1] + counters[9];
-  dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
-  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
-  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, history->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   glBindImageTexture(2, history->renewed.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
   for (int round = 0; round < 2; ++round) {
-    const Program& gather = programs.get(gather_variant(round));
+    const Program& gather = programs.get(turned_gather_variant(round, buffers->has_textures()));
     gather.set("u_frame_number", static_cast<int>(turn.frame));
     gather.set("u_item_capacity", t.item_capacity);
     gather.set("u_point_capacity", static_cast<int>(t.points[0].bytes() / 16));
-    shade_lists(plan, counters, scheduled_shade_variant, gather, &turn);
+    for (int list = 0; list < 2; ++list) {
+      const unsigned more = std::min(counters[8 * list + 6], capacity), large = listed.large_items[list];
+      if ((round == 0 ? counters[8 * list] : more) == 0) continue;
+      shade_items(plan, list, turn, round == 0, 0, round == 0 ? listed.small_items[list] : more);
+      if (round == 0) shade_items(plan, list, turn, false, capacity - large, large);
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.points[list].get());
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[list].get());  // the first round lists the second
+      glBindTextureUnit(22, t.partial_view[list].get());
+      gather.set("u_list", list);
+      dispatch(gather, 256, 1);
+      shading_samples += round == 0 ? counters[8 * list + 5] : more << (least_item_log2(constants.sampling.y) + 3);
+    }
     timer->end("shade");
-    if (round == 1) break;
-    const Program& more = programs.get(kMore);
-    more.set("u_item_capacity", t.item_capacity);
-    more.set("u_item_samples", 1 << (least_item_log2(constants.sampling.y) + 3));
-    dispatch(more, 1, 1);
+    t.counters.read(0, sizeof counters, counters);
   }
-  t.counters.read(0, sizeof counters, counters);
-  shading_samples += counters[5] + counters[13];
 }
 
 void Renderer::Impl::shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer) {
-  shaded_points = shading_samples = 0;
+  shaded_points = shading_samples = continued_points = 0;
   for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
     shade_scheduled_band(plan, band, turn, timer);
 }

@@ -18,9 +18,9 @@ struct TurnHistory {
     bool lights = false;
     bool operator==(const Key&) const = default;
   };
-  Texture mean;      ///< RGBA32F: mean without clamping, and the samples that it is worth
-  Texture renewed;   ///< R32UI: number of the frame that last renewed the point
-  Buffer continued;  ///< uint: points of the last frame that went on from their past
+  Texture mean;     ///< RGBA32F: mean without clamping, and the samples that it is worth
+  Texture renewed;  ///< R32UI: number of the frame that last renewed the point
+  Buffer counters;  ///< TurnCounters of shaders/turning/item.glsl
   std::optional<Key> key;
   float rotation_rad = 0.0f;
   std::uint32_t frame = 1;  ///< number of the frame at hand, from 2
@@ -28,6 +28,10 @@ struct TurnHistory {
   static TurnHistory make(int grid_width, int grid_height);
   std::size_t bytes() const { return mean.bytes() + renewed.bytes(); }
 };
+
+/// Base count of samples, and density of points along an axis, of a frame that goes on, over those of one from nothing.
+/// What stands still for an instant only is worth less.
+constexpr float kTurningSamples = 0.625f, kTurningDensity = 0.65f;
 
 /// How the frame at hand goes on from the one before.
 struct Turn {

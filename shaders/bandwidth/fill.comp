@@ -27,75 +27,94 @@ const float kLeastWeight = 1.1;
 uniform int u_level;
 uniform int u_middle;  // 0: between two, 1: in the middle of four
 
-#if TEXTURES
+#if TEXTURES && OWN
 layout(binding = 8) uniform usampler2D t_surface;
 #include "shared/material_table.glsl"
-
-/// How much brighter `pixel` is for its base colour than the neutral grey that interpolation works in.
-vec3 base_factor(ivec2 pixel) {
-  uvec4 g = texelFetch(t_surface, pixel, 0);
-  vec4 y = unpackUnorm4x8(g.y);
-  vec3 c = y.xyz * y.xyz;
-  uint flags = material_words(int(g.z >> 16u), 6).x;
-  float share = base_color_share(c, y.w, (flags & kMaterialTinted) != 0u);
-  if ((flags & (kMaterialMeasured | kMaterialTinted)) == kMaterialMeasured) share = 0.0;
-  return mix(vec3(1.0), max(c, vec3(0.004)), share);
-}
+#include "bandwidth/base_factor.glsl"
 #endif
 
-/// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
-vec4 along(Guide center, ivec2 pixel, ivec2 axis, int s) {
-  vec3 values[4];
+// Weights depend on what is seen alone. KEPT: they come from an image, four halves a point, of the two nearest points along x (or along the
+// only axis) and along y, both kCubic where a cubic serves. FIND: they are found for all points, and nothing else is done.
+#if KEPT || FIND
+layout(binding = 2, rg32ui) uniform uimage2D io_weights;
+#endif
+const float kCubic = 64.0;
+
+uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
   float weights[4];
   for (int k = 1 - CUBIC; k < 3 + CUBIC; ++k) {
     ivec2 q = pixel + (2 * k - 3) * s * axis;
     bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, u_frame.size.xy));
     q = clamp(q, ivec2(0), u_frame.size.xy - 1);
     weights[k] = inside ? bilateral_weight(center, load_guide(q), float(s) * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
-    values[k] = imageLoad(io_radiance, q).rgb;
-#if TEXTURES
-    values[k] /= base_factor(q);
-#endif
+    if (weights[k] > 0.0) weights[k] = max(weights[k], 1e-4);  // half floats begin there
   }
+  vec2 w = vec2(weights[1], weights[2]);
 #if CUBIC
-  if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) {
-    vec3 cubic = (9.0 * (values[1] + values[2]) - values[0] - values[3]) * 0.0625;
+  if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) w = vec2(kCubic);
+#endif
+  return packHalf2x16(w);
+}
+
+vec3 radiance_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_frame.size.xy - 1)).rgb; }
+
+/// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
+vec4 along(ivec2 pixel, ivec2 axis, uint packed_weights) {
+  vec2 w = unpackHalf2x16(packed_weights);
+  vec3 before = radiance_at(pixel - axis), after = radiance_at(pixel + axis);
+#if CUBIC
+  vec3 first = radiance_at(pixel - 3 * axis), last = radiance_at(pixel + 3 * axis);
+  if (w.x >= kCubic) {
+    vec3 cubic = (9.0 * (before + after) - first - last) * 0.0625;
     // Noise must not ring below the neighbours' range.
-    vec3 low = min(min(values[0], values[3]), min(values[1], values[2]));
+    vec3 low = min(min(first, last), min(before, after));
     return vec4(max(cubic, low * 0.5), 2.0);
   }
 #endif
-  float sum = weights[1] + weights[2];
-  return vec4((values[1] * weights[1] + values[2] * weights[2]) / max(sum, 1e-12), sum);
+  float sum = w.x + w.y;
+  return vec4((before * w.x + after * w.y) / max(sum, 1e-12), sum);
 }
 
 void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
+#if KEPT
+  uvec2 weights = imageLoad(io_weights, pixel).xy;
+#else
   Guide center = load_guide(pixel);
+  uvec2 weights = uvec2(find_weights(center, pixel, u_middle == 0 ? odd : ivec2(1, 0), s), 0u);
+  if (u_middle == 1) weights.y = find_weights(center, pixel, ivec2(0, 1), s);
+#endif
+#if FIND
+  imageStore(io_weights, pixel, uvec4(weights, 0u, 0u));
+#else
   vec4 value;
   if (u_middle == 0) {
-    value = along(center, pixel, odd, s);
+    value = along(pixel, s * odd, weights.x);
   } else {
     vec2 nu = texelFetch(t_axes, pixel / 2, 0).xy + 1e-4;
-    vec4 x = along(center, pixel, ivec2(1, 0), s), y = along(center, pixel, ivec2(0, 1), s);
+    vec4 x = along(pixel, ivec2(s, 0), weights.x), y = along(pixel, ivec2(0, s), weights.y);
     vec2 w = vec2(nu.y * nu.y * x.w, nu.x * nu.x * y.w) + 1e-20;
     value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
   }
-#if TEXTURES
-  value.rgb *= base_factor(pixel);
-#endif
 #if OWN
   if (mark.x != 0u) {
     vec4 own = texelFetch(t_mean, pixel, 0);
     bool known = value.w >= kLeastWeight;
-    vec3 apart = own.rgb - value.rgb;
+#if TEXTURES
+    uvec4 surface = texelFetch(t_surface, pixel, 0);
+    vec3 base = base_factor(surface, material_words(int(surface.z >> 16u), 6).x);
+#else
+    const vec3 base = vec3(1.0);
+#endif
+    vec3 apart = own.rgb - value.rgb * base;
     float residual = dot(apart, apart) * (1.0 / 3.0), d = texelFetch(t_deviation, pixel, 0).x;
     imageStore(o_residual, pixel, vec4(known ? residual : -1.0));
     float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
     kappa = point_kappa(kappa, own.w, residual, d * d / float(u_frame.sampling.y));
-    value.rgb += apart * (known ? own_weight(own.w, kappa) : 1.0);
+    value.rgb += apart / base * (known ? own_weight(own.w, kappa) : 1.0);
   }
 #endif
   imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
+#endif
 }
 
 void main() {
@@ -122,5 +141,5 @@ void main() {
   ivec2 pixel = (2 * cell + odd) * s;
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   uvec4 mark = texelFetch(t_marks, pixel, 0);
-  if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) fill(pixel, odd, s, mark);
+  if (mark.w != 0u && (OWN == 1 || FIND == 1 || mark.x == 0u)) fill(pixel, odd, s, mark);
 }

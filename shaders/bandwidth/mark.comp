@@ -120,6 +120,9 @@ bool is_scout(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * fl
 
 #if REFINE
 #include "bandwidth/wanted.glsl"
+#if TEXTURES
+#include "bandwidth/base_factor.glsl"
+#endif
 
 /// Deviation of one sample at a point that is shaded for the first time: that of the coarser points around it or the prediction, whichever
 /// is more, because a mirrored lamp between the coarser points is worse than some samples too many.
@@ -211,7 +214,8 @@ void main() {
       imageStore(o_marks, pixel, uvec4(0u));
       continue;
     }
-    int material = int(texelFetch(t_surface, pixel, 0).z >> 16u);
+    uvec4 surface = texelFetch(t_surface, pixel, 0);
+    int material = int(surface.z >> 16u);
     uint flags = material_words(material, 6).x;
     bool measured = (flags & kMaterialMeasured) != 0u;
     int quad = ((k & 3) >> 1) + 2 * (k >> 3);
@@ -219,7 +223,11 @@ void main() {
     if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
     ++visible;
 #if REFINE
-    if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(texelFetch(t_mean, pixel, 0).rgb, 1.0));
+    vec3 known = texelFetch(t_mean, pixel, 0).rgb;
+#if TEXTURES
+    known /= base_factor(surface, flags);
+#endif
+    if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(known, 1.0));
 #endif
     imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
     counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);

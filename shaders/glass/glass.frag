@@ -1,6 +1,8 @@
 // Panes: what is behind times the transmittance, plus the mirrored environment times the reflectance; both faces, all bounces between
 // them (shared/fresnel.glsl). Thin: the ray is not bent or shifted, and roughness is not seen.
 // Blended surfaces: a Lambertian surface of the base colour under the whole sky, covering by alpha.
+// TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. Known before, because
+// software devices run branches that no lane takes.
 // Blending is o_color + o_through * (what is there), so that items must come back to front.
 #include "shared/frame.glsl"
 #include "shared/latlong.glsl"
@@ -9,7 +11,7 @@
 #include "shading/environment_bilinear.glsl"
 #if TEXTURES
 #include "shared/texture_table.glsl"
-uniform int u_texture;  // of the base colour, or -1
+uniform int u_texture;  // of the base colour
 #endif
 layout(binding = 29) uniform sampler2D t_irradiance;  // irradiance over pi, latitude-longitude
 uniform vec4 u_base;      // base colour, alpha
@@ -75,19 +77,20 @@ float metal_reflectance(float c, float f0) {
 void main() {
   vec4 base = u_base;
 #if TEXTURES
-  if (u_texture >= 0) {
-    vec2 uv = texture_coordinates(u_texture, v_uv, v_uv);
-    base *= sample_texture(u_texture, uv, dFdx(uv), dFdy(uv));
-  }
+  vec2 uv = texture_coordinates(u_texture, v_uv, v_uv);
+  base *= sample_texture(u_texture, uv, dFdx(uv), dFdy(uv));
 #endif
   vec3 view = -normalize(v_position);
   vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
   n = dot(n, view) < 0.0 ? -n : n;
   vec3 surface = u_emission.rgb;
-  if (u_pane.x < 1.0) surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * v_open);
+#if SURFACE
+  surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * v_open);
+#endif
   o_color = vec4(surface * base.a, 0.0);
   o_through = vec4(vec3(1.0 - base.a), 1.0);
-  if (u_pane.x > 0.0) {
+#if PANE
+  {
     float c = dot(n, view);
     vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
     vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
@@ -106,6 +109,7 @@ void main() {
     o_color = vec4(u_emission.rgb + reflected + (1.0 - u_pane.x) * (surface - u_emission.rgb), 0.0);
     o_through = vec4(vec3(red.y, green.y, blue.y) * u_pane.x, 1.0);
   }
+#endif
 #if REFLECTIONS
   if (u_mirror == 1) {
     float c = dot(n, view);

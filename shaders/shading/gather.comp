@@ -16,6 +16,7 @@ layout(binding = 1, rgba32f) uniform image2D io_mean;   // mean, number of items
 layout(binding = 2, r32f) uniform image2D io_spread;    // sum of squared deviations of the items, mean over R, G, B
 #endif
 uniform int u_list;
+#include "bandwidth/without_base.glsl"
 
 // A picture never holds NaN or infinity, whatever a table holds.
 vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
@@ -38,11 +39,11 @@ void main() {
     }
     imageStore(io_mean, pixel, mean);
     imageStore(io_spread, pixel, vec4(spread));
-    imageStore(o_radiance, pixel, vec4(mean.rgb, 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(mean.rgb, pixel), 1.0));
 #else
     vec3 sum = vec3(0.0);
     for (uint i = 0u; i < point.item_count; ++i) sum += texelFetch(t_partial, int(point.first_item + i)).rgb;
-    imageStore(o_radiance, pixel, vec4(finite(sum / float(max(point.item_count, 1u))), 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(finite(sum / float(max(point.item_count, 1u))), pixel), 1.0));
 #endif
   }
 }

@@ -1,5 +1,5 @@
-// Adds the light that comes by way of other surfaces to every visible point: baked per vertex, interpolated here, so it costs three fetches
-// a point and no samples. Radiance is linear in the direction, and what a lobe makes of that is its albedo times the value in its mean
+// The light that comes by way of other surfaces at every visible point, kept until it changes: baked per vertex, interpolated here, so it costs
+// three fetches a point and no samples. Radiance is linear in the direction, and what a lobe makes of that is its albedo times the value in its mean
 // direction, exactly.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
@@ -19,7 +19,11 @@ layout(local_size_x = 64) in;
 #include "shared/indirect.glsl"
 layout(binding = 45) uniform usamplerBuffer t_indirect;  // [side][vertex], shared/indirect.glsl
 layout(binding = 44) uniform samplerBuffer t_lobes;      // [slot][64] two texels: albedo | mean direction in the frame of view and normal
+#ifdef REFLECTED
 layout(binding = 0, rgba32f) uniform image2D io_radiance;
+#else
+layout(binding = 0, rgba32f) uniform writeonly image2D o_indirect;
+#endif
 uniform int u_bias;
 uniform int u_back;  // first entry of the backs, 0: only fronts are baked
 
@@ -81,6 +85,10 @@ void main() {
   if (p.slot >= 0) reflected = reflect_measured(p, light);
 #endif
   if (p.slot < 0) reflected = reflect_analytic(p, light);
+#ifdef REFLECTED
   vec4 radiance = imageLoad(io_radiance, pixel);
   imageStore(io_radiance, pixel, vec4(radiance.rgb + reflected, radiance.a));
+#else
+  imageStore(o_indirect, pixel, vec4(reflected, 0.0));
+#endif
 }

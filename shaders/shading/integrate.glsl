@@ -21,7 +21,8 @@ float light_weight(float cosine, float f_hat, float l, float inverse_integral, f
   return cosine * l * inverse_integral / max((nb * f_hat + nl * l) * pdf, 1e-30);
 }
 
-#ifdef TURNED
+#if defined(TURNED) && LOOKS_BACK
+#define BEFORE
 #include "turning/before.glsl"
 #endif
 
@@ -76,16 +77,13 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     float open = visibility_of(result.visibility, world_from_environment(world), unit_pair(q3 ^ q4));
     weight *= open;
 #endif
-#ifdef TURNED
+#ifdef BEFORE
     // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
-    result.before = vec3(0.0);
-    for (int once = 0; once < result.looks_back; ++once) {
-      vec3 sky = environment_stochastic(stood_before(world), unit_pair(q4));
-      result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
+    vec3 sky = environment_stochastic(stood_before(world), unit_pair(q4));
+    result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
 #if VISIBILITY
-      result.before *= open;
+    result.before *= open;
 #endif
-    }
 #endif
     ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
   }
@@ -98,9 +96,8 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     vec4 direction_pdf = texelFetch(t_light_samples, 2 * index);
     vec3 wi = to_local(p, direction_pdf.xyz);
     q3 += 0xD1B54A33u;
-#ifdef TURNED
+#ifdef BEFORE
     // The same light where it stood before.
-    result.before = vec3(0.0);
     vec3 from = seen_before(direction_pdf.xyz), wi_before = to_local(p, from);
     if (max(wi.z, wi_before.z) <= 0.0) continue;
 #else
@@ -121,15 +118,14 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     vec2 dither = unit_pair(q3 ^ (q4 + uint(i) * 0x9E3779B9u));
     weight *= visibility_of(result.visibility, world_from_environment(direction_pdf.xyz), dither);
 #endif
-#ifdef TURNED
+#ifdef BEFORE
     weight = wi.z > 0.0 ? weight : 0.0;
-    for (int once = 0; once < (wi_before.z > 0.0 ? result.looks_back : 0); ++once) {
-      LobeValue lobe = evaluate_lobe(p, wi_before, unit_pair(q3));
-      result.before = lobe.f * radiance * light_weight(wi_before.z, lobe.f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
+    LobeValue lobe = evaluate_lobe(p, wi_before, unit_pair(q3));
+    float weight_before = light_weight(wi_before.z, lobe.f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
 #if VISIBILITY
-      result.before *= visibility_of(result.visibility, world_from_environment(from), dither);
+    weight_before *= visibility_of(result.visibility, world_from_environment(from), dither);
 #endif
-    }
+    result.before = wi_before.z > 0.0 ? lobe.f * radiance * weight_before : vec3(0.0);
 #endif
     ON_SAMPLE(f, radiance, weight, wi, direction_pdf.xyz, direction_pdf.w, false);
   }

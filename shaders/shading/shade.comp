@@ -1,4 +1,5 @@
 // Shades work items: `chunk` samples of one point each, so that all lanes of a vector do the same count.
+// TURNED: items of shaders/turning; LOOKS_BACK: of points that go on from their past, with each sample under the sky before as well.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
@@ -25,20 +26,25 @@ struct Item {
   uint pixel;         // x | y << 16
   uint first_sample;  // of the point's sequence
 };
+#ifdef TURNED
+uniform ivec2 u_range;  // first item, number
+#else
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
 layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
 uniform int u_list;
+#endif
 layout(std430, binding = 2) readonly buffer Items { Item b_items[]; };
 layout(std430, binding = 3) writeonly buffer Partial { vec4 b_partial[]; };
 
 struct Result {
   vec3 sum;
 #ifdef TURNED
-  vec3 before;     // what the sample at hand was worth before the light turned
-  float kept;      // share of the point's history that is kept
-  int looks_back;  // 1 where it is not 0
+#if LOOKS_BACK
+  vec3 before;  // what the sample at hand was worth before the light turned
+  float kept;   // share of the point's history that is kept
+#endif
   float squares;
 #endif
 #if VISIBILITY
@@ -47,7 +53,11 @@ struct Result {
 };
 #ifdef TURNED
 void take(inout Result r, vec3 now) {
+#if LOOKS_BACK
   vec3 v = now - r.kept * r.before;
+#else
+  vec3 v = now;
+#endif
   r.sum += v;
   r.squares += dot(v, v) * (1.0 / 3.0);
 }
@@ -62,7 +72,12 @@ void take(inout Result r, vec3 now) {
 
 void main() {
   uint id = linear_id();
+#ifdef TURNED
+  if (id >= uint(u_range.y)) return;
+  id += uint(u_range.x);
+#else
   if (id >= b_lists[u_list].items) return;
+#endif
   Item item = b_items[id];
   ivec2 pixel = ivec2(item.pixel & 65535u, item.pixel >> 16u);
   Point p = load_point(pixel);
@@ -73,8 +88,9 @@ void main() {
 #endif
 #ifdef TURNED
   TurnedItem turned = unpack_turned_item(item.first_sample);
+#if LOOKS_BACK
   result.kept = turned.kept;
-  result.looks_back = turned.kept > 0.0 ? 1 : 0;
+#endif
   result.squares = 0.0;
   int count = turned.samples;
   uint first_sample = turned.first_sample;
@@ -94,7 +110,7 @@ void main() {
   g_light_visibility = result.visibility;
 #endif
   vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
-#ifdef TURNED
+#if defined(TURNED) && LOOKS_BACK
   lights *= 1.0 - turned.kept;  // they did not turn
 #endif
   sum += lights;

@@ -18,7 +18,7 @@ layout(std430, binding = 2) buffer Points { ShadedPoint b_points[]; };
 layout(std430, binding = 4) writeonly buffer Items { Item b_items[]; };
 layout(binding = 22) uniform samplerBuffer t_partial;
 layout(binding = 21) uniform sampler2D t_pyramid;
-layout(binding = 0, rgba32f) uniform image2D io_radiance;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 layout(binding = 1, rgba32f) uniform image2D io_history;  // mean, samples that it is worth
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_renewed;
 uniform int u_list;
@@ -27,6 +27,7 @@ uniform int u_item_capacity;
 uniform int u_point_capacity;
 
 #include "bandwidth/block_share.glsl"
+#include "bandwidth/without_base.glsl"
 
 // A picture never holds NaN or infinity, whatever a table holds.
 vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
@@ -69,7 +70,7 @@ void main() {
     // What was far from its prediction goes on from nothing and says nothing about the next frame.
     vec3 mean = mean_of_items(point, point.item_count).rgb;
     imageStore(io_history, pixel, vec4(mean, 0.0));
-    imageStore(io_radiance, pixel, vec4(mean, 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(mean, pixel), 1.0));
 #else
     vec4 now = mean_of_items(point, point.item_count);
     vec3 mean = now.rgb;
@@ -87,7 +88,7 @@ void main() {
       for (uint i = 0u; i < (fits ? more : 0u); ++i)
         b_items[first + i] = Item(point.pixel, pack_turned_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
     }
-    imageStore(io_radiance, pixel, vec4(max(mean, vec3(0.0)), 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(max(mean, vec3(0.0)), pixel), 1.0));
 #endif
   }
 }

@@ -2,6 +2,14 @@
 /// Items have 2^least to 2^(least + 3) samples: the frame's own size of items is the largest.
 int least_item_log2() { return max(findMSB(u_frame.sampling.y) - 3, 1); }
 
+/// Large items lie at a list's end, so that the lanes of a vector do as many samples each. Points that go on have none.
+bool is_large_item(int size_log2) { return size_log2 > least_item_log2(); }
+
+struct TurnCounters {
+  uint continued;  // points that go on from their past
+  uint small_items[2], large_items[2];
+};
+
 struct TurnedItem {
   uint first_sample;  // of the point's own sequence
   int samples;

@@ -17,7 +17,7 @@ layout(local_size_x = 64) in;
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 18) uniform sampler2D t_history;   // mean, samples that it is worth
 layout(binding = 19) uniform usampler2D t_renewed;  // frame that it was last renewed in
-layout(std430, binding = 6) buffer Continued { uint b_continued; };  // points that go on from their past
+layout(std430, binding = 6) buffer Turned { TurnCounters b_turn; };
 layout(binding = 21) uniform sampler2D t_pyramid;
 layout(binding = 20) uniform sampler2D t_axes;         // w: nu_theta, cycles/rad
 layout(binding = 0, rgba8ui) uniform uimage2D io_marks;
@@ -71,7 +71,7 @@ Plan plan_point(float wanted, float have, float nu) {
   n = goes_on ? n : wanted;
   Plan plan;
   int least = least_item_log2();
-  plan.size_log2 = clamp(int(log2(n) + 0.25), least, least + (goes_on ? 1 : 3));
+  plan.size_log2 = goes_on ? least : clamp(int(log2(n) + 0.25), least, least + 3);
   plan.items = clamp(int(n * exp2(float(-plan.size_log2)) + 0.5), 1, 4096);
   n = float(plan.items << plan.size_log2);
   plan.kept = goes_on ? uint(kKeptSteps * min(rho * have / (have + n), 0.99)) : 0u;
@@ -96,43 +96,56 @@ void main() {
   if (tile.x < 0) return;
   ivec2 corner = kTile * tile + 4 * ivec2(id & 1, (id >> 1) & 1);
   float mean_deviation = texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1).z;
-  uint counts[16], points_packed[16];
-  uvec2 items = uvec2(0u), points = uvec2(0u), samples = uvec2(0u);
-  uint continued = 0u;
+  uint marked = 0u, levels[16];
   for (int k = 0; k < 16; ++k) {
     ivec2 pixel = corner + ivec2(k & 3, k >> 2);
-    counts[k] = 0u;
-    if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
-    uvec4 mark = imageLoad(io_marks, pixel);
-    if (mark.x == 0u) continue;
-    Plan plan = plan_point(wanted_samples(pixel, int(mark.y), mean_deviation), samples_so_far(pixel), texelFetch(t_axes, pixel / 2, 0).w);
+    uvec4 mark = all(lessThan(pixel, u_frame.size.xy)) ? imageLoad(io_marks, pixel) : uvec4(0u);
+    marked |= min(mark.x, 1u) << uint(k);
+    levels[k] = mark.y;
+  }
+  // Few are marked: software devices run a loop as often as the longest of eight lanes.
+  uint counts[16], points_packed[16];
+  uvec2 small_items = uvec2(0u), large_items = uvec2(0u), points = uvec2(0u), samples = uvec2(0u);
+  uint continued = 0u;
+  for (uint left = marked; left != 0u; left &= left - 1u) {
+    int k = findLSB(left);
+    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
+    int level = int(levels[k]);
+    Plan plan = plan_point(wanted_samples(pixel, level, mean_deviation), samples_so_far(pixel), texelFetch(t_axes, pixel / 2, 0).w);
     continued += plan.kept > 0u ? 1u : 0u;
     bool measured = (material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialMeasured) != 0u;
     uint n = uint(plan.items << plan.size_log2);
-    imageStore(io_marks, pixel, uvec4(mark.xy, min(uint(findMSB(n)), 255u), mark.w));
+    imageStore(io_marks, pixel, uvec4(1u, level, min(uint(findMSB(n)), 255u), 1u));
     counts[k] = uint(plan.items) | (measured ? 0u : 0x80000000u);
-    points_packed[k] = pack_turned_point(int(mark.y), plan.size_log2, plan.kept, plan.worth);
-    items += measured ? uvec2(plan.items, 0u) : uvec2(0u, plan.items);
+    points_packed[k] = pack_turned_point(level, plan.size_log2, plan.kept, plan.worth);
+    uvec2 items = measured ? uvec2(plan.items, 0u) : uvec2(0u, plan.items);
+    small_items += is_large_item(plan.size_log2) ? uvec2(0u) : items;
+    large_items += is_large_item(plan.size_log2) ? items : uvec2(0u);
     points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
     samples += measured ? uvec2(n, 0u) : uvec2(0u, n);
   }
-  if (continued > 0u) atomicAdd(b_continued, continued);
-  uvec2 next_item = uvec2(0u), next_point = uvec2(0u);
+  if (continued > 0u) atomicAdd(b_turn.continued, continued);
+  uvec2 next_small = uvec2(0u), next_large = uvec2(0u), next_point = uvec2(0u);
   for (int list = 0; list < 2; ++list) {
     if (points[list] == 0u) continue;
-    next_item[list] = atomicAdd(b_lists[list].items, items[list]);
+    atomicAdd(b_lists[list].items, small_items[list] + large_items[list]);
+    next_small[list] = atomicAdd(b_turn.small_items[list], small_items[list]);
+    next_large[list] = atomicAdd(b_turn.large_items[list], large_items[list]);
     next_point[list] = atomicAdd(b_lists[list].points, points[list]);
     atomicAdd(b_lists[list].samples, samples[list]);
   }
-  for (int k = 0; k < 16; ++k) {
-    if (counts[k] == 0u) continue;
+  for (uint left = marked; left != 0u; left &= left - 1u) {
+    int k = findLSB(left);
     ivec2 pixel = corner + ivec2(k & 3, k >> 2);
     int list = int(counts[k] >> 31u);
-    uint n = counts[k] & 0x7fffffffu, first = next_item[list], packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
-    // Over capacity nothing is written; the host sees the count and asks again for fewer.
-    uint written = first + n <= uint(u_item_capacity) ? n : 0u;
-    ShadedPoint point = ShadedPoint(packed_pixel, first, written, points_packed[k]);
     int size_log2 = unpack_turned_point(points_packed[k]).size_log2;
+    bool large = is_large_item(size_log2);
+    uint n = counts[k] & 0x7fffffffu, before = large ? next_large[list] : next_small[list];
+    // Over capacity nothing is written; the host sees the count and asks again for fewer.
+    uint written = before + n <= uint(u_item_capacity) ? n : 0u;
+    uint first = large ? uint(u_item_capacity) - before - written : before;
+    uint packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
+    ShadedPoint point = ShadedPoint(packed_pixel, first, written, points_packed[k]);
     if (list == 0) b_measured_points[next_point.x] = point;
     else b_analytic_points[next_point.y] = point;
     for (uint i = 0u; i < written; ++i) {
@@ -140,7 +153,8 @@ void main() {
       if (list == 0) b_measured_items[first + i] = item;
       else b_analytic_items[first + i] = item;
     }
-    next_item[list] += n;
+    next_small[list] += large ? 0u : n;
+    next_large[list] += large ? n : 0u;
     next_point[list] += 1u;
   }
 }

@@ -1,0 +1,15 @@
+/// What is stored of a point between the passes of mode `bandwidth` (base_factor.glsl). TEXTURES 0: radiance itself.
+#if TEXTURES
+layout(binding = 8) uniform usampler2D t_surface;
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
+#include "shared/material_table.glsl"
+#include "bandwidth/base_factor.glsl"
+vec3 without_base(vec3 radiance, ivec2 pixel) {
+  uvec4 surface = texelFetch(t_surface, pixel, 0);
+  return radiance / base_factor(surface, material_words(int(surface.z >> 16u), 6).x);
+}
+#else
+vec3 without_base(vec3 radiance, ivec2 pixel) { return radiance; }
+#endif

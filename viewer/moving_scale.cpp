@@ -1,0 +1,48 @@
+#include "viewer/moving_scale.h"
+
+#include <algorithm>
+
+namespace maquette {
+
+namespace {
+constexpr float kScales[] = {1.0f, 0.7f, 0.5f, 0.35f, 0.25f};
+/// Going finer within one move needs to be well worth it, so that the picture does not flicker.
+constexpr double kFinerShare = 0.5;
+constexpr int kSlowFrames = 2;
+constexpr double kNewest = 0.5;  ///< weight of the newest frame in the smoothed cost
+}  // namespace
+
+float MovingScale::choose(Kind kind, double full_px, float most) {
+  Cost& c = cost(kind);
+  const bool goes_on = moving_ && kind_ == kind && scale_ <= most;
+  moving_ = true;
+  kind_ = kind;
+  // Frames from nothing say little about those of a turning light: it begins at full size and is measured.
+  const double ms_per_px = c.ms_per_px > 0.0 || kind == Kind::light ? c.ms_per_px : still_ms_per_px_;
+  if (goes_on && c.slow < kSlowFrames) {
+    for (const float scale : kScales)
+      if (scale <= most && scale > scale_ && ms_per_px * full_px * scale * scale <= kFinerShare * kFluid_ms)
+        return scale_ = scale;
+    return scale_;
+  }
+  c.slow = 0;
+  const float limit = goes_on ? std::min(most, 0.99f * scale_) : most;
+  scale_ = std::min(most, kScales[4]);
+  for (const float scale : kScales) {
+    if (scale > limit || ms_per_px * full_px * scale * scale > kFluid_ms) continue;
+    scale_ = scale;
+    break;
+  }
+  return scale_;
+}
+
+void MovingScale::note(Kind kind, double ms, double px) {
+  Cost& c = cost(kind);
+  const double now = ms / std::max(px, 1.0);
+  c.ms_per_px = c.ms_per_px > 0.0 ? c.ms_per_px + kNewest * (now - c.ms_per_px) : now;
+  c.slow = ms > kFluid_ms ? c.slow + 1 : 0;
+}
+
+void MovingScale::note_still(double ms, double px) { still_ms_per_px_ = ms / std::max(px, 1.0); }
+
+}  // namespace maquette

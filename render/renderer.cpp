@@ -296,6 +296,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.glass_framebuffer.reset();
     s.near_terms = Texture();
     s.drawn_surfaces.reset();
+    s.traced.reset();
     s.drawn_sky.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
@@ -335,6 +336,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (bandwidth) s.fill(s.progressive.has_value(), &timer);
   if (plan.indirect == "baked") s.add_indirect(&timer);
   ++s.accumulated;
+  s.keep_reflections(request, &plan);
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
   s.compose(plan, request, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;

@@ -51,6 +51,16 @@ struct SurfaceKey {
   bool operator==(const SurfaceKey&) const = default;
 };
 
+/// All that the hits of the mirrored rays depend on.
+struct TracedKey {
+  SurfaceKey surfaces;
+  std::uint32_t epoch = 0;
+  std::string technique;
+  std::vector<std::string> named;
+  Settings settings;
+  bool operator==(const TracedKey&) const = default;
+};
+
 /// All that the sky's points depend on besides the G-buffer and the environment.
 struct SkyKey {
   float rotation_rad = 0.0f, scale = 0.0f;
@@ -104,6 +114,8 @@ struct Renderer::Impl {
   Buffer reflector_block;                     ///< patches of the reflectors, std140
   Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
+  std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
+  bool reflections_kept = false;            ///< in this frame
   std::optional<ReflectionTargets> ghost;   ///< the second image of panes, while it is drawn
   std::optional<ReflectionTargets> probes;  ///< the same of fewer rays, while some are not followed
   std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
@@ -186,9 +198,12 @@ struct Renderer::Impl {
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   enum class RayKind { all, some, ghost };  ///< `some`: only those that matter; `ghost`: mirrored by the back faces
   /// One reflected picture, a point for `divisor` x `divisor` of the grid.
+  void cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer);
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the
   /// reflectors. Throws Error when none was drawn.
+  /// Whether the hits of the frame before hold, so that they are only shaded anew.
+  void keep_reflections(const FrameRequest& request, FramePlan* plan);
   Image read_reflection(int channel) const;
   Image read_ghost();          ///< the second image alone
   Image read_skipped() const;  ///< 1 where the mirrored ray was not followed

@@ -6,7 +6,7 @@
 #include "render/bezier/projection.h"
 #include "render/bezier/reflector_patch.h"
 #include "render/octree/reflections.h"
-#include "render/reflections/raster.h"
+#include "render/reflections/nearest_hits.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/renderer_impl.h"
 #include "render/triangle/reflections.h"
@@ -106,7 +106,7 @@ std::vector<ShaderVariant> reflection_shader_variants() {
       variants.push_back(reflected_shade_variant(plan, k >> 1));
     }
   }
-  for (const auto& more : {bezier_shader_variants(), triangle_shader_variants(), raster_shader_variants()})
+  for (const auto& more : {bezier_shader_variants(), triangle_shader_variants(), nearest_hits_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
   for (int k = 0; k < 2; ++k) variants.push_back(reflected_indirect_variant(k));
@@ -132,6 +132,25 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
   reflectors_named = request.reflectors;
   reflectors_epoch = epoch + 1;
   reflector_block = make_reflector_block(reflectors);
+}
+
+void Renderer::Impl::keep_reflections(const FrameRequest& request, FramePlan* plan) {
+  reflections_kept = false;
+  // An octree may have been built anew since, and what is skipped depends on the light.
+  const bool may_keep = !plan->reflections.empty() && plan->reflections != "octree" && !skips && drawn_surfaces &&
+                        request.settings.get_bool("shading.reuse");
+  if (!may_keep) {
+    traced.reset();
+    return;
+  }
+  const TracedKey key{*drawn_surfaces, epoch, plan->reflections, request.reflectors, request.settings};
+  reflections_kept = reflection && traced == key;
+  traced = key;
+  if (!reflections_kept) return;
+  for (const char* pass : {"projection", "rays"}) {
+    if (std::erase_if(plan->passes, [&](const PlannedPass& p) { return p.name == pass; }) == 0) continue;
+    plan->left_out.push_back({pass, "kept from the frame before: neither camera nor surfaces changed"});
+  }
 }
 
 int Renderer::Impl::reflector_of_item(std::size_t item) const {
@@ -266,9 +285,28 @@ void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) c
                      1e-3f * static_cast<float>(settings.get_double("reflections.wedge")));
 }
 
+void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer) {
+  ReflectionTargets& t = *reflection;
+  const bool skip = kind == RayKind::some;
+  draw_panes(&t);
+  glBindTextureUnit(51, t.pane.get());
+  glBindTextureUnit(52, targets->depth.get());
+  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  const GLubyte no_doubt = 0;
+  glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &no_doubt);
+  if (skip) draw_cover();
+  const Program& rays = programs.get(rays_variant(skip, kind == RayKind::ghost));
+  if (kind == RayKind::ghost) bind_ghost(rays, request.settings);
+  if (skip) bind_skipping(rays, static_cast<float>(request.settings.get_double("reflections.skip")));
+  rays.set("u_divisor", t.divisor);
+  dispatch(rays, groups(t.width, 8), groups(t.height, 8));
+  timer->end("panes");
+}
+
 void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request,
                                 PassTimer* timer) {
-  const bool skip = kind == RayKind::some;
   FrameTargets& f = *targets;
   if (!reflection || reflection->divisor != divisor || reflection->width != groups(f.grid_width(), divisor) ||
       reflection->height != groups(f.grid_height(), divisor))
@@ -283,23 +321,9 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   reflection_block.update(0, sizeof small, &small);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, reflection_block.get());
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, reflector_block.get());
-  draw_panes(&t);
-  glBindTextureUnit(51, t.pane.get());
-  glBindTextureUnit(52, f.depth.get());
-  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
-  const GLubyte no_doubt = 0;
-  glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &no_doubt);
-  if (skip) draw_cover();
-  const Program& rays = programs.get(rays_variant(skip, kind == RayKind::ghost));
-  if (kind == RayKind::ghost) bind_ghost(rays, request.settings);
-  if (skip) bind_skipping(rays, static_cast<float>(request.settings.get_double("reflections.skip")));
-  rays.set("u_divisor", divisor);
-  dispatch(rays, groups(t.width, 8), groups(t.height, 8));
+  if (!reflections_kept) cast_rays(kind, request, timer);
   glBindTextureUnit(49, t.ray_origin.get());
   glBindTextureUnit(50, t.ray_direction.get());
-  timer->end("panes");
 
   std::vector<bool> occluding = transmitting_items();
   occluding.flip();
@@ -316,9 +340,8 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
                               &t,
                               &programs,
                               timer};
-  technique->trace(frame);
-
-  if (!technique->resolves()) {
+  if (!reflections_kept) technique->trace(frame);
+  if (!reflections_kept && !technique->resolves()) {
     glBindTextureUnit(0, t.triangle.get());
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);

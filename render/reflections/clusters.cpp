@@ -93,6 +93,14 @@ ClusterSet make_clusters(const FlatGeometry& geometry) {
   return set;
 }
 
+std::vector<std::uint32_t> cluster_of_triangle(const ClusterSet& set) {
+  std::vector<std::uint32_t> out(set.triangles.size());
+  for (std::size_t c = 0; c < set.clusters.size(); ++c)
+    for (std::uint32_t k = 0; k < set.clusters[c].triangle_count; ++k)
+      out[set.triangles[set.clusters[c].first_triangle + k].y] = static_cast<std::uint32_t>(c);
+  return out;
+}
+
 Beam make_beam(std::span<const glm::vec3> origins, std::span<const glm::vec3> directions) {
   Beam beam;
   glm::vec3 sum(0.0f);

@@ -33,6 +33,9 @@ struct ClusterSet {
 /// All triangles; those of an item along a curve that keeps neighbours together, whatever the order of the file.
 ClusterSet make_clusters(const FlatGeometry& geometry);
 
+/// Of each triangle of the scene the number of its cluster.
+std::vector<std::uint32_t> cluster_of_triangle(const ClusterSet& set);
+
 /// Numbers of the item's triangles, along the same curve.
 std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const DrawItem& item);
 

@@ -1,28 +1,44 @@
-// Scene triangles whose vertices have been projected: those that show nothing are dropped, small ones are drawn as they are, the others
+// Scene triangles whose vertices have been projected: those that show nothing are dropped, straight ones are offered as they are, the others
 // become the first pieces of what is halved (bezier/pieces.comp).
 layout(local_size_x = 64) in;
-#include "bezier/project.glsl"
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(std430, binding = 2) readonly buffer Projections { vec4 b_projected[]; };
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };  // 0: small, 1: pieces
-layout(std430, binding = 4) writeonly buffer Drawn { vec4 b_drawn[]; };  // 4 a triangle: three clip positions | heights, number
-layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };    // 4 a piece: three of (m, x.x) | x.y of each, number
+#include "bezier/corners.glsl"
+layout(binding = 55) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it
+layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };  // 0: triangles offered, 1: pieces
+layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };  // 4 a piece: three of (m, x.x) | x.y of each, number
 layout(std430, binding = 7) readonly buffer Triangles { uint b_triangles[]; };
 uniform int u_count;
-uniform int u_drawn_capacity;
 uniform int u_piece_capacity;
 uniform float u_tolerance_px;
 uniform float u_margin_px;
 
-Corner fetch_corner(int vertex) {
-  vec4 b = b_projected[2 * vertex + 1];
-  Corner c;
-  c.v.clip = b_projected[2 * vertex];
-  c.v.x = b.xy;
-  c.v.height = b.z;
-  c.v.status = int(b.w);
-  return c;
+struct Vertex {
+  Corner corner;
+  vec3 by_x, by_y;  // px/m
+};
+
+Vertex fetch_vertex(int vertex) {
+  uvec4 a = texelFetch(t_projected, 2 * vertex), b = texelFetch(t_projected, 2 * vertex + 1);
+  Vertex u;
+  u.corner.world = texelFetch(t_vertices, 4 * vertex).xyz;
+  u.corner.v.at = uintBitsToFloat(a.xy);
+  u.corner.v.x = uintBitsToFloat(a.zw);
+  u.corner.v.status = int(b.x & 3u);
+  u.corner.v.placed = (b.x & 4u) != 0u;
+  u.corner.v.steps = int(b.x >> 3u & 127u);
+  u.corner.v.along_m = unpackHalf2x16(b.x).y;
+  vec2 d = unpackHalf2x16(b.y), e = unpackHalf2x16(b.z), f = unpackHalf2x16(b.w);
+  u.by_x = vec3(d, e.x);
+  u.by_y = vec3(e.y, f);
+  return u;
+}
+
+/// Pixels by which an edge's image bends: a quarter of what its tangent at one end misses the other end by. Of a curve of the second
+/// degree that is exact.
+float bend_px(Vertex a, Vertex b) {
+  vec3 d = b.corner.world - a.corner.world;
+  vec2 along = b.corner.v.at - a.corner.v.at;
+  vec2 from_a = along - vec2(dot(a.by_x, d), dot(a.by_y, d)), from_b = along - vec2(dot(b.by_x, d), dot(b.by_y, d));
+  return 0.25 * sqrt(max(dot(from_a, from_a), dot(from_b, from_b)));
 }
 
 void main() {
@@ -30,17 +46,21 @@ void main() {
   if (i >= u_count) return;
   int triangle = int(b_triangles[i]);
   ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x, texelFetch(t_indices, 3 * triangle + 2).x);
-  Corner c[3] = Corner[3](fetch_corner(v.x), fetch_corner(v.y), fetch_corner(v.z));
+  Vertex p = fetch_vertex(v.x), q = fetch_vertex(v.y), r = fetch_vertex(v.z);
+  Corner c[3] = Corner[3](p.corner, q.corner, r.corner);
   if (shows_nothing(c, u_margin_px)) return;
-  bool bends = may_bend(c[0], c[1], u_tolerance_px) || may_bend(c[1], c[2], u_tolerance_px) || may_bend(c[2], c[0], u_tolerance_px);
-  uint slot = atomicAdd(b_counters[bends ? 1 : 0], 1u);
-  if (bends) {
-    if (slot >= uint(u_piece_capacity)) return;
-    for (int k = 0; k < 3; ++k) b_next[4u * slot + uint(k)] = vec4(texelFetch(t_vertices, 4 * v[k]).xyz, c[k].v.x.x);
-    b_next[4u * slot + 3u] = vec4(c[0].v.x.y, c[1].v.x.y, c[2].v.x.y, float(triangle + 1));
-  } else {
-    if (slot >= uint(u_drawn_capacity)) return;
-    for (int k = 0; k < 3; ++k) b_drawn[4u * slot + uint(k)] = c[k].v.clip;
-    b_drawn[4u * slot + 3u] = vec4(c[0].v.height, c[1].v.height, c[2].v.height, float(triangle + 1));
+  bool placed = c[0].v.placed && c[1].v.placed && c[2].v.placed && max(max(c[0].v.status, c[1].v.status), c[2].v.status) <= kReflectionOutside;
+  float bend = max(max(bend_px(p, q), bend_px(q, r)), bend_px(r, p));
+  if (placed && bend <= u_tolerance_px) {
+    atomicAdd(b_counters[0], 1u);
+    offer_corners(c, kPlace_px + kBulge * bend, triangle);
+    return;
   }
+  uint slot = atomicAdd(b_counters[1], 1u);
+  if (slot >= uint(u_piece_capacity)) {
+    offer_corners(c, kBoxOnly + u_margin_px, triangle);
+    return;
+  }
+  for (int k = 0; k < 3; ++k) b_next[4u * slot + uint(k)] = vec4(c[k].world, c[k].v.x.x);
+  b_next[4u * slot + 3u] = vec4(c[0].v.x.y, c[1].v.x.y, c[2].v.x.y, float(triangle + 1));
 }

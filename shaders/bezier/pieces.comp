@@ -1,25 +1,20 @@
 // Pieces of reflected triangles: edges that a straight line does not show to the tolerance are halved. Whether an edge is halved depends on
 // its two ends alone, so neighbours agree and no cracks open.
 layout(local_size_x = 64) in;
-#include "bezier/project.glsl"
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };     // 1 and 2: pieces, 7: dropped, 8: large
-layout(std430, binding = 4) writeonly buffer Drawn { vec4 b_drawn[]; };   // 4 a piece: three clip positions | 0, 0, steps, number
+#include "bezier/corners.glsl"
+layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };     // 1 and 2: pieces, 7: dropped, 8: pieces offered
 layout(std430, binding = 5) readonly buffer Pieces { vec4 b_pieces[]; };  // 4 a piece: three of (m, x.x) | x.y of each, number
-layout(std430, binding = 7) writeonly buffer Small { vec4 b_small[]; };   // as bezier/classify.comp writes them
 layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };
 uniform int u_count;
 uniform int u_next_counter;
-uniform int u_small_capacity;
-uniform int u_drawn_capacity;
 uniform int u_piece_capacity;
 uniform float u_tolerance_px;
+uniform float u_short_px;
 uniform float u_margin_px;
 uniform int u_last;  // 1: halve no more
 
 const int kCornerSteps = 8;  // from a start that the pass before has found
 const float kUnknown = 1e30;
-// What is drawn without a test of each pixel: its outline and its depth keep to a small part of a pixel.
-const float kStraight_px = 0.05, kShort_px = 24.0;
 const int kMiddleSteps = 2;  // enough to tell how far an edge bends, and to start from
 
 /// An edge that shows nothing may be as crooked as it likes.
@@ -30,35 +25,15 @@ bool is_hidden(Corner a, Corner b) {
 /// Pixels by which the straight line between two ends misses the true one; more than any tolerance where no line is known.
 float bend_px(Corner a, Corner b, Projected middle) {
   if (a.v.status == kReflectionLost || b.v.status == kReflectionLost) return kUnknown;
-  if (a.v.clip.w <= 0.0 || b.v.clip.w <= 0.0 || middle.clip.w <= 0.0) return kUnknown;
-  vec2 p = on_screen(a.v.clip), d = on_screen(b.v.clip) - p, m = on_screen(middle.clip) - p;
+  if (!a.v.placed || !b.v.placed || !middle.placed) return kUnknown;
+  vec2 d = b.v.at - a.v.at, m = middle.at - a.v.at;
   // Where an edge meets the surface its image has a kink, anywhere between its ends.
   if ((a.v.status == kReflectionBehind) != (b.v.status == kReflectionBehind) && dot(d, d) > 16.0 * u_tolerance_px * u_tolerance_px) return kUnknown;
   float t = clamp(dot(m, d) / max(dot(d, d), 1e-12), 0.0, 1.0);
   return length(m - t * d);
 }
 
-bool is_straight(Corner c[3], float bend) {
-  if (bend > kStraight_px || max(max(c[0].v.status, c[1].v.status), c[2].v.status) > kReflectionOutside) return false;
-  if (min(min(c[0].v.clip.w, c[1].v.clip.w), c[2].v.clip.w) <= 0.0) return false;
-  return !may_bend(c[0], c[1], kShort_px / 6.0) && !may_bend(c[1], c[2], kShort_px / 6.0) && !may_bend(c[2], c[0], kShort_px / 6.0);
-}
-
-void draw(Corner c[3], float bend, float number) {
-  bool straight = is_straight(c, bend);
-  uint at = atomicAdd(b_counters[straight ? 0 : 8], 1u);
-  if (at >= uint(straight ? u_small_capacity : u_drawn_capacity)) return;
-  for (int k = 0; k < 3; ++k) {
-    if (straight) b_small[4u * at + uint(k)] = c[k].v.clip;
-    else b_drawn[4u * at + uint(k)] = c[k].v.clip;
-  }
-  if (straight) b_small[4u * at + 3u] = vec4(c[0].v.height, c[1].v.height, c[2].v.height, number);
-  else b_drawn[4u * at + 3u] = vec4(0.0, 0.0, float(max(max(c[0].v.steps, c[1].v.steps), c[2].v.steps)), number);
-}
-
-void keep_piece(vec3 a, vec2 xa, vec3 b, vec2 xb, vec3 c, vec2 xc, float number) {
-  uint at = atomicAdd(b_counters[u_next_counter], 1u);
-  if (at >= uint(u_piece_capacity)) return;
+void keep_piece(uint at, vec3 a, vec2 xa, vec3 b, vec2 xb, vec3 c, vec2 xc, float number) {
   b_next[4u * at] = vec4(a, xa.x);
   b_next[4u * at + 1u] = vec4(b, xb.x);
   b_next[4u * at + 2u] = vec4(c, xc.x);
@@ -69,6 +44,7 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= u_count) return;
   vec4 rest = b_pieces[4 * i + 3];
+  if (rest.w < 0.5) return;  // reserved by one that did not find room for all of its parts
   Corner corner[3];
   for (int k = 0; k < 3; ++k) {
     vec4 p = b_pieces[4 * i + k];
@@ -82,7 +58,7 @@ void main() {
   if (u_last == 0) {
     for (int k = 0; k < 3; ++k) {
       Corner a = corner[k], b = corner[(k + 1) % 3];
-      if (is_hidden(a, b) || !may_bend(a, b, u_tolerance_px)) continue;
+      if (is_hidden(a, b) || !may_bend(a, b, u_short_px)) continue;
       Projected m = project_near(0.5 * (a.world + b.world), 0.5 * (a.v.x + b.v.x), kMiddleSteps);
       middle[k] = m.x;
       float b_px = bend_px(a, b, m);
@@ -90,12 +66,17 @@ void main() {
       if (b_px > u_tolerance_px) halved |= 1 << k;
     }
   }
-  if (halved == 0) {
+  uint parts = uint(bitCount(halved)) + 1u, slot = 0u;
+  if (halved != 0) slot = atomicAdd(b_counters[u_next_counter], parts);
+  if (halved == 0 || slot + parts > uint(u_piece_capacity)) {
+    for (uint k = slot; halved != 0 && k < min(slot + parts, uint(u_piece_capacity)); ++k) b_next[4u * k + 3u] = vec4(0.0);
     // A corner without a reflection point has no place in the picture: the piece around it is left out, and counted.
-    if (max(max(corner[0].v.status, corner[1].v.status), corner[2].v.status) == kReflectionLost)
+    if (max(max(corner[0].v.status, corner[1].v.status), corner[2].v.status) == kReflectionLost) {
       atomicAdd(b_counters[7], 1u);
-    else
-      draw(corner, u_last == 0 ? bend : kUnknown, rest.w);
+    } else {
+      atomicAdd(b_counters[8], 1u);
+      offer_corners(corner, u_last == 0 && halved == 0 ? kPlace_px + kBulge * bend : kBoxOnly + u_margin_px, int(rest.w) - 1);
+    }
     return;
   }
   // Turned so that the edge ab is halved, and, of two halved edges, bc as well.
@@ -104,16 +85,16 @@ void main() {
   vec2 xab = middle[turn], xbc = middle[(turn + 1) % 3], xca = middle[(turn + 2) % 3];
   vec3 ab = 0.5 * (a.world + b.world), bc = 0.5 * (b.world + c.world), ca = 0.5 * (c.world + a.world);
   if (halved == 7) {
-    keep_piece(a.world, a.v.x, ab, xab, ca, xca, rest.w);
-    keep_piece(ab, xab, b.world, b.v.x, bc, xbc, rest.w);
-    keep_piece(ca, xca, bc, xbc, c.world, c.v.x, rest.w);
-    keep_piece(ab, xab, bc, xbc, ca, xca, rest.w);
+    keep_piece(slot, a.world, a.v.x, ab, xab, ca, xca, rest.w);
+    keep_piece(slot + 1u, ab, xab, b.world, b.v.x, bc, xbc, rest.w);
+    keep_piece(slot + 2u, ca, xca, bc, xbc, c.world, c.v.x, rest.w);
+    keep_piece(slot + 3u, ab, xab, bc, xbc, ca, xca, rest.w);
   } else if (halved == 1 || halved == 2 || halved == 4) {
-    keep_piece(a.world, a.v.x, ab, xab, c.world, c.v.x, rest.w);
-    keep_piece(ab, xab, b.world, b.v.x, c.world, c.v.x, rest.w);
+    keep_piece(slot, a.world, a.v.x, ab, xab, c.world, c.v.x, rest.w);
+    keep_piece(slot + 1u, ab, xab, b.world, b.v.x, c.world, c.v.x, rest.w);
   } else {
-    keep_piece(ab, xab, b.world, b.v.x, bc, xbc, rest.w);
-    keep_piece(a.world, a.v.x, ab, xab, bc, xbc, rest.w);
-    keep_piece(a.world, a.v.x, bc, xbc, c.world, c.v.x, rest.w);
+    keep_piece(slot, ab, xab, b.world, b.v.x, bc, xbc, rest.w);
+    keep_piece(slot + 1u, a.world, a.v.x, ab, xab, bc, xbc, rest.w);
+    keep_piece(slot + 2u, a.world, a.v.x, bc, xbc, c.world, c.v.x, rest.w);
   }
 }

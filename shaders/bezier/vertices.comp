@@ -2,12 +2,27 @@
 layout(local_size_x = 64) in;
 #include "bezier/project.glsl"
 layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(std430, binding = 2) writeonly buffer Projections { vec4 b_projected[]; };  // 2 a vertex: clip | x, height, status
+// 2 a vertex: px on screen, x | status, placed, steps and way to the vertex; how the place on screen changes with the vertex, px/m: six halves
+layout(std430, binding = 2) writeonly buffer Projections { uvec4 b_projected[]; };
 layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };
 layout(std430, binding = 4) readonly buffer Vertices { uvec2 b_vertices[]; };  // vertex, start
-// 4 a cluster: its middle's parameters, certified | derivatives of both by the place of a point | middle, m
+// 5 a cluster: its middle's parameters, certified | derivatives of both by the place of a point | middle, radius, m | half extent, m
 layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };
 uniform int u_count;
+
+const float kSteepest = 6e4;  // px/m: a half holds no more
+
+/// How the place on screen changes with the vertex: rows of px/m.
+mat2x3 screen_derivative(vec3 p, vec2 x) {
+  BezierSurface s = load_surface(u_reflector);
+  ReflectionDerivative d = reflection_derivative(s, reflector_eye(), p, x);
+  SurfaceJet jet = bezier_jet(s, x);
+  vec4 clip = u_frame.clip_from_world * vec4(jet.p + u_reflectors[u_reflector].origin.xyz, 1.0);
+  vec4 cx = u_frame.clip_from_world * vec4(jet.dx, 0.0), cy = u_frame.clip_from_world * vec4(jet.dy, 0.0);
+  vec2 scale = 0.5 * vec2(u_frame.size.x, -u_frame.size.y) / clip.w, ndc = clip.xy / clip.w;
+  vec2 by_x = scale * (cx.xy - ndc * cx.w), by_y = scale * (cy.xy - ndc * cy.w);
+  return mat2x3(clamp(by_x.x * d.x + by_y.x * d.y, -kSteepest, kSteepest), clamp(by_x.y * d.x + by_y.y * d.y, -kSteepest, kSteepest));
+}
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
@@ -15,10 +30,10 @@ void main() {
   uvec2 of = b_vertices[i];
   int vertex = int(of.x);
   vec3 world = texelFetch(t_vertices, 4 * vertex).xyz;
-  vec4 middle = b_starts[4u * of.y], place = b_starts[4u * of.y + 3u];
+  vec4 middle = b_starts[5u * of.y], place = b_starts[5u * of.y + 3u];
   vec3 from_middle = world - place.xyz;
   BezierStart start = no_start(u_side);
-  start.x = middle.xy + vec2(dot(b_starts[4u * of.y + 1u].xyz, from_middle), dot(b_starts[4u * of.y + 2u].xyz, from_middle));
+  start.x = middle.xy + vec2(dot(b_starts[5u * of.y + 1u].xyz, from_middle), dot(b_starts[5u * of.y + 2u].xyz, from_middle));
   start.x = clamp(start.x, middle.xy - 0.75, middle.xy + 0.75);
   start.shortest = clamp(start.x, vec2(-1.0), vec2(1.0));
   start.certified = middle.z > 0.0;
@@ -28,8 +43,10 @@ void main() {
     v = project_from(world, find_start(world - u_reflectors[u_reflector].origin.xyz));
     steps += v.steps;
   }
-  b_projected[2 * vertex] = v.clip;
-  b_projected[2 * vertex + 1] = vec4(v.x, v.height, float(v.status));
+  mat2x3 d = screen_derivative(world - u_reflectors[u_reflector].origin.xyz, v.x);
+  b_projected[2 * vertex] = floatBitsToUint(vec4(v.at, v.x));
+  b_projected[2 * vertex + 1] = uvec4(uint(v.status) | (v.placed ? 4u : 0u) | uint(min(v.steps, 127)) << 3u | packHalf2x16(vec2(0.0, min(0.999 * v.along_m, 6e4))), packHalf2x16(d[0].xy),
+                                      packHalf2x16(vec2(d[0].z, d[1].x)), packHalf2x16(d[1].yz));
   atomicAdd(b_counters[3], uint(steps));
   atomicAdd(b_counters[4], 1u);
   if (v.status == kReflectionLost) atomicAdd(b_counters[5], 1u);

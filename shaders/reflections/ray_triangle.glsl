@@ -9,14 +9,22 @@ const float kSeam = 1e-5;
 /// As far away nothing is seen of what touches the reflector, m.
 const float kNear_m = 1e-4;
 
-/// Metres along the ray; negative where it misses. Source: Moller and Trumbore 1997.
-float distance_to_triangle(vec3 origin, vec3 direction, int triangle) {
+struct SceneTriangle {
+  vec3 a, e1, e2;  // m: a corner, the edges from it
+};
+
+SceneTriangle fetch_triangle(int triangle) {
   vec3 a = texelFetch(t_vertices, 4 * int(texelFetch(t_indices, 3 * triangle).x)).xyz;
   vec3 b = texelFetch(t_vertices, 4 * int(texelFetch(t_indices, 3 * triangle + 1).x)).xyz;
   vec3 c = texelFetch(t_vertices, 4 * int(texelFetch(t_indices, 3 * triangle + 2).x)).xyz;
-  vec3 e1 = b - a, e2 = c - a, q = cross(direction, e2), s = origin - a, r = cross(s, e1);
-  float determinant = dot(e1, q);
+  return SceneTriangle(a, b - a, c - a);
+}
+
+/// Metres along the ray; negative where it misses. Source: Moller and Trumbore 1997.
+float distance_to(vec3 origin, vec3 direction, SceneTriangle t) {
+  vec3 q = cross(direction, t.e2), s = origin - t.a, r = cross(s, t.e1);
+  float determinant = dot(t.e1, q);
   if (abs(determinant) < 1e-30) return -1.0;
-  vec3 hit = vec3(dot(s, q), dot(direction, r), dot(e2, r)) * (1.0 / determinant);
+  vec3 hit = vec3(dot(s, q), dot(direction, r), dot(t.e2, r)) * (1.0 / determinant);
   return hit.x < -kSeam || hit.y < -kSeam || hit.x + hit.y > 1.0 + kSeam || hit.z < kNear_m ? -1.0 : hit.z;
 }

@@ -378,6 +378,14 @@ MAQUETTE_FN ReflectionPoint reflection_point(BezierSurface s, vec3 eye, vec3 p, 
     ReflectionPoint again = reflect_from(s, eye, p, clamp(from, -bound, bound), limit, first ? kNewtonSteps : kSearchSteps);
     bool interior = max(abs(again.x[0]), abs(again.x[1])) < Real(1.0f);
     if (first || (again.status == kReflectionInside && interior)) r = again;
+    // The extension may have a minimum of its own beside one within the border: another descent from there, which keeps to the domain.
+    if (first && max(abs(r.x[0]), abs(r.x[1])) > Real(1.0f)) {
+      ReflectionPoint within = reflect_from(s, eye, p, clamp(r.x, vec2(Real(-1.0f)), vec2(Real(1.0f))), Real(1.0f), kNewtonSteps);
+      if (within.status == kReflectionInside && within.converged && max(abs(within.x[0]), abs(within.x[1])) < Real(1.0f)) {
+        within.steps += r.steps;
+        r = within;
+      }
+    }
     if (r.converged && (!careful || r.status == kReflectionInside)) break;
   }
   return r;

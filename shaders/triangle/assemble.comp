@@ -4,7 +4,7 @@ layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/cubic.glsl"
 #include "shared/triangle_mirror.glsl"
-layout(binding = 5) uniform samplerBuffer t_vertices;
+#include "reflections/nearest.glsl"
 layout(binding = 54) uniform samplerBuffer t_facets;  // 22 texels a mirror triangle: render/triangle/reflections.cpp writes them
 struct ClusterRecord {
   uint first_vertex, vertex_count, first_triangle, triangle_count;
@@ -13,10 +13,8 @@ layout(std430, binding = 2) readonly buffer Pairs { uvec2 b_pairs[]; };
 layout(std430, binding = 3) readonly buffer Clusters { ClusterRecord b_clusters[]; };
 layout(std430, binding = 4) readonly buffer Vertices { uint b_vertices[]; };
 layout(std430, binding = 5) readonly buffer Triangles { uvec2 b_triangles[]; };  // corners, 8 bits each; number
-layout(std430, binding = 6) writeonly buffer Boxes { vec4 b_boxes[]; };  // 2 a triangle: lower and upper corner | number, reflector, root of its first corner (0: none was trusted)
-layout(std430, binding = 7) buffer Counters { uint b_boxes_made, b_roots, b_projected, b_footprints; };
+layout(std430, binding = 6) buffer Counters { uint b_boxes_made, b_roots, b_projected, b_footprints; };
 uniform int u_count;
-uniform int u_box_capacity;
 
 /// Barycentrics beyond which a vertex is not trusted: the rays of a triangle say little about what is far beside it.
 const float kReach = 1.5;
@@ -126,6 +124,11 @@ void main() {
     float outside = max(max(s_outside[v.x], s_outside[v.y]), s_outside[v.z]);
     bool placed = min(min(s_outside[v.x], s_outside[v.y]), s_outside[v.z]) >= 0.0;
     vec4 box = facet_box;
+    vec3 o = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.x])).xyz;
+    vec3 q = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.y])).xyz;
+    vec3 r = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.z])).xyz;
+    vec3 center = (o + q + r) / 3.0;
+    float radius = max(max(length(o - center), length(q - center)), length(r - center));
     if (placed) {
       // Errors of second order grow with the square of the distance from the middle.
       float growth = (1.0 + 2.0 * outside) * (1.0 + 2.0 * outside), margin = rest.y * growth;
@@ -136,17 +139,11 @@ void main() {
       box.zw = min(box.zw, max(max(a.xy, b.xy), c.xy) + rest.x * growth * pixel);
       if (box.x >= box.z || box.y >= box.w) continue;
     } else {
-      vec3 o = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.x])).xyz;
-      vec3 q = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.y])).xyz;
-      vec3 r = texelFetch(t_vertices, 4 * int(b_vertices[cluster.first_vertex + v.z])).xyz;
-      vec3 center = (o + q + r) / 3.0;
-      float radius = max(max(length(o - center), length(q - center)), length(r - center));
       if (!may_meet(base, axis, rest.w, center, radius)) continue;
       atomicAdd(b_footprints, 1u);
     }
-    uint slot = atomicAdd(b_boxes_made, 1u);
-    if (slot >= uint(u_box_capacity)) continue;
-    b_boxes[2u * slot] = box;
-    b_boxes[2u * slot + 1u] = vec4(float(b_triangles[cluster.first_triangle + t].y), rest.z, placed ? float(s_root[v.x]) : 0.0, 0.0);
+    atomicAdd(b_boxes_made, 1u);
+    vec2 size = vec2(u_frame.size.xy), low = (0.5 + 0.5 * vec2(box.x, -box.w)) * size, high = (0.5 + 0.5 * vec2(box.z, -box.y)) * size;
+    offer_triangle(low, high, low, kBoxOnly, length(center - base.xyz) - radius - base.w, offered(int(b_triangles[cluster.first_triangle + t].y), placed ? int(s_root[v.x]) : 0), int(rest.z));
   }
 }

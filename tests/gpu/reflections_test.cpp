@@ -375,6 +375,50 @@ TEST_F(Reflections, ViewsTellWhatTheSearchTook) {
   EXPECT_LE(range("reflection_root").second, 3.0f);
 }
 
+/// While only the light turns the hits are shaded anew and not found again; when the eye moves they are.
+TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
+  Scene scene = room();
+  add_patch(&scene, 0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  const auto finds_hits = [](const FrameStats& stats) {
+    return std::any_of(stats.plan.passes.begin(), stats.plan.passes.end(),
+                       [](const PlannedPass& p) { return p.name == "projection" || p.name == "rays"; });
+  };
+  for (const char* technique : {"raytraced", "bezier", "triangle"}) {
+    SCOPED_TRACE(technique);
+    FrameRequest request = request_of(technique);
+    EXPECT_TRUE(finds_hits(renderer_.render(request)));
+    request.env_rotation_rad = 1.0f;
+    EXPECT_FALSE(finds_hits(renderer_.render(request)));
+    const Image kept = renderer_.read_radiance();
+    FrameRequest anew = request;
+    anew.settings.set_from_text("shading.reuse", "false");
+    EXPECT_TRUE(finds_hits(renderer_.render(anew)));
+    EXPECT_EQ(kept.data, renderer_.read_radiance().data);
+    request.camera.eye.x += 0.05f;
+    EXPECT_TRUE(finds_hits(renderer_.render(request)));
+    EXPECT_NE(kept.data, renderer_.read_radiance().data);
+  }
+}
+
+/// What the picture before showed only decides what is looked at first: a jump of the eye leaves nothing behind.
+TEST_F(Reflections, APictureDoesNotDependOnTheOneBefore) {
+  Scene scene = room();
+  add_patch(&scene, -0.15f);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const char* technique : {"bezier", "triangle"}) {
+    SCOPED_TRACE(technique);
+    FrameRequest request = request_of(technique);
+    const Image first = draw_reflection(&renderer_, request);
+    FrameRequest elsewhere = request;
+    elsewhere.camera.eye = {-0.9f, 0.9f, 0.2f};
+    draw_reflection(&renderer_, elsewhere);
+    const Difference d = compare(draw_reflection(&renderer_, request), first);
+    EXPECT_LT(d.mean, 1e-4);
+    EXPECT_LT(d.share, 2e-4);
+  }
+}
+
 /// A closed box under a bright sky: with shadows nothing in it is lit, and the mirror has nothing to show.
 TEST_F(Reflections, AMirrorInAClosedBoxStaysDark) {
   Scene scene;

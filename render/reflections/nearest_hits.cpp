@@ -1,0 +1,223 @@
+#include "render/reflections/nearest_hits.h"
+
+#include <algorithm>
+
+#include "render/camera.h"
+
+namespace maquette {
+
+namespace {
+
+const ShaderVariant kPlanar{"reflections/planar.comp", "", {}}, kBoxes{"reflections/boxes.comp", "", {}},
+    kFinish{"reflections/finish.comp", "", {}}, kFar{"reflections/far.comp", "", {}};
+constexpr unsigned kLeastBoxes = 1u << 17, kMostBoxes = 1u << 21;
+constexpr std::size_t kBoxBytes = 48, kHeaderBytes = 16;
+constexpr int kGroupsPerRow = 32768, kPixelsPerSlice = 1 << 18;
+
+glm::mat4 mirror_in(const glm::vec4& plane) {
+  const glm::vec3 n(plane);
+  glm::mat4 m(1.0f);
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 3; ++r) m[c][r] -= 2.0f * n[r] * n[c];
+  m[3] = glm::vec4(-2.0f * plane.w * n, 1.0f);
+  return m;
+}
+
+/// Lower and upper corner of what is seen of the bounds, in clip space's -1 to 1; all of it where they reach around the
+/// eye.
+glm::vec4 window_of(const glm::mat4& clip_from_world, const Bounds& bounds) {
+  glm::vec2 low(1.0f), high(-1.0f);
+  for (int k = 0; k < 8; ++k) {
+    const glm::vec4 clip =
+        clip_from_world * glm::vec4(k & 1 ? bounds.max.x : bounds.min.x, k & 2 ? bounds.max.y : bounds.min.y,
+                                    k & 4 ? bounds.max.z : bounds.min.z, 1.0f);
+    if (clip.w <= 1e-6f) return {-1.0f, -1.0f, 1.0f, 1.0f};
+    low = glm::min(low, glm::vec2(clip) / clip.w);
+    high = glm::max(high, glm::vec2(clip) / clip.w);
+  }
+  return {glm::max(low, glm::vec2(-1.0f)), glm::min(high, glm::vec2(1.0f))};
+}
+
+/// A clip space whose borders are those of the window.
+glm::mat4 through_window(const glm::mat4& clip_from_world, const glm::vec4& window) {
+  const glm::vec2 low(window), high(window.z, window.w), scale = 2.0f / glm::max(high - low, glm::vec2(1e-6f));
+  const glm::vec2 shift = -0.5f * scale * (low + high);
+  glm::mat4 zoom(1.0f);
+  zoom[0][0] = scale.x;
+  zoom[1][1] = scale.y;
+  glm::mat4 out = zoom * clip_from_world;
+  for (int column = 0; column < 4; ++column) {
+    out[column][0] += shift.x * clip_from_world[column][3];
+    out[column][1] += shift.y * clip_from_world[column][3];
+  }
+  return out;
+}
+
+}  // namespace
+
+void NearestHits::begin(const ReflectionTargets& t) {
+  const std::size_t bytes =
+      static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height) * 2 * sizeof(unsigned);
+  if (nearest_.bytes() != bytes) {
+    nearest_ = Buffer("nearest triangles", bytes);
+    nearest_view_ = Texture::make_buffer("nearest triangles", GL_R32UI, nearest_);
+  }
+  if (!boxes_) {
+    make_boxes(kLeastBoxes);
+    counters_ = Buffer("pixels in doubt", sizeof(unsigned));
+  }
+  nearest_.clear_to_zero();
+  reset_boxes();
+  bind();
+}
+
+void NearestHits::reset_boxes() {
+  const unsigned header[4] = {0, box_capacity_, 0, 0};
+  boxes_.update(0, sizeof header, header);
+}
+
+void NearestHits::set_groups(const std::vector<std::uint32_t>& group_of_triangle, std::size_t count) {
+  groups_ = Buffer::from("groups of triangles", group_of_triangle);
+  group_view_ = Texture::make_buffer("groups of triangles", GL_R32UI, groups_);
+  seen_.assign(count, 0);
+  seen_buffer_ = Buffer("groups seen", std::max<std::size_t>(count, 1) * sizeof(std::uint32_t));
+}
+
+void NearestHits::bind_far(const ReflectionFrame& frame, std::size_t reflector) {
+  const ReflectionTargets& t = *frame.targets;
+  const std::size_t tiles = static_cast<std::size_t>((t.width + 7) / 8) * static_cast<std::size_t>((t.height + 7) / 8);
+  if (far_.bytes() != tiles * sizeof(float)) {
+    far_ = Buffer("far tiles", tiles * sizeof(float));
+    far_view_ = Texture::make_buffer("far tiles", GL_R32F, far_);
+  }
+  glBindTextureUnit(47, far_view_.get());
+  bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, far_.get());
+  const Program& program = frame.programs->get(kFar);
+  program.set("u_reflector", static_cast<int>(reflector));
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>((tiles + 63) / 64), 1, 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+std::vector<float> NearestHits::read_far(const ReflectionFrame& frame, std::size_t reflector) {
+  bind_far(frame, reflector);
+  std::vector<float> far_m(far_.bytes() / sizeof(float));
+  far_.read(0, far_.bytes(), far_m.data());
+  return far_m;
+}
+
+void NearestHits::bind() const {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, nearest_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, boxes_.get());
+  glBindTextureUnit(46, nearest_view_.get());
+}
+
+void NearestHits::offer_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters) {
+  // Of a mesh that passes for flat, a ray may turn by twice what its normals do (render/reflections/reflectors.cpp).
+  constexpr float kMeshTurn_rad = 2e-3f;
+  const Reflector& mirror = (*frame.reflectors)[reflector];
+  glm::vec4 plane = *mirror.plane;
+  if (glm::dot(plane, glm::vec4(glm::vec3(frame.constants->eye), 1.0f)) < 0.0f) plane = -plane;
+  const glm::mat4 clip_from_world = frame.constants->clip_from_world * mirror_in(plane);
+  const glm::vec4 window = window_of(frame.constants->clip_from_world, frame.buffers->bounds(mirror.item));
+  const glm::mat4 window_from_world = through_window(clip_from_world, window);
+  triangles_.clear();
+  for (std::size_t i = 0; i < clusters.of_item.size(); ++i) {
+    if (!(*frame.occluding)[i] || i == mirror.item) continue;
+    if (!may_be_seen(window_from_world, frame.buffers->bounds(i))) continue;
+    for (std::size_t c = clusters.of_item[i].begin; c < clusters.of_item[i].end; ++c) {
+      const Cluster& cluster = clusters.clusters[c];
+      if (glm::dot(plane, glm::vec4(cluster.center, 1.0f)) < -cluster.radius) continue;
+      const Bounds box{cluster.center - cluster.half_extent, cluster.center + cluster.half_extent};
+      if (!may_be_seen(window_from_world, box)) continue;
+      for (std::uint32_t k = 0; k < cluster.triangle_count; ++k)
+        triangles_.push_back(clusters.triangles[cluster.first_triangle + k].y);
+    }
+  }
+  if (triangles_.empty()) return;
+  list_ = Buffer::from("mirrored triangles", triangles_);
+  const Program& program = frame.programs->get(kPlanar);
+  const glm::vec2 size(frame.constants->size);
+  const glm::vec2 low = (0.5f * glm::vec2(window.x, -window.w) + 0.5f) * size,
+                  high = (0.5f * glm::vec2(window.z, -window.y) + 0.5f) * size;
+  glProgramUniformMatrix4fv(program.get(), program.location("u_clip_from_world"), 1, GL_FALSE, &clip_from_world[0].x);
+  glProgramUniform4fv(program.get(), program.location("u_plane"), 1, &plane.x);
+  glProgramUniform4f(program.get(), program.location("u_window"), low.x, low.y, high.x, high.y);
+  program.set("u_reflector", static_cast<int>(reflector));
+  program.set("u_count", static_cast<int>(triangles_.size()));
+  program.set("u_margin_px", 0.1f + (mirror.patch ? 0.0f : kMeshTurn_rad / frame.constants->forward.w));
+  bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list_.get());
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>((triangles_.size() + 63) / 64), 1, 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void NearestHits::offer_large(const ReflectionFrame& frame) {
+  const ReflectionTargets& t = *frame.targets;
+  unsigned listed = 0;
+  boxes_.read(0, sizeof listed, &listed);
+  const int count = static_cast<int>(std::min(listed, box_capacity_));
+  if (count > 0) {
+    bind();
+    glBindTextureUnit(45, box_view_.get());
+    const Program& program = frame.programs->get(kBoxes);
+    program.set("u_count", count);
+    program.set("u_per_row", kGroupsPerRow);
+    glUseProgram(program.get());
+    glDispatchCompute(static_cast<GLuint>(std::min(count, kGroupsPerRow)),
+                      static_cast<GLuint>((count + kGroupsPerRow - 1) / kGroupsPerRow),
+                      static_cast<GLuint>(t.width * t.height / kPixelsPerSlice + 1));
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  }
+  // What did not find room was looked at where it was offered, which is slower.
+  if (listed > box_capacity_ && box_capacity_ < kMostBoxes)
+    make_boxes(std::min(2 * std::max(listed, box_capacity_), kMostBoxes));
+  reset_boxes();
+}
+
+void NearestHits::make_boxes(unsigned capacity) {
+  box_capacity_ = capacity;
+  boxes_ = Buffer("boxes", kHeaderBytes + capacity * kBoxBytes);
+  box_view_ = Texture::make_buffer("boxes", GL_RGBA32UI, boxes_);
+}
+
+unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned shortest) {
+  const ReflectionTargets& t = *frame.targets;
+  const Program& program = frame.programs->get(kFinish);
+  Bounds box;
+  for (std::size_t i = 0; i < frame.occluding->size(); ++i) {
+    if (!(*frame.occluding)[i]) continue;
+    box.min = glm::min(box.min, frame.buffers->bounds(i).min);
+    box.max = glm::max(box.max, frame.buffers->bounds(i).max);
+  }
+  glProgramUniform3fv(program.get(), program.location("u_low"), 1, &box.min.x);
+  glProgramUniform3fv(program.get(), program.location("u_high"), 1, &box.max.x);
+  glProgramUniform1ui(program.get(), program.location("u_shortest"), shortest);
+  program.set("u_channel", channel);
+  program.set("u_group_count", static_cast<int>(seen_.size()));
+  if (!seen_.empty()) {
+    seen_buffer_.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, seen_buffer_.get());
+    glBindTextureUnit(55, group_view_.get());
+  }
+  glBindTextureUnit(54, t.focus.get());
+  glBindImageTexture(0, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+  glBindImageTexture(1, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
+  glBindImageTexture(2, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  counters_.clear_to_zero();
+  bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, counters_.get());
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>((t.width + 7) / 8), static_cast<GLuint>((t.height + 7) / 8), 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  unsigned doubtful = 0;
+  counters_.read(0, sizeof doubtful, &doubtful);
+  if (!seen_.empty()) seen_buffer_.read(0, seen_buffer_.bytes(), seen_.data());
+  return doubtful;
+}
+
+std::vector<ShaderVariant> nearest_hits_shader_variants() { return {kPlanar, kBoxes, kFinish, kFar}; }
+
+}  // namespace maquette

@@ -1,0 +1,66 @@
+// Scene triangles and pieces of them, by their corners.
+#include "reflections/nearest.glsl"
+#include "bezier/project.glsl"
+struct Corner {
+  vec3 world;
+  Projected v;
+};
+
+bool beyond(vec2 a, vec2 b, int axis) {
+  return min(a[axis], b[axis]) > u_window[axis + 2] || max(a[axis], b[axis]) < u_window[axis];
+}
+bool beyond(Corner a, Corner b) { return beyond(a.v.x, b.v.x, 0) || beyond(a.v.x, b.v.x, 1); }
+
+/// Short edges are straight enough; what looks short and is not has its ends on two sides of something.
+bool may_bend(Corner a, Corner b, float short_px) {
+  if (!a.v.placed || !b.v.placed || max(a.v.status, b.v.status) > kReflectionOutside) return true;
+  vec2 d = a.v.at - b.v.at;
+  return dot(d, d) > short_px * short_px;
+}
+
+/// True where no reflection of the triangle can be in the picture.
+bool shows_nothing(Corner c[3], float margin_px) {
+  if (c[0].v.status == kReflectionBehind && c[1].v.status == kReflectionBehind && c[2].v.status == kReflectionBehind) return true;
+  bool placed = c[0].v.placed && c[1].v.placed && c[2].v.placed;
+  for (int k = 0; k < 2; ++k) {
+    vec3 x = vec3(c[0].v.x[k], c[1].v.x[k], c[2].v.x[k]);
+    if (min(min(x.x, x.y), x.z) > u_window[k + 2] || max(max(x.x, x.y), x.z) < u_window[k]) return true;
+    if (!placed) continue;
+    vec3 at = vec3(c[0].v.at[k], c[1].v.at[k], c[2].v.at[k]);
+    if (min(min(at.x, at.y), at.z) > float(u_frame.size[k]) + margin_px || max(max(at.x, at.y), at.z) < -margin_px) return true;
+  }
+  return false;
+}
+
+layout(binding = 47) uniform samplerBuffer t_far;  // m, of 8 x 8 pixels, as reflections/far.comp writes them
+uniform int u_covers;  // 1: something has been drawn before
+
+/// True only where all that may be before the triangle is.
+bool is_covered(Corner c[3], float margin_px, float nearest_m) {
+  if (u_covers == 0 || margin_px >= kBoxOnly) return false;
+  ivec2 size = u_frame.size.xy, tiles = (size + 7) / 8;
+  vec2 low = min(min(c[0].v.at, c[1].v.at), c[2].v.at) - margin_px, high = max(max(c[0].v.at, c[1].v.at), c[2].v.at) + margin_px;
+  ivec2 from = ivec2(clamp(low, vec2(0.0), vec2(size - 1))) / 8, to = ivec2(clamp(high, vec2(0.0), vec2(size - 1))) / 8;
+  if (to.x - from.x > 3 || to.y - from.y > 3) return false;
+  for (int y = from.y; y <= to.y; ++y)
+    for (int x = from.x; x <= to.x; ++x)
+      if (texelFetch(t_far, y * tiles.x + x).x > nearest_m) return false;
+  return true;
+}
+
+/// A map of the second degree moves the inside of a triangle by no more than that many times what it bends the edges by at most.
+const float kBulge = 1.5;
+
+/// Offers the triangle for the pixels that it may be seen at. `margin_px`: what its image may be larger by than that of its corners.
+void offer_corners(Corner c[3], float margin_px, int triangle) {
+  uint own = offered(triangle, max(max(c[0].v.steps, c[1].v.steps), c[2].v.steps));
+  vec3 d = c[1].world - c[0].world, e = c[2].world - c[1].world, f = c[0].world - c[2].world;
+  // From a corner a point of the triangle is 0.58 edges away at most, and its reflection point moves by no more.
+  float longest = sqrt(max(max(dot(d, d), dot(e, e)), dot(f, f)));
+  float nearest_m = min(min(c[0].v.along_m, c[1].v.along_m), c[2].v.along_m) - 1.2 * longest;
+  if (c[0].v.placed && c[1].v.placed && c[2].v.placed) {
+    if (!is_covered(c, margin_px, nearest_m)) offer_triangle(c[0].v.at, c[1].v.at, c[2].v.at, margin_px, nearest_m, own, u_reflector);
+  } else {
+    offer_triangle(vec2(0.0), vec2(u_frame.size.xy), vec2(0.0), kBoxOnly, nearest_m, own, u_reflector);
+  }
+}

@@ -1,0 +1,43 @@
+// What has been found for each pixel, as the techniques' common images hold it.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "reflections/nearest.glsl"
+layout(binding = 54) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
+layout(binding = 0, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = 1, rg8ui) uniform writeonly uimage2D o_effort;
+layout(binding = 2, r8ui) uniform writeonly uimage2D o_doubt;
+layout(std430, binding = 2) buffer Counters { uint b_doubtful; };
+layout(binding = 55) uniform usamplerBuffer t_group;   // of each triangle
+layout(std430, binding = 3) writeonly buffer Seen { uint b_seen[]; };  // [group]
+uniform int u_group_count;  // 0: nobody asks
+uniform uint u_shortest;  // bit k: of reflector k the technique has found shortest paths alone
+uniform int u_channel;    // of the effort: 0: steps, 1: root
+uniform vec3 u_low;       // box of what can be mirrored, m
+uniform vec3 u_high;
+
+/// Where the ray has left all that can be mirrored behind.
+float exit_distance(vec3 origin, vec3 direction) {
+  vec3 d = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
+  vec3 t = max((u_low - origin) / d, (u_high - origin) / d);
+  return max(min(min(t.x, t.y), t.z), 0.0);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(t_ray_direction, 0);
+  if (any(greaterThanEqual(pixel, size))) return;
+  uint found = b_nearest[2 * (pixel.y * size.x + pixel.x)];
+  uint triangle = found >> kEffortBits, effort = found & ((1u << kEffortBits) - 1u);
+  imageStore(o_triangle, pixel, uvec4(triangle));
+  imageStore(o_effort, pixel, u_channel == 0 ? uvec4(effort, 0u, 0u, 0u) : uvec4(0u, effort, 0u, 0u));
+  if (u_group_count > 0 && triangle != 0u) b_seen[texelFetch(t_group, int(triangle) - 1).x] = 1u;
+  vec4 direction = texelFetch(t_ray_direction, pixel, 0);
+  int reflector = int(direction.w) - 1;
+  if (reflector < 0 || (u_shortest >> uint(reflector) & 1u) == 0u) return;
+  // A shortest path reaches its object before the ray's caustic. What the ray meets beyond it has paths of other kinds, which the search
+  // does not look for: whether this is what belongs here is not known.
+  vec3 origin = texelFetch(t_ray_origin, pixel, 0).xyz;
+  float focus = texelFetch(t_focus, pixel, 0).x;
+  float reach_m = triangle != 0u ? distance_to(origin, direction.xyz, fetch_triangle(int(triangle) - 1)) : exit_distance(origin, direction.xyz);
+  if (reach_m * focus <= 1.0) return;
+  imageStore(o_doubt, pixel, uvec4(1u));
+  atomicAdd(b_doubtful, 1u);
+}

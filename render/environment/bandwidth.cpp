@@ -96,7 +96,7 @@ Cells make_cells(const Map& map) {
   cells.width = std::min(kMaxCells, map.width);
   cells.height = cells.width / 2;
   cells.side = map.width / cells.width;
-  cells.level_count = std::countr_zero(map.width) - 2;
+  cells.level_count = std::countr_zero(map.width) - 1;
   const auto levels = static_cast<std::size_t>(cells.level_count);
   cells.along_row.assign(cells.count() * levels, 0.0f);
   cells.along_column.assign(cells.count() * levels, 0.0f);

@@ -11,7 +11,7 @@ namespace maquette {
 namespace {
 
 constexpr const char* kCacheKind = "environment-bandwidth";
-constexpr int kCacheVersion = 1;
+constexpr int kCacheVersion = 2;
 
 /// Cached bytes: two int32 (width, height), then the bandwidths.
 bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& tables) {

@@ -21,14 +21,15 @@ layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu
 void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   vec4 energy = vec4(0.0), moments = vec4(0.0), near = vec4(0.0);
   float own = float((texelFetch(t_surface, pixel, 0).z >> 16u) + 1u);
-  for (int k = 0; k < 9; ++k) {
-    ivec2 q = clamp(quad + ivec2(k % 3, k / 3) - 1, ivec2(0), quads - 1);
+  for (int k = 0; k < 25; ++k) {
+    ivec2 q = clamp(quad + ivec2(k % 5, k / 5) - 2, ivec2(0), quads - 1);
     vec4 m = texelFetch(t_moments, q, 0);
-    float w = m.w == own ? (k == 4 ? 1.0 : 0.7) : 0.0;
+    if (m.w != own) continue;
+    float w = k == 12 ? 1.0 : 0.6;
     energy += w * texelFetch(t_energy, q, 0);
-    moments += w * vec4(m.xyz, m.w > 0.0 ? float(PREDICTION_SAMPLES) - m.z : 0.0);
+    moments += w * vec4(m.xyz, float(PREDICTION_SAMPLES) - m.z);
 #if NEAR
-    if (w > 0.0) near += w * texelFetch(t_near, q, 0);
+    near += w * texelFetch(t_near, q, 0);
 #endif
   }
   // Nothing was predicted for a surface this small: it is shaded itself.

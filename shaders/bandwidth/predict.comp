@@ -87,7 +87,7 @@ const float kEdgeNu = 2.3;        // a step over the half sphere: what one sampl
 const float kVisibilityNu = 4.6;  // mean |v1 - v2| in the middle of a step is 1/2: 2.3 cycles/rad
 #endif
 
-void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf) {
+void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf, float own) {
   float t = luminance(f * radiance) * weight;
   float nu_l = environment_bandwidth(world);
   float nu_r = brdf_bandwidth(p, wi);
@@ -112,9 +112,12 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #endif
   r.energy.x += t * min(nu_l, nu_r);
   r.energy.y += t;
-  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance.
+  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. A term that the
+  // balance heuristic leaves mostly to the other strategy varies little. Samples of the lobe have half of its change in their density,
+  // and strata stretched by 1 / cos at grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
   float stratum = inversesqrt(kPi * max(r.stratum_samples * pdf, 1e-6));
-  float share = clamp(2.0 * (nu_l + nu_r) * stratum, 0.0, 1.0);
+  float change = is_brdf ? (nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05) : nu_l + nu_r;
+  float share = min(0.6 * own * change * stratum, 1.0);
   if (is_brdf) {
     r.energy.z += t;
     r.second.x += t * t * share;
@@ -124,7 +127,9 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   }
 }
 #define VISIBILITY 0  // of the estimator: on_sample looks itself
-#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf)
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
+  on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, \
+            (is_brdf ? nb * f_hat : nl * luminance(radiance)) / max(nb * f_hat + nl * luminance(radiance), 1e-30))
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"

@@ -131,8 +131,7 @@ std::vector<float> Renderer::Impl::borrowed_shares() const {
     const int enters = shared::level_entered(static_cast<int>(x), static_cast<int>(y), p.levels);
     const auto layer = static_cast<std::size_t>(shared::worth_layer(enters, marks[4 * i + 1]));
     const float around = worth[2 * (layer * tiles + y / FrameTargets::kTile * tiles_x + x / FrameTargets::kTile)];
-    const float items = mean[4 * i + 3],
-                item_variance = deviation[i] * deviation[i] / static_cast<float>(constants.sampling.y);
+    const float items = mean[4 * i + 3], item_variance = shared::item_variance(deviation[i], constants.sampling.y);
     const float kappa = shared::point_kappa(around, items, residual[i], item_variance);
     if (enters < p.levels) shares[i] = 1.0f - shared::own_weight(items, kappa);
   }

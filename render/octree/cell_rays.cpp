@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include "render/embree_ray.h"
 #include "render/octree/octree_triangles.h"
 #include "scenes/error.h"
 
@@ -43,11 +44,7 @@ bool CellRays::free(const glm::vec3& from, const glm::vec3& direction, float rea
   if (!(reach > 0.0f)) return true;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay ray{};
-  ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
-  ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
-  ray.tfar = reach;
-  ray.mask = 0xffffffffu;
+  RTCRay ray = embree_ray(from, direction, 0.0f, reach);
   rtcOccluded1(scene_.get(), &context, &ray);
   return ray.tfar >= 0.0f;
 }

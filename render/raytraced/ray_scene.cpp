@@ -2,25 +2,14 @@
 
 #include <algorithm>
 
+#include "render/embree_ray.h"
 #include "scenes/error.h"
 
 namespace maquette {
 
 namespace {
 
-RTCRay ray_from(const glm::vec3& origin, const glm::vec3& direction, float near) {
-  RTCRay ray{};
-  ray.org_x = origin.x;
-  ray.org_y = origin.y;
-  ray.org_z = origin.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = near;
-  ray.tfar = 1e30f;
-  ray.mask = ~0u;
-  return ray;
-}
+constexpr float kFar = 1e30f;
 
 }  // namespace
 
@@ -28,7 +17,7 @@ std::optional<RayScene::Hit> RayScene::nearest(const glm::vec3& origin, const gl
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query{};
-  query.ray = ray_from(origin, direction, near);
+  query.ray = embree_ray(origin, direction, near, kFar);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene.get(), &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -38,7 +27,7 @@ std::optional<RayScene::Hit> RayScene::nearest(const glm::vec3& origin, const gl
 bool RayScene::is_blocked(const glm::vec3& origin, const glm::vec3& direction, float near) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay ray = ray_from(origin, direction, near);
+  RTCRay ray = embree_ray(origin, direction, near, kFar);
   rtcOccluded1(scene.get(), &context, &ray);
   return ray.tfar < 0.0f;
 }

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "render/embree_ray.h"
 #include "render/low_discrepancy.h"
 #include "render/reference/surface.h"
 #include "scenes/error.h"
@@ -97,21 +98,6 @@ void add_mesh(PathScene* scene, std::size_t mesh) {
   rtcReleaseGeometry(handle);
 }
 
-RTCRay embree_ray(const Ray& ray) {
-  return {ray.origin.x,
-          ray.origin.y,
-          ray.origin.z,
-          ray.near,
-          ray.direction.x,
-          ray.direction.y,
-          ray.direction.z,
-          0.0f,
-          ray.far,
-          ~0u,
-          0,
-          0};
-}
-
 }  // namespace
 
 void build_hierarchy(PathScene* scene) {
@@ -139,7 +125,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   context.chance = chance;
   if (kind == RayKind::camera) context.base.filter = cull_backs;
   RTCRayHit query;
-  query.ray = embree_ray(ray);
+  query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene.embree.get(), &context.base, &query);
@@ -158,7 +144,7 @@ glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
   context.kind = RayKind::path;
   context.chance = 0;
   context.transmittance = glm::vec3(1.0f);
-  RTCRay query = embree_ray(ray);
+  RTCRay query = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   rtcOccluded1(scene.embree.get(), &context.base, &query);
   return query.tfar < 0.0f ? glm::vec3(0.0f) : context.transmittance;
 }

@@ -30,7 +30,8 @@ class NearestHits {
   /// Not 0 for the groups of which the picture that was finished last shows something.
   const std::vector<std::uint32_t>& seen_groups() const { return seen_; }
   std::size_t bytes() const {
-    return nearest_.bytes() + boxes_.bytes() + list_.bytes() + groups_.bytes() + seen_buffer_.bytes();
+    return nearest_.bytes() + boxes_.bytes() + counters_.bytes() + list_.bytes() + far_.bytes() + groups_.bytes() +
+           seen_buffer_.bytes();
   }
 
  private:

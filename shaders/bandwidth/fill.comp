@@ -109,7 +109,7 @@ void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
     float residual = dot(apart, apart) * (1.0 / 3.0), d = texelFetch(t_deviation, pixel, 0).x;
     imageStore(o_residual, pixel, vec4(known ? residual : -1.0));
     float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
-    kappa = point_kappa(kappa, own.w, residual, d * d / float(u_frame.sampling.y));
+    kappa = point_kappa(kappa, own.w, residual, item_variance(d, u_frame.sampling.y));
     value.rgb += apart / base * (known ? own_weight(own.w, kappa) : 1.0);
   }
 #endif

@@ -79,7 +79,7 @@ void main() {
       if (residual >= 0.0 && own.y > 0.0) {
         // Noise by the point's own items alone: pooled or predicted, it would pass for an error of interpolation, or hide one. Points
         // of little noise tell more, bright ones no more than others. What stands out is the point's own affair (point_kappa).
-        float item = own.x / own.y, pooled = d * d / float(u_frame.sampling.y), fall = noise_fall(items);
+        float item = own.x / own.y, pooled = item_variance(d, u_frame.sampling.y), fall = noise_fall(items);
         float weight = 1.0 / ((fall + 0.05) * max(pooled, 1e-30));
         residuals[worth_layer(enters, int(mark.y))] += vec4(weight * vec3(min(residual, kMostKappa * max(item, pooled)), item * fall, item), 1.0);
       }

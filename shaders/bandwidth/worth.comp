@@ -54,7 +54,7 @@ void main() {
     float kappa = kappas[worth_layer(enters, int(mark.y))];
     float residual = texelFetch(t_residual, pixel, 0).x;
     float have = texelFetch(t_mean, pixel, 0).w;
-    float share = mark.x == 0u ? 1.0 : residual < 0.0 ? 0.0 : 1.0 - own_weight(have, point_kappa(kappa, have, residual, item_variance(d)));
+    float share = mark.x == 0u ? 1.0 : residual < 0.0 ? 0.0 : 1.0 - own_weight(have, point_kappa(kappa, have, residual, item_variance(d, u_frame.sampling.y)));
     borrowed[enters] += vec2(share, 1.0);
   }
   float shares[9];

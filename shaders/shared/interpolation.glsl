@@ -14,6 +14,9 @@ MAQUETTE_FN int level_entered(int x, int y, int top) { return min(min(findLSB(x 
 /// `block_level`: of the block around, as the first frame had it (marks, y).
 MAQUETTE_FN int worth_layer(int enters, int block_level) { return kClasses * enters + (block_level > enters ? 1 : 0); }
 
+/// Variance of one item of `samples`, from the deviation of one sample.
+MAQUETTE_FN float item_variance(float deviation, int samples) { return deviation * deviation / float(samples); }
+
 /// Variance of the mean of n items over that of one. They go on with one low-discrepancy sequence: own means of 3 to 400 items fall with
 /// powers of 1.5 to 1.7 on the Ferrari, plate, matte and paint, 1.2 to 1.3 on chrome. Too steep a fall trusts own means too early, too flat a
 /// one blurs.

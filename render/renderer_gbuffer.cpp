@@ -61,7 +61,7 @@ void Renderer::Impl::raster() {
       if (!buffers->visible(i) || m.glass || m.alpha_mode == AlphaMode::blend || is_masked != (masked == 1)) continue;
       if (is_mirror(i)) continue;
       if (!may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
-      (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+      shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
       program->set("u_first_triangle", static_cast<int>(item.first_index / 3));
       if (masked) {
         program->set("u_texture", buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))));

@@ -1,6 +1,9 @@
 // Panes and blended surfaces over the finished opaque picture.
 #include <algorithm>
+#include <iterator>
+#include <span>
 
+#include "render/depth_order.h"
 #include "render/environment/prefilter.h"
 #include "render/material_overrides.h"
 #include "render/renderer_impl.h"
@@ -46,6 +49,25 @@ ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
            {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
 }
 
+void Renderer::Impl::order_panes(const std::vector<std::size_t>& items) {
+  const glm::vec3 eye(constants.eye);
+  if (pane_order && pane_order->eye == eye && pane_order->geometry_epoch == geometry_epoch &&
+      pane_order->items == items)
+    return;
+  pane_order.emplace(PaneOrder{.eye = eye, .geometry_epoch = geometry_epoch, .items = items});
+  const FlatGeometry& geometry = buffers->geometry();
+  std::vector<std::uint32_t> sorted;
+  for (std::size_t i : items) {
+    const DrawItem& item = geometry.items[i];
+    const std::span<const std::uint32_t> indices(geometry.indices.data() + item.first_index, item.index_count);
+    if (!faces_both_ways(geometry.positions, indices, eye)) continue;
+    pane_order->first[i] = sorted.size();
+    const std::vector<std::uint32_t> own = back_to_front(geometry.positions, indices, eye);
+    sorted.insert(sorted.end(), own.begin(), own.end());
+  }
+  if (!sorted.empty()) pane_order->indices = Buffer::from("panes from back to front", sorted);
+}
+
 void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& request) {
   FrameTargets& t = *targets;
   std::vector<std::size_t> items;
@@ -78,11 +100,15 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
   glBindTextureUnit(29, irradiance.get());
+  std::vector<std::size_t> two_sided;
+  std::copy_if(items.begin(), items.end(), std::back_inserter(two_sided),
+               [&](std::size_t i) { return shows_both_sides(i) && !is_mirror(i); });
+  order_panes(two_sided);
   glBindVertexArray(buffers->vertex_array());
   for (std::size_t i : items) {
     const DrawItem& item = buffers->geometry().items[i];
     const Material& m = material_of_item(i);
-    (m.double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     const int texture =
         buffers->has_textures() ? buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))) : -1;
     const Program& program =
@@ -100,9 +126,13 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
       program.set("u_ghost", ghost && !is_mirror(i) ? 1 : 0);
     }
     if (texture >= 0) program.set("u_texture", texture);
+    const auto sorted = pane_order->first.find(i);
+    const bool is_sorted = sorted != pane_order->first.end();
+    glVertexArrayElementBuffer(buffers->vertex_array(), is_sorted ? pane_order->indices.get() : buffers->indices());
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+                   reinterpret_cast<const void*>((is_sorted ? sorted->second : item.first_index) * std::uintptr_t{4}));
   }
+  glVertexArrayElementBuffer(buffers->vertex_array(), buffers->indices());
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glDepthMask(GL_TRUE);

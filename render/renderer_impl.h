@@ -76,6 +76,15 @@ struct TileShare {
 /// The tiles whose prediction and marks are renewed in this frame.
 TileShare renewed_share(const Turn& turn);
 
+/// Triangles of panes that may cover themselves, from back to front.
+struct PaneOrder {
+  glm::vec3 eye{0.0f};
+  std::uint32_t geometry_epoch = 0;
+  std::vector<std::size_t> items;            ///< that were looked at
+  std::map<std::size_t, std::size_t> first;  ///< item -> place in `indices`, for those that need it
+  Buffer indices;
+};
+
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -101,6 +110,7 @@ struct Renderer::Impl {
   bool lights_stale = true;
   Texture irradiance;  ///< what a white Lambertian shows under the environment; made when something blends
   Texture near_terms;  ///< of the prediction: bandwidth of masks and near lights; [grid / 2]
+  std::optional<PaneOrder> pane_order;
   GlName<FramebufferTraits> glass_framebuffer;                      ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
@@ -143,6 +153,7 @@ struct Renderer::Impl {
   /// All of the facts that changes when a material takes another measured table.
   void recount_tables();
   const Material& material_of_item(std::size_t item) const;
+  bool shows_both_sides(std::size_t item) const;
   /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
   void update_visibility(FramePlan* plan);
   /// The same for light by way of other surfaces; needs the visibility bake first.
@@ -193,6 +204,8 @@ struct Renderer::Impl {
   ViewInfo view_info(const FrameRequest& request) const;
   int reflectors_in_view(const FrameRequest& request) const;
   int reflector_of_item(std::size_t item) const;
+  /// Sorts the triangles of those items that need it, if the eye or they have moved.
+  void order_panes(const std::vector<std::size_t>& items);
   /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
   bool is_mirror(std::size_t item) const;
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);

@@ -153,7 +153,7 @@ Renderer::Pick Renderer::Impl::pick_traced(int x, int y) const {
     const DrawItem& item = g.items[i];
     const Material& m = material_of_item(i);
     if (!buffers->visible(i) || m.glass || m.alpha_mode == AlphaMode::blend) continue;
-    const bool culled = !m.double_sided && item.patch < 0;
+    const bool culled = !shows_both_sides(i);
     for (std::uint32_t k = item.first_index; k + 2 < item.first_index + item.index_count; k += 3) {
       const glm::vec3 a = g.positions[g.indices[k]], e1 = g.positions[g.indices[k + 1]] - a,
                       e2 = g.positions[g.indices[k + 2]] - a, normal = glm::cross(e1, e2);

@@ -193,7 +193,7 @@ void Renderer::Impl::draw_panes(ReflectionTargets* t) {
     const std::size_t i = reflectors[k].item;
     if (!buffers->visible(i) || !may_be_seen(constants.clip_from_world, buffers->bounds(i))) continue;
     const DrawItem& item = buffers->geometry().items[i];
-    (material_of_item(i).double_sided || item.patch >= 0) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+    shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
     program.set("u_reflector", static_cast<int>(k));
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,

@@ -25,6 +25,10 @@ const Material& Renderer::Impl::material_of_item(std::size_t item) const {
   return index < effective.size() ? effective[index] : kDefault;
 }
 
+bool Renderer::Impl::shows_both_sides(std::size_t item) const {
+  return material_of_item(item).double_sided || buffers->geometry().items[item].patch >= 0;
+}
+
 Scene Renderer::Impl::edited_scene() const {
   Scene edited = *scene;
   edited.materials = effective;

@@ -40,6 +40,8 @@ glm::dvec3 variance_of_mean(const PixelSums& p) {
 
 /// Paths of every pixel before their numbers part.
 constexpr std::uint32_t kPilotPaths = 8;
+/// A pass that is stopped leaves pixels unequal: none adds more than this share of the paths that there are.
+constexpr double kLargestStep = 0.25;
 /// Fewest and most paths of a pixel over the average.
 constexpr double kLeastRate = 0.25, kMostRate = 6.0;
 constexpr int kBlock = 8;  ///< pixels; the first pass goes from one pixel of each block to all
@@ -308,7 +310,8 @@ bool ReferencePicture::add(int count, const std::stop_token& stop, const std::fu
   while (s.done < target) {
     const bool learns = s.mirrors && s.done < kLastLesson;
     std::uint32_t next = learns ? std::min(target, std::bit_ceil(s.done + 1)) : target;
-    if (s.done < kPilotPaths) next = std::min(next, kPilotPaths);
+    const auto step = static_cast<std::uint32_t>(kLargestStep * s.done);
+    next = std::min(next, s.done < kPilotPaths ? kPilotPaths : s.done + std::max(step, kPilotPaths));
     if (!s.trace_to(next, halt, report)) return false;
     s.done = next;
     if (learns && std::has_single_bit(next)) s.learn();

@@ -8,7 +8,9 @@
 
 #include "render/fresnel_shared.h"
 #include "render/gl/context.h"
+#include "render/reference/reference.h"
 #include "render/renderer.h"
+#include "tests/support/path_scenes.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -285,6 +287,37 @@ TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
   renderer.render(request, true);
   renderer.render(request, true);
   EXPECT_NEAR(renderer.read_radiance().at(24, 24, 2), image.at(24, 24, 2), 2e-3f);
+}
+
+/// A dark glass sphere, whose near half hides the far one: its layers cover each other in the order of their distance,
+/// whatever the order of its triangles. The reference finds them by rays.
+TEST_P(LightAndGlass, PaneThatCoversItselfIsDrawnFromBackToFront) {
+  const auto sky = test::sky_of(64, 32, [](const glm::dvec3& d) { return glm::dvec3(1.0 + 9.0 * (d.y > 0.0)); });
+  Scene scene = test::sphere_of(pane_scene(glm::vec4(0.3f, 0.3f, 0.3f, 1.0f)).materials[0]);
+  for (const bool reversed : {false, true}) {
+    if (reversed) {
+      std::vector<std::uint32_t>& indices = scene.meshes[0].primitives[0].indices;
+      std::reverse(indices.begin(), indices.end());
+      for (std::size_t i = 0; i + 2 < indices.size(); i += 3) std::swap(indices[i], indices[i + 1]);
+    }
+    FrameRequest request = request_of(GetParam(), "none");
+    request.camera.eye = {0.0f, 0.4f, 2.5f};
+    Renderer renderer;
+    renderer.set_scene(std::make_shared<Scene>(scene));
+    renderer.set_environment(sky);
+    const Image image = draw(&renderer, request);
+    PictureRequest traced;
+    traced.camera = request.camera;
+    traced.width = request.width;
+    traced.height = request.height;
+    traced.paths.transport = Transport::direct;
+    ReferencePicture picture(build_path_scene({.scene = scene, .environment = sky}), traced);
+    ASSERT_TRUE(picture.add(1));  // panes alone have no noise
+    const Image reference = picture.mean();
+    double difference = 0.0;
+    for (std::size_t i = 0; i < image.data.size(); i += 4) difference += std::abs(image.data[i] - reference.data[i]);
+    EXPECT_LT(difference / (48.0 * 48.0), 0.02) << (reversed ? "triangles in the reverse order" : "");
+  }
 }
 
 TEST_P(LightAndGlass, PanesDoNotOccludeAndHaveDepth) {

@@ -125,6 +125,21 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   EXPECT_EQ(none.mean().data, whole.mean().data);
 }
 
+/// A picture cut short is one of nearly as many paths at every pixel, in both transports.
+TEST(Reference, WhatIsStoppedHasItsPixelsAlike) {
+  const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
+  for (const Transport transport : {Transport::direct, Transport::full}) {
+    PictureRequest request = sphere_request(32);
+    request.paths.transport = transport;
+    ReferencePicture picture(traced, request);
+    std::stop_source source;
+    EXPECT_FALSE(picture.add(1024, source.get_token(), [&](double share) {
+      if (share >= 0.5) source.request_stop();
+    }));
+    EXPECT_GE(picture.samples(), 0.75 * static_cast<double>(picture.counts().paths) / (32.0 * 32.0));
+  }
+}
+
 /// Counts that follow the spread leave the mean where it was: over many seeds, both ways agree within their noise.
 TEST(Reference, AdaptivePathsAreUnbiased) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(0.0f)});

@@ -125,12 +125,11 @@ class BezierReflections : public ReflectorTechnique {
     unsigned patches = 0;
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       if ((*frame.reflectors)[r].plane)
-        hits_.offer_planar(frame, r, *clusters_);
+        hits_.take_planar(frame, r, *clusters_);
       else
         patches |= 1u << r;
     }
     for (const Part& part : find_parts(frame)) project(frame, part);
-    hits_.offer_large(frame);
     counts_[doubtful] = hits_.finish(frame, 0, patches);
     frame.timer->end("projection");
   }
@@ -256,17 +255,16 @@ class BezierReflections : public ReflectorTechnique {
     starts_.clear();
     for (const Candidate& c : *candidates) starts_.push_back(c.start);
     start_list_ = Buffer::from("starts", starts_);
-    const Buffer flags("candidates in view", starts_.size() * sizeof(unsigned));
-    hits_.bind_far(frame, static_cast<std::size_t>(part.reflector));
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, flags.get());
+    const Buffer boxes("boxes of clusters", starts_.size() * NearestHits::kVisibleBoxBytes);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, boxes.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, start_list_.get());
     const Program& program = frame.programs->get(kBounds);
     set_part(program, part);
     program.set("u_count", static_cast<int>(starts_.size()));
     run(program, static_cast<int>(starts_.size()));
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
-    std::vector<unsigned> in_view(starts_.size());
-    flags.read(0, flags.bytes(), in_view.data());
+    const std::vector<std::uint32_t> in_view =
+        hits_.find_visible(frame, static_cast<std::size_t>(part.reflector), boxes);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < candidates->size(); ++k)
       if (in_view[k] != 0) (*candidates)[kept++] = (*candidates)[k];
@@ -276,24 +274,33 @@ class BezierReflections : public ReflectorTechnique {
   /// What the last picture showed first, then what may still be seen beside and before it.
   void project(const ReflectionFrame& frame, const Part& part) {
     std::vector<Candidate> candidates = find_candidates(frame, part);
-    counters_.clear_to_zero();
-    ++stamp_;
     const auto rest = std::stable_partition(candidates.begin(), candidates.end(),
                                             [&](const Candidate& c) { return hits_.seen_groups()[c.cluster] != 0; });
     if (rest != candidates.begin()) {
-      offer_clusters(frame, part, {candidates.begin(), rest}, false);
-      hits_.offer_large(frame);
+      take_clusters(frame, part, {candidates.begin(), rest}, false);
       candidates.erase(candidates.begin(), rest);
     }
     cull(frame, part, &candidates);
-    offer_clusters(frame, part, candidates, true);
-    const std::array<unsigned, counter_count> values = read_counters();
-    for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += values[k];
+    take_clusters(frame, part, candidates, true);
+  }
+
+  void take_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates,
+                     bool covers) {
+    hits_.take(
+        frame, candidates.size(),
+        [&](std::size_t begin, std::size_t end) {
+          offer_clusters(frame, part, candidates.subspan(begin, end - begin), covers);
+        },
+        [&] {
+          const std::array<unsigned, counter_count> values = read_counters();
+          for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += values[k];
+        });
   }
 
   void offer_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates,
                       bool covers) {
-    if (candidates.empty()) return;
+    counters_.clear_to_zero();
+    ++stamp_;
     vertices_.clear();
     triangles_.clear();
     starts_.clear();
@@ -311,8 +318,6 @@ class BezierReflections : public ReflectorTechnique {
     vertex_list_ = Buffer::from("mirrored vertices", vertices_);
     triangle_list_ = Buffer::from("mirrored triangles", triangles_);
     start_list_ = Buffer::from("starts", starts_);
-    const unsigned none[2] = {0, 0};
-    counters_.update(pieces_a * sizeof(unsigned), sizeof none, none);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, projected_.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, counters_.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, vertex_list_.get());
@@ -337,7 +342,7 @@ class BezierReflections : public ReflectorTechnique {
       program.set("u_tolerance_px", tolerance_px);
       program.set("u_margin_px", margin_px(tolerance_px));
       program.set("u_count", count);
-      program.set("u_covers", covers ? 1 : 0);
+      hits_.prepare(program, covers);
       if (level > 0) {
         program.set("u_short_px", kShort_px);
         program.set("u_last", level >= levels ? 1 : 0);

@@ -3,16 +3,23 @@
 #include <algorithm>
 
 #include "render/camera.h"
+#include "scenes/error.h"
 
 namespace maquette {
 
 namespace {
 
-const ShaderVariant kPlanar{"reflections/planar.comp", "", {}}, kBoxes{"reflections/boxes.comp", "", {}},
-    kFinish{"reflections/finish.comp", "", {}}, kFar{"reflections/far.comp", "", {}};
-constexpr unsigned kLeastBoxes = 1u << 17, kMostBoxes = 1u << 21;
-constexpr std::size_t kBoxBytes = 48, kHeaderBytes = 16;
-constexpr int kGroupsPerRow = 32768, kPixelsPerSlice = 1 << 18;
+const ShaderVariant kPlanar{"reflections/planar.comp", "", {}}, kLarge{"reflections/large.comp", "", {}},
+    kResolve{"reflections/resolve.comp", "", {}}, kFinish{"reflections/finish.comp", "", {}},
+    kVisible{"reflections/visible.comp", "", {}}, kFar{"reflections/far.comp", "", {}};
+constexpr int kGroupsPerRow = 32768, kTile = 4, kFarTile = 8;  // tiles as in shaders/reflections/tiles.glsl
+constexpr std::size_t kListBytes = 8, kCounterBytes = 16, kOfferBytes = 80, kFarTileBytes = 64;
+/// What there is room for at first, and what a storage buffer of 128 MiB holds with some to spare.
+constexpr unsigned kLeastNodes = 1u << 18, kMostNodes = 15u << 20, kLeastOffers = 1u << 15, kMostOffers = 3u << 19;
+
+std::size_t tiles_of(const ReflectionTargets& t, int side) {
+  return static_cast<std::size_t>((t.width + side - 1) / side) * static_cast<std::size_t>((t.height + side - 1) / side);
+}
 
 glm::mat4 mirror_in(const glm::vec4& plane) {
   const glm::vec3 n(plane);
@@ -60,20 +67,94 @@ void NearestHits::begin(const ReflectionTargets& t) {
       static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height) * 2 * sizeof(unsigned);
   if (nearest_.bytes() != bytes) {
     nearest_ = Buffer("nearest triangles", bytes);
-    nearest_view_ = Texture::make_buffer("nearest triangles", GL_R32UI, nearest_);
+    tiles_ = static_cast<unsigned>(tiles_of(t, kTile));
+    list_capacity_ = offer_capacity_ = listed_ = offered_ = 0;
   }
-  if (!boxes_) {
-    make_boxes(kLeastBoxes);
-    counters_ = Buffer("pixels in doubt", sizeof(unsigned));
-  }
+  if (list_capacity_ == 0) grow();
+  if (!counters_) counters_ = Buffer("pixels in doubt", sizeof(unsigned));
   nearest_.clear_to_zero();
-  reset_boxes();
-  bind();
 }
 
-void NearestHits::reset_boxes() {
-  const unsigned header[4] = {0, box_capacity_, 0, 0};
-  boxes_.update(0, sizeof header, header);
+/// False where there is no more to be had.
+bool NearestHits::grow() {
+  const unsigned nodes = std::clamp(listed_ + listed_ / 4, tiles_ + kLeastNodes, tiles_ + kMostNodes),
+                 offers = std::clamp(offered_ + offered_ / 4, kLeastOffers, kMostOffers);
+  const bool more = nodes > list_capacity_ || offers > offer_capacity_;
+  if (nodes > list_capacity_) {
+    list_capacity_ = nodes;
+    lists_ = Buffer("triangles by tiles", kCounterBytes + nodes * kListBytes);
+    list_view_ = Texture::make_buffer("triangles by tiles", GL_RG32UI, lists_);
+  }
+  if (offers > offer_capacity_) {
+    offer_capacity_ = offers;
+    offers_ = Buffer("offered triangles", offers * kOfferBytes);
+    offer_view_ = Texture::make_buffer("offered triangles", GL_RGBA32UI, offers_);
+    large_ = Buffer("large triangles", offers * sizeof(unsigned));
+  }
+  return more;
+}
+
+void NearestHits::clear_lists() {
+  const unsigned counters[4] = {tiles_, 0, 0, 0}, none[2] = {0, 0};
+  lists_.update(0, sizeof counters, counters);
+  glClearNamedBufferSubData(lists_.get(), GL_RG32UI, static_cast<GLintptr>(kCounterBytes),
+                            static_cast<GLsizeiptr>(tiles_ * kListBytes), GL_RG_INTEGER, GL_UNSIGNED_INT, none);
+}
+
+void NearestHits::prepare(const Program& program, bool covers) const {
+  glProgramUniform2ui(program.get(), program.location("u_capacity"), list_capacity_, offer_capacity_);
+  program.set("u_covers", covers ? 1 : 0);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, lists_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, offers_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, large_.get());
+}
+
+void NearestHits::take(const ReflectionFrame& frame, std::size_t count,
+                       const std::function<void(std::size_t, std::size_t)>& offer,
+                       const std::function<void()>& accept) {
+  std::vector<std::pair<std::size_t, std::size_t>> parts{{0, count}};
+  while (!parts.empty()) {
+    const auto [begin, end] = parts.back();
+    parts.pop_back();
+    if (begin == end) continue;
+    clear_lists();
+    offer(begin, end);
+    if (resolve(frame)) {
+      accept();
+      continue;
+    }
+    if (grow()) {
+      parts.emplace_back(begin, end);
+      continue;
+    }
+    if (end - begin == 1)
+      throw Error("--reflections", "what one part of the scene shows in a mirror does not find room",
+                  "use a coarser reflections.resolution, or --reflections octree");
+    const std::size_t middle = begin + (end - begin) / 2;
+    parts.emplace_back(middle, end);
+    parts.emplace_back(begin, middle);
+  }
+}
+
+/// Holds what was offered against the rays; false where the lists did not hold it.
+bool NearestHits::resolve(const ReflectionFrame& frame) {
+  unsigned counters[3] = {0, 0, 0};
+  lists_.read(0, sizeof counters, counters);
+  offered_ = counters[1];
+  if (offered_ <= offer_capacity_ && counters[2] > 0) {
+    prepare(frame.programs->get(kLarge), false);
+    run_groups(frame, kLarge, static_cast<int>(counters[2]));
+    lists_.read(0, sizeof counters, counters);
+  }
+  listed_ = counters[0];
+  if (offered_ > offer_capacity_ || listed_ > list_capacity_) return false;
+  glBindTextureUnit(45, list_view_.get());
+  glBindTextureUnit(46, offer_view_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
+  glUseProgram(frame.programs->get(kResolve).get());
+  glDispatchCompute((tiles_ * kTile * kTile + 63) / 64, 1, 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  return true;
 }
 
 void NearestHits::set_groups(const std::vector<std::uint32_t>& group_of_triangle, std::size_t count) {
@@ -84,14 +165,13 @@ void NearestHits::set_groups(const std::vector<std::uint32_t>& group_of_triangle
 }
 
 void NearestHits::bind_far(const ReflectionFrame& frame, std::size_t reflector) {
-  const ReflectionTargets& t = *frame.targets;
-  const std::size_t tiles = static_cast<std::size_t>((t.width + 7) / 8) * static_cast<std::size_t>((t.height + 7) / 8);
-  if (far_.bytes() != tiles * sizeof(float)) {
-    far_ = Buffer("far tiles", tiles * sizeof(float));
-    far_view_ = Texture::make_buffer("far tiles", GL_R32F, far_);
+  const std::size_t tiles = tiles_of(*frame.targets, kFarTile);
+  if (far_.bytes() != tiles * kFarTileBytes) {
+    far_ = Buffer("tiles of rays", tiles * kFarTileBytes);
+    far_view_ = Texture::make_buffer("tiles of rays", GL_RGBA32F, far_);
   }
   glBindTextureUnit(47, far_view_.get());
-  bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, far_.get());
   const Program& program = frame.programs->get(kFar);
   program.set("u_reflector", static_cast<int>(reflector));
@@ -100,20 +180,34 @@ void NearestHits::bind_far(const ReflectionFrame& frame, std::size_t reflector) 
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-std::vector<float> NearestHits::read_far(const ReflectionFrame& frame, std::size_t reflector) {
+std::vector<std::uint32_t> NearestHits::find_visible(const ReflectionFrame& frame, std::size_t reflector,
+                                                     const Buffer& boxes) {
+  const int count = static_cast<int>(boxes.bytes() / kVisibleBoxBytes);
+  std::vector<std::uint32_t> visible(static_cast<std::size_t>(count));
+  if (count == 0) return visible;
+  Buffer flags("visible boxes", visible.size() * sizeof(std::uint32_t));
+  flags.clear_to_zero();
+  const Texture box_view = Texture::make_buffer("boxes", GL_RGBA32F, boxes);
   bind_far(frame, reflector);
-  std::vector<float> far_m(far_.bytes() / sizeof(float));
-  far_.read(0, far_.bytes(), far_m.data());
-  return far_m;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags.get());
+  glBindTextureUnit(55, box_view.get());
+  run_groups(frame, kVisible, count);
+  flags.read(0, flags.bytes(), visible.data());
+  return visible;
 }
 
-void NearestHits::bind() const {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, nearest_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, boxes_.get());
-  glBindTextureUnit(46, nearest_view_.get());
+/// A group for each.
+void NearestHits::run_groups(const ReflectionFrame& frame, const ShaderVariant& variant, int count) {
+  const Program& program = frame.programs->get(variant);
+  program.set("u_count", count);
+  program.set("u_per_row", kGroupsPerRow);
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>(std::min(count, kGroupsPerRow)),
+                    static_cast<GLuint>((count + kGroupsPerRow - 1) / kGroupsPerRow), 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-void NearestHits::offer_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters) {
+void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters) {
   // Of a mesh that passes for flat, a ray may turn by twice what its normals do (render/reflections/reflectors.cpp).
   constexpr float kMeshTurn_rad = 2e-3f;
   const Reflector& mirror = (*frame.reflectors)[reflector];
@@ -136,7 +230,7 @@ void NearestHits::offer_planar(const ReflectionFrame& frame, std::size_t reflect
     }
   }
   if (triangles_.empty()) return;
-  list_ = Buffer::from("mirrored triangles", triangles_);
+  triangle_list_ = Buffer::from("mirrored triangles", triangles_);
   const Program& program = frame.programs->get(kPlanar);
   const glm::vec2 size(frame.constants->size);
   const glm::vec2 low = (0.5f * glm::vec2(window.x, -window.w) + 0.5f) * size,
@@ -145,42 +239,17 @@ void NearestHits::offer_planar(const ReflectionFrame& frame, std::size_t reflect
   glProgramUniform4fv(program.get(), program.location("u_plane"), 1, &plane.x);
   glProgramUniform4f(program.get(), program.location("u_window"), low.x, low.y, high.x, high.y);
   program.set("u_reflector", static_cast<int>(reflector));
-  program.set("u_count", static_cast<int>(triangles_.size()));
   program.set("u_margin_px", 0.1f + (mirror.patch ? 0.0f : kMeshTurn_rad / frame.constants->forward.w));
-  bind();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list_.get());
-  glUseProgram(program.get());
-  glDispatchCompute(static_cast<GLuint>((triangles_.size() + 63) / 64), 1, 1);
-  glMemoryBarrier(GL_ALL_BARRIER_BITS);
-}
-
-void NearestHits::offer_large(const ReflectionFrame& frame) {
-  const ReflectionTargets& t = *frame.targets;
-  unsigned listed = 0;
-  boxes_.read(0, sizeof listed, &listed);
-  const int count = static_cast<int>(std::min(listed, box_capacity_));
-  if (count > 0) {
-    bind();
-    glBindTextureUnit(45, box_view_.get());
-    const Program& program = frame.programs->get(kBoxes);
-    program.set("u_count", count);
-    program.set("u_per_row", kGroupsPerRow);
+  const auto offer = [&](std::size_t begin, std::size_t end) {
+    prepare(program, false);
+    program.set("u_first", static_cast<int>(begin));
+    program.set("u_count", static_cast<int>(end - begin));
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, triangle_list_.get());
     glUseProgram(program.get());
-    glDispatchCompute(static_cast<GLuint>(std::min(count, kGroupsPerRow)),
-                      static_cast<GLuint>((count + kGroupsPerRow - 1) / kGroupsPerRow),
-                      static_cast<GLuint>(t.width * t.height / kPixelsPerSlice + 1));
+    glDispatchCompute(static_cast<GLuint>((end - begin + 63) / 64), 1, 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  }
-  // What did not find room was looked at where it was offered, which is slower.
-  if (listed > box_capacity_ && box_capacity_ < kMostBoxes)
-    make_boxes(std::min(2 * std::max(listed, box_capacity_), kMostBoxes));
-  reset_boxes();
-}
-
-void NearestHits::make_boxes(unsigned capacity) {
-  box_capacity_ = capacity;
-  boxes_ = Buffer("boxes", kHeaderBytes + capacity * kBoxBytes);
-  box_view_ = Texture::make_buffer("boxes", GL_RGBA32UI, boxes_);
+  };
+  take(frame, triangles_.size(), offer, [] {});
 }
 
 unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned shortest) {
@@ -207,7 +276,7 @@ unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned
   glBindImageTexture(1, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
   glBindImageTexture(2, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
   counters_.clear_to_zero();
-  bind();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, counters_.get());
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>((t.width + 7) / 8), static_cast<GLuint>((t.height + 7) / 8), 1);
@@ -218,6 +287,8 @@ unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned
   return doubtful;
 }
 
-std::vector<ShaderVariant> nearest_hits_shader_variants() { return {kPlanar, kBoxes, kFinish, kFar}; }
+std::vector<ShaderVariant> nearest_hits_shader_variants() {
+  return {kPlanar, kLarge, kResolve, kFinish, kVisible, kFar};
+}
 
 }  // namespace maquette

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "render/reflections/clusters.h"
@@ -12,16 +13,24 @@ namespace maquette {
 /// to be seen (shaders/reflections/nearest.glsl): what the projecting techniques share.
 class NearestHits {
  public:
-  /// Makes what the size of the targets needs, forgets what was found, and binds it for shaders that offer.
+  /// Makes what the size of the targets needs, and forgets what was found.
   void begin(const ReflectionTargets& targets);
-  /// Offers the scene in one plane mirror, as its mirrored eye sees it: exact.
-  void offer_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters);
-  /// Looks at the pixels of what was too large to be looked at where it was offered.
-  void offer_large(const ReflectionFrame& frame);
-  /// Of 8 x 8 pixels each, row by row: how far away the farthest of what the reflector shows there has been found so
-  /// far, m; 0 where it is not seen, 1e30 where some ray has met nothing. In storage 2 and texture unit 47.
+  /// Calls `offer(begin, end)` for what is numbered from 0 to `count`, and holds what it has offered against the
+  /// pixels' rays: at once, or in parts where there is no memory to list all of it. What has not found room is asked
+  /// for again; `accept` is called after what has. Throws Error where a single one is too much.
+  void take(const ReflectionFrame& frame, std::size_t count, const std::function<void(std::size_t, std::size_t)>& offer,
+            const std::function<void()>& accept);
+  /// For a program that offers: its lists. `covers`: bind_far was called, and what lies behind need not be listed.
+  void prepare(const Program& program, bool covers) const;
+  /// Takes the scene in one plane mirror, as its mirrored eye sees it: exact.
+  void take_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters);
+  /// Of 8 x 8 pixels each, row by row: the reflector's rays, and how far away the farthest of what it shows there has
+  /// been found so far, m; 0 where it is not seen, 1e30 where some ray has met nothing. In texture unit 47.
   void bind_far(const ReflectionFrame& frame, std::size_t reflector);
-  std::vector<float> read_far(const ReflectionFrame& frame, std::size_t reflector);
+  /// Not 0 for boxes in the scene (shaders/reflections/visible.comp) that some ray of the reflector may meet before
+  /// what has been found for it. Binds what bind_far does.
+  std::vector<std::uint32_t> find_visible(const ReflectionFrame& frame, std::size_t reflector, const Buffer& boxes);
+  static constexpr std::size_t kVisibleBoxBytes = 48;
   /// Tells `finish` which group a triangle is of, groups numbered from 0, so that it can say which are seen.
   void set_groups(const std::vector<std::uint32_t>& group_of_triangle, std::size_t count);
   /// Writes `triangle`, `effort` (its channel 0: steps, 1: root) and `doubt` of the targets. `shortest`: bit k set
@@ -30,17 +39,19 @@ class NearestHits {
   /// Not 0 for the groups of which the picture that was finished last shows something.
   const std::vector<std::uint32_t>& seen_groups() const { return seen_; }
   std::size_t bytes() const {
-    return nearest_.bytes() + boxes_.bytes() + counters_.bytes() + list_.bytes() + far_.bytes() + groups_.bytes() +
-           seen_buffer_.bytes();
+    return nearest_.bytes() + lists_.bytes() + offers_.bytes() + large_.bytes() + counters_.bytes() +
+           triangle_list_.bytes() + far_.bytes() + groups_.bytes() + seen_buffer_.bytes();
   }
 
  private:
-  void bind() const;
-  void reset_boxes();
-  void make_boxes(unsigned capacity);
-  Buffer nearest_, boxes_, counters_, list_, far_, groups_, seen_buffer_;
-  Texture group_view_, nearest_view_, far_view_, box_view_;
-  unsigned box_capacity_ = 0;
+  static void run_groups(const ReflectionFrame& frame, const ShaderVariant& variant, int count);
+  void clear_lists();
+  bool resolve(const ReflectionFrame& frame);
+  bool grow();
+  Buffer nearest_, lists_, offers_, large_, counters_, triangle_list_, far_, groups_, seen_buffer_;
+  Texture group_view_, list_view_, offer_view_, far_view_;
+  unsigned tiles_ = 0, list_capacity_ = 0, offer_capacity_ = 0;  ///< nodes with the tiles' heads before them; offers
+  unsigned listed_ = 0, offered_ = 0;                            ///< what the last offers needed
   std::vector<std::uint32_t> triangles_, seen_;
 };
 

@@ -53,7 +53,7 @@ class TriangleReflections : public ReflectorTechnique {
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       const Reflector& reflector = (*frame.reflectors)[r];
       if (reflector.plane) {
-        hits_.offer_planar(frame, r, clusters_);
+        hits_.take_planar(frame, r, clusters_);
         continue;
       }
       const std::vector<Facet> more = make_facets(reflector, r, frame.buffers->geometry(), *frame.constants, side);
@@ -65,18 +65,10 @@ class TriangleReflections : public ReflectorTechnique {
       facet_view_ = Texture::make_buffer("mirror triangles", GL_RGBA32F, facet_buffer_);
       const auto rest = std::stable_partition(pairs_.begin(), pairs_.end(),
                                               [&](const glm::uvec2& p) { return hits_.seen_groups()[p.y] != 0; });
-      offer_pairs(frame, {pairs_.begin(), rest});
-      hits_.offer_large(frame);
-      const std::vector<float> far_m = find_far(frame);
-      const auto end = std::remove_if(rest, pairs_.end(), [&](const glm::uvec2& p) {
-        const Cluster& c = clusters_.clusters[p.y];
-        const Beam& beam = facets_[p.x].beam;
-        return glm::length(c.center - beam.base) - c.radius - beam.base_radius > far_m[p.x];
-      });
-      offer_pairs(frame, {rest, end});
-      pairs_.erase(end, pairs_.end());
+      take_pairs(frame, {pairs_.begin(), rest});
+      pairs_.erase(keep_visible(frame, rest), pairs_.end());
+      take_pairs(frame, {rest, pairs_.end()});
     }
-    hits_.offer_large(frame);
     hits_.finish(frame, 1, 0);
     frame.timer->end("projection");
   }
@@ -126,35 +118,47 @@ class TriangleReflections : public ReflectorTechnique {
     for (const auto& some : found) pairs_.insert(pairs_.end(), some.begin(), some.end());
   }
 
-  /// Of each facet: how far away the farthest of what has been found in its box is, m.
-  std::vector<float> find_far(const ReflectionFrame& frame) {
+  using Pairs = std::vector<glm::uvec2>;
+  /// Of the pairs from `first` on those whose cluster some ray of their facet may meet before what has been found; the
+  /// end of what is left.
+  Pairs::iterator keep_visible(const ReflectionFrame& frame, Pairs::iterator first) {
     const glm::vec2 size(frame.constants->size);
-    const glm::ivec2 tiles = (glm::ivec2(frame.constants->size) + 7) / 8;
-    std::vector<float> far_m(facets_.size(), 0.0f), of_tile;
-    std::size_t reflector = frame.reflectors->size();
-    for (std::size_t f = 0; f < facets_.size(); ++f) {
-      if (facets_[f].reflector != reflector) {
-        reflector = facets_[f].reflector;
-        of_tile = hits_.read_far(frame, reflector);
+    Pairs::iterator kept = first;
+    while (first != pairs_.end()) {
+      const std::size_t reflector = facets_[first->x].reflector;
+      const auto end =
+          std::find_if(first, pairs_.end(), [&](const glm::uvec2& p) { return facets_[p.x].reflector != reflector; });
+      std::vector<glm::vec4> boxes;
+      for (auto pair = first; pair != end; ++pair) {
+        const Cluster& c = clusters_.clusters[pair->y];
+        const glm::vec4& box = facets_[pair->x].box;
+        boxes.emplace_back(c.center - c.half_extent, 0.0f);
+        boxes.emplace_back(c.center + c.half_extent, 0.0f);
+        boxes.emplace_back((0.5f + 0.5f * glm::vec2(box.x, -box.w)) * size,
+                           (0.5f + 0.5f * glm::vec2(box.z, -box.y)) * size);
       }
-      const glm::vec4& box = facets_[f].box;
-      const glm::vec2 low = (0.5f + 0.5f * glm::vec2(box.x, -box.w)) * size,
-                      high = (0.5f + 0.5f * glm::vec2(box.z, -box.y)) * size;
-      const glm::ivec2 from = glm::clamp(glm::ivec2(low) / 8, glm::ivec2(0), tiles - 1),
-                       to = glm::clamp(glm::ivec2(high) / 8, glm::ivec2(0), tiles - 1);
-      for (int y = from.y; y <= to.y; ++y)
-        for (int x = from.x; x <= to.x; ++x)
-          far_m[f] = std::max(far_m[f], of_tile[static_cast<std::size_t>(y * tiles.x + x)]);
+      const std::vector<std::uint32_t> visible =
+          hits_.find_visible(frame, reflector, Buffer::from("boxes of clusters", boxes));
+      for (std::size_t k = 0; first != end; ++k, ++first)
+        if (visible[k] != 0) *kept++ = *first;
     }
-    return far_m;
+    return kept;
   }
 
-  void offer_pairs(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
+  void take_pairs(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
     if (pairs.empty()) return;
-    pair_buffer_ = Buffer("mirrored clusters", pairs.size_bytes(), pairs.data());
     if (!counters_) counters_ = Buffer("projection counters", sizeof(std::array<unsigned, counter_count>));
-    const std::array<unsigned, counter_count> counts = assemble(frame, static_cast<int>(pairs.size()));
-    for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += counts[k];
+    std::array<unsigned, counter_count> counts{};
+    hits_.take(
+        frame, pairs.size(),
+        [&](std::size_t begin, std::size_t end) {
+          const std::span<const glm::uvec2> some = pairs.subspan(begin, end - begin);
+          pair_buffer_ = Buffer("mirrored clusters", some.size_bytes(), some.data());
+          counts = assemble(frame, static_cast<int>(some.size()));
+        },
+        [&] {
+          for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += counts[k];
+        });
   }
 
   std::array<unsigned, counter_count> assemble(const ReflectionFrame& frame, int count) {
@@ -164,6 +168,7 @@ class TriangleReflections : public ReflectorTechnique {
     const Buffer* buffers[] = {&pair_buffer_, &cluster_buffer_, &vertex_buffer_, &triangle_buffer_, &counters_};
     for (GLuint k = 0; k < 5; ++k) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + k, buffers[k]->get());
     program.set("u_count", count);
+    hits_.prepare(program, false);
     glUseProgram(program.get());
     glDispatchCompute(static_cast<GLuint>(std::min(count, kGroupsPerRow)),
                       static_cast<GLuint>((count + kGroupsPerRow - 1) / kGroupsPerRow), 1);

@@ -32,22 +32,6 @@ bool shows_nothing(Corner c[3], float margin_px) {
   return false;
 }
 
-layout(binding = 47) uniform samplerBuffer t_far;  // m, of 8 x 8 pixels, as reflections/far.comp writes them
-uniform int u_covers;  // 1: something has been drawn before
-
-/// True only where all that may be before the triangle is.
-bool is_covered(Corner c[3], float margin_px, float nearest_m) {
-  if (u_covers == 0 || margin_px >= kBoxOnly) return false;
-  ivec2 size = u_frame.size.xy, tiles = (size + 7) / 8;
-  vec2 low = min(min(c[0].v.at, c[1].v.at), c[2].v.at) - margin_px, high = max(max(c[0].v.at, c[1].v.at), c[2].v.at) + margin_px;
-  ivec2 from = ivec2(clamp(low, vec2(0.0), vec2(size - 1))) / 8, to = ivec2(clamp(high, vec2(0.0), vec2(size - 1))) / 8;
-  if (to.x - from.x > 3 || to.y - from.y > 3) return false;
-  for (int y = from.y; y <= to.y; ++y)
-    for (int x = from.x; x <= to.x; ++x)
-      if (texelFetch(t_far, y * tiles.x + x).x > nearest_m) return false;
-  return true;
-}
-
 /// A map of the second degree moves the inside of a triangle by no more than that many times what it bends the edges by at most.
 const float kBulge = 1.5;
 
@@ -58,9 +42,8 @@ void offer_corners(Corner c[3], float margin_px, int triangle) {
   // From a corner a point of the triangle is 0.58 edges away at most, and its reflection point moves by no more.
   float longest = sqrt(max(max(dot(d, d), dot(e, e)), dot(f, f)));
   float nearest_m = min(min(c[0].v.along_m, c[1].v.along_m), c[2].v.along_m) - 1.2 * longest;
-  if (c[0].v.placed && c[1].v.placed && c[2].v.placed) {
-    if (!is_covered(c, margin_px, nearest_m)) offer_triangle(c[0].v.at, c[1].v.at, c[2].v.at, margin_px, nearest_m, own, u_reflector);
-  } else {
+  if (c[0].v.placed && c[1].v.placed && c[2].v.placed)
+    offer_triangle(c[0].v.at, c[1].v.at, c[2].v.at, margin_px, nearest_m, own, u_reflector);
+  else
     offer_triangle(vec2(0.0), vec2(u_frame.size.xy), vec2(0.0), kBoxOnly, nearest_m, own, u_reflector);
-  }
 }

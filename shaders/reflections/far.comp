@@ -1,22 +1,34 @@
-// For each tile of 8 x 8 pixels how far the farthest of what one reflector shows there is: what lies behind cannot be seen.
+// Of each tile of pixels the rays of one reflector: the boxes of their origins and directions, and how far the farthest of what they show
+// is. What lies behind cannot be seen.
 layout(local_size_x = 64) in;
+#include "reflections/tiles.glsl"
+layout(binding = 49) uniform sampler2D t_ray_origin;
 layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
-layout(std430, binding = 9) readonly buffer Nearest { uint b_nearest[]; };  // as reflections/nearest.glsl has them
-layout(std430, binding = 2) writeonly buffer Tiles { float b_far_m[]; };    // [row][column]
+layout(std430, binding = 8) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
+// [row][column] 4 each: lowest origin, m, how far, m | highest origin | lowest direction | highest direction
+layout(std430, binding = 2) writeonly buffer Tiles { vec4 b_tiles[]; };
 uniform int u_reflector;
 
 void main() {
-  ivec2 size = textureSize(t_ray_direction, 0), tiles = (size + 7) / 8;
+  ivec2 size = textureSize(t_ray_direction, 0), tiles = (size + kFarTile - 1) / kFarTile;
   int tile = int(gl_GlobalInvocationID.x);
   if (tile >= tiles.x * tiles.y) return;
-  ivec2 low = 8 * ivec2(tile % tiles.x, tile / tiles.x), high = min(low + 8, size);
-  float far_m = 0.0;
+  ivec2 low = kFarTile * ivec2(tile % tiles.x, tile / tiles.x), high = min(low + kFarTile, size);
+  vec4 origin_low = vec4(vec3(1e30), 0.0), origin_high = vec4(-1e30), direction_low = vec4(1e30), direction_high = vec4(-1e30);
   for (int y = low.y; y < high.y; ++y) {
     for (int x = low.x; x < high.x; ++x) {
-      if (int(texelFetch(t_ray_direction, ivec2(x, y), 0).w) != u_reflector + 1) continue;
-      float inverse = uintBitsToFloat(b_nearest[2 * (y * size.x + x) + 1]);
-      far_m = max(far_m, inverse > 0.0 ? 1.0 / inverse : 1e30);
+      vec4 direction = texelFetch(t_ray_direction, ivec2(x, y), 0);
+      if (int(direction.w) != u_reflector + 1) continue;
+      vec3 origin = texelFetch(t_ray_origin, ivec2(x, y), 0).xyz;
+      uvec2 nearest = b_nearest[y * size.x + x];
+      origin_low = vec4(min(origin_low.xyz, origin), max(origin_low.w, nearest.x != 0u ? uintBitsToFloat(nearest.y) : 1e30));
+      origin_high.xyz = max(origin_high.xyz, origin);
+      direction_low = min(direction_low, direction);
+      direction_high = max(direction_high, direction);
     }
   }
-  b_far_m[tile] = far_m;
+  b_tiles[4 * tile] = origin_low;
+  b_tiles[4 * tile + 1] = origin_high;
+  b_tiles[4 * tile + 2] = direction_low;
+  b_tiles[4 * tile + 3] = direction_high;
 }

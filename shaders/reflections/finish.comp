@@ -1,6 +1,8 @@
 // What has been found for each pixel, as the techniques' common images hold it.
 layout(local_size_x = 8, local_size_y = 8) in;
-#include "reflections/nearest.glsl"
+#include "reflections/ray_triangle.glsl"
+#include "reflections/tiles.glsl"
+layout(std430, binding = 8) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
 layout(binding = 54) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
 layout(binding = 0, r32ui) uniform writeonly uimage2D o_triangle;
 layout(binding = 1, rg8ui) uniform writeonly uimage2D o_effort;
@@ -24,7 +26,7 @@ float exit_distance(vec3 origin, vec3 direction) {
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = textureSize(t_ray_direction, 0);
   if (any(greaterThanEqual(pixel, size))) return;
-  uint found = b_nearest[2 * (pixel.y * size.x + pixel.x)];
+  uint found = b_nearest[pixel.y * size.x + pixel.x].x;
   uint triangle = found >> kEffortBits, effort = found & ((1u << kEffortBits) - 1u);
   imageStore(o_triangle, pixel, uvec4(triangle));
   imageStore(o_effort, pixel, u_channel == 0 ? uvec4(effort, 0u, 0u, 0u) : uvec4(0u, effort, 0u, 0u));

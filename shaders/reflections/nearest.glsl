@@ -1,15 +1,18 @@
 // Of the triangles that are offered for a pixel, the nearest that its mirrored ray meets. A technique says where on screen a triangle may be
-// seen; what it claims too much is taken back here, so that no false triangle is shown and no seam is jagged.
+// seen, and every tile there gets it on its list; reflections/resolve.comp then holds each pixel's ray against its tile's list. What a technique
+// claims too much is taken back there, so that no false triangle is shown and no seam is jagged.
 #include "reflections/ray_triangle.glsl"
-layout(std430, binding = 9) coherent buffer Nearest { uint b_nearest[]; };  // [pixel] triangle + 1 and, in the low bits, effort, 0: none | 1/m: how near
-layout(binding = 46) uniform usamplerBuffer t_nearest;  // the same: may lag behind, which costs time and nothing else
-layout(std430, binding = 10) coherent buffer Boxes {
-  uint b_box_count, b_box_capacity, b_box_unused[2];
-  uvec4 b_boxes[];  // 3 each: two corners on screen, px | the third, margin, px, what is offered | reflector, nearest, m
-};
-const uint kEffortBits = 7u;
-/// Pixels that one invocation looks at; larger boxes go to a list, of which every entry has a group of its own.
-const int kOwnPixels = 64;
+#include "reflections/tiles.glsl"
+// counters: nodes, with the heads before them; offers; large ones | [tile] x: first node of its list | [node] offer, next or 0
+layout(std430, binding = 9) coherent buffer Lists { uint b_nodes, b_offers, b_large, b_unused; uvec2 b_lists[]; };
+// 5 an offer: corner, m, triangle + 1 and effort | edge, m, nearest, m | edge, m, reflector | two corners on screen, px | the third, margin, px
+layout(std430, binding = 10) coherent buffer Offers { uvec4 b_offer[]; };
+layout(std430, binding = 11) coherent buffer Large { uint b_large_offers[]; };
+layout(binding = 47) uniform samplerBuffer t_tiles;  // as reflections/far.comp writes them
+uniform uvec2 u_capacity;  // of lists; of offers, which the large ones share
+uniform int u_covers;      // 1: something has been found before, and t_tiles says how far away
+/// Tiles that one invocation puts a triangle on the list of; of larger ones a group of its own does (reflections/large.comp).
+const int kOwnTiles = 8;
 /// What the ends of edges are known to, px.
 const float kPlace_px = 0.05;
 /// A margin that says that only the box around the corners is known.
@@ -17,32 +20,9 @@ const float kBoxOnly = 1e6;
 
 uint offered(int triangle, int effort) { return uint(triangle + 1) << kEffortBits | uint(clamp(effort, 0, 127)); }
 
-void offer(ivec2 pixel, SceneTriangle triangle, float nearest_m, uint own, int reflector) {
-  int at = 2 * (pixel.y * textureSize(t_ray_direction, 0).x + pixel.x);
-  // The second word is that of a triangle which is or was the nearest: what is farther need not be held against the first.
-  float hint = uintBitsToFloat(texelFetch(t_nearest, at + 1).x);
-  if (nearest_m * hint > 1.0) return;
-  vec4 direction = texelFetch(t_ray_direction, pixel, 0);
-  if (int(direction.w) != reflector + 1) return;
-  vec3 origin = texelFetch(t_ray_origin, pixel, 0).xyz;
-  float along_m = distance_to(origin, direction.xyz, triangle);
-  if (along_m < 0.0 || along_m * hint > 1.0) return;
-  uint held = b_nearest[at];
-  // Every exchange that fails has made the entry nearer.
-  for (;;) {
-    if (held >> kEffortBits == own >> kEffortBits) return;
-    float other_m = held == 0u ? 1e30 : distance_to(origin, direction.xyz, fetch_triangle(int(held >> kEffortBits) - 1));
-    if (other_m < along_m || (other_m == along_m && held < own)) return;
-    uint before = atomicCompSwap(b_nearest[at], held, own);
-    if (before == held) break;
-    held = before;
-  }
-  b_nearest[at + 1] = floatBitsToUint(1.0 / along_m);
-}
-
 /// Where a triangle may be seen: as far from its three corners on screen as the margin says.
 struct Box {
-  ivec2 low, high;  // pixels, both within
+  ivec2 low, high;  // tiles, both within
   vec3 x, y, rest;  // of the three edges: x px.x + y px.y + rest is negative beyond the margin
 };
 
@@ -51,8 +31,10 @@ Box make_box(vec2 p, vec2 q, vec2 r, float margin_px) {
   bool box_only = margin_px >= kBoxOnly;
   float around = box_only ? margin_px - kBoxOnly : margin_px;
   vec2 size = vec2(textureSize(t_ray_direction, 0));
-  box.low = ivec2(ceil(clamp(min(min(p, q), r) - around - 0.5, vec2(0.0), size)));
-  box.high = ivec2(floor(clamp(max(max(p, q), r) + around - 0.5, vec2(-1.0), size - 1.0)));
+  // Pixels' middles count.
+  vec2 low = ceil(clamp(min(min(p, q), r) - around - 0.5, vec2(0.0), size)), high = floor(clamp(max(max(p, q), r) + around - 0.5, vec2(-1.0), size - 1.0));
+  box.low = ivec2(low) / kTile;
+  box.high = any(lessThan(high, low)) ? box.low - 1 : ivec2(high) / kTile;
   vec2 e = q - p, f = r - q, g = p - r;
   float turn = e.x * g.y - e.y * g.x > 0.0 ? -1.0 : 1.0;
   box.x = -turn * vec3(e.y, f.y, g.y);
@@ -65,30 +47,41 @@ Box make_box(vec2 p, vec2 q, vec2 r, float margin_px) {
   return box;
 }
 
-void offer_box(Box box, float nearest_m, uint own, int reflector, ivec2 first, ivec2 stride) {
-  SceneTriangle triangle = fetch_triangle(int(own >> kEffortBits) - 1);
+/// Onto the lists of the box's tiles that its edges leave in and nothing found before covers.
+void list_offer(Box box, uint offer, float nearest_m, ivec2 first, ivec2 stride) {
+  ivec2 size = textureSize(t_ray_direction, 0);
+  int columns = tile_columns(size), far_columns = (size.x + kFarTile - 1) / kFarTile;
+  // From a tile's middle to the middles of its pixels.
+  vec3 half_way = 0.5 * float(kTile - 1) * (abs(box.x) + abs(box.y)) + box.rest;
   for (int y = box.low.y + first.y; y <= box.high.y; y += stride.y) {
-    vec3 row = box.rest + box.y * (float(y) + 0.5);
     for (int x = box.low.x + first.x; x <= box.high.x; x += stride.x) {
-      vec3 inside = row + box.x * (float(x) + 0.5);
-      if (min(min(inside.x, inside.y), inside.z) >= 0.0) offer(ivec2(x, y), triangle, nearest_m, own, reflector);
+      vec2 middle = (vec2(x, y) + 0.5) * float(kTile);
+      vec3 inside = half_way + box.x * middle.x + box.y * middle.y;
+      if (min(min(inside.x, inside.y), inside.z) < 0.0) continue;
+      ivec2 at = ivec2(x, y) * kTile / kFarTile;
+      if (u_covers == 1 && texelFetch(t_tiles, 4 * (at.y * far_columns + at.x)).w < nearest_m) continue;
+      uint node = atomicAdd(b_nodes, 1u);
+      if (node < u_capacity.x) b_lists[node] = uvec2(offer, atomicExchange(b_lists[y * columns + x].x, node));
     }
   }
 }
 
-/// What is small at once; what is large goes to the list. `nearest_m`: no point of it is nearer along a mirrored ray.
+/// What is small at once; what is large is listed for later. `nearest_m`: no point of it is nearer along a mirrored ray.
 void offer_triangle(vec2 p, vec2 q, vec2 r, float margin_px, float nearest_m, uint own, int reflector) {
   Box box = make_box(p, q, r, margin_px);
   ivec2 extent = box.high - box.low + 1;
   if (extent.x <= 0 || extent.y <= 0) return;
-  if (extent.x * extent.y > kOwnPixels) {
-    uint slot = atomicAdd(b_box_count, 1u);
-    if (slot < b_box_capacity) {
-      b_boxes[3u * slot] = floatBitsToUint(vec4(p, q));
-      b_boxes[3u * slot + 1u] = uvec4(floatBitsToUint(vec3(r, margin_px)), own);
-      b_boxes[3u * slot + 2u] = uvec4(uint(reflector), floatBitsToUint(nearest_m), 0u, 0u);
-      return;
-    }
+  uint offer = atomicAdd(b_offers, 1u);
+  if (offer >= u_capacity.y) return;
+  SceneTriangle t = fetch_triangle(int(own >> kEffortBits) - 1);
+  b_offer[5u * offer] = uvec4(floatBitsToUint(t.a), own);
+  b_offer[5u * offer + 1u] = floatBitsToUint(vec4(t.e1, nearest_m));
+  b_offer[5u * offer + 2u] = uvec4(floatBitsToUint(t.e2), uint(reflector));
+  if (extent.x * extent.y > kOwnTiles) {
+    b_offer[5u * offer + 3u] = floatBitsToUint(vec4(p, q));
+    b_offer[5u * offer + 4u] = floatBitsToUint(vec4(r, margin_px, 0.0));
+    b_large_offers[atomicAdd(b_large, 1u)] = offer;
+    return;
   }
-  offer_box(box, nearest_m, own, reflector, ivec2(0), ivec2(1));
+  list_offer(box, offer, nearest_m, ivec2(0), ivec2(1));
 }

@@ -6,13 +6,14 @@ uniform mat4 u_clip_from_world;  // mirrors first
 uniform vec4 u_plane;            // towards the eye
 uniform vec4 u_window;           // what is seen of the mirror: lower and upper corner, px
 uniform int u_reflector;
+uniform int u_first;
 uniform int u_count;
 uniform float u_margin_px;
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= u_count) return;
-  int triangle = int(b_triangles[i]);
+  int triangle = int(b_triangles[u_first + i]);
   vec2 size = vec2(textureSize(t_ray_direction, 0)), at[3];
   float highest = -1e30, nearest = 1e30;
   for (int k = 0; k < 3; ++k) {

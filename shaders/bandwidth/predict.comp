@@ -130,6 +130,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
   on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, \
             (is_brdf ? nb * f_hat : nl * luminance(radiance)) / max(nb * f_hat + nl * luminance(radiance), 1e-30))
+#define SAMPLE_GROUP 2
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"

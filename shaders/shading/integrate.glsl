@@ -21,112 +21,241 @@ float light_weight(float cosine, float f_hat, float l, float inverse_integral, f
   return cosine * l * inverse_integral / max((nb * f_hat + nl * l) * pdf, 1e-30);
 }
 
-#if defined(TURNED) && LOOKS_BACK
-#define BEFORE
-#include "turning/before.glsl"
-#endif
-
 /// How many of `count` samples are drawn from the BRDF; the rest come from the environment.
 int brdf_sample_count(Point p, int count) {
   return u_frame.environment.w > 0.0 ? clamp(int(p.brdf_share * float(count) + 0.5), 1, count - 1) : count;
 }
 
+/// What the samples of an item have in common.
+struct Estimator {
+  float nb, nl;  // counts, the second over the environment's integral
+  float inverse_integral;
+  uint q1, q2, q3, q4, q5;  // random numbers of the first sample
+  int elevation;            // row of the importance table
+};
+// Additive recurrences on the golden ratios of dimension 2 (Roberts 2018), Cranley-Patterson rotated per pixel.
+const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xABC98388u, kStep5 = 0x9E3779B9u;
+
+/// A direction drawn from the lobe, and the words of the tables that say what it is worth.
+struct LobeSample {
+  vec3 wi, world;
+  float pdf;  // 0: worth nothing
+  int sky_index;
+  uint sky;
+#if MEASURED
+  BrdfPlace place;
+  uvec2 words;
+#endif
+};
+
+/// A sample of the environment's list, likewise.
+struct SkySample {
+  vec4 direction_pdf;
+  vec3 radiance, wi;
+#if MEASURED
+  BrdfPlace place;
+  uvec2 words;
+#endif
+};
+
+struct LobeTerms {
+  vec3 f;
+  float f_hat;  // density for the balance heuristic
+};
+
+#if MEASURED
+/// The cell of half vectors that a sample falls in.
+struct CellDraw {
+  BrdfCellChoice choice;
+  vec2 theta_cell, phi_cell;
+};
+CellDraw draw_cell(Estimator e, uint n) {
+  BrdfCellChoice choice = choose_brdf_cell(vec2(unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2)));
+  return CellDraw(choice, fetch_theta_cell(e.elevation, choice.theta.k), fetch_phi_cell(e.elevation, choice.theta.k, choice.p));
+}
+LobeTerms lobe_terms(Point p, vec3 wi, uvec2 words, float fraction) {
+  vec3 f = brdf_value(words, fraction) * p.tint;
+  return LobeTerms(f, luminance(f) * wi.z * p.inverse_albedo);
+}
+#else
+LobeTerms lobe_terms(Point p, vec3 wi) {
+  return LobeTerms(evaluate_analytic(p.analytic, wi, p.wo).total, analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo));
+}
+#endif
+
+#if defined(TURNED) && LOOKS_BACK
+#define BEFORE
+#include "turning/before.glsl"
+#endif
+
+#if MEASURED
+LobeSample draw_direction(Point p, Estimator e, uint n, CellDraw cell) {
+  LobeSample s;
+  BrdfSample drawn = brdf_sample_in_cell(p.wo, cell.choice, cell.theta_cell, cell.phi_cell);
+  s.wi = drawn.wi;
+  s.pdf = drawn.pdf;
+  s.place = brdf_place(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
+#else
+LobeSample draw_direction(Point p, Estimator e, uint n) {
+  LobeSample s;
+  s.wi = sample_analytic(p.analytic, p.lobe_weights, p.wo, unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2),
+                         unit_float(e.q5 + n * kStep5));
+  s.pdf = max(s.wi.z, 0.0);
+#endif
+  s.world = from_local(p, s.wi);
+  s.sky_index = environment_index(s.world, unit_pair(e.q4 + n * kStep4));
+  return s;
+}
+
+void fetch_worth(inout LobeSample s) {
+#if MEASURED
+  s.words = fetch_brdf(s.place);
+#endif
+  s.sky = fetch_environment(s.sky_index);
+}
+
+void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result result) {
+  if (s.pdf <= 0.0) return;
+  vec3 wi = s.wi, world = s.world;
+  float nb = e.nb, nl = e.nl;
+#if MEASURED
+  LobeTerms lobe = lobe_terms(p, wi, s.words, s.place.fraction);
+  float pdf = s.pdf;
+#else
+  LobeTerms lobe = lobe_terms(p, wi);
+  float pdf = lobe.f_hat;
+#endif
+  vec3 f = lobe.f;
+  float f_hat = lobe.f_hat;
+  vec3 radiance = environment_value(s.sky);
+  float weight = brdf_weight(wi.z, f_hat, radiance, nb, nl, pdf);
+#if VISIBILITY
+  float open = visibility_of(result.visibility, world_from_environment(world), unit_pair((e.q3 + n * kStep3) ^ (e.q4 + n * kStep4)));
+  weight *= open;
+#endif
+#ifdef BEFORE
+  // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
+  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), unit_pair(e.q4 + n * kStep4))));
+  result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
+#if VISIBILITY
+  result.before *= open;
+#endif
+#endif
+  ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
+}
+
+SkySample fetch_sky_sample(uint index) {
+  SkySample s;
+  s.direction_pdf = texelFetch(t_light_samples, 2 * int(index));
+  s.radiance = texelFetch(t_light_samples, 2 * int(index) + 1).rgb;
+  return s;
+}
+
+void find_sky_sample(Point p, Estimator e, uint n, inout SkySample s) {
+  s.wi = to_local(p, s.direction_pdf.xyz);
+#if MEASURED
+  s.place = brdf_place(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
+#endif
+}
+
+void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result result) {
+  vec3 wi = s.wi, light = s.direction_pdf.xyz, radiance = s.radiance;
+  float nb = e.nb, nl = e.nl;
+#ifdef BEFORE
+  // The same light where it stood before.
+  vec3 from = seen_before(light), wi_before = to_local(p, from);
+  if (max(wi.z, wi_before.z) <= 0.0) return;
+#else
+  if (wi.z <= 0.0) return;
+#endif
+#if MEASURED
+  LobeTerms lobe = lobe_terms(p, wi, s.words, s.place.fraction);
+#else
+  LobeTerms lobe = lobe_terms(p, wi);
+#endif
+  vec3 f = lobe.f;
+  float f_hat = lobe.f_hat;
+  float l = luminance(radiance);
+  float weight = light_weight(wi.z, f_hat, l, e.inverse_integral, nb, nl, s.direction_pdf.w);
+#if VISIBILITY
+  vec2 dither = unit_pair((e.q3 + n * kStep3) ^ (e.q4 + n * kStep5));
+  weight *= visibility_of(result.visibility, world_from_environment(light), dither);
+#endif
+#ifdef BEFORE
+  weight = wi.z > 0.0 ? weight : 0.0;
+  LobeTerms before = lobe_towards(p, wi_before, unit_pair(e.q3 + n * kStep3));
+  float weight_before = light_weight(wi_before.z, before.f_hat, l, e.inverse_integral, nb, nl, s.direction_pdf.w);
+#if VISIBILITY
+  weight_before *= visibility_of(result.visibility, world_from_environment(from), dither);
+#endif
+  result.before = wi_before.z > 0.0 ? before.f * radiance * weight_before : vec3(0.0);
+#endif
+  ON_SAMPLE(f, radiance, weight, wi, light, s.direction_pdf.w, false);
+}
+
+// Samples are drawn, then fetched, then weighed in groups of SAMPLE_GROUP (2 or 4, by the includer), so that what one waits for from memory the
+// others wait for at the same time. As text, because some drivers keep arrays of structs in memory. A group costs as much as a full one: few
+// samples an item do better with 2.
+#if SAMPLE_GROUP == 4
+#define FOR_GROUP(F) F(0) F(1) F(2) F(3)
+#else
+#define FOR_GROUP(F) F(0) F(1)
+#endif
+#define DRAW_CELL(k) CellDraw cell##k = draw_cell(e, n + uint(k));
+#if MEASURED
+#define DRAW_DIRECTION(k) LobeSample s##k = draw_direction(p, e, n + uint(k), cell##k);
+#else
+#define DRAW_DIRECTION(k) LobeSample s##k = draw_direction(p, e, n + uint(k));
+#endif
+#define FETCH_WORTH(k) fetch_worth(s##k);
+#define TAKE_LOBE(k) if (i + k < brdf_count) take_lobe_sample(p, e, n + uint(k), s##k, result);
+#define FETCH_SKY(k) SkySample s##k = fetch_sky_sample(((light_first + n + uint(k)) ^ light_mask) & list_mask);
+#define FIND_SKY(k) find_sky_sample(p, e, n + uint(k), s##k);
+#define FETCH_LOBE(k) s##k.words = fetch_brdf(s##k.place);
+#define TAKE_SKY(k) if (i + k < light_count) take_sky_sample(p, e, n + uint(k), s##k, result);
+
 void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result result) {
   float integral = u_frame.environment.w;
   int brdf_count = brdf_sample_count(p, count);
   int light_count = count - brdf_count;
-  float inverse_integral = integral > 0.0 ? 1.0 / integral : 0.0;
-  float nb = float(brdf_count), nl = float(light_count) * inverse_integral;
-
-  // Additive recurrences on the golden ratios of dimension 2 (Roberts 2018), Cranley-Patterson rotated per pixel; the frame's first sample
-  // index moves on while the picture converges.
+  Estimator e;
+  e.inverse_integral = integral > 0.0 ? 1.0 / integral : 0.0;
+  e.nb = float(brdf_count);
+  e.nl = float(light_count) * e.inverse_integral;
+  // The frame's first sample index moves on while the picture converges.
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
   uint block = first_sample / uint(count);
-  uint first = block * uint(brdf_count);
-  uint q1 = rotation + first * 0xC13FA9A9u, q2 = hash(rotation) + first * 0x91E10DA5u;
-  uint q3 = hash(rotation ^ 0x68bc21ebu) + first_sample * 0xD1B54A33u;
-  uint q4 = hash(rotation ^ 0x02e5be93u) + first_sample * 0xABC98388u;
-  uint q5 = hash(rotation ^ 0x967a889bu) + first * 0x9E3779B9u;
-  for (int i = 0; i < brdf_count; ++i) {
-    q1 += 0xC13FA9A9u;
-    q2 += 0x91E10DA5u;
-    q3 += 0xD1B54A33u;
-    q4 += 0xABC98388u;
-    vec3 wi, f;
-    float pdf, f_hat;
+  uint first = block * uint(brdf_count) + 1u;
+  e.q1 = rotation + first * kStep1;
+  e.q2 = hash(rotation) + first * kStep2;
+  e.q3 = hash(rotation ^ 0x68bc21ebu) + (first_sample + 1u) * kStep3;
+  e.q4 = hash(rotation ^ 0x02e5be93u) + (first_sample + 1u) * kStep4;
+  e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
 #if MEASURED
-    g_brdf_slot = p.slot;
-    BrdfSample s = sample_brdf(p.wo, vec2(unit_float(q1), unit_float(q2)));
-    wi = s.wi;
-    pdf = s.pdf;
-    if (pdf <= 0.0) continue;
-    f = measured_brdf(p.slot, wi, p.wo, unit_pair(q3)) * p.tint;
-    f_hat = luminance(f) * wi.z * p.inverse_albedo;
-#else
-    q5 += 0x9E3779B9u;
-    wi = sample_analytic(p.analytic, p.lobe_weights, p.wo, unit_float(q1), unit_float(q2), unit_float(q5));
-    if (wi.z <= 0.0) continue;
-    f = evaluate_analytic(p.analytic, wi, p.wo).total;
-    pdf = analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
-    f_hat = pdf;
+  g_brdf_slot = p.slot;
+  e.elevation = brdf_elevation(p.wo);
 #endif
-    vec3 world = from_local(p, wi);
-    vec3 radiance = environment_stochastic(world, unit_pair(q4));
-    float weight = brdf_weight(wi.z, f_hat, radiance, nb, nl, pdf);
-#if VISIBILITY
-    float open = visibility_of(result.visibility, world_from_environment(world), unit_pair(q3 ^ q4));
-    weight *= open;
+  for (int i = 0; i < brdf_count; i += SAMPLE_GROUP) {
+    uint n = uint(i);
+#if MEASURED
+    FOR_GROUP(DRAW_CELL)
 #endif
-#ifdef BEFORE
-    // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
-    vec3 sky = environment_stochastic(stood_before(world), unit_pair(q4));
-    result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
-#if VISIBILITY
-    result.before *= open;
-#endif
-#endif
-    ON_SAMPLE(f, radiance, weight, wi, world, pdf, true);
+    FOR_GROUP(DRAW_DIRECTION)
+    FOR_GROUP(FETCH_WORTH)
+    FOR_GROUP(TAKE_LOBE)
   }
   // The list in an order of the point's own: aligned runs of 2^k entries are digital nets, and numbers XORed with a mask run through them one
   // after the other from the first sample on (a mere offset begins amid one: 6 to 16 % more error on the Ferrari).
-  uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u);
-  int list_mask = u_frame.environment_size.w - 1;
-  for (int i = 0; i < light_count; ++i) {
-    int index = int(((light_first + uint(i)) ^ light_mask) & uint(list_mask));
-    vec4 direction_pdf = texelFetch(t_light_samples, 2 * index);
-    vec3 wi = to_local(p, direction_pdf.xyz);
-    q3 += 0xD1B54A33u;
-#ifdef BEFORE
-    // The same light where it stood before.
-    vec3 from = seen_before(direction_pdf.xyz), wi_before = to_local(p, from);
-    if (max(wi.z, wi_before.z) <= 0.0) continue;
-#else
-    if (wi.z <= 0.0) continue;
-#endif
-    vec4 radiance_nu = texelFetch(t_light_samples, 2 * index + 1);
-    vec3 radiance = radiance_nu.rgb;
+  uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u), list_mask = uint(u_frame.environment_size.w - 1);
+  e.q3 += uint(brdf_count) * kStep3;
+  e.q4 += uint(brdf_count - 1) * kStep4;
+  for (int i = 0; i < light_count; i += SAMPLE_GROUP) {
+    uint n = uint(i);
+    FOR_GROUP(FETCH_SKY)
+    FOR_GROUP(FIND_SKY)
 #if MEASURED
-    vec3 f = measured_brdf(p.slot, wi, p.wo, unit_pair(q3)) * p.tint;
-    float f_hat = luminance(f) * wi.z * p.inverse_albedo;
-#else
-    vec3 f = evaluate_analytic(p.analytic, wi, p.wo).total;
-    float f_hat = analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
+    FOR_GROUP(FETCH_LOBE)
 #endif
-    float l = luminance(radiance);
-    float weight = light_weight(wi.z, f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
-#if VISIBILITY
-    vec2 dither = unit_pair(q3 ^ (q4 + uint(i) * 0x9E3779B9u));
-    weight *= visibility_of(result.visibility, world_from_environment(direction_pdf.xyz), dither);
-#endif
-#ifdef BEFORE
-    weight = wi.z > 0.0 ? weight : 0.0;
-    LobeValue lobe = evaluate_lobe(p, wi_before, unit_pair(q3));
-    float weight_before = light_weight(wi_before.z, lobe.f_hat, l, inverse_integral, nb, nl, direction_pdf.w);
-#if VISIBILITY
-    weight_before *= visibility_of(result.visibility, world_from_environment(from), dither);
-#endif
-    result.before = wi_before.z > 0.0 ? lobe.f * radiance * weight_before : vec3(0.0);
-#endif
-    ON_SAMPLE(f, radiance, weight, wi, direction_pdf.xyz, direction_pdf.w, false);
+    FOR_GROUP(TAKE_SKY)
   }
 }

@@ -7,7 +7,7 @@ layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation
 layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
 layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
 layout(binding = 14) uniform usamplerBuffer t_environment;   // [height][width], shared exponent
-layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
+layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, -
 
 const int kBrdfBias = 20;  // up to 1e6 1/sr: mirrors at grazing angles reach 5e5; full precision from 2.4e-4
 const int kBrdfEntries = 1458000, kThetaCells = 96, kPhiCells = 16, kElevations = 32, kAlbedoEntries = 64;
@@ -87,29 +87,41 @@ Point load_point(ivec2 pixel) {
 /// Measured BRDF: linear between bin centres along theta_h, where lobes are steep; along theta_d and phi_d one of the two
 /// neighbours is chosen with its linear weight by `xi`, so that the expectation is the trilinear value at a quarter of the fetches.
 /// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4.
-vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
+struct BrdfPlace {
+  int index;       // of the word at the lower bin centre along theta_h
+  float fraction;  // of the upper one
+};
+BrdfPlace brdf_place(int slot, vec3 wi, vec3 wo, vec2 xi) {
   vec3 c = merl_coordinates(wi, wo);
   float theta_h = clamp(c.x, 0.0, 88.9999);
   int theta_d = clamp(int(floor(c.y + xi.x)), 0, 89);
   int phi_d = int(floor(c.z + xi.y));
   phi_d = phi_d < 0 ? phi_d + 180 : (phi_d >= 180 ? phi_d - 180 : phi_d);
   int i = int(theta_h);
-  int index = slot * kBrdfEntries + merl_index(i, theta_d, phi_d);
-  return mix(unpack_rgb9e5(texelFetch(t_brdf, index).x, kBrdfBias),
-             unpack_rgb9e5(texelFetch(t_brdf, index + kMerlPhiD * kMerlThetaD).x, kBrdfBias), theta_h - float(i));
+  return BrdfPlace(slot * kBrdfEntries + merl_index(i, theta_d, phi_d), theta_h - float(i));
+}
+uvec2 fetch_brdf(BrdfPlace b) {
+  return uvec2(texelFetch(t_brdf, b.index).x, texelFetch(t_brdf, b.index + kMerlPhiD * kMerlThetaD).x);
+}
+vec3 brdf_value(uvec2 words, float fraction) {
+  return mix(unpack_rgb9e5(words.x, kBrdfBias), unpack_rgb9e5(words.y, kBrdfBias), fraction);
+}
+vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
+  BrdfPlace b = brdf_place(slot, wi, wo, xi);
+  return brdf_value(fetch_brdf(b), b.fraction);
 }
 
 /// Environment radiance (stored units): one of the four texels around with its bilinear weight, by `xi`.
-vec3 environment_stochastic(vec3 d, vec2 xi) {
+int environment_index(vec3 d, vec2 xi) {
   ivec2 size = u_frame.environment_size.xy;
   vec2 uv = latlong_uv_from_direction(d) * vec2(size);
   ivec2 p = ivec2(floor(uv - 0.5 + xi));
   p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
   p.y = clamp(p.y, 0, size.y - 1);
-  return unpack_rgb9e5(texelFetch(t_environment, p.y * size.x + p.x).x, u_frame.environment_size.z);
+  return p.y * size.x + p.x;
 }
-
-
+uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
+vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 int g_brdf_slot = 0;  // whose cells the shared sampler reads
 vec2 fetch_theta_cell(int elevation, int k) {

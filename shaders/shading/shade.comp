@@ -65,6 +65,11 @@ void take(inout Result r, vec3 now) {
 #else
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
 #endif
+#ifdef TURNED
+#define SAMPLE_GROUP 2
+#else
+#define SAMPLE_GROUP 4
+#endif
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"

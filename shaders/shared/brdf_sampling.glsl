@@ -54,22 +54,33 @@ MAQUETTE_FN float half_vector_density(int k, vec2 theta_cell, vec2 phi_cell) {
   return theta_cell_mass(k) / (2.0f * float(kBrdfPhiCells) * (theta_cell.y - theta_cell.x) * (phi_cell.y - phi_cell.x));
 }
 
-// u.x picks theta_h, u.y the side and phi_h.
-MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
-  int elevation = brdf_elevation(wo);
-  ThetaCellChoice choice = choose_theta_cell(u.x);
-  vec2 theta_cell = fetch_theta_cell(elevation, choice.k);
-  float side = u.y < 0.5f ? 1.0f : -1.0f;
+// Which cell of half vectors a pair of uniform numbers falls in: u.x picks theta_h, u.y the side and phi_h.
+struct BrdfCellChoice {
+  ThetaCellChoice theta;
+  int p;               // phi cell
+  float phi_position;  // inside it, in [0, 1]
+  float side;          // of the plane of view and normal, 1 or -1
+};
+
+MAQUETTE_FN BrdfCellChoice choose_brdf_cell(vec2 u) {
+  BrdfCellChoice choice;
+  choice.theta = choose_theta_cell(u.x);
+  choice.side = u.y < 0.5f ? 1.0f : -1.0f;
   float along = u.y < 0.5f ? 2.0f * u.y : 2.0f * u.y - 1.0f;
   float scaled = float(kBrdfPhiCells) * along;
-  int p = min(int(scaled), kBrdfPhiCells - 1);
-  vec2 phi_cell = fetch_phi_cell(elevation, choice.k, p);
-  float t = theta_cell.x + choice.position * (theta_cell.y - theta_cell.x);
-  float phi = phi_cell.x + (scaled - float(p)) * (phi_cell.y - phi_cell.x);
+  choice.p = min(int(scaled), kBrdfPhiCells - 1);
+  choice.phi_position = scaled - float(choice.p);
+  return choice;
+}
+
+// The sample that a choice means between the borders of its cells, which only the caller knows how to fetch early.
+MAQUETTE_FN BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 theta_cell, vec2 phi_cell) {
+  float t = theta_cell.x + choice.theta.position * (theta_cell.y - theta_cell.x);
+  float phi = phi_cell.x + choice.phi_position * (phi_cell.y - phi_cell.x);
   // 1 - cos keeps small angles: sin^2 = t (2 - t).
   float sin_theta = sqrt(t * (2.0f - t));
   float along_view = sin_theta * cos(phi);
-  float across_view = side * sin_theta * sin(phi);
+  float across_view = choice.side * sin_theta * sin(phi);
   float length_xy = sqrt(wo.x * wo.x + wo.y * wo.y);
   float cos_azimuth = length_xy > 0.0f ? wo.x / length_xy : 1.0f;
   float sin_azimuth = length_xy > 0.0f ? wo.y / length_xy : 0.0f;
@@ -79,8 +90,15 @@ MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
   BrdfSample result;
   result.wi = (2.0f * projection) * h - wo;
   bool above = projection > 0.0f && result.wi.z > 0.0f;
-  result.pdf = above ? half_vector_density(choice.k, theta_cell, phi_cell) / (4.0f * projection) : 0.0f;
+  result.pdf = above ? half_vector_density(choice.theta.k, theta_cell, phi_cell) / (4.0f * projection) : 0.0f;
   return result;
+}
+
+MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
+  int elevation = brdf_elevation(wo);
+  BrdfCellChoice choice = choose_brdf_cell(u);
+  vec2 theta_cell = fetch_theta_cell(elevation, choice.theta.k);
+  return brdf_sample_in_cell(wo, choice, theta_cell, fetch_phi_cell(elevation, choice.theta.k, choice.p));
 }
 
 // Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.

@@ -10,15 +10,11 @@ vec3 seen_before(vec3 light) {
   return vec3(u_turn.x * light.x - u_turn.y * light.z, light.y, u_turn.y * light.x + u_turn.x * light.z);
 }
 
-struct LobeValue {
-  vec3 f;
-  float f_hat;  // density for the balance heuristic
-};
-LobeValue evaluate_lobe(Point p, vec3 wi, vec2 xi) {
+LobeTerms lobe_towards(Point p, vec3 wi, vec2 xi) {
 #if MEASURED
-  vec3 f = measured_brdf(p.slot, wi, p.wo, xi) * p.tint;
-  return LobeValue(f, luminance(f) * wi.z * p.inverse_albedo);
+  BrdfPlace place = brdf_place(p.slot, wi, p.wo, xi);
+  return lobe_terms(p, wi, fetch_brdf(place), place.fraction);
 #else
-  return LobeValue(evaluate_analytic(p.analytic, wi, p.wo).total, analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo));
+  return lobe_terms(p, wi);
 #endif
 }

@@ -24,8 +24,9 @@ struct FrameTargets {
   Buffer tile_counts;  ///< of both lists, by band
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
-  Texture weights;   ///< of upsampling (shaders/bandwidth/fill.comp)
-  Texture indirect;  ///< light by way of other surfaces at each point; made when it is first needed
+  Texture weights;  ///< of upsampling (shaders/bandwidth/fill.comp)
+  /// Light by way of other surfaces at each point, of the bakes with even and odd numbers; made when first needed.
+  Texture indirect[2];
   Texture energy, moments, bend, curvature, pyramid;
   Texture marks, radiance, picture;
   Buffer counters, items[2], points[2], partial[2];

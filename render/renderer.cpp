@@ -117,6 +117,7 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
 
 void Renderer::set_interactive(bool interactive) {
   impl_->interactive = interactive;
+  impl_->indirect.set_prepares(interactive);
   impl_->reference = ReferenceFrame();
 }
 
@@ -355,7 +356,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const FrameTargets& t = *s.targets;
   stats.gpu_bytes["gbuffer"] = t.triangle.bytes() + t.depth_buffer.bytes() + t.surface.bytes() + t.depth.bytes();
   stats.gpu_bytes["shading"] = t.surface_tiles.tiles.bytes() + t.sky_tiles.tiles.bytes() + t.marks.bytes() +
-                               t.radiance.bytes() + t.picture.bytes() + t.indirect.bytes() +
+                               t.radiance.bytes() + t.picture.bytes() + t.indirect[0].bytes() + t.indirect[1].bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +

@@ -68,6 +68,13 @@ struct SkyKey {
   bool operator==(const SkyKey&) const = default;
 };
 
+/// All that the indirect light of the points depends on besides the G-buffer.
+struct IndirectDrawn {
+  std::uint32_t epoch = 0;   ///< of everything but indirect light
+  std::uint32_t serial = 0;  ///< of the bake
+  bool operator==(const IndirectDrawn&) const = default;
+};
+
 /// Every `step`-th tile of a list from `first` on.
 struct TileShare {
   int first = 0, step = 1;
@@ -138,11 +145,11 @@ struct Renderer::Impl {
   int accumulated = 0;
   std::uint32_t epoch = 0;  ///< raised by every change of scene, materials or environment
   std::uint32_t drawn_epoch = 0;
-  std::uint32_t surface_epoch = 0;              ///< raised by every change of what the G-buffer holds
-  std::optional<SurfaceKey> drawn_surfaces;     ///< what the G-buffer in `targets` shows; empty: nothing yet
-  bool keeps_surfaces = false;                  ///< the G-buffer is that of an earlier frame
-  int weights_levels = -1;                      ///< that the weights of upsampling were found for; -1: none
-  std::optional<std::uint32_t> indirect_drawn;  ///< epoch that the indirect light of the points was found in
+  std::uint32_t surface_epoch = 0;                 ///< raised by every change of what the G-buffer holds
+  std::optional<SurfaceKey> drawn_surfaces;        ///< what the G-buffer in `targets` shows; empty: nothing yet
+  bool keeps_surfaces = false;                     ///< the G-buffer is that of an earlier frame
+  int weights_levels = -1;                         ///< that the weights of upsampling were found for; -1: none
+  std::optional<IndirectDrawn> indirect_drawn[2];  ///< what FrameTargets::indirect holds
   bool composes_in_picture = false;  ///< the frame at hand, and not in the grid that the picture is filtered from
   std::optional<SkyKey> drawn_sky;   ///< what the sky's points show; empty: to be drawn
   FramePlan last_plan;
@@ -248,7 +255,7 @@ struct Renderer::Impl {
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   void add_indirect(PassTimer* timer);
-  void bind_indirect(const Program& program) const;
+  void bind_indirect(const Program& program, const IndirectKey& key) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_sky(const FramePlan& plan, const FrameRequest& request);
   const Texture& under_panes() const;  ///< the image that panes are drawn over

@@ -59,10 +59,11 @@ ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, Fill
            {"KEPT", flag(step == FillStep::kept)}}};
 }
 
-ShaderVariant compose_variant(int stage, bool textures, bool indirect) {
+/// `indirect`: how many bakes of indirect light the picture lies between.
+ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect) {
   return {"shading/compose.comp",
           "",
-          {{"STAGE", std::to_string(stage)}, {"TEXTURES", flag(textures)}, {"INDIRECT", flag(indirect)}}};
+          {{"STAGE", std::to_string(stage)}, {"TEXTURES", flag(textures)}, {"INDIRECT", std::to_string(indirect)}}};
 }
 
 ShaderVariant indirect_variant_of(bool measured) {
@@ -89,7 +90,7 @@ std::vector<ShaderVariant> all_shader_variants() {
       for (int j = 0; j < 6; ++j)
         if (step != FillStep::find || (k == 0 && (j & 1) == 0))
           variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
-    for (int j = 0; j < 4; ++j) variants.push_back(compose_variant(k, j & 1, j & 2));
+    for (int j = 0; j < 6; ++j) variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2)));
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
       plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
@@ -126,7 +127,7 @@ std::vector<ShaderVariant> all_shader_variants() {
         "bandwidth/pyramid.comp", "bandwidth/measure.comp", "bandwidth/worth.comp", "octree/trace_rays.comp",
         "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
-  variants.push_back(compose_variant(2, false, false));
+  variants.push_back(compose_variant(2, false, 0));
   for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   return variants;
@@ -301,26 +302,30 @@ void Renderer::Impl::fill(bool own, PassTimer* timer) {
   timer->end("upsample");
 }
 
-void Renderer::Impl::bind_indirect(const Program& program) const {
-  program.set("u_bias", indirect.bias());
-  program.set("u_back", indirect.sides() == 2 ? static_cast<int>(buffers->geometry().positions.size()) : 0);
-  indirect.bind();
+void Renderer::Impl::bind_indirect(const Program& program, const IndirectKey& key) const {
+  program.set("u_bias", key.bias);
+  program.set("u_back", key.sides == 2 ? static_cast<int>(buffers->geometry().positions.size()) : 0);
+  glBindTextureUnit(45, key.view.get());
 }
 
 void Renderer::Impl::add_indirect(PassTimer* timer) {
   FrameTargets& t = *targets;
-  if (!t.indirect) {
-    t.indirect = Texture::make_2d("indirect light", GL_RGBA32F, t.grid_width(), t.grid_height());
-    indirect_drawn.reset();
+  for (const IndirectKey& key : indirect.keys()) {
+    const std::size_t k = key.serial & 1u;
+    if (!t.indirect[k]) {
+      t.indirect[k] = Texture::make_2d("indirect light", GL_RGBA32F, t.grid_width(), t.grid_height());
+      indirect_drawn[k].reset();
+    }
+    const IndirectDrawn drawn{epoch - indirect_news, key.serial};
+    if (indirect_drawn[k] == drawn) continue;
+    indirect_drawn[k] = drawn;
+    const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
+    bind_indirect(program, key);
+    glBindTextureUnit(0, t.triangle.get());
+    glBindImageTexture(0, t.indirect[k].get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    dispatch_tiles(program, t.surface_tiles, 6);
+    timer->end("indirect");
   }
-  if (indirect_drawn == epoch) return;
-  indirect_drawn = epoch;
-  const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
-  bind_indirect(program);
-  glBindTextureUnit(0, t.triangle.get());
-  glBindImageTexture(0, t.indirect.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  dispatch_tiles(program, t.surface_tiles, 6);
-  timer->end("indirect");
 }
 
 void Renderer::Impl::draw_sky(const FramePlan& plan, const FrameRequest& request) {
@@ -341,13 +346,16 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   FrameTargets& t = *targets;
   composes_in_picture = t.side == 1 && (!plan.glass || blend >= 1.0f);
   draw_sky(plan, request);
-  const Program& complete = programs.get(compose_variant(
-      composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), plan.indirect == "baked"));
+  const std::size_t keys = plan.indirect == "baked" ? indirect.keys().size() : 0;
+  const Program& complete = programs.get(
+      compose_variant(composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys));
   if (composes_in_picture) {
     complete.set("u_blend", blend);
     glBindTextureUnit(24, t.radiance.get());
   }
-  if (plan.indirect == "baked") glBindTextureUnit(18, t.indirect.get());
+  for (std::size_t k = 0; k < keys; ++k)
+    glBindTextureUnit(static_cast<GLuint>(18 + k), t.indirect[indirect.keys()[k].serial & 1u].get());
+  if (keys == 2) complete.set("u_later", indirect.blend());
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch_tiles(complete, t.surface_tiles, 6);
   timer->end("compose");
@@ -357,7 +365,7 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
     timer->end("glass");
   }
   if (composes_in_picture) return;
-  const Program& filter = programs.get(compose_variant(2, false, false));
+  const Program& filter = programs.get(compose_variant(2, false, 0));
   filter.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);

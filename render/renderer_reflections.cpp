@@ -359,7 +359,7 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (plan.indirect == "baked" && !technique->resolves()) {  // baked by vertex: cells have none
     const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));
-    bind_indirect(program);
+    bind_indirect(program, indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front());
     dispatch(program, groups(t.width, 8), groups(t.height, 8));
   }
   const bool layers = technique->shade_layers(frame, shading.visibility == "traced",

@@ -1,48 +1,72 @@
 #pragma once
 
-#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "render/gl/objects.h"
 #include "render/indirect/indirect_worker.h"
 
 namespace maquette {
 
-/// The baked indirect light of one scene on the GPU, and the worker that makes it.
+/// Indirect light under one sky, on the GPU.
+struct IndirectKey {
+  Buffer words;
+  Texture view;
+  IndirectSky sky;
+  IndirectBounces bounces = IndirectBounces::all;
+  std::shared_ptr<const IndirectInput> input;
+  int sides = 1, bias = 0;
+  std::uint32_t serial = 0;  ///< of the bake
+};
+
+/// The baked indirect light of one scene on the GPU, and the worker that makes it. While the light turns, bakes are
+/// made for where it is going to stand, and the picture lies between two of them: with masks of 0.22 rad, light that
+/// comes by way of other surfaces changes as smoothly.
 class IndirectBuffers {
  public:
-  /// Starts a bake where `job` differs from the last one, and uploads one that is done; until then the old one stays,
-  /// lit as it was. While the sky turns from call to call the next one waits for twice the time that the last one took:
-  /// frames need the processor. True when what is drawn has changed. Throws what made a bake fail, once.
+  /// Starts a bake where `job` differs from the last one, and uploads one that is done; until then the old ones stay,
+  /// lit as they were. True when there is another key than before. Throws what made a bake fail, once.
   bool update(const IndirectJob& job);
-  void wait();   ///< until what `update` started is done; the next `update` uploads it
+  void wait();   ///< until the very light that `update` was given is done; the next `update` uploads it
   void clear();  ///< forgets the bake: another scene
   /// The input of the last bake asked for; a new one is made only when something has changed.
   const std::shared_ptr<const IndirectInput>& input() const { return asked_input_; }
 
-  bool ready() const { return static_cast<bool>(words_); }
-  /// What is drawn is of the sky that was asked for last.
-  bool current() const { return ready() && shown_ == asked_ && shown_input_ == asked_input_; }
-  bool busy() const { return waiting_ || (worker_ && worker_->busy()); }
+  bool ready() const { return !keys_.empty(); }
+  /// What is drawn is all the light of the sky that was asked for last.
+  bool current() const;
+  bool busy() const {
+    return (ready() && !current()) || (worker_ && worker_->busy() && submitted_bounces_ != IndirectBounces::none);
+  }
+  /// Whether rays are traced as soon as there is time, so that a light that starts to turn need not wait for them: the
+  /// cache on disk knows the answer for one light, and not them.
+  void set_prepares(bool prepares) { prepares_ = prepares; }
   double progress() const { return worker_ ? worker_->progress() : 0.0; }
-  void bind() const;  ///< unit 45: [side][vertex] of four words (shaders/shared/indirect.glsl)
-  int sides() const { return sides_; }
-  int bias() const { return bias_; }
-  std::size_t bytes() const { return words_.bytes(); }
+  /// The one or two that the sky asked for last lies between, the earlier one first, and the weight of the last.
+  const std::vector<IndirectKey>& keys() const { return keys_; }
+  float blend() const;
+  std::size_t bytes() const;
 
  private:
-  using Clock = std::chrono::steady_clock;
-  void submit(const IndirectJob& job);
+  void submit(float rotation_rad, IndirectBounces bounces);
+  void follow(float turn_rad);
+  void settle();  ///< asks for all the light of the sky as it stands
+  void take_result();
+
   std::unique_ptr<IndirectWorker> worker_;
-  std::optional<IndirectJob> waiting_;  ///< asked for, not yet submitted
-  Clock::time_point submitted_, done_;  ///< the last one
-  std::shared_ptr<const IndirectInput> asked_input_, shown_input_;
+  std::shared_ptr<const IndirectInput> asked_input_;
   std::shared_ptr<const VisibilityBake> asked_visibility_;
-  std::optional<IndirectSky> asked_, shown_;
-  Buffer words_;
-  Texture view_;
-  int sides_ = 1, bias_ = 0;
+  std::optional<IndirectSky> asked_;
+  std::optional<IndirectSky> submitted_;  ///< in work or done
+  IndirectBounces submitted_bounces_ = IndirectBounces::all;
+  bool prepares_ = false;
+  std::shared_ptr<const IndirectInput> prepared_;  ///< whose rays were asked for
+  int frames_ = 0;                                 ///< since the last one was submitted
+  int latency_ = 4;                                ///< frames that the last one took
+  std::uint32_t serial_ = 0;
+  std::vector<IndirectKey> keys_;
 };
 
 }  // namespace maquette

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 
 #include "render/indirect/indirect_shared.h"
@@ -34,43 +33,120 @@ struct CellSum {
   double weight = 0.0;
 };
 
+/// Texels are taken together up to this angle, a ninth of a cell of the map.
+constexpr double kBlock_rad = 0.025;
+
+int block_side(const Environment& e) {
+  return std::max(1, static_cast<int>(kBlock_rad * e.width / (2.0 * std::numbers::pi)));
+}
+
+/// Light of `side` x `side` texels and where in the map its middle lies.
+struct SkyBlock {
+  glm::dvec3 irradiance{0.0};
+  glm::dvec2 uv{0.0};   ///< weighted by light
+  double weight = 0.0;  ///< luminance times solid angle
+};
+
+SkyBlock sum_block(const Environment& e, int column, int row, int side) {
+  SkyBlock block;
+  for (int y = row; y < std::min(row + side, e.height); ++y) {
+    const double top = std::cos(std::numbers::pi * y / e.height),
+                 bottom = std::cos(std::numbers::pi * (y + 1) / e.height);
+    const double solid_angle = 2.0 * std::numbers::pi / e.width * (top - bottom);
+    for (int x = column; x < std::min(column + side, e.width); ++x) {
+      const glm::vec3& rgb =
+          e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)];
+      const double light = solid_angle * static_cast<double>(0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z);
+      if (!(light > 0.0)) continue;
+      block.irradiance += solid_angle * glm::dvec3(rgb);
+      block.uv += light * glm::dvec2((x + 0.5) / e.width, (y + 0.5) / e.height);
+      block.weight += light;
+    }
+  }
+  return block;
+}
+
+void splat_block(const SkyBlock& block, const glm::vec3& d, double scale, std::array<CellSum, kCells>* sums) {
+  const shared::VisibilityCorner corner = shared::visibility_corner(d);
+  for (int k = 0; k < 4; ++k) {
+    const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
+    const float w =
+        (k & 1 ? corner.fraction.x : 1.0f - corner.fraction.x) * (k & 2 ? corner.fraction.y : 1.0f - corner.fraction.y);
+    CellSum& sum = (*sums)[static_cast<std::size_t>(cell.y * kVisibilitySide + cell.x)];
+    const double weight = static_cast<double>(w) * scale;
+    sum.irradiance += weight * block.irradiance;
+    sum.direction += weight * block.weight * glm::dvec3(d);
+    sum.weight += weight * block.weight;
+  }
+}
+
+/// Rows of blocks `first` to `last`.
 void splat_rows(const IndirectSky& sky, int first, int last, std::array<CellSum, kCells>* sums) {
   const Environment& e = *sky.environment;
   const float cosine = std::cos(sky.rotation_rad), sine = std::sin(sky.rotation_rad);
-  for (int y = first; y < last; ++y) {
-    const double top = std::cos(std::numbers::pi * y / e.height),
-                 bottom = std::cos(std::numbers::pi * (y + 1) / e.height);
-    const double solid_angle = 2.0 * std::numbers::pi / e.width * (top - bottom) * static_cast<double>(sky.scale);
-    for (int x = 0; x < e.width; ++x) {
-      const glm::vec3& rgb =
-          e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)];
-      const double light = static_cast<double>(0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z);
-      if (!(light > 0.0)) continue;
-      const glm::vec2 uv((static_cast<float>(x) + 0.5f) / static_cast<float>(e.width),
-                         (static_cast<float>(y) + 0.5f) / static_cast<float>(e.height));
-      const glm::vec3 d = shared::latlong_turn(shared::direction_from_latlong_uv(uv), cosine, sine);
-      const shared::VisibilityCorner corner = shared::visibility_corner(d);
-      for (int k = 0; k < 4; ++k) {
-        const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
-        const float w = (k & 1 ? corner.fraction.x : 1.0f - corner.fraction.x) *
-                        (k & 2 ? corner.fraction.y : 1.0f - corner.fraction.y);
-        CellSum& sum = (*sums)[static_cast<std::size_t>(cell.y * kVisibilitySide + cell.x)];
-        const double weight = static_cast<double>(w) * solid_angle;
-        sum.irradiance += weight * glm::dvec3(rgb);
-        sum.direction += weight * light * glm::dvec3(d);
-        sum.weight += weight * light;
-      }
+  const int side = block_side(e);
+  for (int row = first * side; row < last * side; row += side) {
+    for (int column = 0; column < e.width; column += side) {
+      const SkyBlock block = sum_block(e, column, row, side);
+      if (!(block.weight > 0.0)) continue;
+      const glm::vec3 d = shared::direction_from_latlong_uv(glm::vec2(block.uv / block.weight));
+      splat_block(block, shared::latlong_turn(d, cosine, sine), static_cast<double>(sky.scale), sums);
     }
   }
 }
 
-/// Direct irradiance of the sky on one side of a point.
-glm::vec3 direct_irradiance(const VisibilityBits& bits, const glm::vec3& normal, const SkyCells& sky) {
-  glm::vec3 sum(0.0f);
-  for (std::size_t b = 0; b < kCells; ++b) {
-    const float cosine = glm::dot(normal, sky.direction[b]);
-    const bool open = (bits[b >> 5] >> (b & 31u)) & 1u;
-    sum += sky.irradiance[b] * (open && cosine > 0.0f ? cosine : 0.0f);
+/// The sky's cells as numbers of one kind after the other, so that eight of them are summed at once.
+struct SkyLanes {
+  static constexpr std::size_t kLanes = 8;
+  std::array<float, kCells> red, green, blue, x, y, z;
+  std::array<std::uint8_t, kCells / kLanes> lit{};  ///< bits of the cells that shine
+  explicit SkyLanes(const SkyCells& sky) {
+    for (std::size_t b = 0; b < kCells; ++b) {
+      red[b] = sky.irradiance[b].x, green[b] = sky.irradiance[b].y, blue[b] = sky.irradiance[b].z;
+      x[b] = sky.direction[b].x, y[b] = sky.direction[b].y, z[b] = sky.direction[b].z;
+      if (largest(sky.irradiance[b]) > 0.0f) lit[b / kLanes] |= static_cast<std::uint8_t>(1u << (b % kLanes));
+    }
+  }
+};
+
+/// 1 where the bit of a byte is set.
+struct BitLanes {
+  std::array<std::array<float, SkyLanes::kLanes>, 256> of{};
+  constexpr BitLanes() {
+    for (std::size_t byte = 0; byte < 256; ++byte)
+      for (std::size_t k = 0; k < SkyLanes::kLanes; ++k) of[byte][k] = (byte >> k) & 1u ? 1.0f : 0.0f;
+  }
+};
+constexpr BitLanes kBitLanes;
+
+struct TwoSided {
+  glm::vec3 front{0.0f}, back{0.0f};
+};
+
+/// Direct irradiance of the sky on both sides of a point.
+TwoSided direct_irradiance(const VisibilityBits& bits, const glm::vec3& normal, const SkyLanes& sky) {
+  constexpr std::size_t kLanes = SkyLanes::kLanes;
+  std::array<float, kLanes> red{}, green{}, blue{}, red_back{}, green_back{}, blue_back{};
+  for (std::size_t byte = 0; byte < kCells / kLanes; ++byte) {
+    const std::uint32_t open = (bits[byte / 4] >> (8u * (byte % 4u))) & sky.lit[byte];
+    if (open == 0) continue;
+    const std::array<float, kLanes>& mask = kBitLanes.of[open];
+    const std::size_t b = byte * kLanes;
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float cosine = normal.x * sky.x[b + k] + normal.y * sky.y[b + k] + normal.z * sky.z[b + k];
+      const float w = mask[k] * std::max(cosine, 0.0f), w_back = mask[k] * std::max(-cosine, 0.0f);
+      red[k] += w * sky.red[b + k];
+      green[k] += w * sky.green[b + k];
+      blue[k] += w * sky.blue[b + k];
+      red_back[k] += w_back * sky.red[b + k];
+      green_back[k] += w_back * sky.green[b + k];
+      blue_back[k] += w_back * sky.blue[b + k];
+    }
+  }
+  TwoSided sum;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    sum.front += glm::vec3(red[k], green[k], blue[k]);
+    sum.back += glm::vec3(red_back[k], green_back[k], blue_back[k]);
   }
   return sum;
 }
@@ -84,45 +160,62 @@ void for_slots(std::size_t count, const std::atomic<bool>& cancel, const Body& b
 }
 
 /// Mean with the neighbours on the same smooth surface: what one pattern of rays misses, the next one sees.
-void smooth(const IndirectLinks& links, std::vector<IndirectRadiance>* values) {
+void smooth(const IndirectLinks& links, std::vector<IndirectRadiance>* values, std::vector<IndirectRadiance>* spare,
+            const std::atomic<bool>& cancel) {
   const std::size_t count = links.points.points.size();
-  struct Sum {
-    IndirectRadiance value;
-    float weight = 0.0f;
-  };
-  for (int side = 0; side < links.sides; ++side) {
-    IndirectRadiance* v = values->data() + static_cast<std::size_t>(side) * count;
-    std::vector<Sum> sums(count);
-    for (const auto& triangle : links.points.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
-        const float c = std::max(glm::dot(links.points.points[a].normal, links.points.points[b].normal), 0.0f);
-        const float w = c * c * c * c;
-        for (const auto& [to, from] : {std::pair(a, b), std::pair(b, a)}) {
-          sums[to].value.mean += w * v[from].mean;
-          sums[to].value.gradient += w * v[from].gradient;
-          sums[to].weight += w;
-        }
-      }
+  spare->resize(values->size());
+  for_slots(values->size(), cancel, [&](std::size_t slot) {
+    const std::size_t point = slot % count, side = slot - point;
+    IndirectRadiance sum;
+    for (std::uint32_t k = links.first_neighbour[point]; k < links.first_neighbour[point + 1]; ++k) {
+      const IndirectNeighbour& neighbour = links.neighbours[k];
+      const IndirectRadiance& there = (*values)[side + neighbour.point];
+      sum.mean += neighbour.weight * there.mean;
+      sum.gradient += neighbour.weight * there.gradient;
     }
-    for (std::size_t i = 0; i < count; ++i) {
-      if (!(sums[i].weight > 0.0f)) continue;
-      v[i].mean = 0.5f * v[i].mean + (0.5f / sums[i].weight) * sums[i].value.mean;
-      v[i].gradient = 0.5f * v[i].gradient + (0.5f / sums[i].weight) * sums[i].value.gradient;
+    const IndirectRadiance& own = (*values)[slot];
+    const float share = links.own_weight[point];
+    (*spare)[slot] = {share * own.mean + sum.mean, share * own.gradient + sum.gradient};
+  });
+  values->swap(*spare);
+}
+
+/// What arrives at each slot when its targets send back their share of `irradiance`.
+void gather(const IndirectLinks& links, const std::vector<glm::vec3>& irradiance,
+            std::vector<IndirectRadiance>* radiance, const std::atomic<bool>& cancel) {
+  const std::size_t count = links.points.points.size(), rays = static_cast<std::size_t>(links.rays);
+  std::vector<glm::vec3> pattern;
+  for (int r = 0; r < links.rays; ++r) pattern.push_back(indirect_ray_direction(r, links.rays));
+  for_slots(radiance->size(), cancel, [&](std::size_t slot) {
+    const std::size_t index = slot % count;
+    glm::vec3 mean(0.0f), along(0.0f), across(0.0f);
+    for (std::size_t r = 0; r < rays; ++r) {
+      const IndirectLink& link = links.links[slot * rays + r];
+      if (link.target == kNoPoint) continue;
+      const glm::vec3 l = unpack_color(link.color) * irradiance[link.target];
+      mean += l;
+      along += l * pattern[r].x;
+      across += l * pattern[r].y;
     }
-  }
+    const IndirectFrame frame = indirect_frame(links.points.points[index], index, slot < count ? 0 : 1);
+    // The cosine-weighted mean of x^2 is 1/4.
+    const float scale = std::numbers::inv_pi_v<float> / static_cast<float>(links.rays);
+    (*radiance)[slot].mean = mean * scale;
+    for (int c = 0; c < 3; ++c)
+      (*radiance)[slot].gradient[c] = 4.0f * scale * (along[c] * frame.t + across[c] * frame.b);
+  });
 }
 
 }  // namespace
 
 SkyCells splat_sky(const IndirectSky& sky) {
   std::array<CellSum, kCells> total{};
-  const int height = sky.environment->height;
+  const int side = block_side(*sky.environment), rows = (sky.environment->height + side - 1) / side;
   // A fixed number of parts, added in order: the sum does not depend on how many threads there are.
   constexpr int kParts = 16;
   std::vector<std::array<CellSum, kCells>> parts(kParts);
   tbb::parallel_for(0, kParts, [&](int part) {
-    splat_rows(sky, height * part / kParts, height * (part + 1) / kParts, &parts[static_cast<std::size_t>(part)]);
+    splat_rows(sky, rows * part / kParts, rows * (part + 1) / kParts, &parts[static_cast<std::size_t>(part)]);
   });
   SkyCells cells;
   for (std::size_t b = 0; b < kCells; ++b) {
@@ -137,62 +230,41 @@ SkyCells splat_sky(const IndirectSky& sky) {
   return cells;
 }
 
-std::optional<std::vector<IndirectRadiance>> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
-                                                            const IndirectSky& sky, const std::atomic<bool>& cancel) {
-  const SkyCells cells = splat_sky(sky);
+std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
+                                               const IndirectSky& sky, IndirectBounces bounces,
+                                               const IndirectSolution* before, const std::atomic<bool>& cancel) {
+  const SkyLanes cells(splat_sky(sky));
   const std::size_t count = links.points.points.size(), slots = count * static_cast<std::size_t>(links.sides);
-  const auto rays = static_cast<std::size_t>(links.rays);
   std::vector<glm::vec3> direct(slots);
-  for_slots(slots, cancel, [&](std::size_t i) {
-    const VisibilityPoint& point = links.points.points[i % count];
-    const std::uint32_t vertex = links.vertex_of_point[i % count];
+  for_slots(count, cancel, [&](std::size_t i) {
+    const std::uint32_t vertex = links.vertex_of_point[i];
     if (vertex == kNoPoint) return;
-    const bool front = i < count;
-    direct[i] = direct_irradiance(bits.vertices[vertex], front ? point.normal : -point.normal, cells) *
-                bits.transmittance[vertex][front ? 0 : 1];
-    if (!links.lamps.empty()) direct[i] += links.lamps[i];
+    const TwoSided light = direct_irradiance(bits.vertices[vertex], links.points.points[i].normal, cells);
+    direct[i] = light.front * bits.transmittance[vertex][0];
+    if (links.sides == 2) direct[count + i] = light.back * bits.transmittance[vertex][1];
   });
-  const auto gather = [&](std::size_t slot, const std::vector<glm::vec3>& irradiance) {
-    glm::vec3 sum(0.0f);
-    for (std::size_t r = slot * rays; r < (slot + 1) * rays; ++r)
-      if (links.links[r].target != kNoPoint)
-        sum += unpack_color(links.links[r].color) * irradiance[links.links[r].target];
-    return sum / static_cast<float>(links.rays);
-  };
-  std::vector<glm::vec3> irradiance = direct, next(slots);
-  for (int bounce = 0; bounce < kMaxBounces && !cancel; ++bounce) {
-    for_slots(slots, cancel, [&](std::size_t i) { next[i] = direct[i] + gather(i, irradiance); });
+  for (std::size_t i = 0; i < links.lamps.size(); ++i) direct[i] += links.lamps[i];
+  IndirectSolution s;
+  s.radiance.resize(slots);
+  const bool step = bounces == IndirectBounces::step && before && before->bounced.size() == slots;
+  s.bounced = step ? before->bounced : std::vector<glm::vec3>(slots, glm::vec3(0.0f));
+  std::vector<glm::vec3> irradiance(slots);
+  for (int bounce = 0; bounce < (step ? 1 : kMaxBounces) && !cancel; ++bounce) {
+    for_slots(slots, cancel, [&](std::size_t i) { irradiance[i] = direct[i] + s.bounced[i]; });
+    gather(links, irradiance, &s.radiance, cancel);
     double change = 0.0, sum = 0.0;
     for (std::size_t i = 0; i < slots; ++i) {
-      change += static_cast<double>(largest(glm::abs(next[i] - irradiance[i])));
-      sum += static_cast<double>(largest(next[i]));
+      const glm::vec3 arrives = s.radiance[i].mean * std::numbers::pi_v<float>;
+      change += static_cast<double>(largest(glm::abs(arrives - s.bounced[i])));
+      sum += static_cast<double>(largest(direct[i] + arrives));
+      s.bounced[i] = arrives;
     }
-    irradiance.swap(next);
     if (change <= static_cast<double>(kEnough) * sum) break;
   }
-  std::vector<IndirectRadiance> radiance(slots);
-  std::vector<glm::vec3> pattern;
-  for (int r = 0; r < links.rays; ++r) pattern.push_back(indirect_ray_direction(r, links.rays));
-  for_slots(slots, cancel, [&](std::size_t slot) {
-    const std::size_t index = slot % count;
-    const IndirectFrame frame = indirect_frame(links.points.points[index], index, slot < count ? 0 : 1);
-    glm::vec3 mean(0.0f), along(0.0f), across(0.0f);
-    for (std::size_t r = 0; r < rays; ++r) {
-      const IndirectLink& link = links.links[slot * rays + r];
-      if (link.target == kNoPoint) continue;
-      const glm::vec3 l = unpack_color(link.color) * irradiance[link.target] * std::numbers::inv_pi_v<float>;
-      mean += l;
-      along += l * pattern[r].x;
-      across += l * pattern[r].y;
-    }
-    // The cosine-weighted mean of x^2 is 1/4.
-    const float scale = 1.0f / static_cast<float>(links.rays);
-    radiance[slot].mean = mean * scale;
-    for (int c = 0; c < 3; ++c) radiance[slot].gradient[c] = 4.0f * scale * (along[c] * frame.t + across[c] * frame.b);
-  });
-  for (int round = 0; round < kSmoothingRounds && !cancel; ++round) smooth(links, &radiance);
+  std::vector<IndirectRadiance> spare;
+  for (int round = 0; round < kSmoothingRounds && !cancel; ++round) smooth(links, &s.radiance, &spare, cancel);
   if (cancel) return std::nullopt;
-  return radiance;
+  return s;
 }
 
 IndirectBake pack_indirect(const IndirectLinks& links, const std::vector<IndirectRadiance>& radiance) {

@@ -44,9 +44,21 @@ struct IndirectRadiance {
   glm::mat3 gradient{0.0f};  ///< columns: R, G, B; each a vector in the tangent plane, world
 };
 
-/// All bounces for one sky: `bits` are the visibility bake's. [side][point]. Null once `cancel` is set.
-std::optional<std::vector<IndirectRadiance>> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
-                                                            const IndirectSky& sky, const std::atomic<bool>& cancel);
+/// How far bounces are followed. `none`: rays are traced, and that is all; `step`: one more bounce for what light
+/// another sky left, so that each bounce comes a sky later; `all`: from nothing, until a bounce adds less than 0.1 %.
+enum class IndirectBounces { none, step, all };
+
+/// What solving for one sky leaves for the next one of the same links.
+struct IndirectSolution {
+  std::vector<IndirectRadiance> radiance;  ///< [side][point], smoothed
+  std::vector<glm::vec3> bounced;          ///< [side][point] irradiance by way of other surfaces
+};
+
+/// Light for one sky; `bits` are the visibility bake's. `before`: what `step` goes on from, else ignored; may be null.
+/// Null once `cancel` is set. A step costs a fifth of all bounces.
+std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
+                                               const IndirectSky& sky, IndirectBounces bounces,
+                                               const IndirectSolution* before, const std::atomic<bool>& cancel);
 IndirectBake pack_indirect(const IndirectLinks& links, const std::vector<IndirectRadiance>& radiance);
 
 }  // namespace maquette

@@ -181,6 +181,35 @@ bool shows_backs(const IndirectInput& input) {
   return false;
 }
 
+/// Neighbours count by how far they lie on the same smooth surface, together as much as the point itself.
+void find_neighbours(IndirectLinks* links) {
+  const std::vector<VisibilityPoint>& points = links->points.points;
+  std::vector<std::uint32_t>& first = links->first_neighbour;
+  first.assign(points.size() + 1, 0);
+  for (const auto& triangle : links->points.triangles)
+    for (const std::uint32_t corner : triangle) first[corner + 1] += 2;
+  for (std::size_t i = 0; i < points.size(); ++i) first[i + 1] += first[i];
+  links->neighbours.resize(first.back());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  std::vector<float> sums(points.size(), 0.0f);
+  for (const auto& triangle : links->points.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangle[k], b = triangle[(k + 1) % 3];
+      const float c = std::max(glm::dot(points[a].normal, points[b].normal), 0.0f), w = c * c * c * c;
+      links->neighbours[next[a]++] = {b, w};
+      links->neighbours[next[b]++] = {a, w};
+      sums[a] += w;
+      sums[b] += w;
+    }
+  }
+  links->own_weight.assign(points.size(), 1.0f);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (sums[i] > 0.0f) links->own_weight[i] = 0.5f;
+    const float share = sums[i] > 0.0f ? 0.5f / sums[i] : 0.0f;
+    for (std::uint32_t k = first[i]; k < first[i + 1]; ++k) links->neighbours[k].weight *= share;
+  }
+}
+
 }  // namespace
 
 glm::vec3 indirect_ray_direction(int r, int rays) {
@@ -219,6 +248,7 @@ std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& i
   Tracer tracer(input, links.get());
   if (cancel) return nullptr;
   tracer.prepare();
+  find_neighbours(links.get());
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPointsPerTask), [&](const auto& range) {
     if (cancel) return;

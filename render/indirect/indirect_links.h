@@ -29,6 +29,12 @@ struct IndirectLink {
   std::uint32_t color = 0;          ///< reflectance, three times ten bits, 1023 is 1
 };
 
+/// A point beside another one, and its share of what both show together.
+struct IndirectNeighbour {
+  std::uint32_t point;
+  float weight;
+};
+
 /// Which surfaces exchange light, with the light itself left out: it may turn, and the sums are made anew without
 /// tracing a ray.
 struct IndirectLinks {
@@ -38,7 +44,14 @@ struct IndirectLinks {
   int rays = 0;                                ///< per point and side, cosine-distributed
   std::vector<IndirectLink> links;             ///< [side][point][ray]
   std::vector<glm::vec3> lamps;  ///< [side][point] irradiance of the scene's own lights, with shadows; may be empty
-  std::size_t bytes() const { return links.size() * sizeof(IndirectLink) + lamps.size() * sizeof(glm::vec3); }
+  /// How each point is smoothed: its own share, and [first_neighbour[point], first_neighbour[point + 1]) of the list.
+  std::vector<float> own_weight;
+  std::vector<std::uint32_t> first_neighbour;  ///< [point + 1]
+  std::vector<IndirectNeighbour> neighbours;
+  std::size_t bytes() const {
+    return links.size() * sizeof(IndirectLink) + lamps.size() * sizeof(glm::vec3) + own_weight.size() * sizeof(float) +
+           first_neighbour.size() * sizeof(std::uint32_t) + neighbours.size() * sizeof(IndirectNeighbour);
+  }
 };
 
 /// Traced by the reference path tracer's own functions: panes take their share, textures colour what is reflected.

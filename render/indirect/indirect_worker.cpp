@@ -116,36 +116,36 @@ void store(std::uint64_t key, const IndirectBake& bake) {
 
 }  // namespace
 
-std::optional<IndirectBake> load_indirect(const IndirectJob& job, std::shared_ptr<const IndirectLinks>* links,
+std::optional<IndirectBake> load_indirect(const IndirectJob& job, IndirectMemory* memory,
                                           const std::atomic<bool>& cancel,
                                           const std::function<void(double)>& progress) {
+  if (memory->input != job.input) *memory = {job.input, nullptr, {}};
   const bool cacheable = job.sky.environment->hash != 0;  // 0: made in memory, not loaded
   const std::uint64_t key = cacheable ? key_of(job) : 0;
-  if (cacheable && !*links) {
+  if (cacheable && !memory->links && job.bounces != IndirectBounces::none) {
     if (const auto bytes = cache_load(kCacheKind, kCacheVersion, key))
       if (auto bake = unpack(*bytes, job.input->geometry->positions.size())) return bake;
   }
   // With the links at hand a sky takes less time than the disk, and one that is turned would fill it.
-  const bool traced = !*links;
-  if (traced) *links = trace_indirect_links(*job.input, kRayBudget, cancel, progress);
-  if (!*links || cancel) return std::nullopt;
-  const auto radiance = solve_indirect(**links, *job.visibility, job.sky, cancel);
-  if (!radiance) return std::nullopt;
-  IndirectBake bake = pack_indirect(**links, *radiance);
-  if (cacheable && traced) store(key, bake);
+  const bool traced = !memory->links;
+  if (traced) memory->links = trace_indirect_links(*job.input, kRayBudget, cancel, progress);
+  if (!memory->links || cancel || job.bounces == IndirectBounces::none) return std::nullopt;
+  auto solution = solve_indirect(*memory->links, *job.visibility, job.sky, job.bounces, &memory->solution, cancel);
+  if (!solution) return std::nullopt;
+  memory->solution = std::move(*solution);
+  IndirectBake bake = pack_indirect(*memory->links, memory->solution.radiance);
+  if (cacheable && traced && job.bounces == IndirectBounces::all) store(key, bake);
   return bake;
 }
 
 IndirectWorker::IndirectWorker()
     : BackgroundWorker(
-          [links = std::shared_ptr<const IndirectLinks>(), links_input = std::shared_ptr<const IndirectInput>()](
+          [memory = IndirectMemory()](
               const IndirectJob& job, const std::atomic<bool>& cancel,
               const std::function<void(double)>& progress) mutable -> std::optional<IndirectResult> {
-            if (links_input != job.input) links.reset();
-            links_input = job.input;
-            std::optional<IndirectBake> bake = load_indirect(job, &links, cancel, progress);
+            std::optional<IndirectBake> bake = load_indirect(job, &memory, cancel, progress);
             if (!bake) return std::nullopt;
-            return IndirectResult{std::move(*bake), job.sky, job.input, links ? links->bytes() : 0};
+            return IndirectResult{std::move(*bake), job.sky, job.bounces, job.input};
           },
           [](const IndirectJob& before, const IndirectJob& next) { return before.input == next.input; }) {}
 

@@ -1,7 +1,8 @@
 // Grid points to pixels: emission, sky, box filter over the samples of a pixel, and the running mean while nothing moves.
 // With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
 // place, STAGE 2 filters all. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
-// what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of other surfaces is added.
+// what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of
+// other surfaces is added, of one bake or between two.
 #include "shared/frame.glsl"
 #if STAGE == 2 || defined(REFLECTED)
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -31,6 +32,10 @@ uniform float u_blend;  // weight of this frame in the mean
 #endif
 #if INDIRECT
 layout(binding = 18) uniform sampler2D t_indirect_light;
+#if INDIRECT == 2
+layout(binding = 19) uniform sampler2D t_later_light;
+uniform float u_later;  // weight of the later one
+#endif
 #endif
 vec3 complete(ivec2 p, vec3 shaded) {
   uvec4 g = texelFetch(t_surface, p, 0);
@@ -39,7 +44,11 @@ vec3 complete(ivec2 p, vec3 shaded) {
   shaded *= base_factor(g, flags);
 #endif
 #if INDIRECT
-  shaded += texelFetch(t_indirect_light, p, 0).rgb;
+  vec3 indirect = texelFetch(t_indirect_light, p, 0).rgb;
+#if INDIRECT == 2
+  indirect = mix(indirect, texelFetch(t_later_light, p, 0).rgb, u_later);
+#endif
+  shaded += indirect;
 #endif
   if ((flags & kMaterialUnlit) != 0u) {
     vec4 y = unpackUnorm4x8(g.y);

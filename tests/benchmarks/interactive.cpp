@@ -137,10 +137,13 @@ Figures measure_turning_light(Stage& stage) {
     if (!plain) {
       r.settings = {};
       for (const auto& [name, text] : stage.options().settings) r.settings.set_from_text(name, text);
+      // As in the window, which traces indirect light's rays while the picture rests.
+      stage.renderer().set_interactive(true);
       stage.renderer().finish_background_work(r);
     }
     const Reference reference = plain ? stage.reference() : converge_uniform(stage, r);
     const TurningFrames t = draw_turning(stage, r, reference);
+    stage.renderer().set_interactive(false);
     const double fps = 1e3 / t.time.wall_ms;
     const std::string what = plain ? "light turning, visibility none" : "light turning, default settings";
     figures.push_back(judged("cockpit 640 x 360, " + what, ">= 15 frames/s",

@@ -1,7 +1,9 @@
 // Baked indirect light on the GPU against the path tracer, and scenes whose scale leaves the range of half floats.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "render/gl/context.h"
 #include "render/reference/reference.h"
@@ -125,6 +127,58 @@ TEST_P(Indirect, AMirrorShowsTheLightOfTheRoom) {
     EXPECT_LT(without[c], 0.85 * truth[c]) << c;
     EXPECT_NEAR(with[c] / truth[c], 1.0, 0.07) << c;
   }
+}
+
+/// While the light turns the picture lies between bakes of where it stood and where it is going to stand; at rest it is
+/// what it would have been without a turn.
+TEST_P(Indirect, ALightThatTurnsIsFollowed) {
+  const auto scene = std::make_shared<Scene>(room());
+  const auto sky = test::sky_of(128, 64, [](const glm::dvec3& d) {
+    return glm::dvec3(1.0 + 40.0 * std::pow(std::max(d.x * 0.8 + d.y * 0.6, 0.0), 16.0));
+  });
+  FrameRequest request;
+  request.mode = GetParam();
+  request.width = request.height = 32;
+  request.samples = 64;
+  request.camera = {.eye = {0.3f, 0.9f, 0.2f}, .target = {0.0f, -1.0f, 0.0f}, .up = {0, 0, -1}, .fov_y_rad = 1.0f};
+  request.settings.set_from_text("shading.visibility", "baked");
+  request.settings.set("shading.reuse", false);
+  constexpr float kTurn_rad = 1.2f, kStep_rad = 0.02f;
+  const auto at_rest_at = [&](float rotation_rad, float shown_rad) {
+    Renderer renderer;
+    renderer.set_scene(scene);
+    renderer.set_environment(sky);
+    request.env_rotation_rad = rotation_rad;
+    EXPECT_TRUE(renderer.finish_background_work(request));
+    request.env_rotation_rad = shown_rad;
+    renderer.render(request);
+    return renderer.read_radiance();
+  };
+  const Image truth = at_rest_at(kTurn_rad, kTurn_rad), stale = at_rest_at(0.0f, kTurn_rad);
+  Renderer renderer;
+  renderer.set_scene(scene);
+  renderer.set_environment(sky);
+  request.env_rotation_rad = 0.0f;
+  EXPECT_TRUE(renderer.finish_background_work(request));
+  const int frames = static_cast<int>(std::lround(kTurn_rad / kStep_rad));
+  for (int f = 1; f <= frames; ++f) {
+    request.env_rotation_rad = f == frames ? kTurn_rad : kStep_rad * static_cast<float>(f);
+    renderer.render(request);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const auto difference = [&](const Image& a) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.data.size(); ++i) sum += std::abs(static_cast<double>(a.data[i] - truth.data[i]));
+    return sum;
+  };
+  const double followed = difference(renderer.read_radiance());
+  RecordProperty("share of a stale bake's error", std::to_string(followed / difference(stale)));
+  EXPECT_LT(followed, 0.5 * difference(stale));
+  EXPECT_FALSE(renderer.background_work().empty());
+  EXPECT_TRUE(renderer.finish_background_work(request));
+  EXPECT_TRUE(renderer.background_work().empty());
+  renderer.render(request);
+  EXPECT_EQ(renderer.read_radiance().data, truth.data);
 }
 
 /// Textures vary at 1e8 cycles per metre in a scene of a micrometre: the G-buffer's channels must hold that.

@@ -8,6 +8,7 @@
 #include "render/indirect/indirect_light.h"
 #include "render/indirect/indirect_shared.h"
 #include "render/indirect/indirect_worker.h"
+#include "render/visibility/visibility_shared.h"
 #include "tests/support/test_scenes.h"
 
 namespace {
@@ -90,7 +91,7 @@ Baked bake(const Scene& scene, std::size_t budget = 1 << 18) {
 }
 
 std::vector<IndirectRadiance> solve(const Baked& b, const IndirectSky& sky) {
-  return *solve_indirect(*b.links, *b.visibility, sky, kGoOn);
+  return solve_indirect(*b.links, *b.visibility, sky, IndirectBounces::all, nullptr, kGoOn)->radiance;
 }
 
 /// In a spherical cavity every point sends to every other alike. Under a constant sky of radiance L the open half gives
@@ -185,6 +186,67 @@ TEST(IndirectBake, TurningTheSkyNeedsNoRays) {
   }
   EXPECT_GT(sum, 0.0);
   EXPECT_LT(difference, 0.03 * sum);
+}
+
+/// Bounce by bounce, each under the sky of its own time, light ends where all bounces under the last sky do.
+TEST(IndirectBake, StepsFollowALightThatTurns) {
+  const Baked b = bake(bowl(0.8f));
+  const auto sky = sun_at(kPi / 2, 0.9);
+  const auto solved = [&](float rotation_rad) {
+    return *solve_indirect(*b.links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::all, nullptr, kGoOn);
+  };
+  const auto difference = [](const IndirectSolution& one, const IndirectSolution& other) {
+    double apart = 0.0, sum = 0.0;
+    for (std::size_t i = 0; i < one.radiance.size(); ++i) {
+      apart += static_cast<double>(std::abs(one.radiance[i].mean.x - other.radiance[i].mean.x));
+      sum += static_cast<double>(other.radiance[i].mean.x);
+    }
+    return apart / sum;
+  };
+  const IndirectSolution start = solved(0.0f), end = solved(0.6f);
+  IndirectSolution s = start;
+  const auto step = [&](float rotation_rad) {
+    s = *solve_indirect(*b.links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::step, &s, kGoOn);
+  };
+  for (int k = 1; k <= 3; ++k) step(0.2f * static_cast<float>(k));
+  EXPECT_LT(difference(s, end), 0.2 * difference(start, end));
+  for (int k = 0; k < 12; ++k) step(0.6f);
+  EXPECT_LT(difference(s, end), 2e-3);
+}
+
+/// The sky is summed by blocks of texels; one texel after the other gives the same cells.
+TEST(IndirectBake, BlocksOfTexelsAreTheSky) {
+  const auto sky = make_sky(1024, 512, [](double lon, double lat) {
+    return glm::vec3(lat > 0.0 && std::abs(lon - 0.7) < 0.004 && std::abs(lat - 0.5) < 0.004 ? 5e4f : 1.0f,
+                     static_cast<float>(1.0 + 0.5 * std::sin(3.0 * lon) * std::cos(lat)), 0.3f);
+  });
+  const IndirectSky turned{sky, 0.37f, 2.0f};
+  std::vector<glm::dvec3> irradiance(256, glm::dvec3(0.0));
+  glm::dvec3 total(0.0);
+  for (int y = 0; y < sky->height; ++y) {
+    const double solid_angle =
+        2.0 * kPi / sky->width * (std::cos(kPi * y / sky->height) - std::cos(kPi * (y + 1) / sky->height));
+    for (int x = 0; x < sky->width; ++x) {
+      const glm::dvec3 light =
+          2.0 * solid_angle * glm::dvec3(sky->rgb[static_cast<std::size_t>(y) * 1024u + static_cast<std::size_t>(x)]);
+      const glm::vec2 uv((static_cast<float>(x) + 0.5f) / 1024.0f, (static_cast<float>(y) + 0.5f) / 512.0f);
+      const glm::vec3 d = shared::latlong_turn(shared::direction_from_latlong_uv(uv), std::cos(0.37f), std::sin(0.37f));
+      const shared::VisibilityCorner corner = shared::visibility_corner(d);
+      for (int k = 0; k < 4; ++k) {
+        const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
+        const float w = (k & 1 ? corner.fraction.x : 1.0f - corner.fraction.x) *
+                        (k & 2 ? corner.fraction.y : 1.0f - corner.fraction.y);
+        irradiance[static_cast<std::size_t>(cell.y * 16 + cell.x)] += static_cast<double>(w) * light;
+      }
+      total += light;
+    }
+  }
+  const SkyCells cells = splat_sky(turned);
+  for (std::size_t i = 0; i < 256; ++i)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(static_cast<double>(cells.irradiance[i][c]), irradiance[i][c],
+                  0.01 * irradiance[i][c] + 1e-5 * total[c])
+          << i;
 }
 
 TEST(IndirectBake, SameAtAnyThreadCountAndFiniteUnderASun) {

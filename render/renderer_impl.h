@@ -129,6 +129,7 @@ struct Renderer::Impl {
   std::vector<std::string> reflectors_named;  ///< what they were found for
   std::uint32_t reflectors_epoch = 0;         ///< epoch + 1 that they were found in; 0: never
   Buffer reflector_block;                     ///< patches of the reflectors, std140
+  Buffer ghost_reach;                         ///< by reflector, as ReflectionFrame has it
   Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
   std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
@@ -234,7 +235,7 @@ struct Renderer::Impl {
   void update_skip_light(const FramePlan& plan, const FrameRequest& request);
   int lobe_of(std::size_t material, std::vector<LobeBound>* lobes);
   void draw_cover();
-  void bind_ghost(const Program& rays, const Settings& settings) const;
+  void bind_ghost(const Program& rays, const Settings& settings);
   void bind_skipping(const Program& rays, float contrast);
   void shade_reflections(const FramePlan& plan, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);

@@ -274,7 +274,7 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
   glBindTextureUnit(63, ghost ? ghost->radiance.get() : 0);
 }
 
-void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) const {
+void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) {
   std::array<glm::vec2, kMaxReflectors> optics{};
   for (std::size_t k = 0; k < reflectors.size(); ++k)
     optics[k] = {
@@ -283,6 +283,9 @@ void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) c
   glProgramUniform2fv(rays.get(), rays.location("u_ghost_optics"), static_cast<GLsizei>(kMaxReflectors), &optics[0].x);
   glProgramUniform1f(rays.get(), rays.location("u_wedge"),
                      1e-3f * static_cast<float>(settings.get_double("reflections.wedge")));
+  if (!ghost_reach) ghost_reach = Buffer("reach of ghosts", kMaxReflectors * sizeof(GhostReach));
+  ghost_reach.clear_to_zero();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, ghost_reach.get());
 }
 
 void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer) {
@@ -329,6 +332,8 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   occluding.flip();
   std::unique_ptr<ReflectorTechnique>& technique = reflector_techniques[plan.reflections];
   if (!technique) technique = find_reflector_implementation(plan.reflections).make();
+  std::vector<GhostReach> reach(kMaxReflectors);
+  if (kind == RayKind::ghost) ghost_reach.read(0, ghost_reach.bytes(), reach.data());
   const ReflectionFrame frame{&small,
                               &*buffers,
                               &reflectors,
@@ -336,6 +341,7 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
                               geometry_epoch,
                               octree.ready() ? &octree.buffers() : nullptr,
                               octree.cells(),
+                              kind == RayKind::ghost ? &reach : nullptr,
                               &request.settings,
                               &t,
                               &programs,

@@ -38,7 +38,8 @@ enum Counter {
 };
 
 const ShaderVariant kVertices{"bezier/vertices.comp", "", {}}, kClassify{"bezier/classify.comp", "", {}},
-    kPieces{"bezier/pieces.comp", "", {}}, kBounds{"bezier/bounds.comp", "", {}};
+    kPieces{"bezier/pieces.comp", "", {{"GHOST", "0"}}}, kGhostPieces{"bezier/pieces.comp", "", {{"GHOST", "1"}}},
+    kBounds{"bezier/bounds.comp", "", {}};
 
 /// One side of one patch, as the eye of this frame sees it.
 struct Part {
@@ -48,6 +49,12 @@ struct Part {
   glm::vec3 origin{0.0f};
   PatchView view;
   bezier_float::BezierSurface surface;
+  GhostReach ghost;
+  /// What the part's rays, second ones included, may show more than those of its front.
+  float reach_m(const glm::vec3& center, float radius) const {
+    return ghost.at(glm::length(center - origin) + radius + size_m);
+  }
+  float size_m = 0.0f;  ///< from its origin to its farthest point
 };
 
 std::vector<glm::vec4> node_texels(const ReflectorNodes& nodes) {
@@ -87,7 +94,10 @@ std::optional<Candidate> find_candidate(const Part& part, const glm::vec3& eye_w
                                         std::uint32_t number) {
   constexpr int kSteps = 10;
   constexpr float kReach = 1.5f, kMargin = 0.02f;
-  const Cluster& cluster = clusters.clusters[number];
+  Cluster cluster = clusters.clusters[number];
+  const float more_m = part.reach_m(cluster.center, cluster.radius);
+  cluster.radius += more_m;
+  cluster.half_extent += more_m;
   const glm::vec3 center = cluster.center - part.origin, eye = eye_world - part.origin;
   const bezier_float::BezierStart start = choose_start(part.nodes, eye, center);
   bool certified = true;
@@ -182,15 +192,24 @@ class BezierReflections : public ReflectorTechnique {
       if (patch.degenerate)
         throw Error("--reflections bezier", "the patch '" + reflector.name + "' has no area",
                     "correct its control points");
-      const PatchView view = view_patch(patch, *frame.constants);
+      const GhostReach ghost = frame.ghost ? (*frame.ghost)[r] : GhostReach{};
+      if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or not in the picture
+      PatchView view = view_patch(patch, *frame.constants);
       if (view.beams.empty()) continue;
+      // A second image is millimetres beside the first: by far less than that share of a pane.
+      if (frame.ghost) view.window += 0.25f * glm::vec4(-1.0f, -1.0f, 1.0f, 1.0f);
+      float size_m = 0.0f;
+      for (const glm::dvec3& p : reflector.points)
+        size_m = std::max(size_m, static_cast<float>(glm::length(p - patch.origin)));
       for (ReflectorNodes& nodes : make_reflector_nodes(patch, glm::dvec3(frame.constants->eye) - patch.origin)) {
         Part part{static_cast<int>(r),
                   static_cast<int>(texels.size() / kNodeTexels),
                   std::move(nodes),
                   glm::vec3(patch.origin),
                   view,
-                  patch.single};
+                  patch.single,
+                  ghost,
+                  size_m};
         const std::vector<glm::vec4> more = node_texels(part.nodes);
         texels.insert(texels.end(), more.begin(), more.end());
         parts.push_back(std::move(part));
@@ -211,6 +230,7 @@ class BezierReflections : public ReflectorTechnique {
     program.set("u_careful", part.nodes.careful ? 1 : 0);
     program.set("u_unique", part.nodes.unique ? 1 : 0);
     glProgramUniform4fv(program.get(), program.location("u_window"), 1, &part.view.window.x);
+    glProgramUniform2f(program.get(), program.location("u_ghost"), part.ghost.offset_m, part.ghost.turn);
   }
 
   static void run(const Program& program, int count) {
@@ -228,7 +248,8 @@ class BezierReflections : public ReflectorTechnique {
   std::vector<Candidate> find_candidates(const ReflectionFrame& frame, const Part& part) const {
     const std::vector<Beam>& beams = part.view.beams;
     const auto may_be_reflected = [&](const glm::vec3& center, float radius) {
-      return std::any_of(beams.begin(), beams.end(), [&](const Beam& b) { return may_meet(b, center, radius); });
+      const float reach = radius + part.reach_m(center, radius);
+      return std::any_of(beams.begin(), beams.end(), [&](const Beam& b) { return may_meet(b, center, reach); });
     };
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < clusters_->of_item.size(); ++i) {
@@ -277,19 +298,19 @@ class BezierReflections : public ReflectorTechnique {
     const auto rest = std::stable_partition(candidates.begin(), candidates.end(),
                                             [&](const Candidate& c) { return hits_.seen_groups()[c.cluster] != 0; });
     if (rest != candidates.begin()) {
-      take_clusters(frame, part, {candidates.begin(), rest}, false);
+      hits_.bind_far(frame, static_cast<std::size_t>(part.reflector));
+      take_clusters(frame, part, {candidates.begin(), rest});
       candidates.erase(candidates.begin(), rest);
     }
     cull(frame, part, &candidates);
-    take_clusters(frame, part, candidates, true);
+    take_clusters(frame, part, candidates);
   }
 
-  void take_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates,
-                     bool covers) {
+  void take_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates) {
     hits_.take(
         frame, candidates.size(),
         [&](std::size_t begin, std::size_t end) {
-          offer_clusters(frame, part, candidates.subspan(begin, end - begin), covers);
+          offer_clusters(frame, part, candidates.subspan(begin, end - begin));
         },
         [&] {
           const std::array<unsigned, counter_count> values = read_counters();
@@ -297,8 +318,7 @@ class BezierReflections : public ReflectorTechnique {
         });
   }
 
-  void offer_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates,
-                      bool covers) {
+  void offer_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates) {
     counters_.clear_to_zero();
     ++stamp_;
     vertices_.clear();
@@ -329,10 +349,10 @@ class BezierReflections : public ReflectorTechnique {
       run(vertices_program, static_cast<int>(vertices_.size()));
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
     }
-    subdivide(frame, part, covers);
+    subdivide(frame, part);
   }
 
-  void subdivide(const ReflectionFrame& frame, const Part& part, bool covers) {
+  void subdivide(const ReflectionFrame& frame, const Part& part) {
     const int levels = frame.settings->get_int("bezier.levels");
     const auto tolerance_px = static_cast<float>(frame.settings->get_double("bezier.tolerance"));
     const auto run_over = [&](const ShaderVariant& variant, int count, int level) {
@@ -342,7 +362,7 @@ class BezierReflections : public ReflectorTechnique {
       program.set("u_tolerance_px", tolerance_px);
       program.set("u_margin_px", margin_px(tolerance_px));
       program.set("u_count", count);
-      hits_.prepare(program, covers);
+      hits_.prepare(program);
       if (level > 0) {
         program.set("u_short_px", kShort_px);
         program.set("u_last", level >= levels ? 1 : 0);
@@ -362,7 +382,7 @@ class BezierReflections : public ReflectorTechnique {
       if (count == 0) break;
       const unsigned zero = 0;
       counters_.update(to * sizeof(unsigned), sizeof zero, &zero);
-      run_over(kPieces, count, level);
+      run_over(frame.ghost ? kGhostPieces : kPieces, count, level);
     }
   }
 
@@ -381,7 +401,7 @@ class BezierReflections : public ReflectorTechnique {
 
 }  // namespace
 
-std::vector<ShaderVariant> bezier_shader_variants() { return {kVertices, kClassify, kPieces, kBounds}; }
+std::vector<ShaderVariant> bezier_shader_variants() { return {kVertices, kClassify, kPieces, kGhostPieces, kBounds}; }
 
 std::unique_ptr<ReflectorTechnique> make_bezier_reflections() { return std::make_unique<BezierReflections>(); }
 

@@ -27,10 +27,6 @@ TechniqueInfo bezier_technique() {
   info.quality_steps = resolution_steps();
   info.quality_steps.push_back(
       {.settings = {{"reflections.resolution", std::string("full")}, {"bezier.tolerance", 0.125}}});
-  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
-    if (!settings.get_bool("reflections.ghost")) return std::nullopt;
-    return "reflections.ghost needs a ray of its own for every pixel: use --reflections raytraced or octree";
-  };
   info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back({"projection", "the scene's triangles that may be seen in a patch, projected into it"});
   };

@@ -101,9 +101,8 @@ void NearestHits::clear_lists() {
                             static_cast<GLsizeiptr>(tiles_ * kListBytes), GL_RG_INTEGER, GL_UNSIGNED_INT, none);
 }
 
-void NearestHits::prepare(const Program& program, bool covers) const {
+void NearestHits::prepare(const Program& program) const {
   glProgramUniform2ui(program.get(), program.location("u_capacity"), list_capacity_, offer_capacity_);
-  program.set("u_covers", covers ? 1 : 0);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, lists_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, offers_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, large_.get());
@@ -142,7 +141,7 @@ bool NearestHits::resolve(const ReflectionFrame& frame) {
   lists_.read(0, sizeof counters, counters);
   offered_ = counters[1];
   if (offered_ <= offer_capacity_ && counters[2] > 0) {
-    prepare(frame.programs->get(kLarge), false);
+    prepare(frame.programs->get(kLarge));
     run_groups(frame, kLarge, static_cast<int>(counters[2]));
     lists_.read(0, sizeof counters, counters);
   }
@@ -216,15 +215,23 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
   const glm::mat4 clip_from_world = frame.constants->clip_from_world * mirror_in(plane);
   const glm::vec4 window = window_of(frame.constants->clip_from_world, frame.buffers->bounds(mirror.item));
   const glm::mat4 window_from_world = through_window(clip_from_world, window);
+  const GhostReach ghost = frame.ghost ? (*frame.ghost)[reflector] : GhostReach{};
+  if (frame.ghost && ghost.offset_m == 0.0f) return;  // no pane, or not in the picture
+  const auto widened = [&](Bounds box) {
+    const float reach_m = ghost.at(glm::length(box.center() - glm::vec3(frame.constants->eye)) + box.radius());
+    box.min -= reach_m;
+    box.max += reach_m;
+    return box;
+  };
   triangles_.clear();
   for (std::size_t i = 0; i < clusters.of_item.size(); ++i) {
     if (!(*frame.occluding)[i] || i == mirror.item) continue;
-    if (!may_be_seen(window_from_world, frame.buffers->bounds(i))) continue;
+    if (!may_be_seen(window_from_world, widened(frame.buffers->bounds(i)))) continue;
     for (std::size_t c = clusters.of_item[i].begin; c < clusters.of_item[i].end; ++c) {
       const Cluster& cluster = clusters.clusters[c];
       if (glm::dot(plane, glm::vec4(cluster.center, 1.0f)) < -cluster.radius) continue;
       const Bounds box{cluster.center - cluster.half_extent, cluster.center + cluster.half_extent};
-      if (!may_be_seen(window_from_world, box)) continue;
+      if (!may_be_seen(window_from_world, widened(box))) continue;
       for (std::uint32_t k = 0; k < cluster.triangle_count; ++k)
         triangles_.push_back(clusters.triangles[cluster.first_triangle + k].y);
     }
@@ -238,10 +245,12 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
   glProgramUniformMatrix4fv(program.get(), program.location("u_clip_from_world"), 1, GL_FALSE, &clip_from_world[0].x);
   glProgramUniform4fv(program.get(), program.location("u_plane"), 1, &plane.x);
   glProgramUniform4f(program.get(), program.location("u_window"), low.x, low.y, high.x, high.y);
+  glProgramUniform2f(program.get(), program.location("u_ghost"), ghost.offset_m, ghost.turn);
+  program.set("u_px_rad", frame.constants->forward.w);
   program.set("u_reflector", static_cast<int>(reflector));
   program.set("u_margin_px", 0.1f + (mirror.patch ? 0.0f : kMeshTurn_rad / frame.constants->forward.w));
   const auto offer = [&](std::size_t begin, std::size_t end) {
-    prepare(program, false);
+    prepare(program);
     program.set("u_first", static_cast<int>(begin));
     program.set("u_count", static_cast<int>(end - begin));
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, triangle_list_.get());
@@ -249,6 +258,7 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
     glDispatchCompute(static_cast<GLuint>((end - begin + 63) / 64), 1, 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
   };
+  bind_far(frame, reflector);
   take(frame, triangles_.size(), offer, [] {});
 }
 

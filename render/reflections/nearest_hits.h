@@ -20,8 +20,8 @@ class NearestHits {
   /// for again; `accept` is called after what has. Throws Error where a single one is too much.
   void take(const ReflectionFrame& frame, std::size_t count, const std::function<void(std::size_t, std::size_t)>& offer,
             const std::function<void()>& accept);
-  /// For a program that offers: its lists. `covers`: bind_far was called, and what lies behind need not be listed.
-  void prepare(const Program& program, bool covers) const;
+  /// For a program that offers to a reflector whose rays bind_far has bound: the lists.
+  void prepare(const Program& program) const;
   /// Takes the scene in one plane mirror, as its mirrored eye sees it: exact.
   void take_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters);
   /// Of 8 x 8 pixels each, row by row: the reflector's rays, and how far away the farthest of what it shows there has

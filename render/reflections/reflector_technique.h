@@ -19,15 +19,24 @@
 
 namespace maquette {
 
+/// How far from the ray that a pane's front mirrors the one that its back mirrors may be, for every pixel of the pane:
+/// what the second ray meets lies within that of what the first would.
+struct GhostReach {
+  float offset_m = 0.0f;  ///< at its origin
+  float turn = 0.0f;      ///< m more for each m along it
+  float at(float distance_m) const { return offset_m + turn * distance_m; }
+};
+
 /// What a technique finds hits for, in one frame. The frame block on binding 0 has the size of the targets.
 struct ReflectionFrame {
   const FrameConstants* constants = nullptr;
   const SceneBuffers* buffers = nullptr;
   const std::vector<Reflector>* reflectors = nullptr;
-  const std::vector<bool>* occluding = nullptr;  ///< by item: drawn and opaque, so that mirrored rays end there
-  std::uint32_t geometry_epoch = 0;              ///< raised by every change of geometry or of what occludes
-  const OctreeBuffers* octree = nullptr;         ///< bound; null unless the plan has one
-  const CellBrdfBuffers* cells = nullptr;        ///< of its cells; null unless the plan has them
+  const std::vector<bool>* occluding = nullptr;    ///< by item: drawn and opaque, so that mirrored rays end there
+  std::uint32_t geometry_epoch = 0;                ///< raised by every change of geometry or of what occludes
+  const OctreeBuffers* octree = nullptr;           ///< bound; null unless the plan has one
+  const CellBrdfBuffers* cells = nullptr;          ///< of its cells; null unless the plan has them
+  const std::vector<GhostReach>* ghost = nullptr;  ///< by reflector; null where the rays are those of the front
   const Settings* settings = nullptr;
   ReflectionTargets* targets = nullptr;
   ProgramCache* programs = nullptr;

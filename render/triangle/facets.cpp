@@ -52,6 +52,7 @@ bool place_on_screen(const Corner (&corners)[3], const FrameConstants& frame, Fa
   if (low.x >= high.x || low.y >= high.y) return false;
   const glm::vec2 e1 = (at[1] - at[0]) / pixel, e2 = (at[2] - at[0]) / pixel;
   const float longest = std::max({glm::length(e1), glm::length(e2), glm::length(e1 - e2)});
+  facet->longest_px = longest;
   facet->margin = facet->margin_px * longest / std::max(std::abs(e1.x * e2.y - e1.y * e2.x), 1e-6f);
   return true;
 }
@@ -78,10 +79,19 @@ void set_sides(const Corner (&corners)[3], float off_m, float turn, Facet* facet
   }
 }
 
-void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const FrameConstants& frame, std::size_t number,
+/// Whose facets are made, and for which rays.
+struct FacetSource {
+  const FrameConstants& frame;
+  std::size_t reflector;
+  GhostReach ghost;
+};
+
+void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const FacetSource& source,
                std::vector<Facet>* facets) {
+  const FrameConstants& frame = source.frame;
   Facet facet;
-  facet.reflector = number;
+  facet.reflector = source.reflector;
+  facet.ghost = source.ghost;
   facet.margin_px = measure_margin(corners, middles, frame);
   facet.margin = 1e6f;
   if (!place_on_screen(corners, frame, &facet)) return;
@@ -90,8 +100,9 @@ void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const Fra
   facet.mirror = make_triangle_mirror(positions, directions);
   facet.beam = make_beam(positions, directions);
   // The true surface's rays at the edges' middles leave the cone of the corners a little.
-  const float turn = (facet.margin_px - 1.0f) * frame.forward.w;
-  const float off_m = (turn + frame.forward.w) * glm::length(positions[0] - glm::vec3(frame.eye));
+  const float bend = (facet.margin_px - 1.0f) * frame.forward.w, turn = bend + source.ghost.turn;
+  const float off_m =
+      (bend + frame.forward.w) * glm::length(positions[0] - glm::vec3(frame.eye)) + source.ghost.offset_m;
   facet.beam.base_radius += off_m;
   facet.beam.cosine = std::max(facet.beam.cosine - turn * (facet.beam.sine + turn), 0.0f);
   facet.beam.sine = std::sqrt(1.0f - facet.beam.cosine * facet.beam.cosine);
@@ -99,10 +110,9 @@ void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const Fra
   facets->push_back(facet);
 }
 
-void add_patch(const Reflector& reflector, std::size_t number, const FrameConstants& frame, int side,
-               std::vector<Facet>* facets) {
+void add_patch(const Reflector& reflector, const FacetSource& source, int side, std::vector<Facet>* facets) {
   const ReflectorPatch patch = make_reflector_patch(reflector.points);
-  const glm::dvec3 eye(frame.eye);
+  const glm::dvec3 eye(source.frame.eye);
   const int points = 2 * side + 1;  // corners and middles
   std::vector<Corner> grid;
   for (int j = 0; j < points; ++j)
@@ -114,10 +124,10 @@ void add_patch(const Reflector& reflector, std::size_t number, const FrameConsta
   const auto at = [&](int i, int j) { return grid[static_cast<std::size_t>(j * points + i)]; };
   for (int j = 0; j < 2 * side; j += 2)
     for (int i = 0; i < 2 * side; i += 2) {
-      add_facet({at(i, j), at(i + 2, j), at(i + 2, j + 2)}, {at(i + 1, j), at(i + 2, j + 1), at(i + 1, j + 1)}, frame,
-                number, facets);
-      add_facet({at(i, j), at(i + 2, j + 2), at(i, j + 2)}, {at(i + 1, j + 1), at(i + 1, j + 2), at(i, j + 1)}, frame,
-                number, facets);
+      add_facet({at(i, j), at(i + 2, j), at(i + 2, j + 2)}, {at(i + 1, j), at(i + 2, j + 1), at(i + 1, j + 1)}, source,
+                facets);
+      add_facet({at(i, j), at(i + 2, j + 2), at(i, j + 2)}, {at(i + 1, j + 1), at(i + 1, j + 2), at(i, j + 1)}, source,
+                facets);
     }
 }
 
@@ -133,10 +143,11 @@ bool may_meet(const Facet& facet, const glm::vec3& center, float radius) {
 }
 
 std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
-                               const FrameConstants& frame, int side) {
+                               const FrameConstants& frame, int side, const GhostReach& ghost) {
   std::vector<Facet> facets;
+  const FacetSource source{frame, number, ghost};
   if (reflector.patch) {
-    add_patch(reflector, number, frame, side, &facets);
+    add_patch(reflector, source, side, &facets);
     return facets;
   }
   const DrawItem& item = geometry.items[reflector.item];
@@ -150,7 +161,7 @@ std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, c
       middles[i] = make_corner(0.5 * (glm::dvec3(geometry.positions[a]) + glm::dvec3(geometry.positions[b])),
                                glm::dvec3(geometry.normals[a]) + glm::dvec3(geometry.normals[b]), eye);
     }
-    add_facet(corners, middles, frame, number, &facets);
+    add_facet(corners, middles, source, &facets);
   }
   return facets;
 }

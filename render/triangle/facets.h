@@ -5,7 +5,7 @@
 
 #include "render/frame_constants.h"
 #include "render/reflections/clusters.h"
-#include "render/reflections/reflectors.h"
+#include "render/reflections/reflector_technique.h"
 #include "render/triangle/triangle_mirror.h"
 
 namespace maquette {
@@ -21,14 +21,17 @@ struct Facet {
   glm::vec4 box{-1.0f, -1.0f, 1.0f, 1.0f};  ///< on screen: lower and upper corner, -1 to 1
   /// What the true surface's rays differ from the triangle's by, at most, as the eye sees it, and that in barycentrics.
   float margin_px = 1.0f, margin = 1.0f;
+  float longest_px = 1e6f;  ///< of its edges on screen
   std::size_t reflector = 0;
+  GhostReach ghost;
 };
 
 /// False only when no ray of the facet meets the sphere.
 bool may_meet(const Facet& facet, const glm::vec3& center, float radius);
 
-/// The triangles of a curved reflector that may be seen: of a patch `side` x `side` quads, of a mesh its own.
+/// The triangles of a curved reflector that may be seen: of a patch `side` x `side` quads, of a mesh its own. `ghost`:
+/// what their rays may differ by from those of the front.
 std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
-                               const FrameConstants& frame, int side);
+                               const FrameConstants& frame, int side, const GhostReach& ghost);
 
 }  // namespace maquette

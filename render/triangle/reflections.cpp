@@ -14,11 +14,14 @@ namespace maquette {
 namespace {
 
 constexpr std::size_t kFacetTexels = 22;
-constexpr int kGroupsPerRow = 32768;
+/// Pairs of mirror triangle and cluster that are taken at once.
+constexpr std::size_t kMostPairs = 32000;
+constexpr std::size_t kKeptBytes = 8;
 
-enum Counter { boxes, roots, vertices, footprints, counter_count };
+// As in shaders/triangle/*.comp.
+enum Counter { kept, boxes, roots, footprints, counter_count };
 
-const ShaderVariant kAssemble{"triangle/assemble.comp", "", {}};
+const ShaderVariant kCull{"triangle/cull.comp", "", {}}, kAssemble{"triangle/assemble.comp", "", {}};
 
 std::vector<glm::vec4> facet_texels(const std::vector<Facet>& facets) {
   std::vector<glm::vec4> texels;
@@ -32,15 +35,10 @@ std::vector<glm::vec4> facet_texels(const std::vector<Facet>& facets) {
     texels.emplace_back(f.beam.axis, f.beam.sine);
     texels.push_back(f.box);
     texels.emplace_back(f.margin_px, f.margin, static_cast<float>(f.reflector), f.beam.cosine);
-    texels.insert(texels.end(), {f.sides[0], f.sides[1], f.sides[2], glm::vec4(f.widening, 0.0f)});
+    texels.insert(texels.end(), {f.sides[0], f.sides[1], f.sides[2], glm::vec4(f.widening, f.longest_px)});
   }
   return texels;
 }
-
-/// std430 twin of ClusterRecord in shaders/triangle/assemble.comp.
-struct ClusterRecord {
-  std::uint32_t first_vertex, vertex_count, first_triangle, triangle_count;
-};
 
 class TriangleReflections : public ReflectorTechnique {
  public:
@@ -56,7 +54,10 @@ class TriangleReflections : public ReflectorTechnique {
         hits_.take_planar(frame, r, clusters_);
         continue;
       }
-      const std::vector<Facet> more = make_facets(reflector, r, frame.buffers->geometry(), *frame.constants, side);
+      const GhostReach ghost = frame.ghost ? (*frame.ghost)[r] : GhostReach{};
+      if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or not in the picture
+      const std::vector<Facet> more =
+          make_facets(reflector, r, frame.buffers->geometry(), *frame.constants, side, ghost);
       facets_.insert(facets_.end(), more.begin(), more.end());
     }
     find_pairs(frame);
@@ -73,13 +74,13 @@ class TriangleReflections : public ReflectorTechnique {
     frame.timer->end("projection");
   }
   void add_bytes(std::map<std::string, std::size_t>* bytes) const override {
-    (*bytes)["projection"] = facet_buffer_.bytes() + pair_buffer_.bytes() + cluster_buffer_.bytes() +
-                             vertex_buffer_.bytes() + triangle_buffer_.bytes() + hits_.bytes();
+    (*bytes)["projection"] = facet_buffer_.bytes() + pair_buffer_.bytes() + kept_buffer_.bytes() +
+                             cluster_buffer_.bytes() + triangle_buffer_.bytes() + hits_.bytes();
   }
   void add_counters(std::map<std::string, double>* counters) const override {
     (*counters)["mirror_triangles"] = static_cast<double>(facets_.size());
     (*counters)["mirrored_clusters"] = static_cast<double>(pairs_.size());
-    (*counters)["projected_vertices"] = counts_[vertices];
+    (*counters)["projected_vertices"] = 3.0 * counts_[kept];
     (*counters)["cubic_roots"] = counts_[roots];
     (*counters)["reflected_triangles"] = counts_[boxes];
     (*counters)["unplaced_triangles"] = counts_[footprints];
@@ -90,14 +91,16 @@ class TriangleReflections : public ReflectorTechnique {
     if (cluster_buffer_ && epoch_ == frame.geometry_epoch) return;
     epoch_ = frame.geometry_epoch;
     clusters_ = make_clusters(frame.buffers->geometry());
-    std::vector<ClusterRecord> records;
-    for (const Cluster& c : clusters_.clusters)
-      records.push_back({c.first_vertex, c.vertex_count, c.first_triangle, c.triangle_count});
+    std::vector<glm::uvec2> records;  // first triangle, count
+    std::vector<std::uint32_t> triangles;
+    for (const Cluster& c : clusters_.clusters) records.emplace_back(c.first_triangle, c.triangle_count);
+    for (const glm::uvec2& t : clusters_.triangles) triangles.push_back(t.y);
     if (records.empty()) return;
     hits_.set_groups(cluster_of_triangle(clusters_), records.size());
     cluster_buffer_ = Buffer::from("clusters", records);
-    vertex_buffer_ = Buffer::from("cluster vertices", clusters_.vertices);
-    triangle_buffer_ = Buffer::from("cluster triangles", clusters_.triangles);
+    cluster_view_ = Texture::make_buffer("clusters", GL_RG32UI, cluster_buffer_);
+    triangle_buffer_ = Buffer::from("cluster triangles", triangles);
+    triangle_view_ = Texture::make_buffer("cluster triangles", GL_R32UI, triangle_buffer_);
   }
 
   /// Which clusters may be seen in which facets.
@@ -119,6 +122,13 @@ class TriangleReflections : public ReflectorTechnique {
   }
 
   using Pairs = std::vector<glm::uvec2>;
+  /// Where the pairs of the first one's reflector end: they stand in the order of the facets.
+  template <typename Iterator>
+  Iterator end_of_reflector(Iterator first, Iterator end) const {
+    const std::size_t reflector = facets_[first->x].reflector;
+    return std::find_if(first, end, [&](const glm::uvec2& p) { return facets_[p.x].reflector != reflector; });
+  }
+
   /// Of the pairs from `first` on those whose cluster some ray of their facet may meet before what has been found; the
   /// end of what is left.
   Pairs::iterator keep_visible(const ReflectionFrame& frame, Pairs::iterator first) {
@@ -126,8 +136,7 @@ class TriangleReflections : public ReflectorTechnique {
     Pairs::iterator kept = first;
     while (first != pairs_.end()) {
       const std::size_t reflector = facets_[first->x].reflector;
-      const auto end =
-          std::find_if(first, pairs_.end(), [&](const glm::uvec2& p) { return facets_[p.x].reflector != reflector; });
+      const auto end = end_of_reflector(first, pairs_.end());
       std::vector<glm::vec4> boxes;
       for (auto pair = first; pair != end; ++pair) {
         const Cluster& c = clusters_.clusters[pair->y];
@@ -146,36 +155,59 @@ class TriangleReflections : public ReflectorTechnique {
   }
 
   void take_pairs(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
-    if (pairs.empty()) return;
     if (!counters_) counters_ = Buffer("projection counters", sizeof(std::array<unsigned, counter_count>));
-    std::array<unsigned, counter_count> counts{};
-    hits_.take(
-        frame, pairs.size(),
-        [&](std::size_t begin, std::size_t end) {
-          const std::span<const glm::uvec2> some = pairs.subspan(begin, end - begin);
-          pair_buffer_ = Buffer("mirrored clusters", some.size_bytes(), some.data());
-          counts = assemble(frame, static_cast<int>(some.size()));
-        },
-        [&] {
-          for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += counts[k];
-        });
+    while (!pairs.empty()) {
+      const auto of_one = static_cast<std::size_t>(end_of_reflector(pairs.begin(), pairs.end()) - pairs.begin());
+      const std::span<const glm::uvec2> some = pairs.first(std::min(of_one, kMostPairs));
+      hits_.bind_far(frame, facets_[some.front().x].reflector);
+      hits_.take(
+          frame, some.size(),
+          [&](std::size_t begin, std::size_t end) { offer(frame, some.subspan(begin, end - begin)); },
+          [&] {
+            const std::array<unsigned, counter_count> counts = read_counters();
+            for (std::size_t k = 0; k < counter_count; ++k) counts_[k] += counts[k];
+          });
+      pairs = pairs.subspan(some.size());
+    }
   }
 
-  std::array<unsigned, counter_count> assemble(const ReflectionFrame& frame, int count) {
-    const Program& program = frame.programs->get(kAssemble);
-    counters_.clear_to_zero();
-    glBindTextureUnit(54, facet_view_.get());
-    const Buffer* buffers[] = {&pair_buffer_, &cluster_buffer_, &vertex_buffer_, &triangle_buffer_, &counters_};
-    for (GLuint k = 0; k < 5; ++k) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + k, buffers[k]->get());
-    program.set("u_count", count);
-    hits_.prepare(program, false);
-    glUseProgram(program.get());
-    glDispatchCompute(static_cast<GLuint>(std::min(count, kGroupsPerRow)),
-                      static_cast<GLuint>((count + kGroupsPerRow - 1) / kGroupsPerRow), 1);
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  std::array<unsigned, counter_count> read_counters() const {
     std::array<unsigned, counter_count> counts{};
     counters_.read(0, sizeof counts, counts.data());
     return counts;
+  }
+
+  void offer(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
+    pair_buffer_ = Buffer("mirrored clusters", pairs.size_bytes(), pairs.data());
+    const Texture pair_view = Texture::make_buffer("mirrored clusters", GL_RG32UI, pair_buffer_);
+    std::size_t most = 0;
+    for (const glm::uvec2& p : pairs) most += clusters_.clusters[p.y].triangle_count;
+    if (kept_buffer_.bytes() < most * kKeptBytes) {
+      kept_buffer_ = Buffer("mirrored triangles", most * kKeptBytes);
+      kept_view_ = Texture::make_buffer("mirrored triangles", GL_RG32UI, kept_buffer_);
+    }
+    counters_.clear_to_zero();
+    glBindTextureUnit(54, facet_view_.get());
+    glBindTextureUnit(55, pair_view.get());
+    glBindTextureUnit(56, cluster_view_.get());
+    glBindTextureUnit(57, triangle_view_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, kept_buffer_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
+    const GhostReach& ghost = facets_[pairs.front().x].ghost;
+    run(frame.programs->get(kCull), pairs.size(), Cluster::kMaxTriangles);
+    const Program& assemble = frame.programs->get(kAssemble);
+    glBindTextureUnit(55, kept_view_.get());
+    hits_.prepare(assemble);
+    glProgramUniform2f(assemble.get(), assemble.location("u_ghost"), ghost.offset_m, ghost.turn);
+    run(assemble, read_counters()[kept], 1);
+  }
+
+  /// So many invocations for each of the count.
+  static void run(const Program& program, std::size_t count, std::size_t each) {
+    program.set("u_count", static_cast<int>(count));
+    glUseProgram(program.get());
+    glDispatchCompute(static_cast<GLuint>((count * each + 63) / 64), 1, 1);
+    glMemoryBarrier(GL_ALL_BARRIER_BITS);
   }
 
   ClusterSet clusters_;
@@ -183,14 +215,14 @@ class TriangleReflections : public ReflectorTechnique {
   std::vector<Facet> facets_;
   std::vector<glm::uvec2> pairs_;  ///< facet, cluster
   NearestHits hits_;
-  Buffer facet_buffer_, pair_buffer_, cluster_buffer_, vertex_buffer_, triangle_buffer_, counters_;
-  Texture facet_view_;
+  Buffer facet_buffer_, pair_buffer_, kept_buffer_, cluster_buffer_, triangle_buffer_, counters_;
+  Texture facet_view_, kept_view_, cluster_view_, triangle_view_;
   std::array<double, counter_count> counts_{};
 };
 
 }  // namespace
 
-std::vector<ShaderVariant> triangle_shader_variants() { return {kAssemble}; }
+std::vector<ShaderVariant> triangle_shader_variants() { return {kCull, kAssemble}; }
 
 std::unique_ptr<ReflectorTechnique> make_triangle_reflections() { return std::make_unique<TriangleReflections>(); }
 

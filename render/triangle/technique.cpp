@@ -18,10 +18,6 @@ TechniqueInfo triangle_technique() {
   info.quality_steps = {{.settings = {{"reflections.resolution", std::string("quarter")}}},
                         {.settings = {{"reflections.resolution", std::string("half")}}},
                         {.settings = {{"reflections.resolution", std::string("full")}}}};
-  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
-    if (!settings.get_bool("reflections.ghost")) return std::nullopt;
-    return "reflections.ghost needs a ray of its own for every pixel: use --reflections raytraced or octree";
-  };
   info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
     plan->passes.push_back(
         {"projection", "the scene's triangles that may be seen in a triangle of a reflector, projected into it"});

@@ -48,17 +48,19 @@ void main() {
   ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x, texelFetch(t_indices, 3 * triangle + 2).x);
   Vertex p = fetch_vertex(v.x), q = fetch_vertex(v.y), r = fetch_vertex(v.z);
   Corner c[3] = Corner[3](p.corner, q.corner, r.corner);
-  if (shows_nothing(c, u_margin_px)) return;
+  float shift = max(max(ghost_shift(p.by_x, p.by_y, p.corner.v.along_m), ghost_shift(q.by_x, q.by_y, q.corner.v.along_m)),
+                    ghost_shift(r.by_x, r.by_y, r.corner.v.along_m));
+  if (shows_nothing(c, u_margin_px + shift)) return;
   bool placed = c[0].v.placed && c[1].v.placed && c[2].v.placed && max(max(c[0].v.status, c[1].v.status), c[2].v.status) <= kReflectionOutside;
   float bend = max(max(bend_px(p, q), bend_px(q, r)), bend_px(r, p));
   if (placed && bend <= u_tolerance_px) {
     atomicAdd(b_counters[0], 1u);
-    offer_corners(c, kPlace_px + kBulge * bend, triangle);
+    offer_corners(c, kPlace_px + kBulge * bend + shift, triangle);
     return;
   }
   uint slot = atomicAdd(b_counters[1], 1u);
   if (slot >= uint(u_piece_capacity)) {
-    offer_corners(c, kBoxOnly + u_margin_px, triangle);
+    offer_corners(c, kBoxOnly + u_margin_px + shift, triangle);
     return;
   }
   for (int k = 0; k < 3; ++k) b_next[4u * slot + uint(k)] = vec4(c[k].world, c[k].v.x.x);

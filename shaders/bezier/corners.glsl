@@ -42,6 +42,7 @@ void offer_corners(Corner c[3], float margin_px, int triangle) {
   // From a corner a point of the triangle is 0.58 edges away at most, and its reflection point moves by no more.
   float longest = sqrt(max(max(dot(d, d), dot(e, e)), dot(f, f)));
   float nearest_m = min(min(c[0].v.along_m, c[1].v.along_m), c[2].v.along_m) - 1.2 * longest;
+  nearest_m -= 2.0 * ghost_reach(max(nearest_m, 0.0) + 2.0 * longest);
   if (c[0].v.placed && c[1].v.placed && c[2].v.placed)
     offer_triangle(c[0].v.at, c[1].v.at, c[2].v.at, margin_px, nearest_m, own, u_reflector);
   else

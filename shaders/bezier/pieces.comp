@@ -51,7 +51,14 @@ void main() {
     corner[k].world = p.xyz;
     corner[k].v = project_near(p.xyz, vec2(p.w, rest[k]), kCornerSteps);
   }
-  if (shows_nothing(corner, u_margin_px)) return;
+  float shift = 0.0;
+#if GHOST
+  for (int k = 0; k < 3; ++k) {
+    mat2x3 d = screen_derivative(corner[k].world - u_reflectors[u_reflector].origin.xyz, corner[k].v.x);
+    shift = max(shift, ghost_shift(d[0], d[1], corner[k].v.along_m));
+  }
+#endif
+  if (shows_nothing(corner, u_margin_px + shift)) return;
   int halved = 0;
   float bend = 0.0;
   vec2 middle[3] = vec2[3](vec2(0.0), vec2(0.0), vec2(0.0));  // parameters, of the edge that begins at the corner
@@ -75,7 +82,7 @@ void main() {
       atomicAdd(b_counters[7], 1u);
     } else {
       atomicAdd(b_counters[8], 1u);
-      offer_corners(corner, u_last == 0 && halved == 0 ? kPlace_px + kBulge * bend : kBoxOnly + u_margin_px, int(rest.w) - 1);
+      offer_corners(corner, (u_last == 0 && halved == 0 ? kPlace_px + kBulge * bend : kBoxOnly + u_margin_px) + shift, int(rest.w) - 1);
     }
     return;
   }

@@ -1,6 +1,7 @@
 // A scene point to where the eye sees it in one patch: the reflection point by Newton's method, the depth from the length of the path.
 #include "shared/frame.glsl"
 #include "reflections/reflectors.glsl"
+#include "reflections/ghost.glsl"
 layout(binding = 54) uniform samplerBuffer t_nodes;  // 5 texels a node: render/bezier/projection.cpp writes them
 uniform int u_reflector;
 uniform int u_first_node;
@@ -60,6 +61,8 @@ Projected place(ReflectionPoint r, bool certified) {
   v.height = r.height;
   // A stationary path that is no minimum is an image too; where the law of reflection all but holds the place is known.
   v.status = r.status == kReflectionLost && r.residual < kPlaced ? kReflectionInside : r.status;
+  // A second ray may meet what is all but behind.
+  if (v.status == kReflectionBehind && v.height > -ghost_reach(v.along_m)) v.status = kReflectionOutside;
   v.steps = r.steps;
   v.certified = certified;
   return v;
@@ -68,6 +71,23 @@ Projected place(ReflectionPoint r, bool certified) {
 Projected project_from(vec3 world, BezierStart start) {
   vec3 p = world - u_reflectors[u_reflector].origin.xyz;
   return place(reflection_point(load_surface(u_reflector), reflector_eye(), p, start, u_careful == 1), start.certified);
+}
+
+/// How the place on screen changes with the object, whose reflection point is at x: rows of px/m.
+mat2x3 screen_derivative(vec3 p, vec2 x) {
+  BezierSurface s = load_surface(u_reflector);
+  ReflectionDerivative d = reflection_derivative(s, reflector_eye(), p, x);
+  SurfaceJet jet = bezier_jet(s, x);
+  vec4 clip = u_frame.clip_from_world * vec4(jet.p + u_reflectors[u_reflector].origin.xyz, 1.0);
+  vec4 cx = u_frame.clip_from_world * vec4(jet.dx, 0.0), cy = u_frame.clip_from_world * vec4(jet.dy, 0.0);
+  vec2 scale = 0.5 * vec2(u_frame.size.x, -u_frame.size.y) / clip.w, ndc = clip.xy / clip.w;
+  vec2 by_x = scale * (cx.xy - ndc * cx.w), by_y = scale * (cy.xy - ndc * cy.w);
+  return mat2x3(by_x.x * d.x + by_y.x * d.y, by_x.y * d.x + by_y.y * d.y);
+}
+
+/// Pixels by which the second image of a point may be beside its first.
+float ghost_shift(vec3 by_x, vec3 by_y, float along_m) {
+  return kGhostSlack * ghost_reach(along_m) * sqrt(dot(by_x, by_x) + dot(by_y, by_y));
 }
 
 /// From a start that is near: a few steps, one attempt.

@@ -12,18 +12,6 @@ uniform int u_count;
 
 const float kSteepest = 6e4;  // px/m: a half holds no more
 
-/// How the place on screen changes with the vertex: rows of px/m.
-mat2x3 screen_derivative(vec3 p, vec2 x) {
-  BezierSurface s = load_surface(u_reflector);
-  ReflectionDerivative d = reflection_derivative(s, reflector_eye(), p, x);
-  SurfaceJet jet = bezier_jet(s, x);
-  vec4 clip = u_frame.clip_from_world * vec4(jet.p + u_reflectors[u_reflector].origin.xyz, 1.0);
-  vec4 cx = u_frame.clip_from_world * vec4(jet.dx, 0.0), cy = u_frame.clip_from_world * vec4(jet.dy, 0.0);
-  vec2 scale = 0.5 * vec2(u_frame.size.x, -u_frame.size.y) / clip.w, ndc = clip.xy / clip.w;
-  vec2 by_x = scale * (cx.xy - ndc * cx.w), by_y = scale * (cy.xy - ndc * cy.w);
-  return mat2x3(clamp(by_x.x * d.x + by_y.x * d.y, -kSteepest, kSteepest), clamp(by_x.y * d.x + by_y.y * d.y, -kSteepest, kSteepest));
-}
-
 void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= u_count) return;
@@ -44,6 +32,7 @@ void main() {
     steps += v.steps;
   }
   mat2x3 d = screen_derivative(world - u_reflectors[u_reflector].origin.xyz, v.x);
+  d = mat2x3(clamp(d[0], -kSteepest, kSteepest), clamp(d[1], -kSteepest, kSteepest));
   b_projected[2 * vertex] = floatBitsToUint(vec4(v.at, v.x));
   b_projected[2 * vertex + 1] = uvec4(uint(v.status) | (v.placed ? 4u : 0u) | uint(min(v.steps, 127)) << 3u | packHalf2x16(vec2(0.0, min(0.999 * v.along_m, 6e4))), packHalf2x16(d[0].xy),
                                       packHalf2x16(vec2(d[0].z, d[1].x)), packHalf2x16(d[1].yz));

@@ -3,16 +3,18 @@
 // claims too much is taken back there, so that no false triangle is shown and no seam is jagged.
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
+#include "reflections/ghost.glsl"
+#include "reflections/tile_rays.glsl"
 // counters: nodes, with the heads before them; offers; large ones | [tile] x: first node of its list | [node] offer, next or 0
 layout(std430, binding = 9) coherent buffer Lists { uint b_nodes, b_offers, b_large, b_unused; uvec2 b_lists[]; };
-// 5 an offer: corner, m, triangle + 1 and effort | edge, m, nearest, m | edge, m, reflector | two corners on screen, px | the third, margin, px
+// 5 an offer: corner, m, triangle + 1 and effort | edge, m, 0 | edge, m, reflector | two corners on screen, px | the third, margin, px
 layout(std430, binding = 10) coherent buffer Offers { uvec4 b_offer[]; };
 layout(std430, binding = 11) coherent buffer Large { uint b_large_offers[]; };
-layout(binding = 47) uniform samplerBuffer t_tiles;  // as reflections/far.comp writes them
 uniform uvec2 u_capacity;  // of lists; of offers, which the large ones share
-uniform int u_covers;      // 1: something has been found before, and t_tiles says how far away
 /// Tiles that one invocation puts a triangle on the list of; of larger ones a group of its own does (reflections/large.comp).
-const int kOwnTiles = 8;
+#ifndef OWN_TILES
+#define OWN_TILES 8
+#endif
 /// What the ends of edges are known to, px.
 const float kPlace_px = 0.05;
 /// A margin that says that only the box around the corners is known.
@@ -48,7 +50,8 @@ Box make_box(vec2 p, vec2 q, vec2 r, float margin_px) {
 }
 
 /// Onto the lists of the box's tiles that its edges leave in and nothing found before covers.
-void list_offer(Box box, uint offer, float nearest_m, ivec2 first, ivec2 stride) {
+void list_offer(Box box, uint offer, float nearest_m, SceneTriangle triangle, ivec2 first, ivec2 stride) {
+  vec3 low = triangle.a + min(min(triangle.e1, triangle.e2), vec3(0.0)), high = triangle.a + max(max(triangle.e1, triangle.e2), vec3(0.0));
   ivec2 size = textureSize(t_ray_direction, 0);
   int columns = tile_columns(size), far_columns = (size.x + kFarTile - 1) / kFarTile;
   // From a tile's middle to the middles of its pixels.
@@ -59,7 +62,11 @@ void list_offer(Box box, uint offer, float nearest_m, ivec2 first, ivec2 stride)
       vec3 inside = half_way + box.x * middle.x + box.y * middle.y;
       if (min(min(inside.x, inside.y), inside.z) < 0.0) continue;
       ivec2 at = ivec2(x, y) * kTile / kFarTile;
-      if (u_covers == 1 && texelFetch(t_tiles, 4 * (at.y * far_columns + at.x)).w < nearest_m) continue;
+#if LARGE
+      if (!tile_may_meet_rounded(at.y * far_columns + at.x, low, high)) continue;
+#else
+      if (tile_far(at.y * far_columns + at.x) < nearest_m) continue;
+#endif
       uint node = atomicAdd(b_nodes, 1u);
       if (node < u_capacity.x) b_lists[node] = uvec2(offer, atomicExchange(b_lists[y * columns + x].x, node));
     }
@@ -75,13 +82,13 @@ void offer_triangle(vec2 p, vec2 q, vec2 r, float margin_px, float nearest_m, ui
   if (offer >= u_capacity.y) return;
   SceneTriangle t = fetch_triangle(int(own >> kEffortBits) - 1);
   b_offer[5u * offer] = uvec4(floatBitsToUint(t.a), own);
-  b_offer[5u * offer + 1u] = floatBitsToUint(vec4(t.e1, nearest_m));
+  b_offer[5u * offer + 1u] = floatBitsToUint(vec4(t.e1, 0.0));
   b_offer[5u * offer + 2u] = uvec4(floatBitsToUint(t.e2), uint(reflector));
-  if (extent.x * extent.y > kOwnTiles) {
+  if (extent.x * extent.y > OWN_TILES) {
     b_offer[5u * offer + 3u] = floatBitsToUint(vec4(p, q));
     b_offer[5u * offer + 4u] = floatBitsToUint(vec4(r, margin_px, 0.0));
     b_large_offers[atomicAdd(b_large, 1u)] = offer;
     return;
   }
-  list_offer(box, offer, nearest_m, ivec2(0), ivec2(1));
+  list_offer(box, offer, nearest_m, t, ivec2(0), ivec2(1));
 }

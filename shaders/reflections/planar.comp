@@ -9,6 +9,7 @@ uniform int u_reflector;
 uniform int u_first;
 uniform int u_count;
 uniform float u_margin_px;
+uniform float u_px_rad;  // what a pixel in the middle sees
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
@@ -24,10 +25,12 @@ void main() {
     at[k] = (0.5 * vec2(clip.x, -clip.y) / clip.w + 0.5) * size;
   }
   if (highest <= 0.0) return;
-  vec2 low = min(min(at[0], at[1]), at[2]) - u_margin_px, high = max(max(at[0], at[1]), at[2]) + u_margin_px;
+  // The way to the mirror and on is clip.w at least; beside the axis pixels are smaller.
+  float margin_px = u_margin_px + 2.0 * kGhostSlack * ghost_reach(nearest) / (nearest * u_px_rad);
+  vec2 low = min(min(at[0], at[1]), at[2]) - margin_px, high = max(max(at[0], at[1]), at[2]) + margin_px;
   uint own = offered(triangle, 0);
   if (nearest <= 1e-6)  // around the mirrored eye
     offer_triangle(u_window.xy, u_window.zw, u_window.xy, kBoxOnly, 0.0, own, u_reflector);
   else if (all(greaterThanEqual(high, u_window.xy)) && all(lessThanEqual(low, u_window.zw)))
-    offer_triangle(at[0], at[1], at[2], u_margin_px, 0.0, own, u_reflector);
+    offer_triangle(at[0], at[1], at[2], margin_px, 0.0, own, u_reflector);
 }

@@ -75,6 +75,8 @@ vec3 unseen_radiance(ivec2 pixel, int triangle, float reflector, float cosine) {
 #include "shared/pane.glsl"
 uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
 uniform float u_wedge;            // rad: how much thicker a pane gets upwards
+// [reflector] 2: how far the second ray is from the front's at most, m at its origin and m more for each m along it; bits of floats
+layout(std430, binding = 8) buffer GhostReach { uint b_reach[]; };
 #endif
 
 struct PanePoint {
@@ -183,7 +185,12 @@ void main() {
       ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
       origin.xyz += ghost.offset;
       direction = thickness > 0.0 && ghost.valid ? vec4(ghost.direction, float(pane.y)) : vec4(0.0);
-      if (direction.w == 0.0) origin = vec4(0.0);
+      if (direction.w == 0.0) {
+        origin = vec4(0.0);
+      } else {
+        atomicMax(b_reach[2 * reflector], floatBitsToUint(length(ghost.offset)));
+        atomicMax(b_reach[2 * reflector + 1], floatBitsToUint(length(ghost.direction - mirrored)));
+      }
 #endif
 #if SKIP
       vec3 unseen = unseen_radiance(pixel, triangle, direction.w, -dot(point.normal, incident));

@@ -226,6 +226,7 @@ struct Renderer::Impl {
   /// Whether the hits of the frame before hold, so that they are only shaded anew.
   void keep_reflections(const FrameRequest& request, FramePlan* plan);
   Image read_reflection(int channel) const;
+  Image read_reflected_distances() const;  ///< m from the eye by way of the reflector, 0 for the sky
   Image read_ghost();          ///< the second image alone
   Image read_skipped() const;  ///< 1 where the mirrored ray was not followed
   void draw_panes(ReflectionTargets* targets_of_panes);

@@ -36,7 +36,7 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, skipped } from;
+  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, distance, skipped } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -54,6 +54,7 @@ constexpr ViewSource kViews[] = {
     {"material", ViewSource::surface, 2},
     {"reflection", ViewSource::reflection, 0},
     {"ghost", ViewSource::reflection, 1},
+    {"reflection_distance", ViewSource::distance, 0},
     {"reflection_steps", ViewSource::effort, 0},
     {"reflection_root", ViewSource::effort, 1},
     {"reflection_doubt", ViewSource::doubt, 0},
@@ -104,6 +105,19 @@ Image Renderer::Impl::read_reflection(int channel) const {
   return image;
 }
 
+Image Renderer::Impl::read_reflected_distances() const {
+  Image image = read_reflection(-1);
+  const auto origin = read_texture<float>(reflection->ray_origin, GL_RGBA, GL_FLOAT, 4);
+  const auto along_m = read_texture<float>(reflection->depth, GL_RED, GL_FLOAT, 1);
+  const glm::vec3 eye(constants.eye);
+  for (std::size_t i = 0; i < along_m.size(); ++i) {
+    const glm::vec3 to = glm::vec3(origin[4 * i], origin[4 * i + 1], origin[4 * i + 2]) - eye;
+    const bool hits = image.data[4 * i + 3] > 0.0f && along_m[i] > 0.0f;
+    for (std::size_t c = 0; c < 3; ++c) image.data[4 * i + c] = hits ? glm::length(to) + along_m[i] : 0.0f;
+  }
+  return image;
+}
+
 Image Renderer::Impl::read_ghost() {
   if (last_plan.reflections.empty() || !ghost)
     throw Error("--view", "there is no second image", "add --set reflections.ghost=true");
@@ -135,6 +149,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
   if (view->from == ViewSource::reflection) return impl_->read_reflection(-1);
   if (view->from == ViewSource::doubt) return impl_->read_reflection(2);
   if (view->from == ViewSource::effort) return impl_->read_reflection(view->channel);
+  if (view->from == ViewSource::distance) return impl_->read_reflected_distances();
   if (view->from == ViewSource::skipped) return impl_->read_skipped();
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);

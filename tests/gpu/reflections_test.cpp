@@ -375,6 +375,34 @@ TEST_F(Reflections, ViewsTellWhatTheSearchTook) {
   EXPECT_LE(range("reflection_root").second, 3.0f);
 }
 
+/// A wall 4 m before a flat mirror, seen by way of it: where its image stands behind the mirror.
+TEST_F(Reflections, DistancesAreThoseOfTheMirrorImage) {
+  Scene scene;
+  scene.materials.assign(3, plain("grey", glm::vec3(0.5f)));
+  scene.materials.push_back(mirror_metal());
+  add_patch(&scene, 0.0f);
+  add(&scene, make_grid({-5.0f, -5.0f, 3.0f}, {10, 0, 0}, {0, 10, 0}, 4, 0), "wall");
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  for (const char* technique : {"raytraced", "bezier", "triangle"}) {
+    SCOPED_TRACE(technique);
+    FrameRequest request = request_of(technique);
+    request.camera.eye = {0.0f, 0.0f, 1.8f};
+    renderer_.render(request);
+    const Image image = renderer_.read_debug_view("reflection_distance");
+    const float px = 2.0f * std::tan(0.5f * request.camera.fov_y_rad) / static_cast<float>(image.height);
+    int seen = 0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        if (image.at(x, y, 3) <= 0.0f) continue;
+        ++seen;
+        const float across = px * (static_cast<float>(x) + 0.5f - 0.5f * static_cast<float>(image.width)),
+                    up = px * (static_cast<float>(y) + 0.5f - 0.5f * static_cast<float>(image.height));
+        EXPECT_NEAR(image.at(x, y, 0), (1.8f + 5.0f) * std::sqrt(1.0f + across * across + up * up), 1e-3f);
+      }
+    EXPECT_GT(seen, 5000);
+  }
+}
+
 /// While only the light turns the hits are shaded anew and not found again; when the eye moves they are.
 TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
   Scene scene = room();

@@ -130,6 +130,8 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
         static_cast<bool>(material.normal_texture) || static_cast<bool>(material.clearcoat_normal_texture);
     facts.has_mask |= material.alpha_mode == AlphaMode::mask;
     facts.has_glass |= material.glass || material.alpha_mode == AlphaMode::blend;
+    facts.has_sheen |= material.measured.empty() && material.sheen_color != glm::vec3(0.0f);
+    facts.has_clearcoat |= material.measured.empty() && material.clearcoat > 0.0f;
     facts.has_emissive_meshes |= is_emissive(material);
   }
   for (const Node& node : scene.nodes) {
@@ -155,6 +157,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   const bool traced = mode_name == "reference";
   plan.lights = shines && (mode_name == "uniform" || mode_name == "bandwidth" || traced);
   decide_reflections(facts, view, &plan);
+  plan.sheen = facts.has_sheen;
+  plan.clearcoat = facts.has_clearcoat;
   plan.glass = facts.has_glass || (!plan.reflections.empty() && view.mirrors);
   if (traced) {
     mode.add_passes(facts, settings, view, &plan);
@@ -191,6 +195,8 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!facts.has_normal_maps) plan.left_out.push_back({"normal_maps", "no material has one"});
   if (!facts.has_mask) plan.left_out.push_back({"alpha_mask", "no material is cut out"});
   if (facts.measured_count == 0) plan.left_out.push_back({"measured_materials", "every material is analytic"});
+  if (!facts.has_sheen) plan.left_out.push_back({"sheen", "no material without a table has it"});
+  if (!facts.has_clearcoat) plan.left_out.push_back({"clearcoat", "no material without a table has it"});
   if (!facts.has_subdivision) plan.left_out.push_back({"subdivision", "no mesh has a control cage"});
   if (plan.visibility == "traced")
     plan.passes.push_back({"octree", "shading.visibility is traced"});

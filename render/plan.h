@@ -29,11 +29,13 @@ struct SceneFacts {
   bool has_normal_maps = false;
   bool has_mask = false;
   bool has_glass = false;
+  bool has_sheen = false;  ///< of materials without a table, as the next
+  bool has_clearcoat = false;
   bool has_punctual_lights = false;
   bool has_emissive_meshes = false;
   bool has_subdivision = false;
   int reflector_count = 0;  ///< patches and nodes that the scene marks
-  bool enclosed = false;  ///< the eye region is closed in (decides shading.visibility = auto)
+  bool enclosed = false;    ///< the eye region is closed in (decides shading.visibility = auto)
 };
 SceneFacts compute_facts(const Scene& scene, int variant);
 
@@ -54,7 +56,8 @@ struct FramePlan {
   bool texture_bandwidth = false;
   bool lights = false;  ///< punctual lights or emissive meshes are sampled
   bool glass = false;
-  std::string reflections;  ///< reflector technique, or empty
+  bool sheen = false, clearcoat = false;  ///< lobes that analytic materials may have
+  std::string reflections;                ///< reflector technique, or empty
   int msaa = 1;
   std::vector<PlannedPass> passes;
   std::vector<LeftOut> left_out;

@@ -77,9 +77,13 @@ ShaderVariant gather_variant(bool accumulate, bool textures) {
 }
 
 ShaderVariant shade_variant(const FramePlan& plan, int measured) {
-  return {"shading/shade.comp",
-          "",
-          {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
+  ShaderVariant variant{
+      "shading/shade.comp",
+      "",
+      {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
+  if (!measured && !plan.sheen) variant.defines.emplace_back("ANALYTIC_SHEEN", "0");
+  if (!measured && !plan.clearcoat) variant.defines.emplace_back("ANALYTIC_COAT", "0");
+  return variant;
 }
 
 std::vector<ShaderVariant> all_shader_variants() {
@@ -97,8 +101,12 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.lights = j & 1;
       plan.texture_bandwidth = j & 1;
       variants.push_back(predict_variant(plan, k));
-      variants.push_back(shade_variant(plan, k));
-      for (const bool looks_back : {false, true}) variants.push_back(scheduled_shade_variant(plan, k, looks_back));
+      for (int lobes = 0; lobes < (k == 0 ? 4 : 1); ++lobes) {
+        plan.sheen = lobes & 1;
+        plan.clearcoat = lobes & 2;
+        variants.push_back(shade_variant(plan, k));
+        for (const bool looks_back : {false, true}) variants.push_back(scheduled_shade_variant(plan, k, looks_back));
+      }
       for (const char* reflections : {"", "raytraced"}) {
         plan.reflections = reflections;
         const bool textured = j & 1;

@@ -8,6 +8,14 @@
 #define MAQUETTE_FN
 #endif
 
+// Lobes that no material has need not be compiled: a software device runs a branch that no lane takes.
+#ifndef ANALYTIC_SHEEN
+#define ANALYTIC_SHEEN 1
+#endif
+#ifndef ANALYTIC_COAT
+#define ANALYTIC_COAT 1
+#endif
+
 struct AnalyticMaterial {
   vec3 diffuse;      // albedo of the Lambert lobe
   vec3 f0;           // specular reflectance at normal incidence
@@ -85,6 +93,7 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
   vec3 specular = fresnel * (ggx_d(h, m.alpha) * ggx_visibility(wi.z, wo.z, m.alpha));
   AnalyticLobes r;
   r.total = m.diffuse * (kInvPi * (1.0f - largest_fresnel)) + specular;
+#if ANALYTIC_SHEEN
   if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0f) {
     // Charlie distribution with the cheap visibility term of KHR_materials_sheen.
     float sin_h = sqrt(max(h.x * h.x + h.y * h.y, 1.0e-8f));
@@ -92,14 +101,17 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
     float d = (2.0f + inv) * pow(sin_h, inv) * 0.15915494309f;
     r.total = r.total + m.sheen * (d / (4.0f * max(wi.z + wo.z - wi.z * wo.z, 1.0e-4f)));
   }
+#endif
   r.specular = luminance(specular);
   r.coat = 0.0f;
+#if ANALYTIC_COAT
   if (m.coat > 0.0f) {
     float fc = m.coat * (0.04f + 0.96f * w);
     r.coat = fc * ggx_d(h, m.coat_alpha) * ggx_visibility(wi.z, wo.z, m.coat_alpha);
     r.total = r.total * (1.0f - fc) + vec3(r.coat);
     r.specular *= 1.0f - fc;
   }
+#endif
   return r;
 }
 
@@ -122,7 +134,9 @@ MAQUETTE_FN float ggx_visible_pdf(vec3 h, vec3 wo, float alpha) {
 MAQUETTE_FN float analytic_pdf(AnalyticMaterial m, vec3 weights, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
   float pdf = weights.x * wi.z * kInvPi + weights.y * ggx_visible_pdf(h, wo, m.alpha);
+#if ANALYTIC_COAT
   if (weights.z > 0.0f) pdf += weights.z * ggx_visible_pdf(h, wo, m.coat_alpha);
+#endif
   return pdf;
 }
 

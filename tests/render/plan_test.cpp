@@ -126,6 +126,24 @@ TEST(Facts, CountWhatIsUsedAndVisible) {
   EXPECT_TRUE(compute_facts(scene, 1).has_emissive_meshes);
 }
 
+TEST(Facts, LobesCountWhereAnAnalyticMaterialHasThem) {
+  Scene scene = make_box(true);
+  scene.materials[0].sheen_color = glm::vec3(0.1f, 0.0f, 0.0f);
+  scene.materials[0].measured = "builtin:leather-black";
+  const auto has = [&] {
+    const SceneFacts facts = compute_facts(scene, -1);
+    const FramePlan made = plan(facts, "uniform", {}, {});
+    EXPECT_EQ(made.sheen, !leaves_out(made, "sheen"));
+    EXPECT_EQ(made.clearcoat, !leaves_out(made, "clearcoat"));
+    return std::pair(made.sheen, made.clearcoat);
+  };
+  EXPECT_EQ(has(), std::pair(false, false));
+  scene.materials[1].sheen_color = glm::vec3(0.0f, 0.0f, 0.1f);
+  EXPECT_EQ(has(), std::pair(true, false));
+  scene.materials[1].clearcoat = 0.5f;
+  EXPECT_EQ(has(), std::pair(true, true));
+}
+
 TEST(Plan, VisibilityIsDecidedByTheScene) {
   SceneFacts facts;
   Settings settings;

@@ -220,6 +220,12 @@ Primitive make_cowl(const Primitive& skin) {
   return symmetric(flipped(offset(clip(skin, region), -0.018)));
 }
 
+/// What closes the cabin towards the engine: without it the driver would see the road below the bonnet.
+Primitive make_bulkhead() {
+  const Primitive plane = make_quad({0.0, 0.2, 0.9}, {0.0, 0.85, 0.0}, {0.95, 0.0, 0.0}, 24);
+  return symmetric(clip(plane, [](const Vec3& p) { return car_body(p) + 0.016; }));
+}
+
 }  // namespace
 
 void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
@@ -261,6 +267,7 @@ void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
   add_nose(builder, m, skin);
   add_tail(builder, m, skin);
   builder->add_part("cowl", make_cowl(skin), m.hard);
+  builder->add_part("bulkhead", make_bulkhead(), m.hard);
   builder->add_part("roof_lining", make_lining(skin), m.headliner);
 }
 

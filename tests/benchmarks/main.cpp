@@ -36,6 +36,7 @@ constexpr Part kParts[] = {
     {"octree", "octrees: building, walking against Embree, what they hide", measure_octree},
     {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin",
      measure_path_tracer},
+    {"meter", "when the window knows the error of a resting picture", measure_meter},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

@@ -124,5 +124,6 @@ Figures measure_reflection_frames(Stage& stage);
 Figures measure_skipping(Stage& stage);
 Figures measure_octree(Stage& stage);
 Figures measure_path_tracer(Stage& stage);
+Figures measure_meter(Stage& stage);
 
 }  // namespace maquette::bench

@@ -1,6 +1,7 @@
 #include "render/plan.h"
 
 #include "render/enclosure.h"
+#include "render/reflections/reflectors.h"
 #include "render/registry.h"
 #include "scenes/error.h"
 
@@ -38,6 +39,24 @@ std::vector<bool> used_materials(const Scene& scene, int variant) {
     if (node.patch >= 0) mark(scene.patches[static_cast<std::size_t>(node.patch)].material);
   }
   return used;
+}
+
+/// Of find_reflectors without names, before it is known which materials mirror.
+int count_reflectors(const Scene& scene, int variant) {
+  const bool marks = marks_reflectors(scene);
+  const auto counts = [&](const Node& node, int material) {
+    const bool named = material >= 0 && material < static_cast<int>(scene.materials.size());
+    return reflects_unnamed(scene, node, marks, named && scene.materials[static_cast<std::size_t>(material)].glass);
+  };
+  int count = 0;
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    if (node.patch >= 0) count += counts(node, scene.patches[static_cast<std::size_t>(node.patch)].material);
+    if (node.mesh < 0) continue;
+    for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+      count += counts(node, material_of(primitive, variant));
+  }
+  return count;
 }
 
 std::string decide_visibility(const SceneFacts& facts, const std::string& mode, const std::string& asked,
@@ -89,7 +108,7 @@ void decide_reflections(const SceneFacts& facts, const ViewInfo& view, FramePlan
     plan->left_out.push_back({"reflections", "mode reference follows the mirrored paths itself"});
   } else if (reflectors == 0) {
     plan->left_out.push_back(
-        {"reflections", "no glass or mirror of the scene is a reflector; name one with --reflector"});
+        {"reflections", "the scene marks no reflector and has no pane of glass; name a mirror with --reflector"});
   } else if (seen == 0) {
     plan->left_out.push_back({"reflections", "no reflector is in view"});
   } else {
@@ -134,13 +153,10 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
     facts.has_clearcoat |= material.measured.empty() && material.clearcoat > 0.0f;
     facts.has_emissive_meshes |= is_emissive(material);
   }
+  facts.reflector_count = count_reflectors(scene, variant);
   for (const Node& node : scene.nodes) {
     if (!node.visible) continue;
     facts.has_punctual_lights |= node.light >= 0;
-    if (node.patch >= 0)
-      facts.reflector_count += node.reflector || scene.patches[static_cast<std::size_t>(node.patch)].reflector;
-    else
-      facts.reflector_count += node.mesh >= 0 && node.reflector;
     facts.has_subdivision |= node.mesh >= 0 && scene.meshes[static_cast<std::size_t>(node.mesh)].cage != nullptr;
   }
   facts.enclosed = is_enclosed(scene, variant);

@@ -34,7 +34,7 @@ struct SceneFacts {
   bool has_punctual_lights = false;
   bool has_emissive_meshes = false;
   bool has_subdivision = false;
-  int reflector_count = 0;  ///< patches and nodes that the scene marks
+  int reflector_count = 0;  ///< surfaces that the scene marks, or its panes when it marks none
   bool enclosed = false;    ///< the eye region is closed in (decides shading.visibility = auto)
 };
 SceneFacts compute_facts(const Scene& scene, int variant);

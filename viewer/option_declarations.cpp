@@ -239,7 +239,8 @@ std::vector<OptionDeclaration> technique_options() {
                                        o->reflections = t;
                                      }))),
       shared(
-          "--reflector", "NODE", "node that reflects, instead of those that the scene marks",
+          "--reflector", "NODE",
+          "node that reflects, instead of those that the scene marks (all its panes where it marks none)",
           [](O* o, const std::string& t) { o->reflectors.push_back(t); }, true),
       one_picture(shared("--look", "NAME", "look of a review file",
                          [](O*, const std::string& t) {

@@ -12,7 +12,7 @@ namespace {
 
 bool is_marked(const Scene& scene, const Node& node) {
   if (node.patch >= 0) return node.reflector || scene.patches[static_cast<std::size_t>(node.patch)].reflector;
-  return node.reflector;
+  return node.mesh >= 0 && node.reflector;
 }
 
 /// The plane that all points keep to within 1e-6 of their extent; where they have normals, these must be the plane's.
@@ -73,6 +73,15 @@ void check_names(const Scene& scene, const std::vector<std::string>& names) {
 
 }  // namespace
 
+bool marks_reflectors(const Scene& scene) {
+  return std::any_of(scene.nodes.begin(), scene.nodes.end(),
+                     [&](const Node& node) { return node.visible && is_marked(scene, node); });
+}
+
+bool reflects_unnamed(const Scene& scene, const Node& node, bool marks, bool glass) {
+  return marks ? is_marked(scene, node) : glass;
+}
+
 bool can_mirror(const Material& material) {
   if (material.glass) return true;
   return material.measured.empty() && material.metallic > 0.5f && material.roughness < 0.1f;
@@ -83,12 +92,13 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
                                        const std::vector<std::string>& names) {
   check_names(scene, names);
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  const bool marks = marks_reflectors(scene);
   std::vector<Reflector> found;
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
     if (geometry.items[i].node < 0) continue;
     const Node& node = scene.nodes[static_cast<std::size_t>(geometry.items[i].node)];
     const bool named = std::find(names.begin(), names.end(), node.name) != names.end();
-    if (names.empty() ? !is_marked(scene, node) : !named) continue;
+    if (names.empty() ? !reflects_unnamed(scene, node, marks, materials[i]->glass) : !named) continue;
     if (!can_mirror(*materials[i])) {
       if (names.empty()) continue;
       throw Error("--reflector " + node.name,

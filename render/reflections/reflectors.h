@@ -25,12 +25,18 @@ struct Reflector {
 /// At most this many are drawn; shaders/reflections/reflectors.glsl has the same number.
 constexpr std::size_t kMaxReflectors = 16;
 
-/// The reflectors of the scene: patches and nodes marked so, or, when `names` is not empty, the nodes named so.
+/// The reflectors of the scene: patches and nodes marked so; all panes of a scene that marks none; or, when `names` is
+/// not empty, the nodes named so.
 /// `materials[i]` is the material of item i. Throws Error for a name that is not in the scene, for a node that is
 /// neither glass nor a smooth metal, and for too many of them.
 std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& geometry,
                                        const std::vector<const Material*>& materials,
                                        const std::vector<std::string>& names);
+
+/// Whether anything of the scene that is shown is marked as a reflector.
+bool marks_reflectors(const Scene& scene);
+/// Whether a surface reflects when none is named: `marks` is marks_reflectors, `glass` that its material is a pane.
+bool reflects_unnamed(const Scene& scene, const Node& node, bool marks, bool glass);
 
 /// True for a material that mirrors as a pane, or as a metal smoother than roughness 0.1.
 bool can_mirror(const Material& material);

@@ -9,9 +9,11 @@
 #include <set>
 
 #include "render/enclosure.h"
+#include "render/reflections/reflectors.h"
 #include "render/registry.h"
 #include "scenes/error.h"
 #include "test_paths.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
@@ -184,6 +186,38 @@ TEST(Plan, OctreeReflectionsWantAnOctree) {
   EXPECT_EQ(p.visibility, "none");
   view.reflectors_in_view = 0;
   EXPECT_FALSE(has_pass(plan({}, "bandwidth", {}, view), "octree"));
+}
+
+/// A scene from elsewhere marks no reflectors: its panes are. Marks and names choose others; plan and renderer agree.
+TEST(Plan, PanesReflectWhereNothingIsMarked) {
+  Scene scene;
+  Material glass, chrome;
+  glass.glass = true;
+  chrome.metallic = 1.0f;
+  chrome.roughness = 0.0f;
+  scene.materials = {glass, chrome};
+  test::add(&scene, test::make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 2, 0));
+  test::add(&scene, test::make_grid({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, 2, 1));
+  scene.nodes[0].name = "pane";
+  const auto reflecting = [&](const std::vector<std::string>& names) {
+    const FlatGeometry geometry = flatten(scene);
+    std::vector<const Material*> of_items(geometry.items.size());
+    for (std::size_t i = 0; i < of_items.size(); ++i)
+      of_items[i] = &scene.materials[geometry.items[i].node == 0 ? 0 : 1];
+    std::vector<int> nodes;
+    for (const Reflector& r : find_reflectors(scene, geometry, of_items, names)) nodes.push_back(r.node);
+    return nodes;
+  };
+  EXPECT_EQ(reflecting({}), std::vector<int>{0});
+  EXPECT_EQ(compute_facts(scene, -1).reflector_count, 1);
+  scene.nodes[1].reflector = true;
+  EXPECT_EQ(reflecting({}), std::vector<int>{1});
+  EXPECT_EQ(compute_facts(scene, -1).reflector_count, 1);
+  EXPECT_EQ(reflecting({"pane"}), std::vector<int>{0});
+  scene.nodes[1].reflector = false;
+  scene.materials[0].glass = false;
+  EXPECT_TRUE(reflecting({}).empty());
+  EXPECT_EQ(compute_facts(scene, -1).reflector_count, 0);
 }
 
 TEST(Plan, NeverFallsBack) {

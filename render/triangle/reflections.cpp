@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <string>
 
 #include "render/reflections/nearest_hits.h"
 #include "render/triangle/facets.h"
+#include "scenes/error.h"
 
 namespace maquette {
 
@@ -17,6 +19,9 @@ constexpr std::size_t kFacetTexels = 22;
 /// Pairs of mirror triangle and cluster that are taken at once.
 constexpr std::size_t kMostPairs = 32000;
 constexpr std::size_t kKeptBytes = 8;
+/// More than so many pairs would take minutes (a cockpit's windshield has 20,000, which take a quarter of a second on
+/// two cores): a window would stand still.
+constexpr std::size_t kMostPairsAFrame = 400000;
 
 // As in shaders/triangle/*.comp.
 enum Counter { kept, boxes, roots, footprints, counter_count };
@@ -61,6 +66,11 @@ class TriangleReflections : public ReflectorTechnique {
       facets_.insert(facets_.end(), more.begin(), more.end());
     }
     find_pairs(frame);
+    if (pairs_.size() > kMostPairsAFrame)
+      throw Error("--reflections triangle",
+                  std::to_string(facets_.size()) + " triangles of reflectors would look at " +
+                      std::to_string(pairs_.size()) + " parts of the scene, which would take minutes",
+                  "use raytraced or octree, or name a smaller reflector with --reflector");
     if (!pairs_.empty()) {
       facet_buffer_ = Buffer::from("mirror triangles", facet_texels(facets_));
       facet_view_ = Texture::make_buffer("mirror triangles", GL_RGBA32F, facet_buffer_);

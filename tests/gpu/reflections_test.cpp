@@ -257,6 +257,20 @@ TEST_F(Reflections, AMeshReflectsByItsNormals) {
   }
 }
 
+/// A mirror of very many triangles before a scene of very many: refused, not drawn for minutes.
+TEST_F(Reflections, TriangleRefusesWhatWouldTakeMinutes) {
+  Scene scene = room();
+  add_mesh_mirror(&scene, 0.3f, 200);
+  add(&scene, make_grid({-1.0f, -1.0f, 1.0f}, {2, 0, 0}, {0, 2, 0}, 250, 0));
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  try {
+    renderer_.render(request_of("triangle"));
+    FAIL() << "drawn";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("raytraced"), std::string::npos) << error.what();
+  }
+}
+
 TEST_F(Reflections, APlaneMirrorIsExact) {
   for (const bool mesh : {false, true}) {
     SCOPED_TRACE(mesh);

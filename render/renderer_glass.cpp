@@ -54,7 +54,8 @@ void Renderer::Impl::order_panes(const std::vector<std::size_t>& items) {
   if (pane_order && pane_order->eye == eye && pane_order->geometry_epoch == geometry_epoch &&
       pane_order->items == items)
     return;
-  pane_order.emplace(PaneOrder{.eye = eye, .geometry_epoch = geometry_epoch, .items = items});
+  pane_order.emplace(
+      PaneOrder{.eye = eye, .geometry_epoch = geometry_epoch, .items = items, .first = {}, .indices = {}});
   const FlatGeometry& geometry = buffers->geometry();
   std::vector<std::uint32_t> sorted;
   for (std::size_t i : items) {

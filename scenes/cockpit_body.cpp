@@ -217,7 +217,7 @@ Primitive make_cowl(const Primitive& skin) {
   const Field region = [](const Vec3& p) {
     return std::max({0.48 - p.z, p.z - 1.9, 0.72 - p.y, -0.002 - windshield_outline(p), -side_glass_outline(p)});
   };
-  return symmetric(flipped(offset(clip(skin, region), -0.018)));
+  return symmetric(flipped(offset(clip(skin, region), -0.012)));
 }
 
 /// What closes the cabin towards the engine: without it the driver would see the road below the bonnet.

@@ -84,9 +84,7 @@ Point load_point(ivec2 pixel) {
   return p;
 }
 
-/// Measured BRDF: linear between bin centres along theta_h, where lobes are steep; along theta_d and phi_d one of the two
-/// neighbours is chosen with its linear weight by `xi`, so that the expectation is the trilinear value at a quarter of the fetches.
-/// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4.
+/// Where measured_brdf reads: found first, so that several samples' words can be fetched at once.
 struct BrdfPlace {
   int index;       // of the word at the lower bin centre along theta_h
   float fraction;  // of the upper one
@@ -106,12 +104,15 @@ uvec2 fetch_brdf(BrdfPlace b) {
 vec3 brdf_value(uvec2 words, float fraction) {
   return mix(unpack_rgb9e5(words.x, kBrdfBias), unpack_rgb9e5(words.y, kBrdfBias), fraction);
 }
+/// Measured BRDF: linear between bin centres along theta_h, where lobes are steep; along theta_d and phi_d one of the two
+/// neighbours is chosen with its linear weight by `xi`, so that the expectation is the trilinear value at a quarter of the fetches.
+/// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4.
 vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
   BrdfPlace b = brdf_place(slot, wi, wo, xi);
   return brdf_value(fetch_brdf(b), b.fraction);
 }
 
-/// Environment radiance (stored units): one of the four texels around with its bilinear weight, by `xi`.
+/// Index of one of the four texels around, chosen with its bilinear weight by `xi`.
 int environment_index(vec3 d, vec2 xi) {
   ivec2 size = u_frame.environment_size.xy;
   vec2 uv = latlong_uv_from_direction(d) * vec2(size);
@@ -121,6 +122,7 @@ int environment_index(vec3 d, vec2 xi) {
   return p.y * size.x + p.x;
 }
 uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
+/// Radiance of a fetched texel, stored units.
 vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 int g_brdf_slot = 0;  // whose cells the shared sampler reads

@@ -31,6 +31,17 @@ Scene room() {
   return scene;
 }
 
+/// From above onto the floor, with baked shadows.
+FrameRequest into_room(const std::string& mode, int side, int samples) {
+  FrameRequest request;
+  request.mode = mode;
+  request.width = request.height = side;
+  request.samples = samples;
+  request.camera = {.eye = {0.3f, 0.9f, 0.2f}, .target = {0.0f, -1.0f, 0.0f}, .up = {0, 0, -1}, .fov_y_rad = 1.0f};
+  request.settings.set_from_text("shading.visibility", "baked");
+  return request;
+}
+
 glm::dvec3 mean(const Image& image) {
   glm::dvec3 sum(0.0);
   for (int y = 0; y < image.height; ++y)
@@ -46,12 +57,7 @@ TEST_P(Indirect, RoomIsAsBrightAsThePathTracerSays) {
   Renderer renderer;
   renderer.set_scene(scene);
   renderer.set_environment(sky);
-  FrameRequest request;
-  request.mode = GetParam();
-  request.width = request.height = 40;
-  request.samples = 128;
-  request.camera = {.eye = {0.3f, 0.9f, 0.2f}, .target = {0.0f, -1.0f, 0.0f}, .up = {0, 0, -1}, .fov_y_rad = 1.0f};
-  request.settings.set_from_text("shading.visibility", "baked");
+  FrameRequest request = into_room(GetParam(), 40, 128);
   request.env_rotation_rad = 0.6f;
   const auto draw = [&](const char* indirect) {
     request.settings.set_from_text("shading.indirect", indirect);
@@ -136,12 +142,7 @@ TEST_P(Indirect, ALightThatTurnsIsFollowed) {
   const auto sky = test::sky_of(128, 64, [](const glm::dvec3& d) {
     return glm::dvec3(1.0 + 40.0 * std::pow(std::max(d.x * 0.8 + d.y * 0.6, 0.0), 16.0));
   });
-  FrameRequest request;
-  request.mode = GetParam();
-  request.width = request.height = 32;
-  request.samples = 64;
-  request.camera = {.eye = {0.3f, 0.9f, 0.2f}, .target = {0.0f, -1.0f, 0.0f}, .up = {0, 0, -1}, .fov_y_rad = 1.0f};
-  request.settings.set_from_text("shading.visibility", "baked");
+  FrameRequest request = into_room(GetParam(), 32, 64);
   request.settings.set("shading.reuse", false);
   constexpr float kTurn_rad = 1.2f, kStep_rad = 0.02f;
   const auto at_rest_at = [&](float rotation_rad, float shown_rad) {

@@ -217,7 +217,10 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   const bool accumulate = bandwidth && progressive;
-  if (bandwidth) mark.set("u_scouts", accumulate ? scout_share() : 0.0f);
+  if (bandwidth) {
+    mark.set("u_scouts", accumulate ? scout_share() : 0.0f);
+    glBindTextureUnit(20, t.curvature.get());
+  }
   if (refine) {
     glBindImageTexture(1, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     mark.set("u_items_per_deviation", refine->items_per_deviation);

@@ -98,13 +98,13 @@ void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned*
   mark.set("u_sample_scale", 1.0f);
   t.counters.clear_to_zero();
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  glBindTextureUnit(20, t.curvature.get());
   dispatch_tiles(mark, t.surface_tiles, 2, band, renewed_share(turn));
   const Program& schedule = programs.get(kSchedule);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   glBindTextureUnit(18, history->mean.get());
   glBindTextureUnit(19, history->renewed.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history->counters.get());
-  glBindTextureUnit(20, t.curvature.get());
   schedule.set("u_item_capacity", t.item_capacity);
   schedule.set("u_turn_rad", std::abs(turn.angle_rad));
   schedule.set("u_frame_number", static_cast<int>(turn.frame));

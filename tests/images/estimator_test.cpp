@@ -9,6 +9,7 @@
 #include "render/metrics.h"
 #include "render/renderer.h"
 #include "tests/support/sphere_quadrature.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
@@ -109,6 +110,25 @@ TEST_F(Estimator, BandwidthConvergesToUniform) {
     EXPECT_LT(late, std::hypot(0.005, noise)) << material << " noise " << noise;
     RecordProperty(material, std::to_string(late));
   }
+}
+
+TEST_F(Estimator, ShallowCreasesAreNotFilledOver) {
+  // Facets that turn by 0.2 rad: one smooth surface for the bilateral weights, but what lies on a crease is not between
+  // its neighbours however dense these are. Filled, it kept 11 % of error at any count of samples.
+  show("builtin:matte-white");
+  Scene scene;
+  scene.materials.push_back(test::matte(glm::vec3(0.8f)));
+  constexpr int kFacets = 14;
+  for (int i = 0; i < kFacets; ++i) {
+    const float width = 2.8f / kFacets, rise = (i % 2 ? -0.1f : 0.1f) * width;
+    const glm::vec3 corner{-1.4f + width * static_cast<float>(i), -1.4f, i % 2 ? 0.1f * width : 0.0f};
+    test::add(&scene, test::make_grid(corner, {width, 0.0f, rise}, {0.0f, 2.8f, 0.0f}, 1, 0));
+  }
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  const Image converged = draw(request("uniform", 1024, 5, 96), 4);
+  const double error = difference(draw(request("bandwidth", 1024, 6, 96)), converged);
+  RecordProperty("error", std::to_string(error));
+  EXPECT_LT(error, 0.02);
 }
 
 TEST_F(Estimator, EveryPointIsShadedInTheEnd) {

@@ -1,5 +1,7 @@
 #include "render/triangle/triangle_mirror.h"
 
+#include "render/float_rounding.h"
+
 namespace maquette {
 
 namespace {
@@ -9,8 +11,8 @@ struct Split {
 };
 
 Split split(const glm::dvec3& v) {
-  const glm::vec3 value(v);
-  return {value, glm::vec3(v - glm::dvec3(value))};
+  const glm::dvec3 value = rounded_to_float(v);
+  return {glm::vec3(value), glm::vec3(v - value)};
 }
 
 }  // namespace

@@ -68,6 +68,7 @@ MAQUETTE_FN Real path_length(vec3 surface_point, vec3 eye, vec3 p) { return leng
 
 // Newton stops when the law of reflection holds to about this angle (rad).
 const Real kLawGoal = Real(1.0e-5f);
+const Real kLawLimit = Real(5.0e-5f);  // what is further off is none
 const Real kRounding = Real(2.0e-7f);
 
 // What Newton's method needs at one point: the path length, its gradient, and its Hessian in two parts. `spread` comes from the two
@@ -86,6 +87,12 @@ struct PathTerms {
 };
 
 MAQUETTE_FN Real not_zero(Real x) { return max(x, Real(1.0e-18f)); }
+
+// How much longer the path is by way of `to` than by way of `from`: far away a float's length does not hold it.
+MAQUETTE_FN Real path_change(vec3 from, vec3 to, vec3 eye, vec3 p) {
+  vec3 a = from - eye, b = from - p, c = to - eye, d = to - p;
+  return dot(to - from, (a + c) / not_zero(length(a) + length(c)) + (b + d) / not_zero(length(b) + length(d)));
+}
 
 MAQUETTE_FN PathTerms path_terms(SurfaceJet jet, vec3 eye, vec3 p) {
   vec3 a = jet.p - eye, b = jet.p - p;
@@ -120,6 +127,9 @@ MAQUETTE_FN PathTerms path_terms(SurfaceJet jet, vec3 eye, vec3 p) {
   return t;
 }
 
+// By how much the law of reflection is missed, rad.
+MAQUETTE_FN Real law_error(PathTerms t) { return max(abs(t.along) / not_zero(Real(0.5f) * t.sum), abs(t.across)); }
+
 MAQUETTE_FN bool law_holds(PathTerms t) {
   Real goal = max(kLawGoal, t.noise);
   return abs(t.along) < max(goal * Real(0.5f) * t.sum, t.sum < Real(1.0e-4f) ? t.noise : Real(0.0f)) && abs(t.across) < goal;
@@ -152,35 +162,39 @@ MAQUETTE_FN vec2 limited(vec2 step, Real limit) {
   return size > limit ? step * (limit / size) : step;
 }
 
-// The next step, before the line search. At the border |x| = limit it slides along it.
+// The next step, before the line search. At the border |x| = limit a coordinate whose way down leads out is held; where only the step leads
+// out, each coordinate goes down by itself.
 MAQUETTE_FN vec2 next_step(SurfaceJet jet, PathTerms t, vec3 eye, vec3 p, vec2 x, Real limit) {
   vec3 h = t.spread + t.bend;
   if (!positive_definite(h)) h = positive_definite(t.spread - t.bend) ? t.spread - t.bend : t.spread;
   vec2 step = mirror_step(jet, eye, p);
   if (length(jet.dx * step[0] + jet.dy * step[1]) < Real(0.5f) * min(t.eye_distance, t.object_distance))
     step = solve_step(h, t.gradient);
-  bool held_x = abs(x[0]) >= limit && step[0] * x[0] > Real(0.0f);
-  bool held_y = abs(x[1]) >= limit && step[1] * x[1] > Real(0.0f);
-  if (held_x || held_y) {
+  bool border_x = abs(x[0]) >= limit, border_y = abs(x[1]) >= limit;
+  bool held_x = border_x && t.gradient[0] * x[0] < Real(0.0f), held_y = border_y && t.gradient[1] * x[1] < Real(0.0f);
+  bool leads_out = (border_x && step[0] * x[0] > Real(0.0f)) || (border_y && step[1] * x[1] > Real(0.0f));
+  if (held_x || held_y || leads_out) {
     step[0] = held_x ? Real(0.0f) : -t.gradient[0] / not_zero(abs(h[0]));
     step[1] = held_y ? Real(0.0f) : -t.gradient[1] / not_zero(abs(h[2]));
   }
   return limited(step, Real(1.0f));
 }
 
-// The paper's line search, for steps that are long enough to matter: halve while the half step gives a shorter path. Beyond the paper:
-// halve also while the path is longer than it was.
-MAQUETTE_FN vec2 search_line(BezierSurface s, vec3 eye, vec3 p, vec2 x, vec2 step, Real before) {
-  if (max(abs(step[0]), abs(step[1])) < Real(0.02f)) return step;
-  Real full = path_length(bezier_position(s, x + step), eye, p);
+// Where the step leads, within +-limit. The paper's line search, for steps that are long enough to matter: halve while the half step gives a
+// shorter path. Beyond the paper: halve also while the path is longer than it was.
+MAQUETTE_FN vec2 search_line(BezierSurface s, vec3 at, vec3 eye, vec3 p, vec2 x, vec2 step, Real limit) {
+  vec2 to = clamp(x + step, vec2(-limit), vec2(limit));
+  if (max(abs(step[0]), abs(step[1])) < Real(0.02f)) return to;
+  Real full = path_change(at, bezier_position(s, to), eye, p);
   for (int k = 0; k < 10; ++k) {
-    vec2 shorter = step * Real(0.5f);
-    Real half_way = path_length(bezier_position(s, x + shorter), eye, p);
-    if (full <= half_way && full <= before) break;
-    step = shorter;
+    step = step * Real(0.5f);
+    vec2 shorter = clamp(x + step, vec2(-limit), vec2(limit));
+    Real half_way = path_change(at, bezier_position(s, shorter), eye, p);
+    if (full <= half_way && full <= Real(0.0f)) break;
+    to = shorter;
     full = half_way;
   }
-  return step;
+  return to;
 }
 
 const int kReflectionInside = 0;   // a reflection point of the patch
@@ -194,13 +208,14 @@ struct ReflectionPoint {
   vec3 normal;    // unit, towards the eye
   Real length;    // of the path, m
   Real height;    // of the object above the tangent plane, m; negative behind
-  Real residual;  // of the reflection law: sine of an angle
+  Real residual;  // of the reflection law, rad
   int steps;      // of Newton's method, the mirror steps among them
   int status;
   bool converged;
 };
 
 const Real kParameterLimit = Real(4.0f);
+const Real kStill = Real(1.0e-5f);  // a step at the border that leads nowhere
 const Real kDomain = Real(1.02f);  // the first steps stay here: the extension is for objects that have no reflection
 
 MAQUETTE_FN ReflectionPoint describe(SurfaceJet jet, PathTerms t, vec3 eye, vec3 p, vec2 x) {
@@ -213,13 +228,13 @@ MAQUETTE_FN ReflectionPoint describe(SurfaceJet jet, PathTerms t, vec3 eye, vec3
   r.normal = n;
   r.length = t.length;
   r.height = dot(p - jet.p, n);
-  r.residual = length(vec2(t.along, t.across));
+  r.residual = law_error(t);
   r.steps = 0;
   r.converged = law_holds(t);
   bool inside = max(abs(x[0]), abs(x[1])) <= Real(1.0f);
   r.status = inside ? kReflectionInside : kReflectionOutside;
   if (r.height <= Real(0.0f)) r.status = kReflectionBehind;
-  else if (inside && (r.residual > max(Real(2.0e-5f), Real(4.0f) * t.noise) || !positive_definite(t.spread + t.bend))) r.status = kReflectionLost;
+  else if (inside && (r.residual > max(kLawLimit, Real(4.0f) * t.noise) || !positive_definite(t.spread + t.bend))) r.status = kReflectionLost;
   return r;
 }
 
@@ -232,11 +247,12 @@ MAQUETTE_FN ReflectionPoint reflect_from(BezierSurface s, vec3 eye, vec3 p, vec2
   PathTerms t = path_terms(jet, eye, p);
   int steps = 0;
   for (; steps < max_steps; ++steps) {
-    if (law_holds(t)) break;
+    bool border = max(abs(x[0]), abs(x[1])) >= limit;
+    if (law_holds(t) && !(border && steps == 0)) break;  // one step tells on which side of the border it is
     vec2 step = next_step(jet, t, eye, p, x, limit);
-    step = search_line(s, eye, p, x, step, t.length);
+    if (border && max(abs(step[0]), abs(step[1])) < kStill) break;  // the border's own minimum
     Real bound = steps < 2 ? min(limit, kDomain) : limit;
-    x = clamp(x + step, vec2(-bound), vec2(bound));
+    x = clamp(search_line(s, jet.p, eye, p, x, step, limit), vec2(-bound), vec2(bound));
     jet = bezier_jet(s, x);
     t = path_terms(jet, eye, p);
   }

@@ -47,15 +47,21 @@ MAQUETTE_FN Twofold two_product(float a, float b) {
   return r;
 }
 
-// c[0] + c[1] k + c[2] k^2 + c[3] k^3, nearly as if in twice the precision.
+// c[0] + c[1] k + c[2] k^2 + c[3] k^3. `rest`: what rounding to float left out of `c`; without it a root is as uncertain as its
+// condition number times the rounding of the coefficients.
+struct Cubic {
+  vec4 c, rest;
+};
+
+// The value at k nearly as if in twice the precision.
 // Source: Graillat, Langlois and Louvet 2009, "Algorithms for Accurate, Validated and Fast Polynomial Evaluation" (compensated Horner).
-MAQUETTE_FN float cubic_value(vec4 c, float k) {
-  float s = c[3], correction = 0.0f;
+MAQUETTE_FN float cubic_value(Cubic f, float k) {
+  float s = f.c[3], correction = f.rest[3];
   for (int i = 2; i >= 0; --i) {
     Twofold p = two_product(s, k);
-    Twofold t = two_sum(p.value, c[i]);
+    Twofold t = two_sum(p.value, f.c[i]);
     s = t.value;
-    correction = correction * k + (p.rest + t.rest);
+    correction = correction * k + (p.rest + t.rest + f.rest[i]);
   }
   return s + correction;
 }
@@ -63,16 +69,16 @@ MAQUETTE_FN float cubic_value(vec4 c, float k) {
 MAQUETTE_FN float cubic_slope(vec4 c, float k) { return c[1] + k * (2.0f * c[2] + 3.0f * k * c[3]); }
 
 // A root between lo and hi, where the cubic has one sign change: Newton's method kept inside, else halving.
-MAQUETTE_FN float bracketed_root(vec4 c, float lo, float hi, bool rising) {
+MAQUETTE_FN float bracketed_root(Cubic f, float lo, float hi, bool rising) {
   float k = 0.5f * (lo + hi);
   for (int i = 0; i < 40; ++i) {
-    float value = cubic_value(c, k), slope = cubic_slope(c, k);
+    float value = cubic_value(f, k), slope = cubic_slope(f.c, k);
     bool above = rising ? value > 0.0f : value < 0.0f;
     hi = above ? k : hi;
     lo = above ? lo : k;
     float next = abs(slope) > 0.0f ? k - value / slope : lo;
+    if (abs(next - k) <= 6.0e-8f * abs(k)) return k;  // before the interval is asked, whose end k may be
     if (!(next > lo && next < hi)) next = 0.5f * (lo + hi);
-    if (abs(next - k) <= 6.0e-8f * abs(k)) return next;
     k = next;
   }
   return k;
@@ -92,32 +98,37 @@ MAQUETTE_FN CubicRoots add_root(CubicRoots r, float k) {
 
 // Appends the roots in (0, 1], ascending, or, `reversed`, those in [1, infinity) of the polynomial whose coefficients these are in
 // reverse order. The extrema cut the interval into pieces with at most one root each.
-MAQUETTE_FN CubicRoots roots_in_unit(CubicRoots r, vec4 c, bool reversed) {
+MAQUETTE_FN CubicRoots roots_in_unit(CubicRoots r, Cubic f, bool reversed) {
+  vec4 c = f.c;
   float discriminant = c[2] * c[2] - 3.0f * c[1] * c[3];
   float q = -(c[2] + (c[2] < 0.0f ? -1.0f : 1.0f) * sqrt(max(discriminant, 0.0f)));
   float m1 = discriminant > 0.0f && abs(c[3]) > 0.0f ? clamp(q / (3.0f * c[3]), 0.0f, 1.0f) : 0.0f;
   float m2 = discriminant > 0.0f && abs(q) > 0.0f ? clamp(c[1] / q, 0.0f, 1.0f) : 0.0f;
   vec4 at = vec4(0.0f, min(m1, m2), max(m1, m2), 1.0f);
-  vec4 value = vec4(c[0], cubic_value(c, at[1]), cubic_value(c, at[2]), cubic_value(c, 1.0f));
+  vec4 value = vec4(c[0] + f.rest[0], cubic_value(f, at[1]), cubic_value(f, at[2]), cubic_value(f, 1.0f));
   for (int i = 0; i < 3; ++i) {
     int j = reversed ? 2 - i : i;
     float f0 = value[j], f1 = value[j + 1];
     if (at[j + 1] <= at[j] || !((f0 <= 0.0f && f1 > 0.0f) || (f0 >= 0.0f && f1 < 0.0f) || (f1 == 0.0f && f0 != 0.0f))) continue;
-    float k = f1 == 0.0f ? at[j + 1] : bracketed_root(c, at[j], at[j + 1], f0 < f1);
+    float k = f1 == 0.0f ? at[j + 1] : bracketed_root(f, at[j], at[j + 1], f0 < f1);
     if (k > 0.0f) r = add_root(r, reversed ? 1.0f / k : k);
   }
   return r;
 }
 
-// Positive roots of c[0] + c[1] k + c[2] k^2 + c[3] k^3. Those above 1 are found as their reciprocals, so that a leading coefficient near
-// zero is a small constant term, and harmless.
-MAQUETTE_FN CubicRoots positive_roots(vec4 c) {
-  float scale = max(max(abs(c[0]), abs(c[1])), max(abs(c[2]), abs(c[3])));
+// Positive roots. Those above 1 are found as their reciprocals, so that a leading coefficient near zero is a small constant term, and
+// harmless. Scaled by a power of two, which rounds nothing.
+MAQUETTE_FN CubicRoots positive_roots(Cubic f) {
+  float largest = max(max(abs(f.c[0]), abs(f.c[1])), max(abs(f.c[2]), abs(f.c[3])));
+  float scale = uintBitsToFloat(floatBitsToUint(largest) & 0x7f800000u);
   CubicRoots r;
   r.k = vec4(0.0f);
   r.count = 0;
   if (!(scale > 0.0f)) return r;
-  c = c / scale;
-  r = roots_in_unit(r, c, false);
-  return roots_in_unit(r, vec4(c[3], c[2], c[1], c[0]), true);
+  f.c = f.c / scale;
+  f.rest = f.rest / scale;
+  r = roots_in_unit(r, f, false);
+  f.c = vec4(f.c[3], f.c[2], f.c[1], f.c[0]);
+  f.rest = vec4(f.rest[3], f.rest[2], f.rest[1], f.rest[0]);
+  return roots_in_unit(r, f, true);
 }

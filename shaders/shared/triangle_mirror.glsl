@@ -21,7 +21,7 @@ MAQUETTE_FN Twofold add_product(Twofold s, float a, float b) {
 }
 
 // (n + n_rest) . (q + q_rest) - (g + g_rest)
-MAQUETTE_FN float accurate_term(vec3 n, vec3 n_rest, vec3 q, vec3 q_rest, float g, float g_rest) {
+MAQUETTE_FN Twofold accurate_term(vec3 n, vec3 n_rest, vec3 q, vec3 q_rest, float g, float g_rest) {
   Twofold s;
   s.value = -g;
   s.rest = -g_rest;
@@ -29,15 +29,19 @@ MAQUETTE_FN float accurate_term(vec3 n, vec3 n_rest, vec3 q, vec3 q_rest, float 
     s = add_product(s, n[i], q[i]);
     s.rest = s.rest + n[i] * q_rest[i] + n_rest[i] * q[i];
   }
-  return s.value + s.rest;
+  return two_sum(s.value, s.rest);
 }
 
-// Coefficients of the cubic in k for the object p, constant first.
-MAQUETTE_FN vec4 mirror_cubic(TriangleMirror m, vec3 p) {
+// The cubic in k for the object p.
+MAQUETTE_FN Cubic mirror_cubic(TriangleMirror m, vec3 p) {
   Twofold x = two_sum(p[0], -m.t1[0]), y = two_sum(p[1], -m.t1[1]), z = two_sum(p[2], -m.t1[2]);
   vec3 q = vec3(x.value, y.value, z.value), q_rest = vec3(x.rest, y.rest, z.rest);
-  return vec4(accurate_term(m.n0, m.n0_rest, q, q_rest, 0.0f, 0.0f), accurate_term(m.n1, m.n1_rest, q, q_rest, m.g[0], m.g_rest[0]),
-              accurate_term(m.n2, m.n2_rest, q, q_rest, m.g[1], m.g_rest[1]), -(m.g[2] + m.g_rest[2]));
+  Twofold c0 = accurate_term(m.n0, m.n0_rest, q, q_rest, 0.0f, 0.0f), c1 = accurate_term(m.n1, m.n1_rest, q, q_rest, m.g[0], m.g_rest[0]);
+  Twofold c2 = accurate_term(m.n2, m.n2_rest, q, q_rest, m.g[1], m.g_rest[1]);
+  Cubic f;
+  f.c = vec4(c0.value, c1.value, c2.value, -m.g[2]);
+  f.rest = vec4(c0.rest, c1.rest, c2.rest, -m.g_rest[2]);
+  return f;
 }
 
 struct MirrorPoint {

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "render/bezier/reflector_patch.h"
+#include "render/float_rounding.h"
 
 namespace maquette {
 
@@ -20,7 +21,8 @@ using bezier_double::bezier_jet;
 using bezier_double::SurfaceJet;
 using Patch = ReflectorPatch;
 
-constexpr double kNearest_m = 0.01;  // nearer, a float does not hold the direction to 1e-4 rad
+constexpr std::size_t kEnough = 4000;  // characters on failures
+constexpr double kNearest_m = 0.01;    // nearer, a float does not hold the direction to 1e-4 rad
 constexpr double kGrazing =
     0.003;  // cosine of incidence, 89.83 degrees: beyond, a float's straight line is a reflection
 constexpr double kBorder = 0.999;  // nearer to the border than this either answer is right
@@ -69,7 +71,7 @@ std::optional<Patch> random_patch(Random& random) {
   for (std::size_t j = 0; j < 4; ++j) rows[j] = bernstein({c[4 * j], c[4 * j + 1], c[4 * j + 2], c[4 * j + 3]});
   for (std::size_t i = 0; i < 4; ++i) {
     const std::array<glm::dvec3, 4> column = bernstein({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
-    for (std::size_t j = 0; j < 4; ++j) points[4 * j + i] = glm::dvec3(glm::vec3(column[j]));
+    for (std::size_t j = 0; j < 4; ++j) points[4 * j + i] = rounded_to_float(column[j]);
   }
   Patch patch = make_reflector_patch(points);
   // The judge sees what the float code sees: the rounded coefficients.
@@ -95,7 +97,7 @@ std::optional<Setup> random_setup(Random& random, bool concave) {
   const double cosine = random.uniform(0, 1) < 0.2 ? random.log_uniform(0.01, 0.3) : random.uniform(0.1, 1.0);
   const double phi = random.uniform(0.0, 6.283185307179586), sine = std::sqrt(1.0 - cosine * cosine);
   const glm::dvec3 direction = cosine * normal + sine * (std::cos(phi) * t + std::sin(phi) * s);
-  setup.eye = glm::dvec3(glm::vec3(jet.p + random.log_uniform(0.05, 10.0) * direction));
+  setup.eye = rounded_to_float(jet.p + random.log_uniform(0.05, 10.0) * direction);
   for (const ReflectorNodes& nodes : make_reflector_nodes(setup.patch, setup.eye))
     if (nodes.side == static_cast<float>(setup.side)) setup.nodes = nodes;
   if (setup.nodes.nodes.empty()) return std::nullopt;  // the eye sees this side at no node
@@ -103,16 +105,42 @@ std::optional<Setup> random_setup(Random& random, bool concave) {
 }
 
 glm::dvec3 random_object(Random& random, const Setup& setup) {
-  if (random.uniform(0.0, 1.0) > 0.667)
-    return glm::dvec3(glm::vec3(random.log_uniform(0.05, 5.0) * random.direction()));
+  if (random.uniform(0.0, 1.0) > 0.667) return rounded_to_float(random.log_uniform(0.05, 5.0) * random.direction());
   const bezier_double::BezierNode at =
       bezier_node(setup.patch.exact, setup.eye, {random.uniform(-1.05, 1.05), random.uniform(-1.05, 1.05)});
-  return glm::dvec3(glm::vec3(at.position + random.log_uniform(0.02, 10.0) * at.direction));
+  return rounded_to_float(at.position + random.log_uniform(0.02, 10.0) * at.direction);
 }
 
 bool on_side(const Setup& setup, const glm::dvec2& x) {
   const SurfaceJet jet = bezier_jet(setup.patch.exact, x);
   return glm::dot(setup.eye - jet.p, glm::cross(jet.dx, jet.dy)) * setup.side > 0.0;
+}
+
+/// Angle between the ray that the patch reflects at x and the direction to the object, in double.
+double law_error_rad(const Setup& setup, const glm::dvec2& x, const glm::dvec3& p) {
+  const SurfaceJet jet = bezier_jet(setup.patch.exact, x);
+  const glm::dvec3 n = glm::normalize(glm::cross(jet.dx, jet.dy)), in = glm::normalize(jet.p - setup.eye);
+  const glm::dvec3 out = in - 2.0 * glm::dot(in, n) * n, to = glm::normalize(p - jet.p);
+  return std::atan2(glm::length(glm::cross(out, to)), glm::dot(out, to));
+}
+
+/// Newton's method from where the descent in double stopped, to the last digits. Leaves `x` where that does not
+/// converge.
+glm::dvec2 polished(const Setup& setup, const glm::dvec3& p, const glm::dvec2& x) {
+  glm::dvec2 at = x;
+  for (int k = 0; k < 30; ++k) {
+    const auto t = path_terms(bezier_jet(setup.patch.exact, at), setup.eye, p);
+    const glm::dvec3 h = t.spread + t.bend;
+    const double determinant = h[0] * h[2] - h[1] * h[1];
+    if (determinant <= 0.0) return x;
+    const glm::dvec2 step =
+        glm::dvec2(h[1] * t.gradient[1] - h[2] * t.gradient[0], h[1] * t.gradient[0] - h[0] * t.gradient[1]) /
+        determinant;
+    at += step;
+    if (glm::length(at - x) > 0.1) return x;
+    if (glm::length(step) < 1e-13) return at;
+  }
+  return x;
 }
 
 /// Every reflection point that is a minimum: descent in double from each grid point that no neighbour undercuts.
@@ -134,23 +162,17 @@ std::vector<bezier_double::ReflectionPoint> exhaustive_minima(const Setup& setup
         for (int di = -1; di <= 1; ++di)
           if (i + di >= 0 && i + di < kGrid && j + dj >= 0 && j + dj < kGrid) lowest &= at(i, j) <= at(i + di, j + dj);
       if (!lowest) continue;
-      const auto r = bezier_double::reflect_from(setup.patch.exact, setup.eye, p, parameter(i, j), 1.0, 200);
-      if (r.status != bezier_double::kReflectionInside || std::max(std::abs(r.x.x), std::abs(r.x.y)) >= 1.0) continue;
-      if (r.residual > 1e-5 || !on_side(setup, r.x)) continue;
+      auto r = bezier_double::reflect_from(setup.patch.exact, setup.eye, p, parameter(i, j), 1.0, 200);
+      if (r.status != bezier_double::kReflectionInside) continue;
+      r.x = polished(setup, p, r.x);
+      if (std::max(std::abs(r.x.x), std::abs(r.x.y)) >= 1.0) continue;
+      if (law_error_rad(setup, r.x, p) > 1e-5 || !on_side(setup, r.x)) continue;
       const bool known =
           std::any_of(found.begin(), found.end(), [&](const auto& other) { return glm::length(other.x - r.x) < 0.02; });
       if (!known) found.push_back(r);
     }
   std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.length < b.length; });
   return found;
-}
-
-/// Angle between the ray that the patch reflects at x and the direction to the object, in double.
-double law_error_rad(const Setup& setup, const glm::dvec2& x, const glm::dvec3& p) {
-  const SurfaceJet jet = bezier_jet(setup.patch.exact, x);
-  const glm::dvec3 n = glm::normalize(glm::cross(jet.dx, jet.dy)), in = glm::normalize(jet.p - setup.eye);
-  const glm::dvec3 out = in - 2.0 * glm::dot(in, n) * n, to = glm::normalize(p - jet.p);
-  return std::atan2(glm::length(glm::cross(out, to)), glm::dot(out, to));
 }
 
 bool too_near_or_grazing(const Setup& setup, const glm::dvec2& x, const glm::dvec3& p) {
@@ -161,14 +183,14 @@ bool too_near_or_grazing(const Setup& setup, const glm::dvec2& x, const glm::dve
 
 void note_failure(const char* what, const Setup& setup, const glm::dvec3& p, const bezier_float::ReflectionPoint& r,
                   BezierCampaign* out) {
-  if (!out->first_failure.empty()) return;
+  if (out->failures.size() > kEnough) return;
   std::ostringstream text;
   text.precision(9);
   text << what << ": status " << r.status << " x " << r.x.x << " " << r.x.y << " steps " << r.steps << " residual "
        << r.residual << " eye " << setup.eye.x << " " << setup.eye.y << " " << setup.eye.z << " object " << p.x << " "
        << p.y << " " << p.z << (setup.nodes.unique ? " convex" : " concave");
   for (const auto& m : exhaustive_minima(setup, p)) text << " | minimum " << m.x.x << " " << m.x.y;
-  out->first_failure = text.str();
+  out->failures += text.str() + '\n';
 }
 
 /// False when the case lies beyond a caustic: then it is marked, and counts as nothing else.
@@ -223,7 +245,7 @@ void add(const BezierCampaign& part, BezierCampaign* sum) {
   sum->not_finite += part.not_finite;
   sum->worst_law_rad = std::max(sum->worst_law_rad, part.worst_law_rad);
   for (std::size_t i = 0; i < sum->steps.size(); ++i) sum->steps[i] += part.steps[i];
-  if (sum->first_failure.empty()) sum->first_failure = part.first_failure;
+  if (sum->failures.size() <= kEnough) sum->failures += part.failures;
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ struct BezierCampaign {
   std::size_t not_finite = 0;
   double worst_law_rad = 0.0;
   std::vector<std::size_t> steps;  ///< histogram over the inside cases
-  std::string first_failure;
+  std::string failures;            ///< the first few, a line each
   int steps_quantile(double q) const;
 };
 

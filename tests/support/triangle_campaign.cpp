@@ -20,6 +20,7 @@ using Long = long double;
 using Vec = glm::vec<3, Long, glm::defaultp>;
 
 constexpr Long kSimple = 1e3L;
+constexpr std::size_t kEnough = 4000;  // characters on failures
 
 struct Random {
   std::mt19937_64 engine;
@@ -154,13 +155,13 @@ void judge(const Case& x, TriangleCampaign* out) {
   const Reference reference(x);
   ++out->cases;
   const auto note = [&](const char* what, Long k) {
-    if (!out->first_failure.empty()) return;
+    if (out->failures.size() > kEnough) return;
     std::ostringstream text;
     text << what << " at k " << k << ", condition " << reference.condition(k) << ", coefficients";
     for (const Long c : reference.c) text << " " << c;
     text << ", found";
     for (int i = 0; i < found.count; ++i) text << " " << found.k[i];
-    out->first_failure = text.str();
+    out->failures += text.str() + '\n';
   };
   if (!std::isfinite(chosen.alpha + chosen.beta + chosen.k)) ++out->not_finite;
   bool inside = false;
@@ -219,7 +220,7 @@ TriangleCampaign run_triangle_campaign(std::size_t cases, std::uint64_t seed) {
     sum.not_finite += part.not_finite;
     sum.worst_simple = std::max(sum.worst_simple, part.worst_simple);
     sum.worst_stray = std::max(sum.worst_stray, part.worst_stray);
-    if (sum.first_failure.empty()) sum.first_failure = part.first_failure;
+    if (sum.failures.size() <= kEnough) sum.failures += part.failures;
   });
   return sum;
 }

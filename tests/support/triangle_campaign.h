@@ -16,7 +16,7 @@ struct TriangleCampaign {
   std::size_t not_finite = 0;
   double worst_simple = 0.0;  ///< largest relative error of a simple root
   double worst_stray = 0.0;   ///< largest residual of another root, in triangle sizes
-  std::string first_failure;
+  std::string failures;       ///< the first few, a line each
 };
 
 TriangleCampaign run_triangle_campaign(std::size_t cases, std::uint64_t seed);

@@ -108,10 +108,11 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
     : partition_(partition),
       grid_(grid),
       leaves_(partition.leaf_count()),
-      tries_(static_cast<std::size_t>(kCells) * static_cast<std::size_t>(leaves_)),
-      useful_(tries_.size()),
-      cumulative_(tries_.size()) {
-  tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) { learn_cell(cell); });
+      records_(static_cast<std::size_t>(kCells) * static_cast<std::size_t>(leaves_)),
+      cumulative_(records_.size()) {
+  learn_cell(0);  // nothing yet: all cells alike
+  for (std::uint32_t cell = 1; cell < kCells; ++cell)
+    std::copy_n(cumulative_.begin(), leaves_, cumulative_.begin() + static_cast<std::ptrdiff_t>(at(cell, 0)));
 }
 
 int LightGuide::choose_leaf(std::uint32_t cell, float* u) const {
@@ -131,17 +132,15 @@ float LightGuide::gain(std::uint32_t cell, int leaf) const {
 }
 
 void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
-  const std::size_t i = at(cell, leaf);
-  tries_[i].fetch_add(1, std::memory_order_relaxed);
-  const auto square = static_cast<std::uint32_t>(std::clamp(useful * useful, 0.0f, 1.0f) * kMostUseful + 0.5f);
-  if (square > 0) useful_[i].fetch_add(square, std::memory_order_relaxed);
+  const auto square = static_cast<std::uint64_t>(std::clamp(useful * useful, 0.0f, 1.0f) * kMostUseful + 0.5f);
+  records_[at(cell, leaf)].fetch_add(square << 32 | 1u, std::memory_order_relaxed);
 }
 
 void LightGuide::learn() {
   if (!learning()) return;
   ++lessons_;
   tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
-    const auto* first = &tries_[at(cell, 0)];
+    const auto* first = &records_[at(cell, 0)];
     if (std::any_of(first, first + leaves_, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
       learn_cell(cell);
   });
@@ -152,10 +151,9 @@ void LightGuide::learn_cell(std::uint32_t cell) {
   std::array<float, EnvironmentPartition::kMostLeaves> weights{};
   float sum = 0.0f;
   for (int leaf = 0; leaf < leaves_; ++leaf) {
-    const std::size_t i = at(cell, leaf);
-    const float rays = static_cast<float>(tries_[i].load(std::memory_order_relaxed)) + kPriorRays;
-    const float square =
-        static_cast<float>(useful_[i].load(std::memory_order_relaxed)) / static_cast<float>(kMostUseful) + kPriorUseful;
+    const std::uint64_t record = records_[at(cell, leaf)].load(std::memory_order_relaxed);
+    const float rays = static_cast<float>(record & 0xffffffffu) + kPriorRays;
+    const float square = static_cast<float>(record >> 32) / static_cast<float>(kMostUseful) + kPriorUseful;
     weights[static_cast<std::size_t>(leaf)] = partition_.probability(leaf) * std::sqrt(square / rays);
     sum += weights[static_cast<std::size_t>(leaf)];
   }

@@ -87,7 +87,8 @@ class LightGuide {
   PlaceGrid grid_;
   int leaves_;
   int lessons_ = 0;
-  std::vector<std::atomic<std::uint32_t>> tries_, useful_;  ///< [cell][leaf]
+  /// [cell][leaf] rays in the lower half, what they were good for in the upper one: one addition for both.
+  std::vector<std::atomic<std::uint64_t>> records_;
   /// [cell][leaf] inclusive, in units of 2^-16 (the last one, 2^16, is cut to one less): draws and densities are exact.
   std::vector<std::uint16_t> cumulative_;
 };

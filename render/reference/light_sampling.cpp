@@ -3,16 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/reference/presampled_environment.h"
 #include "render/reference/surface.h"
 
 namespace maquette {
 
-EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options, LightGuide* guide)
+namespace {
+
+constexpr float kEndless = 3.4e38f;
+
+}  // namespace
+
+EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const PathOptions& options, LightGuide* guide,
+                                   const PresampledEnvironment* samples)
     : environment_(environment),
       cosine_(std::cos(options.env_rotation_rad)),
       sine_(std::sin(options.env_rotation_rad)),
       scale_(options.env_scale),
-      guide_(guide) {}
+      guide_(guide),
+      samples_(samples) {}
 
 std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::vec3& normal) const {
   return guide_ ? guide_->cell_of(position, normal) : LightGuide::kNoCell;
@@ -28,19 +37,46 @@ glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::ui
 }
 
 LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
+  if (cell == LightGuide::kNoCell) return draw_at(sample_environment_point(environment_.tables, u.x, u.y), -1);
+  float along = u.x;
+  const int leaf = guide_->choose_leaf(cell, &along);
+  return draw_in_leaf(leaf, {along, u.y});
+}
+
+LightDraw EnvironmentLight::draw_in_leaf(int leaf, const glm::vec2& within) const {
+  return draw_at(environment_.partition->sample(environment_.tables, leaf, within.x, within.y), leaf);
+}
+
+LightDraw EnvironmentLight::draw_at(const EnvironmentPoint& drawn, int leaf) const {
+  const EnvironmentPoint point = environment_.follow_light(drawn);
   LightDraw draw;
-  draw.distance = 3.4e38f;
-  EnvironmentPoint point;
-  if (cell == LightGuide::kNoCell) {
-    point = sample_environment_point(environment_.tables, u.x, u.y);
-  } else {
-    float along = u.x;
-    draw.leaf = guide_->choose_leaf(cell, &along);
-    point = environment_.partition->sample(environment_.tables, draw.leaf, along, u.y);
-  }
-  point = environment_.follow_light(point);
+  draw.distance = kEndless;
+  draw.leaf = leaf;
   draw.direction = shared::latlong_turn(environment_.partition->direction(point), cosine_, sine_);
   draw.texel = static_cast<int>(point.row) * environment_.tables.width + static_cast<int>(point.x);
+  return draw;
+}
+
+EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint32_t cell, std::uint32_t path) const {
+  Choice choice;
+  choice.within = u;
+  if (cell == LightGuide::kNoCell) return choice;
+  choice.leaf = guide_->choose_leaf(cell, &choice.within.x);
+  if (samples_ && PresampledEnvironment::serves(path)) {
+    choice.sample = &samples_->at(path, choice.leaf, choice.within);
+    __builtin_prefetch(choice.sample);
+  }
+  return choice;
+}
+
+LightDraw EnvironmentLight::take(const Choice& choice, std::uint32_t cell) const {
+  if (!choice.sample) return choice.leaf < 0 ? draw(choice.within) : draw_in_leaf(choice.leaf, choice.within);
+  LightDraw draw;
+  draw.distance = kEndless;
+  draw.leaf = choice.leaf;
+  draw.direction = choice.sample->direction;
+  draw.radiance = choice.sample->radiance;
+  draw.pdf = choice.sample->density * guide_->gain(cell, choice.leaf);
   return draw;
 }
 

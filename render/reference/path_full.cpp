@@ -1,6 +1,7 @@
 // Full transport: unidirectional path tracing with next-event estimation. Source: Kajiya 1986; multiple importance
 // sampling by the balance heuristic, Veach and Guibas 1995.
 #include <algorithm>
+#include <array>
 
 #include "render/reference/bending.h"
 #include "render/reference/path.h"
@@ -216,10 +217,14 @@ class FullPath {
 
   void add_direct(const SurfacePoint& p) {
     if (!environment_.black()) {
+      std::array<EnvironmentLight::Choice, kFirstShadowRays> choices;
       for (std::uint32_t k = 0; k < shadow_rays_; ++k) {
         // One sequence for all rays of all paths.
         const PathSampler sampler{sampler_.seed, sampler_.index * shadow_rays_ + k};
-        const LightDraw light = environment_.draw(sampler.pair(dimension(kEnvironment)), cell_);
+        choices[k] = environment_.choose(sampler.pair(dimension(kEnvironment)), cell_, sampler_.index);
+      }
+      for (std::uint32_t k = 0; k < shadow_rays_; ++k) {
+        const LightDraw light = environment_.take(choices[k], cell_);
         environment_.record(light, cell_, add_light(p, light, static_cast<float>(shadow_rays_)));
       }
     }

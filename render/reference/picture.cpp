@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/reference/presampled_environment.h"
 #include "render/reference/path.h"
 #include "scenes/error.h"
 
@@ -87,6 +88,10 @@ class Progress {
   mutable std::atomic<std::size_t> done_{0};
 };
 
+std::size_t pixel_count(const PictureRequest& r) {
+  return static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height);
+}
+
 PlaceGrid grid_of(const PathScene& scene, const PictureRequest& r) {
   return {r.camera.eye, std::max(scene.bounds.radius(), glm::length(scene.bounds.center() - r.camera.eye))};
 }
@@ -112,6 +117,7 @@ struct ReferencePicture::Impl {
   std::shared_ptr<const PathScene> scene;
   PictureRequest request;
   std::unique_ptr<LightGuide> guide;
+  std::optional<PresampledEnvironment> samples;  ///< where there is a guide
   EnvironmentLight environment;
   std::optional<MirrorGuide> mirrors;
   CameraFrame camera;
@@ -124,10 +130,14 @@ struct ReferencePicture::Impl {
       : scene(std::move(s)),
         request(r),
         guide(make_guide(*scene, r)),
-        environment(scene->environment, r.paths, guide.get()) {
+        samples(guide ? std::optional<PresampledEnvironment>(std::in_place, EnvironmentLight(scene->environment, r.paths),
+                                                          scene->environment.partition->leaf_count(),
+                                                          pixel_count(r), r.seed)
+                      : std::nullopt),
+        environment(scene->environment, r.paths, guide.get(), samples ? &*samples : nullptr) {
     if (learns(*scene, r)) mirrors.emplace(*scene, environment, grid_of(*scene, r), r.seed);
     camera = make_camera_frame(r.camera, r.width, r.height, scene->bounds);
-    pixels.resize(static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height));
+    pixels.resize(pixel_count(r));
   }
 
   glm::vec3 direction_through(const glm::vec2& at) const {
@@ -201,6 +211,7 @@ struct ReferencePicture::Impl {
 
   /// Until the pixels have `average` paths; false when it halted before.
   bool trace_to(std::uint32_t average, const Halt& halt, const Progress& progress) {
+    if (samples) samples->prepare(static_cast<std::uint32_t>(kMostRate * average));
     if (done > 0) {
       std::vector<std::uint32_t> rows(pixels.size());
       std::iota(rows.begin(), rows.end(), 0u);

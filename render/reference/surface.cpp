@@ -112,6 +112,13 @@ glm::vec3 interpolated_unit_normal(const TracedTriangle& t, const Corners& c) {
   return shared::interpolated_normal(t.normals[0] * c.b0 + t.normals[1] * c.b1 + t.normals[2] * c.b2, t.geometric);
 }
 
+/// The next float up or down, which std::nextafter finds by a call. Finite values.
+float next_towards(float v, bool up) {
+  if (v == 0.0f) return up ? 0x1p-149f : -0x1p-149f;
+  const auto bits = std::bit_cast<std::uint32_t>(v);
+  return std::bit_cast<float>((v > 0.0f) == up ? bits + 1 : bits - 1);
+}
+
 /// Base colour before textures.
 glm::vec3 plain_color(const PathScene& scene, const TracedMaterial& m, const Corners& c) {
   const glm::vec3 color(m.values.base_color);
@@ -165,6 +172,11 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
 PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
   PaneShares shares;
   for (int c = 0; c < 3; ++c) {
+    if (c > 0 && inside[c] == inside[c - 1]) {
+      shares.reflected[c] = shares.reflected[c - 1];
+      shares.transmitted[c] = shares.transmitted[c - 1];
+      continue;
+    }
     const glm::vec2 pane = shared::fresnel_pane(cosine, std::max(ior, 1.0f), inside[c]);
     shares.reflected[c] = pane.x;
     shares.transmitted[c] = pane.y;
@@ -206,10 +218,8 @@ glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm:
 glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error, const glm::vec3& normal) {
   const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
   glm::vec3 result = moved;
-  for (int c = 0; c < 3; ++c) {
-    if (normal[c] > 0.0f) result[c] = std::nextafter(moved[c], 3.4e38f);
-    if (normal[c] < 0.0f) result[c] = std::nextafter(moved[c], -3.4e38f);
-  }
+  for (int c = 0; c < 3; ++c)
+    if (normal[c] != 0.0f) result[c] = next_towards(moved[c], normal[c] > 0.0f);
   return result;
 }
 

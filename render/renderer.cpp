@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "render/bezier/patch_fit.h"
 #include "render/material_overrides.h"
 #include "render/renderer_impl.h"
 #include "scenes/error.h"
@@ -284,6 +285,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.update_reflectors(request);
   FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
   if (plan.mode == "reference") return s.render_reference(request, std::move(plan), accumulate);
+  s.note_fits(&plan);
   s.update_visibility(&plan);
   s.update_indirect(request, &plan);
   s.update_octree(request.settings, &plan);
@@ -378,6 +380,12 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
     s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);
     s.reflector_techniques[plan.reflections]->add_counters(&stats.technique);
+    for (const Reflector& reflector : s.reflectors) {
+      if (!reflector.fit) continue;
+      stats.technique["fitted_patches"] += static_cast<double>(reflector.fit->patches.size());
+      double& error_mm = stats.technique["fit_error_mm"];
+      error_mm = std::max(error_mm, 1e3 * reflector.fit->largest_m);
+    }
     if (s.skips) {
       unsigned counts[2];
       s.skipping->counters.read(0, sizeof counts, counts);

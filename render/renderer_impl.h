@@ -129,8 +129,12 @@ struct Renderer::Impl {
   std::vector<std::string> reflectors_named;  ///< what they were found for
   std::uint32_t reflectors_epoch = 0;         ///< epoch + 1 that they were found in; 0: never
   Buffer reflector_block;                     ///< patches of the reflectors, std140
-  Buffer ghost_reach;                         ///< by reflector, as ReflectionFrame has it
-  Buffer reflection_block;                    ///< frame constants at the size of the reflected picture
+  bool reflectors_fitted = false;             ///< their curved meshes have patches
+  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> patch_fits;  ///< of these, by the content of the mesh
+  Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
+  Texture fit_triangle_view;
+  Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it
+  Buffer reflection_block;  ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
   std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
   bool reflections_kept = false;            ///< in this frame
@@ -208,6 +212,9 @@ struct Renderer::Impl {
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
   void update_reflectors(const FrameRequest& request);
   void forget_reflectors();
+  void fit_reflectors();
+  void upload_reflectors();
+  void note_fits(FramePlan* plan) const;
   CameraFrame camera_frame(const FrameRequest& request) const;
   ViewInfo view_info(const FrameRequest& request) const;
   int reflectors_in_view(const FrameRequest& request) const;
@@ -227,8 +234,8 @@ struct Renderer::Impl {
   void keep_reflections(const FrameRequest& request, FramePlan* plan);
   Image read_reflection(int channel) const;
   Image read_reflected_distances() const;  ///< m from the eye by way of the reflector, 0 for the sky
-  Image read_ghost();          ///< the second image alone
-  Image read_skipped() const;  ///< 1 where the mirrored ray was not followed
+  Image read_ghost();                      ///< the second image alone
+  Image read_skipped() const;              ///< 1 where the mirrored ray was not followed
   void draw_panes(ReflectionTargets* targets_of_panes);
   /// Bounds of what the panes mirror in this frame. False, and the plan says so, when every ray is to be followed.
   bool update_skipping(FramePlan* plan, const FrameRequest& request);

@@ -1,8 +1,14 @@
 // What the reflectors show: their rays, the hits that a technique finds, and the hits' shading by the frame's own mode.
+#include <xxhash.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <glm/gtc/packing.hpp>
+#include <span>
 
+#include "render/bezier/patch_fit.h"
 #include "render/bezier/projection.h"
 #include "render/bezier/reflector_patch.h"
 #include "render/octree/reflections.h"
@@ -25,21 +31,43 @@ int groups(int count, int size) { return (count + size - 1) / size; }
 
 std::string flag(bool k) { return k ? "1" : "0"; }
 
-/// std140 twin of ReflectorRecord in shaders/reflections/reflectors.glsl.
-struct ReflectorRecord {
-  glm::vec4 origin{0.0f};
-  glm::vec4 coefficients[16]{};
+/// std140 twin of the block in shaders/reflections/reflectors.glsl.
+struct ReflectorBlock {
+  glm::ivec4 mirrors[kMaxReflectors]{};
+  PatchRecord patches[kMaxPatches]{};
 };
 
-Buffer make_reflector_block(const std::vector<Reflector>& reflectors) {
-  std::vector<ReflectorRecord> records(kMaxReflectors);
-  for (std::size_t i = 0; i < reflectors.size(); ++i) {
-    if (!reflectors[i].patch) continue;
-    const ReflectorPatch patch = make_reflector_patch(reflectors[i].points);
-    records[i].origin = glm::vec4(glm::vec3(patch.origin), patch.degenerate ? 0.0f : 1.0f);
-    for (std::size_t k = 0; k < 16; ++k) records[i].coefficients[k] = glm::vec4(patch.single.c[k], 0.0f);
+std::uint64_t hash_of(const FlatGeometry& geometry, const DrawItem& item) {
+  std::uint64_t hash = XXH3_64bits(&geometry.positions[item.first_vertex], item.vertex_count * sizeof(glm::vec3));
+  const std::uint32_t* index = &geometry.indices[item.first_index];
+  std::vector<std::uint32_t> local(item.index_count);  // of an item that has moved in the arrays alone
+  for (std::size_t k = 0; k < local.size(); ++k) local[k] = index[k] - item.first_vertex;
+  return XXH3_64bits_withSeed(local.data(), local.size() * sizeof(std::uint32_t), hash);
+}
+
+/// Patches for an item whose indices are those of the scene.
+PatchFit fit_item(const Scene& scene, const FlatGeometry& geometry, const DrawItem& item) {
+  const auto part = [&](const auto& values) { return std::span(values).subspan(item.first_vertex, item.vertex_count); };
+  std::vector<std::uint32_t> indices(geometry.indices.begin() + item.first_index,
+                                     geometry.indices.begin() + item.first_index + item.index_count);
+  for (std::uint32_t& k : indices) k -= item.first_vertex;
+  const Mesh& mesh = scene.meshes[static_cast<std::size_t>(item.mesh)];
+  if (mesh.cage && item.primitive == 0) {
+    const glm::dmat4 world(compute_world_transforms(scene)[static_cast<std::size_t>(item.node)]);
+    std::optional<PatchFit> limit =
+        limit_patches_of(*mesh.cage, world, part(geometry.positions), part(geometry.normals), indices);
+    if (limit) return std::move(*limit);
   }
-  return Buffer::from("reflectors", records);
+  return fit_patches(part(geometry.positions), part(geometry.normals), part(geometry.uv0), indices);
+}
+
+std::string fit_line(const Reflector& reflector) {
+  const PatchFit& fit = *reflector.fit;
+  char text[80], exact[40] = "";
+  if (fit.exact > 0) std::snprintf(exact, sizeof exact, ", %zu of them exact", fit.exact);
+  std::snprintf(text, sizeof text, "%zu %s%s, %.2g mm off", fit.patches.size(),
+                fit.patches.size() == 1 ? "patch" : "patches", exact, 1e3 * fit.largest_m);
+  return "'" + reflector.name + "': " + text;
 }
 
 int divisor_of(const Settings& settings) {
@@ -124,14 +152,93 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
     forget_reflectors();
     return;
   }
-  if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors) return;
+  const bool fits = request.reflections == "bezier";
+  if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors && reflectors_fitted == fits) return;
   std::vector<const Material*> item_materials;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) item_materials.push_back(&material_of_item(i));
   reflectors = find_reflectors(*scene, buffers->geometry(), item_materials, request.reflectors);
   drawn_surfaces.reset();
   reflectors_named = request.reflectors;
   reflectors_epoch = epoch + 1;
-  reflector_block = make_reflector_block(reflectors);
+  reflectors_fitted = fits;
+  if (fits) fit_reflectors();
+  upload_reflectors();
+}
+
+void Renderer::Impl::fit_reflectors() {
+  const FlatGeometry& geometry = buffers->geometry();
+  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> known = std::move(patch_fits);
+  patch_fits.clear();
+  for (Reflector& reflector : reflectors) {
+    if (reflector.patch || reflector.plane) continue;
+    const DrawItem& item = geometry.items[reflector.item];
+    const std::uint64_t hash = hash_of(geometry, item);
+    const auto found = known.find(hash);
+    reflector.fit =
+        found != known.end() ? found->second : std::make_shared<const PatchFit>(fit_item(*scene, geometry, item));
+    patch_fits[hash] = reflector.fit;
+    if (reflector.fit->patches.empty())
+      throw Error("--reflections bezier", "no patch fits '" + reflector.name + "': " + reflector.fit->why,
+                  "correct the mesh, or use --reflections octree or raytraced");
+  }
+}
+
+void Renderer::Impl::upload_reflectors() {
+  auto block = std::make_unique<ReflectorBlock>();
+  std::vector<glm::uvec4> triangles;
+  std::size_t count = 0;
+  std::string names;
+  for (std::size_t i = 0; i < reflectors.size(); ++i) {
+    Reflector& reflector = reflectors[i];
+    glm::ivec4& mirror = block->mirrors[i];
+    mirror = {-1, 0, 0, 0};
+    std::vector<ReflectorPatch> patches;
+    if (reflector.patch) patches.push_back(make_reflector_patch(reflector.points));
+    if (reflector.patch && patches[0].degenerate) continue;
+    if (reflector.fit) {
+      for (const FittedPatch& patch : reflector.fit->patches) patches.push_back(make_reflector_patch(patch.points));
+      const DrawItem& item = buffers->geometry().items[reflector.item];
+      mirror.y = 1;
+      mirror.z = static_cast<int>(triangles.size()) - static_cast<int>(item.first_index / 3);
+      for (const FittedTriangle& t : reflector.fit->triangles) {
+        const auto packed = [&](int k) { return glm::packSnorm2x16(glm::vec2(t.x[static_cast<std::size_t>(k)])); };
+        const bool placed = t.patch >= 0 && !patches[static_cast<std::size_t>(t.patch)].degenerate;
+        triangles.emplace_back(placed ? static_cast<unsigned>(count) + static_cast<unsigned>(t.patch) + 1u : 0u,
+                               packed(0), packed(1), packed(2));
+      }
+      names += (names.empty() ? "" : ", ") + fit_line(reflector);
+    }
+    if (patches.empty()) continue;
+    reflector.first_patch = static_cast<int>(count);
+    if (reflector.patch) mirror.x = reflector.first_patch;
+    for (const ReflectorPatch& patch : patches)
+      if (count++ < kMaxPatches) block->patches[count - 1] = make_patch_record(patch);
+  }
+  if (count > kMaxPatches)
+    throw Error("--reflections bezier",
+                std::to_string(count) + " patches are more than the " + std::to_string(kMaxPatches) +
+                    " that are drawn at once (" + names + ")",
+                "name fewer with --reflector, or use --reflections octree or raytraced");
+  reflector_block = Buffer("reflectors", sizeof *block, block.get());
+  if (triangles.empty()) triangles.emplace_back(0u);
+  fit_triangles = Buffer::from("fitted triangles", triangles);
+  fit_triangle_view = Texture::make_buffer("fitted triangles", GL_RGBA32UI, fit_triangles);
+}
+
+/// What the fits are worth, for those who look at the plan.
+void Renderer::Impl::note_fits(FramePlan* plan) const {
+  if (plan->reflections != "bezier") return;
+  std::string good, bad;
+  for (const Reflector& reflector : reflectors) {
+    if (!reflector.fit) continue;
+    std::string* line = reflector.fit->met ? &good : &bad;
+    *line += (line->empty() ? "" : ", ") + fit_line(reflector);
+  }
+  if (!good.empty()) plan->passes.push_back({"patch_fit", "curved meshes get bicubic patches: " + good});
+  if (!bad.empty())
+    plan->passes.push_back({"patch_fit", "patches miss these by more than 0.2 mm: " + bad +
+                                             "; where a pixel's own ray is far from theirs it is hatched, and octree "
+                                             "or raytraced shows it"});
 }
 
 void Renderer::Impl::keep_reflections(const FrameRequest& request, FramePlan* plan) {
@@ -303,6 +410,10 @@ void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTi
   const Program& rays = programs.get(rays_variant(skip, kind == RayKind::ghost));
   if (kind == RayKind::ghost) bind_ghost(rays, request.settings);
   if (skip) bind_skipping(rays, static_cast<float>(request.settings.get_double("reflections.skip")));
+  if (!fit_reach) fit_reach = Buffer("reach of fits", kMaxPatches * sizeof(FitReach));
+  fit_reach.clear_to_zero();
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, fit_reach.get());
+  glBindTextureUnit(54, fit_triangle_view.get());
   rays.set("u_divisor", t.divisor);
   dispatch(rays, groups(t.width, 8), groups(t.height, 8));
   timer->end("panes");
@@ -334,6 +445,9 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   if (!technique) technique = find_reflector_implementation(plan.reflections).make();
   std::vector<GhostReach> reach(kMaxReflectors);
   if (kind == RayKind::ghost) ghost_reach.read(0, ghost_reach.bytes(), reach.data());
+  std::vector<FitReach> fits(kMaxPatches);
+  const bool fitted = std::any_of(reflectors.begin(), reflectors.end(), [](const Reflector& r) { return r.fit; });
+  if (fitted && !reflections_kept) fit_reach.read(0, fit_reach.bytes(), fits.data());
   const ReflectionFrame frame{&small,
                               &*buffers,
                               &reflectors,
@@ -342,6 +456,7 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
                               octree.ready() ? &octree.buffers() : nullptr,
                               octree.cells(),
                               kind == RayKind::ghost ? &reach : nullptr,
+                              fitted ? &fits : nullptr,
                               &request.settings,
                               &t,
                               &programs,

@@ -14,6 +14,7 @@
 
 #include "scenes/error.h"
 #include "scenes/subdivision_cage.h"
+#include "scenes/subdivision_refiner.h"
 
 namespace maquette {
 namespace {
@@ -22,6 +23,8 @@ namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
 constexpr std::size_t kGrain = 512;  // vertices per parallel task: some ten microseconds
+
+}  // namespace
 
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const SubdivisionCage& cage) {
   static std::once_flag silenced;  // faults are reported by our own Error, not on the terminal
@@ -55,6 +58,13 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const SubdivisionCage& cage) 
   for (int v = 0; v < base.GetNumVertices(); ++v)
     if (base.IsVertexNonManifold(v) && base.GetVertexFaces(v).size() > 0)
       throw Error("subdivision cage", "vertex " + std::to_string(v) + " joins two separate fans of faces", "split it");
+  return refiner;
+}
+
+namespace {
+
+std::unique_ptr<Far::TopologyRefiner> refine_uniformly(const SubdivisionCage& cage) {
+  std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(cage);
   Far::TopologyRefiner::UniformOptions refinement(cage.levels);
   refinement.fullTopologyInLastLevel = true;  // the rings around its vertices
   refiner->RefineUniform(refinement);
@@ -324,7 +334,7 @@ struct SubdivisionEvaluator::Impl {
 
 SubdivisionEvaluator::SubdivisionEvaluator(const SubdivisionCage& cage) : impl_(std::make_unique<Impl>()) {
   check_cage(cage);
-  const std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(cage);
+  const std::unique_ptr<Far::TopologyRefiner> refiner = refine_uniformly(cage);
   impl_->control_count = cage.positions.size();
   impl_->build_stencils(*refiner);
   impl_->build_limit(refiner->GetLevel(refiner->GetMaxLevel()));

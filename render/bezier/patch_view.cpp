@@ -8,7 +8,6 @@ namespace maquette {
 
 namespace {
 
-constexpr int kSide = 16;  // quads along a side
 /// Between its corners a quad bulges, and its rays leave the corners' cone. A quarter of its own extent, and of its
 /// turn, is more than car glass bends in a sixteenth of a pane.
 constexpr float kSlack = 0.25f;
@@ -46,17 +45,17 @@ Beam make_quad_beam(const std::array<const RayNode*, 4>& corners, const glm::dve
 
 }  // namespace
 
-PatchView view_patch(const ReflectorPatch& patch, const FrameConstants& frame) {
+PatchView view_patch(const ReflectorPatch& patch, const FrameConstants& frame, int side) {
   const glm::dvec3 eye = glm::dvec3(frame.eye) - patch.origin;
-  const auto parameter = [](int i) { return -1.0 + 2.0 * i / kSide; };
+  const auto parameter = [&](int i) { return -1.0 + 2.0 * i / side; };
   std::vector<RayNode> nodes;
-  for (int j = 0; j <= kSide; ++j)
-    for (int i = 0; i <= kSide; ++i) nodes.push_back(bezier_node(patch.exact, eye, {parameter(i), parameter(j)}));
-  const auto at = [&](int i, int j) { return &nodes[static_cast<std::size_t>(j * (kSide + 1) + i)]; };
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) nodes.push_back(bezier_node(patch.exact, eye, {parameter(i), parameter(j)}));
+  const auto at = [&](int i, int j) { return &nodes[static_cast<std::size_t>(j * (side + 1) + i)]; };
   PatchView view;
   view.window = glm::vec4(1.0f, 1.0f, -1.0f, -1.0f);
-  for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i) {
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
       const std::array<const RayNode*, 4> corners{at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)};
       if (!may_be_in_picture(corners, patch.origin, frame)) continue;
       view.beams.push_back(make_quad_beam(corners, patch.origin));

@@ -15,6 +15,7 @@ struct PatchView {
   std::vector<Beam> beams;                     ///< mirrored rays of each part that may be; none where it is out of view
 };
 
-PatchView view_patch(const ReflectorPatch& patch, const FrameConstants& frame);
+/// In `side` x `side` quads.
+PatchView view_patch(const ReflectorPatch& patch, const FrameConstants& frame, int side = 16);
 
 }  // namespace maquette

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 
+#include "render/bezier/patch_fit.h"
 #include "render/bezier/patch_view.h"
 #include "render/reflections/clusters.h"
 #include "render/reflections/nearest_hits.h"
@@ -49,11 +50,14 @@ struct Part {
   glm::vec3 origin{0.0f};
   PatchView view;
   bezier_float::BezierSurface surface;
-  GhostReach ghost;
+  GhostReach ghost;  ///< or of a mesh's own rays from those of the patch that is fitted to it
   /// What the part's rays, second ones included, may show more than those of its front.
   float reach_m(const glm::vec3& center, float radius) const {
     return ghost.at(glm::length(center - origin) + radius + size_m);
   }
+  bool fitted = false;  ///< to a mesh
+  int number = 0;       ///< of its record in the shaders' block
+  PatchRecord record;
   float size_m = 0.0f;  ///< from its origin to its farthest point
 };
 
@@ -181,49 +185,98 @@ class BezierReflections : public ReflectorTechnique {
 
   std::vector<Part> find_parts(const ReflectionFrame& frame) {
     std::vector<Part> parts;
-    std::vector<glm::vec4> texels;
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       const Reflector& reflector = (*frame.reflectors)[r];
       if (reflector.plane) continue;
-      if (!reflector.patch)
-        throw Error("--reflections bezier", "'" + reflector.name + "' is a curved mesh, not a Bezier patch",
-                    "use --reflections triangle or octree for it, or name the patches with --reflector");
-      const ReflectorPatch patch = make_reflector_patch(reflector.points);
-      if (patch.degenerate)
-        throw Error("--reflections bezier", "the patch '" + reflector.name + "' has no area",
-                    "correct its control points");
-      const GhostReach ghost = frame.ghost ? (*frame.ghost)[r] : GhostReach{};
-      if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or not in the picture
-      PatchView view = view_patch(patch, *frame.constants);
-      if (view.beams.empty()) continue;
-      // A second image is millimetres beside the first: by far less than that share of a pane.
-      if (frame.ghost) view.window += 0.25f * glm::vec4(-1.0f, -1.0f, 1.0f, 1.0f);
-      float size_m = 0.0f;
-      for (const glm::dvec3& p : reflector.points)
-        size_m = std::max(size_m, static_cast<float>(glm::length(p - patch.origin)));
-      for (ReflectorNodes& nodes : make_reflector_nodes(patch, glm::dvec3(frame.constants->eye) - patch.origin)) {
-        Part part{static_cast<int>(r),
-                  static_cast<int>(texels.size() / kNodeTexels),
-                  std::move(nodes),
-                  glm::vec3(patch.origin),
-                  view,
-                  patch.single,
-                  ghost,
-                  size_m};
-        const std::vector<glm::vec4> more = node_texels(part.nodes);
-        texels.insert(texels.end(), more.begin(), more.end());
-        parts.push_back(std::move(part));
-      }
+      if (reflector.fit)
+        add_fitted(frame, r, &parts);
+      else
+        add_patch(frame, r, &parts);
+    }
+    if (parts.size() > kMaxPatches)
+      throw Error("--reflections bezier", "more than " + std::to_string(kMaxPatches) + " patches are in view",
+                  "name fewer reflectors with --reflector, or use --reflections octree");
+    std::vector<glm::vec4> texels;
+    std::vector<PatchRecord> records(kMaxPatches);
+    for (Part& part : parts) {
+      part.number = static_cast<int>(&part - parts.data());
+      records[static_cast<std::size_t>(part.number)] = part.record;
+      part.first_node = static_cast<int>(texels.size() / kNodeTexels);
+      const std::vector<glm::vec4> more = node_texels(part.nodes);
+      texels.insert(texels.end(), more.begin(), more.end());
     }
     if (texels.empty()) return parts;
     nodes_ = Buffer::from("reflection nodes", texels);
     node_view_ = Texture::make_buffer("reflection nodes", GL_RGBA32F, nodes_);
     glBindTextureUnit(54, node_view_.get());
+    constexpr std::size_t kMirrorBytes = kMaxReflectors * sizeof(glm::ivec4);
+    const std::size_t bytes = kMirrorBytes + records.size() * sizeof(PatchRecord);
+    if (!patches_) patches_ = Buffer("patches in view", bytes);
+    patches_.update(kMirrorBytes, bytes - kMirrorBytes, records.data());
+    glBindBufferBase(GL_UNIFORM_BUFFER, 1, patches_.get());
     return parts;
+  }
+
+  void add_patch(const ReflectionFrame& frame, std::size_t number, std::vector<Part>* parts) {
+    const Reflector& reflector = (*frame.reflectors)[number];
+    const ReflectorPatch patch = make_reflector_patch(reflector.points);
+    if (patch.degenerate)
+      throw Error("--reflections bezier", "the patch '" + reflector.name + "' has no area",
+                  "correct its control points");
+    Part part;
+    part.ghost = frame.ghost ? (*frame.ghost)[number] : GhostReach{};
+    if (frame.ghost && part.ghost.offset_m == 0.0f) return;  // no pane, or not in the picture
+    part.view = view_patch(patch, *frame.constants);
+    // A second image is millimetres beside the first: by far less than that share of a pane.
+    if (frame.ghost) part.view.window += 0.25f * glm::vec4(-1.0f, -1.0f, 1.0f, 1.0f);
+    part.reflector = static_cast<int>(number);
+    add_sides(frame, patch, reflector.points, part, parts);
+  }
+
+  /// A curved mesh: the patches say where on screen a triangle may be seen, the pixels' own rays whether it is.
+  void add_fitted(const ReflectionFrame& frame, std::size_t number, std::vector<Part>* parts) {
+    constexpr float kBetweenPixels = 0.02f;  // parameters
+    const Reflector& reflector = (*frame.reflectors)[number];
+    const std::vector<FittedPatch>& patches = reflector.fit->patches;
+    const int side = std::max(4, static_cast<int>(16.0 / std::sqrt(static_cast<double>(patches.size()))));
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      const FitReach& seen = (*frame.fits)[static_cast<std::size_t>(reflector.first_patch) + k];
+      if (seen.most == glm::vec2(0.0f)) continue;  // by no pixel
+      // The part that is seen alone: what its surroundings do is no matter, least of all to the search.
+      const glm::dvec4 window(4.0f - seen.least - kBetweenPixels, seen.most - 4.0f + kBetweenPixels);
+      const std::array<glm::dvec3, 16> points = part_of_patch(patches[k].points, window);
+      const ReflectorPatch patch = make_reflector_patch(points);
+      if (patch.degenerate) continue;
+      Part part;
+      part.ghost = {1.05f * seen.reach.offset_m + 1e-6f, 1.05f * seen.reach.turn + 1e-6f};
+      part.view = view_patch(patch, *frame.constants, side);
+      part.view.window = glm::vec4(-1.0f, -1.0f, 1.0f, 1.0f);
+      part.reflector = static_cast<int>(number);
+      part.fitted = true;
+      add_sides(frame, patch, points, part, parts);
+    }
+  }
+
+  static void add_sides(const ReflectionFrame& frame, const ReflectorPatch& patch,
+                        const std::array<glm::dvec3, 16>& points, const Part& part, std::vector<Part>* parts) {
+    if (part.view.beams.empty()) return;
+    for (ReflectorNodes& nodes : make_reflector_nodes(patch, glm::dvec3(frame.constants->eye) - patch.origin)) {
+      Part side = part;
+      // Of a part of a mesh what lands beside it is seen in the others: it is not looked for again and again.
+      if (part.fitted) nodes.careful = false;
+      side.nodes = std::move(nodes);
+      side.origin = glm::vec3(patch.origin);
+      side.surface = patch.single;
+      side.record = make_patch_record(patch);
+      for (const glm::dvec3& p : points)
+        side.size_m = std::max(side.size_m, static_cast<float>(glm::length(p - patch.origin)));
+      parts->push_back(std::move(side));
+    }
   }
 
   void set_part(const Program& program, const Part& part) const {
     program.set("u_reflector", part.reflector);
+    program.set("u_patch", part.number);
     program.set("u_first_node", part.first_node);
     program.set("u_node_count", static_cast<int>(part.nodes.nodes.size()));
     program.set("u_side", part.nodes.side);
@@ -382,7 +435,7 @@ class BezierReflections : public ReflectorTechnique {
       if (count == 0) break;
       const unsigned zero = 0;
       counters_.update(to * sizeof(unsigned), sizeof zero, &zero);
-      run_over(frame.ghost ? kGhostPieces : kPieces, count, level);
+      run_over(part.ghost.offset_m > 0.0f ? kGhostPieces : kPieces, count, level);
     }
   }
 
@@ -394,7 +447,7 @@ class BezierReflections : public ReflectorTechnique {
   std::vector<std::uint32_t> triangles_;
   std::vector<ClusterStart> starts_;
   NearestHits hits_;
-  Buffer projected_, pieces_[2], counters_, nodes_, vertex_list_, triangle_list_, start_list_;
+  Buffer projected_, pieces_[2], counters_, nodes_, patches_, vertex_list_, triangle_list_, start_list_;
   Texture node_view_, projected_view_;
   std::array<double, counter_count> counts_{};
 };

@@ -82,6 +82,35 @@ ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points) {
   return out;
 }
 
+std::array<glm::dvec3, 16> part_of_patch(const std::array<glm::dvec3, 16>& points, const glm::dvec4& within) {
+  const auto cut = [](const std::array<glm::dvec3, 4>& b, double low, double high) {
+    // The polar form at (low, low, low), (low, low, high), ...: each argument one step of de Casteljau's.
+    const auto polar = [&](double r, double s, double t) {
+      const glm::dvec3 a0 = glm::mix(b[0], b[1], r), a1 = glm::mix(b[1], b[2], r), a2 = glm::mix(b[2], b[3], r);
+      return glm::mix(glm::mix(a0, a1, s), glm::mix(a1, a2, s), t);
+    };
+    return std::array{polar(low, low, low), polar(low, low, high), polar(low, high, high), polar(high, high, high)};
+  };
+  const glm::dvec4 u = 0.5 * within + 0.5;
+  std::array<glm::dvec3, 16> rows, out;
+  for (std::size_t j = 0; j < 4; ++j) {
+    const auto row = cut({points[4 * j], points[4 * j + 1], points[4 * j + 2], points[4 * j + 3]}, u.x, u.z);
+    std::copy(row.begin(), row.end(), rows.begin() + static_cast<std::ptrdiff_t>(4 * j));
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto column = cut({rows[i], rows[4 + i], rows[8 + i], rows[12 + i]}, u.y, u.w);
+    for (std::size_t j = 0; j < 4; ++j) out[4 * j + i] = column[j];
+  }
+  return out;
+}
+
+PatchRecord make_patch_record(const ReflectorPatch& patch) {
+  PatchRecord record;
+  record.origin = glm::vec4(glm::vec3(patch.origin), 1.0f);
+  for (std::size_t k = 0; k < 16; ++k) record.coefficients[k] = glm::vec4(patch.single.c[k], 0.0f);
+  return record;
+}
+
 std::vector<ReflectorNodes> make_reflector_nodes(const ReflectorPatch& patch, const glm::dvec3& eye) {
   constexpr double kEdgeOn = 0.1;  // cosine below which the surroundings of a node may show their back
   std::vector<ReflectorNodes> sides;

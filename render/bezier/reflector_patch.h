@@ -21,6 +21,16 @@ struct ReflectorPatch {
 /// Control points [row v][column u] as BezierPatch has them, world space. x runs with u, y with v.
 ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points);
 
+/// The control points of the part between two parameters an axis, `within`: lower and upper, x before y, of [-1, 1].
+std::array<glm::dvec3, 16> part_of_patch(const std::array<glm::dvec3, 16>& points, const glm::dvec4& within);
+
+/// std140 twin of the one in shaders/reflections/reflectors.glsl.
+struct PatchRecord {
+  glm::vec4 origin{0.0f};
+  glm::vec4 coefficients[16]{};
+};
+PatchRecord make_patch_record(const ReflectorPatch& patch);
+
 /// The starting points of one patch for one eye and one of its sides.
 struct ReflectorNodes {
   std::vector<bezier_float::BezierNode> nodes;

@@ -27,6 +27,13 @@ struct GhostReach {
   float at(float distance_m) const { return offset_m + turn * distance_m; }
 };
 
+/// What the pixels saw of a patch that is fitted to a mesh. Their rays are the mesh's own: the patch finds what they
+/// meet.
+struct FitReach {
+  GhostReach reach;                   ///< of the rays from the patch's; 0 where it is not seen
+  glm::vec2 most{0.0f}, least{0.0f};  ///< 4 plus the largest of the parameters seen; 4 minus the least
+};
+
 /// What a technique finds hits for, in one frame. The frame block on binding 0 has the size of the targets.
 struct ReflectionFrame {
   const FrameConstants* constants = nullptr;
@@ -37,6 +44,7 @@ struct ReflectionFrame {
   const OctreeBuffers* octree = nullptr;           ///< bound; null unless the plan has one
   const CellBrdfBuffers* cells = nullptr;          ///< of its cells; null unless the plan has them
   const std::vector<GhostReach>* ghost = nullptr;  ///< by reflector; null where the rays are those of the front
+  const std::vector<FitReach>* fits = nullptr;     ///< by patch; null where none is fitted
   const Settings* settings = nullptr;
   ReflectionTargets* targets = nullptr;
   ProgramCache* programs = nullptr;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 
 namespace maquette {
 
+struct PatchFit;
+
 /// One item of the scene that shows the scene: a pane, or an opaque mirror.
 struct Reflector {
   std::size_t item = 0;  ///< in FlatGeometry::items
@@ -18,12 +21,16 @@ struct Reflector {
   std::string name;
   bool mirror = false;  ///< opaque: nothing is seen through it
   bool patch = false;
-  std::optional<glm::vec4> plane = {};  ///< of one that is flat, world: dot(n, p) + w = 0, n unit
-  std::array<glm::dvec3, 16> points{};  ///< of a patch: world, [row v][column u]
+  std::optional<glm::vec4> plane = {};            ///< of one that is flat, world: dot(n, p) + w = 0, n unit
+  std::array<glm::dvec3, 16> points{};            ///< of a patch: world, [row v][column u]
+  std::shared_ptr<const PatchFit> fit = nullptr;  ///< of a curved mesh, where the technique projects into patches
+  int first_patch = -1;                           ///< of its patches, in the reflectors' block; -1: it has none
 };
 
 /// At most this many are drawn; shaders/reflections/reflectors.glsl has the same number.
 constexpr std::size_t kMaxReflectors = 16;
+/// And at most so many patches of them all; in the same file.
+constexpr std::size_t kMaxPatches = 128;
 
 /// The reflectors of the scene: patches and nodes marked so; all panes of a scene that marks none; or, when `names` is
 /// not empty, the nodes named so.

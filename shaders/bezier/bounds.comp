@@ -14,10 +14,10 @@ vec4 find_rectangle(uint i) {
   vec4 everything = vec4(0.0, 0.0, vec2(u_frame.size.xy)), nothing = vec4(1.0, 1.0, -1.0, -1.0);
   vec4 start = b_starts[5u * i], middle = b_starts[5u * i + 3u];
   vec3 by_x = b_starts[5u * i + 1u].xyz, by_y = b_starts[5u * i + 2u].xyz, half_extent = b_starts[5u * i + 4u].xyz;
-  vec3 origin = u_reflectors[u_reflector].origin.xyz;
+  vec3 origin = u_patches[u_patch].origin.xyz;
   vec4 low = vec4(1e30), high = vec4(-1e30);  // px on screen, parameters
   bool behind = true;
-  BezierSurface s = load_surface(u_reflector);
+  BezierSurface s = load_patch(u_patch);
   for (int k = 0; k < 8; ++k) {
     vec3 offset = half_extent * (2.0 * vec3(float(k & 1), float(k >> 1 & 1), float(k >> 2)) - 1.0);
     vec2 x = start.xy + clamp(vec2(dot(by_x, offset), dot(by_y, offset)), -0.75, 0.75);

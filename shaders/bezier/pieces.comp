@@ -54,7 +54,7 @@ void main() {
   float shift = 0.0;
 #if GHOST
   for (int k = 0; k < 3; ++k) {
-    mat2x3 d = screen_derivative(corner[k].world - u_reflectors[u_reflector].origin.xyz, corner[k].v.x);
+    mat2x3 d = screen_derivative(corner[k].world - u_patches[u_patch].origin.xyz, corner[k].v.x);
     shift = max(shift, ghost_shift(d[0], d[1], corner[k].v.along_m));
   }
 #endif

@@ -4,6 +4,7 @@
 #include "reflections/ghost.glsl"
 layout(binding = 54) uniform samplerBuffer t_nodes;  // 5 texels a node: render/bezier/projection.cpp writes them
 uniform int u_reflector;
+uniform int u_patch;
 uniform int u_first_node;
 uniform int u_node_count;
 uniform float u_side;
@@ -39,7 +40,7 @@ BezierNode fetch_node(int k) {
   return node;
 }
 
-vec3 reflector_eye() { return u_frame.eye.xyz - u_reflectors[u_reflector].origin.xyz; }
+vec3 reflector_eye() { return u_frame.eye.xyz - u_patches[u_patch].origin.xyz; }
 
 BezierStart find_start(vec3 p) {
   vec3 eye = reflector_eye();
@@ -52,7 +53,7 @@ BezierStart find_start(vec3 p) {
 const float kPlaced = 1e-3;  // sine of the angle that the law of reflection may be missed by
 
 Projected place(ReflectionPoint r, bool certified) {
-  vec4 clip = u_frame.clip_from_world * vec4(r.position + u_reflectors[u_reflector].origin.xyz, 1.0);
+  vec4 clip = u_frame.clip_from_world * vec4(r.position + u_patches[u_patch].origin.xyz, 1.0);
   Projected v;
   v.placed = clip.w > 1e-6;
   v.at = (0.5 * vec2(clip.x, -clip.y) / clip.w + 0.5) * vec2(u_frame.size.xy);
@@ -69,16 +70,16 @@ Projected place(ReflectionPoint r, bool certified) {
 }
 
 Projected project_from(vec3 world, BezierStart start) {
-  vec3 p = world - u_reflectors[u_reflector].origin.xyz;
-  return place(reflection_point(load_surface(u_reflector), reflector_eye(), p, start, u_careful == 1), start.certified);
+  vec3 p = world - u_patches[u_patch].origin.xyz;
+  return place(reflection_point(load_patch(u_patch), reflector_eye(), p, start, u_careful == 1), start.certified);
 }
 
 /// How the place on screen changes with the object, whose reflection point is at x: rows of px/m.
 mat2x3 screen_derivative(vec3 p, vec2 x) {
-  BezierSurface s = load_surface(u_reflector);
+  BezierSurface s = load_patch(u_patch);
   ReflectionDerivative d = reflection_derivative(s, reflector_eye(), p, x);
   SurfaceJet jet = bezier_jet(s, x);
-  vec4 clip = u_frame.clip_from_world * vec4(jet.p + u_reflectors[u_reflector].origin.xyz, 1.0);
+  vec4 clip = u_frame.clip_from_world * vec4(jet.p + u_patches[u_patch].origin.xyz, 1.0);
   vec4 cx = u_frame.clip_from_world * vec4(jet.dx, 0.0), cy = u_frame.clip_from_world * vec4(jet.dy, 0.0);
   vec2 scale = 0.5 * vec2(u_frame.size.x, -u_frame.size.y) / clip.w, ndc = clip.xy / clip.w;
   vec2 by_x = scale * (cx.xy - ndc * cx.w), by_y = scale * (cy.xy - ndc * cy.w);
@@ -92,6 +93,6 @@ float ghost_shift(vec3 by_x, vec3 by_y, float along_m) {
 
 /// From a start that is near: a few steps, one attempt.
 Projected project_near(vec3 world, vec2 x, int steps) {
-  vec3 p = world - u_reflectors[u_reflector].origin.xyz;
-  return place(reflect_from(load_surface(u_reflector), reflector_eye(), p, clamp(x, -kParameterLimit, kParameterLimit), kParameterLimit, steps), false);
+  vec3 p = world - u_patches[u_patch].origin.xyz;
+  return place(reflect_from(load_patch(u_patch), reflector_eye(), p, clamp(x, -kParameterLimit, kParameterLimit), kParameterLimit, steps), false);
 }

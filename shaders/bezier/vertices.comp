@@ -28,10 +28,10 @@ void main() {
   Projected v = project_from(world, start);
   int steps = v.steps;
   if (v.status == kReflectionLost) {
-    v = project_from(world, find_start(world - u_reflectors[u_reflector].origin.xyz));
+    v = project_from(world, find_start(world - u_patches[u_patch].origin.xyz));
     steps += v.steps;
   }
-  mat2x3 d = screen_derivative(world - u_reflectors[u_reflector].origin.xyz, v.x);
+  mat2x3 d = screen_derivative(world - u_patches[u_patch].origin.xyz, v.x);
   d = mat2x3(clamp(d[0], -kSteepest, kSteepest), clamp(d[1], -kSteepest, kSteepest));
   b_projected[2 * vertex] = floatBitsToUint(vec4(v.at, v.x));
   b_projected[2 * vertex + 1] = uvec4(uint(v.status) | (v.placed ? 4u : 0u) | uint(min(v.steps, 127)) << 3u | packHalf2x16(vec2(0.0, min(0.999 * v.along_m, 6e4))), packHalf2x16(d[0].xy),

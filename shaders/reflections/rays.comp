@@ -9,6 +9,10 @@ layout(binding = 52) uniform sampler2D t_opaque_depth;  // of the whole grid, al
 layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
 layout(binding = 2, r16f) uniform writeonly image2D o_focus;
+layout(binding = 54) uniform usamplerBuffer t_fits;  // patch + 1, parameters of the corners: of triangles that patches are fitted to
+// [patch] how far the fitted patch's ray is from the mesh's at most, m at its origin and m more for each m along it; 4 plus and 4 minus the
+// largest and least parameters seen; bits of floats
+layout(std430, binding = 12) buffer FitReach { uint b_fits[]; };
 uniform int u_divisor;
 #if SKIP
 #include "shared/fresnel.glsl"
@@ -82,24 +86,51 @@ layout(std430, binding = 8) buffer GhostReach { uint b_reach[]; };
 struct PanePoint {
   vec3 position, normal;
   float focus;  // 1/m, of the mirrored ray
+  vec2 x;       // parameters on the patch
 };
 
 /// Newton's method for eye + k ray = S(x), from the parameters that the triangles give. Their error is of second order in their size.
-PanePoint refine(int reflector, vec2 uv, vec3 ray) {
-  BezierSurface s = load_surface(reflector);
-  vec3 eye = u_frame.eye.xyz - u_reflectors[reflector].origin.xyz;
-  vec2 x = 2.0 * uv - 1.0;
+PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
+  BezierSurface s = load_patch(number);
+  vec3 eye = u_frame.eye.xyz - u_patches[number].origin.xyz;
   SurfaceJet jet;
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; k <= steps; ++k) {
     jet = bezier_jet(s, x);
     vec3 miss = eye - jet.p, n = cross(jet.dy, ray);
     float determinant = dot(jet.dx, n);
-    if (abs(determinant) < 1e-20 || k == 2) break;
+    if (abs(determinant) < 1e-20 || k == steps) break;
     x += clamp(vec2(dot(miss, n), dot(miss, cross(ray, jet.dx))) / determinant, vec2(-0.2), vec2(0.2));
   }
   vec3 normal = cross(jet.dx, jet.dy), incident = normalize(ray);
   normal = dot(normal, normal) > 0.0 ? normalize(normal) : -incident;
-  return PanePoint(jet.p + u_reflectors[reflector].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)));
+  return PanePoint(jet.p + u_patches[number].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)), x);
+}
+
+/// No patch, or none that would find what the ray meets: finish.comp then marks what is found as not vouched for.
+const float kNoFocus = 6e4;
+/// As far may the ray of a fitted patch be from the mesh's: a search around more would be no help of a patch's.
+const float kMostOffset_m = 0.02, kMostTurn = 0.25;
+const float kSharpest = 20.0;  // 1/m
+
+/// Where the patch that is fitted to the triangle mirrors: it finds what the mesh's ray meets, not what the ray is. Returns 1/m of the caustic.
+float hold_against_fit(int triangle, vec2 b, vec3 ray, vec3 origin, vec3 direction) {
+  uvec4 record = texelFetch(t_fits, triangle);
+  if (record.x == 0u) return kNoFocus;
+  int number = int(record.x) - 1;
+  vec2 x0 = unpackSnorm2x16(record.y), x1 = unpackSnorm2x16(record.z), x2 = unpackSnorm2x16(record.w);
+  PanePoint fitted = refine(number, x0 + b.x * (x1 - x0) + b.y * (x2 - x0), ray, 4);
+  vec3 incident = normalize(ray), miss = fitted.position - u_frame.eye.xyz;
+  float offset = length(fitted.position - origin), turn = length(reflect(incident, fitted.normal) - direction);
+  // A search for the ray's point that has not ended says nothing.
+  bool found = length(miss - incident * dot(miss, incident)) < 1e-4 * length(miss);
+  if (!found || !(offset < kMostOffset_m) || !(turn < kMostTurn)) return kNoFocus;
+  // What is seen in a fold has met its caustic before: nothing is vouched for, nothing need be looked for.
+  if (fitted.focus > kSharpest) return fitted.focus;
+  atomicMax(b_fits[6 * number], floatBitsToUint(offset));
+  atomicMax(b_fits[6 * number + 1], floatBitsToUint(turn));
+  vec4 reach = clamp(4.0 + vec4(fitted.x, -fitted.x), 0.0, 8.0);
+  for (int k = 0; k < 4; ++k) atomicMax(b_fits[6 * number + 2 + k], floatBitsToUint(reach[k]));
+  return fitted.focus;
 }
 
 #if GHOST
@@ -157,8 +188,9 @@ void main() {
     point.focus = 0.0;
     point.normal = n0.xyz + b.x * (n1.xyz - n0.xyz) + b.y * (n2.xyz - n0.xyz);
     point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
-    if (u_reflectors[reflector].origin.w > 0.0)
-      point = refine(reflector, vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w), ray);
+    ivec4 mirror = u_mirrors[reflector];
+    vec2 uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
+    if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, ray, 2);
     vec3 incident = normalize(ray);
     float normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
     point.normal *= normal_side;
@@ -175,9 +207,8 @@ void main() {
       GhostRay ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
       // The pane turns over the few millimetres: normals where the ray is mirrored and where it leaves.
       vec3 turn = normal_turn(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
-      if (u_reflectors[reflector].origin.w > 0.0) {
-        vec2 uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
-        PanePoint beside = refine(reflector, uv, point.position + ghost.offset - u_frame.eye.xyz);
+      if (mirror.x >= 0) {
+        PanePoint beside = refine(mirror.x, 2.0 * uv - 1.0, point.position + ghost.offset - u_frame.eye.xyz, 2);
         turn = facing_normal(beside.normal, incident) - point.normal;
       }
       back = normalize(point.normal + 0.5 * turn);
@@ -192,6 +223,7 @@ void main() {
         atomicMax(b_reach[2 * reflector + 1], floatBitsToUint(length(ghost.direction - mirrored)));
       }
 #endif
+      if (mirror.y == 1 && direction.w > 0.0) focus = hold_against_fit(triangle + mirror.z, b, ray, origin.xyz, direction.xyz);
 #if SKIP
       vec3 unseen = unseen_radiance(pixel, triangle, direction.w, -dot(point.normal, incident));
       if (unseen.x >= 0.0) {

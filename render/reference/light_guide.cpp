@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/large_pages.h"
 #include "render/low_discrepancy.h"
 
 namespace maquette {
@@ -110,9 +111,11 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
       leaves_(partition.leaf_count()),
       records_(static_cast<std::size_t>(kCells) * static_cast<std::size_t>(leaves_)),
       cumulative_(records_.size()) {
+  prefer_large_pages(records_);
   learn_cell(0);  // nothing yet: all cells alike
   for (std::uint32_t cell = 1; cell < kCells; ++cell)
     std::copy_n(cumulative_.begin(), leaves_, cumulative_.begin() + static_cast<std::ptrdiff_t>(at(cell, 0)));
+  prefer_large_pages(cumulative_);
 }
 
 int LightGuide::choose_leaf(std::uint32_t cell, float* u) const {

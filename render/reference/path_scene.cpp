@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "render/environment/texel_cell.h"
+#include "render/large_pages.h"
 #include "render/material_overrides.h"
 #include "render/reference/traversal.h"
 #include "scenes/error.h"
@@ -20,6 +21,7 @@ std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source,
     auto material = std::make_shared<MeasuredMaterial>();
     material->table = load_brdf(source);
     material->tables = load_brdf_tables(material->table);
+    prefer_large_pages(material->table.rgb);
     entry = std::move(material);
   }
   return entry;
@@ -123,6 +125,7 @@ TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
     e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
     e.bright[i] = e.tables.density[i] > kBright;
   }
+  prefer_large_pages(e.texels);
   e.partition = std::make_unique<const EnvironmentPartition>(e.tables);
   e.source = std::move(source);
   return e;
@@ -181,6 +184,7 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
     scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, library));
   scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), library));
   scene->triangles = gather_triangles(scene->geometry);
+  prefer_large_pages(scene->triangles);
   assign_triangles(input, scene.get());
   scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
   if (!scene->lights.lights.empty()) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/large_pages.h"
 #include "render/low_discrepancy.h"
 
 namespace maquette {
@@ -45,6 +46,7 @@ PresampledEnvironment::Set PresampledEnvironment::draw_set(int side) const {
       set.samples[static_cast<std::size_t>(index)] = {draw.direction, draw.pdf, draw.radiance};
     }
   });
+  prefer_large_pages(set.samples);
   return set;
 }
 

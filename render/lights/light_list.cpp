@@ -208,32 +208,36 @@ double total_power(const std::vector<WeightedLight>& lights) {
                          [](double sum, const WeightedLight& light) { return sum + light.power; });
 }
 
-/// Probabilities by power, in whole steps of 2^-24: what is drawn (a uniform number of 24 bits below an entry of `cdf`)
-/// and what it is divided by are then the same to the last bit. Rounded entries drew lights of 1e-7 of the power up to
-/// twice as often as they said. Every light keeps one step at least; what that and rounding add up to is taken from the
-/// strongest.
 void set_probabilities(std::vector<WeightedLight>* lights) {
+  std::vector<double> powers;
+  for (const WeightedLight& light : *lights) powers.push_back(light.power);
+  const std::vector<float> cdf = cumulative_in_steps(powers);
+  for (std::size_t i = 0; i < cdf.size(); ++i) {
+    (*lights)[i].record.selection_pdf = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0f);
+    (*lights)[i].record.cdf = cdf[i];
+  }
+}
+
+}  // namespace
+
+std::vector<float> cumulative_in_steps(const std::vector<double>& weights) {
   constexpr double kSteps = 16777216.0;
-  if (lights->empty()) return;
-  const double power = total_power(*lights);
+  if (weights.empty()) return {};
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   double left = kSteps;
   std::vector<double> steps;
-  for (const WeightedLight& light : *lights) {
-    steps.push_back(std::max(std::round(light.power / power * kSteps), 1.0));
+  for (const double weight : weights) {
+    steps.push_back(std::max(std::round(weight / sum * kSteps), 1.0));
     left -= steps.back();
   }
   const auto strongest = std::max_element(steps.begin(), steps.end());
   *strongest = std::max(*strongest + left, 1.0);
   double cumulative = 0.0;
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    cumulative += steps[i];
-    (*lights)[i].record.selection_pdf = static_cast<float>(steps[i] / kSteps);
-    (*lights)[i].record.cdf = static_cast<float>(std::min(cumulative / kSteps, 1.0));
-  }
-  lights->back().record.cdf = 1.0f;
+  std::vector<float> cdf;
+  for (const double step : steps) cdf.push_back(static_cast<float>(std::min((cumulative += step) / kSteps, 1.0)));
+  cdf.back() = 1.0f;
+  return cdf;
 }
-
-}  // namespace
 
 LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int variant, int max_triangles) {
   std::vector<WeightedLight> lights;
@@ -250,6 +254,7 @@ LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int
   keep_strongest(&triangles, static_cast<std::size_t>(std::max(max_triangles, 0)));
   lights.insert(lights.end(), triangles.begin(), triangles.end());
   LightList list;
+  list.diagonal_m = 2.0 * radius;
   list.dropped_power = all > 0.0 ? std::max(1.0 - total_power(lights) / all, 0.0) : 0.0;
   if (list.dropped_power < 1e-12) list.dropped_power = 0.0;
   set_probabilities(&lights);

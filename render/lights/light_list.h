@@ -23,7 +23,14 @@ struct LightList {
   std::vector<LightRecord> lights;
   std::vector<std::uint32_t> triangles;  ///< [light] triangle of the geometry (index of its first corner / 3)
   double dropped_power = 0.0;
+  double diagonal_m = 0.0;  ///< of the scene's bounding sphere, across
 };
 LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int variant, int max_triangles = 4096);
+
+/// Running sums of probabilities in proportion to `weights`, in whole steps of 2^-24: what is drawn (a uniform number
+/// of 24 bits below an entry) and what it is divided by are then the same to the last bit. Rounded entries drew lights
+/// of 1e-7 of the power up to twice as often as they said. Every entry keeps one step at least; what that and rounding
+/// add up to is taken from the largest.
+std::vector<float> cumulative_in_steps(const std::vector<double>& weights);
 
 }  // namespace maquette

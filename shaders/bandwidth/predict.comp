@@ -140,8 +140,9 @@ vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
   float unit = 1.0 / max(u_frame.environment.z, 1e-12);
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
   vec4 near = vec4(0.0, 0.0, 0.0, 1.0);
+  LightChoice choice = light_choice(p.position);
   for (int i = 0; i < kPredictedLights; ++i) {
-    LightDraw d = draw_light(p, light_numbers(rotation, uint(i)), unit_pair(hash(rotation + uint(i))));
+    LightDraw d = draw_light(p, choice, light_numbers(rotation, uint(i)), unit_pair(hash(rotation + uint(i))));
     float y = luminance(d.outgoing) * unit;
     if (!(y > 0.0)) continue;
     float nu_r = brdf_bandwidth(p, d.wi);

@@ -1,7 +1,7 @@
-// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by power. Shadows
-// by rays only: the baked masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
+// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by what it may bring to
+// the point. Shadows by rays only: the baked masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
 #include "shared/lights.glsl"
-layout(binding = 27) uniform samplerBuffer t_lights;  // four texels a LightRecord
+layout(binding = 27) uniform samplerBuffer t_lights;  // render/lights/light_buffers.h
 
 const int kLightStride = 8;
 /// A sample of an emissive triangle may add as much as this many mirrors of it. The truth never exceeds one; without a limit, samples
@@ -9,21 +9,45 @@ const int kLightStride = 8;
 /// lobes narrower than about 5 degrees.
 const float kMaxMirrors = 4.0;
 
-LightRecord fetch_light(int i) {
-  vec4 a = texelFetch(t_lights, 4 * i), b = texelFetch(t_lights, 4 * i + 1), c = texelFetch(t_lights, 4 * i + 2);
-  vec4 d = texelFetch(t_lights, 4 * i + 3);
-  return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w, d.xyz, d.w);
+/// The row of the grid (render/lights/light_grid.h) for a point, and where its buffer's parts begin.
+struct LightChoice {
+  int row, row_texels, first_light;
+};
+
+LightChoice light_choice(vec3 position) {
+  vec4 low = texelFetch(t_lights, 0), scale = texelFetch(t_lights, 1), cells = texelFetch(t_lights, 2);
+  ivec3 c = ivec3(clamp(floor((position - low.xyz) * scale.xyz) + 1.0, vec3(0.0), cells.xyz - 1.0));
+  LightChoice r;
+  r.row_texels = int(low.w);
+  r.row = 3 + int(scale.w) + ((c.z * int(cells.y) + c.y) * int(cells.x) + c.x) * r.row_texels;
+  r.first_light = int(cells.w);
+  return r;
 }
 
-/// First light whose cumulative probability exceeds u.
-int choose_light(float u) {
-  int low = 0, high = u_frame.bandwidth_size.z - 1;
+/// A light, its selection_pdf that of the whole choice: the first cluster, and in it the first light, whose running sum exceeds u.
+LightRecord choose_light(LightChoice choice, vec2 u) {
+  int low = 0, high = choice.row_texels - 1;
   while (low < high) {
     int middle = (low + high) >> 1;
-    if (texelFetch(t_lights, 4 * middle + 3).w > u) high = middle;
+    if (texelFetch(t_lights, choice.row + middle).w > u.x) high = middle;
     else low = middle + 1;
   }
-  return low;
+  vec4 sums = texelFetch(t_lights, choice.row + low);
+  float before = low > 0 ? texelFetch(t_lights, choice.row + max(low - 1, 0)).w : 0.0;
+  int k = sums.x > u.x ? 0 : (sums.y > u.x ? 1 : (sums.z > u.x ? 2 : 3));
+  float pdf = sums[k] - (k > 0 ? sums[max(k - 1, 0)] : before);
+  vec2 cluster = texelFetch(t_lights, 3 + 4 * low + k).xy;
+  int first = choice.first_light + 4 * int(cluster.x);
+  low = 0;
+  high = int(cluster.y) - 1;
+  while (low < high) {
+    int middle = (low + high) >> 1;
+    if (texelFetch(t_lights, first + 4 * middle + 3).w > u.y) high = middle;
+    else low = middle + 1;
+  }
+  int at = first + 4 * low;
+  vec4 a = texelFetch(t_lights, at), b = texelFetch(t_lights, at + 1), c = texelFetch(t_lights, at + 2), d = texelFetch(t_lights, at + 3);
+  return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w * pdf, d.xyz, d.w);
 }
 
 struct LightDraw {
@@ -34,9 +58,9 @@ struct LightDraw {
   vec3 outgoing;    // cd/m2, already divided by the probabilities; 0 where it does not shine
 };
 
-LightDraw draw_light(Point p, vec3 u, vec2 xi) {
+LightDraw draw_light(Point p, LightChoice choice, vec4 u, vec2 xi) {
   LightDraw r;
-  r.light = fetch_light(choose_light(u.x));
+  r.light = choose_light(choice, u.xw);
   LightSample s = light_sample(r.light, p.position, u.yz);
   r.world = s.wi;
   r.wi = to_local(p, environment_from_world(s.wi));
@@ -64,9 +88,9 @@ float light_share(LightDraw d) {
 #endif
 
 /// Random numbers of sample `index` of a point.
-vec3 light_numbers(uint rotation, uint index) {
-  return vec3(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
-              unit_float(hash(rotation ^ 0x510e527fu) + index * 0x91E10DA5u));
+vec4 light_numbers(uint rotation, uint index) {
+  return vec4(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
+              unit_float(hash(rotation ^ 0x510e527fu) + index * 0x91E10DA5u), unit_float(hash(rotation ^ 0x1f83d9abu) + index * 0xABC98388u));
 }
 
 /// Mean over this work item's light samples, cd/m2.
@@ -74,9 +98,10 @@ vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
   int samples = max(count / kLightStride, 1);
   uint first = first_sample / uint(min(count, kLightStride));
   vec3 sum = vec3(0.0);
+  LightChoice choice = light_choice(p.position);
   for (int i = 0; i < samples; ++i) {
     uint index = first + uint(i);
-    LightDraw d = draw_light(p, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u)));
+    LightDraw d = draw_light(p, choice, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u)));
 #if VISIBILITY == 2
     d.outgoing *= light_share(d);
 #endif

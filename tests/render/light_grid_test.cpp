@@ -1,0 +1,186 @@
+// Lights chosen by what they may bring to a place: exact probabilities, none forgotten, none a surprise.
+#include "render/lights/light_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace maquette {
+namespace {
+
+/// With probabilities by power, as build_light_list makes them.
+LightList list_of(std::vector<LightRecord> lights, const std::vector<double>& powers) {
+  const std::vector<float> cdf = cumulative_in_steps(powers);
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    lights[i].selection_pdf = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0f);
+    lights[i].cdf = cdf[i];
+  }
+  LightList list;
+  list.lights = std::move(lights);
+  list.diagonal_m = 5.0;
+  return list;
+}
+
+LightRecord point_at(const glm::vec3& position, float candela) {
+  LightRecord light{};
+  light.kind = shared::kLightPoint;
+  light.position = position;
+  light.color = glm::vec3(candela);
+  return light;
+}
+
+LightRecord sun() {
+  LightRecord light{};
+  light.kind = shared::kLightDirectional;
+  light.direction = {0.0f, -1.0f, 0.0f};
+  light.color = glm::vec3(100.0f);
+  return light;
+}
+
+/// A glowing strip of 2,000 small triangles along x from 0 to 2 m, and a lamp of 5,000 times its power 3 m away.
+LightList strip_and_lamp() {
+  std::vector<LightRecord> lights{point_at({0.0f, 0.0f, 3.0f}, 1000.0f)};
+  std::vector<double> powers{4.0 * 3.14159 * 1000.0};
+  for (int i = 0; i < 2000; ++i) {
+    LightRecord light{};
+    light.kind = shared::kLightTriangle;
+    light.position = {0.001f * static_cast<float>(i), 0.0f, 0.0f};
+    light.direction = {0.001f, 0.0f, 0.0f};
+    light.edge2 = {0.0f, 0.0f, 0.004f};
+    light.range_m = 1.0f;
+    light.color = glm::vec3(100.0f);
+    lights.push_back(light);
+    powers.push_back(2.0 * 3.14159 * 100.0 * 0.5 * 0.001 * 0.004);
+  }
+  return list_of(lights, powers);
+}
+
+glm::ivec3 cell_of(const LightGrid& grid, const glm::vec3& p) {
+  return glm::ivec3(
+      glm::clamp(glm::floor((p - grid.low) / grid.cell_size) + 1.0f, glm::vec3(0.0f), glm::vec3(grid.cells - 1)));
+}
+
+/// Bound of what a light brings to a point, without cosines at the point.
+double flux_at(const LightRecord& light, const glm::dvec3& p) {
+  if (light.kind == shared::kLightDirectional) return static_cast<double>(light.color.y);
+  const glm::dvec3 to = glm::dvec3(light.position) - p;
+  const double area = light.kind == shared::kLightTriangle
+                          ? 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)))
+                          : 1.0;
+  return static_cast<double>(light.color.y) * area / std::max(glm::dot(to, to), 1e-8);
+}
+
+void check_rows(const LightList& list) {
+  const LightGrid grid = build_light_grid(list);
+  ASSERT_EQ(grid.lights.size(), list.lights.size());
+  ASSERT_EQ(grid.stride % 4, 0);
+  ASSERT_LE(grid.clusters(), LightGrid::kMaxClusters);
+  std::vector<int> seen = grid.order;
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], static_cast<int>(i));
+  const auto whole = [](float v) {
+    const double steps = static_cast<double>(v) * 0x1p24;
+    return steps == std::floor(steps);
+  };
+  const auto rows = static_cast<std::size_t>(grid.cells.x) * static_cast<std::size_t>(grid.cells.y) *
+                    static_cast<std::size_t>(grid.cells.z);
+  ASSERT_EQ(grid.cumulative.size(), rows * static_cast<std::size_t>(grid.stride));
+  for (std::size_t row = 0; row < rows; ++row) {
+    float before = 0.0f;
+    for (int k = 0; k < grid.stride; ++k) {
+      const float sum = grid.cumulative[row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(k)];
+      // Whole steps: a number of 24 bits below it is drawn as often as the difference says.
+      ASSERT_TRUE(whole(sum));
+      if (k < grid.clusters()) {
+        ASSERT_GT(sum, before) << row << " " << k;
+      }
+      before = sum;
+    }
+    ASSERT_EQ(before, 1.0f);
+    ASSERT_EQ(
+        grid.cumulative[row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(grid.clusters()) - 1],
+        1.0f);
+  }
+  for (int k = 0; k < grid.clusters(); ++k) {
+    float before = 0.0f;
+    for (int i = grid.first[static_cast<std::size_t>(k)]; i < grid.first[static_cast<std::size_t>(k) + 1]; ++i) {
+      const LightRecord& light = grid.lights[static_cast<std::size_t>(i)];
+      ASSERT_TRUE(whole(light.cdf));
+      ASSERT_EQ(light.cdf - before, light.selection_pdf);
+      before = light.cdf;
+    }
+    ASSERT_EQ(before, 1.0f);
+  }
+  for (const glm::ivec3& cell : {glm::ivec3(0), grid.cells / 2, grid.cells - 1}) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < grid.lights.size(); ++i) {
+      const double p = light_probability(grid, cell, static_cast<int>(i));
+      const double by_power = list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
+      // Single steps of 2^-24 are rounded; what is larger keeps its quarter.
+      if (by_power > 1e-5) {
+        EXPECT_GT(p, 0.24 * by_power) << i;
+      }
+      sum += p;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-5);
+  }
+}
+
+TEST(LightGrid, ProbabilitiesAreWhatIsDrawn) {
+  check_rows(strip_and_lamp());
+  check_rows(list_of({point_at({1, 2, 3}, 5.0f)}, {1.0}));
+  check_rows(list_of({sun()}, {1.0}));
+  check_rows(list_of({sun(), sun(), point_at({0, 0, 0}, 1.0f)}, {1e9, 1.0, 1e-9}));
+  // All in one place, far away, tiny and huge scenes.
+  check_rows(list_of({point_at({1, 1, 1}, 1.0f), point_at({1, 1, 1}, 2.0f)}, {1.0, 2.0}));
+  check_rows(list_of({point_at({1e6f, 0, 0}, 1.0f), point_at({1e6f, 1, 0}, 2.0f)}, {1.0, 2.0}));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+    std::vector<LightRecord> lights;
+    std::vector<double> powers;
+    for (int i = 0; i < 500; ++i) {
+      lights.push_back(i % 50 == 0 ? sun()
+                                   : point_at(scale * glm::vec3(unit(random), unit(random), unit(random)), 1.0f));
+      powers.push_back(std::pow(10.0, 8.0 * static_cast<double>(unit(random)) - 4.0));
+    }
+    check_rows(list_of(lights, powers));
+  }
+}
+
+TEST(LightGrid, WhatIsNearIsNoSurprise) {
+  // Second moment of one sample over the square of the truth: 1 would be a perfect choice, and its root is how far a
+  // single sample may stand out. By power alone it is thousands beside the strip.
+  const LightList list = strip_and_lamp();
+  const LightGrid grid = build_light_grid(list);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  double worst = 0.0, worst_by_power = 0.0, worst_far = 0.0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const bool far = trial % 4 == 0;
+    const glm::vec3 p =
+        far ? glm::vec3(8.0f * unit(random) - 4.0f, 1.0f + 3.0f * unit(random), 9.0f * unit(random) - 4.0f)
+            : glm::vec3(2.0f * unit(random), 0.01f + 0.02f * unit(random), 0.02f * unit(random));
+    double truth = 0.0, square = 0.0, square_by_power = 0.0;
+    for (std::size_t i = 0; i < grid.lights.size(); ++i) {
+      const double flux = flux_at(grid.lights[i], glm::dvec3(p));
+      truth += flux;
+      square += flux * flux / light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+      square_by_power += flux * flux / list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
+    }
+    if (far) worst_far = std::max(worst_far, square / (truth * truth));
+    if (!far) worst = std::max(worst, square / (truth * truth));
+    if (!far) worst_by_power = std::max(worst_by_power, square_by_power / (truth * truth));
+  }
+  RecordProperty("near", std::to_string(worst));
+  RecordProperty("far", std::to_string(worst_far));
+  RecordProperty("by power", std::to_string(worst_by_power));
+  EXPECT_LT(worst, 30.0);
+  EXPECT_LT(worst_far, 8.0);
+  EXPECT_GT(worst_by_power, 300.0);
+}
+
+}  // namespace
+}  // namespace maquette

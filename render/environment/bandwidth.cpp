@@ -57,6 +57,13 @@ Map working_map(const Environment& environment) {
     const float bottom = texel(x0, y0 + 1) * (1.0f - fx) + texel(x0 + 1, y0 + 1) * fx;
     return top * (1.0f - fy) + bottom * fy;
   };
+  if (map.values.size() == environment.rgb.size() && nx == 1 && ny == 1) {
+    tbb::parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
+      const glm::vec3* row = &environment.rgb[y * map.width];
+      std::transform(row, row + map.width, &map.values[y * map.width], luminance);
+    });
+    return map;
+  }
   tbb::parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
     for (std::size_t x = 0; x < map.width; ++x) {
       float sum = 0.0f;

@@ -5,11 +5,15 @@ float sample_share(float share, int enters, int level) {
   return enters > pixel_level ? min(max(share, 1.0), block_share(min(level, enters))) : block_share(min(level, enters));
 }
 
-/// Work items that a point should have in all. Neyman: in proportion to its deviation, less what interpolation is worth: the sum that
-/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `worth`: kappa, share; `deviation`: of one sample; `scaled_deviation`: times the rate.
-float wanted_items(vec2 worth, int enters, int level, float have, float residual, float deviation, float scaled_deviation) {
+/// Items that interpolation is worth at a point. `worth`: kappa, share; `deviation`: of one sample.
+float saved_items(vec2 worth, int enters, float have, float residual, float deviation) {
   float saved = interpolation_items(have > 0.0 ? point_kappa(worth.x, have, residual, item_variance(deviation, u_frame.sampling.y)) : worth.x);
   // Where the coarser points lie on other surfaces there is nothing to borrow.
-  if (enters >= u_frame.size.w || (have > 0.0 && residual < 0.0)) saved = 0.0;
-  return scaled_deviation * sample_share(worth.y, enters, level) - saved;
+  return enters >= u_frame.size.w || (have > 0.0 && residual < 0.0) ? 0.0 : saved;
+}
+
+/// Work items that a point should have in all. Neyman: in proportion to its deviation, less what interpolation is worth: the sum that
+/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `scaled_deviation`: times the rate.
+float wanted_items(vec2 worth, int enters, int level, float have, float residual, float deviation, float scaled_deviation) {
+  return scaled_deviation * sample_share(worth.y, enters, level) - saved_items(worth, enters, have, residual, deviation);
 }

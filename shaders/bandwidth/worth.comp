@@ -79,9 +79,11 @@ void main() {
     vec2 worth = vec2(enters < top ? kappas[worth_layer(enters, int(mark.y))] : kNeverInterpolate, shares[enters]);
     float have = texelFetch(t_mean, pixel, 0).w, d = texelFetch(t_deviation, pixel, 0).x;
     if (have <= 0.0) d = max(mean_deviation, 0.5 * texelFetch(t_pyramid, pixel / 2, 0).z);
-    float rate = u_items_per_deviation;
+    // What does not depend on the rate is found once: software devices would run its powers eight times.
+    float saved = saved_items(worth, enters, have, texelFetch(t_residual, pixel, 0).x, d);
+    float share = sample_share(worth.y, enters, int(mark.y)), rate = u_items_per_deviation;
     for (int r = 0; r < kRates; ++r) {
-      items[r] += max(wanted_items(worth, enters, int(mark.y), have, texelFetch(t_residual, pixel, 0).x, d, rate * (d + u_least_deviation)) - have, 0.0);
+      items[r] += max(rate * (d + u_least_deviation) * share - saved - have, 0.0);
       rate *= 1.41421356;
     }
   }

@@ -11,16 +11,6 @@ namespace {
 
 constexpr int kMaxStripLines = 3;
 
-bool toggle_button(const char* label, bool on) {
-  if (on) {
-    ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(kAccent.x * 0.75f, kAccent.y * 0.75f, kAccent.z * 0.75f, 1.0f));
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kAccent);
-  }
-  const bool clicked = ImGui::Button(label);
-  if (on) ImGui::PopStyleColor(2);
-  return clicked;
-}
-
 std::string scene_title(const EditorFacts& facts) {
   if (!facts.scene) return "no scene";
   const std::string& name = facts.scene->name;
@@ -124,7 +114,8 @@ void draw_status(Ui& ui) {
     ImGui::TextColored(kWarning, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
-  const std::string hint = ui.state.tool == Tool::dent ? "Dent: press on a surface and drag; D leaves"
+  const std::string hint = ui.state.tool == Tool::dent      ? "Dent: press on a surface and drag; D leaves"
+                           : ui.state.tool == Tool::reflect ? "Reflectors: click on panes and mirrors; Esc leaves"
                            : facts.loading.empty() && facts.background.empty() ? facts.device
                                                                                : std::string();
   const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x;

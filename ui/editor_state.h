@@ -26,10 +26,11 @@ struct Edits {
   /// Control points of the dented meshes' cages, by mesh.
   std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
   std::set<int> hidden_nodes;
+  std::set<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
   bool operator==(const Edits&) const = default;
 };
 
-enum class Tool { camera, dent };
+enum class Tool { camera, dent, reflect };
 
 /// What the error tab shows and asks for.
 struct ErrorView {
@@ -109,6 +110,7 @@ struct EditorFacts {
   const std::map<std::string, unsigned>* swatches = nullptr;  ///< texture of each library BRDF's ball, where ready
   std::vector<float> frame_history_ms;                        ///< oldest first
   std::vector<PassTime> smooth_passes;
+  std::set<int> reflecting;  ///< nodes that are reflectors, whether in view or not
   glm::ivec2 picture_px{0};
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;

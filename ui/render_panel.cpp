@@ -50,6 +50,27 @@ void draw_reflections(Ui& ui) {
   ImGui::EndCombo();
 }
 
+/// Which parts reflect: clicked on in the picture, shown in the scene tree.
+void draw_reflector_picking(Ui& ui) {
+  EditorState& state = ui.state;
+  if (state.reflections == "off") {
+    if (state.tool == Tool::reflect) state.tool = Tool::camera;
+    return;
+  }
+  row_label("Reflectors");
+  if (toggle_button("Pick", state.tool == Tool::reflect))
+    state.tool = state.tool == Tool::reflect ? Tool::camera : Tool::reflect;
+  mark_item(ui, "pick reflectors");
+  tooltip("Click on a pane or a mirror in the picture: it becomes a reflector, or is one no more (Esc leaves)");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(state.edits.reflectors.empty());
+  if (ImGui::Button("As in the scene")) state.edits.reflectors.clear();
+  mark_item(ui, "scene reflectors");
+  ImGui::EndDisabled();
+  tooltip("Those that the scene marks, or all its panes where it marks none");
+  dim_text(std::to_string(ui.facts.reflecting.size()) + " reflect; the scene tree names them");
+}
+
 /// Whether a technique's settings change this picture.
 bool has_effect(const EditorState& state, const TechniqueInfo& technique) {
   if (technique.kind == TechniqueKind::mode) return technique.name == state.mode;
@@ -106,6 +127,7 @@ void draw_render_panel(Ui& ui) {
   if (section("Shading mode")) {
     draw_mode(ui);
     draw_reflections(ui);
+    draw_reflector_picking(ui);
   }
   if (section("Settings")) draw_settings(ui);
   if (section("Resolution")) draw_resolution(ui);

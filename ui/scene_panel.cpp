@@ -1,4 +1,5 @@
 // The node tree with search, visibility and selection.
+#include <string>
 #include <vector>
 
 #include "ui/widgets.h"
@@ -12,6 +13,18 @@ const char* kind_of(const Scene& scene, const Node& node) {
   if (node.patch >= 0) return "patch";
   if (node.camera >= 0) return "camera";
   if (node.light >= 0) return "light";
+  return "";
+}
+
+/// What the plan says of the patches that are fitted to the node, with a colon before it.
+std::string fit_of(const Ui& ui, const std::string& name) {
+  if (!ui.facts.stats) return "";
+  for (const PlannedPass& pass : ui.facts.stats->plan.passes) {
+    const std::size_t at = pass.name == "patch_fit" ? pass.reason.find("'" + name + "': ") : std::string::npos;
+    if (at == std::string::npos) continue;
+    const std::size_t from = at + name.size() + 2, end = pass.reason.find(" off", from);
+    if (end != std::string::npos) return pass.reason.substr(from, end + 4 - from);
+  }
   return "";
 }
 
@@ -50,10 +63,12 @@ bool draw_line(Ui& ui, int index, bool leaf, bool open) {
   if (leaf) flags |= ImGuiTreeNodeFlags_Leaf | ImGuiTreeNodeFlags_NoTreePushOnOpen;
   if (ui.state.selected_node == index) flags |= ImGuiTreeNodeFlags_Selected;
   const char* kind = kind_of(scene, node);
-  const bool expanded = ImGui::TreeNodeEx("##node", flags, "%s", node.name.empty() ? "(no name)" : node.name.c_str());
+  const bool reflects = ui.facts.reflecting.contains(index);
+  const bool expanded = ImGui::TreeNodeEx("##node", flags, "%s%s", node.name.empty() ? "(no name)" : node.name.c_str(),
+                                          reflects ? "  (reflects)" : "");
   if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) select_node(ui, index);
   mark_item(ui, "node/" + node.name);
-  if (*kind) tooltip(node.name + "\n" + kind);
+  if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, node.name) : ""));
   return expanded && !leaf;
 }
 

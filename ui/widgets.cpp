@@ -95,6 +95,16 @@ bool section(const char* title, bool open) {
   return shown;
 }
 
+bool toggle_button(const char* label, bool on) {
+  if (on) {
+    ImGui::PushStyleColor(ImGuiCol_Button, ImVec4(kAccent.x * 0.75f, kAccent.y * 0.75f, kAccent.z * 0.75f, 1.0f));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, kAccent);
+  }
+  const bool clicked = ImGui::Button(label);
+  if (on) ImGui::PopStyleColor(2);
+  return clicked;
+}
+
 void dim_text(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, kDim);
   ImGui::TextWrapped("%s", text.c_str());

@@ -32,6 +32,8 @@ void row_label(const char* label, const std::string& help = {});
 /// Small grey caps-free heading with a rule; true when open.
 bool section(const char* title, bool open = true);
 void dim_text(const std::string& text);
+/// A button that is lit while what it stands for is on; true when clicked.
+bool toggle_button(const char* label, bool on);
 /// `icon` where the font has it, else `text`.
 const char* glyph(const char* icon, const char* text);
 /// Text cut to `width` with an ellipsis.

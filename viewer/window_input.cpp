@@ -42,7 +42,7 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
     case PointerEvent::Kind::release:
       if (drag_ == Drag::none || event.button != button_) break;
       move(event, picture, session);
-      if (!moved_ && drag_ == Drag::orbit && button_ == 0) session->select(pick(press_x_, press_y_));
+      if (!moved_ && drag_ == Drag::orbit && button_ == 0) click(picture, session, pick(press_x_, press_y_));
       if (drag_ == Drag::dent) session->end_dent();
       drag_ = Drag::none;
       break;
@@ -51,6 +51,13 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
       if (inside || drag_ != Drag::none) wheel(event, session);
       break;
   }
+}
+
+void PictureInput::click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit) {
+  if (session->state.tool != Tool::reflect) return session->select(hit);
+  const float width = std::max(picture.width, 1.0f), height = std::max(picture.height, 1.0f);
+  session->pick_reflector({2.0f * (press_x_ - picture.x) / width - 1.0f, 1.0f - 2.0f * (press_y_ - picture.y) / height},
+                          width / height, hit);
 }
 
 void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick) {

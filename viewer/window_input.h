@@ -32,6 +32,7 @@ class PictureInput {
 
  private:
   enum class Drag { none, orbit, pan, look, light, dent };
+  void click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit);
   void press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick);
   void move(const PointerEvent& event, const Rect& picture, WindowSession* session);
   void wheel(const PointerEvent& event, WindowSession* session);

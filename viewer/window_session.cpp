@@ -7,6 +7,7 @@
 #include "render/tonemap.h"
 #include "scenes/error.h"
 #include "ui/camera_control.h"
+#include "viewer/reflector_picking.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -72,7 +73,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.exposure_ev = exposure_of(options, *environment_);
   seed_ = options.seed;
   state.reflections = options.reflections;
-  reflectors_ = options.reflectors;
+  state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
   for (const auto& [name, source] : options.materials) {
     renderer_.set_material(name, source);
     remember(&brdf_files_, source);
@@ -88,7 +89,6 @@ void WindowSession::take_scene(ScenePointer scene) {
   scene_ = std::move(scene);
   bounds_ = compute_bounds(*scene_);
   evaluators_.clear();
-  reflectors_.clear();  // names of the scene before
   dent_.reset();
   for (const std::string& warning : scene_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(scene_->name).filename().string() + ": " + warning);
@@ -312,6 +312,23 @@ void WindowSession::select(const Renderer::Pick& pick) {
   }
 }
 
+void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
+  const CameraView& c = state.camera;
+  const glm::vec3 forward = glm::normalize(c.target - c.eye), right = glm::normalize(glm::cross(forward, c.up)),
+                  up = glm::cross(right, forward);
+  const float half = std::tan(0.5f * c.fov_y_rad);
+  const glm::vec3 ray = glm::normalize(forward + at.x * half * aspect * right + at.y * half * up);
+  // A mirror that is no reflector yet is itself what is opaque there.
+  const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, c.eye) : 1e30f;
+  const int node = find_mirror(*scene_, state.edits, c.eye, ray, limit_m);
+  if (node < 0)
+    add_message(MessageLevel::warning, "Reflectors: nothing mirrors here; panes and smooth metals do");
+  else if (!toggle_reflector(*scene_, node, &state.edits))
+    add_message(MessageLevel::warning, "Reflectors: the last one stays; choose Reflections off to draw none");
+  else
+    state.selected_node = state.reveal_node = node;
+}
+
 void WindowSession::undo() {
   if (const std::optional<Edits> before = undo_.undo()) state.edits = *before;
 }
@@ -360,7 +377,7 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.env_scale = state.edits.env_scale;
   request.variant = state.edits.variant;
   request.reflections = state.reflections;
-  request.reflectors = reflectors_;
+  request.reflectors = {state.edits.reflectors.begin(), state.edits.reflectors.end()};
   request.settings = state.settings;
   request.display = true;
   return request;
@@ -375,6 +392,7 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->brdf_files = brdf_files_;
   facts->messages = &messages_;
   facts->can_undo = undo_.can_undo();
+  if (state.reflections != "off") facts->reflecting = reflecting_nodes(*scene_, state.edits);
   facts->suggested_exposure_ev = suggested_exposure();
 }
 

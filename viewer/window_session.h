@@ -45,6 +45,9 @@ class WindowSession {
   void drag_dent(float depth_m, float radius_m);
   void end_dent() { dent_.reset(); }
   void select(const Renderer::Pick& pick);
+  /// What mirrors at a point of the picture, -1 to 1 to the right and up, becomes a reflector or is one no more.
+  /// `pick`: what is opaque there.
+  void pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick);
 
   FrameRequest make_frame_request(int width, int height) const;
   Renderer& renderer() { return renderer_; }
@@ -85,7 +88,6 @@ class WindowSession {
   Edits applied_;
   UndoStack undo_;
   std::vector<Message> messages_;
-  std::vector<std::string> reflectors_;  ///< nodes named by `--reflector`; empty: those that the scene marks
   std::vector<std::string> environment_files_, brdf_files_;
   std::future<ScenePointer> scene_file_;
   std::future<EnvironmentPointer> environment_file_;

@@ -65,6 +65,9 @@ TEST(Panels, NothingOverlapsAt1280x720) {
     editor.facts.stats = &stats;
     editor.facts.messages = &messages;
     editor.facts.background = {{"visibility", 0.4}};
+    editor.state.reflections = "bezier";
+    editor.state.tool = Tool::reflect;
+    editor.facts.reflecting = {0};
     for (int tab = 0; tab < 3; ++tab) {
       editor.state.left_tab = editor.state.right_tab = tab;
       editor.step(3);
@@ -180,6 +183,13 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   ASSERT_TRUE(editor.click("reflections/raytraced"));
   editor.step(3);
   EXPECT_EQ(editor.state.reflections, "raytraced");
+  ASSERT_TRUE(editor.click("pick reflectors"));
+  EXPECT_EQ(editor.state.tool, Tool::reflect);
+  editor.state.edits.reflectors = {"a node"};
+  editor.step(2);
+  ASSERT_TRUE(editor.click("scene reflectors"));
+  EXPECT_TRUE(editor.state.edits.reflectors.empty());
+  editor.state.tool = Tool::camera;
   editor.state.settings.set_from_text("shading.visibility", "traced");
   editor.step(3);
   expect_shown({"bandwidth", "shading", "octree", "reflections", "raytraced"});

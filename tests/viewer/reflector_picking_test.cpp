@@ -1,0 +1,73 @@
+// Which node a click makes a reflector.
+#include "viewer/reflector_picking.h"
+
+#include <gtest/gtest.h>
+
+#include "render/reflections/reflectors.h"
+
+namespace maquette {
+namespace {
+
+int node_named(const Scene& scene, const std::string& name) {
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    if (scene.nodes[i].name == name) return static_cast<int>(i);
+  ADD_FAILURE() << name;
+  return -1;
+}
+
+TEST(ReflectorPicking, FindsTheNearestSurfaceThatMirrors) {
+  const Scene scene = build_builtin_scene("cockpit");
+  Edits edits;
+  const glm::vec3 eye(0.37f, 1.13f, -0.05f), out(1.0f, -0.12f, 0.3f);
+  const int glass = find_mirror(scene, edits, eye, glm::normalize(out), 1e30f);
+  ASSERT_GE(glass, 0);
+  EXPECT_EQ(scene.nodes[static_cast<std::size_t>(glass)].name, "side_glass_left");
+  EXPECT_EQ(find_mirror(scene, edits, eye, glm::normalize(out), 0.1f), -1) << "behind what is opaque";
+  const int windshield = find_mirror(scene, edits, eye, {0.0f, 0.0f, 1.0f}, 1e30f);
+  ASSERT_GE(windshield, 0);
+  EXPECT_GE(scene.nodes[static_cast<std::size_t>(windshield)].patch, 0);
+  edits.hidden_nodes.insert(glass);
+  EXPECT_NE(find_mirror(scene, edits, eye, glm::normalize(out), 1e30f), glass) << "what is hidden";
+}
+
+TEST(ReflectorPicking, AClickAddsAndAClickTakesAway) {
+  const Scene scene = build_builtin_scene("cockpit");
+  Edits edits;
+  const std::set<int> marked = reflecting_nodes(scene, edits);
+  EXPECT_EQ(marked.size(), 2u);
+  const int glass = node_named(scene, "side_glass_left");
+  ASSERT_TRUE(toggle_reflector(scene, glass, &edits));
+  EXPECT_EQ(reflecting_nodes(scene, edits).size(), 3u);
+  EXPECT_TRUE(reflecting_nodes(scene, edits).contains(glass));
+  for (const int node : marked) EXPECT_TRUE(toggle_reflector(scene, node, &edits));
+  EXPECT_EQ(reflecting_nodes(scene, edits), std::set<int>{glass});
+  const Edits before = edits;
+  EXPECT_FALSE(toggle_reflector(scene, glass, &edits)) << "the last one stays";
+  EXPECT_EQ(edits, before);
+}
+
+/// The picture and the panel agree on what reflects.
+TEST(ReflectorPicking, AgreesWithTheRenderer) {
+  const Scene scene = build_builtin_scene("cockpit");
+  const FlatGeometry geometry = flatten(scene);
+  std::vector<const Material*> materials;
+  const Material none;
+  for (const DrawItem& item : geometry.items) {
+    int index = item.patch >= 0 ? scene.patches[static_cast<std::size_t>(item.patch)].material : -1;
+    if (item.mesh >= 0)
+      index = material_of(
+          scene.meshes[static_cast<std::size_t>(item.mesh)].primitives[static_cast<std::size_t>(item.primitive)], -1);
+    materials.push_back(index >= 0 ? &scene.materials[static_cast<std::size_t>(index)] : &none);
+  }
+  for (const std::set<std::string>& names : {std::set<std::string>{}, {"side_glass_left", "rear_glass"}}) {
+    Edits edits;
+    edits.reflectors = names;
+    std::set<int> drawn;
+    for (const Reflector& r : find_reflectors(scene, geometry, materials, {names.begin(), names.end()}))
+      drawn.insert(r.node);
+    EXPECT_EQ(reflecting_nodes(scene, edits), drawn);
+  }
+}
+
+}  // namespace
+}  // namespace maquette

@@ -144,6 +144,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
       pca.clusters_[k] = fit_cluster(scaled, members[k], components, options.seed + static_cast<std::uint32_t>(k));
     });
   }
+  pca.gather();
   return pca;
 }
 
@@ -162,21 +163,49 @@ LocalPca LocalPca::restore(const Eigen::VectorXf& measure, const Eigen::MatrixXf
     cluster.basis.conservativeResize(Eigen::NoChange, used);
     pca.clusters_.push_back(std::move(cluster));
   }
+  pca.gather();
   return pca;
 }
 
-LocalPcaCode LocalPca::encode(const Eigen::VectorXf& x) const {
-  const Eigen::VectorXf scaled = roots_.cwiseProduct(x);
-  LocalPcaCode code;
-  double best = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < clusters_.size(); ++k) {
-    const double e = squared_error(scaled - clusters_[k].mean, clusters_[k].basis);
-    if (e < best) best = e, code.cluster = static_cast<int>(k);
+void LocalPca::gather() {
+  Eigen::Index columns = 0;
+  for (const Cluster& c : clusters_) columns += 1 + c.basis.cols();
+  gathered_.resize(roots_.size(), columns);
+  Eigen::Index at = 0;
+  for (const Cluster& c : clusters_) {
+    gathered_.col(at) = c.mean;
+    gathered_.middleCols(at + 1, c.basis.cols()) = c.basis;
+    at += 1 + c.basis.cols();
   }
-  const Cluster& cluster = clusters_[static_cast<std::size_t>(code.cluster)];
-  code.weights = Eigen::VectorXf::Zero(components_);
-  code.weights.head(cluster.basis.cols()) = cluster.basis.transpose() * (scaled - cluster.mean);
-  return code;
+}
+
+LocalPcaCode LocalPca::encode(const Eigen::VectorXf& x) const { return encode_all(x).front(); }
+
+std::vector<LocalPcaCode> LocalPca::encode_all(const Eigen::MatrixXf& x) const {
+  const Eigen::MatrixXf scaled = roots_.asDiagonal() * x;
+  const Eigen::MatrixXf products = gathered_.transpose() * scaled;
+  std::vector<LocalPcaCode> codes(static_cast<std::size_t>(x.cols()));
+  std::vector<double> best(codes.size(), std::numeric_limits<double>::infinity());
+  Eigen::Index at = 0;
+  for (std::size_t k = 0; k < clusters_.size(); ++k) {
+    const Cluster& cluster = clusters_[k];
+    const Eigen::Index count = cluster.basis.cols();
+    const Eigen::VectorXf of_mean = cluster.basis.transpose() * cluster.mean;
+    const auto mean2 = static_cast<double>(cluster.mean.squaredNorm());
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      const auto column = products.col(static_cast<Eigen::Index>(i)).segment(at, 1 + count);
+      const Eigen::VectorXf weights = column.tail(count) - of_mean;
+      // |x - m|^2 less what the components take; |x|^2 is the same for all.
+      const double e = mean2 - 2.0 * static_cast<double>(column[0]) - static_cast<double>(weights.squaredNorm());
+      if (e >= best[i]) continue;
+      best[i] = e;
+      codes[i].cluster = static_cast<int>(k);
+      codes[i].weights = Eigen::VectorXf::Zero(components_);
+      codes[i].weights.head(count) = weights;
+    }
+    at += 1 + count;
+  }
+  return codes;
 }
 
 Eigen::VectorXf LocalPca::unscale(const Eigen::VectorXf& scaled) const {

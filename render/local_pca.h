@@ -41,6 +41,8 @@ class LocalPca {
 
   /// The cluster that reconstructs `x` best, and its weights. A dimension that counts nothing comes back as 0.
   LocalPcaCode encode(const Eigen::VectorXf& x) const;
+  /// Of each column; many at once cost a fraction, because all means and components are then read once.
+  std::vector<LocalPcaCode> encode_all(const Eigen::MatrixXf& x) const;
   Eigen::VectorXf decode(const LocalPcaCode& code) const;
   /// Sum of measure * difference^2 between `x` and its reconstruction.
   double error(const Eigen::VectorXf& x) const;
@@ -62,9 +64,11 @@ class LocalPca {
   static Cluster fit_cluster(const Eigen::MatrixXf& scaled, const std::vector<int>& members, int components,
                              std::uint32_t seed);
   Eigen::VectorXf unscale(const Eigen::VectorXf& scaled) const;
+  void gather();
 
   Eigen::VectorXf roots_;  ///< square roots of the measure
   std::vector<Cluster> clusters_;
+  Eigen::MatrixXf gathered_;  ///< mean and basis of each cluster, one after the other
   int components_ = 0;
   std::vector<double> history_;
 };

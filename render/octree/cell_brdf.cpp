@@ -59,20 +59,6 @@ glm::vec3 average_table(const BrdfTable& table, const glm::vec3& wi, const glm::
 
 constexpr int kGrid = 24;
 
-/// Continuous indices in the grid: elevations by the sine of half the angle from the normal, azimuth by the cosine of
-/// half the angle between, which is 0 and finest where the two mirror each other.
-struct GridPoint {
-  float i, o, phi;
-};
-GridPoint grid_point(const glm::vec3& wi, const glm::vec3& wo) {
-  const float across = std::sqrt((wi.x * wi.x + wi.y * wi.y) * (wo.x * wo.x + wo.y * wo.y));
-  const float c = across > 1e-12f ? (wi.x * wo.x + wi.y * wo.y) / across : -1.0f;
-  constexpr float kLast = kGrid - 1;
-  return {std::sqrt(std::clamp(1.0f - wi.z, 0.0f, 1.0f)) * kLast,
-          std::sqrt(std::clamp(1.0f - wo.z, 0.0f, 1.0f)) * kLast,
-          std::sqrt(std::clamp(0.5f + 0.5f * c, 0.0f, 1.0f)) * kLast};
-}
-
 glm::vec3 grid_direction(int elevation, float phi) {
   const float s = static_cast<float>(elevation) / (kGrid - 1), z = std::max(1.0f - s * s, 1e-3f);
   const float r = std::sqrt(1.0f - z * z);
@@ -128,10 +114,12 @@ class PairWeights {
   void flush(const glm::vec3& normal, const CellReflectance& f, Eigen::VectorXf* out) {
     if (!used_) return;
     const glm::mat3 to_local = glm::transpose(basis_of(normal));
-    std::array<glm::vec3, kCellDirections> local;
-    for (std::size_t i = 0; i < local.size(); ++i) {
-      local[i] = to_local * directions()[i];
-      local[i].z = std::max(local[i].z, 1e-3f);
+    std::vector<CellDirection> local;
+    local.reserve(kCellDirections);
+    for (const glm::vec3& direction : directions()) {
+      glm::vec3 d = to_local * direction;
+      d.z = std::max(d.z, 1e-3f);
+      local.emplace_back(d);
     }
     for (int i = 0, pair = 0; i < kCellDirections; ++i) {
       for (int j = 0; j <= i; ++j, ++pair) {
@@ -151,6 +139,13 @@ class PairWeights {
 };
 
 }  // namespace
+
+CellDirection::CellDirection(const glm::vec3& direction) : d(direction) {
+  const float across = std::sqrt(d.x * d.x + d.y * d.y);
+  if (across > 1e-6f) azimuth = glm::vec2(d) / across;
+  // By the sine of half the angle from the normal.
+  elevation = std::sqrt(std::clamp(1.0f - d.z, 0.0f, 1.0f)) * (kGrid - 1);
+}
 
 glm::mat3 cell_frame(const glm::vec3& normal) { return basis_of(glm::normalize(normal)); }
 
@@ -174,33 +169,42 @@ void CellMaterial::make_grid() {
       for (int p = 0; p < kGrid; ++p) {
         const float phi = 2.0f * std::acos(static_cast<float>(p) / (kGrid - 1));
         const glm::vec3 wi = grid_direction(i, 0.0f), wo = grid_direction(o, phi);
-        const glm::vec3 dark = black(wi, wo);
-        grid_[static_cast<std::size_t>((i * kGrid + o) * kGrid + p)] = {dark, white(wi, wo) - dark};
+        const glm::vec3 dark = black(wi, wo), added = white(wi, wo) - dark;
+        grid_[static_cast<std::size_t>((i * kGrid + o) * kGrid + p)] = {dark.r,  dark.g,  dark.b,  0.0f,
+                                                                        added.r, added.g, added.b, 0.0f};
       }
     }
   }
 }
 
-std::function<glm::vec3(const glm::vec3&, const glm::vec3&)> CellMaterial::fast_brdf(const glm::vec3& color) const {
-  return [this, color](const glm::vec3& wi, const glm::vec3& wo) {
-    const GridPoint at = grid_point(wi, wo);
-    const int i = std::min(static_cast<int>(at.i), kGrid - 2), o = std::min(static_cast<int>(at.o), kGrid - 2);
-    const int p = std::min(static_cast<int>(at.phi), kGrid - 2);
-    const float fi = at.i - static_cast<float>(i), fo = at.o - static_cast<float>(o),
-                fp = at.phi - static_cast<float>(p);
-    const auto* first = &grid_[static_cast<std::size_t>((i * kGrid + o) * kGrid + p)];
-    glm::vec3 dark(0.0f), added(0.0f);
-    for (int k = 0; k < 8; ++k) {
-      const float w = ((k & 1) ? fp : 1.0f - fp) * ((k & 2) ? fo : 1.0f - fo) * ((k & 4) ? fi : 1.0f - fi);
-      const auto& entry = first[(k & 1) + ((k & 2) ? kGrid : 0) + ((k & 4) ? kGrid * kGrid : 0)];
-      dark += w * entry[0];
-      added += w * entry[1];
+CellReflectance CellMaterial::fast_brdf(const glm::vec3& color) const {
+  return [this, color](const CellDirection& wi, const CellDirection& wo) {
+    // Azimuth by the cosine of half the angle between, which is 0 and finest where the two mirror each other.
+    const float c = wi.azimuth.x * wo.azimuth.x + wi.azimuth.y * wo.azimuth.y;
+    const float phi = std::sqrt(std::clamp(0.5f + 0.5f * c, 0.0f, 1.0f)) * (kGrid - 1);
+    const int i = std::min(static_cast<int>(wi.elevation), kGrid - 2),
+              o = std::min(static_cast<int>(wo.elevation), kGrid - 2);
+    const int p = std::min(static_cast<int>(phi), kGrid - 2);
+    const float fi = wi.elevation - static_cast<float>(i), fo = wo.elevation - static_cast<float>(o),
+                fp = phi - static_cast<float>(p);
+    using Entry = Eigen::Array<float, 8, 1>;
+    const auto at = [&](int di, int dz) {
+      return Eigen::Map<const Entry>(grid_[static_cast<std::size_t>(((i + di) * kGrid + o + dz) * kGrid + p)].data());
+    };
+    const auto next = [&](int di, int dz) {
+      return Eigen::Map<const Entry>(
+          grid_[static_cast<std::size_t>(((i + di) * kGrid + o + dz) * kGrid + p + 1)].data());
+    };
+    Entry sum = Entry::Zero();
+    for (int k = 0; k < 4; ++k) {
+      const float w = ((k & 1) ? fo : 1.0f - fo) * ((k & 2) ? fi : 1.0f - fi);
+      sum += (w * (1.0f - fp)) * at(k >> 1, k & 1) + (w * fp) * next(k >> 1, k & 1);
     }
-    return dark + color * added;
+    return glm::vec3(sum[0], sum[1], sum[2]) + color * glm::vec3(sum[4], sum[5], sum[6]);
   };
 }
 
-std::function<glm::vec3(const glm::vec3&, const glm::vec3&)> CellMaterial::brdf(const glm::vec3& color) const {
+CellReflectance CellMaterial::brdf(const glm::vec3& color) const {
   const Material& m = material_;
   const glm::vec3 base = color * glm::vec3(m.base_color);
   if (table_) {

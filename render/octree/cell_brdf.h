@@ -25,6 +25,17 @@ inline constexpr int kCellBrdfDimension = 3 * 4851 + 98;
 /// Frame of a cell: columns tangent, bitangent, normal.
 glm::mat3 cell_frame(const glm::vec3& normal);
 
+/// A local direction with its place in the tables of CellMaterial::fast_brdf, which many pairs of directions share.
+struct CellDirection {
+  CellDirection(const glm::vec3& direction);  // NOLINT(google-explicit-constructor): a direction is one
+  operator const glm::vec3&() const { return d; }
+  glm::vec3 d;
+  glm::vec2 azimuth{0.0f};  ///< unit; 0 along the normal
+  float elevation = 0.0f;   ///< continuous index
+};
+/// BRDF, 1/sr.
+using CellReflectance = std::function<glm::vec3(const CellDirection& wi, const CellDirection& wo)>;
+
 /// What a cell's surface is made of, ready to be evaluated.
 class CellMaterial {
  public:
@@ -32,10 +43,10 @@ class CellMaterial {
   explicit CellMaterial(const Material& material, std::shared_ptr<const BrdfTable> table = nullptr);
   /// BRDF, 1/sr, for a surface of base colour `color` times the material's; directions local, z above 0. Lobes narrower
   /// than the 98 directions are apart are widened to what those can hold. Slow: the definition.
-  std::function<glm::vec3(const glm::vec3& wi, const glm::vec3& wo)> brdf(const glm::vec3& color) const;
+  CellReflectance brdf(const glm::vec3& color) const;
   /// The same from a table over the two elevations and the angle between, made by make_grid(): what bakes
   /// use. Linear in `color`, as BRDFs are but where dielectric and metal are mixed. The material must outlive it.
-  std::function<glm::vec3(const glm::vec3& wi, const glm::vec3& wo)> fast_brdf(const glm::vec3& color) const;
+  CellReflectance fast_brdf(const glm::vec3& color) const;
   void make_grid();
   bool glows() const { return glows_; }
   /// Of all that brdf() depends on.
@@ -46,8 +57,8 @@ class CellMaterial {
   std::shared_ptr<const BrdfTable> table_;
   bool glows_ = false;
   std::uint64_t content_ = 0;
-  /// [elevation][elevation][azimuth]: for base colour 0, and what base colour 1 adds.
-  std::vector<std::array<glm::vec3, 2>> grid_;
+  /// [elevation][elevation][azimuth]: R, G, B, unused for base colour 0, and what base colour 1 adds.
+  std::vector<std::array<float, 8>> grid_;
 };
 
 /// One point of a cell's surface that stands for `area` of it.
@@ -64,7 +75,6 @@ std::vector<CellSample> sample_polygons(std::span<const ClipPolygon* const> poly
 
 /// True when nothing of the cell is in the way from `position` along `direction` (world axes).
 using CellVisibility = std::function<bool(const CellSample& sample, const glm::vec3& direction)>;
-using CellReflectance = std::function<glm::vec3(const glm::vec3& wi, const glm::vec3& wo)>;
 
 /// The vector of a cell with this frame from samples of its surface; `reflectance[piece]`. An empty `visible` says that
 /// all of the surface sees everything above it.

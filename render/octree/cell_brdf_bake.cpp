@@ -18,6 +18,8 @@ namespace maquette {
 
 namespace {
 
+/// Cells whose vectors are compressed together.
+constexpr std::size_t kAtOnce = 16;
 /// Less than this share of a cell's area is no second material.
 constexpr double kSecondMaterial = 0.02;
 /// A ray starts this far above its surface, in finest cells: floats of positions are that coarse in the widest grids.
@@ -27,7 +29,10 @@ constexpr double kListed = 0.03, kFitted = 0.35;
 /// A compression that loses more than this share of the light's energy in what is new is fitted again.
 double most_lost(double fit_loss) { return 2.0 * fit_loss + 0.01; }
 /// Raised when the vectors change for the same input.
-constexpr std::uint64_t kAlgorithm = 5;
+constexpr std::uint64_t kAlgorithm = 6;
+/// Samples of a cell whose normals (cosine: 0.03 rad) and colours differ by less share one BRDF.
+constexpr double kOneNormal = 0.99955;
+constexpr float kOneColor = 0.01f;
 
 /// Size of the light of a normalised vector: that of the areas of a cell that is seen from everywhere.
 constexpr float kLightSize = 2.5f;
@@ -88,15 +93,7 @@ class BrickCells {
     for (std::size_t i = cell.begin; i < cell.end; ++i) polygons.push_back(&pieces_[i].polygon);
     const double side = cell.size;
     auto points = sample_polygons(polygons, side * side, samples, cell.node);
-    for (std::size_t k = 0, before = 0; k < points.size(); ++k) {
-      const auto piece = static_cast<std::size_t>(points[k].piece);
-      if (k == 0 || piece != before) {
-        const OctreePiece& p = pieces_[cell.begin + piece];
-        reflectance.push_back(material(p.material).fast_brdf(p.color));
-      }
-      before = piece;
-      points[k].piece = static_cast<int>(reflectance.size()) - 1;
-    }
+    group_samples(cell, &points, &reflectance);
     const glm::vec3 low(cell.lower), high(cell.lower + cell.size);
     const CellVisibility visible = [&](const CellSample& s, const glm::vec3& d) {
       const glm::vec3 n(s.normal);
@@ -107,6 +104,30 @@ class BrickCells {
       return rays.free(from, d, reach);
     };
     return compute_cell_brdf(points, reflectance, cell_frame(normal(cell)), cell.planar ? CellVisibility{} : visible);
+  }
+  /// Samples of one material and colour whose normals are all but one share its BRDF: directions are 0.36 rad apart.
+  /// `piece` becomes the group.
+  void group_samples(const BrickCell& cell, std::vector<CellSample>* points,
+                     std::vector<CellReflectance>* reflectance) const {
+    struct Group {
+      int material;
+      glm::vec3 color;
+      glm::dvec3 normal;
+    };
+    std::vector<Group> groups;
+    for (CellSample& s : *points) {
+      const OctreePiece& p = pieces_[cell.begin + static_cast<std::size_t>(s.piece)];
+      const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& g) {
+        return g.material == p.material && glm::dot(g.normal, s.normal) > kOneNormal &&
+               glm::length(g.color - p.color) < kOneColor;
+      });
+      s.piece = static_cast<int>(same - groups.begin());
+      if (same != groups.end()) continue;
+      groups.push_back({p.material, p.color, s.normal});
+      reflectance->push_back(material(p.material).fast_brdf(p.color));
+    }
+    std::stable_sort(points->begin(), points->end(),
+                     [](const CellSample& a, const CellSample& b) { return a.piece < b.piece; });
   }
   const CellMaterial& material(int index) const {
     const auto k = static_cast<std::size_t>(index);
@@ -326,16 +347,23 @@ class Bake {
     return !cancelled();
   }
 
-  CellBrdfCode code_of(Eigen::VectorXf vector, bool shared) {
-    CellBrdfCode code;
-    code.scale = normalise_cell_brdf(&vector);
-    const LocalPcaCode found = out_.pca.encode(vector);
-    count_error(vector, out_.pca.decode(found));
-    code.cluster = static_cast<std::uint32_t>(found.cluster);
-    for (Eigen::Index k = 0; k < std::min<Eigen::Index>(found.weights.size(), 4); ++k)
-      code.weights[static_cast<std::size_t>(k)] = found.weights[k];
-    code.shared = shared;
-    return code;
+  /// Codes of vectors, which are normalised.
+  std::vector<CellBrdfCode> codes_of(Eigen::MatrixXf vectors, bool shared) {
+    std::vector<CellBrdfCode> codes(static_cast<std::size_t>(vectors.cols()));
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      Eigen::VectorXf vector = vectors.col(static_cast<Eigen::Index>(i));
+      codes[i].scale = normalise_cell_brdf(&vector);
+      vectors.col(static_cast<Eigen::Index>(i)) = vector;
+    }
+    const std::vector<LocalPcaCode> found = out_.pca.encode_all(vectors);
+    for (std::size_t i = 0; i < codes.size(); ++i) {
+      count_error(vectors.col(static_cast<Eigen::Index>(i)), out_.pca.decode(found[i]));
+      codes[i].cluster = static_cast<std::uint32_t>(found[i].cluster);
+      for (Eigen::Index k = 0; k < std::min<Eigen::Index>(found[i].weights.size(), 4); ++k)
+        codes[i].weights[static_cast<std::size_t>(k)] = found[i].weights[k];
+      codes[i].shared = shared;
+    }
+    return codes;
   }
 
   void count_error(const Eigen::VectorXf& vector, const Eigen::VectorXf& decoded) {
@@ -354,7 +382,7 @@ class Bake {
       const std::lock_guard lock(mutex_);
       if (const auto found = flat_.find(key); found != flat_.end()) return found->second;
     }
-    const CellBrdfCode code = code_of(bake_flat(material, key), true);
+    const CellBrdfCode code = codes_of(bake_flat(material, key), true).front();
     const std::lock_guard lock(mutex_);
     out_.baked_cells += flat_.emplace(key, code).second;
     return code;
@@ -365,12 +393,23 @@ class Bake {
     brick.key = key;
     std::map<SharedKey, std::uint32_t> flat;
     std::size_t baked = 0;
+    Eigen::MatrixXf vectors(kCellBrdfDimension, kAtOnce);
+    std::vector<std::size_t> waiting;  // entries of the table whose vectors these are
+    const auto compress = [&] {
+      if (waiting.empty()) return;
+      const auto codes = codes_of(vectors.leftCols(static_cast<Eigen::Index>(waiting.size())), false);
+      for (std::size_t i = 0; i < waiting.size(); ++i) brick.table[waiting[i]] = codes[i];
+      waiting.clear();
+    };
     for (const BrickCell& cell : cells.cells()) {
       if (cancelled()) break;
       auto index = static_cast<std::uint32_t>(brick.table.size());
       if (cell.own()) {
-        brick.table.push_back(code_of(cells.bake(cell, rays_, options_.samples), false));
+        vectors.col(static_cast<Eigen::Index>(waiting.size())) = cells.bake(cell, rays_, options_.samples);
+        waiting.push_back(index);
+        brick.table.emplace_back();
         ++baked;
+        if (waiting.size() == kAtOnce) compress();
       } else {
         const auto [found, added] = flat.emplace(shared_key(cell.content), index);
         if (added) brick.table.push_back(flat_code(cell.content, cells.material(cell.content.material)));
@@ -379,6 +418,7 @@ class Bake {
       brick.nodes.push_back(cell.node);
       brick.codes.push_back(index);
     }
+    compress();
     const std::lock_guard lock(mutex_);
     out_.baked_cells += baked;
     return brick;

@@ -137,6 +137,7 @@ struct Renderer::Impl {
   Buffer reflection_block;  ///< frame constants at the size of the reflected picture
   std::optional<ReflectionTargets> reflection;
   std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
+  std::optional<TracedKey> tracing;         ///< the same of this frame, until its hits are there
   bool reflections_kept = false;            ///< in this frame
   std::optional<ReflectionTargets> ghost;   ///< the second image of panes, while it is drawn
   std::optional<ReflectionTargets> probes;  ///< the same of fewer rays, while some are not followed

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <glm/gtc/packing.hpp>
 #include <span>
+#include <utility>
 
 #include "render/bezier/patch_fit.h"
 #include "render/bezier/projection.h"
@@ -152,35 +153,35 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
     forget_reflectors();
     return;
   }
-  const bool fits = request.reflections == "bezier";
+  const bool fits = request.reflections == "bezier" && request.mode != "reference";  // which has no use for them
   if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors && reflectors_fitted == fits) return;
   std::vector<const Material*> item_materials;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) item_materials.push_back(&material_of_item(i));
+  forget_reflectors();  // what is refused below is refused in every frame
   reflectors = find_reflectors(*scene, buffers->geometry(), item_materials, request.reflectors);
   drawn_surfaces.reset();
+  if (fits) fit_reflectors();
+  upload_reflectors();
   reflectors_named = request.reflectors;
   reflectors_epoch = epoch + 1;
   reflectors_fitted = fits;
-  if (fits) fit_reflectors();
-  upload_reflectors();
 }
 
 void Renderer::Impl::fit_reflectors() {
   const FlatGeometry& geometry = buffers->geometry();
-  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> known = std::move(patch_fits);
-  patch_fits.clear();
+  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> needed;
   for (Reflector& reflector : reflectors) {
     if (reflector.patch || reflector.plane) continue;
     const DrawItem& item = geometry.items[reflector.item];
     const std::uint64_t hash = hash_of(geometry, item);
-    const auto found = known.find(hash);
-    reflector.fit =
-        found != known.end() ? found->second : std::make_shared<const PatchFit>(fit_item(*scene, geometry, item));
-    patch_fits[hash] = reflector.fit;
+    std::shared_ptr<const PatchFit>& fit = patch_fits[hash];
+    if (!fit) fit = std::make_shared<const PatchFit>(fit_item(*scene, geometry, item));
+    reflector.fit = needed[hash] = fit;
     if (reflector.fit->patches.empty())
       throw Error("--reflections bezier", "no patch fits '" + reflector.name + "': " + reflector.fit->why,
                   "correct the mesh, or use --reflections octree or raytraced");
   }
+  patch_fits = std::move(needed);
 }
 
 void Renderer::Impl::upload_reflectors() {
@@ -243,6 +244,7 @@ void Renderer::Impl::note_fits(FramePlan* plan) const {
 
 void Renderer::Impl::keep_reflections(const FrameRequest& request, FramePlan* plan) {
   reflections_kept = false;
+  tracing.reset();
   // An octree may have been built anew since, and what is skipped depends on the light.
   const bool may_keep = !plan->reflections.empty() && plan->reflections != "octree" && !skips && drawn_surfaces &&
                         request.settings.get_bool("shading.reuse");
@@ -252,8 +254,11 @@ void Renderer::Impl::keep_reflections(const FrameRequest& request, FramePlan* pl
   }
   const TracedKey key{*drawn_surfaces, epoch, plan->reflections, request.reflectors, request.settings};
   reflections_kept = reflection && traced == key;
-  traced = key;
-  if (!reflections_kept) return;
+  if (!reflections_kept) {
+    traced.reset();
+    tracing = key;
+    return;
+  }
   for (const char* pass : {"projection", "rays"}) {
     if (std::erase_if(plan->passes, [&](const PlannedPass& p) { return p.name == pass; }) == 0) continue;
     plan->left_out.push_back({pass, "kept from the frame before: neither camera nor surfaces changed"});
@@ -372,6 +377,7 @@ void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request,
     ghost.reset();
   }
   reflect_at(divisor, skips ? RayKind::some : RayKind::all, plan, request, timer);
+  if (!reflections_kept) traced = std::exchange(tracing, std::nullopt);
   bind_frame();
   glBindTextureUnit(0, targets->triangle.get());
   glBindTextureUnit(50, reflection->ray_direction.get());

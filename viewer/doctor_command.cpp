@@ -65,6 +65,7 @@ struct Limit {
 void append_limits(const DeviceInfo& device, Json* report, Json* problems) {
   const Limit limits[] = {
       {"storage_block_bytes", device.max_storage_block_bytes, 1 << 27},
+      {"uniform_block_bytes", device.max_uniform_block_bytes, 1 << 16},
       {"texture_buffer_texels", device.max_texture_buffer_texels, 1 << 26},
       {"texture_size", device.max_texture_size, 8192},
       {"texture_layers", device.max_layers, 2048},

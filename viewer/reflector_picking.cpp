@@ -92,7 +92,7 @@ int find_mirror(const Scene& scene, const Edits& edits, const glm::vec3& origin,
       for (std::size_t k = 0; k + 2 < primitive.indices.size(); k += 3) {
         const auto corner = [&](std::size_t n) { return glm::dvec3(primitive.positions[primitive.indices[k + n]]); };
         const double along = distance_to(from, to, corner(0), corner(1), corner(2));
-        if (along <= 0.0 || along >= nearest) continue;
+        if (!(along > 0.0 && along < nearest)) continue;
         nearest = along;
         found = static_cast<int>(i);
       }

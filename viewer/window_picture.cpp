@@ -12,6 +12,10 @@ namespace {
 constexpr double kSettle_s = 0.3;  // the coarse picture stays so long after the last move
 constexpr std::size_t kHistory = 120;
 constexpr double kSmoothing = 0.15;
+
+std::set<std::string> reflectors_of(const FrameRequest& request) {
+  return {request.reflectors.begin(), request.reflectors.end()};
+}
 }  // namespace
 
 float WindowPicture::choose_moving_scale(const WindowSession& session, const PictureTurn& turn,
@@ -75,13 +79,15 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
   } catch (const Error& error) {
     failed_ = true;
     session->add_message(MessageLevel::error, error.what());
-    // A mode or setting that cannot draw this scene: back to what could.
+    // A mode, a setting or a choice of reflectors that cannot draw this scene: back to what could.
     if (stats_ && (session->state.mode != drawn_.mode || !(session->state.settings == drawn_.settings) ||
-                   session->state.msaa != drawn_.msaa || session->state.reflections != drawn_.reflections)) {
+                   session->state.msaa != drawn_.msaa || session->state.reflections != drawn_.reflections ||
+                   session->state.edits.reflectors != reflectors_of(drawn_))) {
       session->state.mode = drawn_.mode;
       session->state.reflections = drawn_.reflections;
       session->state.settings = drawn_.settings;
       session->state.msaa = drawn_.msaa;
+      session->state.edits.reflectors = reflectors_of(drawn_);
     }
   }
 }

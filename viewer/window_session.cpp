@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "render/camera.h"
 #include "render/tonemap.h"
 #include "scenes/error.h"
 #include "ui/camera_control.h"
@@ -313,16 +314,18 @@ void WindowSession::select(const Renderer::Pick& pick) {
 }
 
 void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
-  const CameraView& c = state.camera;
-  const glm::vec3 forward = glm::normalize(c.target - c.eye), right = glm::normalize(glm::cross(forward, c.up)),
-                  up = glm::cross(right, forward);
-  const float half = std::tan(0.5f * c.fov_y_rad);
-  const glm::vec3 ray = glm::normalize(forward + at.x * half * aspect * right + at.y * half * up);
+  const glm::vec3& eye = state.camera.eye;
+  const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
+  const glm::vec3 ray =
+      glm::normalize(camera.forward + at.x * camera.tan_y * aspect * camera.right + at.y * camera.tan_y * camera.up);
   // A mirror that is no reflector yet is itself what is opaque there.
-  const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, c.eye) : 1e30f;
-  const int node = find_mirror(*scene_, state.edits, c.eye, ray, limit_m);
+  const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, eye) : 1e30f;
+  const int node = find_mirror(*scene_, state.edits, eye, ray, limit_m);
   if (node < 0)
     add_message(MessageLevel::warning, "Reflectors: nothing mirrors here; panes and smooth metals do");
+  else if (scene_->nodes[static_cast<std::size_t>(node)].name.empty())
+    add_message(MessageLevel::warning,
+                "Reflectors: this part has no name in the file, by which it could be told apart");
   else if (!toggle_reflector(*scene_, node, &state.edits))
     add_message(MessageLevel::warning, "Reflectors: the last one stays; choose Reflections off to draw none");
   else

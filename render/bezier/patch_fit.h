@@ -39,7 +39,8 @@ constexpr double kFitTolerance_m = 2e-4;
 
 /// A closed body is taken apart at its creases, and each sheet fitted by itself.
 /// Least squares over the vertices that `indices` (three a triangle) name, in turns with the nearest points of the
-/// patch (Gauss-Newton on the distances along its normals). A part that one patch misses is halved, while that helps.
+/// patch (Gauss-Newton on the distances along its normals). A part that one patch misses is cut where short
+/// trials promise most, while that helps.
 /// `normals`: unit, either side, as many as positions, or none. `uvs`: texture coordinates, tried as the patch's own
 /// parameters: a patch that was tessellated with them comes back to the last digit. Sizes in metres; in double
 /// throughout. Source: Wang, Pottmann and Liu 2006, "Fitting B-spline curves to point clouds by curvature-based squared

@@ -131,6 +131,7 @@ DeviceInfo query_device() {
     throw Error("graphics", "OpenGL 4.5 core is needed, found " + info.renderer + " with " + info.version,
                 "install a newer driver or Mesa's llvmpipe");
   info.max_storage_block_bytes = integer(GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
+  info.max_uniform_block_bytes = integer(GL_MAX_UNIFORM_BLOCK_SIZE);
   info.max_texture_buffer_texels = integer(GL_MAX_TEXTURE_BUFFER_SIZE);
   info.max_texture_size = integer(GL_MAX_TEXTURE_SIZE);
   info.max_layers = integer(GL_MAX_ARRAY_TEXTURE_LAYERS);

@@ -11,6 +11,7 @@ struct DeviceInfo {
   std::string vendor, renderer, version, shading_language;
   int major = 0, minor = 0;
   int max_storage_block_bytes = 0;
+  int max_uniform_block_bytes = 0;
   int max_texture_buffer_texels = 0;
   int max_texture_size = 0;
   int max_layers = 0;

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "render/reference/presampled_environment.h"
 #include "render/reference/path.h"
+#include "render/reference/presampled_environment.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -130,9 +130,9 @@ struct ReferencePicture::Impl {
       : scene(std::move(s)),
         request(r),
         guide(make_guide(*scene, r)),
-        samples(guide ? std::optional<PresampledEnvironment>(std::in_place, EnvironmentLight(scene->environment, r.paths),
-                                                          scene->environment.partition->leaf_count(),
-                                                          pixel_count(r), r.seed)
+        samples(guide ? std::optional<PresampledEnvironment>(
+                            std::in_place, EnvironmentLight(scene->environment, r.paths),
+                            scene->environment.partition->leaf_count(), pixel_count(r), r.seed)
                       : std::nullopt),
         environment(scene->environment, r.paths, guide.get(), samples ? &*samples : nullptr) {
     if (learns(*scene, r)) mirrors.emplace(*scene, environment, grid_of(*scene, r), r.seed);

@@ -20,7 +20,7 @@ float to_unit(std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-
 }  // namespace
 
 PresampledEnvironment::PresampledEnvironment(const EnvironmentLight& environment, int leaves, std::size_t pixels,
-                                       std::uint32_t seed)
+                                             std::uint32_t seed)
     : environment_(environment), leaves_(leaves), first_side_(kMostSide), seed_(mix_seed(seed, 0x5a3b1e5u)) {
   while (first_side_ > kLeastSide &&
          first_side_ * first_side_ * leaves_ > kDirectionsAPixel * static_cast<double>(pixels))

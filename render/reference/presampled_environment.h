@@ -19,15 +19,17 @@ struct alignas(32) PresampledDirection {
 /// the partition lies a grid of strata, each with one direction drawn evenly in it. A draw is one read then, instead of
 /// searches through tables of megabytes.
 ///
-/// Each direction has the leaf's own density, so estimates stay unbiased; what paths share is where in its stratum a
-/// direction lies. Others are taken every kPathsASet paths, and from kMostPaths on every path draws its own, so that
-/// pictures converge without limit. Source: Wyman and Panteleev 2021, "Rearchitecting
-/// Spatiotemporal Resampling for Production", Sec. 4.1 (lights presampled; the strata are ours).
+/// Each direction has the leaf's own density, so each estimate is unbiased by itself; what paths share is where in its
+/// stratum a direction lies. Others are taken every kPathsASet paths, and from kMostPaths on every path draws its own,
+/// so that pictures converge without limit. A guide that learns from the first set and draws from it again ties its
+/// densities to the same jitter, for the first 64 paths: a second-order effect, below their noise. Source: Wyman and
+/// Panteleev 2021, "Rearchitecting Spatiotemporal Resampling for Production", Sec. 4.1 (lights presampled; the strata
+/// are ours).
 class PresampledEnvironment {
  public:
   static constexpr std::uint32_t kPathsASet = 64;
   static constexpr std::uint32_t kMostPaths = 1024;
-  static constexpr int kMostSide = 32;            ///< strata along each number
+  static constexpr int kMostSide = 32;  ///< strata along each number
 
   /// `environment`: without a guide. `pixels`: few of them are not worth many directions for their first paths.
   PresampledEnvironment(const EnvironmentLight& environment, int leaves, std::size_t pixels, std::uint32_t seed);

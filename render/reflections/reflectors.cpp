@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -94,19 +96,25 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   const bool marks = marks_reflectors(scene);
   std::vector<Reflector> found;
+  std::map<std::string, const Material*> dull;  // names of which nothing mirrors so far
+  std::set<std::string> mirrored;
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
     if (geometry.items[i].node < 0) continue;
     const Node& node = scene.nodes[static_cast<std::size_t>(geometry.items[i].node)];
     const bool named = std::find(names.begin(), names.end(), node.name) != names.end();
     if (names.empty() ? !reflects_unnamed(scene, node, marks, materials[i]->glass) : !named) continue;
     if (!can_mirror(*materials[i])) {
-      if (names.empty()) continue;
-      throw Error("--reflector " + node.name,
-                  "its material '" + materials[i]->name + "' is neither glass nor a smooth metal",
-                  "name a pane or a mirror, or give it --material " + materials[i]->name + "=builtin:glass");
+      if (named) dull.emplace(node.name, materials[i]);
+      continue;
     }
+    mirrored.insert(node.name);
     found.push_back(make_reflector(scene, geometry, i, !materials[i]->glass, world));
   }
+  // The frame of a pane need not mirror, but something of what is named has to.
+  for (const auto& [name, material] : dull)
+    if (!mirrored.contains(name))
+      throw Error("--reflector " + name, "its material '" + material->name + "' is neither glass nor a smooth metal",
+                  "name a pane or a mirror, or give it --material " + material->name + "=builtin:glass");
   if (found.size() > kMaxReflectors)
     throw Error("--reflections",
                 std::to_string(found.size()) + " reflectors are more than the " + std::to_string(kMaxReflectors) +

@@ -47,6 +47,7 @@ TEST_F(PresampledEnvironmentTest, HoldsWhatTheEnvironmentSaysOfItsDirections) {
   samples.prepare(1);
   std::mt19937 random(11);
   std::uniform_real_distribution<float> uniform(0.0f, 0x1.fffffep-1f);
+  int compared = 0, alike = 0;
   for (int i = 0; i < 20000; ++i) {
     const int leaf = i % leaves();
     const PresampledDirection& s = samples.at(0, leaf, {uniform(random), uniform(random)});
@@ -58,7 +59,12 @@ TEST_F(PresampledEnvironmentTest, HoldsWhatTheEnvironmentSaysOfItsDirections) {
     const EnvironmentLookup found = traced().look_up(own);
     if (traced().partition->leaf_at(found.x, found.y) != leaf) continue;
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(s.radiance[c], told[c], 1e-3f * told[c] + 1e-6f);
+    alike += std::abs(s.density - told.w) <= 1e-2f * told.w ? 1 : 0;
+    ++compared;
   }
+  EXPECT_GT(compared, 19000);
+  // The rest lies at the edge of a texel of another density.
+  EXPECT_GT(alike, 0.99 * compared);
 }
 
 /// The mean of light over density in a leaf, times the leaf's probability, is the leaf's share of all light.

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "render/reflections/reflectors.h"
+#include "scenes/error.h"
 
 namespace maquette {
 namespace {
@@ -48,7 +51,13 @@ TEST(ReflectorPicking, AClickAddsAndAClickTakesAway) {
 
 /// The picture and the panel agree on what reflects.
 TEST(ReflectorPicking, AgreesWithTheRenderer) {
-  const Scene scene = build_builtin_scene("cockpit");
+  Scene scene = build_builtin_scene("cockpit");
+  // A pane with a frame of rubber in the same node.
+  Mesh& mesh = scene.meshes[static_cast<std::size_t>(
+      scene.nodes[static_cast<std::size_t>(node_named(scene, "side_glass_left"))].mesh)];
+  mesh.primitives.push_back(mesh.primitives.front());
+  mesh.primitives.back().material = static_cast<int>(scene.materials.size());
+  scene.materials.emplace_back().name = "Rubber seal";
   const FlatGeometry geometry = flatten(scene);
   std::vector<const Material*> materials;
   const Material none;
@@ -66,6 +75,20 @@ TEST(ReflectorPicking, AgreesWithTheRenderer) {
     for (const Reflector& r : find_reflectors(scene, geometry, materials, {names.begin(), names.end()}))
       drawn.insert(r.node);
     EXPECT_EQ(reflecting_nodes(scene, edits), drawn);
+  }
+  const auto dull = std::find_if(scene.nodes.begin(), scene.nodes.end(), [&](const Node& node) {
+    if (node.mesh < 0) return false;
+    const auto& primitives = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives;
+    return std::none_of(primitives.begin(), primitives.end(), [&](const Primitive& p) {
+      return p.material >= 0 && can_mirror(scene.materials[static_cast<std::size_t>(p.material)]);
+    });
+  });
+  ASSERT_NE(dull, scene.nodes.end());
+  try {
+    find_reflectors(scene, geometry, materials, {"side_glass_left", dull->name});
+    ADD_FAILURE() << dull->name << " mirrors nothing";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("neither glass nor a smooth metal"), std::string::npos) << error.what();
   }
 }
 

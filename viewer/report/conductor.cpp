@@ -224,7 +224,15 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
   const FrameRequest frame = request(*ladder, quality);
   studio_->renderer().finish_background_work(frame);
   const FrameRequest warm = ladder->last_ms < 300.0 ? frame : request(*ladder, technique.steps.front());
-  const Measurement measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
+  Measurement measurement;
+  try {
+    measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
+  } catch (const Error& error) {
+    // What only drawing shows, such as a mirror that no patches fit. The others go on.
+    report->skipped.push_back(technique.name + ", camera " + cameras_[ladder->camera].name + ": " + error.what());
+    ladder->over = true;
+    return;
+  }
   std::vector<Point> points;
   for (const Scope scope : ladder->scopes) {
     const Judge& judge = judges_.at({cameras_[ladder->camera].name, scope});

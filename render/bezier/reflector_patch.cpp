@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/float_rounding.h"
-
 namespace maquette {
 
 namespace {
@@ -60,7 +58,7 @@ ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points) {
     const std::array<glm::dvec3, 4> column = centred_powers({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
     for (std::size_t j = 0; j < 4; ++j) out.exact.c[4 * j + i] = column[j];
   }
-  out.origin = rounded_to_float(out.exact.c[0]);  // a float: objects are moved by it without loss
+  out.origin = glm::dvec3(glm::vec3(out.exact.c[0]));  // a float: objects are moved by it without loss
   out.exact.c[0] -= out.origin;
   double size = 0.0;
   for (const glm::dvec3& p : points) size = std::max(size, glm::length(p - out.origin));

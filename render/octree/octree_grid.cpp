@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/float_rounding.h"
 #include "render/octree/octree_build.h"
 #include "render/octree/octree_triangles.h"
 
@@ -108,7 +107,8 @@ OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& o
   grid.brick_level = std::min(kBrickLevel, grid.rest_depth);
   // Floats, because the walk knows no others: both sides then mean the same cells.
   grid.side_m = static_cast<float>(all * kMargin);
-  grid.corner = rounded_to_float(0.5 * (glm::dvec3(extents.all.min) + glm::dvec3(extents.all.max)) - 0.5 * grid.side_m);
+  grid.corner =
+      glm::dvec3(glm::vec3(0.5 * (glm::dvec3(extents.all.min) + glm::dvec3(extents.all.max)) - 0.5 * grid.side_m));
   if (before && before->depth == grid.depth && before->rest_depth == grid.rest_depth) {
     const Bounds root{glm::vec3(before->corner), glm::vec3(before->corner + before->side_m * (1.0 - 1.0 / 4096.0))};
     const bool fits = contains(root, extents.all) && all >= kWorthKeeping * before->side_m;

@@ -1,7 +1,5 @@
 #include "render/triangle/triangle_mirror.h"
 
-#include "render/float_rounding.h"
-
 namespace maquette {
 
 namespace {
@@ -11,7 +9,7 @@ struct Split {
 };
 
 Split split(const glm::dvec3& v) {
-  const glm::dvec3 value = rounded_to_float(v);
+  const glm::dvec3 value = glm::dvec3(glm::vec3(v));
   return {glm::vec3(value), glm::vec3(v - value)};
 }
 

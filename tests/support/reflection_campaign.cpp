@@ -11,7 +11,6 @@
 #include <sstream>
 
 #include "render/bezier/reflector_patch.h"
-#include "render/float_rounding.h"
 
 namespace maquette {
 
@@ -71,7 +70,7 @@ std::optional<Patch> random_patch(Random& random) {
   for (std::size_t j = 0; j < 4; ++j) rows[j] = bernstein({c[4 * j], c[4 * j + 1], c[4 * j + 2], c[4 * j + 3]});
   for (std::size_t i = 0; i < 4; ++i) {
     const std::array<glm::dvec3, 4> column = bernstein({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
-    for (std::size_t j = 0; j < 4; ++j) points[4 * j + i] = rounded_to_float(column[j]);
+    for (std::size_t j = 0; j < 4; ++j) points[4 * j + i] = glm::dvec3(glm::vec3(column[j]));
   }
   Patch patch = make_reflector_patch(points);
   // The judge sees what the float code sees: the rounded coefficients.
@@ -97,7 +96,7 @@ std::optional<Setup> random_setup(Random& random, bool concave) {
   const double cosine = random.uniform(0, 1) < 0.2 ? random.log_uniform(0.01, 0.3) : random.uniform(0.1, 1.0);
   const double phi = random.uniform(0.0, 6.283185307179586), sine = std::sqrt(1.0 - cosine * cosine);
   const glm::dvec3 direction = cosine * normal + sine * (std::cos(phi) * t + std::sin(phi) * s);
-  setup.eye = rounded_to_float(jet.p + random.log_uniform(0.05, 10.0) * direction);
+  setup.eye = glm::dvec3(glm::vec3(jet.p + random.log_uniform(0.05, 10.0) * direction));
   for (const ReflectorNodes& nodes : make_reflector_nodes(setup.patch, setup.eye))
     if (nodes.side == static_cast<float>(setup.side)) setup.nodes = nodes;
   if (setup.nodes.nodes.empty()) return std::nullopt;  // the eye sees this side at no node
@@ -105,10 +104,11 @@ std::optional<Setup> random_setup(Random& random, bool concave) {
 }
 
 glm::dvec3 random_object(Random& random, const Setup& setup) {
-  if (random.uniform(0.0, 1.0) > 0.667) return rounded_to_float(random.log_uniform(0.05, 5.0) * random.direction());
+  if (random.uniform(0.0, 1.0) > 0.667)
+    return glm::dvec3(glm::vec3(random.log_uniform(0.05, 5.0) * random.direction()));
   const bezier_double::BezierNode at =
       bezier_node(setup.patch.exact, setup.eye, {random.uniform(-1.05, 1.05), random.uniform(-1.05, 1.05)});
-  return rounded_to_float(at.position + random.log_uniform(0.02, 10.0) * at.direction);
+  return glm::dvec3(glm::vec3(at.position + random.log_uniform(0.02, 10.0) * at.direction));
 }
 
 bool on_side(const Setup& setup, const glm::dvec2& x) {

@@ -36,11 +36,8 @@ glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::ui
   return {found.radiance * scale_, environment_.density_at(texel, own) * gain};
 }
 
-LightDraw EnvironmentLight::draw(const glm::vec2& u, std::uint32_t cell) const {
-  if (cell == LightGuide::kNoCell) return draw_at(sample_environment_point(environment_.tables, u.x, u.y), -1);
-  float along = u.x;
-  const int leaf = guide_->choose_leaf(cell, &along);
-  return draw_in_leaf(leaf, {along, u.y});
+LightDraw EnvironmentLight::draw(const glm::vec2& u) const {
+  return draw_at(sample_environment_point(environment_.tables, u.x, u.y), -1);
 }
 
 LightDraw EnvironmentLight::draw_in_leaf(int leaf, const glm::vec2& within) const {

@@ -18,6 +18,7 @@ struct LightDraw {
   int leaf = -1;              ///< of the environment's partition, where a guide drew
 };
 
+struct PresampledDirection;
 class PresampledEnvironment;
 
 /// The environment as this request turns and scales it; with a guide, drawn by what each place can see, and then with
@@ -30,20 +31,20 @@ class EnvironmentLight {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
   /// cd/m2 of a world direction (unit), and 1/sr with which `draw` gives it in this cell.
   glm::vec4 radiance_and_density(const glm::vec3& world, std::uint32_t cell = LightGuide::kNoCell) const;
-  /// Direction and distance only.
-  LightDraw draw(const glm::vec2& u, std::uint32_t cell = LightGuide::kNoCell) const;
-  /// The same in parts, so that several draws wait for memory together: first where to look, then the direction and, of
-  /// samples drawn before, the rest (`texel` is -1). `path`: whose draw it is.
+  /// Direction and distance only, by plain importance.
+  LightDraw draw(const glm::vec2& u) const;
+  /// By what a place can see, in parts, so that several draws wait for memory together: first where to look, then the
+  /// direction and, of samples drawn before, the rest (`texel` is -1). `path`: whose draw it is.
   struct Choice {
     int leaf = -1;
     glm::vec2 within{0.0f};
-    const struct PresampledDirection* sample = nullptr;
+    const PresampledDirection* sample = nullptr;
   };
   Choice choose(const glm::vec2& u, std::uint32_t cell, std::uint32_t path) const;
   LightDraw take(const Choice& choice, std::uint32_t cell) const;
   /// Direction and distance of a point of a leaf; `within` as `draw`'s numbers.
   LightDraw draw_in_leaf(int leaf, const glm::vec2& within) const;
-  /// Radiance and pdf of what `draw` gave in this cell.
+  /// Radiance and pdf of what was drawn in this cell.
   void fill(LightDraw* draw, std::uint32_t cell = LightGuide::kNoCell) const;
   /// Tells the guide what became of a draw: cosine times transmittance.
   void record(const LightDraw& draw, std::uint32_t cell, float useful) const;

@@ -1,7 +1,6 @@
 #include "render/reference/surface.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace maquette {
@@ -112,13 +111,6 @@ glm::vec3 interpolated_unit_normal(const TracedTriangle& t, const Corners& c) {
   return shared::interpolated_normal(t.normals[0] * c.b0 + t.normals[1] * c.b1 + t.normals[2] * c.b2, t.geometric);
 }
 
-/// The next float up or down, which std::nextafter finds by a call. Finite values.
-float next_towards(float v, bool up) {
-  if (v == 0.0f) return up ? 0x1p-149f : -0x1p-149f;
-  const auto bits = std::bit_cast<std::uint32_t>(v);
-  return std::bit_cast<float>((v > 0.0f) == up ? bits + 1 : bits - 1);
-}
-
 /// Base colour before textures.
 glm::vec3 plain_color(const PathScene& scene, const TracedMaterial& m, const Corners& c) {
   const glm::vec3 color(m.values.base_color);
@@ -219,7 +211,7 @@ glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error,
   const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
   glm::vec3 result = moved;
   for (int c = 0; c < 3; ++c)
-    if (normal[c] != 0.0f) result[c] = next_towards(moved[c], normal[c] > 0.0f);
+    if (normal[c] != 0.0f) result[c] = std::nextafter(moved[c], normal[c] > 0.0f ? 3.4e38f : -3.4e38f);
   return result;
 }
 

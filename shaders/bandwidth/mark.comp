@@ -168,7 +168,8 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   if (have <= 0.0) d = new_deviation(pixel, min(int(mark.y), enters), texelFetch(t_pyramid, pixel / 2, 0).z);
   vec2 worth = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(enters, int(mark.y))), 0).xy;
   float residual = texelFetch(t_residual, pixel, 0).x;
-  float wanted = wanted_items(worth, enters, int(mark.y), have, residual, d, u_items_per_deviation * (d + u_least_deviation));
+  float wanted = wanted_items(u_items_per_deviation * (d + u_least_deviation), sample_share(worth.y, enters, int(mark.y)),
+                              saved_items(worth, enters, have, residual, d));
   bool shaded = mark.x != 0u || wanted >= 1.0 || is_scout(pixel, enters);
   if (!shaded) return uvec3(0u, mark.y, 0u);
   float items = floor(max(wanted - have, 0.0) * u_sample_scale + 0.5);

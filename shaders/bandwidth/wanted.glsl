@@ -13,7 +13,5 @@ float saved_items(vec2 worth, int enters, float have, float residual, float devi
 }
 
 /// Work items that a point should have in all. Neyman: in proportion to its deviation, less what interpolation is worth: the sum that
-/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `scaled_deviation`: times the rate.
-float wanted_items(vec2 worth, int enters, int level, float have, float residual, float deviation, float scaled_deviation) {
-  return scaled_deviation * sample_share(worth.y, enters, level) - saved_items(worth, enters, have, residual, deviation);
-}
+/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `scaled_deviation`: times the rate; `share`, `saved`: as above.
+float wanted_items(float scaled_deviation, float share, float saved) { return scaled_deviation * share - saved; }

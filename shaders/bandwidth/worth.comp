@@ -83,7 +83,7 @@ void main() {
     float saved = saved_items(worth, enters, have, texelFetch(t_residual, pixel, 0).x, d);
     float share = sample_share(worth.y, enters, int(mark.y)), rate = u_items_per_deviation;
     for (int r = 0; r < kRates; ++r) {
-      items[r] += max(rate * (d + u_least_deviation) * share - saved - have, 0.0);
+      items[r] += max(wanted_items(rate * (d + u_least_deviation), share, saved) - have, 0.0);
       rate *= 1.41421356;
     }
   }

@@ -382,6 +382,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.reflector_techniques[plan.reflections]->add_counters(&stats.technique);
     for (const Reflector& reflector : s.reflectors) {
       if (!reflector.fit) continue;
+      std::string& fits = stats.fits[reflector.node];
+      fits += (fits.empty() ? "" : "; ") + fit_text(*reflector.fit);
       stats.technique["fitted_patches"] += static_cast<double>(reflector.fit->patches.size());
       double& error_mm = stats.technique["fit_error_mm"];
       error_mm = std::max(error_mm, 1e3 * reflector.fit->largest_m);

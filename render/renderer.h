@@ -57,6 +57,7 @@ struct FrameStats {
   std::size_t shading_samples = 0;
   int accumulated_frames = 1;  ///< frames averaged in the picture: grows while nothing moves
   std::map<std::string, double> technique;
+  std::map<int, std::string> fits;  ///< by node: the patches that stand for a curved mirror, and how far they are off
   std::optional<double> estimated_error;  ///< relative RMSE of the picture so far, where the mode itself knows it
   FramePlan plan;
 };

@@ -62,14 +62,7 @@ PatchFit fit_item(const Scene& scene, const FlatGeometry& geometry, const DrawIt
   return fit_patches(part(geometry.positions), part(geometry.normals), part(geometry.uv0), indices);
 }
 
-std::string fit_line(const Reflector& reflector) {
-  const PatchFit& fit = *reflector.fit;
-  char text[80], exact[40] = "";
-  if (fit.exact > 0) std::snprintf(exact, sizeof exact, ", %zu of them exact", fit.exact);
-  std::snprintf(text, sizeof text, "%zu %s%s, %.2g mm off", fit.patches.size(),
-                fit.patches.size() == 1 ? "patch" : "patches", exact, 1e3 * fit.largest_m);
-  return "'" + reflector.name + "': " + text;
-}
+std::string fit_line(const Reflector& reflector) { return "'" + reflector.name + "': " + fit_text(*reflector.fit); }
 
 int divisor_of(const Settings& settings) {
   const std::string& resolution = settings.get_string("reflections.resolution");
@@ -236,8 +229,10 @@ void Renderer::Impl::note_fits(FramePlan* plan) const {
     *line += (line->empty() ? "" : ", ") + fit_line(reflector);
   }
   if (!good.empty()) plan->passes.push_back({"patch_fit", "curved meshes get bicubic patches: " + good});
+  char tolerance[16];
+  std::snprintf(tolerance, sizeof tolerance, "%.2g mm", 1e3 * kFitTolerance_m);
   if (!bad.empty())
-    plan->passes.push_back({"patch_fit", "patches miss these by more than 0.2 mm: " + bad +
+    plan->passes.push_back({"patch_fit", std::string("patches miss these by more than ") + tolerance + ": " + bad +
                                              "; where a pixel's own ray is far from theirs it is hatched, and octree "
                                              "or raytraced shows it"});
 }

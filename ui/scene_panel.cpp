@@ -16,16 +16,10 @@ const char* kind_of(const Scene& scene, const Node& node) {
   return "";
 }
 
-/// What the plan says of the patches that are fitted to the node, with a colon before it.
-std::string fit_of(const Ui& ui, const std::string& name) {
-  if (!ui.facts.stats) return "";
-  for (const PlannedPass& pass : ui.facts.stats->plan.passes) {
-    const std::size_t at = pass.name == "patch_fit" ? pass.reason.find("'" + name + "': ") : std::string::npos;
-    if (at == std::string::npos) continue;
-    const std::size_t from = at + name.size() + 2, end = pass.reason.find(" off", from);
-    if (end != std::string::npos) return pass.reason.substr(from, end + 4 - from);
-  }
-  return "";
+/// The patches that stand for the node as a mirror, with a colon before them.
+std::string fit_of(const Ui& ui, int index) {
+  if (!ui.facts.stats || !ui.facts.stats->fits.contains(index)) return "";
+  return ": " + ui.facts.stats->fits.at(index);
 }
 
 void select_node(Ui& ui, int index) {
@@ -68,7 +62,7 @@ bool draw_line(Ui& ui, int index, bool leaf, bool open) {
                                           reflects ? "  (reflects)" : "");
   if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) select_node(ui, index);
   mark_item(ui, "node/" + node.name);
-  if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, node.name) : ""));
+  if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, index) : ""));
   return expanded && !leaf;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/material_overrides.h"
+#include "render/reference/shared_formulas.h"
 #include "render/reflections/reflectors.h"
 #include "scenes/subdivision.h"
 
@@ -12,16 +14,20 @@ namespace {
 
 constexpr int kPatchSide = 24;  // quads: a click need not be more exact
 
-/// With what the edits give it instead of its own.
-Material material_with(const Scene& scene, int index, const Edits& edits) {
-  if (index < 0 || index >= static_cast<int>(scene.materials.size())) return {};
-  Material material = scene.materials[static_cast<std::size_t>(index)];
-  const auto edit = edits.materials.find(material.name);
-  if (edit == edits.materials.end()) return material;
-  material.glass = edit->second == "builtin:glass";
-  material.measured = material.glass ? "" : edit->second;
-  return material;
-}
+/// By index, with what the edits give them instead of their own.
+class EditedMaterials {
+ public:
+  EditedMaterials(const Scene& scene, const Edits& edits)
+      : materials_(override_materials(scene.materials, edits.materials)) {}
+  const Material& operator[](int index) const {
+    return index < 0 || index >= static_cast<int>(materials_.size()) ? none_
+                                                                     : materials_[static_cast<std::size_t>(index)];
+  }
+
+ private:
+  std::vector<Material> materials_;
+  Material none_;
+};
 
 /// Calls `use(primitive, material)` for the surfaces of a node.
 template <typename Use>
@@ -43,27 +49,18 @@ bool is_shown(const Scene& scene, int index, const Edits& edits) {
   return scene.nodes[static_cast<std::size_t>(index)].visible;
 }
 
-/// Units of the direction's length; negative where it misses. Source: Moller and Trumbore 1997.
-double distance_to(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& a, const glm::dvec3& b,
-                   const glm::dvec3& c) {
-  const glm::dvec3 e1 = b - a, e2 = c - a, q = glm::cross(direction, e2), s = origin - a, r = glm::cross(s, e1);
-  const double determinant = glm::dot(e1, q);
-  if (std::abs(determinant) < 1e-300) return -1.0;
-  const double u = glm::dot(s, q) / determinant, v = glm::dot(direction, r) / determinant;
-  return u < 0.0 || v < 0.0 || u + v > 1.0 ? -1.0 : glm::dot(e2, r) / determinant;
-}
-
 }  // namespace
 
 std::set<int> reflecting_nodes(const Scene& scene, const Edits& edits) {
   const bool marks = marks_reflectors(scene);
+  const EditedMaterials materials(scene, edits);
   std::set<int> nodes;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     if (!node.visible || (node.mesh < 0 && node.patch < 0)) continue;
     if (!edits.reflectors.empty() && !edits.reflectors.contains(node.name)) continue;
     const auto reflects = [&](int index) {
-      const Material material = material_with(scene, index, edits);
+      const Material& material = materials[index];
       return can_mirror(material) &&
              (!edits.reflectors.empty() || reflects_unnamed(scene, node, marks, material.glass));
     };
@@ -79,21 +76,26 @@ std::set<int> reflecting_nodes(const Scene& scene, const Edits& edits) {
 int find_mirror(const Scene& scene, const Edits& edits, const glm::vec3& origin, const glm::vec3& direction,
                 float limit_m) {
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  const EditedMaterials materials(scene, edits);
   int found = -1;
-  double nearest = limit_m;
+  float nearest = limit_m;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (!is_shown(scene, static_cast<int>(i), edits)) continue;
     // In the node's own frame lengths along the ray are the same, as long as its direction is not made unit.
     const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(world[i]));
-    const glm::dvec3 from(node_from_world * glm::dvec4(glm::dvec3(origin), 1.0)),
+    const glm::vec3 from(node_from_world * glm::dvec4(glm::dvec3(origin), 1.0)),
         to(node_from_world * glm::dvec4(glm::dvec3(direction), 0.0));
     each_surface(scene, scene.nodes[i], edits.variant, [&](const Primitive& primitive, int material) {
-      if (!can_mirror(material_with(scene, material, edits))) return;
+      if (!can_mirror(materials[material])) return;
       for (std::size_t k = 0; k + 2 < primitive.indices.size(); k += 3) {
-        const auto corner = [&](std::size_t n) { return glm::dvec3(primitive.positions[primitive.indices[k + n]]); };
-        const double along = distance_to(from, to, corner(0), corner(1), corner(2));
-        if (!(along > 0.0 && along < nearest)) continue;
-        nearest = along;
+        const auto corner = [&](std::size_t n) { return primitive.positions[primitive.indices[k + n]]; };
+        const glm::vec3 first = corner(0);
+        const shared::TriangleHit hit =
+            shared::intersect_plane_of_triangle(from, to, first, corner(1) - first, corner(2) - first);
+        const glm::vec2& b = hit.barycentric;
+        const bool inside = b.x >= 0.0f && b.y >= 0.0f && b.x + b.y <= 1.0f;
+        if (!inside || !(hit.depth > 0.0f && hit.depth < nearest)) continue;
+        nearest = hit.depth;
         found = static_cast<int>(i);
       }
     });

@@ -5,7 +5,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <numbers>
 #include <numeric>
 
 #include "render/bezier/reflector_patch.h"
@@ -19,7 +21,7 @@ using bezier_double::bezier_jet;
 using bezier_double::bezier_position;
 using bezier_double::SurfaceJet;
 
-constexpr std::size_t kMostPatches = 64, kLeastTriangles = 16;
+constexpr std::size_t kMostPatchesASheet = 32, kLeastTriangles = 16;
 constexpr std::size_t kMostPoints = 6000;  // in the equations; distances are measured at all
 
 /// Vertices of a part in its own frame: middle 0, size 1, x and y along the smallest rectangle around their projection.
@@ -30,7 +32,6 @@ struct Cloud {
   glm::dvec3 origin{0.0};
   glm::dmat3 world_from_local{1.0};
   double scale = 1.0;
-  glm::dvec2 low{0.0}, high{0.0};
 };
 
 glm::dmat3 principal_axes(const std::vector<glm::dvec3>& points, double* flatness) {
@@ -70,7 +71,7 @@ bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3>
   constexpr int kTurns = 90;
   double least = 1e300, best = 0.0;
   for (int k = 0; k < kTurns; ++k) {
-    const double angle = 0.5 * 3.141592653589793 * k / kTurns, c = std::cos(angle), s = std::sin(angle);
+    const double angle = 0.5 * std::numbers::pi * k / kTurns, c = std::cos(angle), s = std::sin(angle);
     glm::dvec2 low(1e300), high(-1e300);
     for (const glm::dvec3& p : cloud->points) {
       const glm::dvec2 q(glm::dot(p, c * axes[0] + s * axes[1]), glm::dot(p, c * axes[1] - s * axes[0]));
@@ -78,7 +79,7 @@ bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3>
       high = glm::max(high, q);
     }
     const double area = (high.x - low.x) * (high.y - low.y);
-    if (area < 0.999 * least) least = area, best = angle, cloud->low = low, cloud->high = high;
+    if (area < 0.999 * least) least = area, best = angle;
   }
   const double c = std::cos(best), s = std::sin(best);
   axes = {c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2]};
@@ -474,6 +475,14 @@ struct Fitter {
 
 }  // namespace
 
+std::string fit_text(const PatchFit& fit) {
+  char text[80], exact[40] = "";
+  if (fit.exact > 0) std::snprintf(exact, sizeof exact, ", %zu of them exact", fit.exact);
+  std::snprintf(text, sizeof text, "%zu %s%s, %.2g mm off", fit.patches.size(),
+                fit.patches.size() == 1 ? "patch" : "patches", exact, 1e3 * fit.largest_m);
+  return text;
+}
+
 PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                      std::span<const glm::vec2> uvs, std::span<const std::uint32_t> indices, double tolerance_m) {
   PatchFit out;
@@ -488,7 +497,7 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
   }
   std::vector<LocalFit> fits;
   for (const std::vector<std::size_t>& sheet : find_sheets(positions, used)) {
-    std::vector<LocalFit> some = Fitter{positions, normals, uvs, used, tolerance_m}.fit(sheet, kMostPatches / 2);
+    std::vector<LocalFit> some = Fitter{positions, normals, uvs, used, tolerance_m}.fit(sheet, kMostPatchesASheet);
     std::move(some.begin(), some.end(), std::back_inserter(fits));
   }
   if (fits.empty()) {

@@ -37,6 +37,9 @@ struct PatchFit {
 
 constexpr double kFitTolerance_m = 2e-4;
 
+/// How many patches, how many of them exact, how far off.
+std::string fit_text(const PatchFit& fit);
+
 /// A closed body is taken apart at its creases, and each sheet fitted by itself.
 /// Least squares over the vertices that `indices` (three a triangle) name, in turns with the nearest points of the
 /// patch (Gauss-Newton on the distances along its normals). A part that one patch misses is cut where short

@@ -476,10 +476,9 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   glBindTextureUnit(8, t.surface.get());
   glBindTextureUnit(9, t.depth.get());
   FramePlan shading = plan;
-  if (technique->resolves() && plan.visibility == "baked") shading.visibility = "traced";
   shade_reflections(shading, timer);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  if (plan.indirect == "baked" && !technique->resolves()) {  // baked by vertex: cells have none
+  if (plan.indirect == "baked") {
     const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));
     bind_indirect(program, indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front());
     dispatch(program, groups(t.width, 8), groups(t.height, 8));

@@ -20,19 +20,20 @@ inline constexpr int kOctreeMaxMaterials = 4095;
 ///
 /// `words[i]`: of nodes above the last level child mask << 24 | index of the first child (mask 0: a leaf in a coarse
 /// region); of nodes of the last level their plane word. `planes[i]` is the plane word of the nodes above the last
-/// level, `colors[i]` the colour word of all. Layout of both: shaders/shared/octree.glsl.
+/// level, `colors[i]` the colour word of all. Layout of both: shaders/shared/octree.glsl. `triangles[i]`: the triangle
+/// of the geometry that stands for the node, of what its colour is of the one with the largest area.
 struct Octree {
   glm::vec3 corner{0.0f};  ///< lower corner of the root, m
   float side_m = 1.0f;
   int depth = 0;
-  std::vector<std::uint32_t> words, planes, colors;
+  std::vector<std::uint32_t> words, planes, colors, triangles;
   /// Index of the first node of each level; level_begin[depth + 1] is the number of nodes.
   std::array<std::uint32_t, kOctreeMaxLevels + 2> level_begin{};
 
   bool empty() const { return words.empty(); }
   std::size_t node_count() const { return words.size(); }
   std::size_t leaf_count() const;
-  std::size_t bytes() const { return 4 * (words.size() + planes.size() + colors.size()); }
+  std::size_t bytes() const { return 4 * (words.size() + planes.size() + colors.size() + triangles.size()); }
 };
 
 /// One node with its cell, found by walking the tree: for tests, statistics and bakes. Integer coordinates count cells

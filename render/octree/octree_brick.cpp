@@ -44,6 +44,8 @@ void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& 
     std::uint32_t material;
     double area = 0.0;
     glm::dvec3 color{0.0};
+    double largest = 0.0;
+    std::uint32_t triangle = 0;
   };
   std::vector<Share> shares;
   const auto add = [&](const OctreeFragment& f, double area) {
@@ -51,6 +53,7 @@ void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& 
     if (found == shares.end()) found = shares.insert(shares.end(), Share{f.material});
     found->area += area;
     found->color += area * glm::dvec3(f.color);
+    if (area > found->largest) found->largest = area, found->triangle = f.triangle;
   };
   const bool one = std::all_of(fragments.begin(), fragments.end(),
                                [&](const OctreeFragment& f) { return f.material == fragments[0].material; });
@@ -67,7 +70,7 @@ void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& 
     add(*f, one ? area : area * std::max(std::abs(facing) * (1.0 - covered), 1e-6));
     covered += std::max(facing, 0.0) * area / (cell * cell);
   }
-  for (const Share& share : shares) sums->add_material(share.material, share.area, share.color);
+  for (const Share& share : shares) sums->add_material(share.material, share.area, share.color, share.triangle);
 }
 
 OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
@@ -151,10 +154,11 @@ std::vector<BrickNode> join_level(const std::vector<BrickNode>& children, std::v
 
 }  // namespace
 
-void OctreeSums::add_material(std::uint32_t id, double amount, const glm::dvec3& color) {
+void OctreeSums::add_material(std::uint32_t id, double amount, const glm::dvec3& color, std::uint32_t of_triangle) {
   std::size_t smallest = 0;
   for (std::size_t k = 0; k < kMaterials; ++k) {
     if (material_area[k] > 0.0 && material[k] == id) {
+      if (amount > material_area[k]) triangle[k] = of_triangle;
       material_area[k] += amount;
       material_color[k] += color;
       return;
@@ -165,6 +169,7 @@ void OctreeSums::add_material(std::uint32_t id, double amount, const glm::dvec3&
   material_area[smallest] = amount;
   material[smallest] = id;
   material_color[smallest] = color;
+  triangle[smallest] = of_triangle;
 }
 
 OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, double child_cell) {
@@ -177,7 +182,7 @@ OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, doubl
     sums.centroid += child->centroid;
     for (std::size_t k = 0; k < OctreeSums::kMaterials; ++k)
       if (child->material_area[k] > 0.0)
-        sums.add_material(child->material[k], child->material_area[k], child->material_color[k]);
+        sums.add_material(child->material[k], child->material_area[k], child->material_color[k], child->triangle[k]);
     if (!largest || child->area > largest->area) largest = child;
   }
   if (!largest) return sums;
@@ -214,6 +219,7 @@ OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double ce
   const double coverage = std::min(sums.area / (cell * cell), 1.0);
   words.color = shared::octree_pack_color(static_cast<int>(sums.material[chosen]), static_cast<float>(coverage),
                                           glm::vec3(sums.material_color[chosen] / *largest));
+  words.triangle = sums.triangle[chosen];
   return words;
 }
 

@@ -12,6 +12,7 @@ struct OctreeFragment {
   std::uint32_t code = 0;  ///< Morton code of its cell inside the brick, left-aligned to the finest level
   int level = 0;
   std::uint32_t material = 0;
+  std::uint32_t triangle = 0;  ///< of the geometry
   float area = 0.0f;
   float radius = 0.0f;        ///< of its corners around the centroid
   float opacity = 1.0f;       ///< share that is not cut out
@@ -32,17 +33,19 @@ struct OctreeSums {
   std::array<double, kMaterials> material_area{};
   std::array<std::uint32_t, kMaterials> material{};
   std::array<glm::dvec3, kMaterials> material_color{};  ///< weighted by those areas
+  std::array<std::uint32_t, kMaterials> triangle{};     ///< that brings most of that area
   /// Distance from the node's plane that all of its surface keeps; above kOctreePlanar the node is a solid box.
   double deviation = 0.0;
   /// How far it reaches along the unit normal, from the centroid, in its cells.
   double low = 0.0, high = 0.0;
 
-  void add_material(std::uint32_t id, double amount, const glm::dvec3& color);
+  void add_material(std::uint32_t id, double amount, const glm::dvec3& color, std::uint32_t of_triangle);
 };
 
 /// Words of a node for the GPU (shaders/shared/octree.glsl).
 struct OctreeWords {
   std::uint32_t plane = 0, color = 0;
+  std::uint32_t triangle = 0;  ///< of the geometry, that stands for the node: what is baked by vertex is known there
 };
 
 /// The nodes of one brick, by level from its root; within a level in Morton order.

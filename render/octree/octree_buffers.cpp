@@ -30,9 +30,11 @@ OctreeBuffers::OctreeBuffers(const Octree& octree) {
   words_ = make_words("octree words", octree.words);
   planes_ = make_words("octree planes", octree.planes);
   colors_ = make_words("octree colours", octree.colors);
+  triangles_ = make_words("octree triangles", octree.triangles);
   word_view_ = Texture::make_buffer("octree words", GL_R32UI, words_);
   plane_view_ = Texture::make_buffer("octree planes", GL_R32UI, planes_);
   color_view_ = Texture::make_buffer("octree colours", GL_R32UI, colors_);
+  triangle_view_ = Texture::make_buffer("octree triangles", GL_R32UI, triangles_);
   depth_ = std::max(octree.depth, 1);
   grid_ = glm::vec4(octree.corner, std::exp2(static_cast<float>(depth_)) / octree.side_m);
 }
@@ -42,6 +44,8 @@ void OctreeBuffers::bind() const {
   glBindTextureUnit(kFirstUnit + 1, plane_view_.get());
   glBindTextureUnit(kFirstUnit + 2, color_view_.get());
 }
+
+void OctreeBuffers::bind_triangles(unsigned unit) const { glBindTextureUnit(unit, triangle_view_.get()); }
 
 void OctreeBuffers::set_uniforms(const Program& program) const {
   glProgramUniform4f(program.get(), program.location("u_octree"), grid_.x, grid_.y, grid_.z, grid_.w);

@@ -13,14 +13,15 @@ class OctreeBuffers {
   /// Throws Error when the driver's buffers are too small for it.
   explicit OctreeBuffers(const Octree& octree);
   void bind() const;  ///< units 32 (words), 33 (planes), 34 (colours)
+  void bind_triangles(unsigned unit) const;
   /// Sets the grid in a program that includes the tables.
   void set_uniforms(const Program& program) const;
-  std::size_t bytes() const { return words_.bytes() + planes_.bytes() + colors_.bytes(); }
+  std::size_t bytes() const { return words_.bytes() + planes_.bytes() + colors_.bytes() + triangles_.bytes(); }
   float cell_m() const { return 1.0f / grid_.w; }
 
  private:
-  Buffer words_, planes_, colors_;
-  Texture word_view_, plane_view_, color_view_;
+  Buffer words_, planes_, colors_, triangles_;
+  Texture word_view_, plane_view_, color_view_, triangle_view_;
   glm::vec4 grid_{0.0f, 0.0f, 0.0f, 1.0f};
   int depth_ = 1;
 };

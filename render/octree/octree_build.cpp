@@ -53,7 +53,7 @@ class Builder {
       fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
                        glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
     }
-    constexpr double kAlgorithm = 2.0;  // raised when the same triangles give other nodes
+    constexpr double kAlgorithm = 3.0;  // raised when the same triangles give other nodes
     const double setup[] = {kAlgorithm, grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
     setup_ =
         content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(64 * grid.depth + grid.rest_depth));
@@ -109,10 +109,11 @@ class Builder {
         const glm::vec2 uv = source_.paint.uv_set(material) == 1 ? g.uv1[v] : g.uv0[v];
         data.insert(data.end(), {uv.x, uv.y});
       }
-      const std::uint64_t words[] = {static_cast<std::uint64_t>(material), source_.paint.content(material)};
-      float both[4];
-      std::memcpy(both, words, sizeof both);
-      data.insert(data.end(), both, both + 4);
+      const std::uint64_t words[] = {static_cast<std::uint64_t>(material), source_.paint.content(material),
+                                     t.first_index};
+      float all[6];
+      std::memcpy(all, words, sizeof all);
+      data.insert(data.end(), all, all + 6);
       if (data.size() > 65536) {
         hash = content_hash(std::as_bytes(std::span(data)), hash);
         data.clear();
@@ -169,6 +170,7 @@ class Builder {
     f.level = piece.level - grid_.brick_level;
     const int material = source_.materials[triangle.item];
     f.material = static_cast<std::uint32_t>(material);
+    f.triangle = triangle.first_index / 3;
     const glm::dvec3 area = polygon_area_vector(*piece.polygon), centroid = polygon_centroid(*piece.polygon);
     f.area = static_cast<float>(glm::length(area));
     f.centroid = glm::vec3(centroid - glm::dvec3(brick_lower));
@@ -372,12 +374,14 @@ Octree assemble_octree(const OctreeBricks& bricks) {
   octree.level_begin[levels + 1] = total;
   octree.words.reserve(total);
   octree.colors.reserve(total);
+  octree.triangles.reserve(total);
   octree.planes.reserve(octree.level_begin[levels]);
   std::vector<std::size_t> next(filled.size(), 0);  // node of each brick that comes next
   for (std::size_t level = 0; level <= levels; ++level) {
     std::uint32_t child = octree.level_begin[level + 1];
     const auto add = [&](std::uint32_t mask, const OctreeWords& words) {
       octree.colors.push_back(words.color);
+      octree.triangles.push_back(words.triangle);
       if (level == levels) {
         octree.words.push_back(words.plane);
         return;

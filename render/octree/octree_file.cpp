@@ -15,7 +15,7 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 constexpr std::size_t kSumFloats = 10 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 
@@ -32,6 +32,7 @@ void append_sums(const OctreeSums& s, std::vector<float>* floats, std::vector<st
   for (const glm::dvec3& c : s.material_color)
     for (int i = 0; i < 3; ++i) floats->push_back(static_cast<float>(c[i]));
   materials->insert(materials->end(), s.material.begin(), s.material.end());
+  materials->insert(materials->end(), s.triangle.begin(), s.triangle.end());
 }
 
 OctreeSums read_sums(const float* v, const std::uint32_t* materials) {
@@ -47,6 +48,7 @@ OctreeSums read_sums(const float* v, const std::uint32_t* materials) {
     const float* color = v + 10 + OctreeSums::kMaterials + 3 * k;
     s.material_color[k] = glm::dvec3(color[0], color[1], color[2]);
     s.material[k] = materials[k];
+    s.triangle[k] = materials[OctreeSums::kMaterials + k];
   }
   return s;
 }
@@ -80,6 +82,7 @@ void save_octree_file(const std::string& path, const OctreeBricks& bricks, const
   auto& masks = node_table.integers["mask"];
   auto& planes = node_table.integers["plane"];
   auto& colors = node_table.integers["color"];
+  auto& triangles = node_table.integers["triangle"];
   for (const auto& [code, entry] : bricks.bricks) {
     brick_table.integers["code"].push_back(code);
     brick_table.integers["key_low"].push_back(static_cast<std::uint32_t>(entry.key));
@@ -93,6 +96,7 @@ void save_octree_file(const std::string& path, const OctreeBricks& bricks, const
     for (const OctreeWords& w : entry.brick.words) {
       planes.push_back(w.plane);
       colors.push_back(w.color);
+      triangles.push_back(w.triangle);
     }
   }
   // An empty octree has its columns too.
@@ -127,11 +131,12 @@ OctreeFile load_octree_file(const std::string& path) {
   const auto& masks = file.integers(path, "nodes", "mask");
   const auto& planes = file.integers(path, "nodes", "plane");
   const auto& colors = file.integers(path, "nodes", "color");
+  const auto& triangles = file.integers(path, "nodes", "triangle");
   const Error inconsistent(path, "the octree's tables do not fit together", "bake it again");
   if (numbers.size() < 10 || (numbers.size() - 10) % 6 != 0 || low.size() != codes.size() ||
       high.size() != codes.size() || counts.size() != codes.size() * kLevels ||
-      materials.size() != codes.size() * OctreeSums::kMaterials || sums.size() != codes.size() * kSumFloats ||
-      planes.size() != masks.size() || colors.size() != masks.size())
+      materials.size() != codes.size() * 2 * OctreeSums::kMaterials || sums.size() != codes.size() * kSumFloats ||
+      planes.size() != masks.size() || colors.size() != masks.size() || triangles.size() != masks.size())
     throw inconsistent;
   grid.corner = glm::dvec3(numbers[0], numbers[1], numbers[2]);
   grid.side_m = static_cast<double>(numbers[3]);
@@ -151,12 +156,12 @@ OctreeFile load_octree_file(const std::string& path) {
       for (std::uint32_t k = 0; k < count; ++k, ++node, ++total) {
         if (masks[node] > 255u) throw inconsistent;
         entry.brick.masks.push_back(static_cast<std::uint8_t>(masks[node]));
-        entry.brick.words.push_back({planes[node], colors[node]});
+        entry.brick.words.push_back({planes[node], colors[node], triangles[node]});
         expected += static_cast<std::size_t>(std::popcount(masks[node]));
       }
     }
     if (total > 0 && expected != 0) throw inconsistent;
-    entry.brick.sums = read_sums(&sums[b * kSumFloats], &materials[b * OctreeSums::kMaterials]);
+    entry.brick.sums = read_sums(&sums[b * kSumFloats], &materials[b * 2 * OctreeSums::kMaterials]);
     if (codes[b] >> 3 * grid.brick_level != 0u) throw inconsistent;
     out.bricks.bricks.emplace(codes[b], std::move(entry));
   }

@@ -20,6 +20,7 @@ class OctreeReflections : public ReflectorTechnique {
     const Program& program = frame.programs->get(octree_reflect_variant(frame.cells != nullptr));
     frame.octree->set_uniforms(program);
     set_mirrors(frame, program);
+    frame.octree->bind_triangles(57);
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
     glBindImageTexture(2, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);

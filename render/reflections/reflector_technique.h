@@ -57,7 +57,7 @@ class ReflectorTechnique {
  public:
   virtual ~ReflectorTechnique() = default;
   /// Writes `targets->triangle` for every pixel; a technique whose hits are no triangles writes `surface` and `depth`
-  /// too, and says so by resolves(): what is baked per vertex is then not known there.
+  /// too, and says so by resolves(): the triangle is then one near by, for what is baked per vertex.
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
   /// Shades what lies before the hits and lets a share of them through; true when there is such, for the composition

@@ -1,4 +1,4 @@
-// What mirrored rays hit in the octree, as a G-buffer: normal, material and mean colour of a cell. The cone of a pixel decides how deep the
+// What mirrored rays hit in the octree, as a G-buffer: normal, material, mean colour of a cell and the triangle that stands for it. The cone of a pixel decides how deep the
 // walk goes.
 layout(local_size_x = 8, local_size_y = 8) in;
 #define REFLECTED 1
@@ -9,7 +9,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
 #include "octree/tables.glsl"
-layout(binding = 34) uniform usamplerBuffer t_octree_colors;  // [node]
+layout(binding = 34) uniform usamplerBuffer t_octree_colors;     // [node]
+layout(binding = 57) uniform usamplerBuffer t_octree_triangles;  // [node], of the geometry
 layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
 layout(binding = 1, r32f) uniform writeonly image2D o_depth;
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
@@ -179,5 +180,5 @@ void main() {
   imageStore(o_depth, pixel, vec4(depth));
   imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, color.material), 0u, 0u));
   imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
-  imageStore(o_triangle, pixel, uvec4(1u));
+  imageStore(o_triangle, pixel, uvec4(texelFetch(t_octree_triangles, hit.node).x + 1u));
 }

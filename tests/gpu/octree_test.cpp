@@ -113,6 +113,51 @@ class TracedVisibility : public ::testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Modes, TracedVisibility, ::testing::Values("uniform", "bandwidth"),
                          [](const auto& mode) { return mode.param; });
 
+/// A mirror in a box whose roof has a gap: most of what it shows is light by way of other surfaces, baked by vertex.
+/// Cells know it as the triangles of `raytraced` do.
+TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
+  const GlContext context = GlContext::create_headless();
+  Scene scene = *box(5);
+  test::add(&scene, test::make_grid({-1, 1, -1}, {1.6f, 0, 0}, {0, 0, 2}, 8, 0));
+  Material mirror = test::matte(glm::vec3(0.9f));
+  mirror.metallic = 1.0f;
+  mirror.roughness = 0.02f;
+  scene.materials.push_back(mirror);
+  test::add(&scene, test::make_grid({-0.6f, -0.6f, -0.7f}, {1.2f, 0, 0}, {0, 1.2f, 0}, 1, 1))->reflector = true;
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(1.0f));
+  const auto draw_mirror = [&](const std::string& technique, const std::string& indirect) {
+    FrameRequest request = request_of("uniform");
+    request.reflections = technique;
+    request.camera.eye = {0.1f, 0.1f, 0.9f};
+    request.camera.target = {0.0f, 0.0f, -1.0f};
+    request.settings.set_from_text("shading.visibility", "baked");
+    request.settings.set_from_text("shading.indirect", indirect);
+    request.settings.set_from_text("reflections.resolution", "full");
+    EXPECT_TRUE(renderer.finish_background_work(request));
+    renderer.render(request);
+    return renderer.read_debug_view("reflection");
+  };
+  const Image direct = draw_mirror("raytraced", "none"), rays = draw_mirror("raytraced", "baked"),
+              rays_m = renderer.read_debug_view("reflection_distance"), cells = draw_mirror("octree", "baked"),
+              cells_m = renderer.read_debug_view("reflection_distance");
+  // Where two walls share a cell, it is a solid with a normal between theirs.
+  const auto is_corner = [&](std::size_t i) { return std::abs(cells_m.data[i] - rays_m.data[i]) > 2e-3f; };
+  int corners = 0;
+  double indirect_sum = 0.0, sum = 0.0, apart = 0.0;
+  for (std::size_t i = 0; i < rays.data.size(); i += 4) {
+    corners += is_corner(i);
+    if (is_corner(i)) continue;
+    indirect_sum += static_cast<double>(rays.data[i] - direct.data[i]);
+    sum += static_cast<double>(rays.data[i]);
+    apart += std::abs(static_cast<double>(cells.data[i] - rays.data[i]));
+  }
+  EXPECT_GT(indirect_sum, 0.3 * sum);
+  EXPECT_LT(apart, 0.01 * sum);
+  EXPECT_LT(corners, 250);
+}
+
 TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
   Renderer renderer;
   renderer.set_scene(box(6));

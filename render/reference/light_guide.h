@@ -58,12 +58,21 @@ class LightGuide {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
     return grid_.cell_of(position, normal);
   }
+  /// Fetches what choose_leaf reads, ahead of time.
+  void prefetch(std::uint32_t cell) const {
+    const auto* shares = reinterpret_cast<const char*>(&cumulative_[at(cell, 0)]);
+    const char* last = shares + sizeof(cumulative_[0]) * static_cast<std::size_t>(leaves_) - 1;
+    for (const char* line = shares; line < last; line += 64) __builtin_prefetch(line);
+    __builtin_prefetch(last);
+  }
   /// `u` in [0, 1) picks the leaf and is stretched over it again.
   int choose_leaf(std::uint32_t cell, float* u) const;
   /// Probability of the leaf in this cell over its plain one.
   float gain(std::uint32_t cell, int leaf) const;
   /// Whether records still matter: places have seen enough after some passes.
   bool learning() const { return lessons_ < kLessons; }
+  /// Fetches what record writes, ahead of time.
+  void prefetch_record(std::uint32_t cell, int leaf) const { __builtin_prefetch(&records_[at(cell, leaf)], 1); }
   /// One shadow ray: `useful` is cosine times transmittance, in [0, 1]. Thread-safe.
   void record(std::uint32_t cell, int leaf, float useful);
   /// Takes what was recorded into the probabilities. Not while others use the guide.

@@ -59,6 +59,7 @@ EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint3
   choice.within = u;
   if (cell == LightGuide::kNoCell) return choice;
   choice.leaf = guide_->choose_leaf(cell, &choice.within.x);
+  if (guide_->learning()) guide_->prefetch_record(cell, choice.leaf);
   if (samples_ && PresampledEnvironment::serves(path)) {
     choice.sample = &samples_->at(path, choice.leaf, choice.within);
     __builtin_prefetch(choice.sample);
@@ -88,13 +89,16 @@ void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float u
   if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, draw.leaf, useful);
 }
 
-LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, float choice, const glm::vec2& u,
+std::size_t choose_scene_light(const PathScene& scene, float u) {
+  const std::vector<float>& cdf = scene.light_cdf;
+  const auto index = static_cast<std::size_t>(std::upper_bound(cdf.begin(), cdf.end() - 1, u) - cdf.begin());
+  __builtin_prefetch(&scene.lights.lights[index]);
+  return index;
+}
+
+LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, std::size_t index, const glm::vec2& u,
                            bool mean_emission) {
-  const std::vector<LightRecord>& lights = scene.lights.lights;
-  const auto found = std::upper_bound(lights.begin(), lights.end(), choice,
-                                      [](float value, const LightRecord& light) { return value < light.cdf; });
-  const auto index = static_cast<std::size_t>(std::min(found, lights.end() - 1) - lights.begin());
-  const LightRecord& light = lights[index];
+  const LightRecord& light = scene.lights.lights[index];
   const shared::LightSample s = shared::light_sample(light, position, u);
   LightDraw draw;
   draw.direction = s.wi;

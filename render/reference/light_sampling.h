@@ -29,6 +29,10 @@ class EnvironmentLight {
                    const PresampledEnvironment* samples = nullptr);
   /// Where the guide keeps what it knows of this place; LightGuide::kNoCell without a guide.
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
+  /// Fetches what drawing in this cell reads, ahead of time.
+  void prefetch(std::uint32_t cell) const {
+    if (cell != LightGuide::kNoCell) guide_->prefetch(cell);
+  }
   /// cd/m2 of a world direction (unit), and 1/sr with which `draw` gives it in this cell.
   glm::vec4 radiance_and_density(const glm::vec3& world, std::uint32_t cell = LightGuide::kNoCell) const;
   /// Direction and distance only, by plain importance.
@@ -59,9 +63,11 @@ class EnvironmentLight {
   const PresampledEnvironment* samples_;
 };
 
-/// One of the scene's lights, chosen by power; a point of it by area. `mean_emission`: a textured triangle shines with
-/// its mean (as the direct modes have it), else as its texture says there.
-LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, float choice, const glm::vec2& u,
+/// One of the scene's lights, by power; it is on its way from memory then. `u` in [0, 1).
+std::size_t choose_scene_light(const PathScene& scene, float u);
+/// A point of a light that was chosen, by area. `mean_emission`: a textured triangle shines with its mean (as the
+/// direct modes have it), else as its texture says there.
+LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, std::size_t index, const glm::vec2& u,
                            bool mean_emission);
 /// Density with which draw_scene_light gives the direction from `from` to a point on an emissive triangle; 0 where it
 /// is in no list.

@@ -40,7 +40,7 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
                          std::uint32_t seed)
     : scene_(scene), environment_(environment), grid_(grid), seed_(mix_seed(seed, 0x6d697272u)) {
   double area = 0.0;
-  for (const std::uint32_t triangle : scene.mesh_triangles[1]) {
+  for (std::uint32_t triangle = scene.mesh_begin[1]; triangle < scene.mesh_begin[2]; ++triangle) {
     if (!(scene.material_of(triangle).clear() > 0.0f)) continue;
     const auto& [p0, p1, p2] = scene.triangles[triangle].positions;
     area += static_cast<double>(glm::length(glm::cross(p1 - p0, p2 - p0)));
@@ -72,7 +72,9 @@ MirrorGuide::Arrival MirrorGuide::send(std::uint32_t index) const {
   const bool lamps = !scene_.lights.lights.empty();
   LightDraw light;
   if (environment_.black() || (lamps && sampler.single(kWhich) < 0.5f)) {
-    if (lamps) light = draw_scene_light(scene_, at, sampler.single(kLightChoice), sampler.pair(kLight), false);
+    if (lamps)
+      light = draw_scene_light(scene_, at, choose_scene_light(scene_, sampler.single(kLightChoice)),
+                               sampler.pair(kLight), false);
   } else {
     light = environment_.draw(sampler.pair(kLight));
     environment_.fill(&light);

@@ -153,15 +153,23 @@ class FullPath {
   bool scatter(const SurfacePoint& p) {
     if (bounce_ > 0) shadow_rays_ = kLaterShadowRays;
     polarisation_ = {};
-    cell_ = environment_.cell_of(p.position, p.n);
+    find_cells(p);
+    // What is read later is chosen first, and comes from memory while there is other work: hence the order.
+    const bool lamps = !scene_.lights.lights.empty();
+    const std::size_t lamp_index =
+        lamps ? choose_scene_light(scene_, sampler_.single(dimension(kLightChoice))) : std::size_t{0};
+    const ScatteringChoice choice = choose_scattering(p, sampler_.pair(dimension(kDirection)));
+    choose_environment();
+    LightDraw lamp;
+    if (lamps) lamp = draw_scene_light(scene_, p.position, lamp_index, sampler_.pair(dimension(kLight)), false);
     ask_mirrors(p);
-    add_direct(p);
-    if (bounce_ >= max_bounces_) return false;
-    const ScatteringSample s = draw_direction(p);
+    const DrawnDirection s = bounce_ < max_bounces_ ? draw_direction(p, choice) : DrawnDirection();
+    const ScatteringQuery query = s.pdf > 0.0f ? prepare_scattering(p, s.wi) : ScatteringQuery();
+    add_direct(p, lamp);
     if (!(s.pdf > 0.0f)) return false;
     const glm::vec3 direction = p.to_world(s.wi);
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
-    weight_ *= s.f * (s.wi.z / s.pdf);
+    weight_ *= evaluate_brdf(p, query) * (s.wi.z / s.pdf);
     if (!survives()) return false;
     ray_ = {offset_from_surface(p.position, p.error, p.normal), direction};
     pdf_ = s.pdf;
@@ -170,11 +178,19 @@ class FullPath {
     return true;
   }
 
+  /// Both guides have the same grid of places.
+  void find_cells(const SurfacePoint& p) {
+    cell_ = environment_.cell_of(p.position, p.n);
+    environment_.prefetch(cell_);
+    if (!mirrors_) return;
+    mirror_cell_ = cell_ != LightGuide::kNoCell ? cell_ : mirrors_->cell_of(p.position, p.n);
+    mirrors_->prefetch(mirror_cell_);
+  }
+
   /// How many scattered rays look for mirrored lamps: of what scatters widely, where some were seen.
   void ask_mirrors(const SurfacePoint& p) {
     mirror_share_ = 0.0f;
     if (!mirrors_) return;
-    mirror_cell_ = mirrors_->cell_of(p.position, p.n);
     if (mirrors_->knows(mirror_cell_)) mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
   }
 
@@ -184,19 +200,16 @@ class FullPath {
     return (1.0f - mirror_share_) * own + mirror_share_ * mirrors_->pdf(mirror_cell_, direction);
   }
 
-  ScatteringSample draw_direction(const SurfacePoint& p) {
-    const glm::vec2 u = sampler_.pair(dimension(kDirection));
+  DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
     guided_ = 0.0f;
-    if (!(mirror_share_ > 0.0f)) return sample_scattering(p, u, sampler_.single(dimension(kLobe)));
-    ScatteringSample s;
+    if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice, sampler_.single(dimension(kLobe)));
+    DrawnDirection s;
     if (sampler_.single(dimension(kGuide)) < mirror_share_) {
-      s.wi = p.to_local(mirrors_->sample(mirror_cell_, u));
+      s.wi = p.to_local(mirrors_->sample(mirror_cell_, choice.u));
       if (s.wi.z <= 0.0f) return s;
-      const Scattering own = evaluate_scattering(p, s.wi);
-      s.f = own.f;
-      s.pdf = own.pdf;
+      s.pdf = scattering_pdf(p, s.wi);
     } else {
-      s = sample_scattering(p, u, sampler_.single(dimension(kLobe)));
+      s = draw_scattering(p, choice, sampler_.single(dimension(kLobe)));
       if (!(s.pdf > 0.0f)) return s;
     }
     const float guide = mirror_share_ * mirrors_->pdf(mirror_cell_, p.to_world(s.wi));
@@ -215,42 +228,68 @@ class FullPath {
     return true;
   }
 
-  void add_direct(const SurfacePoint& p) {
-    if (!environment_.black()) {
-      std::array<EnvironmentLight::Choice, kFirstShadowRays> choices;
-      for (std::uint32_t k = 0; k < shadow_rays_; ++k) {
-        // One sequence for all rays of all paths.
-        const PathSampler sampler{sampler_.seed, sampler_.index * shadow_rays_ + k};
-        choices[k] = environment_.choose(sampler.pair(dimension(kEnvironment)), cell_, sampler_.index);
-      }
-      for (std::uint32_t k = 0; k < shadow_rays_; ++k) {
-        const LightDraw light = environment_.take(choices[k], cell_);
-        environment_.record(light, cell_, add_light(p, light, static_cast<float>(shadow_rays_)));
-      }
-    }
-    if (scene_.lights.lights.empty()) return;
-    const LightDraw light = draw_scene_light(scene_, p.position, sampler_.single(dimension(kLightChoice)),
-                                             sampler_.pair(dimension(kLight)), false);
-    if (light.pdf > 0.0f) add_light(p, light, 1.0f);
+  void choose_environment() {
+    if (environment_.black()) return;
+    std::array<glm::vec2, kFirstShadowRays> u;
+    // One sequence for all rays of all paths.
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
+      u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
+      choices_[k] = environment_.choose(u[k], cell_, sampler_.index);
   }
 
-  /// One of `count` shadow rays of the same kind. Returns cosine times transmittance.
-  float add_light(const SurfacePoint& p, LightDraw light, float count) {
-    if (glm::dot(light.direction, p.normal) <= 0.0f) return 0.0f;
-    const glm::vec3 wi = p.to_local(light.direction);
-    if (wi.z <= 0.0f) return 0.0f;
-    Ray ray{offset_from_surface(p.position, p.error, p.normal), light.direction, 0.0f, light.distance};
+  /// Shadow rays first, shading of what they let through after: what it reads arrives together.
+  void add_direct(const SurfacePoint& p, const LightDraw& lamp) {
+    std::array<ArrivingLight, kFirstShadowRays + 1> arriving;
+    std::size_t count = 0;
+    for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
+      ArrivingLight& light = arriving[count];
+      light.draw = environment_.take(choices_[k], cell_);
+      light.rays = static_cast<float>(shadow_rays_);
+      const bool arrives = trace_light(p, &light);
+      environment_.record(light.draw, cell_, arrives ? light.query.wi.z * largest(light.through) : 0.0f);
+      count += arrives ? 1 : 0;
+    }
+    if (lamp.pdf > 0.0f) {
+      arriving[count].draw = lamp;
+      arriving[count].rays = 1.0f;
+      count += trace_light(p, &arriving[count]) ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < count; ++i) add_light(p, &arriving[i]);
+  }
+
+  /// One of `rays` shadow rays of the same kind.
+  struct ArrivingLight {
+    LightDraw draw;
+    float rays;
+    ScatteringQuery query;
+    glm::vec3 through;
+  };
+
+  /// Whether any of it comes through.
+  bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
+    const LightDraw& draw = light->draw;
+    if (glm::dot(draw.direction, p.normal) <= 0.0f) return false;
+    const glm::vec3 wi = p.to_local(draw.direction);
+    if (wi.z <= 0.0f) return false;
+    Ray ray{offset_from_surface(p.position, p.error, p.normal), draw.direction, 0.0f, draw.distance};
     // Short of a near light by the rounding of its distance and of the direction.
-    if (light.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
+    if (draw.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
-    const glm::vec3 through = transmittance(scene_, ray);
+    light->through = transmittance(scene_, ray);
     // What is blocked needs no shading.
-    if (through == glm::vec3(0.0f)) return 0.0f;
-    if (light.texel >= 0) environment_.fill(&light, cell_);
-    const Scattering s = evaluate_scattering(p, wi);
-    const float density = count * light.pdf + (light.has_extent ? mixed_pdf(s.pdf, light.direction) : 0.0f);
-    if (density > 0.0f) result_.radiance += weight_ * s.f * light.radiance * through * (wi.z / density);
-    return wi.z * largest(through);
+    if (light->through == glm::vec3(0.0f)) return false;
+    light->query = prepare_scattering(p, wi);
+    return true;
+  }
+
+  void add_light(const SurfacePoint& p, ArrivingLight* light) {
+    LightDraw& draw = light->draw;
+    if (draw.texel >= 0) environment_.fill(&draw, cell_);
+    const Scattering s = evaluate_scattering(p, light->query);
+    const float density = light->rays * draw.pdf + (draw.has_extent ? mixed_pdf(s.pdf, draw.direction) : 0.0f);
+    if (density > 0.0f)
+      result_.radiance += weight_ * s.f * draw.radiance * light->through * (light->query.wi.z / density);
   }
 
   const PathScene& scene_;
@@ -269,6 +308,7 @@ class FullPath {
   glm::vec3 from_{0.0f};                      ///< of the ray, on the surface itself
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
   std::uint32_t shadow_rays_ = 0;             ///< sent there
+  std::array<EnvironmentLight::Choice, kFirstShadowRays> choices_;
   std::uint32_t mirror_cell_ = 0;
   float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws there
   float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction

@@ -66,31 +66,25 @@ glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
   return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
-std::vector<TracedTriangle> gather_triangles(const FlatGeometry& geometry) {
-  std::vector<TracedTriangle> triangles(geometry.indices.size() / 3);
-  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
-    TracedTriangle& t = triangles[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      t.positions[k] = geometry.positions[geometry.indices[3 * i + k]];
-      t.normals[k] = geometry.normals[geometry.indices[3 * i + k]];
-    }
-    t.geometric = unit_cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]);
-  });
-  return triangles;
-}
+/// Material of every triangle of the geometry, with kBothSides, and the meshes of the ray tracer: triangles of each, and
+/// what is hidden.
+struct Assignment {
+  std::vector<std::uint32_t> materials;
+  std::array<std::vector<std::uint32_t>, 3> meshes;
+};
 
-/// Gives every triangle its material and the mesh of the ray tracer that it belongs to.
-void assign_triangles(const PathSceneInput& input, PathScene* scene) {
-  scene->triangle_material.assign(scene->geometry.indices.size() / 3, 0);
+Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
+  Assignment assignment;
+  assignment.materials.assign(scene->geometry.indices.size() / 3, 0);
   for (const DrawItem& item : scene->geometry.items) {
     const auto material = static_cast<std::uint32_t>(material_index(input.scene, item, input.variant));
     const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
     TracedMaterial& m = scene->materials[material];
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
-    const std::size_t mesh = m.clear() > 0.0f || m.masked || m.blended ? 1 : 0;
+    const std::size_t mesh = !visible ? 2 : m.clear() > 0.0f || m.masked || m.blended ? 1 : 0;
     for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
-      scene->triangle_material[i] = material | sides;
-      if (visible) scene->mesh_triangles[mesh].push_back(i);
+      assignment.materials[i] = material | sides;
+      assignment.meshes[mesh].push_back(i);
     }
     const glm::vec4* colors = scene->geometry.colors.data() + item.first_vertex;
     m.colored |= std::any_of(colors, colors + item.vertex_count, [](const auto& c) { return c != glm::vec4(1.0f); });
@@ -98,6 +92,51 @@ void assign_triangles(const PathSceneInput& input, PathScene* scene) {
       scene->bounds.min = glm::min(scene->bounds.min, scene->geometry.positions[v]);
       scene->bounds.max = glm::max(scene->bounds.max, scene->geometry.positions[v]);
     }
+  }
+  return assignment;
+}
+
+TracedTriangle traced_triangle(const FlatGeometry& geometry, std::uint32_t source, std::uint32_t material) {
+  TracedTriangle t;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t corner = geometry.indices[3 * static_cast<std::size_t>(source) + k];
+    t.positions[k] = geometry.positions[corner];
+    t.normals[k] = geometry.normals[corner];
+  }
+  t.geometric = unit_cross(t.positions[1] - t.positions[0], t.positions[2] - t.positions[0]);
+  t.material = material;
+  t.source = source;
+  return t;
+}
+
+void gather_triangles(const PathSceneInput& input, PathScene* scene) {
+  const Assignment assignment = assign_triangles(input, scene);
+  std::vector<std::uint32_t> order;
+  for (std::size_t mesh = 0; mesh < assignment.meshes.size(); ++mesh) {
+    scene->mesh_begin[mesh] = static_cast<std::uint32_t>(order.size());
+    order.insert(order.end(), assignment.meshes[mesh].begin(), assignment.meshes[mesh].end());
+  }
+  scene->triangles.resize(order.size());
+  tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
+    scene->triangles[i] = traced_triangle(scene->geometry, order[i], assignment.materials[order[i]]);
+  });
+  prefer_large_pages(scene->triangles);
+}
+
+/// The list's triangles are the geometry's.
+void gather_lights(const PathSceneInput& input, PathScene* scene) {
+  scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
+  if (scene->lights.lights.empty()) return;
+  for (const LightRecord& light : scene->lights.lights) scene->light_cdf.push_back(light.cdf);
+  std::vector<std::uint32_t> traced(scene->geometry.indices.size() / 3, kNoTriangle);
+  for (std::size_t i = 0; i < scene->triangles.size(); ++i)
+    traced[scene->triangles[i].source] = static_cast<std::uint32_t>(i);
+  scene->triangle_light.assign(scene->triangles.size(), kNoTriangle);
+  for (std::size_t i = 0; i < scene->lights.triangles.size(); ++i) {
+    std::uint32_t& triangle = scene->lights.triangles[i];
+    if (triangle == kNoTriangle) continue;
+    triangle = traced[triangle];
+    scene->triangle_light[triangle] = static_cast<std::uint32_t>(i);
   }
 }
 
@@ -183,16 +222,8 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
   for (std::size_t i = 0; i < input.scene.materials.size(); ++i)
     scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, library));
   scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), library));
-  scene->triangles = gather_triangles(scene->geometry);
-  prefer_large_pages(scene->triangles);
-  assign_triangles(input, scene.get());
-  scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
-  if (!scene->lights.lights.empty()) {
-    scene->triangle_light.assign(scene->triangle_material.size(), kNoTriangle);
-    for (std::size_t i = 0; i < scene->lights.triangles.size(); ++i)
-      if (scene->lights.triangles[i] != kNoTriangle)
-        scene->triangle_light[scene->lights.triangles[i]] = static_cast<std::uint32_t>(i);
-  }
+  gather_triangles(input, scene.get());
+  gather_lights(input, scene.get());
   scene->environment = make_environment(input.environment);
   build_hierarchy(scene.get());
   return scene;

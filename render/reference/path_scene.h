@@ -86,26 +86,29 @@ struct EmbreeRelease {
 };
 
 /// What every hit needs of its triangle, side by side in memory.
-struct TracedTriangle {
+struct alignas(32) TracedTriangle {
   std::array<glm::vec3, 3> positions, normals;
-  glm::vec3 geometric;  ///< unit normal by winding
+  glm::vec3 geometric;     ///< unit normal by winding
+  std::uint32_t material;  ///< with kBothSides
+  std::uint32_t source;    ///< triangle of the geometry
 };
 
-/// Flag in PathScene::triangle_material: the camera sees the back too.
+/// Flag in TracedTriangle::material: the camera sees the back too.
 inline constexpr std::uint32_t kBothSides = 0x80000000u;
 
 struct PathScene {
   FlatGeometry geometry;
   Bounds bounds;
-  std::vector<TracedMaterial> materials;         ///< the last one is glTF's default
-  std::vector<TracedTriangle> triangles;         ///< [triangle of the geometry]
-  std::vector<std::uint32_t> triangle_material;  ///< [triangle], with kBothSides
-  std::vector<std::uint32_t> triangle_light;     ///< [triangle] light of the list, kNoTriangle: none; may be empty
+  std::vector<TracedMaterial> materials;  ///< the last one is glTF's default
+  /// In the order of the ray tracer's two meshes: 0 stops every ray, 1 asks (pane, cut out, blended). What is hidden
+  /// comes last. A triangle is known by its index here.
+  std::vector<TracedTriangle> triangles;
+  std::array<std::uint32_t, 3> mesh_begin{};  ///< first triangle of each mesh, and the end of the second one
+  std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of the list, kNoTriangle: none; may be empty
   TextureAtlas atlas;
-  LightList lights;
+  LightList lights;              ///< `triangles` by their index here
+  std::vector<float> light_cdf;  ///< [light] its cdf, which is searched
   TracedEnvironment environment;
-  /// Triangles of the ray tracer's two meshes: 0 stops every ray, 1 asks (pane, cut out, blended).
-  std::array<std::vector<std::uint32_t>, 2> mesh_triangles;
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease> device;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease> embree;
 
@@ -113,9 +116,11 @@ struct PathScene {
   mutable std::function<void(const LoggedRay&)> log;
 
   const TracedMaterial& material_of(std::uint32_t triangle) const {
-    return materials[triangle_material[triangle] & ~kBothSides];
+    return materials[triangles[triangle].material & ~kBothSides];
   }
-  const std::uint32_t* corners(std::uint32_t triangle) const { return geometry.indices.data() + 3 * triangle; }
+  const std::uint32_t* corners(std::uint32_t triangle) const {
+    return geometry.indices.data() + 3 * static_cast<std::size_t>(triangles[triangle].source);
+  }
 };
 
 /// Alpha of a surface at barycentric coordinates of its triangle, texture unfiltered.

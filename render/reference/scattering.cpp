@@ -1,45 +1,99 @@
 #include "render/reference/scattering.h"
 
+#include <array>
+
 namespace maquette {
 
-glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo) {
-  const shared::MerlCell cell = shared::merl_cell(shared::merl_coordinates(wi, wo));
-  const glm::vec3* rgb = table.rgb.data();
-  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
-  const auto along_phi = [&](int theta_h, int theta_d) {
-    const glm::vec3* row = rgb + shared::merl_index(theta_h, theta_d, 0);
-    return row[cell.lower.z] * g.z + row[cell.upper.z] * f.z;
+namespace {
+
+/// The four rows of a table around a place, from its lower phi_d on.
+std::array<const glm::vec3*, 4> rows_of(const BrdfTable& table, const shared::MerlCell& cell) {
+  const auto row = [&](int theta_h, int theta_d) {
+    return table.rgb.data() + shared::merl_index(theta_h, theta_d, cell.lower.z);
   };
-  return (along_phi(cell.lower.x, cell.lower.y) * g.y + along_phi(cell.lower.x, cell.upper.y) * f.y) * g.x +
-         (along_phi(cell.upper.x, cell.lower.y) * g.y + along_phi(cell.upper.x, cell.upper.y) * f.y) * f.x;
+  return {row(cell.lower.x, cell.lower.y), row(cell.lower.x, cell.upper.y), row(cell.upper.x, cell.lower.y),
+          row(cell.upper.x, cell.upper.y)};
+}
+
+glm::vec3 lookup_brdf(const BrdfTable& table, const shared::MerlCell& cell) {
+  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
+  const int next = cell.upper.z - cell.lower.z;
+  const std::array<const glm::vec3*, 4> rows = rows_of(table, cell);
+  const auto along_phi = [&](const glm::vec3* row) { return row[0] * g.z + row[next] * f.z; };
+  return (along_phi(rows[0]) * g.y + along_phi(rows[1]) * f.y) * g.x +
+         (along_phi(rows[2]) * g.y + along_phi(rows[3]) * f.y) * f.x;
+}
+
+}  // namespace
+
+glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo) {
+  return lookup_brdf(table, shared::merl_cell(shared::merl_coordinates(wi, wo)));
+}
+
+ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
+  ScatteringQuery query{wi, {}};
+  if (const MeasuredMaterial* measured = p.material->measured.get()) {
+    query.cell = shared::merl_cell(shared::merl_coordinates(wi, p.wo));
+    for (const glm::vec3* row : rows_of(measured->table, query.cell)) {
+      __builtin_prefetch(row);
+      __builtin_prefetch(reinterpret_cast<const char*>(row + 2) - 1);
+    }
+  }
+  return query;
+}
+
+glm::vec3 evaluate_brdf(const SurfacePoint& p, const ScatteringQuery& query) {
+  if (const MeasuredMaterial* measured = p.material->measured.get())
+    return lookup_brdf(measured->table, query.cell) * p.tint;
+  return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
+}
+
+float scattering_pdf(const SurfacePoint& p, const glm::vec3& wi) {
+  if (const MeasuredMaterial* measured = p.material->measured.get())
+    return shared::BrdfSampler(measured->tables).brdf_sample_pdf(p.wo, wi);
+  return shared::analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
+}
+
+Scattering evaluate_scattering(const SurfacePoint& p, const ScatteringQuery& query) {
+  return {evaluate_brdf(p, query), scattering_pdf(p, query.wi)};
 }
 
 Scattering evaluate_scattering(const SurfacePoint& p, const glm::vec3& wi) {
-  Scattering s;
-  if (wi.z <= 0.0f) return s;
+  return wi.z > 0.0f ? evaluate_scattering(p, prepare_scattering(p, wi)) : Scattering();
+}
+
+ScatteringChoice choose_scattering(const SurfacePoint& p, const glm::vec2& u) {
+  ScatteringChoice choice;
+  choice.u = u;
+  const MeasuredMaterial* measured = p.material->measured.get();
+  if (!measured) return choice;
+  shared::BrdfSampler sampler(measured->tables);
+  const int row = sampler.brdf_elevation(p.wo) * kThetaCellCount;
+  const glm::vec2* theta_cells = measured->tables.theta_cells.data() + row;
+  for (int k = 0; k < kThetaCellCount; k += 8) __builtin_prefetch(theta_cells + k);
+  choice.cell = sampler.choose_brdf_cell(u);
+  choice.theta_cell = theta_cells + choice.cell.theta.k;
+  choice.phi_cell = measured->tables.phi_cells.data() + (row + choice.cell.theta.k) * kPhiCellCount + choice.cell.p;
+  __builtin_prefetch(choice.phi_cell);
+  return choice;
+}
+
+DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& choice, float lobe) {
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
-    s.f = lookup_brdf(measured->table, wi, p.wo) * p.tint;
-    s.pdf = shared::BrdfSampler(measured->tables).brdf_sample_pdf(p.wo, wi);
-    return s;
+    const auto drawn = shared::BrdfSampler(measured->tables)
+                           .brdf_sample_in_cell(p.wo, choice.cell, *choice.theta_cell, *choice.phi_cell);
+    return {drawn.wi, drawn.pdf};
   }
-  s.f = shared::evaluate_analytic(p.analytic, wi, p.wo).total;
-  s.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
-  return s;
+  DrawnDirection d;
+  d.wi = shared::sample_analytic(p.analytic, p.lobe_weights, p.wo, choice.u.x, choice.u.y, lobe);
+  if (d.wi.z > 0.0f) d.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, d.wi, p.wo);
+  return d;
 }
 
 ScatteringSample sample_scattering(const SurfacePoint& p, const glm::vec2& u, float lobe) {
-  ScatteringSample s;
-  if (const MeasuredMaterial* measured = p.material->measured.get()) {
-    const auto drawn = shared::BrdfSampler(measured->tables).sample_brdf(p.wo, u);
-    s.wi = drawn.wi;
-    s.pdf = drawn.pdf;
-    if (s.pdf > 0.0f) s.f = lookup_brdf(measured->table, s.wi, p.wo) * p.tint;
-    return s;
-  }
-  s.wi = shared::sample_analytic(p.analytic, p.lobe_weights, p.wo, u.x, u.y, lobe);
-  if (s.wi.z <= 0.0f) return s;
-  s.f = shared::evaluate_analytic(p.analytic, s.wi, p.wo).total;
-  s.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, s.wi, p.wo);
+  const DrawnDirection d = draw_scattering(p, choose_scattering(p, u), lobe);
+  ScatteringSample s{d.wi, glm::vec3(0.0f), d.pdf};
+  if (s.pdf > 0.0f) s.f = evaluate_brdf(p, prepare_scattering(p, s.wi));
   return s;
 }
 

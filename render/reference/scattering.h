@@ -11,12 +11,37 @@ struct Scattering {
 };
 Scattering evaluate_scattering(const SurfacePoint& point, const glm::vec3& wi);
 
+/// A direction above the horizon whose entries of a measured table are on their way from memory.
+struct ScatteringQuery {
+  glm::vec3 wi{0.0f};
+  shared::MerlCell cell{};
+};
+ScatteringQuery prepare_scattering(const SurfacePoint& point, const glm::vec3& wi);
+/// The BRDF alone.
+glm::vec3 evaluate_brdf(const SurfacePoint& point, const ScatteringQuery& query);
+Scattering evaluate_scattering(const SurfacePoint& point, const ScatteringQuery& query);
+/// The density alone.
+float scattering_pdf(const SurfacePoint& point, const glm::vec3& wi);
+/// What two numbers in [0, 1) mean at a point, with what drawing and densities there read on its way from memory.
+struct ScatteringChoice {
+  glm::vec2 u{0.0f};
+  shared::BrdfSampler::BrdfCellChoice cell{};
+  glm::vec2 const *theta_cell = nullptr, *phi_cell = nullptr;  ///< of a measured table
+};
+ScatteringChoice choose_scattering(const SurfacePoint& point, const glm::vec2& u);
+
+struct DrawnDirection {
+  glm::vec3 wi{0.0f};
+  float pdf = 0.0f;  ///< 0: worth nothing, but it counts
+};
+/// `lobe` in [0, 1) picks a lobe of an analytic material.
+DrawnDirection draw_scattering(const SurfacePoint& point, const ScatteringChoice& choice, float lobe);
+/// All at once, with the BRDF.
 struct ScatteringSample {
   glm::vec3 wi{0.0f};
   glm::vec3 f{0.0f};
-  float pdf = 0.0f;  ///< 0: worth nothing, but it counts
+  float pdf = 0.0f;
 };
-/// `u` picks the direction, `lobe` which lobe of an analytic material; all in [0, 1).
 ScatteringSample sample_scattering(const SurfacePoint& point, const glm::vec2& u, float lobe);
 
 /// Trilinear between bin centres, as evaluate_brdf, in float. Directions above the horizon.

@@ -155,7 +155,7 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
   p.t = basis.t;
   p.b = basis.b;
   p.wo = local_view(p, view);
-  const bool shines = p.front || (scene.triangle_material[hit.triangle] & kBothSides) != 0;
+  const bool shines = p.front || (corner.material & kBothSides) != 0;
   p.emission = shines ? f.emission : glm::vec3(0.0f);
   fill_material(m, f, &p);
   return p;

@@ -30,7 +30,7 @@ struct Candidate {
 Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments* args) {
   Candidate c;
   const unsigned mesh = RTCHitN_geomID(args->hit, args->N, 0);
-  c.triangle = scene.mesh_triangles[mesh][RTCHitN_primID(args->hit, args->N, 0)];
+  c.triangle = scene.mesh_begin[mesh] + RTCHitN_primID(args->hit, args->N, 0);
   c.barycentric = {RTCHitN_u(args->hit, args->N, 0), RTCHitN_v(args->hit, args->N, 0)};
   c.direction = {RTCRayN_dir_x(args->ray, args->N, 0), RTCRayN_dir_y(args->ray, args->N, 0),
                  RTCRayN_dir_z(args->ray, args->N, 0)};
@@ -43,7 +43,7 @@ Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments
 void cull_backs(const RTCFilterFunctionNArguments* args) {
   const auto* context = reinterpret_cast<const RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
-  const bool single_sided = (context->scene->triangle_material[c.triangle] & kBothSides) == 0;
+  const bool single_sided = (context->scene->triangles[c.triangle].material & kBothSides) == 0;
   if (single_sided && glm::dot(c.geometric, c.direction) > 0.0f) args->valid[0] = 0;
 }
 
@@ -54,7 +54,7 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   const TracedMaterial& m = context->scene->material_of(c.triangle);
   if (m.masked && alpha_at(*context->scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
   if (m.blended && context->kind == RayKind::path) {
-    const float u = static_cast<float>(mix_seed(context->chance, c.triangle) >> 8) * 0x1p-24f;
+    const float u = static_cast<float>(mix_seed(context->chance, context->scene->triangles[c.triangle].source) >> 8) * 0x1p-24f;
     if (u >= alpha_at(*context->scene, c.triangle, c.barycentric)) args->valid[0] = 0;
   }
 }
@@ -78,16 +78,17 @@ void take_share(const RTCFilterFunctionNArguments* args) {
 }
 
 void add_mesh(PathScene* scene, std::size_t mesh) {
-  const std::vector<std::uint32_t>& triangles = scene->mesh_triangles[mesh];
+  const std::uint32_t begin = scene->mesh_begin[mesh], end = scene->mesh_begin[mesh + 1];
+  if (begin == end) return;
   RTCGeometry handle = rtcNewGeometry(scene->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   const auto& positions = scene->geometry.positions;
   auto* vertices = static_cast<float*>(
       rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, positions.size()));
   auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
+      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, end - begin));
   if (vertices && indices) {
     std::memcpy(vertices, positions.data(), positions.size() * 12);
-    for (std::size_t i = 0; i < triangles.size(); ++i) std::memcpy(indices + 3 * i, scene->corners(triangles[i]), 12);
+    for (std::uint32_t i = begin; i < end; ++i) std::memcpy(indices + 3 * std::size_t{i - begin}, scene->corners(i), 12);
     if (mesh == 1) {
       rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
       rtcSetGeometryOccludedFilterFunction(handle, take_share);
@@ -107,12 +108,11 @@ void build_hierarchy(PathScene* scene) {
   rtcSetSceneFlags(scene->embree.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   rtcSetSceneBuildQuality(scene->embree.get(), RTC_BUILD_QUALITY_MEDIUM);
-  for (std::size_t mesh = 0; mesh < scene->mesh_triangles.size(); ++mesh)
-    if (!scene->mesh_triangles[mesh].empty()) add_mesh(scene, mesh);
+  for (std::size_t mesh = 0; mesh + 1 < scene->mesh_begin.size(); ++mesh) add_mesh(scene, mesh);
   rtcCommitScene(scene->embree.get());
   if (rtcGetDeviceError(scene->device.get()) != RTC_ERROR_NONE)
     throw Error("reference",
-                "the ray tracer could not take " + std::to_string(scene->triangle_material.size()) + " triangles",
+                "the ray tracer could not take " + std::to_string(scene->triangles.size()) + " triangles",
                 "free memory, or use a lighter model");
 }
 
@@ -131,7 +131,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   rtcIntersect1(scene.embree.get(), &context.base, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit->distance = query.ray.tfar;
-  hit->triangle = scene.mesh_triangles[query.hit.geomID][query.hit.primID];
+  hit->triangle = scene.mesh_begin[query.hit.geomID] + query.hit.primID;
   hit->barycentric = {query.hit.u, query.hit.v};
   return true;
 }

@@ -112,7 +112,7 @@ void resolve_surface(ivec2 pixel, int triangle) {
       float span = sqrt(max(length(dx) * length(dy), 1e-20));
       // Upsampling divides by the base colour and multiplies by it again (fill.comp); only the rest of the light carries its detail.
       if (role == kRoleBaseColor)
-        cycles_per_uv *= 1.0 - base_color_share(surface.base_color, surface.metallic, (tint_flags & kMaterialTinted) != 0u);
+        cycles_per_uv *= 1.0 - base_color_share(surface.metallic, (tint_flags & kMaterialTinted) != 0u);
       float nu = role <= kRoleNormal ? min(cycles_per_uv * span, 0.5) / (depth * u_frame.forward.w) : 0.0;
       texture_bandwidth = max(texture_bandwidth, nu);
 #endif

@@ -47,9 +47,7 @@ vec3 guide_normal(uint y) {
   return direction_from_octahedral(vec2(float(y & 4095u), float((y >> 12u) & 4095u)) * (1.0f / 4095.0f));
 }
 
-/// Share of the reflected light that scales with the base colour, roughly: all of a tinted table, the Lambert part of an analytic material
-/// against its 4 % of specular reflection, all of a metal.
-float base_color_share(vec3 base_color, float metallic, bool tinted) {
-  float y = 0.2126f * base_color.x + 0.7152f * base_color.y + 0.0722f * base_color.z;
-  return tinted ? 1.0f : mix(y / (y + 0.04f), 1.0f, metallic);
-}
+/// Share of the light that a white base would reflect which scales with the base colour, roughly: all of a tinted table, the Lambert part of
+/// an analytic material against its 4 % of specular reflection, all of a metal. Of white, because what does not scale is the same on
+/// dark texels.
+float base_color_share(float metallic, bool tinted) { return tinted ? 1.0f : mix(1.0f / 1.04f, 1.0f, metallic); }

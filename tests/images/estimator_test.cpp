@@ -131,6 +131,35 @@ TEST_F(Estimator, ShallowCreasesAreNotFilledOver) {
   EXPECT_LT(error, 0.02);
 }
 
+TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
+  // Under an even sky all that varies is the texture, and interpolation works on what is left of a picture without it.
+  // A dark texel's gloss is as bright as a bright one's.
+  show("builtin:matte-white");
+  Scene scene;
+  Material material = test::matte(glm::vec3(1.0f));
+  material.specular = 1.0f;
+  material.roughness = 0.4f;
+  TextureImage texture;
+  texture.width = texture.height = 64;
+  for (int i = 0; i < 64 * 64; ++i) {
+    const int dark = (i % 64 / 8 + i / 64 / 8) % 2;  // a chequer of 1 and 80 %
+    for (int c = 0; c < 4; ++c) texture.rgba.push_back(c == 3 ? 255 : static_cast<std::uint8_t>(dark ? 25 : 230));
+  }
+  scene.images.push_back(texture);
+  material.base_color_texture.image = 0;
+  scene.materials.push_back(material);
+  Primitive grid = test::make_grid({-1.3f, -1.3f, 0.0f}, {2.6f, 0, 0}, {0, 2.6f, 0}, 1, 0);
+  grid.uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+  test::add(&scene, grid);
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  renderer_.set_environment(test::constant_sky(1.0f));
+  const Image converged = draw(request("uniform", 512, 5, 64));
+  const Image filled = draw(request("bandwidth", 256, 6, 64));
+  const double error = difference(filled, converged);
+  RecordProperty("error", std::to_string(error));
+  EXPECT_LT(error, 0.02);
+}
+
 TEST_F(Estimator, EveryPointIsShadedInTheEnd) {
   show("builtin:matte-white");
   FrameRequest r = request("bandwidth", 16, 6, 64);

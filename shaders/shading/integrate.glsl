@@ -12,13 +12,27 @@ uint hash(uint x) {
 float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
-/// Balance heuristic over the density: weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the
-/// second over the environment's integral.
-float brdf_weight(float cosine, float f_hat, vec3 radiance, float nb, float nl, float pdf) {
-  return cosine * f_hat / max((nb * f_hat + nl * luminance(radiance)) * pdf, 1e-30);
+/// What the list draws with more than this density (1/sr) is a sun: its samples lie so close together that the lobe varies little among them,
+/// while one of the lobe's hits it or does not.
+const float kSunDensity = 100.0;
+
+/// Share of a strategy with `own` samples per unit of solid angle beside one with `other`: the balance heuristic; towards a sun all goes to
+/// the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", Sec. 9.2.2). `first`:
+/// takes a tie.
+float strategy_share(float own, float other, bool sun, bool first) {
+  if (sun) return own > other || (first && own == other) ? 1.0 : 0.0;
+  return own / max(own + other, 1e-30);
+}
+
+/// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
+/// `l`: luminance of the light.
+float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
+  float share = strategy_share(nb * f_hat, nl * l, l * inverse_integral > kSunDensity, true);
+  return cosine * share / max(nb * pdf, 1e-30);
 }
 float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
-  return cosine * l * inverse_integral / max((nb * f_hat + nl * l) * pdf, 1e-30);
+  float share = strategy_share(nl * l, nb * f_hat, l * inverse_integral > kSunDensity, false);
+  return cosine * share * inverse_integral / max(nl * pdf, 1e-30);
 }
 
 /// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of many samples whole groups, because a
@@ -131,7 +145,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
   vec3 f = lobe.f;
   float f_hat = lobe.f_hat;
   vec3 radiance = environment_value(s.sky);
-  float weight = brdf_weight(wi.z, f_hat, radiance, nb, nl, pdf);
+  float weight = brdf_weight(wi.z, f_hat, luminance(radiance), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   float open = visibility_of(result.visibility, world_from_environment(world), unit_pair((e.q3 + n * kStep3) ^ (e.q4 + n * kStep4)));
   weight *= open;
@@ -139,7 +153,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #ifdef BEFORE
   // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
   vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), unit_pair(e.q4 + n * kStep4))));
-  result.before = f * sky * brdf_weight(wi.z, f_hat, sky, nb, nl, pdf);
+  result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   result.before *= open;
 #endif

@@ -40,7 +40,7 @@ enum Counter {
 
 const ShaderVariant kVertices{"bezier/vertices.comp", "", {}}, kClassify{"bezier/classify.comp", "", {}},
     kPieces{"bezier/pieces.comp", "", {{"GHOST", "0"}}}, kGhostPieces{"bezier/pieces.comp", "", {{"GHOST", "1"}}},
-    kBounds{"bezier/bounds.comp", "", {}};
+    kBounds{"bezier/bounds.comp", "", {}}, kPoints{"bezier/points.comp", "", {}};
 
 /// One side of one patch, as the eye of this frame sees it.
 struct Part {
@@ -149,7 +149,8 @@ class BezierReflections : public ReflectorTechnique {
   }
   void add_bytes(std::map<std::string, std::size_t>* bytes) const override {
     (*bytes)["projection"] = projected_.bytes() + pieces_[0].bytes() + pieces_[1].bytes() + nodes_.bytes() +
-                             vertex_list_.bytes() + triangle_list_.bytes() + start_list_.bytes() + hits_.bytes();
+                             triangle_of_vertex_.bytes() + vertex_list_.bytes() + triangle_list_.bytes() +
+                             start_list_.bytes() + hits_.bytes();
   }
   void add_counters(std::map<std::string, double>* counters) const override {
     (*counters)["newton_steps"] = counts_[newton_steps];
@@ -174,7 +175,14 @@ class BezierReflections : public ReflectorTechnique {
       hits_.set_groups(cluster_of_triangle(*clusters_), clusters_->clusters.size());
       epoch_ = frame.geometry_epoch;
       listed_.assign(vertex_count, 0);
+      triangle_of_vertex_ = Buffer();
       stamp_ = 0;
+    }
+    if (draws_points(frame) && !triangle_of_vertex_) {
+      const std::vector<std::uint32_t>& indices = frame.buffers->geometry().indices;
+      std::vector<std::uint32_t> triangles(std::max<std::size_t>(vertex_count, 1), 0u);
+      for (std::size_t k = 0; k < indices.size(); ++k) triangles[indices[k]] = static_cast<std::uint32_t>(k / 3);
+      triangle_of_vertex_ = Buffer::from("triangles of vertices", triangles);
     }
     if (!counters_) {
       for (Buffer& pieces : pieces_) pieces = Buffer("pieces", std::size_t{kPieceCapacity} * 64);
@@ -348,6 +356,10 @@ class BezierReflections : public ReflectorTechnique {
   /// What the last picture showed first, then what may still be seen beside and before it.
   void project(const ReflectionFrame& frame, const Part& part) {
     std::vector<Candidate> candidates = find_candidates(frame, part);
+    if (draws_points(frame)) {  // they cover nothing
+      take_clusters(frame, part, candidates);
+      return;
+    }
     const auto rest = std::stable_partition(candidates.begin(), candidates.end(),
                                             [&](const Candidate& c) { return hits_.seen_groups()[c.cluster] != 0; });
     if (rest != candidates.begin()) {
@@ -402,7 +414,31 @@ class BezierReflections : public ReflectorTechnique {
       run(vertices_program, static_cast<int>(vertices_.size()));
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
     }
-    subdivide(frame, part);
+    glBindTextureUnit(55, projected_view_.get());
+    if (draws_points(frame))
+      draw_points(frame, part);
+    else
+      subdivide(frame, part);
+  }
+
+  static bool draws_points(const ReflectionFrame& frame) {
+    return frame.settings->get_string("bezier.draw") == "points";
+  }
+
+  /// The vertices of `vertex_list_` where they are seen.
+  void draw_points(const ReflectionFrame& frame, const Part& part) {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_of_vertex_.get());
+    hits_.bind_nearest();
+    const Program& program = frame.programs->get(kPoints);
+    program.set("u_reflector", part.reflector);
+    program.set("u_count", static_cast<int>(vertices_.size()));
+    program.set("u_point_px", frame.settings->get_int("bezier.point_size"));
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      program.set("u_round", round);
+      run(program, static_cast<int>(vertices_.size()));
+      glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    }
   }
 
   void subdivide(const ReflectionFrame& frame, const Part& part) {
@@ -427,7 +463,6 @@ class BezierReflections : public ReflectorTechnique {
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
     };
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_list_.get());
-    glBindTextureUnit(55, projected_view_.get());
     run_over(kClassify, static_cast<int>(triangles_.size()), 0);
     for (int level = 1; level <= std::max(levels, 1); ++level) {
       const std::size_t from = level % 2 == 1 ? pieces_a : pieces_b, to = level % 2 == 1 ? pieces_b : pieces_a;
@@ -447,6 +482,7 @@ class BezierReflections : public ReflectorTechnique {
   std::vector<std::uint32_t> triangles_;
   std::vector<ClusterStart> starts_;
   NearestHits hits_;
+  Buffer triangle_of_vertex_;  ///< only where points are drawn
   Buffer projected_, pieces_[2], counters_, nodes_, patches_, vertex_list_, triangle_list_, start_list_;
   Texture node_view_, projected_view_;
   std::array<double, counter_count> counts_{};
@@ -454,7 +490,9 @@ class BezierReflections : public ReflectorTechnique {
 
 }  // namespace
 
-std::vector<ShaderVariant> bezier_shader_variants() { return {kVertices, kClassify, kPieces, kGhostPieces, kBounds}; }
+std::vector<ShaderVariant> bezier_shader_variants() {
+  return {kVertices, kClassify, kPieces, kGhostPieces, kBounds, kPoints};
+}
 
 std::unique_ptr<ReflectorTechnique> make_bezier_reflections() { return std::make_unique<BezierReflections>(); }
 

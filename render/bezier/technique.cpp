@@ -23,12 +23,27 @@ TechniqueInfo bezier_technique() {
        .min = 0,
        .max = 8,
        .help = "how often an edge may be halved for that"},
+      {.name = "bezier.draw",
+       .default_value = std::string("triangles"),
+       .help = "triangles: what a pixel shows is held against its own ray; points: each vertex alone, where the patch "
+               "shows it, with nothing between them",
+       .choices = {"triangles", "points"}},
+      {.name = "bezier.point_size",
+       .default_value = 1,
+       .min = 1,
+       .max = 8,
+       .unit = "pixels",
+       .help = "side of a point, in pixels of the reflected picture"},
   };
   info.quality_steps = resolution_steps();
   info.quality_steps.push_back(
       {.settings = {{"reflections.resolution", std::string("full")}, {"bezier.tolerance", 0.125}}});
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
-    plan->passes.push_back({"projection", "the scene's triangles that may be seen in a patch, projected into it"});
+  info.add_passes = [](const SceneFacts&, const Settings& settings, const ViewInfo&, FramePlan* plan) {
+    const bool points = settings.get_string("bezier.draw") == "points";
+    plan->passes.push_back(
+        {"projection", points ? "vertices that may be seen in a patch, drawn as points"
+                              : "the scene's triangles that may be seen in a patch, projected into it"});
+    if (points) plan->left_out.push_back({"resolve", "points are drawn: nothing lies between vertices"});
   };
   return info;
 }

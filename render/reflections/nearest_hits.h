@@ -22,6 +22,8 @@ class NearestHits {
             const std::function<void()>& accept);
   /// For a program that offers to a reflector whose rays bind_far has bound: the lists.
   void prepare(const Program& program) const;
+  /// For a program that writes what is nearest by itself, as shaders/bezier/points.comp does: at binding 8.
+  void bind_nearest() const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get()); }
   /// Takes the scene in one plane mirror, as its mirrored eye sees it: exact.
   void take_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters);
   /// Of 8 x 8 pixels each, row by row: the reflector's rays, and how far away the farthest of what it shows there has

@@ -15,12 +15,13 @@ namespace maquette {
 
 namespace {
 
-/// Bins of equal solid angle: rows of equal height, columns of equal longitude. 0.011 sr or 6 degrees, about what a
-/// cell's width makes of the direction to a pane at arm's length.
-constexpr std::uint32_t kRows = 24, kColumns = 48;
+/// Bins of equal solid angle: rows of equal height, columns of equal longitude. 0.0027 sr or 3 degrees, half of what a
+/// cell's width makes of the direction to a pane at arm's length: within a bin a small lamp is found by chance, so
+/// wider ones make fireflies, and narrower ones want more light to fill.
+constexpr std::uint32_t kRows = 48, kColumns = 96;
 constexpr float kBinDensity = static_cast<float>(kRows * kColumns) * 0.0795774715f;  // over 4 pi
 constexpr int kMostPanes = 8;                                                        ///< that mirrored light passes
-enum Dimension : std::uint32_t { kPane, kPoint, kLightChoice, kLight, kOffset, kBinOffset, kWhich };
+enum Dimension : std::uint32_t { kPane, kPoint, kLightChoice, kLight, kWhich, kPlace };
 
 std::uint32_t bin_of(const glm::vec3& d, const glm::vec2& offset = glm::vec2(0.0f)) {
   const float row = (0.5f - 0.5f * d.y) * static_cast<float>(kRows) + offset.x;
@@ -52,14 +53,15 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
 
 void MirrorGuide::learn(std::size_t count) {
   if (panes_.empty()) return;
-  std::vector<Arrival> arrivals(count);
-  tbb::parallel_for(std::size_t{0}, count,
-                    [&](std::size_t i) { arrivals[i] = send(sent_ + static_cast<std::uint32_t>(i)); });
+  std::vector<Arrival> arrivals(count * kCopies);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    send(sent_ + static_cast<std::uint32_t>(i), std::span(arrivals).subspan(i * kCopies).first<kCopies>());
+  });
   sent_ += static_cast<std::uint32_t>(count);
   collect(std::move(arrivals));
 }
 
-MirrorGuide::Arrival MirrorGuide::send(std::uint32_t index) const {
+void MirrorGuide::send(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const {
   const PathSampler sampler{seed_, index};
   const double along = static_cast<double>(sampler.single(kPane)) * areas_.back();
   const auto pane =
@@ -79,7 +81,7 @@ MirrorGuide::Arrival MirrorGuide::send(std::uint32_t index) const {
     light = environment_.draw(sampler.pair(kLight));
     environment_.fill(&light);
   }
-  if (!(light.pdf > 0.0f) || !light.has_extent) return {};
+  if (!(light.pdf > 0.0f) || !light.has_extent) return;
   const Ray towards{at, -light.direction, 0.0f, 3.4e38f};
   const SurfacePoint p = resolve_surface(scene_, towards, hit, {});
   const PaneRays rays = rays_of_pane(p, towards);
@@ -87,25 +89,28 @@ MirrorGuide::Arrival MirrorGuide::send(std::uint32_t index) const {
   if (light.distance < 3e38f) shadow.far *= 1.0f - 1e-4f;
   float flux =
       luminance(light.radiance * rays.shares.reflected) / light.pdf * std::abs(glm::dot(p.normal, light.direction));
-  if (!(flux > 0.0f)) return {};
+  if (!(flux > 0.0f)) return;
   flux *= luminance(transmittance(scene_, shadow));
   Ray ray = rays.mirrored;
   for (int passed = 0; passed < kMostPanes && flux > 0.0f && std::isfinite(flux); ++passed) {
-    if (!intersect(scene_, ray, RayKind::path, sampler.word(kWhich + 1), &hit)) return {};
+    if (!intersect(scene_, ray, RayKind::path, sampler.word(kPlace + 2 * kCopies), &hit)) return;
     const SurfacePoint q = resolve_surface(scene_, ray, hit, {});
-    if (q.material->bends()) return {};
+    if (q.material->bends()) return;
     if (!(q.material->pane > 0.0f)) {
-      // Smeared over a cell and a bin, so that their borders show in no picture.
-      const glm::vec2 o = sampler.pair(kOffset) - 0.5f;
-      const glm::vec3 place = q.position + (q.t * o.x + q.b * o.y) * grid_.side(q.position);
-      return {grid_.cell_of(place, q.n), bin_of(-ray.direction, sampler.pair(kBinOffset) - 0.5f),
-              static_cast<double>(flux)};
+      // Smeared over two cells and a bin, so that their borders show in no picture; several times, which costs less
+      // than to send several.
+      for (std::uint32_t k = 0; k < kCopies; ++k) {
+        const glm::vec2 o = 2.0f * sampler.pair(kPlace + 2 * k) - 1.0f;
+        const glm::vec3 place = q.position + (q.t * o.x + q.b * o.y) * grid_.side(q.position);
+        arrivals[k] = {grid_.cell_of(place, q.n), bin_of(-ray.direction, sampler.pair(kPlace + 2 * k + 1) - 0.5f),
+                       static_cast<double>(flux) / kCopies};
+      }
+      return;
     }
     const PaneRays next = rays_of_pane(q, ray);
     flux *= luminance(next.shares.transmitted);
     ray = next.passed;
   }
-  return {};
 }
 
 void MirrorGuide::collect(std::vector<Arrival> arrivals) {

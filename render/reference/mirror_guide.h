@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "render/reference/path_scene.h"
@@ -45,7 +46,9 @@ class MirrorGuide {
     std::uint32_t bin;
     float cumulative;  ///< inclusive, over the cell's entries
   };
-  Arrival send(std::uint32_t index) const;
+  static constexpr std::uint32_t kCopies = 8;  ///< of one light's arrival, at places and in directions close by
+  /// Leaves them as they are where it does not arrive.
+  void send(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const;
   void collect(std::vector<Arrival> arrivals);
 
   const PathScene& scene_;

@@ -80,7 +80,7 @@ class LightGuide {
 
  private:
   static constexpr std::uint32_t kCells = PlaceGrid::kCells;
-  static constexpr int kLessons = 7;  ///< the last one after 64 paths
+  static constexpr int kLessons = 10;  ///< three before the first path, the last one after 64 paths
   /// Of a leaf, in units of 2^-16.
   std::uint32_t share(std::uint32_t cell, int leaf) const {
     const std::size_t i = at(cell, leaf);

@@ -110,6 +110,12 @@ std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequ
 constexpr double kMirroredLights = 0.25;
 constexpr std::size_t kLeastLights = 16384;
 constexpr std::uint32_t kLastLesson = 64;  ///< after so many paths
+/// Before the first path of the picture guides learn from a pixel in kTrainingSide^2: 1, then 2, then 4 paths, which
+/// are left out. The first paths of all pixels would be drawn without a guide otherwise. Small pictures, which a window
+/// shows first, have too few pixels to learn from.
+constexpr int kTrainingSide = 8;
+constexpr std::uint32_t kTrainingLessons = 3;
+constexpr std::size_t kLeastTrained = std::size_t{1} << 14;  ///< pixels
 
 }  // namespace
 
@@ -125,6 +131,8 @@ struct ReferencePicture::Impl {
   std::vector<float> rates;  ///< [pixel] paths over the average, after the first kPilotPaths; empty: all 1
   std::uint32_t done = 0;    ///< paths a pixel, of complete passes
   std::atomic<std::size_t> rays{0};
+  std::uint32_t training = 0;         ///< lessons before the first path that are complete
+  std::vector<std::uint8_t> trained;  ///< [pixel of the training] in the present one
 
   Impl(std::shared_ptr<const PathScene> s, const PictureRequest& r)
       : scene(std::move(s)),
@@ -287,8 +295,45 @@ struct ReferencePicture::Impl {
 
   void learn() {
     if (guide) guide->learn();
+    learn_mirrors();
+  }
+  void learn_mirrors() {
     mirrors->learn(
         std::max(kLeastLights, static_cast<std::size_t>(kMirroredLights * static_cast<double>(pixels.size()))));
+  }
+
+  /// What a pixel adds to lesson `training`.
+  void train_pixel(const glm::vec2& at, std::uint32_t seed) {
+    const PixelRay r = ray_through(at);
+    const CameraRay ray(*scene, environment, r.ray, &r.differential, 0u);
+    std::size_t traced = ray.rays();
+    const std::uint32_t count = 1u << training;
+    for (std::uint32_t i = 0; i < count; ++i)
+      traced += ray.estimate({seed, count - 1 + i}, request.paths.max_bounces, &*mirrors).rays;
+    rays += traced;
+  }
+
+  /// The lessons before the first path; false when it was stopped, and the next call goes on from there.
+  bool train(const std::stop_token& stop) {
+    if (pixels.size() < kLeastTrained || training == kTrainingLessons) return true;
+    if (samples) samples->prepare(1u << kTrainingLessons);
+    const int columns = request.width / kTrainingSide, rows = request.height / kTrainingSide;
+    const std::uint32_t seed = mix_seed(request.seed, 0x747261u);
+    for (; training < kTrainingLessons; ++training) {
+      trained.resize(static_cast<std::size_t>(columns * rows));
+      tbb::parallel_for(0, columns * rows, [&](int i) {
+        std::uint8_t& is_trained = trained[static_cast<std::size_t>(i)];
+        if (is_trained || stop.stop_requested()) return;
+        const glm::vec2 at = (glm::vec2(i % columns, i / columns) + 0.5f) * static_cast<float>(kTrainingSide);
+        train_pixel(at, mix_seed(seed, static_cast<std::uint32_t>(i)));
+        is_trained = 1;
+      });
+      if (stop.stop_requested()) return false;
+      if (guide) guide->learn();
+      trained.clear();
+    }
+    learn_mirrors();
+    return true;
   }
 
   template <typename Value>
@@ -317,6 +362,7 @@ bool ReferencePicture::add(int count, const std::stop_token& stop, const std::fu
   Impl& s = *impl_;
   const Halt halt(stop, deadline);
   const std::uint32_t target = s.done + static_cast<std::uint32_t>(std::max(count, 0));
+  if (s.mirrors && target > 0 && !s.train(stop)) return false;
   const Progress report(progress, s.pixels.size() * static_cast<std::size_t>(std::max(count, 1)));
   while (s.done < target) {
     const bool learns = s.mirrors && s.done < kLastLesson;

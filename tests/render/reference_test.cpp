@@ -125,6 +125,55 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   EXPECT_EQ(none.mean().data, whole.mean().data);
 }
 
+/// Large enough that guides are trained before the first path: whenever that is stopped, the picture is the same.
+TEST(Reference, TrainingGoesOnWhereItStopped) {
+  const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
+  ReferencePicture stopped(traced, sphere_request(128)), whole(traced, sphere_request(128));
+  bool cut = false;
+  for (const int milliseconds : {0, 1, 2, 4}) {
+    std::stop_source source;
+    std::jthread later([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+      source.request_stop();
+    });
+    cut |= !stopped.add(1 - stopped.samples(), source.get_token());
+  }
+  EXPECT_TRUE(cut);
+  EXPECT_TRUE(stopped.add(1 - stopped.samples()));
+  whole.add(1);
+  EXPECT_EQ(stopped.mean().data, whole.mean().data);
+  EXPECT_EQ(stopped.counts().paths, 128u * 128u) << "training paths are left out";
+}
+
+/// Against pictures that are too small for training, over the same area: within the noise of both.
+TEST(Reference, TrainingIsUnbiased) {
+  const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
+  constexpr int kSeeds = 8;
+  double mean[2] = {0.0, 0.0}, square[2] = {0.0, 0.0};
+  for (std::uint32_t seed = 0; seed < kSeeds; ++seed)
+    for (std::size_t k = 0; k < 2; ++k) {
+      PictureRequest request = sphere_request(k == 0 ? 128 : 120);
+      request.camera.eye = {0.0f, 2.73f, 10.8f};
+      request.camera.target = {0.0f, 2.73f, 0.0f};
+      request.msaa = 16;  // anywhere in the pixel: the picture's mean is the same integral
+      request.seed = seed;
+      ReferencePicture picture(traced, request);
+      picture.add(2);
+      const Image image = picture.mean();
+      double sum = 0.0;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) sum += static_cast<double>(image.at(x, y, 1));
+      sum /= static_cast<double>(image.width * image.height);
+      mean[k] += sum / kSeeds;
+      square[k] += sum * sum / kSeeds;
+    }
+  const auto error = [&](std::size_t k) {
+    return std::sqrt(std::max(square[k] - mean[k] * mean[k], 0.0) / (kSeeds - 1));
+  };
+  EXPECT_NEAR(mean[0], mean[1], 4.0 * std::hypot(error(0), error(1)));
+  EXPECT_LT(error(0), 0.002 * mean[0]) << "or the comparison says nothing";
+}
+
 /// A picture cut short is one of nearly as many paths at every pixel, in both transports.
 TEST(Reference, WhatIsStoppedHasItsPixelsAlike) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});

@@ -175,6 +175,7 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
   state.transmits = transmitting_items();
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) state.materials.push_back(buffers->material(i));
   state.depth = settings.get_int("octree.depth");
+  state.detail = settings.get_string("octree.brdf") == "none" ? settings.get_int("octree.detail") : 0;
   state.interest = find_interest(settings.get_string("octree.interest"), *scene, buffers->geometry());
   const std::string& folder = settings.get_string("octree.bake");
   state.path = octree_file_path(folder, scene->name, state.depth);
@@ -185,6 +186,7 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
     job.transmits = state.transmits;
     job.paint = std::make_shared<const OctreePaint>(*scene, effective);
     job.options.depth = state.depth;
+    job.options.detail = state.detail;
     job.options.interest = state.interest;
     job.path = state.path;
     job.scene = scene->name;

@@ -10,7 +10,10 @@ namespace maquette {
 inline constexpr int kOctreeMaxDepth = 10;
 /// Levels above those for what lies around the part of a scene that holds nearly all of its triangles.
 inline constexpr int kOctreeMaxOuterLevels = 3;
-inline constexpr int kOctreeMaxLevels = kOctreeMaxDepth + kOctreeMaxOuterLevels;
+/// Levels below those for cells that hold more than one normal and one colour can say.
+inline constexpr int kOctreeMaxDetail = 2;
+/// Fewer than their sum: codes of cells inside a brick have 10 bits an axis.
+inline constexpr int kOctreeMaxLevels = 14;
 /// First-child pointers have 24 bits, and 2^24 attributes of 8 bytes are 128 MiB, the storage a driver promises.
 inline constexpr std::size_t kOctreeMaxNodes = std::size_t{1} << 24;
 inline constexpr int kOctreeMaxMaterials = 4095;
@@ -26,13 +29,16 @@ struct Octree {
   glm::vec3 corner{0.0f};  ///< lower corner of the root, m
   float side_m = 1.0f;
   int depth = 0;
+  int detail = 0;  ///< of its levels, those that only cells of much detail have
   std::vector<std::uint32_t> words, planes, colors, triangles;
   /// Index of the first node of each level; level_begin[depth + 1] is the number of nodes.
   std::array<std::uint32_t, kOctreeMaxLevels + 2> level_begin{};
 
   bool empty() const { return words.empty(); }
   std::size_t node_count() const { return words.size(); }
-  std::size_t leaf_count() const;
+  std::size_t leaf_count() const { return leaf_count(0); }
+  /// Those of this level and finer ones.
+  std::size_t leaf_count(int level) const;
   std::size_t bytes() const { return 4 * (words.size() + planes.size() + colors.size() + triangles.size()); }
 };
 

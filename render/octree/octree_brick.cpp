@@ -26,13 +26,15 @@ struct Reach {
   double low = 0.0, high = 0.0;
   double deviation() const { return std::max(-low, high); }
 };
-Reach reach_along(std::span<const OctreeFragment> fragments, const glm::dvec3& n, const glm::dvec3& point) {
+Reach reach_along(std::span<const OctreeFragment> fragments, std::span<const glm::vec3> corners, const glm::dvec3& n,
+                  const glm::dvec3& point) {
   Reach all;
   for (const OctreeFragment& f : fragments) {
-    const double c = glm::dot(n, glm::dvec3(f.geometric)), middle = glm::dot(n, glm::dvec3(f.centroid) - point);
-    const double own = f.radius * std::sqrt(std::max(1.0 - c * c, 0.0));
-    all.low = std::min(all.low, middle - own);
-    all.high = std::max(all.high, middle + own);
+    for (const glm::vec3& corner : corners.subspan(f.first_corner, f.corner_count)) {
+      const double height = glm::dot(n, glm::dvec3(corner) - point);
+      all.low = std::min(all.low, height);
+      all.high = std::max(all.high, height);
+    }
   }
   return all;
 }
@@ -73,7 +75,7 @@ void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& 
   for (const Share& share : shares) sums->add_material(share.material, share.area, share.color, share.triangle);
 }
 
-OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
+OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, std::span<const glm::vec3> corners, double cell) {
   OctreeSums sums;
   glm::dvec3 geometric(0.0);
   double all = 0.0;
@@ -98,11 +100,11 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, double cell) {
     }
   }
   const glm::dvec3 point = sums.centroid / sums.area;
-  Reach reach = reach_along(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), point);
+  Reach reach = reach_along(fragments, corners, unit_or(sums.normal, glm::dvec3(largest->normal)), point);
   sums.deviation = reach.deviation() / cell;
   if (sums.deviation > shared::kOctreePlanar) {
     const glm::dvec3 n = unit_or(geometric, glm::dvec3(largest->geometric));
-    const Reach other = reach_along(fragments, n, point);
+    const Reach other = reach_along(fragments, corners, n, point);
     if (other.deviation() / cell <= shared::kOctreePlanar) {
       reach = other;
       sums.deviation = other.deviation() / cell;
@@ -216,16 +218,16 @@ OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double ce
                     ? shared::octree_pack_plane(glm::vec3(n), glm::vec3(point))
                     : shared::octree_pack_solid(glm::vec3(n), glm::vec3(point), static_cast<float>(sums.low),
                                                 static_cast<float>(sums.high));
-  const double coverage = std::min(sums.area / (cell * cell), 1.0);
+  const double coverage = std::min(sums.material_area[chosen] / (cell * cell), 1.0);
   words.color = shared::octree_pack_color(static_cast<int>(sums.material[chosen]), static_cast<float>(coverage),
                                           glm::vec3(sums.material_color[chosen] / *largest));
   words.triangle = sums.triangle[chosen];
   return words;
 }
 
-OctreeBrick build_brick(std::vector<OctreeFragment>* fragments, int levels) {
+OctreeBrick build_brick(OctreeFragments* fragments, int levels) {
   OctreeBrick brick;
-  std::vector<OctreeFragment>& all = *fragments;
+  std::vector<OctreeFragment>& all = fragments->pieces;
   std::sort(all.begin(), all.end(), [](const OctreeFragment& a, const OctreeFragment& b) { return a.code < b.code; });
   std::vector<std::vector<BrickNode>> leaves(static_cast<std::size_t>(levels) + 1);
   for (std::size_t first = 0; first < all.size();) {
@@ -234,7 +236,7 @@ OctreeBrick build_brick(std::vector<OctreeFragment>* fragments, int levels) {
     const int level = all[first].level;
     BrickNode node;
     node.code = all[first].code >> (3 * (levels - level));
-    node.sums = sum_leaf(std::span(all).subspan(first, end - first), std::exp2(levels - level));
+    node.sums = sum_leaf(std::span(all).subspan(first, end - first), fragments->corners, std::exp2(levels - level));
     if (node.sums.area > 0.0) leaves[static_cast<std::size_t>(level)].push_back(std::move(node));
     first = end;
   }

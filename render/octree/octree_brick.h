@@ -12,14 +12,20 @@ struct OctreeFragment {
   std::uint32_t code = 0;  ///< Morton code of its cell inside the brick, left-aligned to the finest level
   int level = 0;
   std::uint32_t material = 0;
-  std::uint32_t triangle = 0;  ///< of the geometry
+  std::uint32_t triangle = 0, item = 0;  ///< of the geometry
   float area = 0.0f;
-  float radius = 0.0f;        ///< of its corners around the centroid
+  std::uint32_t first_corner = 0, corner_count = 0;  ///< of OctreeFragments::corners
   float opacity = 1.0f;       ///< share that is not cut out
   glm::vec3 normal{0.0f};     ///< unit, of the surface (interpolated)
   glm::vec3 geometric{0.0f};  ///< unit, of the triangle
   glm::vec3 centroid{0.0f};   ///< from the brick's lower corner
   glm::vec3 color{1.0f};
+};
+
+/// The pieces of a brick.
+struct OctreeFragments {
+  std::vector<OctreeFragment> pieces;
+  std::vector<glm::vec3> corners;  ///< from the brick's lower corner
 };
 
 /// Sums over what a node holds, in finest cells from the brick's (later the root's) lower corner.
@@ -60,7 +66,7 @@ struct OctreeBrick {
 OctreeWords pack_node(const OctreeSums& sums, const glm::dvec3& lower, double cell);
 
 /// Builds a brick of `levels` levels below its root from its fragments (any order; they are sorted).
-OctreeBrick build_brick(std::vector<OctreeFragment>* fragments, int levels);
+OctreeBrick build_brick(OctreeFragments* fragments, int levels);
 
 /// Joins the sums of up to eight children (null where there is none), whose cells are `child_cell` wide.
 OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, double child_cell);

@@ -17,12 +17,12 @@ class OctreeBuffers {
   /// Sets the grid in a program that includes the tables.
   void set_uniforms(const Program& program) const;
   std::size_t bytes() const { return words_.bytes() + planes_.bytes() + colors_.bytes() + triangles_.bytes(); }
-  float cell_m() const { return 1.0f / grid_.w; }
 
  private:
   Buffer words_, planes_, colors_, triangles_;
   Texture word_view_, plane_view_, color_view_, triangle_view_;
   glm::vec4 grid_{0.0f, 0.0f, 0.0f, 1.0f};
+  float cell_m_ = 1.0f;
   int depth_ = 1;
 };
 

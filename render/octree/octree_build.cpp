@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <mutex>
 #include <span>
 
@@ -36,6 +37,17 @@ struct Triangle {
   std::uint32_t first_index = 0, item = 0;
 };
 
+// Above any of these a cell holds more than one normal, one material and one colour can say.
+/// 1 - |mean of its normals|: those of a tube are 12 degrees to either side of their mean.
+constexpr double kSpread = 0.0075;
+/// Share of its area that is not of the material that has most.
+constexpr double kOther = 0.04;
+/// Brightest over darkest colour, in stops; what is darker than kDark is black.
+constexpr double kStops = 0.6;
+constexpr float kDark = 0.02f;
+/// Of the cells of a brick one in so many is cut at most, so that a wrinkled scene does not fill the memory.
+constexpr std::size_t kSplitShare = 2;
+
 /// Triangles by the bricks that their bounds touch.
 struct Bins {
   std::vector<std::uint32_t> begin;  ///< by Morton code
@@ -53,10 +65,10 @@ class Builder {
       fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
                        glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
     }
-    constexpr double kAlgorithm = 3.0;  // raised when the same triangles give other nodes
+    constexpr double kAlgorithm = 5.0;  // raised when the same triangles give other nodes
     const double setup[] = {kAlgorithm, grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
-    setup_ =
-        content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(64 * grid.depth + grid.rest_depth));
+    const int levels = 64 * (64 * grid.detail + grid.depth) + grid.rest_depth;
+    setup_ = content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(levels));
     setup_ = content_hash(std::as_bytes(std::span(fine_)), setup_);
   }
 
@@ -122,14 +134,16 @@ class Builder {
     return content_hash(std::as_bytes(std::span(data)), hash);
   }
 
-  /// Calls `take(piece, fragment, triangle)` for what each triangle has in each leaf of a brick.
-  template <typename Take>
-  void clip(std::uint32_t code, std::span<const Triangle> triangles, Take&& take) const {
-    const glm::ivec3 lower = decode_morton(code) << levels_;
+  glm::ivec3 brick_lower(std::uint32_t code) const { return decode_morton(code) << levels_; }
+
+  /// What each triangle has in each leaf of a brick.
+  OctreeFragments clip(std::uint32_t code, std::span<const Triangle> triangles) const {
+    const glm::ivec3 lower = brick_lower(code);
     const CellClipper::IsLeaf is_leaf = [&](const glm::ivec3& at, int level) { return this->is_leaf(at, level); };
     Triangle current;
+    OctreeFragments out;
     const std::function<void(const CellClipper::Piece&)> emit = [&](const CellClipper::Piece& piece) {
-      take(piece, make_fragment(piece, lower, current), current);
+      add_fragment(piece, lower, current, &out);
     };
     const CellClipper clipper(grid_.depth, is_leaf, emit);
     for (const Triangle& t : triangles) {
@@ -139,12 +153,12 @@ class Builder {
       for (std::size_t k = 0; k < 3; ++k) polygon.corners[k] = to_cells(source_.geometry.indices[t.first_index + k]);
       clipper.clip(polygon, lower, grid_.brick_level);
     }
+    for (int level = grid_.depth - grid_.detail; level < grid_.depth; ++level) split_cells(lower, level, &out);
+    return out;
   }
 
   OctreeBrick build(std::uint32_t code, std::span<const Triangle> triangles) const {
-    std::vector<OctreeFragment> fragments;
-    clip(code, triangles,
-         [&](const CellClipper::Piece&, const OctreeFragment& f, const Triangle&) { fragments.push_back(f); });
+    OctreeFragments fragments = clip(code, triangles);
     return build_brick(&fragments, levels_);
   }
 
@@ -154,7 +168,7 @@ class Builder {
   }
 
   bool is_leaf(const glm::ivec3& lower, int level) const {
-    if (level == grid_.depth) return true;
+    if (level == grid_.depth - grid_.detail) return true;
     if (level < grid_.rest_depth || fine_.empty()) return false;
     const glm::vec3 low(lower), high(lower + (1 << (grid_.depth - level)));
     return std::none_of(fine_.begin(), fine_.end(), [&](const Box& box) {
@@ -162,10 +176,48 @@ class Builder {
     });
   }
 
-  OctreeFragment make_fragment(const CellClipper::Piece& piece, const glm::ivec3& brick_lower,
-                               const Triangle& triangle) const {
+  /// A triangle as it is interpolated.
+  struct Face {
+    std::uint32_t v[3];
+    glm::dvec3 p[3];
+    glm::dvec3 normal;  ///< its length is twice the area
+    double square;      ///< of that
+  };
+  Face face_of(std::uint32_t first_index) const {
+    Face face;
+    for (std::size_t k = 0; k < 3; ++k)
+      face.p[k] = to_cells(face.v[k] = source_.geometry.indices[first_index + k]);
+    face.normal = glm::cross(face.p[1] - face.p[0], face.p[2] - face.p[0]);
+    face.square = glm::dot(face.normal, face.normal);
+    return face;
+  }
+  static glm::vec3 weights_at(const Face& face, const glm::dvec3& p) {
+    const double b1 = glm::dot(glm::cross(p - face.p[0], face.p[2] - face.p[0]), face.normal) / face.square;
+    const double b2 = glm::dot(glm::cross(face.p[1] - face.p[0], p - face.p[0]), face.normal) / face.square;
+    return glm::vec3(1.0 - b1 - b2, b1, b2);
+  }
+  template <typename T>
+  static T blend(const std::vector<T>& values, const Face& face, const glm::vec3& w) {
+    return w[0] * values[face.v[0]] + w[1] * values[face.v[1]] + w[2] * values[face.v[2]];
+  }
+  /// Width in UV of `area` of the face.
+  float uv_span(const std::vector<glm::vec2>& uvs, const Face& face, float area) const {
+    const glm::vec2 e1 = uvs[face.v[1]] - uvs[face.v[0]], e2 = uvs[face.v[2]] - uvs[face.v[0]];
+    return std::sqrt(std::abs(e1.x * e2.y - e1.y * e2.x) * area / static_cast<float>(std::sqrt(face.square)));
+  }
+  const std::vector<glm::vec2>& uvs_of(int material) const {
+    return source_.paint.uv_set(material) == 1 ? source_.geometry.uv1 : source_.geometry.uv0;
+  }
+
+  void add_fragment(const CellClipper::Piece& piece, const glm::ivec3& brick_lower, const Triangle& triangle,
+                    OctreeFragments* out) const {
     const FlatGeometry& g = source_.geometry;
     OctreeFragment f;
+    f.item = triangle.item;
+    f.first_corner = static_cast<std::uint32_t>(out->corners.size());
+    f.corner_count = static_cast<std::uint32_t>(piece.polygon->count);
+    for (int i = 0; i < piece.polygon->count; ++i)
+      out->corners.emplace_back(piece.polygon->corners[i] - glm::dvec3(brick_lower));
     f.code = encode_morton(piece.lower - brick_lower);
     f.level = piece.level - grid_.brick_level;
     const int material = source_.materials[triangle.item];
@@ -174,40 +226,130 @@ class Builder {
     const glm::dvec3 area = polygon_area_vector(*piece.polygon), centroid = polygon_centroid(*piece.polygon);
     f.area = static_cast<float>(glm::length(area));
     f.centroid = glm::vec3(centroid - glm::dvec3(brick_lower));
-    double radius = 0.0;
-    for (int i = 0; i < piece.polygon->count; ++i)
-      radius = std::max(radius, glm::length(piece.polygon->corners[i] - centroid));
-    f.radius = static_cast<float>(radius);
-    std::uint32_t v[3];
-    glm::dvec3 p[3];
-    for (std::size_t k = 0; k < 3; ++k) p[k] = to_cells(v[k] = g.indices[triangle.first_index + k]);
-    const glm::dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const double square = glm::dot(normal, normal);
-    f.geometric = glm::vec3(normal / std::sqrt(square));
-    const double b1 = glm::dot(glm::cross(centroid - p[0], p[2] - p[0]), normal) / square;
-    const double b2 = glm::dot(glm::cross(p[1] - p[0], centroid - p[0]), normal) / square;
-    const float w[3] = {static_cast<float>(1.0 - b1 - b2), static_cast<float>(b1), static_cast<float>(b2)};
-    const auto blend = [&](const auto& values) {
-      return w[0] * values[v[0]] + w[1] * values[v[1]] + w[2] * values[v[2]];
-    };
-    const glm::vec3 smooth = blend(g.normals);
+    const Face face = face_of(triangle.first_index);
+    f.geometric = glm::vec3(face.normal / std::sqrt(face.square));
+    const glm::vec3 w = weights_at(face, centroid);
+    const glm::vec3 smooth = blend(g.normals, face, w);
     const float length = glm::length(smooth);
     f.normal = length > 1e-6f ? smooth / length : f.geometric;
-    const glm::vec4 vertex_color = blend(g.colors);
+    const glm::vec4 vertex_color = blend(g.colors, face, w);
     f.color = glm::vec3(vertex_color);
     if (source_.paint.textured(material)) {
-      const auto& uvs = source_.paint.uv_set(material) == 1 ? g.uv1 : g.uv0;
-      const glm::vec2 e1 = uvs[v[1]] - uvs[v[0]], e2 = uvs[v[2]] - uvs[v[0]];
-      const float uv_area = std::abs(e1.x * e2.y - e1.y * e2.x);
-      const float span = std::sqrt(uv_area * f.area / static_cast<float>(std::sqrt(square)));
-      const glm::vec4 texel = source_.paint.mean_color(material, blend(uvs), span);
+      const std::vector<glm::vec2>& uvs = uvs_of(material);
+      const glm::vec4 texel =
+          source_.paint.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
       f.color *= glm::vec3(texel);
       if (source_.paint.cut_out(material)) {
         const float alpha = source_.paint.alpha_factor(material) * texel.a * vertex_color.a;
         f.opacity = alpha < source_.paint.cutoff(material) ? 0.0f : 1.0f;
       }
     }
-    return f;
+    out->pieces.push_back(f);
+  }
+
+  /// Brightest over darkest colour of a cell's pieces, in stops; textures are looked at in a few points of each piece.
+  double contrast_of(std::span<const OctreeFragment> pieces, std::span<const glm::vec3> corners,
+                     const glm::dvec3& brick_lower) const {
+    float low = std::numeric_limits<float>::max(), high = 0.0f;
+    const auto add = [&](const glm::vec3& color) {
+      const float luminance = glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)) + kDark;
+      low = std::min(low, luminance);
+      high = std::max(high, luminance);
+    };
+    for (const OctreeFragment& f : pieces) {
+      const int material = static_cast<int>(f.material);
+      if (f.opacity == 0.0f) continue;
+      if (!source_.paint.textured(material)) {
+        add(f.color);
+        continue;
+      }
+      const Face face = face_of(3 * f.triangle);
+      const std::vector<glm::vec2>& uvs = uvs_of(material);
+      const float span = 0.25f * uv_span(uvs, face, f.area);
+      for (const glm::vec3& corner : corners.subspan(f.first_corner, f.corner_count)) {
+        for (const float t : {0.3f, 0.6f, 0.9f}) {
+          const glm::dvec3 p = glm::dvec3(glm::mix(f.centroid, corner, t)) + brick_lower;
+          const glm::vec3 w = weights_at(face, p);
+          add(glm::vec3(source_.paint.mean_color(material, blend(uvs, face, w), span)));
+        }
+      }
+    }
+    return high > 0.0f ? static_cast<double>(std::log2(high / low)) : 0.0;
+  }
+
+  /// At least 1 where one normal, one material and one colour are not enough to say what is in a cell.
+  double detail_of(std::span<const OctreeFragment> pieces, std::span<const glm::vec3> corners,
+                   const glm::dvec3& brick_lower) const {
+    const auto largest = std::max_element(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.area < b.area; });
+    double all = 0.0, same = 0.0;
+    glm::dvec3 normal(0.0);
+    for (const OctreeFragment& f : pieces) {
+      const auto area = static_cast<double>(f.area);
+      all += area;
+      if (f.material == largest->material) same += area;
+      // Both sides of a thin sheet stay together however fine cells are.
+      normal += (glm::dot(f.normal, largest->normal) < 0.0f ? -area : area) * glm::dvec3(f.normal);
+    }
+    const double spread = 1.0 - glm::length(normal) / all;
+    return std::max({spread / kSpread, (1.0 - same / all) / kOther, contrast_of(pieces, corners, brick_lower) / kStops});
+  }
+
+  /// Cuts the cells of `level` that hold much detail into their eight, those of the most first while there is room.
+  void split_cells(const glm::ivec3& brick_lower, int level, OctreeFragments* fragments) const {
+    std::vector<OctreeFragment>& pieces = fragments->pieces;
+    std::sort(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.code < b.code; });
+    struct Cell {
+      double detail;
+      std::size_t first, end;
+    };
+    std::vector<Cell> cells;
+    std::size_t count = 0;
+    for (std::size_t first = 0, end = 0; first < pieces.size(); first = end) {
+      for (end = first + 1; end < pieces.size() && pieces[end].code == pieces[first].code;) ++end;
+      ++count;
+      if (pieces[first].level != level - grid_.brick_level) continue;
+      const double detail = detail_of(std::span(pieces).subspan(first, end - first), fragments->corners, brick_lower);
+      if (detail >= 1.0) cells.push_back({detail, first, end});
+    }
+    const std::size_t room = count / kSplitShare;
+    if (cells.size() > room) {
+      const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(room);
+      std::nth_element(cells.begin(), middle, cells.end(), [](auto& a, auto& b) {
+        return a.detail != b.detail ? a.detail > b.detail : a.first < b.first;
+      });
+      cells.erase(middle, cells.end());
+    }
+    if (cells.empty()) return;
+    OctreeFragments out;
+    std::vector<bool> split(pieces.size(), false);
+    const CellClipper::IsLeaf is_leaf = [&](const glm::ivec3&, int at) { return at == level + 1; };
+    Triangle current;
+    const std::function<void(const CellClipper::Piece&)> emit = [&](const CellClipper::Piece& piece) {
+      add_fragment(piece, brick_lower, current, &out);
+    };
+    const CellClipper clipper(grid_.depth, is_leaf, emit);
+    for (const Cell& cell : cells) {
+      for (std::size_t i = cell.first; i < cell.end; ++i) {
+        const OctreeFragment& f = pieces[i];
+        split[i] = true;
+        ClipPolygon polygon;
+        polygon.count = static_cast<int>(f.corner_count);
+        for (std::uint32_t k = 0; k < f.corner_count; ++k)
+          polygon.corners[k] = glm::dvec3(fragments->corners[f.first_corner + k]) + glm::dvec3(brick_lower);
+        current = {3 * f.triangle, f.item};
+        clipper.clip(polygon, decode_morton(f.code) + brick_lower, level);
+      }
+    }
+    // The others keep their corners.
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (split[i]) continue;
+      OctreeFragment f = pieces[i];
+      const auto corners = fragments->corners.begin() + f.first_corner;
+      f.first_corner = static_cast<std::uint32_t>(out.corners.size());
+      out.corners.insert(out.corners.end(), corners, corners + f.corner_count);
+      out.pieces.push_back(f);
+    }
+    *fragments = std::move(out);
   }
 
   struct Box {
@@ -302,6 +444,11 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
     if (progress.report) progress.report(static_cast<double>(done) / static_cast<double>(bins.triangles.size()));
   });
   if (cancelled()) return std::nullopt;
+  if (!fits && out.grid.detail > 0) {
+    OctreeOptions even = options;
+    even.detail = 0;
+    return build_octree_bricks(source, even, before, progress);
+  }
   budget.check(out.grid, out.grid.depth - options.depth);
   for (std::size_t b = 0; b < count; ++b)
     if (entries[b].key != 0) out.bricks.emplace(static_cast<std::uint32_t>(b), std::move(entries[b]));
@@ -347,6 +494,7 @@ Octree assemble_octree(const OctreeBricks& bricks) {
   const OctreeGrid& grid = bricks.grid;
   Octree octree;
   octree.depth = grid.depth;
+  octree.detail = grid.detail;
   octree.corner = glm::vec3(grid.corner);
   octree.side_m = static_cast<float>(grid.side_m);
   std::vector<const OctreeBrick*> filled;
@@ -361,7 +509,13 @@ Octree assemble_octree(const OctreeBricks& bricks) {
     const auto l = static_cast<std::size_t>(level);
     top[l] = join_top(top[l + 1], std::exp2(grid.depth - level - 1));
   }
-  const auto levels = static_cast<std::size_t>(grid.depth);
+  // Levels that no cell has are not there.
+  const auto reaches = [&](int level) {
+    const auto l = static_cast<std::size_t>(level - grid.brick_level);
+    return std::any_of(filled.begin(), filled.end(), [&](const OctreeBrick* b) { return b->counts[l] > 0; });
+  };
+  while (octree.depth > grid.depth - grid.detail && !reaches(octree.depth)) --octree.depth, --octree.detail;
+  const auto levels = static_cast<std::size_t>(octree.depth);
   const auto brick_level = static_cast<std::size_t>(grid.brick_level);
   std::uint32_t total = 0;
   for (std::size_t level = 0; level <= levels; ++level) {
@@ -416,11 +570,16 @@ OctreePieces::~OctreePieces() = default;
 std::vector<OctreePiece> OctreePieces::of_brick(std::uint32_t code) const {
   const Bins& bins = impl_->bins;
   std::vector<OctreePiece> pieces;
-  impl_->builder.clip(code,
-                      std::span(bins.triangles.data() + bins.begin[code], bins.begin[code + 1] - bins.begin[code]),
-                      [&](const CellClipper::Piece& piece, const OctreeFragment& f, const Triangle&) {
-                        pieces.push_back({f.code, static_cast<int>(f.material), f.color, f.opacity, *piece.polygon});
-                      });
+  const OctreeFragments fragments = impl_->builder.clip(
+      code, std::span(bins.triangles.data() + bins.begin[code], bins.begin[code + 1] - bins.begin[code]));
+  const glm::dvec3 lower(impl_->builder.brick_lower(code));
+  for (const OctreeFragment& f : fragments.pieces) {
+    OctreePiece piece{f.code, static_cast<int>(f.material), f.color, f.opacity, {}};
+    piece.polygon.count = static_cast<int>(f.corner_count);
+    for (std::uint32_t k = 0; k < f.corner_count; ++k)
+      piece.polygon.corners[k] = glm::dvec3(fragments.corners[f.first_corner + k]) + lower;
+    pieces.push_back(piece);
+  }
   std::stable_sort(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.code < b.code; });
   return pieces;
 }

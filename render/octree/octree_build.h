@@ -30,6 +30,8 @@ struct OctreeOptions {
   int depth = 9;
   /// Where cells are that fine; two levels coarser in the rest of the core. Empty: the whole core.
   std::vector<Bounds> interest = {};
+  /// So many levels finer are cells that hold more than one normal and one colour can say.
+  int detail = 0;
   std::size_t max_nodes = kOctreeMaxNodes;
 };
 
@@ -37,11 +39,12 @@ struct OctreeOptions {
 struct OctreeGrid {
   glm::dvec3 corner{0.0};  ///< of the root
   double side_m = 0.0;     ///< of the root; 0: nothing to hold
-  int depth = 0;           ///< levels below the root where cells are finest
+  int depth = 0;           ///< levels below the root of the finest cells
+  int detail = 0;          ///< of them, levels that only cells of much detail have
   int rest_depth = 0;      ///< levels below the root elsewhere
   int brick_level = 0;     ///< level of the subtrees that are built, kept and reused on their own
   Bounds core;
-  std::vector<Bounds> fine;  ///< where `depth` holds; empty: everywhere
+  std::vector<Bounds> fine;  ///< where cells are at `depth` - `detail` or finer; empty: everywhere
 };
 /// The grid for these surfaces. `before` is taken over while it still fits, so that what moves inside a scene does not
 /// shift all cells.

@@ -1,5 +1,6 @@
 #include "render/octree/octree_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +16,7 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree";
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 constexpr std::size_t kSumFloats = 10 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 
@@ -70,6 +71,7 @@ void save_octree_file(const std::string& path, const OctreeBricks& bricks, const
                      {"scene", scene},
                      {"complete", complete ? "1" : "0"},
                      {"depth", std::to_string(grid.depth)},
+                     {"detail", std::to_string(grid.detail)},
                      {"rest_depth", std::to_string(grid.rest_depth)},
                      {"brick_level", std::to_string(grid.brick_level)}};
   BakeTable grid_table{"grid", {}, {}}, brick_table{"bricks", {}, {}}, node_table{"nodes", {}, {}};
@@ -117,6 +119,7 @@ OctreeFile load_octree_file(const std::string& path) {
   OctreeFile out;
   OctreeGrid& grid = out.bricks.grid;
   grid.depth = whole_number(path, file, "depth", 0, kOctreeMaxLevels);
+  grid.detail = whole_number(path, file, "detail", 0, std::min(kOctreeMaxDetail, grid.depth));
   grid.rest_depth = whole_number(path, file, "rest_depth", 0, grid.depth);
   grid.brick_level = whole_number(path, file, "brick_level", 0, grid.depth);
   out.complete = whole_number(path, file, "complete", 0, 1) == 1;

@@ -101,15 +101,16 @@ OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& o
   }
   const int outer =
       std::clamp(static_cast<int>(std::ceil(std::log2(all / std::max(core, 1e-30)))), 0, kOctreeMaxOuterLevels);
-  grid.depth = options.depth + outer;
+  grid.detail = std::clamp(options.detail, 0, std::min(kOctreeMaxDetail, kOctreeMaxLevels - options.depth - outer));
+  grid.depth = options.depth + outer + grid.detail;
   const bool partly = !options.interest.empty();
-  grid.rest_depth = partly ? std::max(options.depth - kInterestLevels, 1) : outer > 0 ? options.depth : grid.depth;
+  grid.rest_depth = partly ? std::max(options.depth - kInterestLevels, 1) : outer > 0 ? options.depth : grid.depth - grid.detail;
   grid.brick_level = std::min(kBrickLevel, grid.rest_depth);
   // Floats, because the walk knows no others: both sides then mean the same cells.
   grid.side_m = static_cast<float>(all * kMargin);
   grid.corner =
       glm::dvec3(glm::vec3(0.5 * (glm::dvec3(extents.all.min) + glm::dvec3(extents.all.max)) - 0.5 * grid.side_m));
-  if (before && before->depth == grid.depth && before->rest_depth == grid.rest_depth) {
+  if (before && before->depth == grid.depth && before->detail == grid.detail && before->rest_depth == grid.rest_depth) {
     const Bounds root{glm::vec3(before->corner), glm::vec3(before->corner + before->side_m * (1.0 - 1.0 / 4096.0))};
     const bool fits = contains(root, extents.all) && all >= kWorthKeeping * before->side_m;
     const glm::vec3 room(0.05f * static_cast<float>(core));

@@ -15,7 +15,7 @@ bool same_boxes(const std::vector<Bounds>& a, const std::vector<Bounds>& b) {
 
 bool OctreeState::operator==(const OctreeState& o) const {
   return geometry_epoch == o.geometry_epoch && transmits == o.transmits && materials == o.materials &&
-         depth == o.depth && path == o.path && same_boxes(interest, o.interest);
+         depth == o.depth && detail == o.detail && path == o.path && same_boxes(interest, o.interest);
 }
 
 bool OctreeStore::update(const OctreeState& state, const std::function<OctreeJob()>& make_job) {
@@ -33,8 +33,7 @@ bool OctreeStore::update(const OctreeState& state, const std::function<OctreeJob
   buffers_.reset();  // both at once may not fit
   buffers_.emplace(result->octree);
   const Octree& octree = result->octree;
-  const std::size_t finest =
-      octree.empty() ? 0 : octree.node_count() - octree.level_begin[static_cast<std::size_t>(octree.depth)];
+  const std::size_t finest = octree.empty() ? 0 : octree.leaf_count(octree.depth - octree.detail);
   leaf_counts_ = {finest, octree.empty() ? 0 : octree.leaf_count() - finest};
   levels_.depth = octree.depth;
   levels_.level_begin = octree.level_begin;

@@ -15,7 +15,7 @@ struct OctreeState {
   std::uint32_t geometry_epoch = 0;
   std::vector<bool> transmits;
   std::vector<int> materials;
-  int depth = 0;
+  int depth = 0, detail = 0;
   std::vector<Bounds> interest;
   std::string path;
   bool operator==(const OctreeState&) const;

@@ -55,6 +55,7 @@ OctreeJob make_octree_job(const Scene& scene, int variant, int depth) {
   }
   job.paint = std::make_shared<const OctreePaint>(scene, scene.materials);
   job.options.depth = depth;
+  job.options.detail = kOctreeMaxDetail;
   job.scene = scene.name;
   return job;
 }

@@ -21,6 +21,13 @@ TechniqueInfo octree_technique() {
        .help = "cells are the width of the model / 2^depth (the part that holds nearly all triangles; what lies around "
                "it is "
                "coarser)"},
+      {.name = "octree.detail",
+       .default_value = kOctreeMaxDetail,
+       .min = 0,
+       .max = kOctreeMaxDetail,
+       .unit = "levels",
+       .help = "so many levels finer are cells that hold several materials, writing, or a surface that turns; none where "
+               "octree.brdf gives such cells a BRDF"},
       {.name = "octree.brdf",
        .default_value = std::string("none"),
        .help = "cells with a BRDF of their own, transparency included: none; mixed: those of several materials or not "

@@ -11,6 +11,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "octree/tables.glsl"
 layout(binding = 34) uniform usamplerBuffer t_octree_colors;     // [node]
 layout(binding = 57) uniform usamplerBuffer t_octree_triangles;  // [node], of the geometry
+uint octree_color_word(int node) { return texelFetch(t_octree_colors, node).x; }
+#include "shared/octree_surface.glsl"
 layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
 layout(binding = 1, r32f) uniform writeonly image2D o_depth;
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
@@ -47,6 +49,8 @@ const float kFrameCells = 1.8;
 const int kOwnCells = 6;
 /// A mean of normals may face away from the ray: it is bent back to this cosine, as interpolated ones are.
 const float kLeastFacing = 0.004;
+/// The same for a mean that faces away: what of the cell is seen faces the ray by about as much.
+const float kRimFacing = 0.15;
 
 void store_nothing(ivec2 pixel, int steps) {
   imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), 0u, 0u, 0u));
@@ -100,7 +104,7 @@ void main() {
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
   int reflector = int(direction.w) - 1;
-  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells / u_octree.w, origin.w * u_frame.forward.w, spread_of(pixel, direction));
+  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * u_octree_cell_m, origin.w * u_frame.forward.w, spread_of(pixel, direction));
   OctreeHit hit;
   OctreeColor color;
   int steps = 0, own = 0;
@@ -161,24 +165,24 @@ void main() {
     store_nothing(pixel, steps);
     return;
   }
-  OctreePlane plane = octree_unpack_plane(hit.level == u_octree_depth ? octree_word(hit.node) : octree_plane_word(hit.node));
-  vec3 normal = normalize(plane.normal);
-  normal = dot(normal, direction.xyz) > 0.0 ? -normal : normal;
+  OctreeSurface seen = octree_surface(octree_frame(), hit, origin.xyz + hit.t * direction.xyz, direction.xyz);
+  vec3 normal = seen.normal;
   float facing = -dot(normal, direction.xyz);
-  if (facing < kLeastFacing) normal = normalize(normal - direction.xyz * (kLeastFacing - facing));
-  vec4 m0 = material_floats(color.material, 0), m1 = material_floats(color.material, 1), m2 = material_floats(color.material, 2);
-  bool glows = emission_is_painted(color.material, m2.rgb);
+  float least = facing < 0.0 ? kRimFacing : kLeastFacing;
+  if (facing < least) normal = normalize(normal - direction.xyz * (least - facing));
+  vec4 m0 = material_floats(seen.material, 0), m1 = material_floats(seen.material, 1), m2 = material_floats(seen.material, 2);
+  bool glows = emission_is_painted(seen.material, m2.rgb);
   Surface surface;
   surface.normal = normal;
-  surface.base_color = glows ? m0.rgb : m0.rgb * color.tint;
+  surface.base_color = glows ? m0.rgb : m0.rgb * seen.tint;
   surface.metallic = m1.x;
   surface.roughness = m1.y;
-  surface.clearcoat = material_floats(color.material, 3).x;
-  surface.material = color.material;
+  surface.clearcoat = material_floats(seen.material, 3).x;
+  surface.material = seen.material;
   float depth = max(hit.t, 1e-30);
-  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * color.tint : m2.rgb));
+  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * seen.tint : m2.rgb));
   imageStore(o_depth, pixel, vec4(depth));
-  imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, color.material), 0u, 0u));
+  imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, seen.material), 0u, 0u));
   imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
   imageStore(o_triangle, pixel, uvec4(texelFetch(t_octree_triangles, hit.node).x + 1u));
 }

@@ -3,6 +3,7 @@ layout(binding = 32) uniform usamplerBuffer t_octree;         // [node]
 layout(binding = 33) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
 uniform vec4 u_octree;     // corner (m), cells of the last level per metre
 uniform int u_octree_depth;
+uniform float u_octree_cell_m;  // of cells without much detail, which may be finer
 
 uint octree_word(int node) { return texelFetch(t_octree, node).x; }
 uint octree_plane_word(int node) { return texelFetch(t_octree_planes, node).x; }

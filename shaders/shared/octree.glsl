@@ -77,7 +77,7 @@ MAQUETTE_FN uint octree_pack_solid(vec3 normal, vec3 point, float low, float hig
 
 struct OctreeColor {
   int material;
-  float coverage;  // area over that of a cell's face, at most 1
+  float coverage;  // area of that material, as far as it is seen along the normal, over that of a cell's face, at most 1
   vec3 tint;       // linear
 };
 

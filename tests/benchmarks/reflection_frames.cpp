@@ -116,7 +116,7 @@ double cell_side_m(const Scene& scene, int depth) {
   const OctreeJob job = make_octree_job(scene, -1, depth);
   const OctreeGrid grid =
       choose_octree_grid({job.geometry, job.materials, job.transmits, *job.paint}, job.options, nullptr);
-  return grid.side_m / std::exp2(grid.depth);
+  return grid.side_m / std::exp2(grid.depth - grid.detail);
 }
 
 Figures measure_outlines(Stage& stage) {

@@ -55,6 +55,7 @@ class CellBrdfReflections : public ::testing::Test {
     r.settings.set_from_text("shading.visibility", "none");
     r.settings.set_from_text("octree.depth", "6");
     r.settings.set_from_text("octree.brdf", brdf);
+    r.settings.set_from_text("octree.detail", "0");  // cells of one size, with BRDFs and without
     EXPECT_TRUE(renderer_.finish_background_work(r));
     stats_ = renderer_.render(r);
     const Image image = renderer_.read_debug_view("reflection");

@@ -35,6 +35,7 @@ Scene two_places() {
 CellBrdfJob job_of(const Scene& scene, const std::string& path) {
   CellBrdfJob job;
   job.octree = make_octree_job(scene, -1, 5);
+  job.octree.options.detail = 0;  // as everywhere where cells have BRDFs
   job.octree.path = path;
   job.octree.must_load = true;
   job.materials = scene.materials;

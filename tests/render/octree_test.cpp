@@ -355,6 +355,75 @@ TEST(OctreeBuild, RegionsAreFinerThanTheRest) {
   EXPECT_GT(coarse, 100u);
 }
 
+/// Two plates that meet at a right angle, one of them half of another material and with a stripe of another colour.
+Scene plates() {
+  const auto quad = [](const glm::vec3& o, const glm::vec3& a, const glm::vec3& b, int material, float shade) {
+    Primitive p;
+    p.positions = {o, o + a, o + a + b, o + b};
+    p.colors.assign(4, glm::vec4(glm::vec3(shade), 1.0f));
+    p.indices = {0, 1, 2, 0, 2, 3};
+    p.material = material;
+    return p;
+  };
+  Scene scene = scene_of(quad({0, 0, 0}, {0.4f, 0, 0}, {0, 0, 1}, 0, 0.8f));
+  auto& all = scene.meshes[0].primitives;
+  all.push_back(quad({0.4f, 0, 0}, {0.31f, 0, 0}, {0, 0, 1}, 1, 0.8f));
+  all.push_back(quad({0.71f, 0, 0}, {0.01f, 0, 0}, {0, 0, 1}, 1, 0.1f));
+  all.push_back(quad({0.72f, 0, 0}, {0.28f, 0, 0}, {0, 0, 1}, 1, 0.8f));
+  all.push_back(quad({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 0, 0.8f));
+  scene.materials.resize(2);
+  return scene;
+}
+
+TEST(OctreeBuild, CellsOfMuchDetailAreFiner) {
+  const Model model(plates());
+  OctreeOptions options;
+  options.depth = 5;
+  const Octree even = build_octree(model.source(), options);
+  options.detail = 2;
+  const auto bricks = build_octree_bricks(model.source(), options, nullptr, {});
+  EXPECT_NEAR(total_area(*bricks) / model.area(), 1.0, 1e-5);
+  const Octree octree = assemble_octree(*bricks);
+  ASSERT_EQ(octree.depth, 7);
+  ASSERT_EQ(octree.detail, 2);
+  std::size_t fine = 0;
+  const double cell = static_cast<double>(octree.side_m) / 32.0;
+  for (const OctreeCell& leaf : list_leaves(octree)) {
+    EXPECT_GE(leaf.level, 5);
+    if (leaf.level == 5) continue;
+    // Of the corner, of where the materials meet, and of the stripe.
+    const glm::dvec3 middle =
+        glm::dvec3(octree.corner) + (glm::dvec3(leaf.coordinate) + 0.5) * std::exp2(5 - leaf.level) * cell;
+    const bool corner = std::max(middle.x, middle.y) < cell, meeting = std::abs(middle.x - 0.4) < cell,
+               stripe = std::abs(middle.x - 0.715) < cell;
+    EXPECT_TRUE(corner || meeting || stripe) << middle.x << ", " << middle.y;
+    ++fine;
+  }
+  EXPECT_GT(fine, 3u * 32u);
+  EXPECT_LT(octree.node_count(), 3 * even.node_count());
+}
+
+/// Where nothing is finer the levels for it are not there, and where the memory does not suffice cells stay as they are.
+TEST(OctreeBuild, DetailCostsNothingWhereThereIsNoneOrNoRoom) {
+  const auto same = [](const Octree& a, const Octree& b) { return a.words == b.words && a.colors == b.colors; };
+  Primitive plate;
+  plate.positions = {{0, 0, 0}, {1, 0.1f, 0}, {1, 0.1f, 1}, {0, 0, 1}};
+  plate.indices = {0, 1, 2, 0, 2, 3};
+  const Model flat(scene_of(plate));
+  OctreeOptions options;
+  options.depth = 5;
+  const Octree even = build_octree(flat.source(), options);
+  options.detail = 2;
+  EXPECT_TRUE(same(build_octree(flat.source(), options), even));
+  const Model model(plates());
+  options.detail = 0;
+  const Octree plain = build_octree(model.source(), options);
+  options.detail = 2;
+  EXPECT_FALSE(same(build_octree(model.source(), options), plain));
+  options.max_nodes = plain.node_count();
+  EXPECT_TRUE(same(build_octree(model.source(), options), plain));
+}
+
 TEST(OctreeBuild, RefusesADepthThatDoesNotFitAndNamesOneThatDoes) {
   const Model model(build_builtin_scene("sphere"));
   OctreeOptions options;
@@ -465,6 +534,116 @@ TEST(OctreeTrace, MeetsCoarseRegionsToo) {
   EXPECT_EQ(count.float_wrong, 0);
   EXPECT_EQ(count.exact_wrong, 0);
   EXPECT_GT(count.hits, 100);
+}
+
+TEST(OctreeTrace, MeetsCellsOfDetail) {
+  const Model model(build_builtin_scene("seat"));
+  OctreeOptions options;
+  options.depth = 5;
+  options.detail = 2;
+  const Octree octree = build_octree(model.source(), options);
+  ASSERT_EQ(octree.detail, 2);
+  const TraceCount count = compare_with_brute_force(octree, 1000, 5, 0.02f);
+  EXPECT_EQ(count.float_wrong, 0);
+  EXPECT_EQ(count.exact_wrong, 0);
+  EXPECT_GT(count.hits, 100);
+}
+
+/// Walks to every leaf that there is, and to none where there is none.
+TEST(OctreeSurface, FindsNodesByTheirCoordinates) {
+  const Model model(plates());
+  OctreeOptions options;
+  options.depth = 5;
+  options.detail = 2;
+  const Octree octree = build_octree(model.source(), options);
+  shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
+  std::vector<int> expected(std::size_t{1} << 3 * octree.depth, -1);
+  const int side = 1 << octree.depth;
+  for (const OctreeCell& leaf : list_leaves(octree)) {
+    const int size = 1 << (octree.depth - leaf.level);
+    for (int k = 0; k < size * size * size; ++k) {
+      const glm::ivec3 p = leaf.coordinate * size + glm::ivec3(k % size, k / size % size, k / size / size);
+      expected[static_cast<std::size_t>(p.x + side * (p.y + side * p.z))] = static_cast<int>(leaf.node);
+    }
+  }
+  std::size_t wrong = 0;
+  for (int k = 0; k < side * side * side; ++k) {
+    const glm::ivec3 p(k % side, k / side % side, k / side / side);
+    wrong += shared::octree_node_at(p, octree.depth).node != expected[static_cast<std::size_t>(k)];
+  }
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_EQ(shared::octree_node_at({0, side, 0}, octree.depth).node, -1);
+}
+
+/// Normals of a sphere between the means of its cells are several times nearer to the true ones than the means.
+TEST(OctreeSurface, InterpolatesNormals) {
+  const Model model(build_builtin_scene("sphere"));
+  OctreeOptions options;
+  options.depth = 5;
+  const Octree octree = build_octree(model.source(), options);
+  shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
+  std::mt19937 random(11);
+  std::normal_distribution<float> u;
+  double of_means = 0.0, between = 0.0, largest = 0.0;
+  for (int i = 0; i < 5000; ++i) {
+    shared::OctreeRay ray{};
+    const glm::vec3 p = glm::normalize(glm::vec3(u(random), u(random), u(random)));
+    ray.origin = 3.0f * p;
+    ray.direction = -p;
+    ray.t_max = 10.0f;
+    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    ASSERT_GE(hit.node, 0);
+    const glm::vec3 at = ray.origin + hit.t * ray.direction;
+    const auto surface = shared::octree_surface(frame_of(octree), hit, at, ray.direction);
+    const glm::vec3 mean = glm::normalize(shared::octree_unpack_plane(shared::octree_word(hit.node)).normal);
+    EXPECT_NEAR(glm::length(surface.normal), 1.0f, 1e-5f);
+    const double error = std::acos(std::min(1.0, static_cast<double>(glm::dot(surface.normal, glm::normalize(at)))));
+    between += error;
+    largest = std::max(largest, error);
+    of_means += std::acos(std::min(1.0, static_cast<double>(glm::dot(mean, glm::normalize(at)))));
+  }
+  EXPECT_LT(between, 0.4 * of_means);
+  EXPECT_LT(largest, 0.03);  // half a cell is 0.03 rad
+}
+
+/// Where two materials meet at a slant, the border is nearer to the true one than the cells are wide.
+TEST(OctreeSurface, BordersOfMaterialsRunThroughCells) {
+  Primitive left, right;
+  left.positions = {{0, 0.3f, 0}, {0.3f, 0.3f, 0}, {0.6f, 0.3f, 1}, {0, 0.3f, 1}};
+  right.positions = {{0.3f, 0.3f, 0}, {1, 0.3f, 0}, {1, 0.3f, 1}, {0.6f, 0.3f, 1}};
+  left.indices = right.indices = {0, 1, 2, 0, 2, 3};
+  left.material = 0;
+  right.material = 1;
+  Scene scene = scene_of(left);
+  scene.meshes[0].primitives.push_back(right);
+  scene.materials.resize(2);
+  const Model model(std::move(scene));
+  OctreeOptions options;
+  options.depth = 4;
+  const Octree octree = build_octree(model.source(), options);
+  shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
+  const double cell = static_cast<double>(octree.side_m) / 16.0;
+  std::mt19937 random(2);
+  std::uniform_real_distribution<float> u(0.1f, 0.9f);
+  double farthest[2] = {};  // of a wrong material from the border: of the cells, and of what is seen
+  for (int i = 0; i < 5000; ++i) {
+    shared::OctreeRay ray{};
+    ray.origin = {u(random), 1.0f, u(random)};
+    ray.direction = {0.0f, -1.0f, 0.0f};
+    ray.t_max = 10.0f;
+    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    ASSERT_GE(hit.node, 0);
+    const auto surface =
+        shared::octree_surface(frame_of(octree), hit, ray.origin + hit.t * ray.direction, ray.direction);
+    const double beyond = static_cast<double>(ray.origin.x - 0.3f - 0.3f * ray.origin.z) / cell;
+    const int expected = beyond > 0.0;
+    const int of_cell = shared::octree_unpack_color(octree.colors[static_cast<std::size_t>(hit.node)]).material;
+    if (of_cell != expected) farthest[0] = std::max(farthest[0], std::abs(beyond));
+    if (surface.material != expected) farthest[1] = std::max(farthest[1], std::abs(beyond));
+    EXPECT_GT(surface.normal.y, 0.999f);
+  }
+  EXPECT_GT(farthest[0], 0.45);
+  EXPECT_LT(farthest[1], 0.35);
 }
 
 TEST(OctreeTrace, AClosedSurfaceHasNoGaps) {

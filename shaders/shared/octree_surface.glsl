@@ -1,0 +1,116 @@
+// What a ray sees where it meets a cell of the octree: between the means of the cells around. Needs shared/octree.glsl; common subset of GLSL
+// and C++ with GLM (render/octree/octree_shared.h).
+//
+// The including file declares uint octree_color_word(int node).
+
+/// Normals of neighbours that differ by more than this (60 degrees) belong to another side of an edge.
+const float kOctreeSameSide = 0.5f;
+
+/// Of a normal that faces away more than this (cosine) the back is seen.
+const float kOctreeBack = 0.3f;
+
+struct OctreeNode {
+  int node;  // -1: nothing is there
+  int level;
+};
+
+// The node of `level` at these integer coordinates (in its cells), or the leaf that it is in.
+MAQUETTE_FN OctreeNode octree_node_at(ivec3 cell, int level) {
+  OctreeNode at;
+  at.node = -1;
+  at.level = 0;
+  int node = 0, shift = level, end = (1 << level) - 1;
+  ivec3 outside = cell | (ivec3(end) - cell);
+  bool going = (outside.x | outside.y | outside.z) >= 0;
+  uint word = octree_word(0);
+  while (going) {
+    bool leaf = shift == 0 || (word >> 24u) == 0u;
+    if (leaf) {
+      at.node = node;
+      at.level = level - shift;
+      going = false;
+    } else {
+      --shift;
+      ivec3 bits = (cell >> shift) & 1;
+      int child = bits.x | (bits.y << 1) | (bits.z << 2);
+      uint upto = (word >> 24u) & ((2u << uint(child)) - 1u);
+      going = (upto >> uint(child)) != 0u;
+      node = int(word & 0xffffffu) + bitCount(upto) - 1;
+      word = going ? octree_word(node) : 0u;
+    }
+  }
+  return at;
+}
+
+struct OctreeSurface {
+  vec3 normal;  // unit; a rim may face away from the ray by up to kOctreeBack and more
+  int material;
+  vec3 tint;
+};
+
+// Trilinear among the means of the eight cells around `point`, as far as there is something in them, by how much of a face it covers. The
+// material is that of most; of the others only it counts, and only on the same side of an edge: edges between materials run smoothly through
+// cells, and a cell that holds a corner of what its neighbours are full of does not stand out.
+// Source: Knutsson and Westin 1993, "Normalized and Differential Convolution", Sec. 2, for means where some are absent.
+MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 point, vec3 direction) {
+  float cells_per_m = tree.cells_per_m / float(1 << (tree.depth - hit.level));
+  vec3 g = (point - tree.corner) * cells_per_m - vec3(0.5f);
+  vec3 low = floor(g);
+  vec3 f = g - low;
+  float weights[8];
+  uint colors[8];
+  vec3 normals[8];
+  OctreeColor own = octree_unpack_color(octree_color_word(hit.node));
+  vec3 own_normal = octree_unpack_plane(hit.level == tree.depth ? octree_word(hit.node) : octree_plane_word(hit.node)).normal;
+  own_normal = own_normal * (1.0f / sqrt(dot(own_normal, own_normal)));
+  // What faces away a little is the rim of what bends away, what faces away for good the back of a sheet.
+  own_normal = dot(own_normal, direction) > kOctreeBack ? vec3(0.0f) - own_normal : own_normal;
+  float of_own = 0.0f, most = 0.0f;
+  int other = own.material;
+  for (int k = 0; k < 8; ++k) {
+    ivec3 corner = ivec3(k & 1, (k >> 1) & 1, k >> 2);
+    vec3 w = mix(vec3(1.0f) - f, f, vec3(corner));
+    OctreeNode at = octree_node_at(ivec3(low) + corner, hit.level);
+    weights[k] = 0.0f;
+    colors[k] = 0u;
+    normals[k] = vec3(0.0f);
+    if (at.node >= 0) {
+      colors[k] = octree_color_word(at.node);
+      vec3 n = octree_unpack_plane(at.level == tree.depth ? octree_word(at.node) : octree_plane_word(at.node)).normal;
+      normals[k] = n * ((dot(n, own_normal) < 0.0f ? -1.0f : 1.0f) / sqrt(dot(n, n)));
+      weights[k] = w.x * w.y * w.z * (octree_unpack_color(colors[k]).coverage + 0.05f);
+      int material = int(colors[k] & 4095u);
+      if (material == own.material) {
+        of_own += weights[k];
+      } else if (weights[k] > most) {
+        most = weights[k];
+        other = material;
+      }
+    }
+  }
+  float of_other = 0.0f;
+  for (int k = 0; k < 8; ++k) of_other += int(colors[k] & 4095u) == other ? weights[k] : 0.0f;
+  OctreeSurface surface;
+  surface.material = other != own.material && of_other > of_own ? other : own.material;
+  // Where that is another material than the cell's own, the nearest cell of it says which side.
+  vec3 side = own_normal;
+  most = 0.0f;
+  for (int k = 0; k < 8; ++k) {
+    bool nearer = surface.material != own.material && int(colors[k] & 4095u) == surface.material && weights[k] > most;
+    most = nearer ? weights[k] : most;
+    side = nearer ? normals[k] : side;
+  }
+  vec3 normal = 1.0e-4f * side;
+  vec3 tint = 1.0e-4f * own.tint;
+  float sum = 1.0e-4f;
+  for (int k = 0; k < 8; ++k) {
+    bool counts = int(colors[k] & 4095u) == surface.material && dot(normals[k], side) > kOctreeSameSide;
+    float weight = counts ? weights[k] : 0.0f;
+    normal = normal + weight * normals[k];
+    tint = tint + weight * octree_unpack_color(colors[k]).tint;
+    sum += weight;
+  }
+  surface.normal = normal * (1.0f / sqrt(dot(normal, normal)));
+  surface.tint = tint * (1.0f / sum);
+  return surface;
+}

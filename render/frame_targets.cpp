@@ -56,7 +56,7 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : band_points;
   const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
   t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
-  for (TileList* list : {&t.surface_tiles, &t.sky_tiles}) {
+  for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) {
     list->tiles = Buffer("tiles", bands * static_cast<std::size_t>(t.band_tiles()) * sizeof(unsigned));
     list->counts.assign(bands, 0);
   }

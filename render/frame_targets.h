@@ -20,7 +20,7 @@ struct FrameTargets {
   bool bandwidth = false, texture_bandwidth = false;
   int item_capacity = 0;  ///< work items of each list
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
-  TileList surface_tiles, sky_tiles;
+  TileList surface_tiles, sky_tiles, repainted_tiles;
   Buffer tile_counts;  ///< of both lists, by band
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "render/bezier/patch_fit.h"
 #include "render/material_overrides.h"
@@ -78,12 +79,14 @@ void Renderer::set_material(const std::string& material_name, const std::string&
     impl_->lights_stale = true;
   } else {
     impl_->recount_tables();
+    ++impl_->paint_news;
   }
   ++impl_->epoch;
 }
 
 void Renderer::Impl::upload_materials() {
-  slots.clear();
+  repainted.resize(effective.size() + 1, false);
+  const std::vector<int> before = std::exchange(slots, {});
   std::vector<float> shares, limits;
   const float environment_sr = environment ? environment->effective_sr() : 12.566f;
   for (const Material& m : effective) {
@@ -100,7 +103,9 @@ void Renderer::Impl::upload_materials() {
   slots.push_back(-1);
   shares.push_back(0.5f);
   limits.push_back(0.0f);
-  if (buffers->update_materials(effective, slots, shares, limits)) ++surface_epoch;
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    if (i >= before.size() || slots[i] != before[i]) repainted[i] = true;
+  if (buffers->update_materials(effective, slots, shares, limits, repainted)) ++surface_epoch;
 }
 
 void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {
@@ -162,8 +167,8 @@ CameraFrame Renderer::Impl::camera_frame(const FrameRequest& request) const {
   return make_camera_frame(request.camera, request.width, request.height, bounds);
 }
 
-void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, const Turn& turn,
-                                       int samples, int chunk) {
+void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, bool passing, int samples,
+                                       int chunk) {
   const CameraFrame camera = camera_frame(request);
   FrameConstants& c = constants;
   c.clip_from_world = clip_from_world(camera);
@@ -179,7 +184,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
       plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") + (side == 4 ? 2 : side / 2) : 0);
   // In mode bandwidth each point counts its own samples.
   const int first_sample = plan.mode == "bandwidth" ? 0 : accumulated * samples;
-  if (turn.goes_on()) samples = std::max(static_cast<int>(kTurningSamples * static_cast<float>(samples)), 1);
+  if (passing) samples = std::max(static_cast<int>(kTurningSamples * static_cast<float>(samples)), 1);
   c.sampling = glm::ivec4(samples, chunk, first_sample, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
@@ -188,7 +193,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   // Interpolation's error falls with the square of the spacing, and noise with the 0.8th power of the samples (docs/
   // numerics.md): so they fall together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * (turn.goes_on() ? kTurningDensity : 1.0f);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * (passing ? kTurningDensity : 1.0f);
   c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
   frame_block.update(0, sizeof(c), &c);
 }
@@ -273,7 +278,22 @@ void note_turn(FramePlan* plan) {
   }
 }
 
+/// What a frame does otherwise because only paint was swapped.
+void note_repaint(FramePlan* plan) {
+  for (PlannedPass& pass : plan->passes) {
+    if (pass.name == "bandwidth") pass.reason = "only paint was swapped: predicted anew where it is seen";
+    if (pass.name == "shade") pass.reason = "only paint was swapped: the points of other materials are kept";
+  }
+}
+
 }  // namespace
+
+bool Renderer::Impl::keeps_points(const FrameRequest& request, const FramePlan& plan, bool accumulate) const {
+  // Several points a pixel are filtered in place: nothing of them is left.
+  return plan.mode == "bandwidth" && targets->side == 1 && request.settings.get_bool("shading.reuse") &&
+         drawn_epoch != epoch && drawn_points == points_epoch() && last_request == request &&
+         (!accumulate || progressive);
+}
 
 FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   Impl& s = *impl_;
@@ -304,16 +324,26 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
     s.history.reset();
+    s.drawn_points.reset();
     s.accumulated = 0;
   }
   const bool kept = !bandwidth || s.progressive;  // a frame that was not to be accumulated kept nothing to go on from
-  if (!accumulate || !kept || s.drawn_epoch != s.epoch || !(s.last_request == request)) s.accumulated = 0;
+  const bool keeps_points = s.keeps_points(request, plan, accumulate);
+  const bool painted = std::find(s.repainted.begin(), s.repainted.end(), true) != s.repainted.end();
+  const bool repaints = keeps_points && (painted || !accumulate);
+  if (!accumulate || !kept || repaints || (s.drawn_epoch != s.epoch && !keeps_points) || !(s.last_request == request))
+    s.accumulated = 0;
+  s.drawn_points.reset();  // until the frame is there
+  s.repainted.assign(s.repainted.size(), false);
   s.drawn_epoch = s.epoch;
   s.last_request = request;
   if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
   const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
-  s.prepare_constants(request, plan, turn, samples, chunk);
-  s.prepare_accumulation(plan, accumulate);
+  s.prepare_constants(request, plan, turn.goes_on() || repaints, samples, chunk);
+  if (!repaints)
+    s.prepare_accumulation(plan, accumulate);
+  else if (!accumulate)
+    s.progressive.reset();
   s.bind_frame();
   PassTimer timer(s.device.software);
   timer.start();
@@ -322,12 +352,16 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
   if (goes_on) leave_out_known(&plan);
   if (turn.goes_on()) note_turn(&plan);
+  if (repaints) note_repaint(&plan);
   s.keeps_surfaces = true;
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
-  if (bandwidth && !goes_on) s.predict(plan, turn, &timer);
-  std::optional<RefineRates> refine;
+  if (repaints) s.find_repainted(painted, &timer);
+  const TileList& tiles = repaints ? s.targets->repainted_tiles : s.targets->surface_tiles;
+  if (bandwidth && !goes_on) s.predict(plan, {tiles, renewed_share(turn), repaints}, &timer);
+  MarkRule rule;
+  rule.repainted = repaints;
   if (bandwidth && goes_on) {
-    refine = s.measure_deviations(request);
+    rule.refine = s.measure_deviations(request);
     timer.end("measure");
   }
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
@@ -335,14 +369,15 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   else if (turn.goes_on())
     s.shade_scheduled(plan, turn, &timer);
   else
-    s.shade(plan, chunk, refine, &timer);
-  if (bandwidth) s.fill(s.progressive.has_value(), &timer);
-  if (plan.indirect == "baked") s.add_indirect(&timer);
+    s.shade(plan, chunk, rule, &timer);
+  if (bandwidth) s.fill(s.progressive.has_value(), tiles, &timer);
+  if (plan.indirect == "baked") s.add_indirect(tiles, &timer);
   ++s.accumulated;
   s.keep_reflections(request, &plan);
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
   s.compose(plan, request, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
+  if (bandwidth) s.drawn_points = s.points_epoch();
   FrameStats stats;
   stats.passes = timer.finish();
   stats.plan = plan;

@@ -102,6 +102,31 @@ void Renderer::Impl::find_tiles() {
   glClearTexImage(t.pyramid.get(), 0, GL_RGBA, GL_FLOAT, none);
 }
 
+void Renderer::Impl::find_repainted(bool painted, PassTimer* timer) {
+  FrameTargets& t = *targets;
+  t.repainted_tiles.counts.assign(t.repainted_tiles.counts.size(), 0);
+  if (!painted) return;  // the flags are those of an earlier swap
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.tile_counts.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.repainted_tiles.tiles.get());
+  t.tile_counts.clear_to_zero();
+  const Program& program = programs.get({"gbuffer/repainted.comp", "", {}});
+  program.set("u_band_rows", t.band_rows / FrameTargets::kTile);
+  dispatch_tiles(program, t.surface_tiles, 0);
+  std::vector<unsigned> counts(2 * t.repainted_tiles.counts.size());
+  t.tile_counts.read(0, t.tile_counts.bytes(), counts.data());
+  for (std::size_t band = 0; band < t.repainted_tiles.counts.size(); ++band)
+    t.repainted_tiles.counts[band] = static_cast<int>(counts[2 * band]);
+  if (progressive) {
+    glBindImageTexture(0, progressive->mean.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(1, progressive->spread.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    glBindImageTexture(2, progressive->deviation.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    glBindImageTexture(3, progressive->residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    dispatch_tiles(programs.get({"bandwidth/forget.comp", "", {}}), t.repainted_tiles, 6);
+    progressive->rate = 0.0;
+  }
+  timer->end("mark");
+}
+
 void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   raster();
   timer->end("raster");

@@ -70,14 +70,29 @@ struct SkyKey {
 
 /// All that the indirect light of the points depends on besides the G-buffer.
 struct IndirectDrawn {
-  std::uint32_t epoch = 0;   ///< of everything but indirect light
-  std::uint32_t serial = 0;  ///< of the bake
+  std::uint32_t epoch = 0;       ///< of everything but indirect light and paint
+  std::uint32_t paint_news = 0;  ///< swaps of paint so far
+  std::uint32_t serial = 0;      ///< of the bake
   bool operator==(const IndirectDrawn&) const = default;
 };
 
 /// Every `step`-th tile of a list from `first` on.
 struct TileShare {
   int first = 0, step = 1;
+};
+
+/// What a frame predicts: a share of the tiles while the light turns, those that were repainted after a swap.
+struct PredictedPart {
+  const TileList& tiles;
+  TileShare share = {};
+  bool sparse = false;  ///< at most one quad in two where a block of four is of one material
+};
+
+/// Which points a frame shades: those that the prediction asks for, by what was measured while nothing moves, or the
+/// repainted ones alone.
+struct MarkRule {
+  std::optional<RefineRates> refine = {};
+  bool repainted = false;
 };
 
 /// The tiles whose prediction and marks are renewed in this frame.
@@ -124,6 +139,9 @@ struct Renderer::Impl {
   std::optional<Progressive> progressive;     ///< mode bandwidth, while pictures accumulate
   std::optional<TurnHistory> history;         ///< mode bandwidth, from frame to frame while nothing but the light turns
   std::uint32_t indirect_news = 0;            ///< changes of `epoch` by indirect light alone
+  std::uint32_t paint_news = 0;               ///< changes of `epoch` by measured tables of materials alone
+  std::vector<bool> repainted;                ///< by material: another measured table since the frame before
+  std::optional<std::uint32_t> drawn_points;  ///< points_epoch() that `targets` holds points of; empty: nothing to keep
   bool light_list_is_first = true;            ///< false after a long accumulation drew the light samples anew
   std::vector<Reflector> reflectors;          ///< of the last request; empty when reflections are off
   std::vector<std::string> reflectors_named;  ///< what they were found for
@@ -184,7 +202,15 @@ struct Renderer::Impl {
   /// Draws the light samples anew when a point that takes `count` more samples after its first `begin` would come round
   /// the list in this frame.
   void renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count);
-  void prepare_constants(const FrameRequest& request, const FramePlan& plan, const Turn& turn, int samples, int chunk);
+  /// `passing`: what is drawn stands for an instant only.
+  void prepare_constants(const FrameRequest& request, const FramePlan& plan, bool passing, int samples, int chunk);
+  /// Of all that the points of a material depend on besides its own paint.
+  std::uint32_t points_epoch() const { return epoch - indirect_news - paint_news; }
+  /// The points of the frame before hold where no paint was swapped.
+  bool keeps_points(const FrameRequest& request, const FramePlan& plan, bool accumulate) const;
+  /// Lists the tiles that show a material with another paint, and forgets what was accumulated of its points.
+  /// `painted`: there may be some.
+  void find_repainted(bool painted, PassTimer* timer);
   /// False, and the plan says so, when the G-buffer of the frame before still holds.
   bool needs_gbuffer(const FrameRequest& request, FramePlan* plan);
   void draw_gbuffer(const FramePlan& plan, PassTimer* timer);
@@ -193,8 +219,7 @@ struct Renderer::Impl {
   void find_tiles();
   /// What the frame goes on from, if only the light has turned. `keeps`: its own points are kept for the next one.
   Turn begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps);
-  /// For a part of the picture only while the light turns.
-  void predict(const FramePlan& plan, const Turn& turn, PassTimer* timer);
+  void predict(const FramePlan& plan, const PredictedPart& part, PassTimer* timer);
   /// Mode bandwidth where pictures do not accumulate: two rounds of samples, and what is left of earlier frames.
   void shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer);
   void schedule_band(std::size_t band, const Turn& turn, unsigned* counters);
@@ -202,10 +227,8 @@ struct Renderer::Impl {
   void shade_items(const FramePlan& plan, int list, const Turn& turn, bool looks_back, unsigned first, unsigned count);
   void shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer);
   void bind_lists();
-  /// `refine`: empty for the first frame of a picture.
-  void shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine, PassTimer* timer);
-  void shade_band(const FramePlan& plan, std::size_t band, int chunk, const std::optional<RefineRates>& refine,
-                  PassTimer* timer);
+  void shade(const FramePlan& plan, int chunk, const MarkRule& rule, PassTimer* timer);
+  void shade_band(const FramePlan& plan, std::size_t band, int chunk, const MarkRule& rule, PassTimer* timer);
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
                    const Program& gather);
@@ -255,7 +278,7 @@ struct Renderer::Impl {
   /// Of the finest level's points, those that are to be shaded without need by this frame.
   float scout_share() const;
   /// `own`: points that were shaded take part in what is interpolated at them.
-  void fill(bool own, PassTimer* timer);
+  void fill(bool own, const TileList& tiles, PassTimer* timer);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
   void trace_reference(const FrameRequest& request, bool accumulate);
   void watch_reference(const FrameRequest& request);
@@ -264,7 +287,8 @@ struct Renderer::Impl {
   /// The finished picture for the eye.
   const Texture& picture();
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
-  void add_indirect(PassTimer* timer);
+  /// `tiles`: those to be drawn anew where light is of the bake that is shown already.
+  void add_indirect(const TileList& tiles, PassTimer* timer);
   void bind_indirect(const Program& program, const IndirectKey& key) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
   void draw_sky(const FramePlan& plan, const FrameRequest& request);

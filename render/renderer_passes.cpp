@@ -25,6 +25,8 @@ ShaderVariant predict_variant(const FramePlan& plan, int measured) {
 
 bool has_near_terms(const FramePlan& plan) { return plan.visibility != "none" || plan.lights; }
 
+ShaderVariant classify_variant(bool sparse) { return {"bandwidth/classify.comp", "", {{"SPARSE", flag(sparse)}}}; }
+
 ShaderVariant bandwidth_variant(const FramePlan& plan) {
   return {"bandwidth/bandwidth.comp",
           "",
@@ -33,10 +35,12 @@ ShaderVariant bandwidth_variant(const FramePlan& plan) {
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-ShaderVariant mark_variant(bool bandwidth, bool refine, bool textures) {
-  return {"bandwidth/mark.comp",
-          "",
-          {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}, {"TEXTURES", flag(textures)}}};
+ShaderVariant mark_variant(bool bandwidth, bool refine, bool textures, bool repainted) {
+  ShaderVariant variant{"bandwidth/mark.comp",
+                        "",
+                        {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}, {"TEXTURES", flag(textures)}}};
+  if (repainted) variant.defines.emplace_back("REPAINTED", "1");
+  return variant;
 }
 
 /// Levels up to this one are filled by tiles: cells of the coarser ones are larger than a tile, and few.
@@ -120,10 +124,11 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.lights = false;
       if (j < 2) variants.push_back(bandwidth_variant(plan));
     }
-    variants.push_back(mark_variant(k, false, false));
-    variants.push_back(mark_variant(true, true, k));
+    variants.push_back(mark_variant(k, false, false, false));
+    variants.push_back(mark_variant(true, true, k, false));
     for (int j = 0; j < 2; ++j) variants.push_back(gather_variant(k, j));
     variants.push_back(indirect_variant_of(k));
+    variants.push_back(classify_variant(k));
   }
   for (int k = 0; k < 8; ++k) {
     if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
@@ -131,19 +136,19 @@ std::vector<ShaderVariant> all_shader_variants() {
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
   for (const char* path :
-       {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/classify.comp",
-        "bandwidth/pyramid.comp", "bandwidth/measure.comp", "bandwidth/worth.comp", "octree/trace_rays.comp",
-        "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+       {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/pyramid.comp",
+        "bandwidth/measure.comp", "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp",
+        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0));
+  variants.push_back(mark_variant(true, false, false, true));
   for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   return variants;
 }
 
-void Renderer::Impl::predict(const FramePlan& plan, const Turn& turn, PassTimer* timer) {
+void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, PassTimer* timer) {
   FrameTargets& t = *targets;
-  const TileShare share = renewed_share(turn);
   const int qw = t.energy.width(), qh = t.energy.height();
   if (has_near_terms(plan)) {
     if (!near_terms) near_terms = Texture::make_2d("near terms", GL_RGBA32F, qw, qh);
@@ -157,7 +162,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const Turn& turn, PassTimer*
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
-  dispatch_tiles(programs.get({"bandwidth/classify.comp", "", {}}), t.surface_tiles, 2, {}, share);
+  dispatch_tiles(programs.get(classify_variant(part.sparse)), part.tiles, 2, {}, part.share);
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {
@@ -177,7 +182,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const Turn& turn, PassTimer*
   glBindTextureUnit(31, t.bend.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  dispatch_tiles(programs.get(bandwidth_variant(plan)), t.surface_tiles, 4, {}, share);
+  dispatch_tiles(programs.get(bandwidth_variant(plan)), part.tiles, 4, {}, part.share);
   timer->end("bandwidth");
   const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
   glBindTextureUnit(21, t.pyramid.get());
@@ -201,19 +206,22 @@ void Renderer::Impl::bind_lists() {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->counters.get());
 }
 
-void Renderer::Impl::shade(const FramePlan& plan, int chunk, const std::optional<RefineRates>& refine,
-                           PassTimer* timer) {
-  visible_points = shaded_points = shading_samples = 0;
+void Renderer::Impl::shade(const FramePlan& plan, int chunk, const MarkRule& rule, PassTimer* timer) {
+  shaded_points = shading_samples = 0;
+  if (!rule.repainted) visible_points = 0;
   for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
-    shade_band(plan, band, chunk, refine, timer);
+    shade_band(plan, band, chunk, rule, timer);
 }
 
-void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chunk,
-                                const std::optional<RefineRates>& refine, PassTimer* timer) {
+void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chunk, const MarkRule& rule,
+                                PassTimer* timer) {
   FrameTargets& t = *targets;
   bind_lists();
   const bool bandwidth = plan.mode == "bandwidth";
-  const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures()));
+  const std::optional<RefineRates>& refine = rule.refine;
+  const Program& mark =
+      programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures(), rule.repainted));
+  const TileList& tiles = rule.repainted ? t.repainted_tiles : t.surface_tiles;
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   const bool accumulate = bandwidth && progressive;
@@ -231,14 +239,14 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
     t.counters.clear_to_zero();
     mark.set("u_sample_scale", scale);
-    dispatch_tiles(mark, t.surface_tiles, 2, band);
+    dispatch_tiles(mark, tiles, 2, band);
     t.counters.read(0, sizeof(counters), counters);
     const auto capacity = static_cast<unsigned>(t.item_capacity);
     const unsigned limit = refine ? std::min(capacity, refine->most_items) : capacity;
     if (counters[0] <= limit && counters[8] <= limit) break;
   }
   timer->end("mark");
-  visible_points += counters[6];
+  if (!rule.repainted) visible_points += counters[6];
   shaded_points += counters[1] + counters[9];
   shading_samples += (static_cast<std::size_t>(counters[0]) + counters[8]) * static_cast<std::size_t>(chunk);
   const Program& arguments = programs.get({"shading/arguments.comp", "", {}});
@@ -274,7 +282,7 @@ void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters
   }
 }
 
-void Renderer::Impl::fill(bool own, PassTimer* timer) {
+void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   FrameTargets& t = *targets;
   glBindTextureUnit(21, t.curvature.get());
   glBindTextureUnit(23, t.marks.get());
@@ -289,16 +297,16 @@ void Renderer::Impl::fill(bool own, PassTimer* timer) {
   const int levels = constants.size.w;
   const auto over_points = [&](FillStep step) {
     for (int level = levels - 1; level >= 0; --level) {
-      const bool tiles = level <= kLastTileLevel, find = step == FillStep::find;
+      const bool by_tiles = level <= kLastTileLevel, find = step == FillStep::find;
       const Program& program =
-          programs.get(fill_variant(!find && buffers->has_textures(), level > 0, tiles, !find && own, step));
+          programs.get(fill_variant(!find && buffers->has_textures(), level > 0, by_tiles, !find && own, step));
       program.set("u_level", level);
       const int side = 1 << level;
       for (int middle = 0; middle < 2; ++middle) {
         program.set("u_middle", middle);
         const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
-        if (tiles)
-          dispatch_tiles(program, t.surface_tiles, 2 * (2 - level) + 1 - middle);
+        if (by_tiles)
+          dispatch_tiles(program, find ? t.surface_tiles : tiles, 2 * (2 - level) + 1 - middle);
         else
           dispatch_list(program, middle ? cells : 2 * cells);
       }
@@ -319,7 +327,7 @@ void Renderer::Impl::bind_indirect(const Program& program, const IndirectKey& ke
   glBindTextureUnit(45, key.view.get());
 }
 
-void Renderer::Impl::add_indirect(PassTimer* timer) {
+void Renderer::Impl::add_indirect(const TileList& tiles, PassTimer* timer) {
   FrameTargets& t = *targets;
   for (const IndirectKey& key : indirect.keys()) {
     const std::size_t k = key.serial & 1u;
@@ -327,14 +335,16 @@ void Renderer::Impl::add_indirect(PassTimer* timer) {
       t.indirect[k] = Texture::make_2d("indirect light", GL_RGBA32F, t.grid_width(), t.grid_height());
       indirect_drawn[k].reset();
     }
-    const IndirectDrawn drawn{epoch - indirect_news, key.serial};
+    const IndirectDrawn drawn{points_epoch(), paint_news, key.serial};
     if (indirect_drawn[k] == drawn) continue;
+    const bool but_for_paint =
+        indirect_drawn[k] && indirect_drawn[k]->epoch == drawn.epoch && indirect_drawn[k]->serial == drawn.serial;
     indirect_drawn[k] = drawn;
     const Program& program = programs.get(indirect_variant_of(facts.measured_count > 0));
     bind_indirect(program, key);
     glBindTextureUnit(0, t.triangle.get());
     glBindImageTexture(0, t.indirect[k].get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    dispatch_tiles(program, t.surface_tiles, 6);
+    dispatch_tiles(program, but_for_paint ? tiles : t.surface_tiles, 6);
     timer->end("indirect");
   }
 }

@@ -127,7 +127,8 @@ void SceneBuffers::build_textures(const Scene& scene) {
 }
 
 bool SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
-                                    const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits) {
+                                    const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
+                                    const std::vector<bool>& repainted) {
   constexpr std::uint32_t kNone = 0xffffffffu;
   base_color_textures_.clear();
   std::vector<glm::uvec4> words, surface_words;
@@ -153,7 +154,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     for (std::uint32_t role = 0; role < 6; ++role)
       if (textures[role] != kNone) list[used++] = textures[role] | role << 16;
     const std::uint32_t flags = (slot >= 0 ? 1u : 0u) | (slot >= 0 && m.tint_measured ? 2u : 0u) | (m.unlit ? 4u : 0u) |
-                                (m.double_sided ? 8u : 0u);
+                                (m.double_sided ? 8u : 0u) | (repainted[i] ? 16u : 0u);
     words.push_back(bits(m.base_color.r, m.base_color.g, m.base_color.b, m.alpha_cutoff));
     words.push_back(bits(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
     words.push_back(bits(m.emissive.r, m.emissive.g, m.emissive.b, m.ior));
@@ -166,7 +167,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     words.emplace_back(list[0], list[1], list[2], list[3]);
     // All of a record but which table is measured, and what draw_gbuffer asks of the material itself.
     surface_words.insert(surface_words.end(), words.end() - 8, words.end());
-    surface_words.end()[-2] = glm::uvec4(flags & ~1u, 0u, 0u, list[5]);
+    surface_words.end()[-2] = glm::uvec4(flags & ~(1u | 16u), 0u, 0u, list[5]);
     surface_words.emplace_back(static_cast<std::uint32_t>(m.alpha_mode), m.glass ? 1u : 0u,
                                std::bit_cast<std::uint32_t>(m.base_color.a), textures[0]);
   }

@@ -22,7 +22,8 @@ class SceneBuffers {
   /// for glTF's default material. True when something changed that the G-buffer holds or that decides what is drawn
   /// into it: another measured table for a material does not.
   bool update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
-                        const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits);
+                        const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
+                        const std::vector<bool>& repainted);
   void update_variant(const Scene& scene, int variant);
   /// New positions and normals (node space) of one mesh's primitive 0 in all its instances.
   void update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,

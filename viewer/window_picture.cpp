@@ -33,13 +33,18 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   fit_aspect(&session->state.camera, static_cast<float>(width_px) / static_cast<float>(std::max(height_px, 1)));
   const FrameRequest wanted = session->make_frame_request(width_px, height_px);
   const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
-  // The first frame and a new window size are no moves.
-  const bool moved = changed && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
+  // Of a picture at rest the renderer keeps what a swap leaves as it was.
+  const std::uint64_t paints = session->paint_revision() - last_paint_revision_;
+  const bool paint_alone = wanted == last_wanted_ && session->revision() - last_revision_ == paints;
+  // The first frame, a new window size and a swap of paint are no moves.
+  const bool moved =
+      changed && !paint_alone && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
   FrameRequest turned = last_wanted_;
   turned.env_rotation_rad = wanted.env_rotation_rad;
   const bool light_alone = turned == wanted && session->revision() == last_revision_;
   last_wanted_ = wanted;
   last_revision_ = session->revision();
+  last_paint_revision_ = session->paint_revision();
   if (changed) failed_ = false;
   if (moved) last_change_s_ = now_s;
   const bool moving = now_s - last_change_s_ < kSettle_s;
@@ -61,7 +66,7 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const bool stale = changed || news || !(request == drawn_);
   const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
-  if (due) draw(session, request, !stale);
+  if (due) draw(session, request, request == drawn_ && (!changed || paint_alone));
   if (due && !failed_) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested();
   const EditorState& state = session->state;

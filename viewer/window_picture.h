@@ -58,7 +58,7 @@ class WindowPicture {
   std::vector<PassTime> smooth_passes_;
   FrameRequest drawn_;        ///< of the last frame
   FrameRequest last_wanted_;  ///< at full size, to see whether anything moved
-  std::uint64_t last_revision_ = 0;
+  std::uint64_t last_revision_ = 0, last_paint_revision_ = 0;
   double last_change_s_ = -1e9;
   bool moving_ = false;
   float last_moving_scale_ = 1.0f;

@@ -209,6 +209,7 @@ void WindowSession::apply_materials() {
         applied_.materials[name] = source;
       remember(&brdf_files_, source.empty() ? "builtin:" : source);
       ++revision_;
+      ++paint_revision_;
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
       if (set)

@@ -53,6 +53,8 @@ class WindowSession {
   Renderer& renderer() { return renderer_; }
   /// Grows with every change that the picture shows besides the request.
   std::uint64_t revision() const { return revision_; }
+  /// Of these, swaps of a material's paint.
+  std::uint64_t paint_revision() const { return paint_revision_; }
   void fill_facts(EditorFacts* facts) const;
   bool loading() const { return scene_file_.valid() || environment_file_.valid(); }
   float scene_radius() const { return bounds_.radius(); }
@@ -96,7 +98,7 @@ class WindowSession {
   std::optional<DentDrag> dent_;
   bool metering_ = true;
   std::uint32_t seed_ = 0;
-  std::uint64_t revision_ = 0;
+  std::uint64_t revision_ = 0, paint_revision_ = 0;
 };
 
 }  // namespace maquette

@@ -24,8 +24,8 @@ TechniqueInfo shading_technique() {
        .default_value = true,
        .help =
            "keeps what camera and surfaces alone decide (raster, G-buffer, curvature) from frame to frame while "
-           "neither changes, and in mode bandwidth what points have gathered while only the light turns; false draws "
-           "every frame from nothing"},
+           "neither changes, and in mode bandwidth what points have gathered while only the light turns or paint is "
+           "swapped; false draws every frame from nothing"},
   };
   info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};
   return info;

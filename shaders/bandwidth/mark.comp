@@ -238,6 +238,9 @@ void main() {
     uvec4 surface = texelFetch(t_surface, pixel, 0);
     int material = int(surface.z >> 16u);
     uint flags = material_words(material, 6).x;
+#ifdef REPAINTED
+    if ((flags & kMaterialRepainted) == 0u) continue;
+#endif
     bool measured = (flags & kMaterialMeasured) != 0u;
     int quad = ((k & 3) >> 1) + 2 * (k >> 3);
     uvec3 d = decide(pixel, quad_carries[quad] ? max(block_level, 1) : 0, mean);

@@ -218,6 +218,25 @@ Figures measure_paint_swap(Stage& stage) {
   const Clock again = median_of(times);
   figures.push_back(
       judged("paint swap, once read, frame included", "<= 0.1 s", ms_text(again), again.wall_ms <= 100.0));
+  const Image swapped = stage.renderer().read_radiance();
+  FrameRequest anew = r;
+  anew.settings.set("shading.reuse", false);
+  stage.renderer().render(anew);
+  const Image from_nothing = stage.renderer().read_radiance();
+  const Reference reference = converge_uniform(stage, r);
+  figures.push_back(
+      shown("error of that frame", number(100.0 * error_against(swapped, reference)) + " % (from nothing " +
+                                       number(100.0 * error_against(from_nothing, reference)) +
+                                       " %; noise of the reference " + number(100.0 * reference.noise) + " %)"));
+  times.clear();
+  for (int i = 0; i <= 2 * stage.options().repeats; ++i) {
+    for (int f = 0; f < 8; ++f) stage.renderer().render(r, true);
+    const Clock begin = now();
+    stage.renderer().set_material(name, i % 2 ? "builtin:paint-red-metallic" : "builtin:paint-silver-metallic");
+    stage.renderer().render(r, true);
+    if (i > 0) times.push_back(now() - begin);
+  }
+  figures.push_back(shown("paint swap amid a resting picture", ms_text(median_of(times))));
   if (stage.options().data.empty()) {
     figures.push_back(absent("paint swap from a 33 MB file", "<= 1 s", "needs --data"));
     return figures;
@@ -297,10 +316,17 @@ LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y) {
 }  // namespace
 
 Figures measure_interactive(Stage& stage) {
+  struct Part {
+    const char* name;
+    Figures (*measure)(Stage&);
+  };
   Figures figures;
-  for (Figures (*part)(Stage&) :
-       {measure_turning_light, measure_first_frame, measure_paint_swap, measure_environment_swap})
-    for (Figure& f : part(stage)) figures.push_back(std::move(f));
+  for (const Part& part :
+       {Part{"light turning", measure_turning_light}, Part{"first frame", measure_first_frame},
+        Part{"paint swap", measure_paint_swap}, Part{"environment swap", measure_environment_swap}}) {
+    if (!stage.options().wants(part.name)) continue;
+    for (Figure& f : part.measure(stage)) figures.push_back(std::move(f));
+  }
   return figures;
 }
 

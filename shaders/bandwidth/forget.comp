@@ -1,0 +1,20 @@
+// Forgets what pictures at rest have accumulated of the points that were given another paint.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+#include "shared/material_table.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_mean;
+layout(binding = 1, r32f) uniform writeonly image2D o_spread;
+layout(binding = 2, r32f) uniform writeonly image2D o_deviation;
+layout(binding = 3, r32f) uniform writeonly image2D o_residual;
+
+void main() {
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
+  if ((material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialRepainted) == 0u) return;
+  imageStore(o_mean, pixel, vec4(0.0));
+  imageStore(o_spread, pixel, vec4(0.0));
+  imageStore(o_deviation, pixel, vec4(0.0));
+  imageStore(o_residual, pixel, vec4(-1.0));
+}

@@ -1,0 +1,25 @@
+// Lists the tiles that show a material with another paint than in the frame before. One invocation a tile of those that show a surface.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+#include "shared/material_table.glsl"
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(std430, binding = 1) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
+layout(std430, binding = 2) writeonly buffer RepaintedTiles { uint b_repainted_tiles[]; };
+uniform int u_band_rows;  // tiles
+
+void main() {
+  ivec2 tile = tile_of(int(linear_id()), 0);
+  if (tile.x < 0) return;
+  ivec2 last = min(kTile * tile + kTile, u_frame.size.xy) - 1;
+  bool found = false;
+  for (int k = 0; k < kTile * kTile && !found; ++k) {
+    ivec2 pixel = min(kTile * tile + ivec2(k & 7, k >> 3), last);
+    uint flags = material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x;
+    found = (flags & kMaterialRepainted) != 0u && texelFetch(t_depth, pixel, 0).x > 0.0;
+  }
+  if (!found) return;
+  int band = tile.y / u_band_rows, tiles_x = (u_frame.size.x + kTile - 1) / kTile;
+  b_repainted_tiles[uint(band * u_band_rows * tiles_x) + atomicAdd(b_counts[2 * band], 1u)] = uint(tile.x) | (uint(tile.y) << 16u);
+}

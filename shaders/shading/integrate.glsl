@@ -16,23 +16,21 @@ vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 
 /// while one of the lobe's hits it or does not.
 const float kSunDensity = 100.0;
 
-/// Share of a strategy with `own` samples per unit of solid angle beside one with `other`: the balance heuristic; towards a sun all goes to
-/// the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", Sec. 9.2.2). `first`:
-/// takes a tie.
-float strategy_share(float own, float other, bool sun, bool first) {
-  if (sun) return own > other || (first && own == other) ? 1.0 : 0.0;
-  return own / max(own + other, 1e-30);
+/// What the weights are divided by, for a strategy with `own` samples per unit of solid angle beside one with `other`: the balance heuristic;
+/// towards a sun all goes to the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
+/// Sec. 9.2.2), the lobe where both are alike.
+float strategy_sum(float own, float other, bool is_brdf, bool sun) {
+  float alone = own > other || (is_brdf && own == other) ? own : 1e30;
+  return sun ? alone : own + other;
 }
 
 /// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
 /// `l`: luminance of the light.
 float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
-  float share = strategy_share(nb * f_hat, nl * l, l * inverse_integral > kSunDensity, true);
-  return cosine * share / max(nb * pdf, 1e-30);
+  return cosine * f_hat / max(strategy_sum(nb * f_hat, nl * l, true, l * inverse_integral > kSunDensity) * pdf, 1e-30);
 }
 float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
-  float share = strategy_share(nl * l, nb * f_hat, l * inverse_integral > kSunDensity, false);
-  return cosine * share * inverse_integral / max(nl * pdf, 1e-30);
+  return cosine * l * inverse_integral / max(strategy_sum(nl * l, nb * f_hat, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
 }
 
 /// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of many samples whole groups, because a

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 constexpr float kCell_rad = kPi / 36.0f;  // of the cells of directions
-constexpr std::size_t kPartTriangles = 64;
+constexpr std::size_t kPartTriangles = 48;
 /// Normals between those of the vertices, and of a patch's true surface, leave their cone by no more.
 constexpr float kTurn_rad = 0.02f;
 /// A part whose rays spread further (a cone's half angle) is followed, whatever it mirrors.

@@ -5,6 +5,7 @@
 #include "render/material_overrides.h"
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
+#include "render/octree/technique.h"
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -175,7 +176,7 @@ void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
   state.transmits = transmitting_items();
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) state.materials.push_back(buffers->material(i));
   state.depth = settings.get_int("octree.depth");
-  state.detail = settings.get_string("octree.brdf") == "none" ? settings.get_int("octree.detail") : 0;
+  state.detail = octree_detail(settings);
   state.interest = find_interest(settings.get_string("octree.interest"), *scene, buffers->geometry());
   const std::string& folder = settings.get_string("octree.bake");
   state.path = octree_file_path(folder, scene->name, state.depth);

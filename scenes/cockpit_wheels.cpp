@@ -102,9 +102,9 @@ double ground_line_m(double t, double fine_half_m) {
   const double s = 2.0 * t - 1.0, outside = std::max(0.0, std::abs(s) - kFineShare) / (1.0 - kFineShare);
   const double slope_m = fine_half_m * (1.0 - kFineShare) / kFineShare;
   const double rest_m = kHalf_m - fine_half_m - slope_m;
-  return std::copysign(fine_half_m * std::min(std::abs(s) / kFineShare, 1.0) + slope_m * outside +
-                           rest_m * outside * outside * outside,
-                       s);
+  return std::copysign(
+      fine_half_m * std::min(std::abs(s) / kFineShare, 1.0) + slope_m * outside + rest_m * outside * outside * outside,
+      s);
 }
 
 }  // namespace
@@ -146,9 +146,8 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
 
 void add_ground(SceneBuilder* builder, const CockpitMaterials& m) {
   constexpr double kTile_m = 1.5;
-  Primitive ground = make_grid(96, 120, [](double u, double v) {
-    return Vec3(ground_line_m(u, 2.8), 0.0, -ground_line_m(v, 4.4));
-  });
+  Primitive ground =
+      make_grid(96, 120, [](double u, double v) { return Vec3(ground_line_m(u, 2.8), 0.0, -ground_line_m(v, 4.4)); });
   for (std::size_t i = 0; i < ground.positions.size(); ++i)
     ground.uvs[0][i] = glm::vec2(ground.positions[i].x, ground.positions[i].z) / static_cast<float>(kTile_m);
   builder->add_part("ground", std::move(ground), m.asphalt);

@@ -12,6 +12,7 @@
 #include "render/octree/cell_brdf_worker.h"
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
+#include "render/octree/technique.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
@@ -76,7 +77,7 @@ int bake_octree(const SceneOptions& options) {
   OctreeJob job =
       make_octree_job(*scene, find_variant(*scene, options.variant), options.settings.get_int("octree.depth"));
   const bool cell_brdfs = options.settings.get_string("octree.brdf") != "none";
-  job.options.detail = cell_brdfs ? 0 : options.settings.get_int("octree.detail");
+  job.options.detail = octree_detail(options.settings);
   job.options.interest = find_interest(options.settings.get_string("octree.interest"), *scene, job.geometry);
   const std::string folder = options.output.empty() ? options.settings.get_string("octree.bake") : options.output;
   job.path = octree_file_path(folder, scene->name, job.options.depth);
@@ -88,7 +89,8 @@ int bake_octree(const SceneOptions& options) {
   if (!result) throw Error(job.path, "the bake was interrupted", "the same command resumes it");
   const double seconds = seconds_since(begin);
   const Octree& octree = result->octree;
-  const double cell_mm = 1000.0 * static_cast<double>(octree.side_m) / static_cast<double>(1 << (octree.depth - octree.detail));
+  const double cell_mm =
+      1000.0 * static_cast<double>(octree.side_m) / static_cast<double>(1 << (octree.depth - octree.detail));
   std::printf("%s: %zu cells of %.1f mm in %zu nodes, %.1f MB, %.1f s, %zu of %zu bricks reused\n", job.path.c_str(),
               octree.leaf_count(), octree.empty() ? 0.0 : cell_mm, octree.node_count(),
               static_cast<double>(octree.bytes()) / 1e6, seconds, result->bricks->reused,

@@ -21,8 +21,7 @@ void write_difference(const std::string& path, const ErrorReport& report, const 
   Image difference(reference.width, reference.height, 4, 1.0f);
   for (int y = 0; y < reference.height; ++y) {
     for (int x = 0; x < reference.width; ++x) {
-      for (int c = 0; c < 3; ++c)
-        difference.at(x, y, c) = std::abs(image.at(x, y, c) - reference.at(x, y, c));
+      for (int c = 0; c < 3; ++c) difference.at(x, y, c) = std::abs(image.at(x, y, c) - reference.at(x, y, c));
       if (reference.channels > 3) difference.at(x, y, 3) = reference.at(x, y, 3);
     }
   }

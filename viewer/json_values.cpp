@@ -23,11 +23,11 @@ Json left_out_json(const FramePlan& plan) {
 }
 
 Json error_json(const ErrorFigures& figures) {
-  Json json = {{"rmse", number(figures.rmse)},         {"relative_rmse", number(figures.relative_rmse)},
-               {"psnr", number(figures.psnr)},         {"relmse", number(figures.relmse)},
-               {"flip", number(figures.flip)},         {"flip_ldr", number(figures.flip_ldr)},
-               {"ssim", number(figures.ssim)},         {"display_ev", number(figures.display_ev)},
-               {"pixels", figures.pixel_count},        {"invalid", figures.invalid_count}};
+  Json json = {{"rmse", number(figures.rmse)},  {"relative_rmse", number(figures.relative_rmse)},
+               {"psnr", number(figures.psnr)},  {"relmse", number(figures.relmse)},
+               {"flip", number(figures.flip)},  {"flip_ldr", number(figures.flip_ldr)},
+               {"ssim", number(figures.ssim)},  {"display_ev", number(figures.display_ev)},
+               {"pixels", figures.pixel_count}, {"invalid", figures.invalid_count}};
   if (!figures.notes.empty()) json["notes"] = figures.notes;
   return json;
 }

@@ -51,7 +51,7 @@ struct SceneOptions {
   std::string output;
   double budget_s = 600.0;  ///< `report`: the whole run
   int repeats = 3;          ///< `report`: measurements of each point
-  std::string screenshot;  ///< `view`: PNG of the window after `frames` drawn frames, then it closes
+  std::string screenshot;   ///< `view`: PNG of the window after `frames` drawn frames, then it closes
 };
 
 using ViewOptions = SceneOptions;

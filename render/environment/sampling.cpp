@@ -84,7 +84,8 @@ EnvironmentDirection sample_environment_direction(const Environment& environment
   const double top = std::cos(kPi * y / height), bottom = std::cos(kPi * (y + 1) / height);
   const double up = std::clamp(top + (bottom - top) * place.y, -1.0, 1.0);
   const double r = std::sqrt(std::max(0.0, 1.0 - up * up)), longitude = kPi - 2.0 * kPi * (x + place.x) / width;
-  const auto density = static_cast<double>(tables.density[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]);
+  const auto density =
+      static_cast<double>(tables.density[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]);
   return {glm::vec3(glm::dvec3(std::sin(longitude) * r, up, std::cos(longitude) * r)),
           static_cast<float>(mean > 0.0 ? density * cell.at(place) / mean : density), static_cast<float>(x + place.x),
           static_cast<float>(std::acos(up) / kPi * height)};

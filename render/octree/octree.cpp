@@ -23,7 +23,9 @@ void walk(const Octree& octree, const OctreeCell& cell, std::vector<OctreeCell>*
 
 std::size_t Octree::leaf_count(int level) const {
   std::size_t count = words.size() - level_begin[static_cast<std::size_t>(depth)];
-  for (std::size_t i = level_begin[static_cast<std::size_t>(level)]; i < level_begin[static_cast<std::size_t>(depth)]; ++i) count += words[i] >> 24 == 0u;
+  for (std::size_t i = level_begin[static_cast<std::size_t>(level)]; i < level_begin[static_cast<std::size_t>(depth)];
+       ++i)
+    count += words[i] >> 24 == 0u;
   return count;
 }
 

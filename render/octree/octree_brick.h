@@ -15,10 +15,10 @@ struct OctreeFragment {
   std::uint32_t triangle = 0, item = 0;  ///< of the geometry
   float area = 0.0f;
   std::uint32_t first_corner = 0, corner_count = 0;  ///< of OctreeFragments::corners
-  float opacity = 1.0f;       ///< share that is not cut out
-  glm::vec3 normal{0.0f};     ///< unit, of the surface (interpolated)
-  glm::vec3 geometric{0.0f};  ///< unit, of the triangle
-  glm::vec3 centroid{0.0f};   ///< from the brick's lower corner
+  float opacity = 1.0f;                              ///< share that is not cut out
+  glm::vec3 normal{0.0f};                            ///< unit, of the surface (interpolated)
+  glm::vec3 geometric{0.0f};                         ///< unit, of the triangle
+  glm::vec3 centroid{0.0f};                          ///< from the brick's lower corner
   glm::vec3 color{1.0f};
 };
 

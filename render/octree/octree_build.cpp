@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -185,8 +186,7 @@ class Builder {
   };
   Face face_of(std::uint32_t first_index) const {
     Face face;
-    for (std::size_t k = 0; k < 3; ++k)
-      face.p[k] = to_cells(face.v[k] = source_.geometry.indices[first_index + k]);
+    for (std::size_t k = 0; k < 3; ++k) face.p[k] = to_cells(face.v[k] = source_.geometry.indices[first_index + k]);
     face.normal = glm::cross(face.p[1] - face.p[0], face.p[2] - face.p[0]);
     face.square = glm::dot(face.normal, face.normal);
     return face;
@@ -236,8 +236,7 @@ class Builder {
     f.color = glm::vec3(vertex_color);
     if (source_.paint.textured(material)) {
       const std::vector<glm::vec2>& uvs = uvs_of(material);
-      const glm::vec4 texel =
-          source_.paint.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
+      const glm::vec4 texel = source_.paint.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
       f.color *= glm::vec3(texel);
       if (source_.paint.cut_out(material)) {
         const float alpha = source_.paint.alpha_factor(material) * texel.a * vertex_color.a;
@@ -280,7 +279,8 @@ class Builder {
   /// At least 1 where one normal, one material and one colour are not enough to say what is in a cell.
   double detail_of(std::span<const OctreeFragment> pieces, std::span<const glm::vec3> corners,
                    const glm::dvec3& brick_lower) const {
-    const auto largest = std::max_element(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.area < b.area; });
+    const auto largest =
+        std::max_element(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.area < b.area; });
     double all = 0.0, same = 0.0;
     glm::dvec3 normal(0.0);
     for (const OctreeFragment& f : pieces) {
@@ -291,7 +291,8 @@ class Builder {
       normal += (glm::dot(f.normal, largest->normal) < 0.0f ? -area : area) * glm::dvec3(f.normal);
     }
     const double spread = 1.0 - glm::length(normal) / all;
-    return std::max({spread / kSpread, (1.0 - same / all) / kOther, contrast_of(pieces, corners, brick_lower) / kStops});
+    return std::max(
+        {spread / kSpread, (1.0 - same / all) / kOther, contrast_of(pieces, corners, brick_lower) / kStops});
   }
 
   /// Cuts the cells of `level` that hold much detail into their eight, those of the most first while there is room.
@@ -314,9 +315,8 @@ class Builder {
     const std::size_t room = count / kSplitShare;
     if (cells.size() > room) {
       const auto middle = cells.begin() + static_cast<std::ptrdiff_t>(room);
-      std::nth_element(cells.begin(), middle, cells.end(), [](auto& a, auto& b) {
-        return a.detail != b.detail ? a.detail > b.detail : a.first < b.first;
-      });
+      std::nth_element(cells.begin(), middle, cells.end(),
+                       [](auto& a, auto& b) { return a.detail != b.detail ? a.detail > b.detail : a.first < b.first; });
       cells.erase(middle, cells.end());
     }
     if (cells.empty()) return;
@@ -425,11 +425,11 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
   NodeBudget budget(options.max_nodes);
   std::mutex mutex;
   std::size_t done = 0;
-  bool fits = true;
+  std::atomic<bool> fits = true;
   const auto cancelled = [&] { return progress.cancel && *progress.cancel; };
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
     const std::span<const Triangle> triangles(bins.triangles.data() + bins.begin[b], bins.begin[b + 1] - bins.begin[b]);
-    if (cancelled() || triangles.empty()) return;
+    if (cancelled() || triangles.empty() || (!fits && out.grid.detail > 0)) return;
     OctreeBricks::Entry entry;
     entry.key = builder.key(triangles);
     const OctreeBricks::Entry* old = find_entry(before, static_cast<std::uint32_t>(b));
@@ -438,7 +438,7 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
     const std::lock_guard lock(mutex);
     out.reused += reuse;
     if (!reuse && progress.finished) progress.finished(static_cast<std::uint32_t>(b), entry);
-    fits = budget.add(entry.brick) && fits;
+    fits = budget.add(entry.brick) && fits.load();
     if (fits) entries[b] = std::move(entry);
     done += triangles.size();
     if (progress.report) progress.report(static_cast<double>(done) / static_cast<double>(bins.triangles.size()));

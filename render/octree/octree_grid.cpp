@@ -104,7 +104,9 @@ OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& o
   grid.detail = std::clamp(options.detail, 0, std::min(kOctreeMaxDetail, kOctreeMaxLevels - options.depth - outer));
   grid.depth = options.depth + outer + grid.detail;
   const bool partly = !options.interest.empty();
-  grid.rest_depth = partly ? std::max(options.depth - kInterestLevels, 1) : outer > 0 ? options.depth : grid.depth - grid.detail;
+  grid.rest_depth = partly      ? std::max(options.depth - kInterestLevels, 1)
+                    : outer > 0 ? options.depth
+                                : grid.depth - grid.detail;
   grid.brick_level = std::min(kBrickLevel, grid.rest_depth);
   // Floats, because the walk knows no others: both sides then mean the same cells.
   grid.side_m = static_cast<float>(all * kMargin);

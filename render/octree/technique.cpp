@@ -26,8 +26,9 @@ TechniqueInfo octree_technique() {
        .min = 0,
        .max = kOctreeMaxDetail,
        .unit = "levels",
-       .help = "so many levels finer are cells that hold several materials, writing, or a surface that turns; none where "
-               "octree.brdf gives such cells a BRDF"},
+       .help =
+           "so many levels finer are cells that hold several materials, writing, or a surface that turns; none where "
+           "octree.brdf gives such cells a BRDF"},
       {.name = "octree.brdf",
        .default_value = std::string("none"),
        .help = "cells with a BRDF of their own, transparency included: none; mixed: those of several materials or not "
@@ -49,6 +50,10 @@ TechniqueInfo octree_technique() {
     plan->passes.push_back({"rays", "the mirrored ray of every pixel of a reflector, through the octree"});
   };
   return info;
+}
+
+int octree_detail(const Settings& settings) {
+  return settings.get_string("octree.brdf") == "none" ? settings.get_int("octree.detail") : 0;
 }
 
 }  // namespace maquette

@@ -28,8 +28,8 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
     sum += balanced(s.f * s.wi.z * glm::vec3(light), s.pdf, light.w);
   }
   if (!scene.lights.lights.empty()) {
-    const LightDraw light =
-        draw_scene_light(scene, p.position, choose_scene_light(scene, sampler.single(dimension + 3)), sampler.pair(dimension + 4), true);
+    const LightDraw light = draw_scene_light(
+        scene, p.position, choose_scene_light(scene, sampler.single(dimension + 3)), sampler.pair(dimension + 4), true);
     const glm::vec3 wi = p.to_local(light.direction);
     if (light.pdf > 0.0f && wi.z > 0.0f) sum += evaluate_scattering(p, wi).f * wi.z * light.radiance / light.pdf;
   }

@@ -234,8 +234,7 @@ class FullPath {
     // One sequence for all rays of all paths.
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
       u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
-    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      choices_[k] = environment_.choose(u[k], cell_, sampler_.index);
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k) choices_[k] = environment_.choose(u[k], cell_, sampler_.index);
   }
 
   /// Shadow rays first, shading of what they let through after: what it reads arrives together.

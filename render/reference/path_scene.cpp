@@ -66,8 +66,8 @@ glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
   return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
-/// Material of every triangle of the geometry, with kBothSides, and the meshes of the ray tracer: triangles of each, and
-/// what is hidden.
+/// Material of every triangle of the geometry, with kBothSides, and the meshes of the ray tracer: triangles of each,
+/// and what is hidden.
 struct Assignment {
   std::vector<std::uint32_t> materials;
   std::array<std::vector<std::uint32_t>, 3> meshes;

@@ -64,7 +64,7 @@ struct TracedEnvironment {
   EnvironmentTables tables;
   bool black = true;
   std::vector<glm::vec4> texels;  ///< [height][width] radiance, mean density over the texel's cell (1/sr)
-  std::vector<bool> bright;  ///< [height][width] cells within which light is followed
+  std::vector<bool> bright;       ///< [height][width] cells within which light is followed
   std::unique_ptr<const EnvironmentPartition> partition;
   EnvironmentLookup look_up(const glm::vec3& direction) const;
   /// 1/sr with which plain importance sampling gives a direction in the cell of a texel.

@@ -92,8 +92,9 @@ class ReferencePicture {
 
   /// Adds `count` paths a pixel (on the average, where `adaptive`) on all cores. False when `stop` or `deadline` came
   /// first: the picture is as good as it got, and the next call goes on from there. A deadline never leaves it empty:
-  /// one pixel in 64 gets a path in any case, and stands for its neighbours until they have their own. `progress` in
-  /// [0, 1], from any thread, at most about 100 times.
+  /// one pixel in 64 gets a path in any case, and stands for its neighbours until they have their own; nor does it end
+  /// the training of guides before the first path, since the result would depend on when it came. `progress` in [0, 1],
+  /// from any thread, at most about 100 times.
   bool add(int count, const std::stop_token& stop = {}, const std::function<void(double)>& progress = {},
            const Deadline& deadline = {});
 

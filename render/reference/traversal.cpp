@@ -54,7 +54,8 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   const TracedMaterial& m = context->scene->material_of(c.triangle);
   if (m.masked && alpha_at(*context->scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
   if (m.blended && context->kind == RayKind::path) {
-    const float u = static_cast<float>(mix_seed(context->chance, context->scene->triangles[c.triangle].source) >> 8) * 0x1p-24f;
+    const float u =
+        static_cast<float>(mix_seed(context->chance, context->scene->triangles[c.triangle].source) >> 8) * 0x1p-24f;
     if (u >= alpha_at(*context->scene, c.triangle, c.barycentric)) args->valid[0] = 0;
   }
 }
@@ -88,7 +89,8 @@ void add_mesh(PathScene* scene, std::size_t mesh) {
       rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, end - begin));
   if (vertices && indices) {
     std::memcpy(vertices, positions.data(), positions.size() * 12);
-    for (std::uint32_t i = begin; i < end; ++i) std::memcpy(indices + 3 * std::size_t{i - begin}, scene->corners(i), 12);
+    for (std::uint32_t i = begin; i < end; ++i)
+      std::memcpy(indices + 3 * std::size_t{i - begin}, scene->corners(i), 12);
     if (mesh == 1) {
       rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
       rtcSetGeometryOccludedFilterFunction(handle, take_share);
@@ -111,8 +113,7 @@ void build_hierarchy(PathScene* scene) {
   for (std::size_t mesh = 0; mesh + 1 < scene->mesh_begin.size(); ++mesh) add_mesh(scene, mesh);
   rtcCommitScene(scene->embree.get());
   if (rtcGetDeviceError(scene->device.get()) != RTC_ERROR_NONE)
-    throw Error("reference",
-                "the ray tracer could not take " + std::to_string(scene->triangles.size()) + " triangles",
+    throw Error("reference", "the ray tracer could not take " + std::to_string(scene->triangles.size()) + " triangles",
                 "free memory, or use a lighter model");
 }
 

@@ -129,9 +129,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #define VISIBILITY 0  // of the estimator: on_sample looks itself
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
   on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, \
-            (is_brdf ? nb * f_hat : nl * luminance(radiance)) / \
-                max(strategy_sum(is_brdf ? nb * f_hat : nl * luminance(radiance), is_brdf ? nl * luminance(radiance) : nb * f_hat, is_brdf, \
-                                 luminance(radiance) * e.inverse_integral > kSunDensity), 1e-30))
+            strategy_share(nb * f_hat, nl * luminance(radiance), is_brdf, luminance(radiance) * e.inverse_integral > kSunDensity))
 #define SAMPLE_GROUP 2
 #include "shading/integrate.glsl"
 #if LIGHTS

@@ -24,6 +24,12 @@ float strategy_sum(float own, float other, bool is_brdf, bool sun) {
   return sun ? alone : own + other;
 }
 
+/// A sample's weight over what it would be if its strategy were alone: what the lobe finds is worth `brdf` (samples per solid angle), what the list finds `light`.
+float strategy_share(float brdf, float light, bool is_brdf, bool sun) {
+  float own = is_brdf ? brdf : light;
+  return own / max(strategy_sum(own, is_brdf ? light : brdf, is_brdf, sun), 1e-30);
+}
+
 /// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
 /// `l`: luminance of the light.
 float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {

@@ -207,8 +207,8 @@ TEST_F(Turning, TheSameTurnIsTheSamePicture) {
 }
 
 TEST_F(Turning, ABrightMirrorImageIsSampledForWhatItIs) {
-  // A mirrored sun is found by chance and then measured: the second round of samples. No worse than a frame from nothing, which
-  // is as good since the sun has all samples of the denser strategy.
+  // A mirrored sun is found by chance and then measured: the second round of samples. No worse than a frame from
+  // nothing, which is as good since the sun has all samples of the denser strategy.
   show("builtin:plastic-piano-black");
   const FrameRequest r = request();
   const Image truth = converged(r, 77);

@@ -138,8 +138,8 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
     const glm::dvec2 p = latlong_from_direction(s.direction, 8, 4);
     counts[static_cast<std::size_t>(std::min(static_cast<int>(p.y), 3) * 8 + std::min(static_cast<int>(p.x), 7))] +=
         1.0;
-    // A grey texel over its pdf is the light of the whole sphere, whichever texel was chosen, but for what sin(latitude)
-    // changes within a cell.
+    // A grey texel over its pdf is the light of the whole sphere, whichever texel was chosen, but for what
+    // sin(latitude) changes within a cell.
     if (p.y > 0.25 && p.y < 3.75) {
       const double ratio = luminance(s.radiance) / static_cast<double>(s.pdf);
       ASSERT_NEAR(ratio / t.luminance_integral, 1.0, 0.2) << p.y;

@@ -278,25 +278,25 @@ TEST(OctreeBuild, NormalsAndPlanesOfASphere) {
   EXPECT_GT(planar, all * 9 / 10);
 }
 
-TEST(OctreeBuild, TakesTheMaterialOfTheLargestArea) {
-  Primitive small, large;
-  const auto quad = [](float x0, float x1) {
-    Primitive p;
-    p.positions = {{x0, 0.3f, 0.0f}, {x1, 0.3f, 0.0f}, {x1, 0.3f, 1.0f}, {x0, 0.3f, 1.0f}};
-    p.indices = {0, 1, 2, 0, 2, 3};
-    return p;
-  };
-  small = quad(0.0f, 0.4f);
-  small.material = 0;
-  large = quad(0.4f, 1.0f);
-  large.material = 1;
-  Scene scene = scene_of(small);
-  scene.meshes[0].primitives.push_back(large);
+/// A floor at y = 0.3 over [0, 1]^2 of two materials, whose border goes from `x0` at z = 0 to `x1` at z = 1.
+Octree two_materials(float x0, float x1, int depth) {
+  Primitive left, right;
+  left.positions = {{0, 0.3f, 0}, {x0, 0.3f, 0}, {x1, 0.3f, 1}, {0, 0.3f, 1}};
+  right.positions = {{x0, 0.3f, 0}, {1, 0.3f, 0}, {1, 0.3f, 1}, {x1, 0.3f, 1}};
+  left.indices = right.indices = {0, 1, 2, 0, 2, 3};
+  left.material = 0;
+  right.material = 1;
+  Scene scene = scene_of(left);
+  scene.meshes[0].primitives.push_back(right);
   scene.materials.resize(2);
   const Model model(std::move(scene));
   OctreeOptions options;
-  options.depth = 3;
-  const Octree octree = build_octree(model.source(), options);
+  options.depth = depth;
+  return build_octree(model.source(), options);
+}
+
+TEST(OctreeBuild, TakesTheMaterialOfTheLargestArea) {
+  const Octree octree = two_materials(0.4f, 0.4f, 3);
   ASSERT_FALSE(octree.empty());
   EXPECT_EQ(shared::octree_unpack_color(octree.colors[0]).material, 1);  // the root holds 0.4 and 0.6
   int counts[2] = {};
@@ -403,7 +403,8 @@ TEST(OctreeBuild, CellsOfMuchDetailAreFiner) {
   EXPECT_LT(octree.node_count(), 3 * even.node_count());
 }
 
-/// Where nothing is finer the levels for it are not there, and where the memory does not suffice cells stay as they are.
+/// Where nothing is finer the levels for it are not there, and where the memory does not suffice cells stay as they
+/// are.
 TEST(OctreeBuild, DetailCostsNothingWhereThereIsNoneOrNoRoom) {
   const auto same = [](const Octree& a, const Octree& b) { return a.words == b.words && a.colors == b.colors; };
   Primitive plate;
@@ -608,19 +609,7 @@ TEST(OctreeSurface, InterpolatesNormals) {
 
 /// Where two materials meet at a slant, the border is nearer to the true one than the cells are wide.
 TEST(OctreeSurface, BordersOfMaterialsRunThroughCells) {
-  Primitive left, right;
-  left.positions = {{0, 0.3f, 0}, {0.3f, 0.3f, 0}, {0.6f, 0.3f, 1}, {0, 0.3f, 1}};
-  right.positions = {{0.3f, 0.3f, 0}, {1, 0.3f, 0}, {1, 0.3f, 1}, {0.6f, 0.3f, 1}};
-  left.indices = right.indices = {0, 1, 2, 0, 2, 3};
-  left.material = 0;
-  right.material = 1;
-  Scene scene = scene_of(left);
-  scene.meshes[0].primitives.push_back(right);
-  scene.materials.resize(2);
-  const Model model(std::move(scene));
-  OctreeOptions options;
-  options.depth = 4;
-  const Octree octree = build_octree(model.source(), options);
+  const Octree octree = two_materials(0.3f, 0.6f, 4);
   shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
   const double cell = static_cast<double>(octree.side_m) / 16.0;
   std::mt19937 random(2);

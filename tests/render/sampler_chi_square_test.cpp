@@ -20,7 +20,8 @@ namespace analytic {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
-// clang-format off: the second needs the first
+// the second needs the first
+// clang-format off
 #include "shared/constants.glsl"
 #include "shared/analytic.glsl"
 // clang-format on

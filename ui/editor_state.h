@@ -62,7 +62,8 @@ struct EditorState {
   std::string mode = "bandwidth";
   std::string reflections = "off";  ///< reflector technique
   Settings settings;
-  int msaa = 1;
+  int msaa = 1;        ///< samples a pixel
+  int still_msaa = 4;  ///< once the picture rests, if more
   float exposure_ev = 0.0f;
   bool auto_exposure = true;  ///< found anew with each scene, environment and scene camera
   std::string tonemap = "pbr-neutral";

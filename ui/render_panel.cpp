@@ -100,11 +100,18 @@ void draw_resolution(Ui& ui) {
   scale_combo("##still", &ui.state.still_scale, 3);
   row_label("Moving", "And while the camera, the light or a surface moves");
   scale_combo("##moving", &ui.state.moving_scale, 4);
-  row_label("Antialiasing", "Samples a pixel; shading is shared where it varies little");
-  constexpr int kCounts[] = {1, 4, 16};
-  static const char* const kNames[] = {"off", "4 samples", "16 samples"};
-  int index = ui.state.msaa >= 16 ? 2 : ui.state.msaa >= 4 ? 1 : 0;
-  if (ImGui::Combo("##msaa", &index, kNames, 3)) ui.state.msaa = kCounts[index];
+  row_label("Antialiasing",
+            "Samples a pixel; shading is shared where it varies little. At rest: once nothing has moved for a while");
+  struct Choice {
+    int msaa, still_msaa;
+  };
+  constexpr Choice kChoices[] = {{1, 1}, {1, 4}, {4, 4}, {16, 16}};
+  static const char* const kNames[] = {"off", "4 samples at rest", "4 samples", "16 samples"};
+  int index = ui.state.msaa >= 16 ? 3 : ui.state.msaa >= 4 ? 2 : ui.state.still_msaa > 1 ? 1 : 0;
+  if (ImGui::Combo("##msaa", &index, kNames, 4)) {
+    ui.state.msaa = kChoices[index].msaa;
+    ui.state.still_msaa = kChoices[index].still_msaa;
+  }
   mark_item(ui, "msaa");
 }
 

@@ -63,6 +63,15 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const bool background = !session->renderer().background_work().empty();
   const bool news = background_ && !background;  // what was computed beside is ready
   background_ = background;
+  StillEdges::Turn edges;
+  edges.moving_samples = wanted.msaa;
+  edges.still_samples = session->state.still_msaa;
+  edges.changed = changed;
+  edges.disturbed = moving_ || (changed && !paint_alone);
+  edges.may_begin = !background && !session->loading() && !session->state.error_view.open && !failed_;
+  edges.frames = stats_ ? stats_->accumulated_frames : 0;
+  edges.now_s = now_s;
+  request.msaa = still_edges_.choose(edges);
   const bool stale = changed || news || !(request == drawn_);
   const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
@@ -70,7 +79,8 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   if (due && !failed_) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested();
   const EditorState& state = session->state;
-  if (due || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||
+  const bool better = due && !(stats_ && still_edges_.hidden(stats_->accumulated_frames));
+  if (better || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||
       shown_exposure_ev_ != state.exposure_ev || shown_view_ != state.debug_view)
     present(session, width_px, height_px);
   return due && !failed_;
@@ -80,26 +90,35 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
   try {
     stats_ = session->renderer().render(request, accumulate);
     drawn_ = request;
+    drawn_msaa_ = session->state.msaa;
     note_times();
   } catch (const Error& error) {
+    if (still_edges_.smooth()) {
+      still_edges_.refuse();
+      drawn_.msaa = request.msaa;  // what the renderer holds is no longer the picture in sight
+      session->add_message(MessageLevel::note, std::string("edges stay as they are: ") + error.what());
+      return;
+    }
     failed_ = true;
     session->add_message(MessageLevel::error, error.what());
-    // A mode, a setting or a choice of reflectors that cannot draw this scene: back to what could.
-    if (stats_ && (session->state.mode != drawn_.mode || !(session->state.settings == drawn_.settings) ||
-                   session->state.msaa != drawn_.msaa || session->state.reflections != drawn_.reflections ||
-                   session->state.edits.reflectors != reflectors_of(drawn_))) {
-      session->state.mode = drawn_.mode;
-      session->state.reflections = drawn_.reflections;
-      session->state.settings = drawn_.settings;
-      session->state.msaa = drawn_.msaa;
-      session->state.edits.reflectors = reflectors_of(drawn_);
-    }
+    if (stats_) go_back(session);
   }
+}
+
+/// A mode, a setting or a choice of reflectors that cannot draw this scene: back to what could.
+void WindowPicture::go_back(WindowSession* session) {
+  EditorState& state = session->state;
+  state.mode = drawn_.mode;
+  state.reflections = drawn_.reflections;
+  state.settings = drawn_.settings;
+  state.msaa = drawn_msaa_;
+  state.edits.reflectors = reflectors_of(drawn_);
 }
 
 /// `move`: the frame went on with a move, at the size of the frame before.
 void WindowPicture::note_cost(bool move) {
   const double px = static_cast<double>(drawn_.width) * drawn_.height;
+  if (still_edges_.smooth()) return;  // a move will not be drawn so
   if (move)
     moving_scale_.note(moving_kind_, stats_->frame_ms, px);
   else

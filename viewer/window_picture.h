@@ -9,6 +9,7 @@
 #include "render/renderer.h"
 #include "ui/layout.h"
 #include "viewer/moving_scale.h"
+#include "viewer/still_edges.h"
 #include "viewer/window_session.h"
 
 namespace maquette {
@@ -22,7 +23,7 @@ struct PictureTurn {
 };
 
 /// The scene's part of the window: draws a frame when one is due, keeps the tone mapped picture, copies it to the
-/// window. Coarser while something moves; averages while nothing does.
+/// window. Coarser while something moves; averages while nothing does, with smooth edges in the end.
 class WindowPicture {
  public:
   static constexpr int kMostAveraged = 1024;
@@ -49,6 +50,7 @@ class WindowPicture {
  private:
   float choose_moving_scale(const WindowSession& session, const PictureTurn& turn, MovingScale::Kind kind);
   void draw(WindowSession* session, const FrameRequest& request, bool accumulate);
+  void go_back(WindowSession* session);
   void present(WindowSession* session, int width_px, int height_px);
   void note_times();
   void note_cost(bool move);
@@ -57,13 +59,15 @@ class WindowPicture {
   std::vector<float> history_ms_;
   std::vector<PassTime> smooth_passes_;
   FrameRequest drawn_;        ///< of the last frame
-  FrameRequest last_wanted_;  ///< at full size, to see whether anything moved
+  FrameRequest last_wanted_;  ///< at full size and the samples a pixel of a move, to see whether anything moved
+  int drawn_msaa_ = 1;        ///< the state's when the last frame was drawn
   std::uint64_t last_revision_ = 0, last_paint_revision_ = 0;
   double last_change_s_ = -1e9;
   bool moving_ = false;
   float last_moving_scale_ = 1.0f;
   MovingScale moving_scale_;
   MovingScale::Kind moving_kind_ = MovingScale::Kind::other;
+  StillEdges still_edges_;
   bool failed_ = false;  ///< the present request cannot be drawn; the last good picture stays
   bool background_ = false;
   float shown_exposure_ev_ = 0.0f;

@@ -65,6 +65,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.mode = options.mode;
   state.settings = settings_of(options);
   state.msaa = options.msaa;
+  if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // so many frames, whatever the time
   state.tonemap = options.tonemap;
   state.debug_view = options.debug_view;
   state.edits.variant = request.variant;

@@ -8,6 +8,7 @@
 
 #include "render/bandwidth/progressive.h"
 #include "render/bandwidth/turning.h"
+#include "render/bezier/patch_fit_store.h"
 #include "render/environment_buffers.h"
 #include "render/frame_constants.h"
 #include "render/frame_targets.h"
@@ -27,6 +28,9 @@
 #include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
+
+/// As text, in whole percent.
+std::string percent(double fraction);
 
 /// Mode reference: what it traces and the picture so far.
 struct ReferenceFrame {
@@ -148,7 +152,8 @@ struct Renderer::Impl {
   std::uint32_t reflectors_epoch = 0;         ///< epoch + 1 that they were found in; 0: never
   Buffer reflector_block;                     ///< patches of the reflectors, std140
   bool reflectors_fitted = false;             ///< their curved meshes have patches
-  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> patch_fits;  ///< of these, by the content of the mesh
+  PatchFitStore patch_fits;                   ///< of these
+  std::string fitting;                        ///< names of reflectors that are left out until theirs are there
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
   Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "render/bezier/patch_fit.h"
+#include "render/bezier/patch_fit_store.h"
 #include "render/bezier/projection.h"
 #include "render/bezier/reflector_patch.h"
 #include "render/octree/reflections.h"
@@ -38,28 +38,25 @@ struct ReflectorBlock {
   PatchRecord patches[kMaxPatches]{};
 };
 
-std::uint64_t hash_of(const FlatGeometry& geometry, const DrawItem& item) {
-  std::uint64_t hash = XXH3_64bits(&geometry.positions[item.first_vertex], item.vertex_count * sizeof(glm::vec3));
-  const std::uint32_t* index = &geometry.indices[item.first_index];
-  std::vector<std::uint32_t> local(item.index_count);  // of an item that has moved in the arrays alone
-  for (std::size_t k = 0; k < local.size(); ++k) local[k] = index[k] - item.first_vertex;
-  return XXH3_64bits_withSeed(local.data(), local.size() * sizeof(std::uint32_t), hash);
-}
-
-/// Patches for an item whose indices are those of the scene.
-PatchFit fit_item(const Scene& scene, const FlatGeometry& geometry, const DrawItem& item) {
-  const auto part = [&](const auto& values) { return std::span(values).subspan(item.first_vertex, item.vertex_count); };
-  std::vector<std::uint32_t> indices(geometry.indices.begin() + item.first_index,
-                                     geometry.indices.begin() + item.first_index + item.index_count);
-  for (std::uint32_t& k : indices) k -= item.first_vertex;
-  const Mesh& mesh = scene.meshes[static_cast<std::size_t>(item.mesh)];
-  if (mesh.cage && item.primitive == 0) {
-    const glm::dmat4 world(compute_world_transforms(scene)[static_cast<std::size_t>(item.node)]);
-    std::optional<PatchFit> limit =
-        limit_patches_of(*mesh.cage, world, part(geometry.positions), part(geometry.normals), indices);
-    if (limit) return std::move(*limit);
+/// An item as it is in the scene, wherever it stands in the arrays.
+PatchFitPart part_of(const Scene& scene, const FlatGeometry& geometry, const DrawItem& item) {
+  PatchFitPart part;
+  const auto copy = [&](const auto& all, auto* own) {
+    const auto begin = all.begin() + item.first_vertex;
+    own->assign(begin, begin + item.vertex_count);
+    part.hash = XXH3_64bits_withSeed(own->data(), own->size() * sizeof(*own->data()), part.hash);
+  };
+  copy(geometry.positions, &part.positions);
+  copy(geometry.normals, &part.normals);
+  copy(geometry.uv0, &part.uvs);
+  for (std::uint32_t k = 0; k < item.index_count; ++k)
+    part.indices.push_back(geometry.indices[item.first_index + k] - item.first_vertex);
+  part.hash = XXH3_64bits_withSeed(part.indices.data(), part.indices.size() * sizeof(std::uint32_t), part.hash);
+  if (const Mesh& mesh = scene.meshes[static_cast<std::size_t>(item.mesh)]; mesh.cage && item.primitive == 0) {
+    part.cage = mesh.cage;
+    part.world_from_node = compute_world_transforms(scene)[static_cast<std::size_t>(item.node)];
   }
-  return fit_patches(part(geometry.positions), part(geometry.normals), part(geometry.uv0), indices);
+  return part;
 }
 
 std::string fit_line(const Reflector& reflector) { return "'" + reflector.name + "': " + fit_text(*reflector.fit); }
@@ -138,15 +135,19 @@ std::vector<ShaderVariant> reflection_shader_variants() {
 void Renderer::Impl::forget_reflectors() {
   if (!reflectors.empty()) drawn_surfaces.reset();  // mirrors are opaque surfaces again
   reflectors.clear();
+  fitting.clear();
   reflectors_epoch = 0;
 }
 
 void Renderer::Impl::update_reflectors(const FrameRequest& request) {
   if (request.reflections == "off") {
+    patch_fits.cancel();
     forget_reflectors();
     return;
   }
   const bool fits = request.reflections == "bezier" && request.mode != "reference";  // which has no use for them
+  if (!fits) patch_fits.cancel();
+  if (fits && patch_fits.update()) ++epoch;
   if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors && reflectors_fitted == fits) return;
   std::vector<const Material*> item_materials;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) item_materials.push_back(&material_of_item(i));
@@ -162,19 +163,27 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
 
 void Renderer::Impl::fit_reflectors() {
   const FlatGeometry& geometry = buffers->geometry();
-  std::map<std::uint64_t, std::shared_ptr<const PatchFit>> needed;
+  std::vector<Reflector*> curved;
+  std::vector<PatchFitPart> parts;
+  std::vector<std::uint64_t> hashes;
   for (Reflector& reflector : reflectors) {
     if (reflector.patch || reflector.plane) continue;
-    const DrawItem& item = geometry.items[reflector.item];
-    const std::uint64_t hash = hash_of(geometry, item);
-    std::shared_ptr<const PatchFit>& fit = patch_fits[hash];
-    if (!fit) fit = std::make_shared<const PatchFit>(fit_item(*scene, geometry, item));
-    reflector.fit = needed[hash] = fit;
-    if (reflector.fit->patches.empty())
+    curved.push_back(&reflector);
+    parts.push_back(part_of(*scene, geometry, geometry.items[reflector.item]));
+    hashes.push_back(parts.back().hash);
+  }
+  patch_fits.want(hashes, [&](std::size_t i) { return std::move(parts[i]); });
+  for (std::size_t i = 0; i < curved.size(); ++i) {
+    Reflector& reflector = *curved[i];
+    reflector.fit = patch_fits.find(hashes[i]);
+    if (!reflector.fit) {
+      fitting += (fitting.empty() ? "'" : ", '") + reflector.name + "'";
+    } else if (reflector.fit->patches.empty()) {
       throw Error("--reflections bezier", "no patch fits '" + reflector.name + "': " + reflector.fit->why,
                   "correct the mesh, or use --reflections octree or raytraced");
+    }
   }
-  patch_fits = std::move(needed);
+  std::erase_if(reflectors, [](const Reflector& r) { return !r.patch && !r.plane && !r.fit; });
 }
 
 void Renderer::Impl::upload_reflectors() {
@@ -221,6 +230,14 @@ void Renderer::Impl::upload_reflectors() {
 
 /// What the fits are worth, for those who look at the plan.
 void Renderer::Impl::note_fits(FramePlan* plan) const {
+  if (!fitting.empty()) {
+    if (reflectors.empty()) {
+      std::erase_if(plan->left_out, [](const LeftOut& l) { return l.what == "reflections"; });
+      plan->left_out.push_back({"reflections", "their patches are not fitted yet"});
+    }
+    plan->left_out.push_back(
+        {"patch_fit", "patches are being fitted to " + fitting + ": " + percent(patch_fits.progress())});
+  }
   if (plan->reflections != "bezier") return;
   std::string good, bad;
   for (const Reflector& reflector : reflectors) {

@@ -10,15 +10,11 @@
 
 namespace maquette {
 
-namespace {
-
 std::string percent(double fraction) {
   char text[16];
   std::snprintf(text, sizeof text, "%.0f %%", std::floor(100.0 * fraction));
   return text;
 }
-
-}  // namespace
 
 const Material& Renderer::Impl::material_of_item(std::size_t item) const {
   static const Material kDefault;
@@ -221,6 +217,10 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   s.require_ready();
   s.update_facts(request.variant);
   s.update_reflectors(request);
+  if (s.patch_fits.busy()) {
+    s.patch_fits.wait();
+    s.update_reflectors(request);
+  }
   FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
   if (plan.visibility == "traced" || plan.reflections == "octree") {
     FramePlan now = plan;  // says what is missing: not what is wanted
@@ -248,6 +248,7 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   std::vector<BackgroundWork> work;
   if (impl_->visibility.busy()) work.push_back({"visibility", impl_->visibility.progress()});
   if (impl_->indirect.busy()) work.push_back({"indirect", impl_->indirect.progress()});
+  if (impl_->patch_fits.busy()) work.push_back({"patch_fit", impl_->patch_fits.progress()});
   if (impl_->octree.busy()) work.push_back({"octree", impl_->octree.progress()});
   if (impl_->octree.cells_busy()) work.push_back({"cell_brdfs", impl_->octree.cells_progress()});
   // So few paths are too noisy to be metered.

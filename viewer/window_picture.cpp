@@ -90,7 +90,12 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
   try {
     stats_ = session->renderer().render(request, accumulate);
     drawn_ = request;
-    drawn_msaa_ = session->state.msaa;
+    // Patches that are still being fitted may yet be refused.
+    const auto waits = [](const LeftOut& left_out) { return left_out.what == "patch_fit"; };
+    if (std::ranges::none_of(stats_->plan.left_out, waits)) {
+      sound_ = request;
+      sound_->msaa = session->state.msaa;
+    }
     note_times();
   } catch (const Error& error) {
     if (still_edges_.smooth()) {
@@ -101,18 +106,18 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
     }
     failed_ = true;
     session->add_message(MessageLevel::error, error.what());
-    if (stats_) go_back(session);
+    if (sound_) go_back(session);
   }
 }
 
 /// A mode, a setting or a choice of reflectors that cannot draw this scene: back to what could.
 void WindowPicture::go_back(WindowSession* session) {
   EditorState& state = session->state;
-  state.mode = drawn_.mode;
-  state.reflections = drawn_.reflections;
-  state.settings = drawn_.settings;
-  state.msaa = drawn_msaa_;
-  state.edits.reflectors = reflectors_of(drawn_);
+  state.mode = sound_->mode;
+  state.reflections = sound_->reflections;
+  state.settings = sound_->settings;
+  state.msaa = sound_->msaa;
+  state.edits.reflectors = reflectors_of(*sound_);
 }
 
 /// `move`: the frame went on with a move, at the size of the frame before.

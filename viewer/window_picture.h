@@ -60,7 +60,7 @@ class WindowPicture {
   std::vector<PassTime> smooth_passes_;
   FrameRequest drawn_;        ///< of the last frame
   FrameRequest last_wanted_;  ///< at full size and the samples a pixel of a move, to see whether anything moved
-  int drawn_msaa_ = 1;        ///< the state's when the last frame was drawn
+  std::optional<FrameRequest> sound_;  ///< the last that nothing refused, with the state's samples a pixel
   std::uint64_t last_revision_ = 0, last_paint_revision_ = 0;
   double last_change_s_ = -1e9;
   bool moving_ = false;

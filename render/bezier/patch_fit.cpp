@@ -225,17 +225,26 @@ void normalise(std::vector<glm::dvec2>* feet) {
   for (glm::dvec2& x : *feet) x = glm::clamp(2.0 * (x - low) / glm::max(high - low, 1e-12) - 1.0, -1.0, 1.0);
 }
 
-/// One patch through a cloud, from parameters in turns with the feet of its points. `tolerance`: of the cloud's size.
-LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, double tolerance, int turns = 60) {
+/// How close a fit is to be, in units of its cloud, and how long it may take.
+struct Aim {
+  double tolerance = 0.0;
+  const std::function<bool()>* stop = nullptr;
+  int turns = 60;
+};
+
+/// One patch through a cloud, from parameters in turns with the feet of its points.
+LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, const Aim& aim) {
   constexpr int kPatience = 8;
   constexpr double kBeyond = 1.05;  // the border of the patch may move outwards
+  const double tolerance = aim.tolerance;
   LocalFit best;
   normalise(&feet);
   std::vector<glm::dvec3> normals(feet.size(), glm::dvec3(0.0, 0.0, 1.0));
   std::vector<double> turn_weights(feet.size(), 0.0);
   Weights weights;
   int since = 0;
-  for (int turn = 0; turn < turns && since < kPatience; ++turn) {
+  for (int turn = 0; turn < aim.turns && since < kPatience; ++turn) {
+    if (turn > 0 && *aim.stop && (*aim.stop)()) break;
     const Surface s = solve(cloud, feet, normals, turn_weights, weights);
     std::vector<glm::dvec2> inside = feet;
     Distances d;
@@ -275,17 +284,17 @@ LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, double toler
 }
 
 /// From the parameters of the rectangle, or from the texture coordinates where these serve better.
-LocalFit fit_cloud(Cloud cloud, std::span<const glm::vec2> uvs, double tolerance_m) {
+LocalFit fit_cloud(Cloud cloud, std::span<const glm::vec2> uvs, const FitOptions& options) {
   std::vector<glm::dvec2> flat, textured;
   for (std::size_t n = 0; n < cloud.points.size(); ++n) {
     flat.emplace_back(cloud.points[n]);
     if (!uvs.empty()) textured.emplace_back(uvs[cloud.vertices[n]]);
   }
   LocalFit best;
-  const double tolerance = tolerance_m / cloud.scale;
-  if (!textured.empty()) best = fit_from(cloud, std::move(textured), tolerance);
-  if (best.feet.empty() || !(best.distances.largest < 1e-2 * tolerance)) {
-    LocalFit other = fit_from(cloud, std::move(flat), tolerance);
+  const Aim aim{options.tolerance_m / cloud.scale, &options.stop};
+  if (!textured.empty()) best = fit_from(cloud, std::move(textured), aim);
+  if (best.feet.empty() || !(best.distances.largest < 1e-2 * aim.tolerance)) {
+    LocalFit other = fit_from(cloud, std::move(flat), aim);
     if (best.feet.empty() || !(best.distances.misfit <= other.distances.misfit)) best = std::move(other);
   }
   best.distances.largest *= cloud.scale;
@@ -400,7 +409,8 @@ struct Fitter {
   std::span<const glm::vec3> positions, normals;
   std::span<const glm::vec2> uvs;
   std::span<const std::uint32_t> indices;
-  double tolerance_m;
+  const FitOptions& options;
+  std::size_t all_triangles, served = 0;  ///< that have their patch
 
   bool cloud_of(const std::vector<std::size_t>& triangles, Cloud* cloud) const {
     std::vector<std::uint32_t> used;
@@ -425,8 +435,8 @@ struct Fitter {
       feet.emplace_back(cloud.points[n]);
       if (!cloud.normals.empty()) thin.normals.push_back(cloud.normals[n]);
     }
-    return fit_from(thin, std::move(feet), tolerance_m / cloud.scale, kTurns).distances.misfit *
-           static_cast<double>(stride);
+    const Aim aim{options.tolerance_m / cloud.scale, &options.stop, kTurns};
+    return fit_from(thin, std::move(feet), aim).distances.misfit * static_cast<double>(stride);
   }
 
   /// Where two patches promise most.
@@ -446,16 +456,21 @@ struct Fitter {
   }
 
   /// The patches of a part: one, or those of two parts of it.
-  std::vector<LocalFit> fit(const std::vector<std::size_t>& triangles, std::size_t most) const {
+  std::vector<LocalFit> fit(const std::vector<std::size_t>& triangles, std::size_t most) {
     Cloud cloud;
     if (!cloud_of(triangles, &cloud)) return {};
     std::vector<LocalFit> one;
-    one.push_back(fit_cloud(std::move(cloud), uvs, tolerance_m));
+    one.push_back(fit_cloud(std::move(cloud), uvs, options));
     one[0].triangles = triangles;
     const double vertices = static_cast<double>(one[0].feet.size());
     // Normals that are off are worth another patch where they are many.
-    const bool good = one[0].distances.largest <= tolerance_m && one[0].distances.misfit < vertices;
-    if (good || most < 2 || triangles.size() < 2 * kLeastTriangles) return one;
+    const bool good = one[0].distances.largest <= options.tolerance_m && one[0].distances.misfit < vertices;
+    const bool stopped = options.stop && options.stop();
+    if (good || stopped || most < 2 || triangles.size() < 2 * kLeastTriangles) {
+      served += triangles.size();
+      if (options.report) options.report(static_cast<double>(served) / static_cast<double>(all_triangles));
+      return one;
+    }
     std::vector<LocalFit> parts;
     double misfit = 0.0, sum2 = 0.0;
     for (const auto& part : best_split(one[0].cloud, triangles)) {
@@ -467,7 +482,7 @@ struct Fitter {
       }
     }
     // Noise stays however small the parts are: then one smooth patch is the better mirror.
-    const bool nearer = one[0].distances.largest > tolerance_m && sum2 < 0.5 * one[0].distances.sum2;
+    const bool nearer = one[0].distances.largest > options.tolerance_m && sum2 < 0.5 * one[0].distances.sum2;
     const bool better = nearer || misfit < 0.5 * one[0].distances.misfit;
     return !parts.empty() && better ? std::move(parts) : std::move(one);
   }
@@ -484,7 +499,8 @@ std::string fit_text(const PatchFit& fit) {
 }
 
 PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
-                     std::span<const glm::vec2> uvs, std::span<const std::uint32_t> indices, double tolerance_m) {
+                     std::span<const glm::vec2> uvs, std::span<const std::uint32_t> indices,
+                     const FitOptions& options) {
   PatchFit out;
   out.triangles.resize(indices.size() / 3);
   std::vector<std::uint32_t> used;
@@ -496,8 +512,9 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
     numbers.push_back(t);
   }
   std::vector<LocalFit> fits;
+  Fitter fitter{positions, normals, uvs, used, options, numbers.size()};
   for (const std::vector<std::size_t>& sheet : find_sheets(positions, used)) {
-    std::vector<LocalFit> some = Fitter{positions, normals, uvs, used, tolerance_m}.fit(sheet, kMostPatchesASheet);
+    std::vector<LocalFit> some = fitter.fit(sheet, kMostPatchesASheet);
     std::move(some.begin(), some.end(), std::back_inserter(fits));
   }
   if (fits.empty()) {
@@ -520,7 +537,7 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
   }
   out.rms_m = std::sqrt(sum2 / count);
   out.normal_rad = most_of(&angles);
-  out.met = out.largest_m <= tolerance_m;
+  out.met = out.largest_m <= options.tolerance_m;
   return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <span>
@@ -37,6 +38,14 @@ struct PatchFit {
 
 constexpr double kFitTolerance_m = 2e-4;
 
+struct FitOptions {
+  double tolerance_m = kFitTolerance_m;
+  /// Asked while it works, from several threads; true ends the fit soon, with a result that means nothing.
+  std::function<bool()> stop = {};
+  /// Share of the triangles that have their patch, in [0, 1].
+  std::function<void(double)> report = {};
+};
+
 /// How many patches, how many of them exact, how far off.
 std::string fit_text(const PatchFit& fit);
 
@@ -50,7 +59,7 @@ std::string fit_text(const PatchFit& fit);
 /// distance minimization" (tangent distance, with a small share of the point distance).
 PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                      std::span<const glm::vec2> uvs, std::span<const std::uint32_t> indices,
-                     double tolerance_m = kFitTolerance_m);
+                     const FitOptions& options = {});
 
 /// The patches of a subdivision surface that the mesh shows as it is: regular faces exactly, what is left around other
 /// vertices by caps (scenes/subdivision_patches.h) that miss no vertex by more than the tolerance. Nothing where that

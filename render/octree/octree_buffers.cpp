@@ -36,7 +36,7 @@ OctreeBuffers::OctreeBuffers(const Octree& octree) {
   color_view_ = Texture::make_buffer("octree colours", GL_R32UI, colors_);
   triangle_view_ = Texture::make_buffer("octree triangles", GL_R32UI, triangles_);
   depth_ = std::max(octree.depth, 1);
-  cell_m_ = octree.side_m / std::exp2(static_cast<float>(std::max(octree.depth - octree.detail, 0)));
+  detail_ = std::min(octree.detail, octree.depth);
   grid_ = glm::vec4(octree.corner, std::exp2(static_cast<float>(depth_)) / octree.side_m);
 }
 
@@ -51,7 +51,7 @@ void OctreeBuffers::bind_triangles(unsigned unit) const { glBindTextureUnit(unit
 void OctreeBuffers::set_uniforms(const Program& program) const {
   glProgramUniform4f(program.get(), program.location("u_octree"), grid_.x, grid_.y, grid_.z, grid_.w);
   program.set("u_octree_depth", depth_);
-  program.set("u_octree_cell_m", cell_m_);
+  program.set("u_octree_detail", detail_);
 }
 
 }  // namespace maquette

@@ -22,8 +22,7 @@ class OctreeBuffers {
   Buffer words_, planes_, colors_, triangles_;
   Texture word_view_, plane_view_, color_view_, triangle_view_;
   glm::vec4 grid_{0.0f, 0.0f, 0.0f, 1.0f};
-  float cell_m_ = 1.0f;
-  int depth_ = 1;
+  int depth_ = 1, detail_ = 0;
 };
 
 }  // namespace maquette

@@ -46,6 +46,8 @@ constexpr double kOther = 0.04;
 /// Brightest over darkest colour, in stops; what is darker than kDark is black.
 constexpr double kStops = 0.6;
 constexpr float kDark = 0.02f;
+/// Share of a face that the surface's plane has in the cell without the surface, which ends there.
+constexpr double kOpen = 0.1;
 /// Of the cells of a brick one in so many is cut at most, so that a wrinkled scene does not fill the memory.
 constexpr std::size_t kSplitShare = 2;
 
@@ -66,7 +68,7 @@ class Builder {
       fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
                        glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
     }
-    constexpr double kAlgorithm = 5.0;  // raised when the same triangles give other nodes
+    constexpr double kAlgorithm = 6.0;  // raised when the same triangles give other nodes
     const double setup[] = {kAlgorithm, grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
     const int levels = 64 * (64 * grid.detail + grid.depth) + grid.rest_depth;
     setup_ = content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(levels));
@@ -282,17 +284,20 @@ class Builder {
     const auto largest =
         std::max_element(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.area < b.area; });
     double all = 0.0, same = 0.0;
-    glm::dvec3 normal(0.0);
+    glm::dvec3 normal(0.0), centroid(0.0);
     for (const OctreeFragment& f : pieces) {
       const auto area = static_cast<double>(f.area);
       all += area;
+      centroid += area * glm::dvec3(f.centroid);
       if (f.material == largest->material) same += area;
       // Both sides of a thin sheet stay together however fine cells are.
       normal += (glm::dot(f.normal, largest->normal) < 0.0f ? -area : area) * glm::dvec3(f.normal);
     }
     const double spread = 1.0 - glm::length(normal) / all;
-    return std::max(
-        {spread / kSpread, (1.0 - same / all) / kOther, contrast_of(pieces, corners, brick_lower) / kStops});
+    const double size = std::exp2(levels_ - pieces[0].level);
+    const double section = plane_section_area(normal, centroid / all, glm::dvec3(decode_morton(pieces[0].code)), size);
+    return std::max({spread / kSpread, (1.0 - same / all) / kOther, (section - all) / (kOpen * size * size),
+                     contrast_of(pieces, corners, brick_lower) / kStops});
   }
 
   /// Cuts the cells of `level` that hold much detail into their eight, those of the most first while there is room.

@@ -61,6 +61,25 @@ glm::dvec3 polygon_centroid(const ClipPolygon& polygon) {
   return weight > 0.0 ? sum / (3.0 * weight) : mean;
 }
 
+double plane_section_area(const glm::dvec3& normal, const glm::dvec3& point, const glm::dvec3& lower, double size) {
+  const glm::dvec3 steep = glm::abs(normal);
+  const int axis = steep.x > steep.y ? (steep.x > steep.z ? 0 : 2) : (steep.y > steep.z ? 1 : 2);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  // The plane over the face that it is closest to, less what is below and above the cube.
+  ClipPolygon section, above, inside, scratch;
+  section.count = 4;
+  for (int k = 0; k < 4; ++k) {
+    glm::dvec3& corner = section.corners[k];
+    corner[u] = lower[u] + (k == 1 || k == 2 ? size : 0.0);
+    corner[v] = lower[v] + (k >= 2 ? size : 0.0);
+    corner[axis] =
+        point[axis] - (normal[u] * (corner[u] - point[u]) + normal[v] * (corner[v] - point[v])) / normal[axis];
+  }
+  split_polygon(section, axis, lower[axis], &scratch, &above);
+  split_polygon(above, axis, lower[axis] + size, &inside, &scratch);
+  return glm::length(polygon_area_vector(inside));
+}
+
 void CellClipper::clip(const ClipPolygon& polygon, const glm::ivec3& lower, int level) const {
   ClipPolygon inside = polygon, scratch;
   const int size = 1 << (depth_ - level);

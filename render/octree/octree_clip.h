@@ -22,6 +22,9 @@ glm::dvec3 polygon_area_vector(const ClipPolygon& polygon);
 /// Centre of area; the mean of the corners where the area is 0.
 glm::dvec3 polygon_centroid(const ClipPolygon& polygon);
 
+/// Area that the plane through `point` has in the cube `lower`, `lower` + `size`; `normal`: of any length above 0.
+double plane_section_area(const glm::dvec3& normal, const glm::dvec3& point, const glm::dvec3& lower, double size);
+
 /// Cuts a polygon exactly along the cells of a regular subdivision and hands over the pieces with area.
 class CellClipper {
  public:

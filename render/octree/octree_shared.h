@@ -1,8 +1,11 @@
 #pragma once
 
 // shaders/shared/octree.glsl as C++: the very lines that the GPU compiles.
+#include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
+
+#include "render/octree/octree.h"
 
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN inline
@@ -25,4 +28,8 @@ inline uint octree_color_word(int node) { return octree_view.colors[node]; }
 #include "shared/cell_brdf.glsl"
 #include "shared/octree.glsl"
 #include "shared/octree_surface.glsl"
+
+inline OctreeFrame octree_frame(const Octree& octree) {
+  return {octree.corner, std::exp2(static_cast<float>(octree.depth)) / octree.side_m, octree.depth, octree.detail};
+}
 }  // namespace maquette::shared

@@ -104,7 +104,8 @@ void main() {
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
   int reflector = int(direction.w) - 1;
-  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * u_octree_cell_m, origin.w * u_frame.forward.w, spread_of(pixel, direction));
+  float even_cell_m = float(1 << u_octree_detail) / u_octree.w;
+  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * even_cell_m, origin.w * u_frame.forward.w, spread_of(pixel, direction));
   OctreeHit hit;
   OctreeColor color;
   int steps = 0, own = 0;

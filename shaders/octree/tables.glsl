@@ -3,10 +3,10 @@ layout(binding = 32) uniform usamplerBuffer t_octree;         // [node]
 layout(binding = 33) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
 uniform vec4 u_octree;     // corner (m), cells of the last level per metre
 uniform int u_octree_depth;
-uniform float u_octree_cell_m;  // of cells without much detail, which may be finer
+uniform int u_octree_detail;  // of its levels, those that only cells of much detail have
 
 uint octree_word(int node) { return texelFetch(t_octree, node).x; }
 uint octree_plane_word(int node) { return texelFetch(t_octree_planes, node).x; }
 #include "shared/octree.glsl"
 
-OctreeFrame octree_frame() { return OctreeFrame(u_octree.xyz, u_octree.w, u_octree_depth); }
+OctreeFrame octree_frame() { return OctreeFrame(u_octree.xyz, u_octree.w, u_octree_depth, u_octree_detail); }

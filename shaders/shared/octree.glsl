@@ -18,6 +18,8 @@
 const float kOctreeSlab = 0.05f;
 // A surface that keeps to a plane up to this (in cells) is stored as one.
 const float kOctreePlanar = 0.08f;
+// What is thinner (in cells without much detail) is as good as a plane, seen from the front.
+const float kOctreeThin = 0.25f;
 
 struct OctreePlane {
   vec3 normal;   // sum of the absolute components is 1; a small array of directions needs no unit vectors
@@ -104,6 +106,7 @@ struct OctreeFrame {
   vec3 corner;        // of the root, m
   float cells_per_m;  // of the last level
   int depth;          // at least 1
+  int detail;         // of its levels, those that only cells of much detail have
 };
 
 struct OctreeRay {
@@ -203,7 +206,9 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
         float goal = plane.planar ? 0.0f : clamp(a, low, high);
         float t_hit = clamp((goal - at_origin) / (abs(per_t) > 1.0e-20f ? per_t : 1.0e-20f), t, t_out);
         t_hit = !plane.planar && goal == a ? t : t_hit;
-        bool solid = min(a, b) <= high && max(a, b) >= low && (plane.planar || t_hit >= ray.t_box);
+        // Near where the ray starts a thick solid may be what it starts on; a thin one that it goes into is not.
+        bool thin = (high - low) * float(size) < kOctreeThin * float(1 << tree.detail) && per_t < 0.0f;
+        bool solid = min(a, b) <= high && max(a, b) >= low && (plane.planar || thin || t_hit >= ray.t_box);
         if (solid && t_hit < ray.t_max) {
           hit.t = t_hit;
           hit.node = node;

@@ -9,6 +9,9 @@ const float kOctreeSameSide = 0.5f;
 /// Of a normal that faces away more than this (cosine) the back is seen.
 const float kOctreeBack = 0.3f;
 
+/// What the mean of a cell that needed no cut counts by itself: those around may hold what lies hidden behind it.
+const float kOctreeOwn = 0.15f;
+
 struct OctreeNode {
   int node;  // -1: nothing is there
   int level;
@@ -61,10 +64,12 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   uint colors[8];
   vec3 normals[8];
   OctreeColor own = octree_unpack_color(octree_color_word(hit.node));
-  vec3 own_normal = octree_unpack_plane(hit.level == tree.depth ? octree_word(hit.node) : octree_plane_word(hit.node)).normal;
+  uint word = octree_word(hit.node);
+  vec3 own_normal = octree_unpack_plane(hit.level == tree.depth ? word : octree_plane_word(hit.node)).normal;
   own_normal = own_normal * (1.0f / sqrt(dot(own_normal, own_normal)));
-  // What faces away a little is the rim of what bends away, what faces away for good the back of a sheet.
-  own_normal = dot(own_normal, direction) > kOctreeBack ? vec3(0.0f) - own_normal : own_normal;
+  // A leaf that was not cut, as those of several materials are, is of its own: what the cells around hold of others may lie hidden behind it.
+  bool pure = hit.level < tree.depth && hit.level >= tree.depth - tree.detail && (word >> 24u) == 0u;
+  bool rim = dot(own_normal, direction) <= kOctreeBack;
   float of_own = 0.0f, most = 0.0f;
   int other = own.material;
   for (int k = 0; k < 8; ++k) {
@@ -77,21 +82,27 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
     if (at.node >= 0) {
       colors[k] = octree_color_word(at.node);
       vec3 n = octree_unpack_plane(at.level == tree.depth ? octree_word(at.node) : octree_plane_word(at.node)).normal;
-      normals[k] = n * ((dot(n, own_normal) < 0.0f ? -1.0f : 1.0f) / sqrt(dot(n, n)));
+      normals[k] = n * (1.0f / sqrt(dot(n, n)));
       weights[k] = w.x * w.y * w.z * (octree_unpack_color(colors[k]).coverage + 0.05f);
       int material = int(colors[k] & 4095u);
       if (material == own.material) {
         of_own += weights[k];
+        rim = rim || (dot(normals[k], direction) < 0.0f && dot(normals[k], own_normal) > kOctreeSameSide);
       } else if (weights[k] > most) {
         most = weights[k];
         other = material;
       }
     }
   }
+  // What faces away is the rim of what bends away, or, where nothing around faces the ray, the back of a sheet.
+  own_normal = rim ? own_normal : vec3(0.0f) - own_normal;
   float of_other = 0.0f;
-  for (int k = 0; k < 8; ++k) of_other += int(colors[k] & 4095u) == other ? weights[k] : 0.0f;
+  for (int k = 0; k < 8; ++k) {
+    normals[k] = dot(normals[k], own_normal) < 0.0f ? vec3(0.0f) - normals[k] : normals[k];
+    of_other += int(colors[k] & 4095u) == other ? weights[k] : 0.0f;
+  }
   OctreeSurface surface;
-  surface.material = other != own.material && of_other > of_own ? other : own.material;
+  surface.material = other != own.material && !pure && of_other > of_own ? other : own.material;
   // Where that is another material than the cell's own, the nearest cell of it says which side.
   vec3 side = own_normal;
   most = 0.0f;
@@ -100,9 +111,10 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
     most = nearer ? weights[k] : most;
     side = nearer ? normals[k] : side;
   }
-  vec3 normal = 1.0e-4f * side;
-  vec3 tint = 1.0e-4f * own.tint;
-  float sum = 1.0e-4f;
+  float least = pure ? kOctreeOwn : 1.0e-4f;
+  vec3 normal = least * side;
+  vec3 tint = least * own.tint;
+  float sum = least;
   for (int k = 0; k < 8; ++k) {
     bool counts = int(colors[k] & 4095u) == surface.material && dot(normals[k], side) > kOctreeSameSide;
     float weight = counts ? weights[k] : 0.0f;

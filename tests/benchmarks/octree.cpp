@@ -139,8 +139,7 @@ void measure_scene(Figures* figures, const std::string& name, const Scene& scene
   OctreeJob job = make_octree_job(scene, -1, kDepth);
   const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
   shared::octree_view = {octree.words.data(), octree.planes.data()};
-  const shared::OctreeFrame frame{octree.corner, std::exp2(static_cast<float>(octree.depth)) / octree.side_m,
-                                  octree.depth};
+  const shared::OctreeFrame frame = shared::octree_frame(octree);
   EmbreeRays embree(job);
   const Rays rays = shadow_rays(&embree, frame, eye);
   const OctreeBuffers buffers(octree);

@@ -57,8 +57,7 @@ TEST(OctreeOnGpu, WalksAsTheCpuDoes) {
   std::vector<HitRecord> hits(rays.size());
   out.read(0, hits.size() * sizeof(HitRecord), hits.data());
   shared::octree_view = {octree.words.data(), octree.planes.data()};
-  const shared::OctreeFrame frame{octree.corner, std::exp2(static_cast<float>(octree.depth)) / octree.side_m,
-                                  octree.depth};
+  const shared::OctreeFrame frame = shared::octree_frame(octree);
   int differ = 0, met = 0;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const RayRecord& r = rays[i];

@@ -158,7 +158,9 @@ Answer brute_force(const Octree& octree, const std::vector<Box>& boxes, const sh
       if (std::min(a, b) > high || std::max(a, b) < low) continue;
       if (!plane.planar) {
         if (a < low || a > high) in += ((a < low ? low : high) - a) / f1;
-        if (in < static_cast<double>(ray.t_box)) continue;
+        const double thickness = (plane.high - plane.low) * cell / (1 << octree.detail);
+        const bool thin = thickness < exact::kOctreeThin && f1 < 0.0;
+        if (in < static_cast<double>(ray.t_box) && !thin) continue;
       }
     }
     // Cells are met in the order of their entries.
@@ -167,11 +169,8 @@ Answer brute_force(const Octree& octree, const std::vector<Box>& boxes, const sh
   return best;
 }
 
-shared::OctreeFrame frame_of(const Octree& octree) {
-  return {octree.corner, static_cast<float>(std::exp2(octree.depth)) / octree.side_m, octree.depth};
-}
 exact::OctreeFrame exact_frame_of(const Octree& octree) {
-  return {octree.corner, std::exp2(octree.depth) / static_cast<double>(octree.side_m), octree.depth};
+  return {octree.corner, std::exp2(octree.depth) / static_cast<double>(octree.side_m), octree.depth, octree.detail};
 }
 exact::OctreeRay exact_ray(const shared::OctreeRay& r) {
   return {r.origin, r.direction, r.t_min, r.t_max, r.t_box, r.width, r.spread};
@@ -486,7 +485,7 @@ struct TraceCount {
 TraceCount compare_with_brute_force(const Octree& octree, int rays, unsigned seed, float t_box) {
   const std::vector<Box> boxes = leaf_boxes(octree);
   shared::octree_view = {octree.words.data(), octree.planes.data()};
-  const auto frame = frame_of(octree);
+  const auto frame = shared::octree_frame(octree);
   const auto exact_frame = exact_frame_of(octree);
   const double cells_per_m = std::exp2(octree.depth) / static_cast<double>(octree.side_m);
   TraceCount count;
@@ -592,10 +591,10 @@ TEST(OctreeSurface, InterpolatesNormals) {
     ray.origin = 3.0f * p;
     ray.direction = -p;
     ray.t_max = 10.0f;
-    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    const auto hit = shared::octree_trace(shared::octree_frame(octree), ray);
     ASSERT_GE(hit.node, 0);
     const glm::vec3 at = ray.origin + hit.t * ray.direction;
-    const auto surface = shared::octree_surface(frame_of(octree), hit, at, ray.direction);
+    const auto surface = shared::octree_surface(shared::octree_frame(octree), hit, at, ray.direction);
     const glm::vec3 mean = glm::normalize(shared::octree_unpack_plane(shared::octree_word(hit.node)).normal);
     EXPECT_NEAR(glm::length(surface.normal), 1.0f, 1e-5f);
     const double error = std::acos(std::min(1.0, static_cast<double>(glm::dot(surface.normal, glm::normalize(at)))));
@@ -620,10 +619,10 @@ TEST(OctreeSurface, BordersOfMaterialsRunThroughCells) {
     ray.origin = {u(random), 1.0f, u(random)};
     ray.direction = {0.0f, -1.0f, 0.0f};
     ray.t_max = 10.0f;
-    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    const auto hit = shared::octree_trace(shared::octree_frame(octree), ray);
     ASSERT_GE(hit.node, 0);
     const auto surface =
-        shared::octree_surface(frame_of(octree), hit, ray.origin + hit.t * ray.direction, ray.direction);
+        shared::octree_surface(shared::octree_frame(octree), hit, ray.origin + hit.t * ray.direction, ray.direction);
     const double beyond = static_cast<double>(ray.origin.x - 0.3f - 0.3f * ray.origin.z) / cell;
     const int expected = beyond > 0.0;
     const int of_cell = shared::octree_unpack_color(octree.colors[static_cast<std::size_t>(hit.node)]).material;
@@ -650,7 +649,7 @@ TEST(OctreeTrace, AClosedSurfaceHasNoGaps) {
     ray.direction = glm::normalize(glm::vec3(u(random), u(random), u(random)));
     ray.origin = 0.9f * glm::normalize(glm::vec3(u(random), u(random), u(random)));
     ray.t_max = 10.0f;
-    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    const auto hit = shared::octree_trace(shared::octree_frame(octree), ray);
     ASSERT_GE(hit.node, 0) << i;
     largest = std::max(largest, std::abs(static_cast<double>(glm::length(ray.origin + hit.t * ray.direction)) - 1.0));
   }
@@ -670,7 +669,7 @@ TEST(OctreeTrace, AWideConeStopsAtCoarseCells) {
   int last = 9;
   for (float spread : {0.0f, 0.005f, 0.02f, 0.08f}) {
     ray.spread = spread;
-    const auto hit = shared::octree_trace(frame_of(octree), ray);
+    const auto hit = shared::octree_trace(shared::octree_frame(octree), ray);
     ASSERT_GE(hit.node, 0);
     EXPECT_NEAR(hit.t, 4.0f, 0.2f);
     const float cell = octree.side_m / static_cast<float>(1 << hit.level);

@@ -31,7 +31,7 @@ struct TurnHistory {
 
 /// Base count of samples, and density of points along an axis, of a frame that goes on, over those of one from nothing.
 /// What stands still for an instant only is worth less.
-constexpr float kTurningSamples = 0.625f, kTurningDensity = 0.65f;
+constexpr float kTurningSamples = 0.5f, kTurningDensity = 0.65f;
 
 /// How the frame at hand goes on from the one before.
 struct Turn {

@@ -39,10 +39,10 @@ float light_weight(float cosine, float f_hat, float l, float inverse_integral, f
   return cosine * l * inverse_integral / max(strategy_sum(nl * l, nb * f_hat, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
 }
 
-/// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of many samples whole groups, because a
+/// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of several samples whole groups, because a
 /// group costs as much as a full one.
 int brdf_sample_count(Point p, int count) {
-  int group = count >= 8 * SAMPLE_GROUP ? SAMPLE_GROUP : 1;
+  int group = count >= 8 ? 4 : 1;
   int wanted = int(p.brdf_share * float(count / group) + 0.5) * group;
   return u_frame.environment.w > 0.0 ? clamp(wanted, group, count - group) : count;
 }

@@ -50,7 +50,7 @@ class Turning : public ::testing::Test {
   }
   /// The same count and density of points as frames have that go on.
   static FrameRequest as_while_turning(FrameRequest r) {
-    r.samples = 40;
+    r.samples = 32;
     r.settings.set_from_text("bandwidth.quality", "0.65");
     return r;
   }

@@ -410,7 +410,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.octree.cells()) stats.gpu_bytes["cell_brdfs"] = s.octree.cell_bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance)
-    stats.gpu_bytes["glass"] = s.irradiance.bytes() + (s.pane_order ? s.pane_order->indices.bytes() : 0);
+    stats.gpu_bytes["glass"] = s.irradiance.bytes() + (s.pane_order ? s.pane_order->indices.bytes() : 0) +
+                               (s.kept_panes ? s.kept_panes->layers.bytes() + s.kept_panes->heads.bytes() : 0);
   if (!plan.reflections.empty()) {
     stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
     s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);

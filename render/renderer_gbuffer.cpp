@@ -134,6 +134,7 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   drawn_sky.reset();
   keeps_surfaces = false;
   weights_levels = -1;
+  kept_panes.reset();
   for (auto& drawn : indirect_drawn) drawn.reset();
   FrameTargets& t = *targets;
   glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);

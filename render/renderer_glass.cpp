@@ -1,6 +1,8 @@
 // Panes and blended surfaces over the finished opaque picture.
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
 #include <span>
 
 #include "render/depth_order.h"
@@ -46,6 +48,7 @@ ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
            {"TEXTURES", kind.texture ? "1" : "0"},
            {"SURFACE", kind.surface ? "1" : "0"},
            {"PANE", kind.pane ? "1" : "0"},
+           {"RECORD", kind.record ? "1" : "0"},
            {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
 }
 
@@ -69,8 +72,49 @@ void Renderer::Impl::order_panes(const std::vector<std::size_t>& items) {
   if (!sorted.empty()) pane_order->indices = Buffer::from("panes from back to front", sorted);
 }
 
+bool Renderer::Impl::keep_panes(const FramePlan& plan, const FrameRequest& request,
+                                const std::vector<std::size_t>& items) {
+  // Layers are listed in the order of the fragments, which only a software device promises to keep.
+  if (!device.software || !keeps_surfaces || !plan.reflections.empty()) return false;
+  if (std::any_of(items.begin(), items.end(), [&](std::size_t i) { return pane_share(material_of_item(i)) < 1.0f; }))
+    return false;
+  if (kept_panes && kept_panes->visibility == plan.visibility) return kept_panes->complete;
+  constexpr std::size_t kLayerBytes = 48, kHeaderBytes = 16, kMostBytes = std::size_t{1} << 27;
+  const FrameTargets& t = *targets;
+  const std::size_t points = static_cast<std::size_t>(t.grid_width()) * static_cast<std::size_t>(t.grid_height());
+  kept_panes.emplace();
+  KeptPanes& kept = *kept_panes;
+  kept.visibility = plan.visibility;
+  kept.heads = Texture::make_2d("pane layers by point", GL_R32UI, t.grid_width(), t.grid_height());
+  kept.layers = Buffer("pane layers", std::min(kHeaderBytes + points * kLayerBytes, kMostBytes));
+  kept.layer_view = Texture::make_buffer("pane layers", GL_RGBA32UI, kept.layers);
+  const GLuint none[4] = {};
+  glClearTexImage(kept.heads.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, none);
+  glClearNamedBufferSubData(kept.layers.get(), GL_R32UI, 0, kHeaderBytes, GL_RED_INTEGER, GL_UNSIGNED_INT, none);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, kept.layers.get());
+  glBindImageTexture(1, kept.heads.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  raster_glass(plan, request, items, true);
+  std::uint32_t count = 0;
+  kept.layers.read(0, sizeof count, &count);
+  kept.complete = kHeaderBytes + count * kLayerBytes <= kept.layers.bytes();
+  return kept.complete;
+}
+
+void Renderer::Impl::draw_kept_panes(float rotation_rad) {
+  constexpr float kTurn_rad = 2.0f * std::numbers::pi_v<float>;
+  const FrameTargets& t = *targets;
+  const Program& program = programs.get({"glass/kept.comp", "", {}});
+  glBindTextureUnit(18, kept_panes->heads.get());
+  glBindTextureUnit(19, kept_panes->layer_view.get());
+  glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  program.set("u_turn", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
+  for (const bool sky : {false, true}) {
+    program.set("u_sky", sky ? 1 : 0);
+    dispatch_tiles(program, sky ? t.sky_tiles : t.surface_tiles, 6);
+  }
+}
+
 void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& request) {
-  FrameTargets& t = *targets;
   std::vector<std::size_t> items;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
     const Material& m = material_of_item(i);
@@ -82,6 +126,15 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
   std::stable_sort(items.begin(), items.end(), [&](std::size_t a, std::size_t b) {
     return squared_distance(buffers->bounds(a), eye) > squared_distance(buffers->bounds(b), eye);
   });
+  if (keep_panes(plan, request, items))
+    draw_kept_panes(request.env_rotation_rad);
+  else
+    raster_glass(plan, request, items, false);
+}
+
+void Renderer::Impl::raster_glass(const FramePlan& plan, const FrameRequest& request,
+                                  const std::vector<std::size_t>& items, bool record) {
+  FrameTargets& t = *targets;
   if (!irradiance) irradiance = make_irradiance(environment->environment());
   if (!glass_framebuffer) {
     GLuint name = 0;
@@ -96,7 +149,8 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
-  glEnable(GL_BLEND);
+  record ? glDisable(GL_BLEND) : glEnable(GL_BLEND);
+  if (record) glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ZERO, GL_ONE);  // alpha stays: 0 where only the sky is behind
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
@@ -113,7 +167,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
     const int texture =
         buffers->has_textures() ? buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))) : -1;
     const Program& program =
-        programs.get(glass_variant(plan, {texture >= 0, pane_share(m) < 1.0f, pane_share(m) > 0.0f}));
+        programs.get(glass_variant(plan, {texture >= 0, pane_share(m) < 1.0f, pane_share(m) > 0.0f, record}));
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     const float alpha = m.alpha_mode == AlphaMode::blend ? m.base_color.a : 1.0f;
@@ -136,6 +190,7 @@ void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& reque
   glVertexArrayElementBuffer(buffers->vertex_array(), buffers->indices());
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);

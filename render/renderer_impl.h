@@ -55,6 +55,14 @@ struct SurfaceKey {
   bool operator==(const SurfaceKey&) const = default;
 };
 
+/// What each grid point shows of panes, kept with the G-buffer (shaders/glass/kept.comp).
+struct KeptPanes {
+  std::string visibility;  ///< that it was recorded with
+  bool complete = false;   ///< false: there is more than fits, and panes are drawn as ever
+  Texture heads, layer_view;
+  Buffer layers;
+};
+
 /// All that the hits of the mirrored rays depend on.
 struct TracedKey {
   SurfaceKey surfaces;
@@ -137,7 +145,8 @@ struct Renderer::Impl {
   Texture irradiance;  ///< what a white Lambertian shows under the environment; made when something blends
   Texture near_terms;  ///< of the prediction: bandwidth of masks and near lights; [grid / 2]
   std::optional<PaneOrder> pane_order;
-  GlName<FramebufferTraits> glass_framebuffer;                      ///< the radiance image over the depth buffer
+  std::optional<KeptPanes> kept_panes;          ///< of the G-buffer in `targets`; empty: not recorded yet
+  GlName<FramebufferTraits> glass_framebuffer;  ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
   std::optional<Progressive> progressive;     ///< mode bandwidth, while pictures accumulate
@@ -299,6 +308,11 @@ struct Renderer::Impl {
   void draw_sky(const FramePlan& plan, const FrameRequest& request);
   const Texture& under_panes() const;  ///< the image that panes are drawn over
   void draw_glass(const FramePlan& plan, const FrameRequest& request);
+  /// Whether `kept_panes` holds all that the items show; recorded first where that is known to last.
+  bool keep_panes(const FramePlan& plan, const FrameRequest& request, const std::vector<std::size_t>& items);
+  void raster_glass(const FramePlan& plan, const FrameRequest& request, const std::vector<std::size_t>& items,
+                    bool record);
+  void draw_kept_panes(float rotation_rad);
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
   void dispatch_list(const Program& program, int count);
@@ -320,6 +334,7 @@ std::string visibility_define(const FramePlan& plan);
 /// What an item of draw_glass is made of.
 struct GlassKind {
   bool texture = false, surface = false, pane = false;
+  bool record = false;  ///< for KeptPanes
 };
 ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind);
 std::vector<ShaderVariant> reflection_shader_variants();

@@ -118,6 +118,7 @@ std::vector<ShaderVariant> all_shader_variants() {
           for (const GlassKind& kind :
                {GlassKind{textured, true, false}, {textured, false, true}, {textured, true, true}})
             variants.push_back(glass_variant(plan, kind));
+        if (k == 0 && plan.reflections.empty()) variants.push_back(glass_variant(plan, {textured, false, true, true}));
       }
       plan.reflections.clear();
       plan.visibility = k ? "baked" : "none";
@@ -138,7 +139,7 @@ std::vector<ShaderVariant> all_shader_variants() {
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/pyramid.comp",
         "bandwidth/measure.comp", "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp",
-        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+        "octree/trace_rays.comp", "shading/arguments.comp", "glass/kept.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0));
   variants.push_back(mark_variant(true, false, false, true));

@@ -4,6 +4,7 @@
 // TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. Known before, because
 // software devices run branches that no lane takes.
 // Blending is o_color + o_through * (what is there), so that items must come back to front.
+// RECORD: panes alone; nothing is drawn, but each point lists what it needs to be drawn under other light (glass/kept.comp).
 #include "shared/frame.glsl"
 #include "shared/latlong.glsl"
 #include "shared/rgb9e5.glsl"
@@ -32,8 +33,22 @@ in vec3 v_position;
 in vec3 v_normal;
 in vec2 v_uv;
 in float v_open;
+#if RECORD
+layout(early_fragment_tests) in;
+/// Number of the next layer behind or 0, where the unturned environment has what is mirrored (uv), its share, what is let through and added.
+struct Layer {
+  uvec4 behind_uv_share;
+  vec4 share_through, through_added;
+};
+layout(std430, binding = 1) buffer Layers {
+  uint b_count, b_unused[3];
+  Layer b_layers[];  // number 1 first
+};
+layout(binding = 1, r32ui) uniform uimage2D io_heads;
+#else
 layout(location = 0, index = 0) out vec4 o_color;
 layout(location = 0, index = 1) out vec4 o_through;
+#endif
 
 /// What a white Lambertian surface shows, in cd/m2.
 vec3 white_under_sky(vec3 n) {
@@ -87,12 +102,26 @@ void main() {
 #if SURFACE
   surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * v_open);
 #endif
+#if PANE
+  float c = dot(n, view);
+  vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
+#endif
+#if RECORD
+  uint number = atomicAdd(b_count, 1u) + 1u;
+  if (number > uint(b_layers.length())) return;  // the host sees the count
+  vec2 uv = latlong_uv_from_direction(reflect(-view, n));
+  vec3 share = vec3(red.x, green.x, blue.x) * v_open, through = vec3(red.y, green.y, blue.y) * u_pane.x;
+  uint behind = imageAtomicExchange(io_heads, ivec2(gl_FragCoord.xy), number);
+  Layer layer;
+  layer.behind_uv_share = uvec4(behind, floatBitsToUint(vec3(uv, share.r)));
+  layer.share_through = vec4(share.gb, through.rg);
+  layer.through_added = vec4(through.b, u_emission.rgb);
+  b_layers[number - 1u] = layer;
+#else
   o_color = vec4(surface * base.a, 0.0);
   o_through = vec4(vec3(1.0 - base.a), 1.0);
 #if PANE
   {
-    float c = dot(n, view);
-    vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
     vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
 #if REFLECTIONS
     vec4 scene = u_reflector >= 0 ? reflected_scene(false) : vec4(0.0);
@@ -124,5 +153,6 @@ void main() {
     o_color.rgb *= mark;
     o_through.rgb *= mark;
   }
+#endif
 #endif
 }

@@ -195,5 +195,65 @@ TEST_F(KeptGbuffer, FollowsTheVariantThroughSwaps) {
   EXPECT_EQ(first.data, picture().data);
 }
 
+/// Three wavy panes of other tints, each in front of a part of the one behind, over a wall that fills half of the view.
+std::shared_ptr<Scene> three_panes() {
+  auto scene = std::make_shared<Scene>();
+  scene->materials = {plain("wall", {0.6f, 0.3f, 0.2f, 1.0f})};
+  for (int k = 0; k < 4; ++k) {
+    if (k > 0) {
+      scene->materials.push_back(plain("pane", {0.4f + 0.2f * static_cast<float>(k), 0.9f, 0.7f, 1.0f}));
+      scene->materials.back().glass = true;
+      scene->materials.back().transmission = 1.0f;
+      scene->materials.back().ior = 1.5f;
+    }
+    Node node;
+    node.mesh = k;
+    scene->roots.push_back(k);
+    scene->nodes.push_back(node);
+    scene->meshes.emplace_back();
+    const float x = k == 0 ? -1.0f : -0.9f + 0.3f * static_cast<float>(k),
+                z = k == 0 ? -0.5f : 0.2f * static_cast<float>(k);
+    scene->meshes.back().primitives.push_back(make_sheet({x, -0.5f, z}, 12, k));
+  }
+  return scene;
+}
+
+TEST_F(KeptGbuffer, KeepsPanesThatShowWhatDrawnOnesShow) {
+  renderer_.set_scene(three_panes());
+  request_.mode = "uniform";
+  const auto compare = [&](bool kept) {
+    const FrameStats stats = renderer_.render(request_);
+    const Image picture = renderer_.read_radiance();
+    FrameRequest anew = request_;
+    anew.settings.set("shading.reuse", false);
+    const FrameStats full = renderer_.render(anew);
+    const Image drawn = renderer_.read_radiance();
+    if (kept) EXPECT_GT(stats.gpu_bytes.at("glass"), full.gpu_bytes.at("glass"));
+    double apart = 0.0;
+    for (std::size_t i = 0; i < drawn.data.size(); ++i)
+      apart = std::max(apart, std::abs(static_cast<double>(picture.data[i]) - drawn.data[i]) / (1.0 + drawn.data[i]));
+    EXPECT_LT(apart, 1e-5);
+  };
+  compare(false);
+  for (const float eye : {0.1f, 2.0f, -6.0f}) {  // the last two look along the panes, which cover themselves
+    request_.camera.eye.x = eye;
+    compare(false);
+    for (const float rotation : {0.0f, 0.7f, 2.0f}) {
+      request_.env_rotation_rad = rotation;
+      compare(true);
+    }
+  }
+  request_.env_scale = 3.0f;
+  compare(true);
+  request_.msaa = 4;
+  compare(false);
+  request_.env_scale = 2.0f;
+  compare(true);
+  renderer_.set_node_visible(2, false);
+  compare(false);
+  request_.env_rotation_rad = 1.0f;
+  compare(true);
+}
+
 }  // namespace
 }  // namespace maquette

@@ -72,19 +72,33 @@ void Renderer::Impl::order_panes(const std::vector<std::size_t>& items) {
   if (!sorted.empty()) pane_order->indices = Buffer::from("panes from back to front", sorted);
 }
 
-bool Renderer::Impl::keep_panes(const FramePlan& plan, const FrameRequest& request,
-                                const std::vector<std::size_t>& items) {
+std::vector<std::size_t> Renderer::Impl::glass_items() const {
+  std::vector<std::size_t> items;
+  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
+    const Material& m = material_of_item(i);
+    const bool drawn = buffers->visible(i) && (m.glass || m.alpha_mode == AlphaMode::blend || is_mirror(i));
+    if (drawn && may_be_seen(constants.clip_from_world, buffers->bounds(i))) items.push_back(i);
+  }
+  const glm::vec3 eye(constants.eye);
+  std::stable_sort(items.begin(), items.end(), [&](std::size_t a, std::size_t b) {
+    return squared_distance(buffers->bounds(a), eye) > squared_distance(buffers->bounds(b), eye);
+  });
+  return items;
+}
+
+bool Renderer::Impl::keep_panes(const FramePlan& plan, const FrameRequest& request) {
   // Layers are listed in the order of the fragments, which only a software device promises to keep.
-  if (!device.software || !keeps_surfaces || !plan.reflections.empty()) return false;
-  if (std::any_of(items.begin(), items.end(), [&](std::size_t i) { return pane_share(material_of_item(i)) < 1.0f; }))
-    return false;
+  if (!plan.glass || !device.software || !keeps_surfaces || !plan.reflections.empty()) return false;
   if (kept_panes && kept_panes->visibility == plan.visibility) return kept_panes->complete;
+  const std::vector<std::size_t> items = glass_items();
   constexpr std::size_t kLayerBytes = 48, kHeaderBytes = 16, kMostBytes = std::size_t{1} << 27;
   const FrameTargets& t = *targets;
   const std::size_t points = static_cast<std::size_t>(t.grid_width()) * static_cast<std::size_t>(t.grid_height());
   kept_panes.emplace();
   KeptPanes& kept = *kept_panes;
   kept.visibility = plan.visibility;
+  if (std::any_of(items.begin(), items.end(), [&](std::size_t i) { return pane_share(material_of_item(i)) < 1.0f; }))
+    return false;
   kept.heads = Texture::make_2d("pane layers by point", GL_R32UI, t.grid_width(), t.grid_height());
   kept.layers = Buffer("pane layers", std::min(kHeaderBytes + points * kLayerBytes, kMostBytes));
   kept.layer_view = Texture::make_buffer("pane layers", GL_RGBA32UI, kept.layers);
@@ -100,41 +114,17 @@ bool Renderer::Impl::keep_panes(const FramePlan& plan, const FrameRequest& reque
   return kept.complete;
 }
 
-void Renderer::Impl::draw_kept_panes(float rotation_rad) {
+void Renderer::Impl::bind_kept_panes(const Program& program, float rotation_rad) const {
   constexpr float kTurn_rad = 2.0f * std::numbers::pi_v<float>;
-  const FrameTargets& t = *targets;
-  const Program& program = programs.get({"glass/kept.comp", "", {}});
-  glBindTextureUnit(18, kept_panes->heads.get());
-  glBindTextureUnit(19, kept_panes->layer_view.get());
-  glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindTextureUnit(50, kept_panes->heads.get());
+  glBindTextureUnit(51, kept_panes->layer_view.get());
   program.set("u_turn", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
-  for (const bool sky : {false, true}) {
-    program.set("u_sky", sky ? 1 : 0);
-    dispatch_tiles(program, sky ? t.sky_tiles : t.surface_tiles, 6);
-  }
-}
-
-void Renderer::Impl::draw_glass(const FramePlan& plan, const FrameRequest& request) {
-  std::vector<std::size_t> items;
-  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
-    const Material& m = material_of_item(i);
-    const bool drawn = buffers->visible(i) && (m.glass || m.alpha_mode == AlphaMode::blend || is_mirror(i));
-    if (drawn && may_be_seen(constants.clip_from_world, buffers->bounds(i))) items.push_back(i);
-  }
-  if (items.empty()) return;
-  const glm::vec3 eye(constants.eye);
-  std::stable_sort(items.begin(), items.end(), [&](std::size_t a, std::size_t b) {
-    return squared_distance(buffers->bounds(a), eye) > squared_distance(buffers->bounds(b), eye);
-  });
-  if (keep_panes(plan, request, items))
-    draw_kept_panes(request.env_rotation_rad);
-  else
-    raster_glass(plan, request, items, false);
 }
 
 void Renderer::Impl::raster_glass(const FramePlan& plan, const FrameRequest& request,
                                   const std::vector<std::size_t>& items, bool record) {
   FrameTargets& t = *targets;
+  if (items.empty()) return;
   if (!irradiance) irradiance = make_irradiance(environment->environment());
   if (!glass_framebuffer) {
     GLuint name = 0;

@@ -55,7 +55,7 @@ struct SurfaceKey {
   bool operator==(const SurfaceKey&) const = default;
 };
 
-/// What each grid point shows of panes, kept with the G-buffer (shaders/glass/kept.comp).
+/// What each grid point shows of panes, kept with the G-buffer (shaders/glass/kept.glsl).
 struct KeptPanes {
   std::string visibility;  ///< that it was recorded with
   bool complete = false;   ///< false: there is more than fits, and panes are drawn as ever
@@ -305,14 +305,15 @@ struct Renderer::Impl {
   void add_indirect(const TileList& tiles, PassTimer* timer);
   void bind_indirect(const Program& program, const IndirectKey& key) const;
   void compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer);
-  void draw_sky(const FramePlan& plan, const FrameRequest& request);
+  void draw_sky(const FramePlan& plan, const FrameRequest& request, bool panes);
   const Texture& under_panes() const;  ///< the image that panes are drawn over
-  void draw_glass(const FramePlan& plan, const FrameRequest& request);
-  /// Whether `kept_panes` holds all that the items show; recorded first where that is known to last.
-  bool keep_panes(const FramePlan& plan, const FrameRequest& request, const std::vector<std::size_t>& items);
+  /// Panes, blended surfaces and mirrors in view, from back to front.
+  std::vector<std::size_t> glass_items() const;
+  /// Whether `kept_panes` holds all that is to be drawn; recorded first where that is known to last.
+  bool keep_panes(const FramePlan& plan, const FrameRequest& request);
   void raster_glass(const FramePlan& plan, const FrameRequest& request, const std::vector<std::size_t>& items,
                     bool record);
-  void draw_kept_panes(float rotation_rad);
+  void bind_kept_panes(const Program& program, float rotation_rad) const;
   void dispatch(const Program& program, int x, int y);
   /// As many groups as needed for `count` invocations of 64, folded as shaders/shading/linear_id.glsl unfolds them.
   void dispatch_list(const Program& program, int count);
@@ -331,7 +332,7 @@ std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);
-/// What an item of draw_glass is made of.
+/// What an item of raster_glass is made of.
 struct GlassKind {
   bool texture = false, surface = false, pane = false;
   bool record = false;  ///< for KeptPanes

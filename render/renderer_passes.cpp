@@ -63,12 +63,17 @@ ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, Fill
            {"KEPT", flag(step == FillStep::kept)}}};
 }
 
-/// `indirect`: how many bakes of indirect light the picture lies between.
-ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect) {
+/// `indirect`: how many bakes of indirect light the picture lies between. `panes`: of KeptPanes.
+ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect, bool panes) {
   return {"shading/compose.comp",
           "",
-          {{"STAGE", std::to_string(stage)}, {"TEXTURES", flag(textures)}, {"INDIRECT", std::to_string(indirect)}}};
+          {{"STAGE", std::to_string(stage)},
+           {"TEXTURES", flag(textures)},
+           {"INDIRECT", std::to_string(indirect)},
+           {"PANES", flag(panes)}}};
 }
+
+ShaderVariant sky_variant(bool panes) { return {"shading/sky.comp", "", {{"PANES", flag(panes)}}}; }
 
 ShaderVariant indirect_variant_of(bool measured) {
   return {"shading/indirect.comp", "", {{"MEASURED", flag(measured)}}};
@@ -98,7 +103,9 @@ std::vector<ShaderVariant> all_shader_variants() {
       for (int j = 0; j < 6; ++j)
         if (step != FillStep::find || (k == 0 && (j & 1) == 0))
           variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
-    for (int j = 0; j < 6; ++j) variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2)));
+    for (int j = 0; j < 12; ++j)
+      variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2 % 3), j / 6 == 1));
+    variants.push_back(sky_variant(k));
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
       plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
@@ -137,11 +144,11 @@ std::vector<ShaderVariant> all_shader_variants() {
   }
   variants.push_back({"present/present.frag", "present/present.vert", {}});
   for (const char* path :
-       {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "shading/sky.comp", "bandwidth/pyramid.comp",
-        "bandwidth/measure.comp", "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp",
-        "octree/trace_rays.comp", "shading/arguments.comp", "glass/kept.comp", "splitsum/shade.comp", "sg/shade.comp"})
+       {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
+        "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp", "octree/trace_rays.comp",
+        "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
-  variants.push_back(compose_variant(2, false, 0));
+  variants.push_back(compose_variant(2, false, 0, false));
   variants.push_back(mark_variant(true, false, false, true));
   for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
@@ -350,14 +357,16 @@ void Renderer::Impl::add_indirect(const TileList& tiles, PassTimer* timer) {
   }
 }
 
-void Renderer::Impl::draw_sky(const FramePlan& plan, const FrameRequest& request) {
+void Renderer::Impl::draw_sky(const FramePlan& plan, const FrameRequest& request, bool panes) {
   FrameTargets& t = *targets;
   const SkyKey key{request.env_rotation_rad, request.env_scale, composes_in_picture};
   if (!plan.glass && drawn_sky == key) return;
   drawn_sky.reset();
   if (!plan.glass) drawn_sky = key;  // panes are drawn over the very points
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  dispatch_tiles(programs.get({"shading/sky.comp", "", {}}), t.sky_tiles, 6);
+  const Program& program = programs.get(sky_variant(panes));
+  if (panes) bind_kept_panes(program, request.env_rotation_rad);
+  dispatch_tiles(program, t.sky_tiles, 6);
 }
 
 const Texture& Renderer::Impl::under_panes() const {
@@ -367,10 +376,12 @@ const Texture& Renderer::Impl::under_panes() const {
 void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
   composes_in_picture = t.side == 1 && (!plan.glass || blend >= 1.0f);
-  draw_sky(plan, request);
+  const bool kept = keep_panes(plan, request);
+  draw_sky(plan, request, kept);
   const std::size_t keys = plan.indirect == "baked" ? indirect.keys().size() : 0;
   const Program& complete = programs.get(
-      compose_variant(composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys));
+      compose_variant(composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys, kept));
+  if (kept) bind_kept_panes(complete, request.env_rotation_rad);
   if (composes_in_picture) {
     complete.set("u_blend", blend);
     glBindTextureUnit(24, t.radiance.get());
@@ -381,13 +392,13 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch_tiles(complete, t.surface_tiles, 6);
   timer->end("compose");
-  if (plan.glass) {
+  if (plan.glass && !kept) {
     if (!plan.reflections.empty()) reflect(plan, request, timer);
-    draw_glass(plan, request);
+    raster_glass(plan, request, glass_items(), false);
     timer->end("glass");
   }
   if (composes_in_picture) return;
-  const Program& filter = programs.get(compose_variant(2, false, 0));
+  const Program& filter = programs.get(compose_variant(2, false, 0, false));
   filter.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);

@@ -93,7 +93,12 @@ ShaderVariant reflected_mark_variant() {
 ShaderVariant reflected_compose_variant(bool layers) {
   return {"shading/compose.comp",
           "",
-          {{"REFLECTED", "1"}, {"STAGE", "1"}, {"TEXTURES", "0"}, {"INDIRECT", "0"}, {"LAYERS", flag(layers)}}};
+          {{"REFLECTED", "1"},
+           {"STAGE", "1"},
+           {"TEXTURES", "0"},
+           {"INDIRECT", "0"},
+           {"PANES", "0"},
+           {"LAYERS", flag(layers)}}};
 }
 
 ShaderVariant reflected_indirect_variant(bool measured) {

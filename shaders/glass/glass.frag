@@ -4,7 +4,7 @@
 // TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. Known before, because
 // software devices run branches that no lane takes.
 // Blending is o_color + o_through * (what is there), so that items must come back to front.
-// RECORD: panes alone; nothing is drawn, but each point lists what it needs to be drawn under other light (glass/kept.comp).
+// RECORD: panes alone; nothing is drawn, but each point lists what it needs to be drawn under other light (glass/kept.glsl).
 #include "shared/frame.glsl"
 #include "shared/latlong.glsl"
 #include "shared/rgb9e5.glsl"
@@ -109,11 +109,11 @@ void main() {
 #if RECORD
   uint number = atomicAdd(b_count, 1u) + 1u;
   if (number > uint(b_layers.length())) return;  // the host sees the count
-  vec2 uv = latlong_uv_from_direction(reflect(-view, n));
+  vec2 mirrored = latlong_uv_from_direction(reflect(-view, n));
   vec3 share = vec3(red.x, green.x, blue.x) * v_open, through = vec3(red.y, green.y, blue.y) * u_pane.x;
   uint behind = imageAtomicExchange(io_heads, ivec2(gl_FragCoord.xy), number);
   Layer layer;
-  layer.behind_uv_share = uvec4(behind, floatBitsToUint(vec3(uv, share.r)));
+  layer.behind_uv_share = uvec4(behind, floatBitsToUint(vec3(mirrored, share.r)));
   layer.share_through = vec4(share.gb, through.rg);
   layer.through_added = vec4(through.b, u_emission.rgb);
   b_layers[number - 1u] = layer;

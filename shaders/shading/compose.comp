@@ -2,7 +2,7 @@
 // With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
 // place, STAGE 2 filters all. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
 // what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of
-// other surfaces is added, of one bake or between two.
+// other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step.
 #include "shared/frame.glsl"
 #if STAGE == 2 || defined(REFLECTED)
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -26,6 +26,9 @@ layout(binding = 0, rgba32f) uniform image2D io_picture;
 uniform float u_blend;  // weight of this frame in the mean
 #endif
 
+#if PANES || defined(REFLECTED)
+#include "shading/environment_bilinear.glsl"
+#endif
 #if STAGE < 2
 #if TEXTURES
 #include "bandwidth/base_factor.glsl"
@@ -108,13 +111,18 @@ void main() {
   store_blended(pixel, sum / float(side * side));
 }
 #else
+#if PANES
+#include "glass/kept.glsl"
+#else
+vec3 through_panes(ivec2 pixel, vec3 behind) { return behind; }
+#endif
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0 || texelFetch(t_depth, pixel, 0).x <= 0.0) return;
 #if STAGE == 0
-  store_blended(pixel, vec4(complete(pixel, texelFetch(t_radiance, pixel, 0).rgb), 1.0));
+  store_blended(pixel, vec4(through_panes(pixel, complete(pixel, texelFetch(t_radiance, pixel, 0).rgb)), 1.0));
 #else
-  imageStore(io_radiance, pixel, vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0));
+  imageStore(io_radiance, pixel, vec4(through_panes(pixel, complete(pixel, imageLoad(io_radiance, pixel).rgb)), 1.0));
 #endif
 }
 #endif

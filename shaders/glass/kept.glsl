@@ -1,0 +1,20 @@
+// Panes while camera and surfaces rest: the layers that glass.frag recorded at each grid point, from front to back. Only what they mirror is
+// looked up anew. Needs frame, latlong, rgb9e5 and shading/environment_bilinear included before.
+layout(binding = 50) uniform usampler2D t_pane_heads;       // number of the nearest layer, 0 for none
+layout(binding = 51) uniform usamplerBuffer t_pane_layers;  // as in glass.frag, behind one texel
+uniform float u_turn;  // of the environment, in turns
+
+vec3 through_panes(ivec2 pixel, vec3 behind) {
+  vec3 sum = vec3(0.0), through = vec3(1.0);
+  for (uint layer = texelFetch(t_pane_heads, pixel, 0).x; layer != 0u;) {
+    int at = 3 * int(layer) - 2;
+    uvec4 first = texelFetch(t_pane_layers, at);
+    vec4 second = uintBitsToFloat(texelFetch(t_pane_layers, at + 1)), third = uintBitsToFloat(texelFetch(t_pane_layers, at + 2));
+    vec2 uv = vec2(fract(uintBitsToFloat(first.y) + u_turn), uintBitsToFloat(first.z));
+    vec3 mirrored = latlong_bilinear(uv, u_frame.environment_size.xy) * u_frame.environment.z;
+    sum += through * (vec3(uintBitsToFloat(first.w), second.xy) * mirrored + third.yzw);
+    through *= vec3(second.zw, third.x);
+    layer = first.x;
+  }
+  return sum + through * behind;
+}

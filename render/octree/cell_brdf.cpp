@@ -147,7 +147,36 @@ CellDirection::CellDirection(const glm::vec3& direction) : d(direction) {
   elevation = std::sqrt(std::clamp(1.0f - d.z, 0.0f, 1.0f)) * (kGrid - 1);
 }
 
-glm::mat3 cell_frame(const glm::vec3& normal) { return basis_of(glm::normalize(normal)); }
+glm::mat3 cell_frame(const glm::vec3& normal, const CellTurn& turn) {
+  const glm::mat3 f = basis_of(glm::normalize(normal));
+  const float angle = static_cast<float>(2.0 * kPi / (1 << CellTurn::kBits)) * static_cast<float>(turn.steps);
+  const float c = std::cos(angle), s = std::sin(angle), side = turn.mirrored ? -1.0f : 1.0f;
+  return {c * f[0] + s * f[1], side * (c * f[1] - s * f[0]), f[2]};
+}
+
+CellTurn find_cell_turn(std::span<const CellSample> samples, const glm::vec3& normal) {
+  const glm::dmat3 f(cell_frame(normal));
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  for (const CellSample& s : samples) {
+    const double x = glm::dot(s.normal, f[0]), y = glm::dot(s.normal, f[1]);
+    xx += s.area * x * x;
+    xy += s.area * x * y;
+    yy += s.area * y * y;
+  }
+  double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  const double c = std::cos(angle), sn = std::sin(angle);
+  double along = 0.0, across = 0.0;
+  for (const CellSample& s : samples) {
+    const double x = glm::dot(s.normal, f[0]), y = glm::dot(s.normal, f[1]);
+    const double t = c * x + sn * y, b = c * y - sn * x;
+    along += s.area * t * std::abs(t);
+    across += s.area * b * std::abs(b);
+  }
+  if (along < 0.0) angle += kPi;
+  constexpr int kSteps = 1 << CellTurn::kBits;
+  const auto steps = static_cast<int>(std::lround(angle / (2.0 * kPi) * kSteps));
+  return {static_cast<std::uint32_t>(steps & (kSteps - 1)), (along < 0.0) != (across < 0.0)};
+}
 
 CellMaterial::CellMaterial(const Material& material, std::shared_ptr<const BrdfTable> table)
     : material_(material), table_(std::move(table)), glows_(material.emissive != glm::vec3(0.0f) || material.unlit) {

@@ -22,8 +22,16 @@ namespace maquette {
 /// Frame, directions and pairs: shaders/shared/cell_brdf.glsl.
 inline constexpr int kCellBrdfDimension = 3 * 4851 + 98;
 
+/// How a cell's frame stands around its normal, so that cells that are bent alike have vectors that are alike.
+struct CellTurn {
+  static constexpr int kBits = 14;
+  std::uint32_t steps = 0;  ///< of a turn, 2^kBits
+  bool mirrored = false;    ///< the bitangent is turned over: BRDFs of isotropic materials do not tell
+
+  bool operator==(const CellTurn&) const = default;
+};
 /// Frame of a cell: columns tangent, bitangent, normal.
-glm::mat3 cell_frame(const glm::vec3& normal);
+glm::mat3 cell_frame(const glm::vec3& normal, const CellTurn& turn = {});
 
 /// A local direction with its place in the tables of CellMaterial::fast_brdf, which many pairs of directions share.
 struct CellDirection {
@@ -72,6 +80,9 @@ struct CellSample {
 /// Points of polygons, by area; `face`: area of a face of the cell. Positions in the polygons' own units.
 std::vector<CellSample> sample_polygons(std::span<const ClipPolygon* const> polygons, double face, int count,
                                         std::uint32_t seed);
+
+/// Along the way that the normals spread most, and towards the side where they spread farther, on both axes.
+CellTurn find_cell_turn(std::span<const CellSample> samples, const glm::vec3& normal);
 
 /// True when nothing of the cell is in the way from `position` along `direction` (world axes).
 using CellVisibility = std::function<bool(const CellSample& sample, const glm::vec3& direction)>;

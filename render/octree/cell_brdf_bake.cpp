@@ -29,7 +29,7 @@ constexpr double kListed = 0.03, kFitted = 0.35;
 /// A compression that loses more than this share of the light's energy in what is new is fitted again.
 double most_lost(double fit_loss) { return 2.0 * fit_loss + 0.01; }
 /// Raised when the vectors change for the same input.
-constexpr std::uint64_t kAlgorithm = 6;
+constexpr std::uint64_t kAlgorithm = 7;
 /// Samples of a cell whose normals (cosine: 0.03 rad) and colours differ by less share one BRDF.
 constexpr double kOneNormal = 0.99955;
 constexpr float kOneColor = 0.01f;
@@ -86,8 +86,12 @@ class BrickCells {
     return glm::normalize(shared::octree_unpack_plane(brick_.words[cell.node].plane).normal);
   }
 
-  /// The vector of one of them.
-  Eigen::VectorXf bake(const BrickCell& cell, const CellRays& rays, int samples) const {
+  /// The vector of one of them, in a frame of its own.
+  struct Baked {
+    Eigen::VectorXf vector;
+    CellTurn turn;
+  };
+  Baked bake(const BrickCell& cell, const CellRays& rays, int samples) const {
     std::vector<const ClipPolygon*> polygons;
     std::vector<CellReflectance> reflectance;
     for (std::size_t i = cell.begin; i < cell.end; ++i) polygons.push_back(&pieces_[i].polygon);
@@ -103,7 +107,9 @@ class BrickCells {
         if (d[axis] != 0.0f) reach = std::min(reach, ((d[axis] > 0.0f ? high : low)[axis] - from[axis]) / d[axis]);
       return rays.free(from, d, reach);
     };
-    return compute_cell_brdf(points, reflectance, cell_frame(normal(cell)), cell.planar ? CellVisibility{} : visible);
+    const CellTurn turn = find_cell_turn(points, normal(cell));
+    const glm::mat3 frame = cell_frame(normal(cell), turn);
+    return {compute_cell_brdf(points, reflectance, frame, cell.planar ? CellVisibility{} : visible), turn};
   }
   /// Samples of one material and colour whose normals are all but one share its BRDF: directions are 0.36 rad apart.
   /// `piece` becomes the group.
@@ -318,7 +324,7 @@ class Bake {
       std::size_t at = 0;
       for (std::size_t k = begins[b]; k < begins[b + 1] && !cancelled(); ++k) {
         while (cells.cells()[at].node != training.own[k].second) ++at;
-        vectors.col(static_cast<Eigen::Index>(k)) = cells.bake(cells.cells()[at], rays_, options_.samples);
+        vectors.col(static_cast<Eigen::Index>(k)) = cells.bake(cells.cells()[at], rays_, options_.samples).vector;
       }
       const std::lock_guard lock(mutex_);
       done += begins[b + 1] - begins[b];
@@ -398,16 +404,21 @@ class Bake {
     const auto compress = [&] {
       if (waiting.empty()) return;
       const auto codes = codes_of(vectors.leftCols(static_cast<Eigen::Index>(waiting.size())), false);
-      for (std::size_t i = 0; i < waiting.size(); ++i) brick.table[waiting[i]] = codes[i];
+      for (std::size_t i = 0; i < waiting.size(); ++i) {
+        const CellTurn turn = brick.table[waiting[i]].turn;
+        brick.table[waiting[i]] = codes[i];
+        brick.table[waiting[i]].turn = turn;
+      }
       waiting.clear();
     };
     for (const BrickCell& cell : cells.cells()) {
       if (cancelled()) break;
       auto index = static_cast<std::uint32_t>(brick.table.size());
       if (cell.own()) {
-        vectors.col(static_cast<Eigen::Index>(waiting.size())) = cells.bake(cell, rays_, options_.samples);
+        BrickCells::Baked baked_cell = cells.bake(cell, rays_, options_.samples);
+        vectors.col(static_cast<Eigen::Index>(waiting.size())) = baked_cell.vector;
         waiting.push_back(index);
-        brick.table.emplace_back();
+        brick.table.emplace_back().turn = baked_cell.turn;
         ++baked;
         if (waiting.size() == kAtOnce) compress();
       } else {

@@ -32,6 +32,7 @@ struct CellBrdfCode {
   std::uint32_t cluster = 0;
   std::array<float, 4> weights{};
   float scale = 0.0f;  ///< of the part that is light; areas have none
+  CellTurn turn;       ///< of the frame that all of it is in
   /// Of all flat cells with one material and colour: baked once.
   bool shared = false;
 };

@@ -19,8 +19,10 @@ std::uint64_t half4(const glm::vec4& v) { return glm::packHalf4x16(v); }
 CellBrdfBuffers::CellBrdfBuffers(const CellBrdfIndex& index, const LocalPca& pca) {
   std::vector<glm::uvec4> codes;
   for (const CellBrdfCode& c : index.table)
-    codes.emplace_back(c.cluster | (c.shared ? 0x80000000u : 0u), glm::packHalf2x16({c.weights[0], c.weights[1]}),
-                       glm::packHalf2x16({c.weights[2], c.weights[3]}), std::bit_cast<std::uint32_t>(c.scale));
+    codes.emplace_back(
+        c.cluster | c.turn.steps << 16 | (c.turn.mirrored ? 0x40000000u : 0u) | (c.shared ? 0x80000000u : 0u),
+        glm::packHalf2x16({c.weights[0], c.weights[1]}), glm::packHalf2x16({c.weights[2], c.weights[3]}),
+        std::bit_cast<std::uint32_t>(c.scale));
   if (codes.empty()) codes.emplace_back(0u);
   // Of each cluster and pair: mean and components side by side, so that one lookup is one line of memory.
   std::vector<std::uint64_t> pairs;

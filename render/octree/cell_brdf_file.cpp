@@ -11,8 +11,9 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree_brdf";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 constexpr std::size_t kWeights = 4;
+constexpr std::uint32_t kMirrored = 1u << CellTurn::kBits;  ///< bit of the turns
 
 bool has(const BakeFile& file, const std::string& name, const std::string& value) {
   const auto found = file.attributes.find(name);
@@ -41,7 +42,7 @@ void save_cell_brdf_file(const std::string& path, const CellBrdfs& brdfs, const 
   means.floats["value"], components.floats["value"];
   for (const char* name : {"code", "key_low", "key_high", "cells", "codes"}) bricks.integers[name];
   for (const char* name : {"node", "code"}) cells.integers[name];
-  for (const char* name : {"cluster", "shared"}) codes.integers[name];
+  for (const char* name : {"cluster", "shared", "turn"}) codes.integers[name];
   for (const char* name : {"w0", "w1", "w2", "w3", "scale"}) codes.floats[name];
   for (const auto& [code, brick] : brdfs.bricks) {
     bricks.integers["code"].push_back(code);
@@ -56,6 +57,7 @@ void save_cell_brdf_file(const std::string& path, const CellBrdfs& brdfs, const 
     for (const CellBrdfCode& c : brick.table) {
       codes.integers["cluster"].push_back(c.cluster);
       codes.integers["shared"].push_back(c.shared);
+      codes.integers["turn"].push_back(c.turn.steps | (c.turn.mirrored ? kMirrored : 0u));
       codes.floats["scale"].push_back(c.scale);
       for (std::size_t w = 0; w < kWeights; ++w) codes.floats["w" + std::to_string(w)].push_back(c.weights[w]);
     }
@@ -91,13 +93,15 @@ CellBrdfFile load_cell_brdf_file(const std::string& path) {
   const auto& codes = file.integers(path, "cells", "code");
   const auto& cluster = file.integers(path, "codes", "cluster");
   const auto& shared = file.integers(path, "codes", "shared");
+  const auto& turns = file.integers(path, "codes", "turn");
   const auto& scales = file.floats(path, "codes", "scale");
   std::array<const std::vector<float>*, kWeights> weights{};
   for (std::size_t w = 0; w < kWeights; ++w) {
     weights[w] = &file.floats(path, "codes", "w" + std::to_string(w));
     if (weights[w]->size() != cluster.size()) throw inconsistent;
   }
-  if (nodes.size() != codes.size() || shared.size() != cluster.size() || scales.size() != cluster.size())
+  if (nodes.size() != codes.size() || shared.size() != cluster.size() || scales.size() != cluster.size() ||
+      turns.size() != cluster.size())
     throw inconsistent;
   std::size_t cell = 0, code = 0;
   for (std::size_t b = 0; b < brick_codes.size(); ++b) {
@@ -114,6 +118,7 @@ CellBrdfFile load_cell_brdf_file(const std::string& path) {
       brick.table.push_back({cluster[code],
                              {(*weights[0])[code], (*weights[1])[code], (*weights[2])[code], (*weights[3])[code]},
                              scales[code],
+                             {turns[code] % kMirrored, (turns[code] & kMirrored) != 0u},
                              shared[code] != 0u});
     }
     out.brdfs.bricks.emplace(brick_codes[b], std::move(brick));

@@ -1,12 +1,14 @@
 // BRDFs of octree cells (render/octree/cell_brdf_buffers.h): their frames, what of them is seen, and their codes. Needs octree/tables.glsl.
 #include "shared/cell_brdf.glsl"
 layout(binding = 36) uniform usamplerBuffer t_cell_of_node;  // [node], code + 1, 0: none
-layout(binding = 37) uniform usamplerBuffer t_cell_codes;    // cluster (highest bit: shared by flat cells), four weights, scale
+layout(binding = 37) uniform usamplerBuffer t_cell_codes;    // cluster (16 bits) and turn (14 bits), mirrored, shared by flat cells; four weights, scale
 layout(binding = 38) uniform samplerBuffer t_cell_pairs;     // [cluster][pair][5]
 layout(binding = 39) uniform samplerBuffer t_cell_seen;      // [cluster][direction][5]
 
 struct CellCode {
   int cluster;
+  float turn;  // of the frame around the normal, rad
+  bool mirrored;
   bool flat_shared;
   vec4 weights;
   float scale;  // of light
@@ -14,7 +16,7 @@ struct CellCode {
 
 CellCode cell_code(int code) {
   uvec4 w = texelFetch(t_cell_codes, code);
-  return CellCode(int(w.x & 0x7fffffffu), (w.x >> 31u) != 0u, vec4(unpackHalf2x16(w.y), unpackHalf2x16(w.z)), uintBitsToFloat(w.w));
+  return CellCode(int(w.x & 0xffffu), float((w.x >> 16u) & 0x3fffu) * (6.28318531 / 16384.0), (w.x & 0x40000000u) != 0u, (w.x >> 31u) != 0u, vec4(unpackHalf2x16(w.y), unpackHalf2x16(w.z)), uintBitsToFloat(w.w));
 }
 
 OctreePlane cell_plane(int node, int level) {
@@ -24,9 +26,10 @@ OctreePlane cell_plane(int node, int level) {
 struct CellFrame {
   vec3 t, b, n;
 };
-CellFrame cell_frame(vec3 normal) {
-  vec3 n = normalize(normal), t = cell_tangent(n);
-  return CellFrame(t, cross(n, t), n);
+CellFrame cell_frame(CellCode code, vec3 normal) {
+  vec3 n = normalize(normal), t = cell_tangent(n), b = cross(n, t);
+  float c = cos(code.turn), s = sin(code.turn);
+  return CellFrame(c * t + s * b, (code.mirrored ? -1.0 : 1.0) * (c * b - s * t), n);
 }
 vec3 cell_from_world(CellFrame f, vec3 d) { return vec3(dot(f.t, d), dot(f.b, d), dot(f.n, d)); }
 

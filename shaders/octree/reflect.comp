@@ -132,7 +132,7 @@ void main() {
     CellCode code = cell_code(max(cell - 1, 0));
     if (cell > 0 && (u_all_cells != 0 || !code.flat_shared)) {
       OctreePlane plane = cell_plane(hit.node, hit.level);
-      float seen = cell_seen(code, cell_from_world(cell_frame(plane.normal), -direction.xyz));
+      float seen = cell_seen(code, cell_from_world(cell_frame(code, plane.normal), -direction.xyz));
       float outline = cell_outline(direction.xyz);
       // The walk has met the plane of a flat cell itself: nothing comes through there.
       float opacity = plane.planar || layer_count + 1 == kMaxLayers ? 1.0 : min(seen / outline, 1.0);

@@ -32,7 +32,7 @@ void main() {
   float t = uintBitsToFloat(layer.z), weight = uintBitsToFloat(layer.w);
   vec3 direction = view_ray(pixel);
   CellCode code = cell_code(int(texelFetch(t_cell_of_node, node).x) - 1);
-  CellFrame frame = cell_frame(cell_plane(node, level).normal);
+  CellFrame frame = cell_frame(code, cell_plane(node, level).normal);
   CellLookup view = cell_lookup(cell_from_world(frame, -direction));
   float cell_m = float(1 << (u_octree_depth - level)) / u_octree.w;
   vec3 inside = (view_origin(pixel) + (t + 1e-3 * cell_m) * direction - u_octree.xyz) / cell_m;

@@ -158,6 +158,42 @@ TEST(CellBrdf, AWhiteCellKeepsWhatItGets) {
   }
 }
 
+/// A bent, glossy cell, turned around its normal and mirrored: in its own frame it stays the same.
+TEST(CellBrdf, TheFrameTurnsWithTheCell) {
+  Material gloss;
+  gloss.metallic = 1.0f;
+  gloss.roughness = 0.3f;
+  const CellMaterial material(gloss);
+  const std::vector<CellReflectance> reflectance(24, material.brdf(glm::vec3(1.0f)));
+  const glm::vec3 up(0.0f, 1.0f, 0.0f);
+  Eigen::VectorXf first, first_plain;
+  double most = 0.0, most_plain = 0.0;
+  for (int k = 0; k < 16; ++k) {
+    std::vector<CellSample> samples;
+    const double angle = 0.4 * k, side = k & 1 ? -1.0 : 1.0;
+    for (int i = 0; i < 24; ++i) {  // a bow that bends farther to one side, and a little across
+      const double bend = -0.5 + 1.3 * i / 23.0, x = std::sin(bend), z = side * 0.2 * i / 23.0;
+      const glm::dvec3 n = glm::normalize(glm::dvec3(x, std::cos(bend), z));
+      samples.push_back(
+          {glm::dvec3(0.0),
+           {std::cos(angle) * n.x - std::sin(angle) * n.z, n.y, std::sin(angle) * n.x + std::cos(angle) * n.z},
+           1.0 / 24.0,
+           i});
+    }
+    const auto vector = [&](const CellTurn& turn) {
+      return compute_cell_brdf(samples, reflectance, cell_frame(up, turn), {});
+    };
+    const CellTurn turn = find_cell_turn(samples, up);
+    EXPECT_LT(turn.steps, 1u << CellTurn::kBits);
+    const Eigen::VectorXf own = vector(turn), plain = vector({});
+    if (k == 0) first = own, first_plain = plain;
+    most = std::max(most, static_cast<double>((own - first).norm() / first.norm()));
+    most_plain = std::max(most_plain, static_cast<double>((plain - first_plain).norm() / first_plain.norm()));
+  }
+  EXPECT_LT(most, 2e-3);
+  EXPECT_GT(most_plain, 0.2);
+}
+
 /// Against an eye far away that looks at the cell, for the T and for random cells of matte and glossy pieces.
 TEST(CellBrdf, IsWhatAnEyeFarAwaySees) {
   for (unsigned seed = 0; seed < 8; ++seed) {

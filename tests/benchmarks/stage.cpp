@@ -82,7 +82,9 @@ void Stage::show(const Case& c) {
   if (c.scene != case_.scene || c.plain != case_.plain) {
     auto scene = std::make_shared<Scene>(load_scene(c.scene));
     for (Material& m : scene->materials)
-      if (c.plain) m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture = {};
+      if (c.plain)
+        m.base_color_texture = m.metallic_roughness_texture = m.normal_texture = m.occlusion_texture =
+            m.emissive_texture = {};
     scene_ = scene;
     renderer_->set_scene(scene_);
     case_.material.clear();

@@ -19,6 +19,8 @@ std::string percent(double share) { return number(100.0 * share) + " %"; }
 /// Pairs of predicted and measured values.
 struct Pairs {
   std::vector<double> predicted, measured;
+  std::vector<double> marks;  ///< of a window: its noise over its variation; of a quad: its material
+  std::vector<glm::ivec2> places;
   std::size_t windows = 0;  ///< with those left out because noise hides their variation
   void append(const Pairs& other) {
     predicted.insert(predicted.end(), other.predicted.begin(), other.predicted.end());
@@ -92,6 +94,9 @@ std::vector<Definition> definitions() {
   d.push_back({"32 px, mean", plain, Pooling::mean});
   d.push_back({"32 px, energy-weighted", plain, Pooling::energy});
   d.push_back({"32 px, largest", plain, Pooling::largest});
+  test::LocalBandwidthOptions quadrature = plain;
+  quadrature.undo_window = test::UndoWindow::quadrature;
+  d.push_back({"32 px, energy-weighted, window undone in quadrature", quadrature, Pooling::energy});
   test::LocalBandwidthOptions root = plain;
   root.square_root = true;
   d.push_back({"32 px, mean, square root", root, Pooling::mean});
@@ -109,7 +114,7 @@ std::vector<Definition> definitions() {
 constexpr std::size_t kJudged = 2;  // index into definitions(): see docs/performance.md
 
 struct Views {
-  Image bandwidth, variance;
+  Image bandwidth, variance, material;
   std::vector<bool> smooth;
 };
 
@@ -119,8 +124,9 @@ Views predict(Stage& stage, int samples) {
   Views v;
   v.bandwidth = renderer.read_debug_view("bandwidth");
   v.variance = renderer.read_debug_view("variance");
-  v.smooth = test::smooth_surface_pixels(renderer.read_debug_view("depth"), renderer.read_debug_view("normal"),
-                                         renderer.read_debug_view("material"));
+  v.material = renderer.read_debug_view("material");
+  v.smooth =
+      test::smooth_surface_pixels(renderer.read_debug_view("depth"), renderer.read_debug_view("normal"), v.material);
   return v;
 }
 
@@ -132,6 +138,8 @@ Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Defi
     if (w.noise > 0.2) continue;  // too flat to have a bandwidth that could be measured
     pairs.predicted.push_back(pooled(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
     pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
+    pairs.marks.push_back(w.noise);
+    pairs.places.push_back({w.x, w.y});
   }
   return pairs;
 }
@@ -168,6 +176,8 @@ Pairs variance_pairs(Stage& stage, const Views& views, int samples, int seeds) {
       if (measured <= 0.0) continue;
       pairs.predicted.push_back(views.variance.at(x, y));
       pairs.measured.push_back(measured);
+      pairs.marks.push_back(views.material.at(x, y));
+      pairs.places.push_back({x, y});
     }
   }
   return pairs;
@@ -179,7 +189,8 @@ void write_pairs(const Stage& stage, const std::string& what, const Pairs& pairs
   for (const char c : name) path += c == '/' ? '-' : c;
   if (FILE* file = std::fopen((path + ".csv").c_str(), "w")) {
     for (std::size_t i = 0; i < pairs.predicted.size(); ++i)
-      std::fprintf(file, "%g,%g\n", pairs.predicted[i], pairs.measured[i]);
+      std::fprintf(file, "%g,%g,%g,%d,%d\n", pairs.predicted[i], pairs.measured[i], pairs.marks[i], pairs.places[i].x,
+                   pairs.places[i].y);
     std::fclose(file);
   }
 }
@@ -263,10 +274,9 @@ Figures measure_validation(Stage& stage) {
     if (!stage.options().wants(c.name)) continue;
     c.plain = true;  // light is what is interpolated, and what the prediction is of
     stage.show(c);
-    const Reference& reference = stage.reference();
     const Views views = predict(stage, kSamples);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const Pairs pairs = bandwidth_pairs(views, reference, all[i]);
+    for (std::size_t i = 0; i < all.size() && stage.options().reference_seconds > 0.0; ++i) {  // 0: variance alone
+      const Pairs pairs = bandwidth_pairs(views, stage.reference(), all[i]);
       sums[i].append(pairs);
       const double floor = test::measured_floor(all[i].options);
       std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), all[i].name,

@@ -60,11 +60,31 @@ std::vector<double> hann(int side) {
   return w;
 }
 
-double own_bandwidth(const LineSpectrum& spectrum, const std::vector<double>& w, double share) {
-  std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0);
-  spectrum.add(w.data(), w.data(), 1, &energy);
-  return spectrum.bandwidth(energy, share);
-}
+/// Bandwidth of a line without the window's own: what a wave of a quarter of the sampling rate reads above it, or what
+/// a constant reads.
+class WindowUndoer {
+ public:
+  WindowUndoer(const LineSpectrum& spectrum, const std::vector<double>& w, const LocalBandwidthOptions& options)
+      : undo_(options.undo_window) {
+    if (undo_ == UndoWindow::none) return;
+    const double frequency = undo_ == UndoWindow::wave ? 0.25 : 0.0;
+    std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0), line(w.size());
+    for (const double phase : {0.0, 0.5 * kPi}) {
+      for (std::size_t i = 0; i < w.size(); ++i)
+        line[i] = w[i] * std::cos(2.0 * kPi * frequency * static_cast<double>(i) + phase);
+      spectrum.add(line.data(), line.data(), 1, &energy);
+    }
+    own_ = spectrum.bandwidth(energy, options.energy) - frequency;
+  }
+  double operator()(double read) const {
+    return undo_ == UndoWindow::quadrature ? std::sqrt(std::max(read * read - own_ * own_, 0.0))
+                                           : std::max(read - own_, 0.0);
+  }
+
+ private:
+  UndoWindow undo_;
+  double own_ = 0.0;
+};
 
 /// Number of excluded pixels in any rectangle, from sums over all rectangles at the origin.
 class ExcludedCount {
@@ -114,12 +134,30 @@ std::vector<double> windowed(const Image& picture, int x0, int y0, const std::ve
 
 }  // namespace
 
-double window_bandwidth(const LocalBandwidthOptions& options) {
-  return own_bandwidth(LineSpectrum(options.window), hann(options.window), options.energy);
-}
-
 double measured_floor(const LocalBandwidthOptions& options) {
-  return (options.remove_mean ? 1.75 : 1.0) * window_bandwidth(options);
+  const int n = options.window;
+  const LineSpectrum spectrum(n);
+  const std::vector<double> w = hann(n);
+  const WindowUndoer undo(spectrum, w, options);
+  const double step = 0.05 / n;
+  const double longest = options.undo_window == UndoWindow::wave ? 3.0 / n : 0.5 / n;
+  double floor = 0.0;
+  for (double frequency = step; frequency < longest; frequency += step) {
+    for (double phase = 0.0; phase < kPi; phase += kPi / 16.0) {
+      Image wave(n, n, 4, 1.0f);
+      for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x)
+          for (int c = 0; c < 3; ++c)
+            wave.at(x, y, c) = static_cast<float>(2.0 + std::cos(2.0 * kPi * frequency * (x - 0.5 * (n - 1)) + phase));
+      const std::vector<double> line = windowed(wave, 0, 0, w, options);
+      std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0);
+      const auto middle = static_cast<std::size_t>(n / 2 * n);
+      spectrum.add(&line[middle], &line[middle], 1, &energy);
+      const double read = undo(spectrum.bandwidth(energy, options.energy));
+      if (options.undo_window != UndoWindow::wave || read > 1.02 * frequency) floor = std::max(floor, read);
+    }
+  }
+  return floor;
 }
 
 std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
@@ -129,7 +167,7 @@ std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image
   const ExcludedCount excluded(usable, a.width, a.height);
   const LineSpectrum spectrum(n);
   const std::vector<double> w = hann(n);
-  const double own = options.undo_window ? own_bandwidth(spectrum, w, options.energy) : 0.0;
+  const WindowUndoer undo(spectrum, w, options);
   std::vector<WindowBandwidth> result;
   for (int y0 = 0; y0 + n <= a.height; y0 += options.stride) {
     for (int x0 = 0; x0 + n <= a.width; x0 += options.stride) {
@@ -142,8 +180,7 @@ std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image
         spectrum.add(&va[column], &vb[column], n, &along_y);
       }
       const auto bandwidth = [&](const std::vector<double>& energy) {
-        const double nu = spectrum.bandwidth(energy, options.energy);
-        return std::sqrt(std::max(nu * nu - own * own, 0.0));
+        return undo(spectrum.bandwidth(energy, options.energy));
       };
       WindowBandwidth r{x0 + n / 2, y0 + n / 2, bandwidth(along_x), bandwidth(along_y), 0.0};
       double shared = 0.0, difference = 0.0;

@@ -6,6 +6,17 @@
 
 namespace maquette::test {
 
+/// How the spread of the window's own spectrum is taken out of what is read of a spectrum.
+enum class UndoWindow {
+  none,
+  /// nu^2 = read^2 - window^2: right for the second moment of a spectrum, and for wide ones. A wave reads 1.25 (at
+  /// three over the window's side) to 1.6 times (at one) its frequency.
+  quadrature,
+  /// nu = read - what a wave reads above its frequency: nothing that is limited to some bandwidth reads more than that,
+  /// a wave its frequency, wide spectra up to one over the window's side less.
+  wave,
+};
+
 /// How the local bandwidth of a picture is measured: a Hann window, the Fourier energy of the luminance in it.
 struct LocalBandwidthOptions {
   int window = 32;           ///< side, pixels
@@ -13,7 +24,7 @@ struct LocalBandwidthOptions {
   double energy = 0.95;      ///< share of the spectral energy within the bandwidth
   bool remove_mean = true;   ///< the constant (weighted by the window) is no variation
   bool square_root = false;  ///< of the luminance first: the eye's and the tone curve's compression
-  bool undo_window = true;   ///< subtract the window's own spread: nu^2 = measured^2 - window^2
+  UndoWindow undo_window = UndoWindow::wave;
 };
 
 struct WindowBandwidth {
@@ -29,10 +40,9 @@ struct WindowBandwidth {
 std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
                                                      const LocalBandwidthOptions& options);
 
-/// Bandwidth that the Hann window itself has by this measure, cycles/px: about one over its side.
-double window_bandwidth(const LocalBandwidthOptions& options);
-
-/// What the measure can still read, cycles/px: without their mean, waves longer than two windows measure up to this.
+/// What the measure can still read, cycles/px: the most that waves read which read more than 2 % above their frequency.
+/// Those are waves longer than a window, whose mean was taken out; what is undone in quadrature reads all waves too
+/// high, and its floor is the most that waves longer than two windows read.
 double measured_floor(const LocalBandwidthOptions& options);
 
 /// Pixels that show a surface and lie on no geometric edge: same material as their four neighbours, depth that

@@ -113,10 +113,15 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   r.energy.x += t * min(nu_l, nu_r);
   r.energy.y += t;
   // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. A term that the
-  // balance heuristic leaves mostly to the other strategy varies little. Samples of the lobe have half of its change in their density,
-  // and strata stretched by 1 / cos at grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
+  // balance heuristic leaves mostly to the other strategy varies little. Samples of an analytic lobe have all of its change in their
+  // density, those of a table half of it and strata stretched by 1 / cos at grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
   float stratum = inversesqrt(kPi * max(r.stratum_samples * pdf, 1e-6));
-  float change = is_brdf ? (nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05) : nu_l + nu_r;
+#if MEASURED
+  float of_lobe = (nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05);
+#else
+  float of_lobe = nu_l;
+#endif
+  float change = is_brdf ? of_lobe : nu_l + nu_r;
   float share = min(0.6 * own * change * stratum, 1.0);
   if (is_brdf) {
     r.energy.z += t;

@@ -59,7 +59,7 @@ void MaterialStore::reserve(std::size_t slots) {
   phi_ = grow("phi cells", phi_, capacity_ * kPhiTexels * sizeof(glm::vec2));
   albedo_ = grow("albedo", albedo_, capacity_ * kAlbedoCount * sizeof(float));
   bandwidth_ = grow("BRDF bandwidth", bandwidth_, capacity_ * 8100 * sizeof(float));
-  lobes_ = grow("BRDF lobes", lobes_, capacity_ * kAlbedoCount * 2 * sizeof(glm::vec4));
+  lobes_ = grow("BRDF lobes", lobes_, capacity_ * kAlbedoCount * 4 * sizeof(glm::vec4));
   word_view_ = Texture::make_buffer("BRDF tables", GL_R32UI, words_);
   lobe_view_ = Texture::make_buffer("BRDF lobes", GL_RGBA32F, lobes_);
   theta_view_ = Texture::make_buffer("theta cells", GL_RG32F, theta_);
@@ -85,11 +85,14 @@ int MaterialStore::slot_of(const std::string& source) {
   for (const glm::vec3& a : tables.albedo) albedo.push_back(0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z);
   albedo_.update(slot * kAlbedoCount * sizeof(float), albedo.size() * sizeof(float), albedo.data());
   bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
-  const std::vector<glm::vec3> directions = compute_lobe_directions(brdf, tables);
-  std::vector<glm::vec4> lobes;
-  for (std::size_t i = 0; i < directions.size(); ++i) {
-    lobes.emplace_back(tables.albedo[i], 0.0f);
-    lobes.emplace_back(directions[i], 0.0f);
+  const std::vector<BrdfLobe> rows = compute_lobes(brdf, tables);
+  const float roughness = mirror_roughness(rows);
+  std::vector<glm::vec4> lobes;  // as shaders/shading/lobes.glsl reads them
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    lobes.emplace_back(tables.albedo[i], roughness);
+    lobes.emplace_back(rows[i].direction, 0.0f);
+    lobes.emplace_back(rows[i].mirror_albedo, rows[i].mirror_half_angle_rad);
+    lobes.emplace_back(rows[i].mirror_direction, 0.0f);
   }
   lobes_.update(slot * lobes.size() * sizeof(glm::vec4), lobes.size() * sizeof(glm::vec4), lobes.data());
   Entry entry;
@@ -98,6 +101,7 @@ int MaterialStore::slot_of(const std::string& source) {
   entry.albedo = tables.albedo;
   entry.bandwidth_limit = *std::max_element(tables.bandwidth.begin(), tables.bandwidth.end());
   entry.lobe_sr = effective_solid_angle(tables, 12);
+  entry.roughness = roughness;
   entries_.push_back(std::move(entry));
   return static_cast<int>(slot);
 }

@@ -20,6 +20,8 @@ class MaterialStore {
   float brdf_share(int slot, float environment_sr) const;
   /// The largest local bandwidth of a table, cycles/rad.
   float bandwidth_limit(int slot) const { return entries_[static_cast<std::size_t>(slot)].bandwidth_limit; }
+  /// mirror_roughness of a table.
+  float roughness(int slot) const { return entries_[static_cast<std::size_t>(slot)].roughness; }
   /// Fitted when first asked for, from the table as the GPU has it: no file is read again.
   const GgxFit& ggx(int slot);
   const SgFit& sg(int slot);
@@ -39,6 +41,7 @@ class MaterialStore {
     std::string source;
     float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
     float bandwidth_limit = 0.0f;
+    float roughness = 1.0f;  ///< of what mirrors
     GgxFit ggx;
     SgFit sg;
     LobeBound bound;

@@ -29,9 +29,11 @@ class PassTimer {
   }
   /// Ends the pass that began at the last mark.
   void end(const std::string& name) {
-    names_.push_back(name);
+    names_.push_back(all_as_.empty() ? name : all_as_);
     mark();
   }
+  /// What ends from now on counts as this pass, whatever it calls itself; empty: no more.
+  void count_all_as(const std::string& name) { all_as_ = name; }
   std::vector<PassTime> finish();
 
  private:
@@ -54,6 +56,7 @@ class PassTimer {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
   }
   bool software_;
+  std::string all_as_;
   std::vector<std::string> names_;
   std::vector<std::chrono::steady_clock::time_point> times_;
   std::vector<double> cpu_ms_;

@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include <algorithm>
+
 #include "render/enclosure.h"
 #include "render/reflections/reflectors.h"
 #include "render/registry.h"
@@ -118,6 +120,38 @@ void decide_reflections(const SceneFacts& facts, const ViewInfo& view, FramePlan
   }
 }
 
+/// Mirrored light of other surfaces takes the place of what is baked of it, and fills what shadows leave black.
+void decide_glossy(const SceneFacts& facts, const Settings& settings, const ViewInfo& view, FramePlan* plan) {
+  const double roughness = settings.get_double("octree.glossy");
+  const bool known = view.glossy_in_view >= 0, none_wanted = roughness == 0.0 && view.glossy_in_view <= 0;
+  const bool any =
+      known ? view.glossy_in_view > 0 : roughness > 0.0 && static_cast<double>(facts.least_roughness) <= roughness;
+  std::string why;
+  if (plan->mode == "reference")
+    why = "mode reference follows the mirrored paths itself";
+  else if (view.reflections != "octree")
+    why = "only the reflector technique octree has cells for them";
+  else if (none_wanted)
+    why = "octree.glossy is 0, and no such part is named with --reflector";
+  else if (plan->mode != "uniform" && plan->mode != "bandwidth")
+    why = "mode " + plan->mode + " knows no shadows, so the sky shines where surfaces would be mirrored";
+  else if (settings.get_string("shading.indirect") == "none")
+    why = "shading.indirect is none";
+  else if (plan->visibility == "none")
+    why = "nothing shadows the sky, so it shines where surfaces would be mirrored";
+  else if (!any)
+    why = "no opaque surface in view is as smooth as octree.glossy asks";
+  if (!why.empty()) {
+    plan->left_out.push_back({"glossy", why});
+    return;
+  }
+  plan->glossy = true;
+  plan->passes.push_back({"glossy", (known ? std::to_string(view.glossy_in_view) + " glossy opaque surfaces may be seen"
+                                           : std::string("glossy opaque surfaces may be seen")) +
+                                        ": what they mirror of others is traced, " +
+                                        settings.get_string("reflections.resolution") + " resolution"});
+}
+
 void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Settings& settings, const ViewInfo& view) {
   if (view.width < 1 || view.height < 1)
     throw UsageError("--size", "a picture needs at least one pixel, not " + std::to_string(view.width) + "x" +
@@ -133,6 +167,11 @@ void check_request(const SceneFacts& facts, const TechniqueInfo& mode, const Set
 }
 
 }  // namespace
+
+float least_roughness(const Material& material) {
+  const float base = material.metallic_roughness_texture ? 0.0f : material.roughness;
+  return material.clearcoat > 0.0f ? std::min(base, material.clearcoat_roughness) : base;
+}
 
 SceneFacts compute_facts(const Scene& scene, int variant) {
   SceneFacts facts;
@@ -152,6 +191,9 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
     facts.has_sheen |= material.measured.empty() && material.sheen_color != glm::vec3(0.0f);
     facts.has_clearcoat |= material.measured.empty() && material.clearcoat > 0.0f;
     facts.has_emissive_meshes |= is_emissive(material);
+    if (!material.glass && material.alpha_mode != AlphaMode::blend)
+      facts.least_roughness =
+          std::min(facts.least_roughness, material.measured.empty() ? least_roughness(material) : 0.0f);
   }
   facts.reflector_count = count_reflectors(scene, variant);
   for (const Node& node : scene.nodes) {
@@ -197,6 +239,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
   if (!traced) mode.add_passes(facts, settings, view, &plan);
   if (plan.indirect == "baked")
     plan.passes.push_back({"indirect", "what sees no sky is lit by other surfaces: baked per vertex, all bounces"});
+  decide_glossy(facts, settings, view, &plan);
   if (!plan.reflections.empty()) find_reflector_technique(plan.reflections)->add_passes(facts, settings, view, &plan);
   if (plan.glass)
     plan.passes.push_back(
@@ -218,9 +261,11 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode_name, const Sett
     plan.passes.push_back({"octree", "shading.visibility is traced"});
   else if (plan.reflections == "octree")
     plan.passes.push_back({"octree", "the reflectors' rays go through it"});
+  else if (plan.glossy)
+    plan.passes.push_back({"octree", "the mirrored rays of glossy surfaces go through it"});
   else
     plan.left_out.push_back({"octree", "neither shading.visibility=traced nor a reflector technique asks for one"});
-  if (plan.reflections == "octree" && settings.get_string("octree.brdf") != "none")
+  if ((plan.reflections == "octree" || plan.glossy) && settings.get_string("octree.brdf") != "none")
     plan.passes.push_back({"cell_brdfs", "octree.brdf is " + settings.get_string("octree.brdf")});
   return plan;
 }

@@ -17,6 +17,7 @@ struct ViewInfo {
   int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
   int reflectors_in_view = -1;  ///< of them; -1: not known, all
   bool mirrors = false;         ///< some reflector is opaque
+  int glossy_in_view = -1;      ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
 };
 
 /// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
@@ -34,9 +35,12 @@ struct SceneFacts {
   bool has_punctual_lights = false;
   bool has_emissive_meshes = false;
   bool has_subdivision = false;
-  int reflector_count = 0;  ///< surfaces that the scene marks, or its panes when it marks none
-  bool enclosed = false;    ///< the eye region is closed in (decides shading.visibility = auto)
+  float least_roughness = 1e30f;  ///< of the opaque materials' lobes; 0: of a measured table, which may have any
+  int reflector_count = 0;        ///< surfaces that the scene marks, or its panes when it marks none
+  bool enclosed = false;          ///< the eye region is closed in (decides shading.visibility = auto)
 };
+/// Of the narrowest lobe of a material without a table; 0 where a texture may say anything.
+float least_roughness(const Material& material);
 SceneFacts compute_facts(const Scene& scene, int variant);
 
 struct PlannedPass {
@@ -58,6 +62,7 @@ struct FramePlan {
   bool glass = false;
   bool sheen = false, clearcoat = false;  ///< lobes that analytic materials may have
   std::string reflections;                ///< reflector technique, or empty
+  bool glossy = false;                    ///< opaque surfaces mirror too, through the octree
   int msaa = 1;
   std::vector<PlannedPass> passes;
   std::vector<LeftOut> left_out;

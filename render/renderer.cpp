@@ -309,6 +309,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.update_visibility(&plan);
   s.update_indirect(request, &plan);
   s.update_octree(request.settings, &plan);
+  s.update_glossy(&plan);
   plan.lights = plan.lights && s.lights;  // what glows may be too dim to count
   const bool bandwidth = plan.mode == "bandwidth";
   const int samples = default_samples(request), chunk = choose_chunk(request, samples);
@@ -320,6 +321,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.near_terms = Texture();
     s.drawn_surfaces.reset();
     s.traced.reset();
+    s.glossy_traced.reset();
     s.drawn_sky.reset();
     s.targets.emplace(make_frame_targets(request.width, request.height, side, bandwidth, plan.texture_bandwidth));
     s.progressive.reset();
@@ -374,6 +376,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (plan.indirect == "baked") s.add_indirect(tiles, &timer);
   ++s.accumulated;
   s.keep_reflections(request, &plan);
+  if (plan.glossy) s.reflect_glossy(plan, request, &timer);
   // Mode bandwidth averages its points, not its pictures: what was interpolated early leaves no trace.
   s.compose(plan, request, bandwidth ? 1.0f : 1.0f / static_cast<float>(s.accumulated), &timer);
   s.last_plan = plan;
@@ -412,6 +415,10 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.irradiance)
     stats.gpu_bytes["glass"] = s.irradiance.bytes() + (s.pane_order ? s.pane_order->indices.bytes() : 0) +
                                (s.kept_panes ? s.kept_panes->layers.bytes() + s.kept_panes->heads.bytes() : 0);
+  if (plan.glossy) {
+    stats.gpu_bytes["glossy"] = reflection_bytes(*s.glossy) + s.glossy_light.bytes() + s.glossy_tiles.tiles.bytes();
+    s.glossy_technique->add_counters(&stats.technique);
+  }
   if (!plan.reflections.empty()) {
     stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
     s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);

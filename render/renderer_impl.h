@@ -163,6 +163,7 @@ struct Renderer::Impl {
   bool reflectors_fitted = false;             ///< their curved meshes have patches
   PatchFitStore patch_fits;                   ///< of these
   std::string fitting;                        ///< names of reflectors that are left out until theirs are there
+  bool reflectors_glossy = false;             ///< those that are only glossy were let pass
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
   Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it
@@ -174,8 +175,15 @@ struct Renderer::Impl {
   std::optional<ReflectionTargets> ghost;   ///< the second image of panes, while it is drawn
   std::optional<ReflectionTargets> probes;  ///< the same of fewer rays, while some are not followed
   std::map<std::string, std::unique_ptr<ReflectorTechnique>> reflector_techniques;  ///< made when first drawn with
-  bool skips = false;                ///< some rays of this frame are not followed
-  std::optional<Skipping> skipping;  ///< while mirrored rays may be left out
+  bool skips = false;                       ///< some rays of this frame are not followed
+  std::optional<Skipping> skipping;         ///< while mirrored rays may be left out
+  std::optional<ReflectionTargets> glossy;  ///< what glossy opaque surfaces mirror, while they do
+  TileList glossy_tiles;                    ///< where there may be such
+  Texture glossy_light;                     ///< RGBA32F, cd/m2: what that changes at each point of the grid
+  std::unique_ptr<ReflectorTechnique> glossy_technique;
+  std::optional<TracedKey> glossy_traced;  ///< what the hits in `glossy` are of
+  bool glossy_kept = false;                ///< in this frame
+  int glossy_frames = 0;                   ///< whose light `glossy` holds the mean of
   FrameConstants constants{};
   ReferenceFrame reference;
   bool interactive = false;
@@ -262,7 +270,22 @@ struct Renderer::Impl {
   /// Opaque reflectors are drawn with the panes, not with the opaque surfaces.
   bool is_mirror(std::size_t item) const;
   void reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
-  enum class RayKind { all, some, ghost };  ///< `some`: only those that matter; `ghost`: mirrored by the back faces
+  /// `some`: only those that matter; `ghost`: mirrored by the back faces; `glossy`: by opaque surfaces.
+  enum class RayKind { all, some, ghost, glossy };
+  /// Makes them anew where they are not of the grid's size.
+  void fit_targets(int divisor, std::optional<ReflectionTargets>* reflected) const;
+  /// [item] opaque, and what of it mirrors is no rougher; mirrors that are reflectors too.
+  std::vector<bool> glossy_items(float roughness) const;
+  std::vector<std::size_t> named_glossy_items(const FrameRequest& request) const;
+  int glossy_in_view(const FrameRequest& request) const;
+  /// Drops the pass, and the plan says so, while what it needs is not there yet; frees what is not needed.
+  void update_glossy(FramePlan* plan);
+  void set_glossy(const Program& program, const FrameRequest& request) const;
+  /// Lists the tiles, and clears what passes over them leave out.
+  void find_glossy(const FrameRequest& request);
+  void cast_glossy_rays(const FrameRequest& request);
+  /// Fills `glossy_light`.
+  void reflect_glossy(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// One reflected picture, a point for `divisor` x `divisor` of the grid.
   void cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer);
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
@@ -273,6 +296,7 @@ struct Renderer::Impl {
   Image read_reflection(int channel) const;
   Image read_reflected_distances() const;  ///< m from the eye by way of the reflector, 0 for the sky
   Image read_ghost();                      ///< the second image alone
+  Image read_glossy() const;               ///< what their rays met, cd/m2; alpha 0 where none is
   Image read_skipped() const;              ///< 1 where the mirrored ray was not followed
   void draw_panes(ReflectionTargets* targets_of_panes);
   /// Bounds of what the panes mirror in this frame. False, and the plan says so, when every ray is to be followed.
@@ -339,5 +363,10 @@ struct GlassKind {
 };
 ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind);
 std::vector<ShaderVariant> reflection_shader_variants();
+ShaderVariant glossy_variant(bool measured, bool indirect);
+ShaderVariant glossy_rays_variant(bool measured);
+ShaderVariant glossy_tiles_variant(bool measured);
+/// Points of the grid along one side of a pixel of the reflected picture.
+int reflection_divisor(const Settings& settings);
 
 }  // namespace maquette

@@ -64,13 +64,14 @@ ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, Fill
 }
 
 /// `indirect`: how many bakes of indirect light the picture lies between. `panes`: of KeptPanes.
-ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect, bool panes) {
+ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect, bool panes, bool glossy) {
   return {"shading/compose.comp",
           "",
           {{"STAGE", std::to_string(stage)},
            {"TEXTURES", flag(textures)},
            {"INDIRECT", std::to_string(indirect)},
-           {"PANES", flag(panes)}}};
+           {"PANES", flag(panes)},
+           {"GLOSSY", flag(glossy)}}};
 }
 
 ShaderVariant sky_variant(bool panes) { return {"shading/sky.comp", "", {{"PANES", flag(panes)}}}; }
@@ -104,7 +105,8 @@ std::vector<ShaderVariant> all_shader_variants() {
         if (step != FillStep::find || (k == 0 && (j & 1) == 0))
           variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
     for (int j = 0; j < 12; ++j)
-      variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2 % 3), j / 6 == 1));
+      for (const bool glossy : {false, true})
+        variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2 % 3), j / 6 == 1, glossy));
     variants.push_back(sky_variant(k));
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
@@ -148,7 +150,7 @@ std::vector<ShaderVariant> all_shader_variants() {
         "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp", "octree/trace_rays.comp",
         "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
-  variants.push_back(compose_variant(2, false, 0, false));
+  variants.push_back(compose_variant(2, false, 0, false, false));
   variants.push_back(mark_variant(true, false, false, true));
   for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
@@ -379,8 +381,8 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   const bool kept = keep_panes(plan, request);
   draw_sky(plan, request, kept);
   const std::size_t keys = plan.indirect == "baked" ? indirect.keys().size() : 0;
-  const Program& complete = programs.get(
-      compose_variant(composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys, kept));
+  const Program& complete = programs.get(compose_variant(
+      composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys, kept, plan.glossy));
   if (kept) bind_kept_panes(complete, request.env_rotation_rad);
   if (composes_in_picture) {
     complete.set("u_blend", blend);
@@ -389,6 +391,7 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   for (std::size_t k = 0; k < keys; ++k)
     glBindTextureUnit(static_cast<GLuint>(18 + k), t.indirect[indirect.keys()[k].serial & 1u].get());
   if (keys == 2) complete.set("u_later", indirect.blend());
+  if (plan.glossy) glBindTextureUnit(54, glossy_light.get());
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch_tiles(complete, t.surface_tiles, 6);
   timer->end("compose");
@@ -398,7 +401,7 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
     timer->end("glass");
   }
   if (composes_in_picture) return;
-  const Program& filter = programs.get(compose_variant(2, false, 0, false));
+  const Program& filter = programs.get(compose_variant(2, false, 0, false, false));
   filter.set("u_blend", blend);
   glBindTextureUnit(24, t.radiance.get());
   glBindImageTexture(0, t.picture.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);

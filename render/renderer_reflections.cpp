@@ -61,11 +61,6 @@ PatchFitPart part_of(const Scene& scene, const FlatGeometry& geometry, const Dra
 
 std::string fit_line(const Reflector& reflector) { return "'" + reflector.name + "': " + fit_text(*reflector.fit); }
 
-int divisor_of(const Settings& settings) {
-  const std::string& resolution = settings.get_string("reflections.resolution");
-  return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
-}
-
 ShaderVariant rays_variant(bool skip, bool ghost) {
   return {"reflections/rays.comp", "", {{"SKIP", flag(skip)}, {"GHOST", flag(ghost)}}};
 }
@@ -90,7 +85,7 @@ ShaderVariant reflected_mark_variant() {
   return {"bandwidth/mark.comp", "", {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}, {"TEXTURES", "0"}}};
 }
 
-ShaderVariant reflected_compose_variant(bool layers) {
+ShaderVariant reflected_compose_variant(bool layers, bool glossy) {
   return {"shading/compose.comp",
           "",
           {{"REFLECTED", "1"},
@@ -98,7 +93,8 @@ ShaderVariant reflected_compose_variant(bool layers) {
            {"TEXTURES", "0"},
            {"INDIRECT", "0"},
            {"PANES", "0"},
-           {"LAYERS", flag(layers)}}};
+           {"LAYERS", flag(layers)},
+           {"GLOSSY", flag(glossy)}}};
 }
 
 ShaderVariant reflected_indirect_variant(bool measured) {
@@ -107,20 +103,21 @@ ShaderVariant reflected_indirect_variant(bool measured) {
 
 }  // namespace
 
+int reflection_divisor(const Settings& settings) {
+  const std::string& resolution = settings.get_string("reflections.resolution");
+  return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
+}
+
 std::vector<ShaderVariant> reflection_shader_variants() {
   std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
                                       rays_variant(false, false),
                                       rays_variant(true, false),
                                       rays_variant(false, true),
                                       {"reflections/cover.frag", "reflections/cover.vert", {}},
-                                      octree_reflect_variant(false),
-                                      octree_reflect_variant(true),
                                       shade_cells_variant(false),
                                       shade_cells_variant(true),
                                       {"splitsum/shade.comp", "", {{"REFLECTED", "1"}}},
                                       {"sg/shade.comp", "", {{"REFLECTED", "1"}}},
-                                      reflected_compose_variant(false),
-                                      reflected_compose_variant(true),
                                       reflected_mark_variant()};
   for (const char* visibility : {"none", "baked", "traced"}) {
     for (int k = 0; k < 4; ++k) {
@@ -132,8 +129,17 @@ std::vector<ShaderVariant> reflection_shader_variants() {
   }
   for (const auto& more : {bezier_shader_variants(), triangle_shader_variants(), nearest_hits_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
-  for (int k = 0; k < 4; ++k) variants.push_back(reflected_resolve_variant(k & 1, k & 2));
-  for (int k = 0; k < 2; ++k) variants.push_back(reflected_indirect_variant(k));
+  for (int k = 0; k < 4; ++k) {
+    variants.push_back(reflected_resolve_variant(k & 1, k & 2));
+    variants.push_back(reflected_compose_variant(k & 1, k & 2));
+    variants.push_back(octree_reflect_variant(k & 1, k & 2));
+    variants.push_back(glossy_variant(k & 1, k & 2));
+  }
+  for (int k = 0; k < 2; ++k) {
+    variants.push_back(reflected_indirect_variant(k));
+    variants.push_back(glossy_rays_variant(k));
+    variants.push_back(glossy_tiles_variant(k));
+  }
   return variants;
 }
 
@@ -153,17 +159,22 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
   const bool fits = request.reflections == "bezier" && request.mode != "reference";  // which has no use for them
   if (!fits) patch_fits.cancel();
   if (fits && patch_fits.update()) ++epoch;
-  if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors && reflectors_fitted == fits) return;
+  const bool glossy_too = request.reflections == "octree";
+  if (reflectors_epoch == epoch + 1 && reflectors_named == request.reflectors && reflectors_fitted == fits &&
+      reflectors_glossy == glossy_too)
+    return;
   std::vector<const Material*> item_materials;
   for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) item_materials.push_back(&material_of_item(i));
   forget_reflectors();  // what is refused below is refused in every frame
-  reflectors = find_reflectors(*scene, buffers->geometry(), item_materials, request.reflectors);
+  reflectors = find_reflectors(*scene, buffers->geometry(), item_materials, request.reflectors,
+                               glossy_too ? glossy_items(kMostGlossyRoughness) : std::vector<bool>());
   drawn_surfaces.reset();
   if (fits) fit_reflectors();
   upload_reflectors();
   reflectors_named = request.reflectors;
   reflectors_epoch = epoch + 1;
   reflectors_fitted = fits;
+  reflectors_glossy = glossy_too;
 }
 
 void Renderer::Impl::fit_reflectors() {
@@ -378,7 +389,7 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
 }
 
 void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
-  const int divisor = divisor_of(request.settings);
+  const int divisor = reflection_divisor(request.settings);
   if (skips) {
     std::swap(reflection, probes);
     reflect_at(divisor * kProbeSpacing, RayKind::all, plan, request, timer);
@@ -442,12 +453,16 @@ void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTi
   timer->end("panes");
 }
 
+void Renderer::Impl::fit_targets(int divisor, std::optional<ReflectionTargets>* reflected) const {
+  const int width = targets->grid_width(), height = targets->grid_height();
+  if (!*reflected || (*reflected)->divisor != divisor || (*reflected)->width != groups(width, divisor) ||
+      (*reflected)->height != groups(height, divisor))
+    reflected->emplace(make_reflection_targets(width, height, divisor));
+}
+
 void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request,
                                 PassTimer* timer) {
-  FrameTargets& f = *targets;
-  if (!reflection || reflection->divisor != divisor || reflection->width != groups(f.grid_width(), divisor) ||
-      reflection->height != groups(f.grid_height(), divisor))
-    reflection.emplace(make_reflection_targets(f.grid_width(), f.grid_height(), divisor));
+  fit_targets(divisor, &reflection);
   ReflectionTargets& t = *reflection;
   FrameConstants small = constants;
   small.size = glm::ivec4(t.width, t.height, 1, 0);
@@ -458,14 +473,17 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   reflection_block.update(0, sizeof small, &small);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, reflection_block.get());
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, reflector_block.get());
-  if (!reflections_kept) cast_rays(kind, request, timer);
+  const bool is_glossy = kind == RayKind::glossy, kept = is_glossy ? glossy_kept : reflections_kept;
+  if (!kept && !is_glossy) cast_rays(kind, request, timer);
   glBindTextureUnit(49, t.ray_origin.get());
   glBindTextureUnit(50, t.ray_direction.get());
 
   std::vector<bool> occluding = transmitting_items();
   occluding.flip();
-  std::unique_ptr<ReflectorTechnique>& technique = reflector_techniques[plan.reflections];
-  if (!technique) technique = find_reflector_implementation(plan.reflections).make();
+  std::unique_ptr<ReflectorTechnique>& technique =
+      is_glossy ? glossy_technique : reflector_techniques[plan.reflections];
+  if (!technique)
+    technique = is_glossy ? make_glossy_reflections() : find_reflector_implementation(plan.reflections).make();
   std::vector<GhostReach> reach(kMaxReflectors);
   if (kind == RayKind::ghost) ghost_reach.read(0, ghost_reach.bytes(), reach.data());
   std::vector<FitReach> fits(kMaxPatches);
@@ -484,8 +502,8 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
                               &t,
                               &programs,
                               timer};
-  if (!reflections_kept) technique->trace(frame);
-  if (!reflections_kept && !technique->resolves()) {
+  if (!kept) technique->trace(frame);
+  if (!kept && !technique->resolves()) {
     glBindTextureUnit(0, t.triangle.get());
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
@@ -507,7 +525,12 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   }
   const bool layers = technique->shade_layers(frame, shading.visibility == "traced",
                                               find_lookup_mode(plan.mode) ? kLookupLayerSamples : samples);
-  dispatch(programs.get(reflected_compose_variant(layers)), groups(t.width, 8), groups(t.height, 8));
+  const Program& complete = programs.get(reflected_compose_variant(layers, is_glossy));
+  if (is_glossy) {
+    complete.set("u_blend", 1.0f / static_cast<float>(glossy_frames));
+    glBindImageTexture(1, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  }
+  dispatch(complete, groups(t.width, 8), groups(t.height, 8));
   timer->end("reflected shade");
 }
 

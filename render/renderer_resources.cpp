@@ -70,6 +70,7 @@ ViewInfo Renderer::Impl::view_info(const FrameRequest& request) const {
   view.reflections = request.reflections;
   view.reflectors = static_cast<int>(reflectors.size());
   view.reflectors_in_view = reflectors_in_view(request);
+  view.glossy_in_view = glossy_in_view(request);
   for (const Reflector& reflector : reflectors) view.mirrors = view.mirrors || reflector.mirror;
   return view;
 }
@@ -148,7 +149,7 @@ void Renderer::Impl::update_indirect(const FrameRequest& request, FramePlan* pla
 
 void Renderer::Impl::update_cell_brdfs(const Settings& settings, const std::function<OctreeJob()>& make_octree,
                                        FramePlan* plan) {
-  const bool wanted = plan->reflections == "octree" && settings.get_string("octree.brdf") != "none";
+  const bool wanted = (plan->reflections == "octree" || plan->glossy) && settings.get_string("octree.brdf") != "none";
   const auto make_job = [&] {
     CellBrdfJob job;
     job.octree = make_octree();
@@ -163,7 +164,7 @@ void Renderer::Impl::update_cell_brdfs(const Settings& settings, const std::func
 }
 
 void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
-  if (plan->visibility != "traced" && plan->reflections != "octree") {
+  if (plan->visibility != "traced" && plan->reflections != "octree" && !plan->glossy) {
     octree.clear();
     return;
   }
@@ -222,7 +223,7 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
     s.update_reflectors(request);
   }
   FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
-  if (plan.visibility == "traced" || plan.reflections == "octree") {
+  if (plan.visibility == "traced" || plan.reflections == "octree" || plan.glossy) {
     FramePlan now = plan;  // says what is missing: not what is wanted
     s.update_octree(request.settings, &now);
     for (int round = 0; round < 2; ++round) {  // the cells' BRDFs start when the octree is there

@@ -36,7 +36,7 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, distance, skipped } from;
+  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, distance, skipped, glossy } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -59,6 +59,7 @@ constexpr ViewSource kViews[] = {
     {"reflection_root", ViewSource::effort, 1},
     {"reflection_doubt", ViewSource::doubt, 0},
     {"rays_skipped", ViewSource::skipped, 0},
+    {"glossy", ViewSource::glossy, 0},
 };
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
@@ -127,6 +128,18 @@ Image Renderer::Impl::read_ghost() {
   return image;
 }
 
+Image Renderer::Impl::read_glossy() const {
+  if (!last_plan.glossy)
+    throw Error("--view", "no opaque surface mirrors the scene here; the plan says why",
+                "add --reflections octree, and see left_out of --stats");
+  const auto met = read_texture<float>(glossy->mean, GL_RGBA, GL_FLOAT, 4);
+  const auto direction = read_texture<float>(glossy->ray_direction, GL_RGBA, GL_FLOAT, 4);
+  Image image(glossy->width, glossy->height, 4);
+  for (std::size_t i = 0; i < met.size(); ++i)
+    image.data[i] = i % 4 == 3 ? (direction[i] > 0.0f ? 1.0f : 0.0f) : met[i];
+  return image;
+}
+
 Image Renderer::Impl::read_skipped() const {
   Image image = read_reflection(-1);
   const auto direction = read_texture<float>(reflection->ray_direction, GL_RGBA, GL_FLOAT, 4);
@@ -151,6 +164,7 @@ Image Renderer::read_debug_view(const std::string& name) const {
   if (view->from == ViewSource::effort) return impl_->read_reflection(view->channel);
   if (view->from == ViewSource::distance) return impl_->read_reflected_distances();
   if (view->from == ViewSource::skipped) return impl_->read_skipped();
+  if (view->from == ViewSource::glossy) return impl_->read_glossy();
   const int w = t.grid_width(), h = t.grid_height();
   Image image(w, h, 4);
   const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);
@@ -204,7 +218,8 @@ Image Renderer::read_debug_view(const std::string& name) const {
 }
 
 Image debug_view_picture(const Image& values, const std::string& name) {
-  if (name == "reflection" || name == "ghost") return tone_map(at_mean_grey(values), 0.0f, "pbr-neutral");
+  if (name == "reflection" || name == "ghost" || name == "glossy")
+    return tone_map(at_mean_grey(values), 0.0f, "pbr-neutral");
   if (name != "normal" && name != "base_color") return false_color_image(values);
   Image picture = values;
   for (std::size_t i = 0; i < picture.data.size(); ++i) {

@@ -16,6 +16,8 @@ class OctreeBuffers {
   void bind_triangles(unsigned unit) const;
   /// Sets the grid in a program that includes the tables.
   void set_uniforms(const Program& program) const;
+  /// Width of cells without much detail.
+  float cell_m() const { return static_cast<float>(1 << detail_) / grid_.w; }
   std::size_t bytes() const { return words_.bytes() + planes_.bytes() + colors_.bytes() + triangles_.bytes(); }
 
  private:

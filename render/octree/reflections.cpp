@@ -14,12 +14,16 @@ int groups(int count, int size) { return (count + size - 1) / size; }
 
 class OctreeReflections : public ReflectorTechnique {
  public:
+  explicit OctreeReflections(bool glossy) : glossy_(glossy) {}
   void trace(const ReflectionFrame& frame) override {
     assert(frame.octree);
     ReflectionTargets& t = *frame.targets;
-    const Program& program = frame.programs->get(octree_reflect_variant(frame.cells != nullptr));
+    const Program& program = frame.programs->get(octree_reflect_variant(frame.cells != nullptr, glossy_));
     frame.octree->set_uniforms(program);
-    set_mirrors(frame, program);
+    if (glossy_)
+      glBindTextureUnit(54, t.focus.get());
+    else
+      set_mirrors(frame, program);
     frame.octree->bind_triangles(57);
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
@@ -59,7 +63,8 @@ class OctreeReflections : public ReflectorTechnique {
   void add_counters(std::map<std::string, double>* counters) const override {
     unsigned values[3];
     counters_.read(0, sizeof values, values);
-    (*counters)["rays"] = values[0];
+    (*counters)[glossy_ ? "glossy_rays" : "rays"] = values[0];
+    if (glossy_) return;
     (*counters)["octree_steps"] = values[1];
     if (layers_) (*counters)["cell_layers"] = values[2];
   }
@@ -95,6 +100,7 @@ class OctreeReflections : public ReflectorTechnique {
     glProgramUniform3fv(program.get(), program.location("u_own_low"), kCount, &low[0].x);
     glProgramUniform3fv(program.get(), program.location("u_own_high"), kCount, &high[0].x);
   }
+  bool glossy_;
   Buffer counters_ = Buffer("octree counters", 3 * sizeof(unsigned));
   Buffer layers_;
   unsigned layer_capacity_ = 0, layer_count_ = 0;
@@ -102,12 +108,15 @@ class OctreeReflections : public ReflectorTechnique {
 
 }  // namespace
 
-ShaderVariant octree_reflect_variant(bool cells) { return {"octree/reflect.comp", "", {{"CELLS", cells ? "1" : "0"}}}; }
+ShaderVariant octree_reflect_variant(bool cells, bool glossy) {
+  return {"octree/reflect.comp", "", {{"CELLS", cells ? "1" : "0"}, {"GLOSSY", glossy ? "1" : "0"}}};
+}
 
 ShaderVariant shade_cells_variant(bool traced) {
   return {"octree/shade_cells.comp", "", {{"VISIBILITY", traced ? "2" : "0"}}};
 }
 
-std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(); }
+std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(false); }
+std::unique_ptr<ReflectorTechnique> make_glossy_reflections() { return std::make_unique<OctreeReflections>(true); }
 
 }  // namespace maquette

@@ -34,6 +34,13 @@ TechniqueInfo octree_technique() {
        .help = "cells with a BRDF of their own, transparency included: none; mixed: those of several materials or not "
                "flat; all: the flat ones too, at the 98 directions of a cell instead of their material's own lobes",
        .choices = {"none", "mixed", "all"}},
+      {.name = "octree.glossy",
+       .default_value = 0.2,
+       .min = 0.0,
+       .max = 0.5,
+       .help =
+           "opaque surfaces up to this roughness mirror too, what a cone as wide as their lobe meets in the octree, "
+           "where the sky has shadows; 0: none but those named with --reflector"},
       {.name = "octree.interest",
        .default_value = std::string(),
        .help = "what gets cells of octree.depth, two levels coarser elsewhere: names of nodes and boxes "

@@ -91,7 +91,7 @@ bool can_mirror(const Material& material) {
 
 std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& geometry,
                                        const std::vector<const Material*>& materials,
-                                       const std::vector<std::string>& names) {
+                                       const std::vector<std::string>& names, const std::vector<bool>& glossy) {
   check_names(scene, names);
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   const bool marks = marks_reflectors(scene);
@@ -104,7 +104,10 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
     const bool named = std::find(names.begin(), names.end(), node.name) != names.end();
     if (names.empty() ? !reflects_unnamed(scene, node, marks, materials[i]->glass) : !named) continue;
     if (!can_mirror(*materials[i])) {
-      if (named) dull.emplace(node.name, materials[i]);
+      if (named && !glossy.empty() && glossy[i])
+        mirrored.insert(node.name);
+      else if (named)
+        dull.emplace(node.name, materials[i]);
       continue;
     }
     mirrored.insert(node.name);
@@ -113,8 +116,11 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
   // The frame of a pane need not mirror, but something of what is named has to.
   for (const auto& [name, material] : dull)
     if (!mirrored.contains(name))
-      throw Error("--reflector " + name, "its material '" + material->name + "' is neither glass nor a smooth metal",
-                  "name a pane or a mirror, or give it --material " + material->name + "=builtin:glass");
+      throw Error("--reflector " + name,
+                  "its material '" + material->name + "' is neither glass nor a smooth metal" +
+                      (glossy.empty() ? "" : " nor glossy"),
+                  "name a pane or a mirror (with --reflections octree, anything glossy), or give it --material " +
+                      material->name + "=builtin:glass");
   if (found.size() > kMaxReflectors)
     throw Error("--reflections",
                 std::to_string(found.size()) + " reflectors are more than the " + std::to_string(kMaxReflectors) +

@@ -31,14 +31,17 @@ struct Reflector {
 constexpr std::size_t kMaxReflectors = 16;
 /// And at most so many patches of them all; in the same file.
 constexpr std::size_t kMaxPatches = 128;
+/// Named opaque surfaces mirror up to this roughness; shaders/reflections/glossy.glsl has the same number.
+constexpr float kMostGlossyRoughness = 0.5f;
 
 /// The reflectors of the scene: patches and nodes marked so; all panes of a scene that marks none; or, when `names` is
 /// not empty, the nodes named so.
-/// `materials[i]` is the material of item i. Throws Error for a name that is not in the scene, for a node that is
-/// neither glass nor a smooth metal, and for too many of them.
+/// `materials[i]` is the material of item i. `glossy[i]`: it may be named although it is neither, as the technique
+/// draws it where it stands (shaders/reflections/glossy.glsl); empty: none may. Throws Error for a name that is not in
+/// the scene, for a node that is nothing of all this, and for too many of them.
 std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& geometry,
                                        const std::vector<const Material*>& materials,
-                                       const std::vector<std::string>& names);
+                                       const std::vector<std::string>& names, const std::vector<bool>& glossy = {});
 
 /// Whether anything of the scene that is shown is marked as a reflector.
 bool marks_reflectors(const Scene& scene);

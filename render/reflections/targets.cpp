@@ -31,8 +31,9 @@ ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int d
 
 std::size_t reflection_bytes(const ReflectionTargets& t) {
   std::size_t sum = 0;
-  for (const Texture* texture : {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort,
-                                 &t.focus, &t.doubt, &t.surface, &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers})
+  for (const Texture* texture :
+       {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort, &t.focus, &t.doubt, &t.surface,
+        &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean})
     sum += texture->bytes();
   return sum;
 }

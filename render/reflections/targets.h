@@ -21,10 +21,12 @@ struct ReflectionTargets {
   Texture triangle;  ///< R32UI: what the ray hits, triangle + 1; 0: nothing. The technique writes it.
   Texture effort;    ///< RG8UI, for debug views: steps of the search; level of the octree, or root of the cubic
   Texture layers;  ///< RG32UI, octree cells with BRDFs: first layer, their count and what comes through; made on demand
-  Texture focus;   ///< R16F, 1/m: the mirrored ray of a patch meets a caustic at its reciprocal; 0: never
+  Texture focus;   ///< R16F, 1/m: the mirrored ray of a patch meets a caustic at its reciprocal; 0: never. Of a glossy
+                   ///< surface, rad: half of its lobe lies within
   Texture doubt;   ///< R8UI: 1 where the technique does not vouch for what it shows; cleared before it
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
+  Texture mean;                   ///< RGBA32F, of glossy surfaces: their radiance over frames; made on demand
 };
 
 ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int divisor);

@@ -1,5 +1,5 @@
 // What mirrored rays hit in the octree, as a G-buffer: normal, material, mean colour of a cell and the triangle that stands for it. The cone of a pixel decides how deep the
-// walk goes.
+// walk goes. GLOSSY: the rays of opaque surfaces, as wide as their lobes.
 layout(local_size_x = 8, local_size_y = 8) in;
 #define REFLECTED 1
 #include "shared/frame.glsl"
@@ -39,9 +39,18 @@ float leave_cell(vec3 origin, vec3 direction, float t, float cell_m) {
   return max(min(min(out_t.x, out_t.y), out_t.z), t + 0.02 * cell_m);
 }
 #endif
+#if GLOSSY
+layout(binding = 54) uniform sampler2D t_width;  // rad: half of the lobe lies within
+/// Cells of the surface's own material are passed while the ray is no higher above it than so many of them: a curved surface is not as flat
+/// as its cells.
+const float kOwnHeight = 1.0;
+/// Width of a cell over the half angle of the lobe.
+const float kLobeCells = 1.0;
+#else
 uniform int u_own_material[16];  // of each reflector that is opaque, and so in the octree; -1: a pane, which is not
 uniform vec3 u_own_low[16];      // its bounds, m
 uniform vec3 u_own_high[16];
+#endif
 
 /// So many cells away a solid cell is what touches the reflector, its frame.
 const float kFrameCells = 1.8;
@@ -61,6 +70,29 @@ void store_nothing(ivec2 pixel, int steps) {
 }
 
 
+#if GLOSSY
+/// Angle to the ray of a neighbour, the nearer of both sides: beyond an edge there are others.
+float turn_along(ivec2 pixel, ivec2 step_px, vec4 direction) {
+  float least = 1e30;
+  for (int k = -1; k <= 1; k += 2) {
+    vec4 other = texelFetch(t_ray_direction, clamp(pixel + k * step_px, ivec2(0), u_frame.size.xy - 1), 0);
+    float turn = length(other.xyz - direction.xyz);
+    if (other.w == direction.w && turn > 0.0) least = min(least, turn);
+  }
+  return least < 1e30 ? least : u_frame.forward.w;
+}
+/// A cone as wide as the lobe, or as the surface's curvature spreads it. A cell and its neighbours blend over as much again.
+float spread_of(ivec2 pixel, vec4 direction) {
+  float turn = 0.5 * (turn_along(pixel, ivec2(1, 0), direction) + turn_along(pixel, ivec2(0, 1), direction));
+  return max(turn, kLobeCells * texelFetch(t_width, pixel, 0).x);
+}
+
+/// Mirrored rays stand about the normal as the view does.
+bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_m) {
+  vec3 normal = normalize(direction.xyz - normalize(origin - u_frame.eye.xyz));
+  return color.material == int(direction.w) - 1 && t * dot(direction.xyz, normal) < kOwnHeight * cell_m;
+}
+#else
 /// Angle between the rays of neighbouring pixels: a curved pane spreads them.
 float spread_of(ivec2 pixel, vec4 direction) {
   float sum = 0.0, count = 0.0;
@@ -73,6 +105,14 @@ float spread_of(ivec2 pixel, vec4 direction) {
   }
   return count > 0.0 ? sum / count : u_frame.forward.w;
 }
+bool is_within(vec3 p, int reflector, float margin) {
+  return all(greaterThan(p, u_own_low[reflector] - margin)) && all(lessThan(p, u_own_high[reflector] + margin));
+}
+bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_m) {
+  int reflector = int(direction.w) - 1;
+  return color.material == u_own_material[reflector] && is_within(origin + t * direction.xyz, reflector, cell_m);
+}
+#endif
 
 /// What a texture of the material's stands for in the cells' colours: the emission where it has one, else the base colour.
 bool emission_is_painted(int material, vec3 emission) {
@@ -87,10 +127,6 @@ bool emission_is_painted(int material, vec3 emission) {
   return false;
 }
 
-bool is_within(vec3 p, int reflector, float margin) {
-  return all(greaterThan(p, u_own_low[reflector] - margin)) && all(lessThan(p, u_own_high[reflector] + margin));
-}
-
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
@@ -103,7 +139,6 @@ void main() {
     return;
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
-  int reflector = int(direction.w) - 1;
   float even_cell_m = float(1 << u_octree_detail) / u_octree.w;
   OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * even_cell_m, origin.w * u_frame.forward.w, spread_of(pixel, direction));
   OctreeHit hit;
@@ -122,7 +157,7 @@ void main() {
     going = false;
     color = octree_unpack_color(texelFetch(t_octree_colors, hit.node).x);
     float cell_m = float(1 << (u_octree_depth - hit.level)) / u_octree.w;
-    if (own < kOwnCells && color.material == u_own_material[reflector] && is_within(origin.xyz + hit.t * direction.xyz, reflector, cell_m)) {
+    if (own < kOwnCells && is_own(origin.xyz, direction, color, hit.t, cell_m)) {
       ++own;
       ray.t_min = hit.t + 0.5 * cell_m;
       going = true;

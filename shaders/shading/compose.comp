@@ -2,7 +2,8 @@
 // With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
 // place, STAGE 2 filters all. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
 // what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of
-// other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step.
+// other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step. GLOSSY: what the octree changes of
+// the light by way of other surfaces, or of what REFLECTED opaque surfaces show.
 #include "shared/frame.glsl"
 #if STAGE == 2 || defined(REFLECTED)
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -40,16 +41,25 @@ layout(binding = 19) uniform sampler2D t_later_light;
 uniform float u_later;  // weight of the later one
 #endif
 #endif
+#if GLOSSY && !defined(REFLECTED)
+layout(binding = 54) uniform sampler2D t_glossy;
+#endif
 vec3 complete(ivec2 p, vec3 shaded) {
   uvec4 g = texelFetch(t_surface, p, 0);
   uint flags = material_words(int(g.z >> 16u), 6).x;
 #if TEXTURES
   shaded *= base_factor(g, flags);
 #endif
+#if INDIRECT || GLOSSY
+  vec3 indirect = vec3(0.0);
 #if INDIRECT
-  vec3 indirect = texelFetch(t_indirect_light, p, 0).rgb;
+  indirect = texelFetch(t_indirect_light, p, 0).rgb;
 #if INDIRECT == 2
   indirect = mix(indirect, texelFetch(t_later_light, p, 0).rgb, u_later);
+#endif
+#endif
+#if GLOSSY && !defined(REFLECTED)
+  indirect = max(indirect + texelFetch(t_glossy, p, 0).rgb, 0.0);
 #endif
   shaded += indirect;
 #endif
@@ -57,7 +67,11 @@ vec3 complete(ivec2 p, vec3 shaded) {
     vec4 y = unpackUnorm4x8(g.y);
     shaded = y.rgb * y.rgb;
   }
+#if GLOSSY && defined(REFLECTED)
+  return shaded;  // what glows lights opaque surfaces as a lamp
+#else
   return shaded + unpack_rgb9e5(g.w, kEmissionBias);
+#endif
 }
 #endif
 
@@ -73,7 +87,13 @@ void store_blended(ivec2 pixel, vec4 value) {
 #endif
 
 #ifdef REFLECTED
+#if GLOSSY
+/// Light of the sky is shaded at the surface itself.
+vec3 ray_end(ivec2 pixel) { return vec3(0.0); }
+#else
 #include "shading/sky.glsl"
+vec3 ray_end(ivec2 pixel) { return sky_radiance(pixel); }
+#endif
 #if LAYERS
 layout(std430, binding = 7) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
 layout(binding = 48) uniform usampler2D t_layers;
@@ -86,6 +106,10 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
   return sum;
 }
 #endif
+#if GLOSSY
+layout(binding = 1, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
+uniform float u_blend;                                 // weight of this one
+#endif
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
@@ -94,12 +118,16 @@ void main() {
   if (reflector < 0.0) value = vec4(texelFetch(t_ray_origin, pixel, 0).xyz, 0.0);  // not followed: rays.comp says why
   if (reflector > 0.0) {
     bool surface = texelFetch(t_depth, pixel, 0).x > 0.0;
-    value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(sky_radiance(pixel), 0.0);
+    value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(ray_end(pixel), 0.0);
 #if LAYERS
     value = with_layers(pixel, value);
 #endif
   }
   imageStore(io_radiance, pixel, value);
+#if GLOSSY
+  vec4 before = u_blend < 1.0 ? imageLoad(io_mean, pixel) : vec4(0.0);
+  imageStore(io_mean, pixel, before + (value - before) * u_blend);
+#endif
 }
 #elif STAGE == 2
 void main() {

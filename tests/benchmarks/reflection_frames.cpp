@@ -345,6 +345,25 @@ Figures measure_scene_sizes(Stage& stage) {
   return figures;
 }
 
+/// What glossy opaque surfaces add to a frame of the default mode, at default settings.
+Figures measure_glossy(Stage& stage) {
+  Figures figures;
+  for (const char* camera : {"driver", "door"}) {
+    stage.show({.name = std::string("cockpit/") + camera, .scene = "builtin:cockpit", .camera = camera});
+    FrameRequest with = stage.request("bandwidth", 0);
+    with.reflections = "octree";
+    with.settings.set_from_text("shading.visibility", "auto");
+    FrameRequest without = with;
+    without.settings.set("octree.glossy", 0.0);
+    stage.renderer().finish_background_work(with);
+    const std::vector<Clock> times = added_times(&stage.renderer(), {without, with}, stage.options().repeats);
+    const FrameStats stats = stage.renderer().render(with);
+    figures.push_back(shown(stage.current().name + ", " + number(stats.technique.at("glossy_rays")) + " glossy rays",
+                            added_text(times[1] - times[0]) + " beside " + added_text(times[0]) + " of the panes"));
+  }
+  return figures;
+}
+
 }  // namespace
 
 /// What `reflections.skip` saves in the default mode before the bright sky, and what it changes.
@@ -378,11 +397,10 @@ Figures measure_skipping(Stage& stage) {
 
 Figures measure_reflection_frames(Stage& stage) {
   Figures all;
-  const std::pair<const char*, Figures (*)(Stage&)> parts[] = {{"added times", measure_added_times},
-                                                               {"octree table", measure_octree_table},
-                                                               {"outlines", measure_outlines},
-                                                               {"fitted-outlines", measure_fitted_outlines},
-                                                               {"scene sizes", measure_scene_sizes}};
+  const std::pair<const char*, Figures (*)(Stage&)> parts[] = {
+      {"added times", measure_added_times},         {"glossy", measure_glossy},
+      {"octree table", measure_octree_table},       {"outlines", measure_outlines},
+      {"fitted-outlines", measure_fitted_outlines}, {"scene sizes", measure_scene_sizes}};
   for (const auto& [name, measure] : parts) {
     if (!stage.options().wants(name)) continue;
     const Figures some = measure(stage);

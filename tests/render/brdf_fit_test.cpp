@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "render/materials/brdf_tables.h"
+#include "render/materials/lobes.h"
 #include "render/materials/symmetric_brdf.h"
 
 namespace {
@@ -43,6 +44,38 @@ BrdfTable builtin_uncached(const std::string& name) {
   BrdfTable table = make_builtin_brdf(name);
   table.hash = 0;
   return table;
+}
+
+/// What mirrors is told from what is diffuse: its albedo, where it looks, how wide it is.
+TEST(Lobes, FindWhatMirrors) {
+  for (const double alpha : {0.01, 0.04, 0.09}) {
+    SCOPED_TRACE(alpha);
+    const glm::dvec3 f0(0.04, 0.3, 0.9);
+    const BrdfTable mirror = ggx_table(glm::dvec3(0.0), f0, alpha), both = ggx_table({0.4, 0.1, 0.02}, f0, alpha);
+    const BrdfTables alone = compute_brdf_tables(mirror), tables = compute_brdf_tables(both);
+    const std::vector<BrdfLobe> lobes = compute_lobes(both, tables);
+    ASSERT_EQ(lobes.size(), tables.albedo.size());
+    EXPECT_NEAR(mirror_roughness(lobes) / std::sqrt(alpha), 1.0, 0.12);
+    for (const std::size_t i : {0u, 12u, 25u, 40u}) {
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(lobes[i].mirror_albedo[c] / alone.albedo[i][c], 1.0, 0.12) << i << " " << c;
+      const double theta = static_cast<double>(i) / 63.0 * kHalfPi;
+      const glm::dvec3 d = glm::normalize(glm::dvec3(lobes[i].mirror_direction));
+      EXPECT_NEAR(std::acos(glm::dot(d, glm::dvec3(-std::sin(theta), 0.0, std::cos(theta)))), 0.0, 0.03 + alpha);
+    }
+  }
+  const BrdfTable lambert = tabulate([](double, double, double) { return glm::dvec3(0.5 / kPi); });
+  const std::vector<BrdfLobe> dull = compute_lobes(lambert, compute_brdf_tables(lambert));
+  EXPECT_LT(dull[25].mirror_albedo.y, 1e-6f);
+  EXPECT_GT(mirror_roughness(dull), 0.9f);
+  const auto roughness_of = [](const char* name) {
+    const BrdfTable table = builtin_uncached(name);
+    return mirror_roughness(compute_lobes(table, compute_brdf_tables(table)));
+  };
+  EXPECT_LT(roughness_of("plastic-piano-black"), 0.2f);
+  EXPECT_LT(roughness_of("metal-chrome"), 0.2f);
+  EXPECT_GT(roughness_of("leather-black"), 0.3f);
+  EXPECT_GT(roughness_of("rubber-black"), 0.3f);
 }
 
 TEST(GgxFit, RecoversItsOwnModel) {

@@ -188,6 +188,68 @@ TEST(Plan, OctreeReflectionsWantAnOctree) {
   EXPECT_FALSE(has_pass(plan({}, "bandwidth", {}, view), "octree"));
 }
 
+TEST(Plan, GlossySurfacesMirrorWhereTheSkyHasShadows) {
+  SceneFacts facts;
+  facts.enclosed = true;
+  facts.least_roughness = 0.1f;
+  ViewInfo view;
+  view.reflections = "octree";
+  Settings settings;
+  const auto expect_left_out = [&](const std::string& mode, const std::string& word) {
+    const FramePlan p = plan(facts, mode, settings, view);
+    EXPECT_FALSE(p.glossy || has_pass(p, "glossy"));
+    for (const LeftOut& out : p.left_out)
+      if (out.what == "glossy") {
+        EXPECT_NE(out.why.find(word), std::string::npos) << out.why;
+      }
+    EXPECT_TRUE(leaves_out(p, "glossy"));
+    EXPECT_TRUE(p.visibility == "traced" || !has_pass(p, "octree")) << "nothing else wants one here";
+  };
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    const FramePlan p = plan(facts, mode, settings, view);
+    EXPECT_TRUE(p.glossy && has_pass(p, "glossy") && has_pass(p, "octree"));
+    EXPECT_FALSE(leaves_out(p, "glossy"));
+  }
+  expect_left_out("splitsum", "splitsum");
+  expect_left_out("reference", "reference");
+  view.glossy_in_view = 0;
+  expect_left_out("uniform", "in view");
+  view.glossy_in_view = -1;
+  facts.least_roughness = 0.45f;
+  expect_left_out("uniform", "smooth");
+  settings.set("octree.glossy", 0.0);
+  expect_left_out("uniform", "octree.glossy is 0");
+  view.glossy_in_view = 1;
+  EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy) << "a named part";
+  settings.set("octree.glossy", 0.3);
+  settings.set("shading.indirect", std::string("none"));
+  expect_left_out("uniform", "indirect");
+  settings.set("shading.indirect", std::string("baked"));
+  settings.set("shading.visibility", std::string("none"));
+  expect_left_out("uniform", "shadows");
+  settings.set("shading.visibility", std::string("traced"));
+  EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy);
+  for (const char* technique : {"off", "bezier", "triangle", "raytraced"}) {
+    view.reflections = technique;
+    expect_left_out("uniform", "octree");
+  }
+}
+
+TEST(Facts, KnowTheSmoothestOpaqueSurface) {
+  Scene scene = make_box(true);
+  scene.materials[0].roughness = 0.6f;
+  scene.materials[1].roughness = 0.4f;
+  const auto least = [&] { return compute_facts(scene, -1).least_roughness; };
+  EXPECT_FLOAT_EQ(least(), 0.4f);
+  scene.materials[0].clearcoat = 1.0f;
+  scene.materials[0].clearcoat_roughness = 0.05f;
+  EXPECT_FLOAT_EQ(least(), 0.05f);
+  scene.materials[0].glass = true;
+  EXPECT_FLOAT_EQ(least(), 0.4f);
+  scene.materials[1].measured = "builtin:leather-black";
+  EXPECT_FLOAT_EQ(least(), 0.0f);
+}
+
 /// A scene from elsewhere marks no reflectors: its panes are. Marks and names choose others; plan and renderer agree.
 TEST(Plan, PanesReflectWhereNothingIsMarked) {
   Scene scene;

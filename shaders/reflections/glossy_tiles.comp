@@ -1,0 +1,42 @@
+// Lists the tiles that show an opaque surface glossy enough to mirror, more of them rather than fewer. One invocation a tile of those that show
+// a surface.
+layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+#include "shared/material_table.glsl"
+#include "reflections/glossy_parts.glsl"
+layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 44) uniform samplerBuffer t_lobes;  // as in shading/lobes.glsl
+layout(std430, binding = 1) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
+layout(std430, binding = 2) writeonly buffer GlossyTiles { uint b_glossy_tiles[]; };
+uniform int u_band_rows;  // tiles
+
+/// Texels of a table in t_lobes.
+const int kLobeTexels = 4 * 64;
+
+bool may_mirror(ivec2 pixel) {
+  uint word = texelFetch(t_surface, pixel, 0).z;
+  uvec4 words = material_words(int(word >> 16u), 6);
+  float widest = widest_roughness(int(texelFetch(t_triangle, pixel, 0).x) - 1) + 0.5 / 255.0;
+#if MEASURED
+  if ((words.x & kMaterialMeasured) != 0u) return texelFetch(t_lobes, int(words.y) * kLobeTexels).w <= widest;
+#endif
+  bool coat = (word >> 8u & 255u) != 0u && material_floats(int(word >> 16u), 3).y <= widest;
+  return coat || float(word & 255u) * (1.0 / 255.0) <= widest;
+}
+
+void main() {
+  ivec2 tile = tile_of(int(linear_id()), 0);
+  if (tile.x < 0) return;
+  ivec2 last = min(kTile * tile + kTile, u_frame.size.xy) - 1;
+  bool found = false;
+  for (int k = 0; k < kTile * kTile && !found; ++k) {
+    ivec2 pixel = min(kTile * tile + ivec2(k & 7, k >> 3), last);
+    found = texelFetch(t_depth, pixel, 0).x > 0.0 && may_mirror(pixel);
+  }
+  if (!found) return;
+  int band = tile.y / u_band_rows, tiles_x = (u_frame.size.x + kTile - 1) / kTile;
+  b_glossy_tiles[uint(band * u_band_rows * tiles_x) + atomicAdd(b_counts[2 * band], 1u)] = uint(tile.x) | (uint(tile.y) << 16u);
+}

@@ -8,6 +8,7 @@
 #include "render/metrics.h"
 #include "render/octree/octree_worker.h"
 #include "render/registry.h"
+#include "scenes/error.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
 
@@ -357,7 +358,10 @@ Figures measure_glossy(Stage& stage) {
     without.settings.set("octree.glossy", 0.0);
     stage.renderer().finish_background_work(with);
     const std::vector<Clock> times = added_times(&stage.renderer(), {without, with}, stage.options().repeats);
+    stage.renderer().finish_background_work(with);  // frames without reflections have let the octree go
     const FrameStats stats = stage.renderer().render(with);
+    for (const LeftOut& left_out : stats.plan.left_out)
+      if (left_out.what == "glossy") throw Error("reflection-frames", "no glossy surface was drawn: " + left_out.why);
     figures.push_back(shown(stage.current().name + ", " + number(stats.technique.at("glossy_rays")) + " glossy rays",
                             added_text(times[1] - times[0]) + " beside " + added_text(times[0]) + " of the panes"));
   }
@@ -379,6 +383,7 @@ Figures measure_skipping(Stage& stage) {
     some.display = true;
     stage.renderer().finish_background_work(all);
     const std::vector<Clock> times = added_times(&stage.renderer(), {all, some}, stage.options().repeats);
+    stage.renderer().finish_background_work(all);  // frames without reflections have let the octree go
     stage.renderer().render(all);
     Image reference = stage.renderer().read_radiance();
     const FrameStats stats = stage.renderer().render(some);

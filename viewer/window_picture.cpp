@@ -12,6 +12,9 @@ namespace {
 constexpr double kSettle_s = 0.3;  // the coarse picture stays so long after the last move
 constexpr std::size_t kHistory = 120;
 constexpr double kSmoothing = 0.15;
+// Edges are smoothed only where a frame takes less: the first frame with four times the samples is some three times as
+// long, and nothing interrupts it.
+constexpr double kQuickEnough_ms = 800.0;
 
 std::set<std::string> reflectors_of(const FrameRequest& request) {
   return {request.reflectors.begin(), request.reflectors.end()};
@@ -68,7 +71,8 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   edges.still_samples = session->state.still_msaa;
   edges.changed = changed;
   edges.disturbed = moving_ || (changed && !paint_alone);
-  edges.may_begin = !background && !session->loading() && !session->state.error_view.open && !failed_;
+  edges.may_begin = !background && !session->loading() && !session->state.error_view.open && !failed_ && stats_ &&
+                    stats_->frame_ms < kQuickEnough_ms;
   edges.frames = stats_ ? stats_->accumulated_frames : 0;
   edges.now_s = now_s;
   request.msaa = still_edges_.choose(edges);

@@ -347,6 +347,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   else if (!accumulate)
     s.progressive.reset();
   s.bind_frame();
+  // Of all passes that draw triangles, also where the G-buffer is kept: present() and panels set their own.
+  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   PassTimer timer(s.device.software);
   timer.start();
   s.skips = s.update_skipping(&plan, request);

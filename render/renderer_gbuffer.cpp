@@ -38,7 +38,6 @@ void Renderer::Impl::raster() {
   const float far_depth = 0.0f;
   glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, no_triangle);
   glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
-  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);

@@ -135,7 +135,6 @@ void Renderer::Impl::raster_glass(const FramePlan& plan, const FrameRequest& req
   glNamedFramebufferTexture(glass_framebuffer.get(), GL_COLOR_ATTACHMENT0, under_panes().get(), 0);
   glBindFramebuffer(GL_FRAMEBUFFER, glass_framebuffer.get());
   glViewport(0, 0, t.grid_width(), t.grid_height());
-  glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);

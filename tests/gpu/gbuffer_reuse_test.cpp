@@ -181,6 +181,25 @@ TEST_F(KeptGbuffer, IsDrawnAnewWhenTheViewChanges) {
   EXPECT_TRUE(draw());
 }
 
+/// A window shows the picture between two frames, by triangles of its own.
+TEST_F(KeptGbuffer, MirrorsShowTheSameAfterThePictureWasShown) {
+  scene_ = two_sheets();
+  scene_->materials[1].metallic = 1.0f;
+  scene_->materials[1].roughness = 0.02f;
+  scene_->nodes[1].name = "mirror";
+  scene_->nodes[0].translation = {0.6f, 0.0f, 1.0f};
+  renderer_.set_scene(scene_);
+  request_.reflections = "raytraced";
+  request_.reflectors = {"mirror"};
+  request_.settings.set("shading.reuse", false);  // rays are traced anew
+  renderer_.render(request_);
+  const Image before = renderer_.read_debug_view("reflection_distance");
+  ASSERT_GT(*std::max_element(before.data.begin(), before.data.end()), 0.5f) << "the mirror shows the other sheet";
+  renderer_.present(0, 0, 96, 64, 0.0f, "linear");
+  renderer_.render(request_, true);
+  EXPECT_EQ(before.data, renderer_.read_debug_view("reflection_distance").data);
+}
+
 TEST_F(KeptGbuffer, FollowsTheVariantThroughSwaps) {
   const Image first = picture();
   request_.variant = 0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/gl/context.h"
+#include "render/gl/objects.h"
 #include "render/renderer.h"
 
 namespace maquette {
@@ -187,7 +188,7 @@ TEST_F(KeptGbuffer, MirrorsShowTheSameAfterThePictureWasShown) {
   scene_->materials[1].metallic = 1.0f;
   scene_->materials[1].roughness = 0.02f;
   scene_->nodes[1].name = "mirror";
-  scene_->nodes[0].translation = {0.6f, 0.0f, 1.0f};
+  scene_->nodes[0].local[3] = {0.6f, 0.0f, 1.0f, 1.0f};
   renderer_.set_scene(scene_);
   request_.reflections = "raytraced";
   request_.reflectors = {"mirror"};
@@ -195,6 +196,12 @@ TEST_F(KeptGbuffer, MirrorsShowTheSameAfterThePictureWasShown) {
   renderer_.render(request_);
   const Image before = renderer_.read_debug_view("reflection_distance");
   ASSERT_GT(*std::max_element(before.data.begin(), before.data.end()), 0.5f) << "the mirror shows the other sheet";
+  const Texture window = Texture::make_2d("window", GL_RGBA8, 96, 64);
+  GLuint name = 0;
+  glCreateFramebuffers(1, &name);
+  const GlName<FramebufferTraits> framebuffer(name);
+  glNamedFramebufferTexture(name, GL_COLOR_ATTACHMENT0, window.get(), 0);
+  glBindFramebuffer(GL_FRAMEBUFFER, name);
   renderer_.present(0, 0, 96, 64, 0.0f, "linear");
   renderer_.render(request_, true);
   EXPECT_EQ(before.data, renderer_.read_debug_view("reflection_distance").data);

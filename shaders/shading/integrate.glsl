@@ -256,7 +256,9 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   g_brdf_slot = p.slot;
   e.elevation = brdf_elevation(p.wo);
 #endif
-  for (int i = 0; i < brdf_count; i += SAMPLE_GROUP) {
+  // Tested at the end: on software devices a loop that is tested at its beginning runs once more, with all lanes off.
+  int i = 0;
+  do {
     uint n = uint(i);
 #if MEASURED
     FOR_GROUP(DRAW_CELL)
@@ -264,13 +266,15 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     FOR_GROUP(DRAW_DIRECTION)
     FOR_GROUP(FETCH_WORTH)
     FOR_GROUP(TAKE_LOBE)
-  }
+    i += SAMPLE_GROUP;
+  } while (i < brdf_count);
   // The list in an order of the point's own: aligned runs of 2^k entries are digital nets, and numbers XORed with a mask run through them one
   // after the other from the first sample on (a mere offset begins amid one: 6 to 16 % more error on the Ferrari).
   uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u), list_mask = uint(u_frame.environment_size.w - 1);
   e.q3 += uint(brdf_count) * kStep3;
   e.q4 += uint(brdf_count - 1) * kStep4;
-  for (int i = 0; i < light_count; i += SAMPLE_GROUP) {
+  i = 0;
+  do {
     uint n = uint(i);
     FOR_GROUP(FETCH_SKY)
     FOR_GROUP(FIND_SKY)
@@ -278,5 +282,6 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     FOR_GROUP(FETCH_LOBE)
 #endif
     FOR_GROUP(TAKE_SKY)
-  }
+    i += SAMPLE_GROUP;
+  } while (i < light_count);
 }

@@ -25,13 +25,14 @@ LightChoice light_choice(vec3 position) {
 }
 
 /// A light, its selection_pdf that of the whole choice: the first cluster, and in it the first light, whose running sum exceeds u.
+/// Loops are tested at their end (integrate.glsl).
 LightRecord choose_light(LightChoice choice, vec2 u) {
   int low = 0, high = choice.row_texels - 1;
-  while (low < high) {
+  do {
     int middle = (low + high) >> 1;
     if (texelFetch(t_lights, choice.row + middle).w > u.x) high = middle;
-    else low = middle + 1;
-  }
+    else low = min(middle + 1, high);
+  } while (low < high);
   vec4 sums = texelFetch(t_lights, choice.row + low);
   float before = low > 0 ? texelFetch(t_lights, choice.row + max(low - 1, 0)).w : 0.0;
   int k = sums.x > u.x ? 0 : (sums.y > u.x ? 1 : (sums.z > u.x ? 2 : 3));
@@ -40,11 +41,11 @@ LightRecord choose_light(LightChoice choice, vec2 u) {
   int first = choice.first_light + 4 * int(cluster.x);
   low = 0;
   high = int(cluster.y) - 1;
-  while (low < high) {
+  do {
     int middle = (low + high) >> 1;
     if (texelFetch(t_lights, first + 4 * middle + 3).w > u.y) high = middle;
-    else low = middle + 1;
-  }
+    else low = min(middle + 1, high);
+  } while (low < high);
   int at = first + 4 * low;
   vec4 a = texelFetch(t_lights, at), b = texelFetch(t_lights, at + 1), c = texelFetch(t_lights, at + 2), d = texelFetch(t_lights, at + 3);
   return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w * pdf, d.xyz, d.w);
@@ -99,13 +100,14 @@ vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
   uint first = first_sample / uint(min(count, kLightStride));
   vec3 sum = vec3(0.0);
   LightChoice choice = light_choice(p.position);
-  for (int i = 0; i < samples; ++i) {
+  int i = 0;
+  do {
     uint index = first + uint(i);
     LightDraw d = draw_light(p, choice, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u)));
 #if VISIBILITY == 2
     d.outgoing *= light_share(d);
 #endif
     sum += d.outgoing;
-  }
+  } while (++i < samples);
   return sum / float(samples);
 }

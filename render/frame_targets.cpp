@@ -40,7 +40,6 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   if (bandwidth) {
     const int qw = (w + 1) / 2, qh = (h + 1) / 2;
     t.energy = Texture::make_2d("energy", GL_RGBA32F, qw, qh);
-    t.moments = Texture::make_2d("moments", GL_RGBA32F, qw, qh);
     t.bend = Texture::make_2d("bend", GL_RGBA32F, qw, qh);
     t.curvature = Texture::make_2d("curvature", GL_RGBA16F, qw, qh);
     const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(qw, qh))));

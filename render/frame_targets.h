@@ -27,13 +27,15 @@ struct FrameTargets {
   Texture weights;  ///< of upsampling (shaders/bandwidth/fill.comp)
   /// Light by way of other surfaces at each point, of the bakes with even and odd numbers; made when first needed.
   Texture indirect[2];
-  Texture energy, moments, bend, curvature, pyramid;
+  Texture energy, bend, curvature, pyramid;
   Texture marks, radiance, picture;
   Buffer counters, items[2], points[2], partial[2];
   Texture partial_view[2];
 
   int grid_width() const { return width * side; }
   int grid_height() const { return height * side; }
+  /// The prediction's quads make whole blocks of 2 x 2: tiles make the pyramid's second level as well.
+  bool whole_blocks() const { return energy.width() % 2 == 0 && energy.height() % 2 == 0; }
   /// Entries of a band in the lists of tiles.
   int band_tiles() const { return (grid_width() + kTile - 1) / kTile * (band_rows / kTile); }
   static constexpr int kTile = 8;

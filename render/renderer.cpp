@@ -361,7 +361,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
   if (repaints) s.find_repainted(painted, &timer);
   const TileList& tiles = repaints ? s.targets->repainted_tiles : s.targets->surface_tiles;
-  if (bandwidth && !goes_on) s.predict(plan, {tiles, renewed_share(turn), repaints}, &timer);
+  if (bandwidth && !goes_on) s.predict(plan, {tiles, renewed_share(turn)}, &timer);
   MarkRule rule;
   rule.repainted = repaints;
   if (bandwidth && goes_on) {
@@ -401,7 +401,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
                                t.radiance.bytes() + t.picture.bytes() + t.indirect[0].bytes() + t.indirect[1].bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
-    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.moments.bytes() + t.bend.bytes() + t.curvature.bytes() +
+    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.curvature.bytes() +
                                    t.weights.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();

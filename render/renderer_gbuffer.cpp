@@ -97,8 +97,9 @@ void Renderer::Impl::find_tiles() {
   glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(t.guide.get(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nothing);
   if (!t.bandwidth) return;
-  glClearTexImage(t.moments.get(), 0, GL_RGBA, GL_FLOAT, none);
+  glClearTexImage(t.energy.get(), 0, GL_RGBA, GL_FLOAT, none);
   glClearTexImage(t.pyramid.get(), 0, GL_RGBA, GL_FLOAT, none);
+  if (t.whole_blocks()) glClearTexImage(t.pyramid.get(), 1, GL_RGBA, GL_FLOAT, none);
 }
 
 void Renderer::Impl::find_repainted(bool painted, PassTimer* timer) {

@@ -97,7 +97,6 @@ struct TileShare {
 struct PredictedPart {
   const TileList& tiles;
   TileShare share = {};
-  bool sparse = false;  ///< at most one quad in two where a block of four is of one material
 };
 
 /// Which points a frame shades: those that the prediction asks for, by what was measured while nothing moves, or the

@@ -25,13 +25,19 @@ ShaderVariant predict_variant(const FramePlan& plan, int measured) {
 
 bool has_near_terms(const FramePlan& plan) { return plan.visibility != "none" || plan.lights; }
 
-ShaderVariant classify_variant(bool sparse) { return {"bandwidth/classify.comp", "", {{"SPARSE", flag(sparse)}}}; }
+/// `first_only`: predicts the first quad alone of each block of 2 x 2, whatever it shows.
+ShaderVariant classify_variant(bool first_only) {
+  return {"bandwidth/classify.comp", "", {{"FIRST_ONLY", flag(first_only)}}};
+}
 
-ShaderVariant bandwidth_variant(const FramePlan& plan) {
+/// `coarse`: makes the pyramid's next level as well, which takes whole blocks of 2 x 2 quads.
+ShaderVariant bandwidth_variant(const FramePlan& plan, bool first_only, bool coarse) {
   return {"bandwidth/bandwidth.comp",
           "",
           {{"TEXTURE_BANDWIDTH", flag(plan.texture_bandwidth)},
            {"NEAR", flag(has_near_terms(plan))},
+           {"COARSE", flag(coarse)},
+           {"FIRST_ONLY", flag(first_only)},
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
@@ -132,7 +138,9 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.reflections.clear();
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
-      if (j < 2) variants.push_back(bandwidth_variant(plan));
+      for (const bool coarse : {false, true})
+        for (const bool first_only : {false, true})
+          if (j < 2) variants.push_back(bandwidth_variant(plan, first_only, coarse));
     }
     variants.push_back(mark_variant(k, false, false, false));
     variants.push_back(mark_variant(true, true, k, false));
@@ -167,12 +175,12 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
     glBindTextureUnit(28, near_terms.get());
   }
   glBindImageTexture(0, t.energy.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, t.moments.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   t.counters.clear_to_zero();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
-  dispatch_tiles(programs.get(classify_variant(part.sparse)), part.tiles, 2, {}, part.share);
+  const bool first_only = t.side > 1;
+  dispatch_tiles(programs.get(classify_variant(first_only)), part.tiles, 2, {}, part.share);
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {
@@ -187,12 +195,13 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
   }
   timer->end("bandwidth");
   glBindTextureUnit(18, t.energy.get());
-  glBindTextureUnit(19, t.moments.get());
   if (plan.texture_bandwidth) glBindTextureUnit(20, t.texture_nu.get());
   glBindTextureUnit(31, t.bend.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  dispatch_tiles(programs.get(bandwidth_variant(plan)), part.tiles, 4, {}, part.share);
+  const bool coarse = t.whole_blocks();
+  if (coarse) glBindImageTexture(2, t.pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  dispatch_tiles(programs.get(bandwidth_variant(plan, first_only, coarse)), part.tiles, 2, {}, part.share);
   timer->end("bandwidth");
   const Program& pyramid = programs.get({"bandwidth/pyramid.comp", "", {}});
   glBindTextureUnit(21, t.pyramid.get());
@@ -200,6 +209,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
   for (int level = 0; w > 1 || h > 1; ++level) {
     w = std::max(1, w / 2);
     h = std::max(1, h / 2);
+    if (level == 0 && coarse) continue;
     pyramid.set("u_level", level);
     glBindImageTexture(0, t.pyramid.get(), level + 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     dispatch(pyramid, groups(w, 8), groups(h, 8));

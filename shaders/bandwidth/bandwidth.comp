@@ -1,14 +1,14 @@
 // Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
-// pixel along both screen axes.
+// pixel along both screen axes. One invocation takes a block of 2 x 2 quads, whose 5 x 5 windows share most of what they read.
+// FIRST_ONLY: only the first quad of each block is predicted (classify.comp).
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/bandwidth.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 31) uniform sampler2D t_bend;  // along the screen axes: curvature (1/m), metres a pixel; x, then y
-layout(binding = 18) uniform sampler2D t_energy;
-layout(binding = 19) uniform sampler2D t_moments;
+layout(binding = 31) uniform sampler2D t_bend;    // along the screen axes: curvature (1/m), metres a pixel; x, then y
+layout(binding = 18) uniform sampler2D t_energy;  // predict.comp
 #if TEXTURE_BANDWIDTH
 layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
 #endif
@@ -17,43 +17,53 @@ layout(binding = 28) uniform sampler2D t_near;
 #endif
 layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
 layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), curvature (1/m), nu_theta (cycles/rad)
-
-void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
-  vec4 energy = vec4(0.0), moments = vec4(0.0), near = vec4(0.0);
-  float own = float((texelFetch(t_surface, pixel, 0).z >> 16u) + 1u);
-  for (int k = 0; k < 25; ++k) {
-    ivec2 q = clamp(quad + ivec2(k % 5, k / 5) - 2, ivec2(0), quads - 1);
-    vec4 m = texelFetch(t_moments, q, 0);
-    if (m.w != own) continue;
-    float w = k == 12 ? 1.0 : 0.6;
-    energy += w * texelFetch(t_energy, q, 0);
-    moments += w * vec4(m.xyz, float(PREDICTION_SAMPLES) - m.z);
-#if NEAR
-    near += w * texelFetch(t_near, q, 0);
+#if COARSE
+layout(binding = 2, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
 #endif
+
+/// The first visible point of a quad stands for it, as in classify.comp; x < 0 for none.
+ivec2 visible_point(ivec2 quad) {
+  ivec2 pixel = ivec2(-1);
+  for (int k = 0; k < 4; ++k) {
+    int j = (k + quad.x + 2 * quad.y) & 3;
+    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
+    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
   }
+  return pixel;
+}
+
+/// Of a quad: sum w nu, sum w, sum t^2, number of quads; all pooled.
+struct Pool {
+  vec4 sums;
+#if NEAR
+  vec4 near;
+#endif
+};
+const float kNeighbour = 0.6;  // weight of another quad
+
+/// What a quad's pool comes to.
+vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
+  float count = pool.sums.w;
   // Nothing was predicted for a surface this small: it is shaded itself.
-  bool unknown = moments.z + moments.w <= 0.0;
-  float nu_theta = unknown ? 1e4 : energy.x / max(energy.y, 1e-20);
-  float nb = max(moments.z, 1.0), ne = max(moments.w, 1.0);
+  float nu_theta = count <= 0.0 ? 1e4 : pool.sums.x / max(pool.sums.y, 1e-20);
+  count = max(count, 1e-6);
   // Terms carry the balance weights for the prediction's own counts; n Var(sum of terms / n) is free of them.
-  float share_b = moments.z / max(moments.z + moments.w, 1.0);
-  float per_run = float(PREDICTION_SAMPLES);
-  float mean_b = energy.z / nb, mean_e = energy.w / ne;
-  float variance_b = max(moments.x / nb, 0.0), variance_e = max(moments.y / ne, 0.0);
-  float deviation = per_run * sqrt(max(share_b * variance_b + (1.0 - share_b) * variance_e, 0.0));
-  float radiance = (share_b * mean_b + (1.0 - share_b) * mean_e) * per_run;
+  float deviation = sqrt(max(pool.sums.z / count, 0.0) * float(PREDICTION_SAMPLES));
   vec4 bend = texelFetch(t_bend, quad, 0);
   vec2 kx = bend.xy, ky = bend.zw;
-  float nu_surface = 0.0;
+  float nu_surface = 0.0, light = 0.0;
 #if NEAR
   // Masks and near lights vary over the surface. The lights have one sample for eight of the environment.
-  nu_surface += near.x / max(energy.y, 1e-20);
-  if (near.w > 0.0) {
-    float mean = near.y / near.w;
-    radiance += mean;
-    deviation = sqrt(deviation * deviation + 8.0 * max(near.z / near.w - mean * mean, 0.0));
+  nu_surface += pool.near.x / max(pool.sums.y, 1e-20);
+  if (pool.near.w > 0.0) {
+    light = pool.near.y;
+    float mean = pool.near.y / pool.near.w;
+    deviation = sqrt(deviation * deviation + 8.0 * max(pool.near.z / pool.near.w - mean * mean, 0.0));
   }
+#endif
+  float radiance = max(pool.sums.y - light, 0.0) / count;
+#if NEAR
+  radiance += light / max(pool.near.w, 1e-6);
 #endif
 #if TEXTURE_BANDWIDTH
   nu_surface += texelFetch(t_texture_bandwidth_map, pixel, 0).x;
@@ -62,25 +72,64 @@ void find_bandwidth(ivec2 quad, ivec2 quads, ivec2 pixel) {
   float angle = u_frame.forward.w;
   vec2 nu = vec2(bandwidth_one_bounce(nu_theta, kx.x, nu_surface, angle, kx.y),
                  bandwidth_one_bounce(nu_theta, ky.x, nu_surface, angle, ky.y));
-  imageStore(o_bandwidth, quad,
-             vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0));
   // Half floats end at 65504, and infinity would turn the weights of upsampling into NaN.
   imageStore(o_curvature, quad, min(vec4(nu, max(kx.x, ky.x), nu_theta), vec4(65000.0)));
+  return vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0);
 }
 
 void main() {
-  ivec2 quad = tile_quad();
   ivec2 quads = (u_frame.size.xy + 1) / 2;
-  if (quad.x < 0) return;
-  ivec2 pixel = ivec2(-1);
+  int id = int(linear_id());
+  ivec2 tile = tile_of(id, 2);
+  if (tile.x < 0) return;
+  ivec2 corner = kTile / 2 * tile + 2 * ivec2(id & 1, (id >> 1) & 1);
+  ivec2 pixels[4];
+  float own[4];  // 1 + material
+  Pool pools[4];
   for (int k = 0; k < 4; ++k) {
-    int j = (k + quad.x + 2 * quad.y) & 3;
-    ivec2 q = min(2 * quad + ivec2(j & 1, j >> 1), u_frame.size.xy - 1);
-    if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
+    ivec2 quad = corner + ivec2(k & 1, k >> 1);
+    pixels[k] = all(lessThan(quad, quads)) ? visible_point(quad) : ivec2(-1);
+    own[k] = float((texelFetch(t_surface, max(pixels[k], ivec2(0)), 0).z >> 16u) + 1u);
+    pools[k].sums = vec4(0.0);
+#if NEAR
+    pools[k].near = vec4(0.0);
+#endif
   }
-  if (pixel.x < 0) {
-    imageStore(o_bandwidth, quad, vec4(0.0));
-    imageStore(o_curvature, quad, vec4(0.0));
+  const int kStep = 1 + FIRST_ONLY;
+  int row = -2;
+  do {  // tested at the end, as in integrate.glsl
+    for (int column = -2; column <= 3; column += kStep) {
+      ivec2 q = clamp(corner + ivec2(column, row), ivec2(0), quads - 1);
+      vec4 e = texelFetch(t_energy, q, 0);
+#if NEAR
+      vec4 near = texelFetch(t_near, q, 0);
+#endif
+      for (int k = 0; k < 4; ++k) {
+        int dx = column - (k & 1), dy = row - (k >> 1);
+        if (abs(dx) > 2) continue;
+        float weight = dx == 0 && dy == 0 ? 1.0 : kNeighbour;
+        weight = e.w == own[k] && abs(dy) <= 2 ? weight : 0.0;
+        pools[k].sums += weight * vec4(e.xyz, 1.0);
+#if NEAR
+        pools[k].near += weight * near;
+#endif
+      }
+    }
+    row += kStep;
+  } while (row <= 3);
+  vec4 coarse = vec4(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 quad = corner + ivec2(k & 1, k >> 1);
+    if (any(greaterThanEqual(quad, quads))) continue;
+    vec4 v = vec4(0.0);
+    if (pixels[k].x >= 0)
+      v = find_bandwidth(quad, pixels[k], pools[k]);
+    else
+      imageStore(o_curvature, quad, vec4(0.0));
+    imageStore(o_bandwidth, quad, v);
+    coarse = vec4(max(coarse.x, v.x), coarse.yz + v.yz, coarse.w + v.w);
   }
-  if (pixel.x >= 0) find_bandwidth(quad, quads, pixel);
+#if COARSE
+  imageStore(o_coarse, corner / 2, vec4(coarse.x, coarse.w > 0.0 ? coarse.yz / coarse.w : vec2(0.0), coarse.w));
+#endif
 }

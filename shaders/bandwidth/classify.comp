@@ -14,7 +14,6 @@ layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
 layout(std430, binding = 2) writeonly buffer MeasuredPixels { uint b_measured[]; };
 layout(std430, binding = 4) writeonly buffer AnalyticPixels { uint b_analytic[]; };
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;
-layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;
 
 /// Cycles/rad up to which a lobe is broad: no more than a third of a cycle over 8 degrees. The library's leathers, fabrics, matte plastics and
 /// rubbers lie below (at most 2.3), satin wood, paints and metals above.
@@ -33,9 +32,10 @@ void main() {
   ivec2 tile = tile_of(id, 2);
   if (tile.x < 0) return;
   ivec2 corner = kTile / 2 * tile + 2 * ivec2(id & 1, (id >> 1) & 1);
+  const int kQuads = FIRST_ONLY == 1 ? 1 : 4;
   uint pixels[4];
   uint measured_count = 0u, analytic_count = 0u, first_material = 0xffffffffu;
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < kQuads; ++k) {
     ivec2 quad = corner + ivec2(k & 1, k >> 1);
     pixels[k] = 0xffffffffu;
     if (any(greaterThanEqual(quad, quads))) continue;
@@ -48,14 +48,13 @@ void main() {
     uvec4 surface = texelFetch(t_surface, max(pixel, ivec2(0)), 0);
     uint material = surface.z >> 16u, flags = material_words(int(material), 6).x;
     bool measured = (flags & kMaterialMeasured) != 0u;
-    // With several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp). So it is where nothing sharp can be
-    // seen and the block is of one material. SPARSE: one in two of sharp ones too, for a frame that stands for an
-    // instant; one in four lets mirrored suns slip through (10 instead of 3.9 % error for a car's door).
+    // FIRST_ONLY: with several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp). So it is where nothing
+    // sharp can be seen and the block is of one material. Of sharp ones it takes one in two: one in four lets mirrored suns slip through
+    // (10 instead of 3.9 % error for a car's door), all bring nothing (docs/performance.md).
     if (k == 0 && pixel.x >= 0) first_material = material;
-    if (k > 0 && (u_frame.size.z > 1 || (material == first_material && ((SPARSE == 1 && k < 3) || is_broad(surface, flags, measured))))) pixel.x = -1;
+    if (k > 0 && material == first_material && (k < 3 || is_broad(surface, flags, measured))) pixel.x = -1;
     if (pixel.x < 0) {
       imageStore(o_energy, quad, vec4(0.0));
-      imageStore(o_moments, quad, vec4(0.0));
       continue;
     }
     measured_count += measured ? 1u : 0u;
@@ -65,7 +64,7 @@ void main() {
   uint next_measured = 0u, next_analytic = 0u;
   if (measured_count > 0u) next_measured = atomicAdd(b_lists[0].items, measured_count);
   if (analytic_count > 0u) next_analytic = atomicAdd(b_lists[1].items, analytic_count);
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < kQuads; ++k) {
     if (pixels[k] == 0xffffffffu) continue;
     if ((pixels[k] & 0x80000000u) == 0u)
       b_measured[2u * next_measured++] = pixels[k];

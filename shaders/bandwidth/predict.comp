@@ -25,8 +25,7 @@ layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (c
 #endif
 layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
 layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width], cycles/rad
-layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;    // sum w nu, sum w, sum t_b, sum t_e
-layout(binding = 1, rgba32f) uniform writeonly image2D o_moments;   // sum t_b^2, sum t_e^2 (both with the stratum factor), n_b, 1 + material
+layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;     // sum w nu, sum w (lights included), sum t^2 (with the stratum factor), 1 + material
 
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
@@ -36,8 +35,8 @@ layout(std430, binding = 2) readonly buffer Pixels { uint b_pixels[]; };  // eve
 uniform int u_list;
 
 struct Result {
-  vec4 energy;            // sum w nu, sum w, sum t_b, sum t_e
-  vec2 second;            // sum t_b^2, sum t_e^2
+  vec2 energy;            // sum w nu, sum w
+  float second;           // sum t^2
   float stratum_samples;  // the count that shading will use
 #if SHADOWED
   VisibilityPoint visibility;
@@ -104,9 +103,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
   float v1 = visibility_of(r.visibility, w, unit_pair(r.random)), v2 = visibility_of(r.visibility, w, unit_pair(hash(r.random)));
-  float dither = 0.5 * t * t * (v1 - v2) * (v1 - v2);
-  if (is_brdf) r.second.x += dither;
-  else r.second.y += dither;
+  r.second += 0.5 * t * t * (v1 - v2) * (v1 - v2);
   nu_l += kVisibilityNu * abs(v1 - v2);
   t *= 0.5 * (v1 + v2);
 #endif
@@ -123,19 +120,14 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #endif
   float change = is_brdf ? of_lobe : nu_l + nu_r;
   float share = min(0.6 * own * change * stratum, 1.0);
-  if (is_brdf) {
-    r.energy.z += t;
-    r.second.x += t * t * share;
-  } else {
-    r.energy.w += t;
-    r.second.y += t * t * share;
-  }
+  r.second += t * t * share;
 }
 #define VISIBILITY 0  // of the estimator: on_sample looks itself
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
   on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, \
             strategy_share(nb * f_hat, nl * luminance(radiance), is_brdf, luminance(radiance) * e.inverse_integral > kSunDensity))
-#define SAMPLE_GROUP 2
+#define HALVES (PREDICTION_SAMPLES / 2)
+#define SAMPLE_GROUP 4
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"
@@ -146,16 +138,17 @@ vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
   vec4 near = vec4(0.0, 0.0, 0.0, 1.0);
   LightChoice choice = light_choice(p.position);
-  for (int i = 0; i < kPredictedLights; ++i) {
+  int i = 0;
+  do {
     LightDraw d = draw_light(p, choice, light_numbers(rotation, uint(i)), unit_pair(hash(rotation + uint(i))));
     float y = luminance(d.outgoing) * unit;
-    if (!(y > 0.0)) continue;
-    float nu_r = brdf_bandwidth(p, d.wi);
-    float share = 1.0 / float(kPredictedLights);
-    r.energy.x += share * y * nu_r;
-    r.energy.y += share * y;
-    near += share * vec4(y * d.wi.z * light_bandwidth(d.light, d.world, d.distance_m, nu_r), y, y * y, 0.0);
-  }
+    if (y > 0.0) {
+      float nu_r = brdf_bandwidth(p, d.wi);
+      float share = 1.0 / float(kPredictedLights);
+      r.energy += share * y * vec2(nu_r, 1.0);
+      near += share * vec4(y * d.wi.z * light_bandwidth(d.light, d.world, d.distance_m, nu_r), y, y * y, 0.0);
+    }
+  } while (++i < kPredictedLights);
   return near;
 }
 #endif
@@ -163,10 +156,9 @@ vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
 void predict(ivec2 quad, ivec2 pixel) {
   Point p = load_point(pixel);
   Result result;
-  result.energy = vec4(0.0);
-  result.second = vec2(0.0);
+  result.energy = vec2(0.0);
+  result.second = 0.0;
   result.stratum_samples = float(u_frame.sampling.x);
-  int count = PREDICTION_SAMPLES;
 #if SHADOWED
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
   result.random = uint(pixel.x) + (uint(pixel.y) << 16u);
@@ -174,7 +166,7 @@ void predict(ivec2 quad, ivec2 pixel) {
 #if SHADOWED == 2
   result.edges = vec2(0.0);
 #endif
-  integrate(p, pixel, 0u, count, result);
+  integrate(p, pixel, 0u, PREDICTION_SAMPLES, result);
   // A normal that turns moves the mirror direction twice as far as the view's elevation.
   result.energy.x += 0.5 * albedo_bandwidth(p) * result.energy.y;
 #if SHADOWED || LIGHTS
@@ -192,9 +184,7 @@ void predict(ivec2 quad, ivec2 pixel) {
 #endif
   imageStore(o_near, quad, near);
 #endif
-  int brdf_count = brdf_sample_count(p, count);
-  imageStore(o_energy, quad, result.energy);
-  imageStore(o_moments, quad, vec4(result.second, float(brdf_count), float(p.material + 1)));
+  imageStore(o_energy, quad, vec4(result.energy, result.second, float(p.material + 1)));
 }
 
 void main() {

@@ -7,18 +7,20 @@ void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);
   ivec2 fine = textureSize(t_fine, u_level);
   if (any(greaterThanEqual(p, imageSize(o_coarse)))) return;
+  // A third row or column only at the odd end of a level.
+  ivec2 end = min(2 * p + 2, fine);
+  end += ivec2(end.x == fine.x - 1 ? 1 : 0, end.y == fine.y - 1 ? 1 : 0);
   vec4 r = vec4(0.0);
   vec2 sum = vec2(0.0);
-  for (int k = 0; k < 9; ++k) {
-    ivec2 q = 2 * p + ivec2(k % 3, k / 3);
-    // A third row or column only at the odd end of a level.
-    if ((k % 3 == 2 && (fine.x & 1) == 0) || (k / 3 == 2 && (fine.y & 1) == 0)) continue;
-    if ((k % 3 == 2 && q.x != fine.x - 1) || (k / 3 == 2 && q.y != fine.y - 1)) continue;
-    if (any(greaterThanEqual(q, fine))) continue;
-    vec4 v = texelFetch(t_fine, q, u_level);
-    r.x = max(r.x, v.x);
-    sum += v.yz * v.w;
-    r.w += v.w;
-  }
+  ivec2 q = 2 * p;
+  do {  // tested at the end, as in shading/integrate.glsl
+    q.x = 2 * p.x;
+    do {
+      vec4 v = texelFetch(t_fine, q, u_level);
+      r.x = max(r.x, v.x);
+      sum += v.yz * v.w;
+      r.w += v.w;
+    } while (++q.x < end.x);
+  } while (++q.y < end.y);
   imageStore(o_coarse, p, vec4(r.x, r.w > 0.0 ? sum / r.w : vec2(0.0), r.w));
 }

@@ -37,18 +37,22 @@ struct Trial {
   Clock time;
   int frames = 0;
   double error = 0.0;
-  FrameStats stats;                            ///< of the last frame, shading_samples of all
-  double prediction_ms = 0.0, frame_ms = 0.0;  ///< of all frames
+  FrameStats stats;                                                     ///< of the last frame, shading_samples of all
+  double prediction_ms = 0.0, prediction_cpu_ms = 0.0, frame_ms = 0.0;  ///< of all frames
 };
 
-double pass_ms(const FrameStats& stats, const std::string& name) {
+Clock pass_time(const FrameStats& stats, const std::string& name) {
   for (const PassTime& p : stats.passes)
-    if (p.name == name) return p.ms;
-  return 0.0;
+    if (p.name == name) return {p.ms, p.cpu_ms};
+  return {};
 }
 
 void add_frame(const FrameStats& stats, Trial* trial) {
-  trial->prediction_ms += pass_ms(stats, "bandwidth") + pass_ms(stats, "pyramid") + pass_ms(stats, "measure");
+  for (const char* pass : {"bandwidth", "pyramid", "measure"}) {
+    const Clock time = pass_time(stats, pass);
+    trial->prediction_ms += time.wall_ms;
+    trial->prediction_cpu_ms += time.cpu_ms;
+  }
   trial->frame_ms += stats.frame_ms;
 }
 
@@ -56,13 +60,14 @@ SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) 
   SweepPoint p;
   p.samples = samples;
   p.frames = frames;
-  std::vector<double> wall, cpu, shade, prediction, frame;
+  std::vector<double> wall, cpu, shade, prediction, prediction_cpu, frame;
   double square = 0.0;
   for (const Trial& t : trials) {
     wall.push_back(t.time.wall_ms);
     cpu.push_back(t.time.cpu_ms);
-    shade.push_back(pass_ms(t.stats, "shade"));
+    shade.push_back(pass_time(t.stats, "shade").wall_ms);
     prediction.push_back(t.prediction_ms);
+    prediction_cpu.push_back(t.prediction_cpu_ms);
     frame.push_back(t.frame_ms);
     square += t.error * t.error;
   }
@@ -70,6 +75,7 @@ SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) 
   p.cpu_ms = test::median(cpu);
   p.shade_ms = test::median(shade);
   p.prediction_ms = test::median(prediction);
+  p.prediction_cpu_ms = test::median(prediction_cpu);
   p.frame_ms = test::median(frame);
   p.error = std::sqrt(square / static_cast<double>(trials.size()));
   p.shading_samples = static_cast<double>(trials.back().stats.shading_samples);
@@ -78,8 +84,11 @@ SweepPoint summarise(const std::vector<Trial>& trials, int samples, int frames) 
 
 void log_point(const std::string& name, const std::string& mode, const SweepPoint& p) {
   std::fprintf(
-      stderr, "  %-16s %-9s samples %4d frames %4d  wall %8.1f ms  cpu %8.1f ms  error %6.2f %%  %.3g Msamples\n",
-      name.c_str(), mode.c_str(), p.samples, p.frames, p.wall_ms, p.cpu_ms, 100.0 * p.error, p.shading_samples * 1e-6);
+      stderr,
+      "  %-16s %-9s samples %4d frames %4d  wall %8.1f ms  cpu %8.1f ms  error %6.2f %%  %.3g Msamples  prediction "
+      "%.1f and %.1f %% (CPU)\n",
+      name.c_str(), mode.c_str(), p.samples, p.frames, p.wall_ms, p.cpu_ms, 100.0 * p.error, p.shading_samples * 1e-6,
+      100.0 * p.prediction_ms / std::max(p.frame_ms, 1e-9), 100.0 * p.prediction_cpu_ms / std::max(p.cpu_ms, 1e-9));
 }
 
 /// A frame that keeps nothing of the one before.

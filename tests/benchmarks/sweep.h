@@ -17,6 +17,7 @@ struct SweepPoint {
   double error = 0.0;                  ///< relative RMSE, root mean square over the repeats' seeds
   double shading_samples = 0.0;
   double shade_ms = 0.0, prediction_ms = 0.0, frame_ms = 0.0;  ///< of all frames; shade: the last one's
+  double prediction_cpu_ms = 0.0;                              ///< of all frames
   double time(bool cpu) const { return cpu ? cpu_ms : wall_ms; }
 };
 using Curve = std::vector<SweepPoint>;

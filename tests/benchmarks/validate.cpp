@@ -59,44 +59,24 @@ std::string text_of(const Agreement& a, const Pairs& pairs) {
          std::to_string(pairs.predicted.size()) + " of " + std::to_string(pairs.windows);
 }
 
-/// How the prediction of a window's pixels becomes one number to set beside the measurement.
-enum class Pooling { centre, mean, energy, largest };
-
-/// Bandwidths are weighted by what they are a bandwidth of: the energy of the window's light.
-double pooled(const Image& prediction, const Image& picture, const test::WindowBandwidth& w, int window,
-              Pooling pooling) {
-  if (pooling == Pooling::centre) return prediction.at(w.x, w.y);
-  double sum = 0.0, weight = 0.0, largest = 0.0;
-  for (int y = 0; y < window; ++y) {
-    for (int x = 0; x < window; ++x) {
-      const int px = w.x - window / 2 + x, py = w.y - window / 2 + y;
-      const double hx = std::sin(kPi * (x + 0.5) / window), hy = std::sin(kPi * (y + 0.5) / window);
-      double g = hx * hx * hy * hy;
-      if (pooling == Pooling::energy) g *= g * std::pow(static_cast<double>(picture.at(px, py, 1)), 2.0);
-      sum += g * prediction.at(px, py);
-      weight += g;
-      if (hx * hy > 0.5) largest = std::max(largest, static_cast<double>(prediction.at(px, py)));
-    }
-  }
-  return pooling == Pooling::largest ? largest : sum / std::max(weight, 1e-30);
-}
-
 struct Definition {
   const char* name;
   test::LocalBandwidthOptions options;
-  Pooling pooling;
+  test::Pooling pooling;
 };
 
 std::vector<Definition> definitions() {
+  using test::Pooling;
   std::vector<Definition> d;
   test::LocalBandwidthOptions plain;
   d.push_back({"32 px, centre", plain, Pooling::centre});
   d.push_back({"32 px, mean", plain, Pooling::mean});
-  d.push_back({"32 px, energy-weighted", plain, Pooling::energy});
+  d.push_back({"32 px, variation", plain, Pooling::variation});
+  d.push_back({"32 px, light (judged until 2026-11-22)", plain, Pooling::light});
   d.push_back({"32 px, largest", plain, Pooling::largest});
   test::LocalBandwidthOptions quadrature = plain;
   quadrature.undo_window = test::UndoWindow::quadrature;
-  d.push_back({"32 px, energy-weighted, window undone in quadrature", quadrature, Pooling::energy});
+  d.push_back({"32 px, variation, window undone in quadrature", quadrature, Pooling::variation});
   test::LocalBandwidthOptions root = plain;
   root.square_root = true;
   d.push_back({"32 px, mean, square root", root, Pooling::mean});
@@ -106,6 +86,10 @@ std::vector<Definition> definitions() {
   test::LocalBandwidthOptions wide = plain;
   wide.window = 64;
   d.push_back({"64 px, mean", wide, Pooling::mean});
+  d.push_back({"64 px, variation", wide, Pooling::variation});
+  wide.window = 128;
+  wide.stride = 32;
+  d.push_back({"128 px, variation", wide, Pooling::variation});
   test::LocalBandwidthOptions small = plain;
   small.window = 16;
   d.push_back({"16 px, mean", small, Pooling::mean});
@@ -136,7 +120,8 @@ Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Defi
        test::measure_local_bandwidth(reference.halves[0], reference.halves[1], views.smooth, d.options)) {
     ++pairs.windows;
     if (w.noise > 0.2) continue;  // too flat to have a bandwidth that could be measured
-    pairs.predicted.push_back(pooled(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
+    pairs.predicted.push_back(
+        test::pooled_prediction(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
     pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
     pairs.marks.push_back(w.noise);
     pairs.places.push_back({w.x, w.y});
@@ -263,43 +248,72 @@ Figures measure_mirror(Stage& stage) {
 
 }  // namespace
 
-Figures measure_validation(Stage& stage) {
+namespace {
+
+/// Of one set of cases together.
+struct Sums {
+  std::vector<Pairs> bandwidth = std::vector<Pairs>(definitions().size());
+  Pairs variance;
+};
+
+Figures measure_case(Stage& stage, Case c, Sums* sums) {
   constexpr int kSamples = 64;
   Figures figures;
-  if (stage.options().wants("mirror")) figures = measure_mirror(stage);
+  c.plain = true;  // light is what is interpolated, and what the prediction is of
+  stage.show(c);
+  const Views views = predict(stage, kSamples);
   const std::vector<Definition> all = definitions();
-  std::vector<Pairs> sums(all.size());
-  Pairs variances;
-  for (Case c : quality_cases(stage.options())) {
-    if (!stage.options().wants(c.name)) continue;
-    c.plain = true;  // light is what is interpolated, and what the prediction is of
-    stage.show(c);
-    const Views views = predict(stage, kSamples);
-    for (std::size_t i = 0; i < all.size() && stage.options().reference_seconds > 0.0; ++i) {  // 0: variance alone
-      const Pairs pairs = bandwidth_pairs(views, stage.reference(), all[i]);
-      sums[i].append(pairs);
-      const double floor = test::measured_floor(all[i].options);
-      std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), all[i].name,
-                   text_of(agree(pairs, floor), pairs).c_str());
-      if (i != kJudged) continue;
-      figures.push_back(shown("bandwidth, " + c.name, text_of(agree(pairs, floor), pairs)));
-      write_pairs(stage, "bandwidth", pairs);
-    }
-    const Pairs variance = variance_pairs(stage, views, kSamples, 32);
-    variances.append(variance);
-    write_pairs(stage, "variance", variance);
-    figures.push_back(shown("variance, " + c.name, text_of(agree(variance, 0.0), variance)));
-    std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), "variance",
-                 text_of(agree(variance, 0.0), variance).c_str());
-  }
-  if (variances.predicted.empty()) return figures;
-  for (std::size_t i = 0; i < all.size(); ++i) {
+  for (std::size_t i = 0; i < all.size() && stage.options().reference_seconds > 0.0; ++i) {  // 0: variance alone
+    const Pairs pairs = bandwidth_pairs(views, stage.reference(), all[i]);
+    sums->bandwidth[i].append(pairs);
     const double floor = test::measured_floor(all[i].options);
-    figures.push_back(shown(std::string("bandwidth, all, ") + all[i].name, text_of(agree(sums[i], floor), sums[i])));
+    std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), all[i].name,
+                 text_of(agree(pairs, floor), pairs).c_str());
+    if (i != kJudged) continue;
+    figures.push_back(shown("bandwidth, " + c.name, text_of(agree(pairs, floor), pairs)));
+    write_pairs(stage, "bandwidth", pairs);
   }
-  for (Figure& f : judge("bandwidth", sums[kJudged], test::measured_floor(all[kJudged].options)))
-    figures.push_back(std::move(f));
-  for (Figure& f : judge("variance", variances, 0.0)) figures.push_back(std::move(f));
+  const Pairs variance = variance_pairs(stage, views, kSamples, 32);
+  sums->variance.append(variance);
+  write_pairs(stage, "variance", variance);
+  figures.push_back(shown("variance, " + c.name, text_of(agree(variance, 0.0), variance)));
+  std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), "variance",
+               text_of(agree(variance, 0.0), variance).c_str());
+  return figures;
+}
+
+void show_sums(const std::string& set, const Sums& sums, Figures* figures) {
+  const std::vector<Definition> all = definitions();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (sums.bandwidth[i].predicted.empty()) continue;
+    const double floor = test::measured_floor(all[i].options);
+    figures->push_back(
+        shown("bandwidth, " + set + ", " + all[i].name, text_of(agree(sums.bandwidth[i], floor), sums.bandwidth[i])));
+  }
+  if (!sums.variance.predicted.empty())
+    figures->push_back(shown("variance, " + set, text_of(agree(sums.variance, 0.0), sums.variance)));
+}
+
+}  // namespace
+
+Figures measure_validation(Stage& stage) {
+  Figures figures;
+  if (stage.options().wants("mirror")) figures = measure_mirror(stage);
+  const auto measure = [&](const std::vector<Case>& cases, Sums* sums) {
+    for (const Case& c : cases) {
+      if (!stage.options().wants(c.name)) continue;
+      for (Figure& f : measure_case(stage, c, sums)) figures.push_back(std::move(f));
+    }
+  };
+  Sums sky, grace;
+  measure(quality_cases(stage.options()), &sky);
+  measure(research_cases(stage.options()), &grace);  // many small lamps: what the paper validated under
+  show_sums("all", sky, &figures);
+  show_sums("under Grace", grace, &figures);
+  if (sky.variance.predicted.empty()) return figures;
+  const double floor = test::measured_floor(definitions()[kJudged].options);
+  for (Figure& f : judge("bandwidth", sky.bandwidth[kJudged], floor)) figures.push_back(std::move(f));
+  for (Figure& f : judge("variance", sky.variance, 0.0)) figures.push_back(std::move(f));
   return figures;
 }
 

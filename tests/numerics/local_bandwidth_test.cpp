@@ -112,6 +112,25 @@ TEST(LocalBandwidth, NoiseOfTwoHalvesIsNoBandwidth) {
   }
 }
 
+/// Half of the window is even light of the wave's own mean: its spectrum is the wave's, and so must the prediction's
+/// weight be.
+TEST(LocalBandwidth, PredictionsCountByWhatVaries) {
+  const auto wave = [](int x) {  // fades in, so that its beginning is no edge
+    const double fade = 0.5 - 0.5 * std::cos(2.0 * kPi * (x + 0.5 - 16) / 16.0);
+    return x < 16 ? 0.0 : fade * std::cos(2.0 * kPi * 0.2 * x);
+  };
+  const Image image = make_picture(32, 32, [&](int x, int) { return 10.0 + wave(x); });
+  const Image prediction = make_picture(32, 32, [](int x, int) { return x < 16 ? 0.0 : 0.2; });
+  const auto windows = measure_local_bandwidth(image, image, std::vector<bool>(32 * 32, true), {});
+  ASSERT_EQ(windows.size(), 1u);
+  const auto pooled = [&](Pooling p) { return pooled_prediction(prediction, image, windows[0], 32, p); };
+  EXPECT_NEAR(windows[0].nu_x, 0.2, 0.06);
+  EXPECT_NEAR(pooled(Pooling::variation), 0.2, 0.001);
+  EXPECT_NEAR(pooled(Pooling::light), 0.1, 0.01);
+  EXPECT_NEAR(pooled(Pooling::mean), 0.1, 1e-6);
+  EXPECT_FLOAT_EQ(static_cast<float>(pooled(Pooling::largest)), 0.2f);
+}
+
 TEST(LocalBandwidth, LeavesOutWindowsWithExcludedPixels) {
   std::vector<bool> usable(64 * 64, true);
   usable[20 * 64 + 20] = false;

@@ -195,6 +195,30 @@ std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image
   return result;
 }
 
+double pooled_prediction(const Image& prediction, const Image& picture, const WindowBandwidth& w, int window,
+                         Pooling pooling) {
+  if (pooling == Pooling::centre) return prediction.at(w.x, w.y);
+  const std::vector<double> line = hann(window);
+  const int x0 = w.x - window / 2, y0 = w.y - window / 2;
+  LocalBandwidthOptions options;
+  options.window = window;
+  options.remove_mean = pooling == Pooling::variation;
+  const std::vector<double> values = windowed(picture, x0, y0, line, options);
+  double sum = 0.0, weight = 0.0, largest = 0.0;
+  for (int y = 0; y < window; ++y) {
+    for (int x = 0; x < window; ++x) {
+      const double value = values[static_cast<std::size_t>(y * window + x)];
+      const double hann2 = line[static_cast<std::size_t>(x)] * line[static_cast<std::size_t>(y)];
+      const double g = pooling == Pooling::mean ? hann2 : value * value;
+      const double predicted = static_cast<double>(prediction.at(x0 + x, y0 + y));
+      sum += g * predicted;
+      weight += g;
+      if (hann2 > 0.25) largest = std::max(largest, predicted);
+    }
+  }
+  return pooling == Pooling::largest ? largest : sum / std::max(weight, 1e-30);
+}
+
 std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal, const Image& material) {
   const int w = depth.width, h = depth.height;
   std::vector<bool> smooth(static_cast<std::size_t>(w * h), false);

@@ -40,6 +40,17 @@ struct WindowBandwidth {
 std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
                                                      const LocalBandwidthOptions& options);
 
+/// How the prediction at a window's pixels becomes one number to set beside the measurement.
+enum class Pooling {
+  centre,
+  mean,       ///< weighted by the window
+  variation,  ///< by the energy that the spectrum holds: of the window times the light without its mean (Parseval)
+  light,  ///< by the energy of the light, its mean included: what is bright and even counts, which no spectrum shows
+  largest,
+};
+double pooled_prediction(const Image& prediction, const Image& picture, const WindowBandwidth& w, int window,
+                         Pooling pooling);
+
 /// What the measure can still read, cycles/px: the most that waves read which read more than 2 % above their frequency.
 /// Those are waves longer than a window, whose mean was taken out; what is undone in quadrature reads all waves too
 /// high, and its floor is the most that waves longer than two windows read.

@@ -35,9 +35,10 @@ layout(std430, binding = 2) readonly buffer Pixels { uint b_pixels[]; };  // eve
 uniform int u_list;
 
 struct Result {
-  vec2 energy;            // sum w nu, sum w
-  float second;           // sum t^2
-  float stratum_samples;  // the count that shading will use
+  vec2 energy;   // sum w nu, sum w
+  float second;  // sum t^2
+  vec2 drawn;    // what a sample of the lobe and one of the list stand for of those of shading, which draws them in other shares
+  vec2 strata;   // how many of each shading will draw
 #if SHADOWED
   VisibilityPoint visibility;
   uint random;
@@ -86,15 +87,15 @@ const float kEdgeNu = 2.3;        // a step over the half sphere: what one sampl
 const float kVisibilityNu = 4.6;  // mean |v1 - v2| in the middle of a step is 1/2: 2.3 cycles/rad
 #endif
 
-void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf, float own) {
-  float t = luminance(f * radiance) * weight;
+void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf) {
+  float t = luminance(f * radiance) * weight, stands_for = is_brdf ? r.drawn.x : r.drawn.y;
   float nu_l = environment_bandwidth(world);
   float nu_r = brdf_bandwidth(p, wi);
 #if SHADOWED == 2
   // The edge of a blocker at distance d moves over the sky by 1 / d per metre, and the light behind it changes no faster than its own
   // bandwidth: light and edge are convolved. Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 4.1 and 4.2.
   float distance_m = blocked_at(r.visibility, world_from_environment(world), 1e30);
-  r.edges += t * vec2(distance_m < 0.0 ? 0.0 : nu_l / max(distance_m, r.visibility.own_m), 1.0);
+  r.edges += stands_for * t * vec2(distance_m < 0.0 ? 0.0 : nu_l / max(distance_m, r.visibility.own_m), 1.0);
   nu_l += kEdgeNu;
   t *= distance_m < 0.0 ? 1.0 : 0.0;
 #elif SHADOWED
@@ -103,31 +104,30 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
   float v1 = visibility_of(r.visibility, w, unit_pair(r.random)), v2 = visibility_of(r.visibility, w, unit_pair(hash(r.random)));
-  r.second += 0.5 * t * t * (v1 - v2) * (v1 - v2);
+  r.second += 0.5 * stands_for * t * t * (v1 - v2) * (v1 - v2);
   nu_l += kVisibilityNu * abs(v1 - v2);
   t *= 0.5 * (v1 + v2);
 #endif
-  r.energy.x += t * min(nu_l, nu_r);
-  r.energy.y += t;
-  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. A term that the
-  // balance heuristic leaves mostly to the other strategy varies little. Samples of an analytic lobe have all of its change in their
-  // density, those of a table half of it and strata stretched by 1 / cos at grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
-  float stratum = inversesqrt(kPi * max(r.stratum_samples * pdf, 1e-6));
+  r.energy.x += stands_for * t * min(nu_l, nu_r);
+  r.energy.y += stands_for * t;
+  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. What a strategy
+  // draws by is for the most part in its density, the other's factor is not; strata of a table's lobe are stretched by 1 / cos at
+  // grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
+  float stratum = inversesqrt(kPi * max((is_brdf ? r.strata.x : r.strata.y) * pdf, 1e-6));
 #if MEASURED
-  float of_lobe = (nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05);
+  float of_lobe = (2.0 * nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05);
 #else
-  float of_lobe = nu_l;
+  float of_lobe = 2.0 * nu_l;
 #endif
-  float change = is_brdf ? of_lobe : nu_l + nu_r;
-  float share = min(0.6 * own * change * stratum, 1.0);
-  r.second += t * t * share;
+  float change = is_brdf ? of_lobe : nu_l + 2.0 * nu_r;
+  float share = min(0.215 * change * stratum, 0.28);
+  r.second += stands_for * t * t * share;
 }
 #define VISIBILITY 0  // of the estimator: on_sample looks itself
-#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
-  on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, \
-            strategy_share(nb * f_hat, nl * luminance(radiance), is_brdf, luminance(radiance) * e.inverse_integral > kSunDensity))
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf)
 #define HALVES (PREDICTION_SAMPLES / 2)
 #define SAMPLE_GROUP 4
+#define WEIGHED_AS_SHADED
 #include "shading/integrate.glsl"
 #if LIGHTS
 #include "shading/lights.glsl"
@@ -158,7 +158,10 @@ void predict(ivec2 quad, ivec2 pixel) {
   Result result;
   result.energy = vec2(0.0);
   result.second = 0.0;
-  result.stratum_samples = float(u_frame.sampling.x);
+  float weighed = weighed_brdf_count(p, PREDICTION_SAMPLES, HALVES);
+  vec2 as_shaded = vec2(weighed, float(PREDICTION_SAMPLES) - weighed);
+  result.drawn = as_shaded / float(HALVES);
+  result.strata = as_shaded * (float(u_frame.sampling.x) / float(PREDICTION_SAMPLES));
 #if SHADOWED
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
   result.random = uint(pixel.x) + (uint(pixel.y) << 16u);

@@ -24,12 +24,6 @@ float strategy_sum(float own, float other, bool is_brdf, bool sun) {
   return sun ? alone : own + other;
 }
 
-/// A sample's weight over what it would be if its strategy were alone: what the lobe finds is worth `brdf` (samples per solid angle), what the list finds `light`.
-float strategy_share(float brdf, float light, bool is_brdf, bool sun) {
-  float own = is_brdf ? brdf : light;
-  return own / max(strategy_sum(own, is_brdf ? light : brdf, is_brdf, sun), 1e-30);
-}
-
 /// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
 /// `l`: luminance of the light.
 float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
@@ -45,6 +39,17 @@ int brdf_sample_count(Point p, int count) {
   int group = count >= 8 ? 4 : 1;
   int wanted = int(p.brdf_share * float(count / group) + 0.5) * group;
   return u_frame.environment.w > 0.0 ? clamp(wanted, group, count - group) : count;
+}
+
+/// The count of BRDF samples that the weights stand for: a prediction's are those of shading, in whose items the few that it draws itself would
+/// have another share.
+float weighed_brdf_count(Point p, int count, int drawn) {
+#ifdef WEIGHED_AS_SHADED
+  int item = max(u_frame.sampling.y, 2);
+  return float(brdf_sample_count(p, item) * count) / float(item);
+#else
+  return float(drawn);
+#endif
 }
 
 /// What the samples of an item have in common.
@@ -247,8 +252,8 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #endif
   Estimator e;
   e.inverse_integral = integral > 0.0 ? 1.0 / integral : 0.0;
-  e.nb = float(brdf_count);
-  e.nl = float(light_count) * e.inverse_integral;
+  e.nb = weighed_brdf_count(p, count, brdf_count);
+  e.nl = (float(count) - e.nb) * e.inverse_integral;
   // The frame's first sample index moves on while the picture converges.
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
   uint block = first_sample / uint(count);

@@ -52,7 +52,8 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   const int kBandPoints = bandwidth ? 1 << 19 : 1 << 20;
   t.band_rows = std::clamp(kBandPoints / w / 32 * 32, 32, (h + 31) / 32 * 32);
   const int band_points = w * std::min(t.band_rows, h);
-  t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : band_points;
+  // The reflected picture is shaded by four rows at least.
+  t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : std::max(band_points, 4 * kMostReflectedItems * w);
   const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
   t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
   for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) {

@@ -7,6 +7,9 @@
 
 namespace maquette {
 
+/// Work items of a reflected point at most: one of a pane, more of a mirror, which shows more.
+constexpr int kMostReflectedItems = 2;
+
 /// The tiles of 8 x 8 grid points (shaders/shared/tiles.glsl) that show something, found with the G-buffer.
 struct TileList {
   Buffer tiles;             ///< uint each, x | y << 16 in tiles; [band][tiles of a band]

@@ -308,7 +308,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.note_fits(&plan);
   s.update_visibility(&plan);
   s.update_indirect(request, &plan);
-  s.update_octree(request.settings, &plan);
+  s.update_octree(request, &plan);
   s.update_glossy(&plan);
   plan.lights = plan.lights && s.lights;  // what glows may be too dim to count
   const bool bandwidth = plan.mode == "bandwidth";

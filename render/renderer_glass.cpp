@@ -30,6 +30,18 @@ Texture make_irradiance(const Environment& environment) {
   return texture;
 }
 
+ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
+  return {"glass/glass.frag",
+          "glass/glass.vert",
+          {{"VISIBILITY", visibility_define(plan)},
+           {"TEXTURES", kind.texture ? "1" : "0"},
+           {"SURFACE", kind.surface ? "1" : "0"},
+           {"PANE", kind.pane ? "1" : "0"},
+           {"RECORD", kind.record ? "1" : "0"},
+           {"MIRRORED", std::to_string(static_cast<int>(kind.reflected))},
+           {"HATCHED", kind.hatched ? "1" : "0"}}};
+}
+
 float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
   const glm::vec3 d = bounds.center() - eye;
   return glm::dot(d, d);
@@ -41,15 +53,26 @@ std::string visibility_define(const FramePlan& plan) {
   return plan.visibility == "traced" ? "2" : plan.visibility == "baked" ? "1" : "0";
 }
 
-ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
-  return {"glass/glass.frag",
-          "glass/glass.vert",
-          {{"VISIBILITY", visibility_define(plan)},
-           {"TEXTURES", kind.texture ? "1" : "0"},
-           {"SURFACE", kind.surface ? "1" : "0"},
-           {"PANE", kind.pane ? "1" : "0"},
-           {"RECORD", kind.record ? "1" : "0"},
-           {"REFLECTIONS", plan.reflections.empty() ? "0" : "1"}}};
+std::vector<ShaderVariant> glass_shader_variants() {
+  using Reflected = GlassKind::Reflected;
+  std::vector<ShaderVariant> variants;
+  for (const char* visibility : {"none", "baked", "traced"}) {
+    FramePlan plan;
+    plan.visibility = visibility;
+    for (const bool textured : {false, true}) {
+      for (int k = 0; k < 5; ++k) {
+        const bool hatched = k > 2;
+        const auto reflected = static_cast<Reflected>(hatched ? k - 2 : k);
+        for (const int shares : {1, 2, 3})
+          variants.push_back(
+              glass_variant(plan, {textured, (shares & 1) != 0, (shares & 2) != 0, false, reflected, hatched}));
+      }
+      for (const bool hatched : {false, true})
+        variants.push_back(glass_variant(plan, {textured, false, false, false, Reflected::mirror, hatched}));
+      variants.push_back(glass_variant(plan, {.texture = textured, .pane = true, .record = true}));
+    }
+  }
+  return variants;
 }
 
 void Renderer::Impl::order_panes(const std::vector<std::size_t>& items) {
@@ -121,6 +144,27 @@ void Renderer::Impl::bind_kept_panes(const Program& program, float rotation_rad)
   program.set("u_turn", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
 }
 
+int Renderer::Impl::base_color_texture(std::size_t item) const {
+  return buffers->has_textures() ? buffers->base_color_texture(static_cast<std::size_t>(buffers->material(item))) : -1;
+}
+
+GlassKind Renderer::Impl::glass_kind(const FramePlan& plan, const FrameRequest& request, std::size_t item) const {
+  using Reflected = GlassKind::Reflected;
+  const float share = pane_share(material_of_item(item));
+  GlassKind kind{.texture = base_color_texture(item) >= 0, .surface = share<1.0f, .pane = share> 0.0f};
+  if (plan.reflections.empty() || reflector_of_item(item) < 0) return kind;
+  if (is_mirror(item)) {
+    kind.reflected = Reflected::mirror;
+    kind.surface = kind.pane = false;
+  } else {
+    kind.reflected = ghost ? Reflected::both : Reflected::front;
+  }
+  const auto technique = reflector_techniques.find(plan.reflections);
+  kind.hatched = technique != reflector_techniques.end() && technique->second && technique->second->doubts() &&
+                 request.settings.get_string("reflections.mark") == "hatch";
+  return kind;
+}
+
 void Renderer::Impl::raster_glass(const FramePlan& plan, const FrameRequest& request,
                                   const std::vector<std::size_t>& items, bool record) {
   FrameTargets& t = *targets;
@@ -153,23 +197,17 @@ void Renderer::Impl::raster_glass(const FramePlan& plan, const FrameRequest& req
     const DrawItem& item = buffers->geometry().items[i];
     const Material& m = material_of_item(i);
     shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
-    const int texture =
-        buffers->has_textures() ? buffers->base_color_texture(static_cast<std::size_t>(buffers->material(i))) : -1;
-    const Program& program =
-        programs.get(glass_variant(plan, {texture >= 0, pane_share(m) < 1.0f, pane_share(m) > 0.0f, record}));
+    GlassKind kind = glass_kind(plan, request, i);
+    kind.record = record;
+    const Program& program = programs.get(glass_variant(plan, kind));
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());
     const float alpha = m.alpha_mode == AlphaMode::blend ? m.base_color.a : 1.0f;
     glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
     glUniform4f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b, m.unlit ? 1.0f : 0.0f);
     glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));
-    if (!plan.reflections.empty()) {
-      program.set("u_reflector", reflector_of_item(i));
-      program.set("u_mirror", is_mirror(i) ? 1 : 0);
-      program.set("u_hatch", request.settings.get_string("reflections.mark") == "hatch" ? 1 : 0);
-      program.set("u_ghost", ghost && !is_mirror(i) ? 1 : 0);
-    }
-    if (texture >= 0) program.set("u_texture", texture);
+    if (kind.reflected != GlassKind::Reflected::none) program.set("u_reflector", reflector_of_item(i));
+    if (kind.texture) program.set("u_texture", base_color_texture(i));
     const auto sorted = pane_order->first.find(i);
     const bool is_sorted = sorted != pane_order->first.end();
     glVertexArrayElementBuffer(buffers->vertex_array(), is_sorted ? pane_order->indices.get() : buffers->indices());

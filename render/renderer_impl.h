@@ -118,6 +118,15 @@ struct PaneOrder {
   Buffer indices;
 };
 
+/// What an item of raster_glass is made of.
+struct GlassKind {
+  bool texture = false, surface = false, pane = false;
+  bool record = false;  ///< for KeptPanes
+  /// What of a reflector it shows besides the sky; `both`: a second image too.
+  enum class Reflected { none, front, both, mirror } reflected = Reflected::none;
+  bool hatched = false;  ///< where the technique does not vouch for what is reflected
+};
+
 struct Renderer::Impl {
   DeviceInfo device = query_device();
   ProgramCache programs;
@@ -138,6 +147,7 @@ struct Renderer::Impl {
   std::uint32_t indirect_epoch = 0;  ///< bounce_epoch of the bake's input
   int indirect_variant = -2;
   OctreeStore octree;
+  int frames_without_octree = 0;  ///< since a plan wanted it
   std::uint32_t geometry_epoch = 0;    ///< raised by every change of what may occlude
   std::optional<LightBuffers> lights;  ///< empty when nothing shines
   bool lights_stale = true;
@@ -166,7 +176,8 @@ struct Renderer::Impl {
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
   Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it
-  Buffer reflection_block;  ///< frame constants at the size of the reflected picture
+  FrameConstants reflection_constants;  ///< at the size of the reflected picture
+  Buffer reflection_block;
   std::optional<ReflectionTargets> reflection;
   std::optional<TracedKey> traced;          ///< what the hits in `reflection` are of; empty: nothing that may be kept
   std::optional<TracedKey> tracing;         ///< the same of this frame, until its hits are there
@@ -213,7 +224,9 @@ struct Renderer::Impl {
   std::shared_ptr<const IndirectInput> make_indirect_input(int variant) const;
   /// Starts or uploads the octree that the plan wants, and drops one that it does not; while there is none, the plan
   /// says so instead.
-  void update_octree(const Settings& settings, FramePlan* plan);
+  void update_octree(const FrameRequest& request, FramePlan* plan);
+  /// In a window, for some frames, what the camera may turn back to any moment; the plan says so.
+  bool keep_octree(const std::string& technique, FramePlan* plan);
   void update_cell_brdfs(const Settings& settings, const std::function<OctreeJob()>& make_octree, FramePlan* plan);
   std::vector<bool> transmitting_items() const;
   std::vector<Passage> passages() const;  ///< of each item, as far as it transmits
@@ -254,7 +267,8 @@ struct Renderer::Impl {
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
                    const Program& gather);
   /// Some rows of the reflected picture, every pixel with the same count of samples.
-  void shade_reflected_rows(const FramePlan& plan, int first_row, int rows);
+  /// `panes`: bit k set where reflector k is one.
+  void shade_reflected_rows(const FramePlan& plan, int first_row, int rows, int panes);
   void update_reflectors(const FrameRequest& request);
   void forget_reflectors();
   void fit_reflectors();
@@ -262,6 +276,8 @@ struct Renderer::Impl {
   void note_fits(FramePlan* plan) const;
   CameraFrame camera_frame(const FrameRequest& request) const;
   ViewInfo view_info(const FrameRequest& request) const;
+  /// Whether a mesh among the reflectors has patches fitted to it.
+  bool any_fitted() const;
   int reflectors_in_view(const FrameRequest& request) const;
   int reflector_of_item(std::size_t item) const;
   /// Sorts the triangles of those items that need it, if the eye or they have moved.
@@ -287,6 +303,12 @@ struct Renderer::Impl {
   void reflect_glossy(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// One reflected picture, a point for `divisor` x `divisor` of the grid.
   void cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer);
+  /// The frame block for pixels of the reflected picture.
+  void set_reflection_constants(const FrameRequest& request);
+  /// Follows few rays, and marks those that need not be followed.
+  void drop_unseen_rays(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
+  /// From rays to radiance.
+  void follow_rays(RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the
   /// reflectors. Throws Error when none was drawn.
@@ -306,7 +328,7 @@ struct Renderer::Impl {
   void draw_cover();
   void bind_ghost(const Program& rays, const Settings& settings);
   void bind_skipping(const Program& rays, float contrast);
-  void shade_reflections(const FramePlan& plan, PassTimer* timer);
+  void shade_reflections(const FramePlan& plan, RayKind kind, PassTimer* timer);
   void shade_by_lookup(const LookupModeInfo& mode, PassTimer* timer);
   /// Of each grid point the share of what it shows that was interpolated from others.
   std::vector<float> borrowed_shares() const;
@@ -334,6 +356,9 @@ struct Renderer::Impl {
   std::vector<std::size_t> glass_items() const;
   /// Whether `kept_panes` holds all that is to be drawn; recorded first where that is known to last.
   bool keep_panes(const FramePlan& plan, const FrameRequest& request);
+  /// Of the item's material, or -1.
+  int base_color_texture(std::size_t item) const;
+  GlassKind glass_kind(const FramePlan& plan, const FrameRequest& request, std::size_t item) const;
   void raster_glass(const FramePlan& plan, const FrameRequest& request, const std::vector<std::size_t>& items,
                     bool record);
   void bind_kept_panes(const Program& program, float rotation_rad) const;
@@ -355,12 +380,7 @@ std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);
-/// What an item of raster_glass is made of.
-struct GlassKind {
-  bool texture = false, surface = false, pane = false;
-  bool record = false;  ///< for KeptPanes
-};
-ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind);
+std::vector<ShaderVariant> glass_shader_variants();
 std::vector<ShaderVariant> reflection_shader_variants();
 ShaderVariant glossy_variant(bool measured, bool indirect);
 ShaderVariant glossy_rays_variant(bool measured);

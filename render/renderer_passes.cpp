@@ -126,16 +126,6 @@ std::vector<ShaderVariant> all_shader_variants() {
         variants.push_back(shade_variant(plan, k));
         for (const bool looks_back : {false, true}) variants.push_back(scheduled_shade_variant(plan, k, looks_back));
       }
-      for (const char* reflections : {"", "raytraced"}) {
-        plan.reflections = reflections;
-        const bool textured = j & 1;
-        if (k == 0)
-          for (const GlassKind& kind :
-               {GlassKind{textured, true, false}, {textured, false, true}, {textured, true, true}})
-            variants.push_back(glass_variant(plan, kind));
-        if (k == 0 && plan.reflections.empty()) variants.push_back(glass_variant(plan, {textured, false, true, true}));
-      }
-      plan.reflections.clear();
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
       for (const bool coarse : {false, true})
@@ -160,7 +150,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0, false, false));
   variants.push_back(mark_variant(true, false, false, true));
-  for (const std::vector<ShaderVariant>& more : {reflection_shader_variants(), turning_shader_variants()})
+  for (const std::vector<ShaderVariant>& more :
+       {glass_shader_variants(), reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   return variants;
 }

@@ -61,8 +61,8 @@ PatchFitPart part_of(const Scene& scene, const FlatGeometry& geometry, const Dra
 
 std::string fit_line(const Reflector& reflector) { return "'" + reflector.name + "': " + fit_text(*reflector.fit); }
 
-ShaderVariant rays_variant(bool skip, bool ghost) {
-  return {"reflections/rays.comp", "", {{"SKIP", flag(skip)}, {"GHOST", flag(ghost)}}};
+ShaderVariant rays_variant(bool ghost, bool fitted) {
+  return {"reflections/rays.comp", "", {{"GHOST", flag(ghost)}, {"FITTED", flag(fitted)}}};
 }
 
 ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
@@ -110,9 +110,8 @@ int reflection_divisor(const Settings& settings) {
 
 std::vector<ShaderVariant> reflection_shader_variants() {
   std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
-                                      rays_variant(false, false),
-                                      rays_variant(true, false),
-                                      rays_variant(false, true),
+                                      {"reflections/probes.comp", "", {}},
+                                      {"reflections/skip.comp", "", {}},
                                       {"reflections/cover.frag", "reflections/cover.vert", {}},
                                       shade_cells_variant(false),
                                       shade_cells_variant(true),
@@ -130,6 +129,7 @@ std::vector<ShaderVariant> reflection_shader_variants() {
   for (const auto& more : {bezier_shader_variants(), triangle_shader_variants(), nearest_hits_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   for (int k = 0; k < 4; ++k) {
+    variants.push_back(rays_variant(k & 1, k & 2));
     variants.push_back(reflected_resolve_variant(k & 1, k & 2));
     variants.push_back(reflected_compose_variant(k & 1, k & 2));
     variants.push_back(octree_reflect_variant(k & 1, k & 2));
@@ -304,6 +304,10 @@ bool Renderer::Impl::is_mirror(std::size_t item) const {
   return k >= 0 && reflectors[static_cast<std::size_t>(k)].mirror;
 }
 
+bool Renderer::Impl::any_fitted() const {
+  return std::any_of(reflectors.begin(), reflectors.end(), [](const Reflector& r) { return r.fit; });
+}
+
 int Renderer::Impl::reflectors_in_view(const FrameRequest& request) const {
   const glm::mat4 clip = clip_from_world(camera_frame(request));
   int count = 0;
@@ -346,7 +350,7 @@ void Renderer::Impl::draw_panes(ReflectionTargets* t) {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-void Renderer::Impl::shade_reflections(const FramePlan& plan, PassTimer* timer) {
+void Renderer::Impl::shade_reflections(const FramePlan& plan, RayKind kind, PassTimer* timer) {
   ReflectionTargets& t = *reflection;
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode)) {
     lookup_modes[plan.mode]->bind();
@@ -358,13 +362,18 @@ void Renderer::Impl::shade_reflections(const FramePlan& plan, PassTimer* timer) 
     dispatch(programs.get({lookup->shader, "", {{"REFLECTED", "1"}}}), groups(t.width, 8 * kPointsPerLane),
              groups(t.height, 8));
   } else {
-    for (int row = 0; row < t.height; row += targets->band_rows)
-      shade_reflected_rows(plan, row, std::min(targets->band_rows, t.height - row));
+    int panes = 0;  // rays of glossy surfaces name their material
+    for (std::size_t k = 0; kind != RayKind::glossy && k < reflectors.size(); ++k)
+      panes |= reflectors[k].mirror ? 0 : 1 << k;
+    // Of whole blocks of mark.comp.
+    const int rows = std::min(targets->band_rows, targets->item_capacity / (4 * kMostReflectedItems * t.width) * 4);
+    for (int row = 0; row < t.height; row += rows)
+      shade_reflected_rows(plan, row, std::min(rows, t.height - row), panes);
   }
   timer->end("reflected shade");
 }
 
-void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, int rows) {
+void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, int rows, int panes) {
   const FrameTargets& t = *targets;
   const ReflectionTargets& r = *reflection;
   for (GLuint k = 0; k < 2; ++k) {
@@ -377,6 +386,8 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
   glProgramUniform2i(mark.get(), mark.location("u_band"), first_row, rows);
   mark.set("u_item_capacity", t.item_capacity);
   mark.set("u_sample_scale", 1.0f);
+  mark.set("u_frames", accumulated);
+  mark.set("u_panes", panes);
   glBindImageTexture(0, r.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
   dispatch_list(mark, groups(r.width, 4) * groups(rows, 4));
   unsigned counters[16];
@@ -390,13 +401,7 @@ void Renderer::Impl::shade_reflected_rows(const FramePlan& plan, int first_row, 
 
 void Renderer::Impl::reflect(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
   const int divisor = reflection_divisor(request.settings);
-  if (skips) {
-    std::swap(reflection, probes);
-    reflect_at(divisor * kProbeSpacing, RayKind::all, plan, request, timer);
-    std::swap(reflection, probes);
-  } else {
-    probes.reset();
-  }
+  if (!skips) probes.reset();
   if (request.settings.get_bool("reflections.ghost")) {
     std::swap(reflection, ghost);
     reflect_at(divisor, RayKind::ghost, plan, request, timer);
@@ -431,7 +436,6 @@ void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) {
 
 void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer) {
   ReflectionTargets& t = *reflection;
-  const bool skip = kind == RayKind::some;
   draw_panes(&t);
   glBindTextureUnit(51, t.pane.get());
   glBindTextureUnit(52, targets->depth.get());
@@ -440,17 +444,46 @@ void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTi
   glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   const GLubyte no_doubt = 0;
   glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &no_doubt);
-  if (skip) draw_cover();
-  const Program& rays = programs.get(rays_variant(skip, kind == RayKind::ghost));
+  const bool fitted = any_fitted();
+  const Program& rays = programs.get(rays_variant(kind == RayKind::ghost, fitted));
   if (kind == RayKind::ghost) bind_ghost(rays, request.settings);
-  if (skip) bind_skipping(rays, static_cast<float>(request.settings.get_double("reflections.skip")));
-  if (!fit_reach) fit_reach = Buffer("reach of fits", kMaxPatches * sizeof(FitReach));
-  fit_reach.clear_to_zero();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, fit_reach.get());
-  glBindTextureUnit(54, fit_triangle_view.get());
+  if (fitted) {
+    if (!fit_reach) fit_reach = Buffer("reach of fits", kMaxPatches * sizeof(FitReach));
+    fit_reach.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, fit_reach.get());
+    glBindTextureUnit(54, fit_triangle_view.get());
+  }
   rays.set("u_divisor", t.divisor);
   dispatch(rays, groups(t.width, 8), groups(t.height, 8));
   timer->end("panes");
+}
+
+void Renderer::Impl::drop_unseen_rays(const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
+  fit_targets(reflection->divisor * kProbeSpacing, &probes);
+  glBindTextureUnit(49, reflection->ray_origin.get());
+  glBindTextureUnit(50, reflection->ray_direction.get());
+  std::swap(reflection, probes);
+  set_reflection_constants(request);
+  const ReflectionTargets& few = *reflection;
+  glBindImageTexture(0, few.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(1, few.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  const Program& pick = programs.get({"reflections/probes.comp", "", {}});
+  pick.set("u_spacing", kProbeSpacing);
+  dispatch(pick, groups(few.width, 8), groups(few.height, 8));
+  follow_rays(RayKind::all, plan, request, timer);
+  std::swap(reflection, probes);
+  draw_cover();
+  set_reflection_constants(request);
+  const ReflectionTargets& t = *reflection;
+  const Program& skip = programs.get({"reflections/skip.comp", "", {}});
+  bind_skipping(skip, static_cast<float>(request.settings.get_double("reflections.skip")));
+  skip.set("u_divisor", t.divisor);
+  skip.set("u_spacing", kProbeSpacing);
+  glBindTextureUnit(51, t.pane.get());
+  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch(skip, groups(t.width, 8), groups(t.height, 8));
+  timer->end("skip");
 }
 
 void Renderer::Impl::fit_targets(int divisor, std::optional<ReflectionTargets>* reflected) const {
@@ -460,24 +493,38 @@ void Renderer::Impl::fit_targets(int divisor, std::optional<ReflectionTargets>* 
     reflected->emplace(make_reflection_targets(width, height, divisor));
 }
 
-void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request,
-                                PassTimer* timer) {
-  fit_targets(divisor, &reflection);
-  ReflectionTargets& t = *reflection;
-  FrameConstants small = constants;
+void Renderer::Impl::set_reflection_constants(const FrameRequest& request) {
+  const ReflectionTargets& t = *reflection;
+  FrameConstants& small = reflection_constants;
+  small = constants;
   small.size = glm::ivec4(t.width, t.height, 1, 0);
-  small.forward.w = constants.forward.w * static_cast<float>(divisor);
+  small.forward.w = constants.forward.w * static_cast<float>(t.divisor);
   const int samples = request.settings.get_int("reflections.samples");
-  small.sampling = glm::ivec4(samples, samples, accumulated * samples, constants.sampling.w ^ 0x5bd1e995);
+  small.sampling = glm::ivec4(samples, std::max(samples / kMostReflectedItems, 2), accumulated * samples,
+                              constants.sampling.w ^ 0x5bd1e995);
   if (!reflection_block) reflection_block = Buffer("reflection constants", sizeof(FrameConstants));
   reflection_block.update(0, sizeof small, &small);
   glBindBufferBase(GL_UNIFORM_BUFFER, 0, reflection_block.get());
   glBindBufferBase(GL_UNIFORM_BUFFER, 1, reflector_block.get());
+}
+
+void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request,
+                                PassTimer* timer) {
+  fit_targets(divisor, &reflection);
+  set_reflection_constants(request);
+  if (!reflections_kept && kind != RayKind::glossy) {
+    cast_rays(kind, request, timer);
+    if (kind == RayKind::some) drop_unseen_rays(plan, request, timer);
+  }
+  follow_rays(kind, plan, request, timer);
+}
+
+void Renderer::Impl::follow_rays(RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer) {
+  ReflectionTargets& t = *reflection;
   const bool is_glossy = kind == RayKind::glossy, kept = is_glossy ? glossy_kept : reflections_kept;
-  if (!kept && !is_glossy) cast_rays(kind, request, timer);
+  const int samples = request.settings.get_int("reflections.samples");
   glBindTextureUnit(49, t.ray_origin.get());
   glBindTextureUnit(50, t.ray_direction.get());
-
   std::vector<bool> occluding = transmitting_items();
   occluding.flip();
   std::unique_ptr<ReflectorTechnique>& technique =
@@ -487,9 +534,9 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   std::vector<GhostReach> reach(kMaxReflectors);
   if (kind == RayKind::ghost) ghost_reach.read(0, ghost_reach.bytes(), reach.data());
   std::vector<FitReach> fits(kMaxPatches);
-  const bool fitted = std::any_of(reflectors.begin(), reflectors.end(), [](const Reflector& r) { return r.fit; });
+  const bool fitted = any_fitted();
   if (fitted && !reflections_kept) fit_reach.read(0, fit_reach.bytes(), fits.data());
-  const ReflectionFrame frame{&small,
+  const ReflectionFrame frame{&reflection_constants,
                               &*buffers,
                               &reflectors,
                               &occluding,
@@ -516,7 +563,7 @@ void Renderer::Impl::reflect_at(int divisor, RayKind kind, const FramePlan& plan
   glBindTextureUnit(8, t.surface.get());
   glBindTextureUnit(9, t.depth.get());
   FramePlan shading = plan;
-  shade_reflections(shading, timer);
+  shade_reflections(shading, kind, timer);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (plan.indirect == "baked") {
     const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));

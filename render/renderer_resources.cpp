@@ -10,6 +10,14 @@
 
 namespace maquette {
 
+namespace {
+
+/// So many frames of a window an octree stays that nothing in view goes through: to read it again takes a third of a
+/// second, in which nothing is mirrored.
+constexpr int kFramesWithoutOctree = 200;
+
+}  // namespace
+
 std::string percent(double fraction) {
   char text[16];
   std::snprintf(text, sizeof text, "%.0f %%", std::floor(100.0 * fraction));
@@ -163,11 +171,22 @@ void Renderer::Impl::update_cell_brdfs(const Settings& settings, const std::func
   plan->left_out.push_back({"cell_brdfs", "their bake is not ready yet: " + percent(octree.cells_progress())});
 }
 
-void Renderer::Impl::update_octree(const Settings& settings, FramePlan* plan) {
+bool Renderer::Impl::keep_octree(const std::string& technique, FramePlan* plan) {
+  if (!interactive || technique != "octree" || (!octree.ready() && !octree.busy()) ||
+      ++frames_without_octree > kFramesWithoutOctree)
+    return false;
+  for (LeftOut& left_out : plan->left_out)
+    if (left_out.what == "octree") left_out.why = "nothing in view goes through it; kept for some frames more";
+  return true;
+}
+
+void Renderer::Impl::update_octree(const FrameRequest& request, FramePlan* plan) {
+  const Settings& settings = request.settings;
   if (plan->visibility != "traced" && plan->reflections != "octree" && !plan->glossy) {
-    octree.clear();
+    if (!keep_octree(request.reflections, plan)) octree.clear();
     return;
   }
+  frames_without_octree = 0;
   OctreeState state;
   state.geometry_epoch = geometry_epoch;
   state.transmits = transmitting_items();
@@ -225,11 +244,11 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   FramePlan plan = maquette::plan(s.facts, request.mode, request.settings, s.view_info(request));
   if (plan.visibility == "traced" || plan.reflections == "octree" || plan.glossy) {
     FramePlan now = plan;  // says what is missing: not what is wanted
-    s.update_octree(request.settings, &now);
+    s.update_octree(request, &now);
     for (int round = 0; round < 2; ++round) {  // the cells' BRDFs start when the octree is there
       s.octree.wait();
       FramePlan wanted = plan;
-      s.update_octree(request.settings, &wanted);
+      s.update_octree(request, &wanted);
     }
   }
   if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;

@@ -147,6 +147,7 @@ class BezierReflections : public ReflectorTechnique {
     counts_[doubtful] = hits_.finish(frame, 0, patches);
     frame.timer->end("projection");
   }
+  bool doubts() const override { return true; }
   void add_bytes(std::map<std::string, std::size_t>* bytes) const override {
     (*bytes)["projection"] = projected_.bytes() + pieces_[0].bytes() + pieces_[1].bytes() + nodes_.bytes() +
                              triangle_of_vertex_.bytes() + vertex_list_.bytes() + triangle_list_.bytes() +

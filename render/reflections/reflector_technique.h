@@ -60,6 +60,8 @@ class ReflectorTechnique {
   /// too, and says so by resolves(): the triangle is then one near by, for what is baked per vertex.
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
+  /// Whether it writes `targets->doubt`: there are pixels that it does not vouch for.
+  virtual bool doubts() const { return false; }
   /// Shades what lies before the hits and lets a share of them through; true when there is such, for the composition
   /// (unit 48, storage 7). `traced`: shadow rays through the octree; `samples` of the environment for each.
   virtual bool shade_layers(const ReflectionFrame&, bool /*traced*/, int /*samples*/) { return false; }

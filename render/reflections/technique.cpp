@@ -16,7 +16,8 @@ TechniqueInfo reflections_technique() {
        .default_value = 16,
        .min = 2,
        .max = 4096,
-       .help = "shading samples a pixel of what is reflected, in the modes that sample"},
+       .help = "shading samples a pixel of what a mirror shows, in the modes that sample; half as many of what a pane "
+               "does, which adds less"},
       {.name = "reflections.mark",
        .default_value = std::string("hatch"),
        .help = "what a technique does not vouch for in its reflections: hatched in orange, or shown like the rest",

@@ -7,6 +7,8 @@ layout(local_size_x = 64) in;
 #include "shared/constants.glsl"
 #ifdef REFLECTED
 uniform ivec2 u_band;  // first row, rows
+uniform int u_frames;  // accumulated before
+uniform int u_panes;   // bit k: reflector k lets light through, and so adds little
 #endif
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
@@ -197,6 +199,10 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
   uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
   return uvec3(1u, uint(spacing), items);
 #else
+#ifdef REFLECTED
+  int reflector = max(int(texelFetch(t_ray_direction, pixel, 0).w), 1) - 1;
+  if (reflector < 32 && ((u_panes >> uint(reflector)) & 1) != 0) return uvec3(1u, 0u, 1u);
+#endif
   return uvec3(1u, 0u, uint(max(u_frame.sampling.x / u_frame.sampling.y, 1)));
 #endif
 }
@@ -288,6 +294,9 @@ void main() {
     uint begin = 0u;  // of the point's own sequence
 #if REFINE
     begin = uint(texelFetch(t_mean, pixel, 0).w);
+#endif
+#ifdef REFLECTED
+    begin = uint(u_frames) * n;
 #endif
     if (measured) {
       b_measured_points[next_point.x++] = point;

@@ -1,8 +1,9 @@
 // Panes: what is behind times the transmittance, plus the mirrored environment times the reflectance; both faces, all bounces between
 // them (shared/fresnel.glsl). Thin: the ray is not bent or shifted, and roughness is not seen.
 // Blended surfaces: a Lambertian surface of the base colour under the whole sky, covering by alpha.
-// TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. Known before, because
-// software devices run branches that no lane takes.
+// TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. MIRRORED: 1 shows what
+// a reflector technique found, 2 a second image of it too, 3 is an opaque metal; HATCHED: what is not vouched for is hatched. Known before,
+// because software devices run branches that no lane takes.
 // Blending is o_color + o_through * (what is there), so that items must come back to front.
 // RECORD: panes alone; nothing is drawn, but each point lists what it needs to be drawn under other light (glass/kept.glsl).
 #include "shared/frame.glsl"
@@ -18,14 +19,11 @@ layout(binding = 29) uniform sampler2D t_irradiance;  // irradiance over pi, lat
 uniform vec4 u_base;      // base colour, alpha
 uniform vec4 u_emission;  // cd/m2; w: 1 for unlit
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
-#if REFLECTIONS
+#if MIRRORED
 layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
 layout(binding = 53) uniform sampler2D t_reflection;     // what the nearest reflector of each pixel shows, cd/m2
-uniform int u_reflector;                                 // of this item, or -1
-uniform int u_mirror;                                    // 1: an opaque metal
+uniform int u_reflector;                                 // of this item
 layout(binding = 56) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
-uniform int u_hatch;                                     // 1: hatch it
-uniform int u_ghost;                                     // 1: its back face mirrors a second image
 layout(binding = 62) uniform sampler2D t_ghost_direction;  // the same of the second image
 layout(binding = 63) uniform sampler2D t_ghost;
 #endif
@@ -55,9 +53,9 @@ vec3 white_under_sky(vec3 n) {
   return textureLod(t_irradiance, latlong_uv_from_direction(environment_from_world(n)), 0.0).rgb * u_frame.environment.z;
 }
 
-#if REFLECTIONS
+#if MIRRORED
 /// Bilinear among the pixels that show this very reflector; w: their share, 0 where another reflector hides it.
-vec4 reflected_scene(bool ghost) {
+vec4 reflected_scene(sampler2D directions, sampler2D radiance) {
   vec2 size = vec2(textureSize(t_reflection, 0));
   vec2 at = gl_FragCoord.xy / vec2(u_frame.size.xy) * size - 0.5;
   ivec2 corner = ivec2(floor(at));
@@ -66,9 +64,8 @@ vec4 reflected_scene(bool ghost) {
   for (int k = 0; k < 4; ++k) {
     ivec2 o = ivec2(k & 1, k >> 1), p = clamp(corner + o, ivec2(0), ivec2(size) - 1);
     vec2 w = mix(1.0 - f, f, vec2(o));
-    float reflector = ghost ? texelFetch(t_ghost_direction, p, 0).w : abs(texelFetch(t_ray_direction, p, 0).w);
-    float same = int(reflector) == u_reflector + 1 ? w.x * w.y + 1e-4 : 0.0;
-    sum += same * vec4(ghost ? texelFetch(t_ghost, p, 0).rgb : texelFetch(t_reflection, p, 0).rgb, 1.0);
+    float same = int(abs(texelFetch(directions, p, 0).w)) == u_reflector + 1 ? w.x * w.y + 1e-4 : 0.0;
+    sum += same * vec4(texelFetch(radiance, p, 0).rgb, 1.0);
   }
   return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
 }
@@ -77,7 +74,7 @@ vec4 reflected_scene(bool ghost) {
 vec3 doubt_filter() {
   vec2 size = vec2(textureSize(t_doubt, 0));
   ivec2 at = clamp(ivec2(gl_FragCoord.xy / vec2(u_frame.size.xy) * size), ivec2(0), ivec2(size) - 1);
-  bool doubtful = u_hatch == 1 && texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
+  bool doubtful = texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
   float along = mod((gl_FragCoord.x + gl_FragCoord.y) / float(u_frame.size.z), 7.0);
   return doubtful && along < 1.5 ? vec3(0.8, 0.3, 0.02) : vec3(1.0);
 }
@@ -123,14 +120,14 @@ void main() {
 #if PANE
   {
     vec3 mirrored = environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
-#if REFLECTIONS
-    vec4 scene = u_reflector >= 0 ? reflected_scene(false) : vec4(0.0);
+#if MIRRORED
+    vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     mirrored = mix(mirrored, scene.rgb, scene.w);
 #endif
     vec3 reflected = vec3(red.x, green.x, blue.x) * mirrored;
-#if REFLECTIONS
-    if (u_ghost == 1 && scene.w > 0.0) {
-      vec4 second = reflected_scene(true);
+#if MIRRORED == 2
+    if (scene.w > 0.0) {
+      vec4 second = reflected_scene(t_ghost_direction, t_ghost);
       vec3 back = vec3(fresnel_faces(c, u_pane.y, base.r).y, fresnel_faces(c, u_pane.y, base.g).y, fresnel_faces(c, u_pane.y, base.b).y);
       reflected += back * (second.rgb - mirrored) * second.w;
     }
@@ -139,16 +136,18 @@ void main() {
     o_through = vec4(vec3(red.y, green.y, blue.y) * u_pane.x, 1.0);
   }
 #endif
-#if REFLECTIONS
-  if (u_mirror == 1) {
+#if MIRRORED == 3
+  {
     float c = dot(n, view);
-    vec4 scene = reflected_scene(false);
+    vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
     o_color = vec4(u_emission.rgb + share * mirrored, 0.0);
     o_through = vec4(0.0, 0.0, 0.0, 1.0);
   }
-  if (u_reflector >= 0) {
+#endif
+#if MIRRORED && HATCHED
+  {
     vec3 mark = doubt_filter();
     o_color.rgb *= mark;
     o_through.rgb *= mark;

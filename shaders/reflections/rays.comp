@@ -9,72 +9,13 @@ layout(binding = 52) uniform sampler2D t_opaque_depth;  // of the whole grid, al
 layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
 layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
 layout(binding = 2, r16f) uniform writeonly image2D o_focus;
+#if FITTED
 layout(binding = 54) uniform usamplerBuffer t_fits;  // patch + 1, parameters of the corners: of triangles that patches are fitted to
 // [patch] how far the fitted patch's ray is from the mesh's at most, m at its origin and m more for each m along it; 4 plus and 4 minus the
 // largest and least parameters seen; bits of floats
 layout(std430, binding = 12) buffer FitReach { uint b_fits[]; };
-uniform int u_divisor;
-#if SKIP
-#include "shared/fresnel.glsl"
-layout(binding = 56) uniform usamplerBuffer t_parts;   // [triangle of the reflectors] part
-layout(binding = 57) uniform samplerBuffer t_bounds;   // [part] the brightest small thing that it may mirror, cd/m2
-layout(binding = 60) uniform sampler2D t_probes;       // the reflected picture of few rays, cd/m2
-layout(binding = 61) uniform sampler2D t_probe_directions;  // w: reflector + 1
-layout(binding = 58) uniform sampler2D t_cover;        // share of the opaque picture that comes through at least
-layout(binding = 59) uniform sampler2D t_opaque;       // the opaque picture, on the whole grid
-layout(std430, binding = 8) buffer SkipCounters { uint b_followed, b_skipped; };
-uniform int u_part_offset[16];  // of a reflector: added to a triangle's number
-uniform vec3 u_optics[16];      // refractive index, largest internal transmittance, 1 for a pane
-uniform float u_contrast;
-
-/// Least luminance of the opaque picture among the points that the pixel is interpolated to.
-float least_behind(ivec2 pixel) {
-  ivec2 size = textureSize(t_opaque, 0);
-  float least = 1e30;
-  int side = u_divisor > 1 ? 4 : 1;
-  for (int k = 0; k < side * side; ++k) {
-    ivec2 o = u_divisor > 1 ? (ivec2(k & 3, k >> 2) * (2 * u_divisor - 1)) / 3 - u_divisor / 2 : ivec2(0);
-    vec3 c = texelFetch(t_opaque, clamp(pixel * u_divisor + o, ivec2(0), size - 1), 0).rgb;
-    least = min(least, dot(c, vec3(0.2126, 0.7152, 0.0722)));
-  }
-  return least;
-}
-
-/// What the probes around show of a pane: their mean by distance, and of the nine around the brightest channel, less than 0 where
-/// another reflector or none is beside.
-vec4 probed(ivec2 pixel, float reflector) {
-  ivec2 size = textureSize(t_probes, 0);
-  vec2 at = (vec2(pixel) + 0.5) / vec2(u_frame.size.xy) * vec2(size);
-  ivec2 middle = ivec2(at);
-  vec4 sum = vec4(0.0);
-  float most = 0.0;
-  for (int k = 0; k < 9; ++k) {
-    ivec2 p = middle + ivec2(k % 3, k / 3) - 1;
-    if (any(lessThan(p, ivec2(0))) || any(greaterThanEqual(p, size))) continue;
-    if (texelFetch(t_probe_directions, p, 0).w != reflector) return vec4(-1.0);
-    vec3 c = texelFetch(t_probes, p, 0).rgb;
-    most = max(most, max(c.r, max(c.g, c.b)));
-    vec2 w = max(1.0 - abs(vec2(p) + 0.5 - at), 0.0);
-    sum += w.x * w.y * vec4(c, 1.0);
-  }
-  return vec4(sum.rgb / max(sum.w, 1e-6), most);
-}
-
-/// What the probes say of a ray that need not be followed, because what it brings is invisible before what is seen through the
-/// pane; else below 0.
-/// Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.3.3: at most 5 % of the transmitted light.
-/// Differs: Fresnel exact; the bound is twice what the probes around show, or more where a part of the pane may show something small
-/// and bright (render/reflections/mirrored_bound.h); light that saturates the screen is no reason, as exposure is the viewer's.
-vec3 unseen_radiance(ivec2 pixel, int triangle, float reflector, float cosine) {
-  int number = int(reflector) - 1;
-  vec4 probe = u_optics[number].z < 1.0 ? vec4(-1.0) : probed(pixel, reflector);
-  if (probe.w < 0.0) return vec3(-1.0);
-  float most = max(2.0 * probe.w, texelFetch(t_bounds, int(texelFetch(t_parts, triangle + u_part_offset[number]).x)).x);
-  float mirrored = fresnel_pane(cosine, u_optics[number].x, u_optics[number].y).x * most;
-  return mirrored <= u_contrast * texelFetch(t_cover, pixel, 0).x * least_behind(pixel) ? probe.rgb : vec3(-1.0);
-}
 #endif
-
+uniform int u_divisor;
 #if GHOST
 #include "shared/pane.glsl"
 uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
@@ -106,6 +47,7 @@ PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
   return PanePoint(jet.p + u_patches[number].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)), x);
 }
 
+#if FITTED
 /// No patch, or none that would find what the ray meets: finish.comp then marks what is found as not vouched for.
 const float kNoFocus = 6e4;
 /// As far may the ray of a fitted patch be from the mesh's: a search around more would be no help of a patch's.
@@ -132,6 +74,7 @@ float hold_against_fit(int triangle, vec2 b, vec3 ray, vec3 origin, vec3 directi
   for (int k = 0; k < 4; ++k) atomicMax(b_fits[6 * number + 2 + k], floatBitsToUint(reach[k]));
   return fitted.focus;
 }
+#endif
 
 #if GHOST
 /// Towards the eye, at a point near where the ray of the pixel met the pane.
@@ -223,15 +166,8 @@ void main() {
         atomicMax(b_reach[2 * reflector + 1], floatBitsToUint(length(ghost.direction - mirrored)));
       }
 #endif
+#if FITTED
       if (mirror.y == 1 && direction.w > 0.0) focus = hold_against_fit(triangle + mirror.z, b, ray, origin.xyz, direction.xyz);
-#if SKIP
-      vec3 unseen = unseen_radiance(pixel, triangle, direction.w, -dot(point.normal, incident));
-      if (unseen.x >= 0.0) {
-        origin.xyz = unseen;
-        direction.w = -direction.w;
-      }
-      if (unseen.x >= 0.0) atomicAdd(b_skipped, 1u);
-      else atomicAdd(b_followed, 1u);
 #endif
     }
   }

@@ -101,7 +101,11 @@ void main() {
   uint first_sample = turned.first_sample;
 #else
   int count = u_frame.sampling.y;
+#ifdef REFLECTED
+  uint first_sample = item.first_sample;  // points of one frame differ in their counts
+#else
   uint first_sample = item.first_sample + uint(u_frame.sampling.z);
+#endif
 #endif
   integrate(p, pixel, first_sample, count, result);
   vec3 sum = result.sum * u_frame.environment.z;

@@ -17,32 +17,58 @@ struct OctreeNode {
   int level;
 };
 
-// The node of `level` at these integer coordinates (in its cells), or the leaf that it is in.
-MAQUETTE_FN OctreeNode octree_node_at(ivec3 cell, int level) {
-  OctreeNode at;
-  at.node = -1;
-  at.level = 0;
-  int node = 0, shift = level, end = (1 << level) - 1;
-  ivec3 outside = cell | (ivec3(end) - cell);
-  bool going = (outside.x | outside.y | outside.z) >= 0;
-  uint word = octree_word(0);
+// A walk down from the root towards a cell of some level.
+struct OctreeDescent {
+  int node;   // reached so far; -1: nothing is there
+  uint word;  // its
+  int shift;  // levels below it that are asked for; 0 or a leaf: the walk has ended
+};
+
+MAQUETTE_FN OctreeDescent octree_root(int level) {
+  OctreeDescent d;
+  d.node = 0;
+  d.word = octree_word(0);
+  d.shift = level;
+  return d;
+}
+
+// Towards the cell at these integer coordinates, until `shift` levels are left.
+MAQUETTE_FN OctreeDescent octree_descend(OctreeDescent from, ivec3 cell, int shift) {
+  OctreeDescent d = from;
+  bool going = d.node >= 0 && d.shift > shift && (d.word >> 24u) != 0u;
   while (going) {
-    bool leaf = shift == 0 || (word >> 24u) == 0u;
-    if (leaf) {
-      at.node = node;
-      at.level = level - shift;
-      going = false;
-    } else {
-      --shift;
-      ivec3 bits = (cell >> shift) & 1;
-      int child = bits.x | (bits.y << 1) | (bits.z << 2);
-      uint upto = (word >> 24u) & ((2u << uint(child)) - 1u);
-      going = (upto >> uint(child)) != 0u;
-      node = int(word & 0xffffffu) + bitCount(upto) - 1;
-      word = going ? octree_word(node) : 0u;
-    }
+    --d.shift;
+    ivec3 bits = (cell >> d.shift) & 1;
+    int child = bits.x | (bits.y << 1) | (bits.z << 2);
+    uint upto = (d.word >> 24u) & ((2u << uint(child)) - 1u);
+    bool there = (upto >> uint(child)) != 0u;
+    d.node = there ? int(d.word & 0xffffffu) + bitCount(upto) - 1 : -1;
+    // Words of the last level are planes.
+    going = there && d.shift > shift;
+    if (there && d.shift > 0) d.word = octree_word(d.node);
+    going = going && (d.word >> 24u) != 0u;
   }
+  return d;
+}
+
+// The node of `level` at these integer coordinates (in its cells), or the leaf that it is in; `from`: the root, or where the walk to it
+// comes by.
+MAQUETTE_FN OctreeNode octree_node_at(OctreeDescent from, ivec3 cell, int level) {
+  int end = (1 << level) - 1;
+  ivec3 outside = cell | (ivec3(end) - cell);
+  OctreeDescent d = octree_descend(from, cell, 0);
+  OctreeNode at;
+  at.node = (outside.x | outside.y | outside.z) >= 0 ? d.node : -1;
+  at.level = level - d.shift;
   return at;
+}
+
+// As far as the walks to `lowest` and the seven cells beyond it along x, y and z are the same.
+MAQUETTE_FN OctreeDescent octree_common(ivec3 lowest, int level) {
+  ivec3 change = lowest ^ (lowest + ivec3(1));
+  bool outside = (lowest.x | lowest.y | lowest.z) < 0;
+  int apart = outside ? level : min(findMSB(change.x | change.y | change.z) + 1, level);
+  return octree_descend(octree_root(level), lowest, apart);
 }
 
 struct OctreeSurface {
@@ -72,10 +98,12 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   bool rim = dot(own_normal, direction) <= kOctreeBack;
   float of_own = 0.0f, most = 0.0f;
   int other = own.material;
+  ivec3 lowest = ivec3(low);
+  OctreeDescent shared_walk = octree_common(lowest, hit.level);
   for (int k = 0; k < 8; ++k) {
     ivec3 corner = ivec3(k & 1, (k >> 1) & 1, k >> 2);
     vec3 w = mix(vec3(1.0f) - f, f, vec3(corner));
-    OctreeNode at = octree_node_at(ivec3(low) + corner, hit.level);
+    OctreeNode at = octree_node_at(shared_walk, lowest + corner, hit.level);
     weights[k] = 0.0f;
     colors[k] = 0u;
     normals[k] = vec3(0.0f);

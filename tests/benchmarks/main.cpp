@@ -105,6 +105,7 @@ int run(int argc, char** argv) {
   app.add_option("--data", options.data, "folder with real scenes, environments and tables");
   app.add_option("--program", options.program, "the maquette program");
   app.add_option("--scratch", options.scratch, "references and tables are kept here between runs");
+  app.add_option("--charts", options.charts, "folder for charts, of `reflection-frames` by the size of the scene");
   app.add_option("--case", options.only, "only cases whose name holds this (repeatable)");
   app.add_option("--set", settings, "setting=value for every frame (repeatable)");
   app.add_option("--repeats", options.repeats, "runs whose median counts");

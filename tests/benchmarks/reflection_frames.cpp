@@ -11,6 +11,7 @@
 #include "scenes/error.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
+#include "viewer/report/charts.h"
 
 namespace maquette::bench {
 
@@ -30,24 +31,29 @@ FrameRequest request_of(const Stage& stage, const std::string& technique, const 
 constexpr double kSlow_ms = 1000.0;  // once is enough
 
 /// Medians of a frame with each technique less that of a frame without, taken by turns. The eye moves, so that nothing
-/// of the frame before can be kept.
+/// of the frame before can be kept. Throws where a technique drew nothing.
 std::vector<Clock> added_times(Renderer* renderer, const std::vector<FrameRequest>& requests, int repeats) {
   std::vector<std::vector<double>> wall(requests.size()), cpu(requests.size());
   const auto time = [&](FrameRequest r, int turn) {
-    // A change of technique makes new targets; only the frame after it is timed.
+    // What it waits for, and new targets after a change of technique: only the frame after that is timed.
+    renderer->finish_background_work(r);
     renderer->render(r);
     r.camera.eye.x += 1e-4f * static_cast<float>(turn + 1);
     const Clock begin = now();
-    renderer->render(r);
-    return now() - begin;
+    const FrameStats stats = renderer->render(r);
+    const Clock taken = now() - begin;
+    for (const LeftOut& left_out : stats.plan.left_out)
+      if (left_out.what == "reflections" && r.reflections != "off")
+        throw Error("reflection-frames", r.reflections + " drew nothing: " + left_out.why);
+    return taken;
   };
   for (int turn = 0; turn < repeats; ++turn) {
     for (std::size_t i = 0; i < requests.size(); ++i) {
       if (turn > 0 && wall[i].front() > kSlow_ms) continue;
-      renderer->finish_background_work(requests[i]);
       FrameRequest plain = requests[i];
       plain.reflections = "off";
-      const Clock added = time(requests[i], turn) - time(plain, turn);
+      const Clock with = time(requests[i], turn), without = time(plain, turn);
+      const Clock added = with - without;
       wall[i].push_back(added.wall_ms);
       cpu[i].push_back(added.cpu_ms);
     }
@@ -319,6 +325,36 @@ std::shared_ptr<Scene> board_under_windshield(const Scene& cockpit, int triangle
   return scene;
 }
 
+/// What a technique adds to a frame of scenes that differ in nothing but their number of triangles.
+struct CostCurve {
+  std::string technique;
+  std::vector<std::pair<int, double>> points;  ///< triangles, ms
+};
+
+std::string cost_script(const std::vector<CostCurve>& curves, const std::string& svg_file) {
+  std::string script =
+      "set terminal svg size 640,430 dynamic background rgb 'white' font 'Helvetica,Arial,sans-serif,15'\n"
+      "set output '" +
+      svg_file +
+      "'\nset logscale xy\nset border 3\nset grid linecolor rgb '#888888' linewidth 0.4 dashtype 3\n"
+      "set key outside bottom center horizontal Left reverse samplen 1.5\n"
+      "set xlabel 'triangles of the scene'\nset ylabel 'added to a frame (ms)'\n"
+      "set xtics nomirror ('10,000' 1e4, '100,000' 1e5, '1,000,000' 1e6)\nset xrange [7e3:1.4e6]\n"
+      "set ytics nomirror (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)\n";
+  std::vector<std::string> names;
+  for (const CostCurve& curve : curves) names.push_back(curve.technique);
+  std::string plots;
+  for (const CostCurve& curve : curves) {
+    script += "$" + curve.technique + " << EOD\n";
+    for (const auto& [triangles, ms] : curve.points) script += std::to_string(triangles) + " " + number(ms) + "\n";
+    script += "EOD\n";
+    plots += (plots.empty() ? "plot $" : ", $") + curve.technique +
+             " with linespoints pointtype 7 linewidth 2 linecolor rgb '" +
+             report::technique_color(names, curve.technique) + "' title '" + curve.technique + "'";
+  }
+  return script + plots + "\n";
+}
+
 Figures measure_scene_sizes(Stage& stage) {
   stage.show(kDriver);
   const Scene cockpit = stage.renderer().scene();
@@ -326,6 +362,8 @@ Figures measure_scene_sizes(Stage& stage) {
   renderer.set_environment(std::make_shared<Environment>(load_environment(kDriver.environment)));
   Figures figures;
   std::vector<std::string> names = technique_names(TechniqueKind::reflector);
+  std::vector<CostCurve> curves;
+  for (const std::string& name : names) curves.push_back({name, {}});
   for (const int triangles : {10000, 100000, 1000000}) {
     renderer.set_scene(board_under_windshield(cockpit, triangles));
     std::vector<FrameRequest> requests;
@@ -336,12 +374,23 @@ Figures measure_scene_sizes(Stage& stage) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       text += (i > 0 ? ", " : "") + names[i] + " " + number(times[i].wall_ms) + " (" + number(times[i].cpu_ms) + ")";
       if (times[i].wall_ms < times[fastest].wall_ms) fastest = i;
+      const auto curve =
+          std::find_if(curves.begin(), curves.end(), [&](const CostCurve& c) { return c.technique == names[i]; });
+      curve->points.emplace_back(triangles, times[i].wall_ms);
     }
     figures.push_back(
         shown("added ms (CPU), " + std::to_string(triangles) + " triangles", text + "; " + names[fastest] + " wins"));
     // What takes seconds is not asked for ten times as many triangles.
     for (std::size_t i = names.size(); i-- > 0;)
       if (times[i].wall_ms > kSlow_ms) names.erase(names.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  if (!stage.options().charts.empty()) {
+    std::string problem;
+    const auto svg = report::draw_script(
+        "reflection-cost", stage.options().charts,
+        [&](const std::string& svg_file) { return cost_script(curves, svg_file); }, &problem);
+    figures.push_back(svg ? shown("chart", stage.options().charts + "/reflection-cost.svg")
+                          : absent("chart", "", problem));
   }
   return figures;
 }

@@ -17,6 +17,7 @@ struct Options {
   std::string data;     ///< folder with scenes/, environments/, measured/; empty: what needs it is left out and named
   std::string program;  ///< maquette itself, for figures of whole processes
   std::string scratch;  ///< references and expanded tables are kept here between runs
+  std::string charts;   ///< folder for charts of what is measured, by gnuplot; empty: none
   std::vector<std::string> only;  ///< cases by part of their name; empty: all
   std::vector<std::pair<std::string, std::string>> settings;
   int repeats = 3;

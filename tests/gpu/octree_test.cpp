@@ -157,6 +157,49 @@ TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   EXPECT_LT(corners, 250);
 }
 
+/// While the camera of a window looks away for a moment the octree stays, in a single picture it does not, and a user who
+/// turns to another technique has the memory back at once.
+TEST(OctreeReflections, StayWhileTheCameraLooksAway) {
+  const GlContext context = GlContext::create_headless();
+  for (const bool interactive : {true, false}) {
+    SCOPED_TRACE(interactive);
+    Renderer renderer;
+    Scene scene = *box(6);
+    BezierPatch pane;
+    for (std::size_t i = 0; i < 16; ++i)
+      pane.points[i] =
+          glm::vec3(0.2f * static_cast<float>(i % 4) - 0.3f, 0.2f * static_cast<float>(i / 4) - 0.3f, -0.5f);
+    pane.material = static_cast<int>(scene.materials.size());
+    pane.reflector = true;
+    scene.materials.emplace_back().glass = true;
+    scene.patches.push_back(pane);
+    scene.nodes.emplace_back().patch = 0;
+    scene.roots.push_back(static_cast<int>(scene.nodes.size()) - 1);
+    renderer.set_scene(std::make_shared<Scene>(scene));
+    renderer.set_environment(constant_sky(1.0f));
+    renderer.set_interactive(interactive);
+    FrameRequest towards = request_of("splitsum");
+    towards.reflections = "octree";
+    towards.camera.eye = {0.1f, 0.1f, 0.5f};
+    towards.camera.target = {0.0f, 0.0f, -1.0f};
+    FrameRequest away = towards;
+    away.camera.target = {0.1f, 0.1f, 2.0f};
+    const auto octree_of = [&](const FrameRequest& r) { return renderer.render(r).gpu_bytes.count("octree"); };
+    EXPECT_TRUE(renderer.finish_background_work(towards));
+    EXPECT_EQ(renderer.render(towards).plan.reflections, "octree");
+    EXPECT_EQ(octree_of(away), interactive ? 1u : 0u);
+    if (!interactive) continue;
+    EXPECT_EQ(renderer.render(towards).plan.reflections, "octree");  // at once
+    for (int frame = 0; frame < 200; ++frame) EXPECT_EQ(octree_of(away), 1u) << frame;
+    EXPECT_EQ(octree_of(away), 0u);
+    EXPECT_TRUE(renderer.finish_background_work(towards));
+    EXPECT_EQ(octree_of(towards), 1u);
+    FrameRequest off = away;
+    off.reflections = "off";
+    EXPECT_EQ(octree_of(off), 0u);
+  }
+}
+
 TEST_P(TracedVisibility, AClosedBoxIsBlackInside) {
   Renderer renderer;
   renderer.set_scene(box(6));

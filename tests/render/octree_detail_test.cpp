@@ -162,5 +162,32 @@ TEST(OctreeSurface, RimsAreNotBacks) {
   }
 }
 
+/// From where the walks to eight neighbours part, they end as from the root; also beyond the tree's sides.
+TEST(OctreeSurface, NeighboursShareTheirWalk) {
+  Scene scene = build_builtin_scene("sphere");
+  test::add(&scene, test::make_grid({-2, -1.3f, -2}, {4, 0, 0}, {0, 0.1f, 4}, 8, 0), "board");
+  const Octree octree = build(scene, 5, 2);
+  shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
+  std::size_t wrong = 0, found = 0, coarser = 0;
+  for (int level = 0; level <= octree.depth; ++level) {
+    const int side = (1 << level) + 1;
+    for (int k = 0; k < side * side * side; ++k) {
+      const glm::ivec3 lowest = glm::ivec3(k % side, k / side % side, k / side / side) - 1;
+      const shared::OctreeDescent common = shared::octree_common(lowest, level);
+      for (int c = 0; c < 8; ++c) {
+        const glm::ivec3 cell = lowest + glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+        const auto expected = shared::octree_node_at(shared::octree_root(level), cell, level);
+        const auto at = shared::octree_node_at(common, cell, level);
+        wrong += at.node != expected.node || (at.node >= 0 && at.level != expected.level);
+        found += at.node >= 0;
+        coarser += at.node >= 0 && at.level < level;
+      }
+    }
+  }
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_GT(found, 1000u);
+  EXPECT_GT(coarser, 100u);
+}
+
 }  // namespace
 }  // namespace maquette

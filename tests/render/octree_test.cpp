@@ -569,10 +569,11 @@ TEST(OctreeSurface, FindsNodesByTheirCoordinates) {
   std::size_t wrong = 0;
   for (int k = 0; k < side * side * side; ++k) {
     const glm::ivec3 p(k % side, k / side % side, k / side / side);
-    wrong += shared::octree_node_at(p, octree.depth).node != expected[static_cast<std::size_t>(k)];
+    wrong += shared::octree_node_at(shared::octree_root(octree.depth), p, octree.depth).node !=
+             expected[static_cast<std::size_t>(k)];
   }
   EXPECT_EQ(wrong, 0u);
-  EXPECT_EQ(shared::octree_node_at({0, side, 0}, octree.depth).node, -1);
+  EXPECT_EQ(shared::octree_node_at(shared::octree_root(octree.depth), {0, side, 0}, octree.depth).node, -1);
 }
 
 /// Normals of a sphere between the means of its cells are several times nearer to the true ones than the means.

@@ -165,10 +165,17 @@ std::string gnuplot_script(const Chart& chart, const std::string& svg_file) {
 }
 
 std::optional<std::string> draw_chart(const Chart& chart, const std::string& folder, std::string* problem) {
+  return draw_script(
+      chart.name, folder, [&](const std::string& svg_file) { return gnuplot_script(chart, svg_file); }, problem);
+}
+
+std::optional<std::string> draw_script(const std::string& name, const std::string& folder,
+                                       const std::function<std::string(const std::string& svg_file)>& script_for,
+                                       std::string* problem) {
   std::filesystem::create_directories(folder);
-  const std::string script_file = folder + "/" + chart.name + ".gp", svg_file = folder + "/" + chart.name + ".svg";
+  const std::string script_file = folder + "/" + name + ".gp", svg_file = folder + "/" + name + ".svg";
   const std::string part = svg_file + ".part";
-  write_text(script_file, gnuplot_script(chart, part));
+  write_text(script_file, script_for(part));
   const int code = run_gnuplot(script_file);
   std::error_code error;
   std::string svg;
@@ -179,12 +186,12 @@ std::optional<std::string> draw_chart(const Chart& chart, const std::string& fol
   std::filesystem::remove(part, error);
   if (code == 0 && svg.find("</svg>") != std::string::npos) {
     // The script in the folder draws the file that is there.
-    write_text(script_file, gnuplot_script(chart, chart.name + ".svg"));
+    write_text(script_file, script_for(name + ".svg"));
     write_text(svg_file, svg);
     return svg;
   }
   *problem = code == 127 ? "gnuplot is not installed: no charts; install gnuplot-nox and run the same command again"
-                         : "gnuplot failed on " + script_file + ": no chart " + chart.name;
+                         : "gnuplot failed on " + script_file + ": no chart " + name;
   return std::nullopt;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,11 @@ inline constexpr const char* kChartInk = "#010203";
 /// Writes NAME.gp and NAME.svg into `folder`. Returns the SVG, or nothing with `problem` set when gnuplot is absent or
 /// fails. Throws Error when the folder cannot be written.
 std::optional<std::string> draw_chart(const Chart& chart, const std::string& folder, std::string* problem);
+
+/// The same of any script; `script_for` is given the SVG file that it is to draw.
+std::optional<std::string> draw_script(const std::string& name, const std::string& folder,
+                                       const std::function<std::string(const std::string& svg_file)>& script_for,
+                                       std::string* problem);
 
 /// A technique's colour, the same in charts and page.
 std::string technique_color(const std::vector<std::string>& techniques, const std::string& name);

@@ -1,0 +1,16 @@
+// The rays of every so many pixels of a reflected picture, as one of their own.
+layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/frame.glsl"
+layout(binding = 49) uniform sampler2D t_origin;
+layout(binding = 50) uniform sampler2D t_direction;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
+layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
+uniform int u_spacing;
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  ivec2 from = min(u_spacing * pixel + u_spacing / 2, textureSize(t_origin, 0) - 1);
+  imageStore(o_origin, pixel, texelFetch(t_origin, from, 0));
+  imageStore(o_direction, pixel, texelFetch(t_direction, from, 0));
+}

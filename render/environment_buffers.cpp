@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/environment/importance.h"
 #include "render/rgb9e5_shared.h"
 
 namespace maquette {
@@ -55,10 +56,52 @@ EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> enviro
   resample(0);
 }
 
+namespace {
+
+/// What the shaders find in the packed texels.
+void round_to_packed(std::vector<EnvironmentSample>& samples, int bias) {
+  for (EnvironmentSample& s : samples) s.radiance = shared::unpack_rgb9e5(shared::pack_rgb9e5(s.radiance, bias), bias);
+}
+
+SunBuffers make_sun_buffers(const Sun& sun, int bias) {
+  SunBuffers b;
+  b.least_luminance = sun.least_luminance;
+  b.compact = sun.compact;
+  b.sun_sr = sun.solid_angle_sr;
+  EnvironmentTables tables;
+  compute_importance(*sun.rest, tables);
+  b.rest_integral = tables.luminance_integral;
+  std::vector<EnvironmentSample> rest =
+      sample_environment(*sun.rest, tables, 0, static_cast<std::size_t>(EnvironmentBuffers::kListLength));
+  round_to_packed(rest, bias);
+  rest.resize(EnvironmentBuffers::kListLength);  // of a black rest: worth nothing
+  b.sun_list = Buffer::from("sun samples", sun.samples);
+  b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
+  b.rest_list = Buffer::from("light samples without the sun", rest);
+  b.rest_view = Texture::make_buffer("light samples without the sun", GL_RGBA32F, b.rest_list);
+  return b;
+}
+
+}  // namespace
+
+void SunBuffers::bind() const {
+  glBindTextureUnit(15, rest_view.get());
+  glBindTextureUnit(23, sun_view.get());
+}
+
+const SunBuffers* EnvironmentBuffers::sun() {
+  if (!sun_sought_) {
+    const auto count = static_cast<std::size_t>(SunBuffers::kListLength);
+    if (const auto sun = find_sun(*environment_, tables_.luminance_integral, bias_, count))
+      sun_ = make_sun_buffers(*sun, bias_);
+    sun_sought_ = true;
+  }
+  return sun_ ? &*sun_ : nullptr;
+}
+
 void EnvironmentBuffers::resample(std::uint32_t seed) {
   std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
-  for (EnvironmentSample& s : samples)
-    s.radiance = shared::unpack_rgb9e5(shared::pack_rgb9e5(s.radiance, bias_), bias_);
+  round_to_packed(samples, bias_);
   if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
 }
 

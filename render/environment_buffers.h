@@ -3,9 +3,22 @@
 #include <memory>
 
 #include "render/environment/environment_tables.h"
+#include "render/environment/sun.h"
 #include "render/gl/objects.h"
 
 namespace maquette {
+
+/// Lists of light samples for frames that draw the sun apart from the rest of the sky.
+struct SunBuffers {
+  static constexpr int kListLength = 4096;  ///< a power of two
+  float least_luminance = 0.0f;             ///< of the sun's texels
+  bool compact = true;
+  double sun_sr = 0.0, rest_integral = 0.0;
+  Buffer sun_list, rest_list;
+  Texture sun_view, rest_view;
+  void bind() const;  ///< units 15 and 23
+  std::size_t bytes() const { return sun_list.bytes() + rest_list.bytes(); }
+};
 
 /// One environment on the GPU: packed radiance, a list of light samples, local bandwidth. Rotation is the shaders'
 /// business.
@@ -23,7 +36,9 @@ class EnvironmentBuffers {
   const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   const EnvironmentTables& tables() const { return tables_; }
   float effective_sr() const { return effective_sr_; }
-  std::size_t bytes() const { return words_.bytes() + list_.bytes() + bandwidth_.bytes(); }
+  /// Null where the environment has no sun. Made when first asked for: 20 ms a million texels.
+  const SunBuffers* sun();
+  std::size_t bytes() const { return words_.bytes() + list_.bytes() + bandwidth_.bytes() + (sun_ ? sun_->bytes() : 0); }
 
  private:
   std::shared_ptr<const Environment> environment_;
@@ -32,6 +47,8 @@ class EnvironmentBuffers {
   float effective_sr_ = 12.56f;
   Buffer words_, list_, bandwidth_;
   Texture word_view_, list_view_, bandwidth_view_;
+  bool sun_sought_ = false;
+  std::optional<SunBuffers> sun_;
 };
 
 }  // namespace maquette

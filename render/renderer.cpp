@@ -167,8 +167,8 @@ CameraFrame Renderer::Impl::camera_frame(const FrameRequest& request) const {
   return make_camera_frame(request.camera, request.width, request.height, bounds);
 }
 
-void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan, bool passing, int samples,
-                                       int chunk) {
+void Renderer::Impl::prepare_constants(const FrameRequest& request, const FramePlan& plan,
+                                       std::optional<float> passing_density, int samples, int chunk) {
   const CameraFrame camera = camera_frame(request);
   FrameConstants& c = constants;
   c.clip_from_world = clip_from_world(camera);
@@ -184,7 +184,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
       plan.mode == "bandwidth" ? request.settings.get_int("bandwidth.max_level") + (side == 4 ? 2 : side / 2) : 0);
   // In mode bandwidth each point counts its own samples.
   const int first_sample = plan.mode == "bandwidth" ? 0 : accumulated * samples;
-  if (passing) samples = std::max(static_cast<int>(kTurningSamples * static_cast<float>(samples)), 1);
+  if (passing_density) samples = std::max(static_cast<int>(kTurningSamples * static_cast<float>(samples)), 1);
   c.sampling = glm::ivec4(samples, chunk, first_sample, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
@@ -193,7 +193,7 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   // Interpolation's error falls with the square of the spacing, and noise with the 0.8th power of the samples (docs/
   // numerics.md): so they fall together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
-                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * (passing ? kTurningDensity : 1.0f);
+                        std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * passing_density.value_or(1.0f);
   c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
   frame_block.update(0, sizeof(c), &c);
 }
@@ -240,8 +240,9 @@ void Renderer::Impl::dispatch_tiles(const Program& program, const TileList& list
 
 void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate) {
   if (accumulated > 0) return;
-  if (!light_list_is_first) environment->resample(0);
-  light_list_is_first = true;
+  // A list of the seed's own: what all samples of a list have in common is no noise that other seeds tell of.
+  if (light_list_seed != last_request.seed) environment->resample(last_request.seed);
+  light_list_seed = last_request.seed;
   if (!accumulate || plan.mode != "bandwidth")
     progressive.reset();
   else if (progressive && progressive->levels == constants.size.w)
@@ -254,7 +255,7 @@ void Renderer::Impl::renew_light_list(std::uint32_t seed, std::int64_t begin, st
   constexpr std::int64_t kLength = EnvironmentBuffers::kListLength;
   if (begin == 0 || begin / kLength == (begin + count) / kLength) return;
   environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
-  light_list_is_first = false;
+  light_list_seed.reset();
 }
 
 namespace {
@@ -270,11 +271,12 @@ void leave_out_known(FramePlan* plan) {
 }
 
 /// What a frame does otherwise because only the light turned.
-void note_turn(FramePlan* plan) {
+void note_turn(FramePlan* plan, bool sun) {
   for (PlannedPass& pass : plan->passes) {
     if (pass.name == "bandwidth") pass.reason = "only the light turned: predicted anew for a part of the tiles";
     if (pass.name == "shade")
-      pass.reason = "only the light turned: points go on from their past, by what turning changed";
+      pass.reason = std::string("only the light turned: points go on from their past, by what turning changed; ") +
+                    (sun ? "the sun is drawn apart, anew at each point" : "the environment has no sun to draw apart");
   }
 }
 
@@ -341,7 +343,10 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.last_request = request;
   if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
   const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
-  s.prepare_constants(request, plan, turn.goes_on() || repaints, samples, chunk);
+  std::optional<float> passing_density;
+  if (turn.goes_on() || repaints)
+    passing_density = turn.goes_on() && plan.visibility == "baked" ? kTurningMaskedDensity : kTurningDensity;
+  s.prepare_constants(request, plan, passing_density, samples, chunk);
   if (!repaints)
     s.prepare_accumulation(plan, accumulate);
   else if (!accumulate)
@@ -355,13 +360,14 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.skips) timer.end("skip");
   const bool goes_on = s.accumulated > 0;  // nothing moved: what is seen and predicted is known
   if (goes_on) leave_out_known(&plan);
-  if (turn.goes_on()) note_turn(&plan);
+  if (turn.goes_on()) note_turn(&plan, s.environment->sun());
   if (repaints) note_repaint(&plan);
   s.keeps_surfaces = true;
   if (!goes_on && s.needs_gbuffer(request, &plan)) s.draw_gbuffer(plan, &timer);
   if (repaints) s.find_repainted(painted, &timer);
   const TileList& tiles = repaints ? s.targets->repainted_tiles : s.targets->surface_tiles;
-  if (bandwidth && !goes_on) s.predict(plan, {tiles, renewed_share(turn)}, &timer);
+  if (bandwidth && !goes_on)
+    s.predict(plan, {tiles, renewed_share(turn), turn.goes_on() && s.environment->sun()}, &timer);
   MarkRule rule;
   rule.repainted = repaints;
   if (bandwidth && goes_on) {

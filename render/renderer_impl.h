@@ -97,6 +97,8 @@ struct TileShare {
 struct PredictedPart {
   const TileList& tiles;
   TileShare share = {};
+  /// Samples will not draw the sun: it is no part of their variance.
+  bool sky_variance = false;
 };
 
 /// Which points a frame shades: those that the prediction asks for, by what was measured while nothing moves, or the
@@ -164,15 +166,15 @@ struct Renderer::Impl {
   std::uint32_t paint_news = 0;               ///< changes of `epoch` by measured tables of materials alone
   std::vector<bool> repainted;                ///< by material: another measured table since the frame before
   std::optional<std::uint32_t> drawn_points;  ///< points_epoch() that `targets` holds points of; empty: nothing to keep
-  bool light_list_is_first = true;            ///< false after a long accumulation drew the light samples anew
-  std::vector<Reflector> reflectors;          ///< of the last request; empty when reflections are off
-  std::vector<std::string> reflectors_named;  ///< what they were found for
-  std::uint32_t reflectors_epoch = 0;         ///< epoch + 1 that they were found in; 0: never
-  Buffer reflector_block;                     ///< patches of the reflectors, std140
-  bool reflectors_fitted = false;             ///< their curved meshes have patches
-  PatchFitStore patch_fits;                   ///< of these
-  std::string fitting;                        ///< names of reflectors that are left out until theirs are there
-  bool reflectors_glossy = false;             ///< those that are only glossy were let pass
+  std::optional<std::uint32_t> light_list_seed = 0;  ///< whose first light samples are drawn; empty: later ones
+  std::vector<Reflector> reflectors;                 ///< of the last request; empty when reflections are off
+  std::vector<std::string> reflectors_named;         ///< what they were found for
+  std::uint32_t reflectors_epoch = 0;                ///< epoch + 1 that they were found in; 0: never
+  Buffer reflector_block;                            ///< patches of the reflectors, std140
+  bool reflectors_fitted = false;                    ///< their curved meshes have patches
+  PatchFitStore patch_fits;                          ///< of these
+  std::string fitting;                               ///< names of reflectors that are left out until theirs are there
+  bool reflectors_glossy = false;                    ///< those that are only glossy were let pass
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
   Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it
@@ -236,8 +238,9 @@ struct Renderer::Impl {
   /// Draws the light samples anew when a point that takes `count` more samples after its first `begin` would come round
   /// the list in this frame.
   void renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count);
-  /// `passing`: what is drawn stands for an instant only.
-  void prepare_constants(const FrameRequest& request, const FramePlan& plan, bool passing, int samples, int chunk);
+  /// `passing_density`: of points, over that of other frames, where what is drawn stands for an instant only.
+  void prepare_constants(const FrameRequest& request, const FramePlan& plan, std::optional<float> passing_density,
+                         int samples, int chunk);
   /// Of all that the points of a material depend on besides its own paint.
   std::uint32_t points_epoch() const { return epoch - indirect_news - paint_news; }
   /// The points of the frame before hold where no paint was swapped.
@@ -259,6 +262,8 @@ struct Renderer::Impl {
   void schedule_band(std::size_t band, const Turn& turn, unsigned* counters);
   /// Items `first` to `first + count` of a list of schedule_band.
   void shade_items(const FramePlan& plan, int list, const Turn& turn, bool looks_back, unsigned first, unsigned count);
+  /// The sun's light at the points of a list, where the environment has one.
+  void shade_sun(const FramePlan& plan, int list, const Turn& turn, unsigned points);
   void shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer);
   void bind_lists();
   void shade(const FramePlan& plan, int chunk, const MarkRule& rule, PassTimer* timer);
@@ -375,7 +380,9 @@ ShaderVariant shade_variant(const FramePlan& plan, int measured);
 /// `textures`: points are kept without their base factor (shaders/bandwidth/base_factor.glsl).
 ShaderVariant gather_variant(bool accumulate, bool textures);
 /// The same for the points that shaders/turning/schedule.comp lists; `looks_back`: they may go on from earlier frames.
-ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back);
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back, bool sun);
+/// Of turning/sun.comp.
+ShaderVariant sun_variant(const FramePlan& plan, bool measured);
 std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.

@@ -14,12 +14,13 @@ int groups(int count, int size) { return (count + size - 1) / size; }
 
 std::string flag(int k) { return k ? "1" : "0"; }
 
-ShaderVariant predict_variant(const FramePlan& plan, int measured) {
+ShaderVariant predict_variant(const FramePlan& plan, int measured, bool sky_variance) {
   return {"bandwidth/predict.comp",
           "",
           {{"MEASURED", flag(measured)},
            {"SHADOWED", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)},
+           {"SKY_VARIANCE", flag(sky_variance)},
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
@@ -119,12 +120,14 @@ std::vector<ShaderVariant> all_shader_variants() {
       plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
       plan.lights = j & 1;
       plan.texture_bandwidth = j & 1;
-      variants.push_back(predict_variant(plan, k));
+      for (const bool sky_variance : {false, true}) variants.push_back(predict_variant(plan, k, sky_variance));
       for (int lobes = 0; lobes < (k == 0 ? 4 : 1); ++lobes) {
         plan.sheen = lobes & 1;
         plan.clearcoat = lobes & 2;
         variants.push_back(shade_variant(plan, k));
-        for (const bool looks_back : {false, true}) variants.push_back(scheduled_shade_variant(plan, k, looks_back));
+        for (int turned = 0; turned < 4; ++turned)
+          variants.push_back(scheduled_shade_variant(plan, k, turned & 1, turned & 2));
+        variants.push_back(sun_variant(plan, k));
       }
       plan.visibility = k ? "baked" : "none";
       plan.lights = false;
@@ -177,7 +180,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
   for (int list = 0; list < 2; ++list) {
     if ((list == 0 ? facts.measured_count : facts.analytic_count) == 0) continue;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
-    const Program& program = programs.get(predict_variant(plan, list == 0 ? 1 : 0));
+    const Program& program = programs.get(predict_variant(plan, list == 0 ? 1 : 0, part.sky_variance));
     program.set("u_list", list);
     if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
     glUseProgram(program.get());

@@ -193,7 +193,7 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
   const double rounds = seen / points * constants.sampling.y / EnvironmentBuffers::kListLength;
   if (rounds >= p.rounds + 1.0) {
     environment->resample(request.seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
-    light_list_is_first = false;
+    light_list_seed.reset();
     p.rounds = rounds;
   }
   p.rate = rate;

@@ -20,12 +20,26 @@ constexpr float kPredictionHolds_rad = 0.3f;
 /// A light that turns further between two frames has jumped: nothing goes on.
 constexpr float kJump_rad = 0.5f;
 
+/// Samples of the sun at a point that does not mirror it: of one, over which broad lobes hardly vary, and of several,
+/// among which they choose.
+constexpr int kSunSamples = 2, kSunsSamples = 16;
+
 const ShaderVariant kMarks{
     "bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"MARKS_ONLY", "1"}}};
 const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
 
-ShaderVariant turned_gather_variant(int round, bool textures) {
-  return {"turning/gather.comp", "", {{"MORE", std::to_string(round)}, {"TEXTURES", textures ? "1" : "0"}}};
+std::string flag(bool on) { return on ? "1" : "0"; }
+
+ShaderVariant turned_gather_variant(int round, bool textures, bool sun) {
+  return {"turning/gather.comp",
+          "",
+          {{"MORE", std::to_string(round)}, {"TEXTURES", flag(textures)}, {"SUN_APART", flag(sun)}}};
+}
+
+void set_sun(const Program& program, const SunBuffers& sun) {
+  const auto inverse = [](double integral) { return integral > 0.0 ? static_cast<float>(1.0 / integral) : 0.0f; };
+  glProgramUniform3f(program.get(), program.location("u_sun"), sun.least_luminance, inverse(sun.sun_sr),
+                     inverse(sun.rest_integral));
 }
 
 /// As in shaders/turning/item.glsl.
@@ -42,6 +56,7 @@ TurnHistory TurnHistory::make(int grid_width, int grid_height) {
   TurnHistory h;
   h.mean = Texture::make_2d("history mean", GL_RGBA32F, grid_width, grid_height);
   h.renewed = Texture::make_2d("history renewed", GL_R32UI, grid_width, grid_height);
+  h.sun = Texture::make_2d("sun at points", GL_RGBA32F, grid_width, grid_height);
   const GLuint never[4] = {};
   glClearTexImage(h.renewed.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, never);
   h.counters = Buffer("turning counters", sizeof(TurnCounters));
@@ -77,16 +92,24 @@ TileShare renewed_share(const Turn& turn) {
   return {static_cast<int>(turn.frame) % frames, frames};
 }
 
-ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back) {
+ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool looks_back, bool sun) {
   ShaderVariant variant = shade_variant(plan, measured);
   variant.defines.emplace_back("TURNED", "1");
-  variant.defines.emplace_back("LOOKS_BACK", looks_back ? "1" : "0");
+  variant.defines.emplace_back("LOOKS_BACK", flag(looks_back));
+  variant.defines.emplace_back("SUN_APART", flag(sun));
+  return variant;
+}
+
+ShaderVariant sun_variant(const FramePlan& plan, bool measured) {
+  ShaderVariant variant = shade_variant(plan, measured);
+  variant.path = "turning/sun.comp";
+  variant.defines.emplace_back("SUN_APART", "1");
   return variant;
 }
 
 std::vector<ShaderVariant> turning_shader_variants() {
   std::vector<ShaderVariant> variants{kMarks, kSchedule};
-  for (int k = 0; k < 4; ++k) variants.push_back(turned_gather_variant(k / 2, k & 1));
+  for (int k = 0; k < 8; ++k) variants.push_back(turned_gather_variant(k / 4, k & 2, k & 1));
   return variants;
 }
 
@@ -126,12 +149,28 @@ void Renderer::Impl::shade_items(const FramePlan& plan, int list, const Turn& tu
   const FrameTargets& t = *targets;
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[list].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.partial[list].get());
-  const Program& program = programs.get(scheduled_shade_variant(plan, list == 0, looks_back));
+  const SunBuffers* sun = environment->sun();
+  const Program& program = programs.get(scheduled_shade_variant(plan, list == 0, looks_back, sun != nullptr));
+  if (sun) set_sun(program, *sun);
   glProgramUniform2i(program.get(), program.location("u_range"), static_cast<GLint>(first), static_cast<GLint>(count));
   if (looks_back)
     glProgramUniform2f(program.get(), program.location("u_turn"), std::cos(turn.angle_rad), std::sin(turn.angle_rad));
   if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
   dispatch_list(program, static_cast<int>(count));
+}
+
+void Renderer::Impl::shade_sun(const FramePlan& plan, int list, const Turn& turn, unsigned points) {
+  const SunBuffers* sun = environment->sun();
+  if (!sun || points == 0) return;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, targets->points[list].get());
+  glBindImageTexture(0, history->sun.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  const Program& program = programs.get(sun_variant(plan, list == 0));
+  set_sun(program, *sun);
+  program.set("u_frame_number", static_cast<int>(turn.frame));
+  glProgramUniform3i(program.get(), program.location("u_range"), static_cast<GLint>(points), SunBuffers::kListLength,
+                     sun->compact ? kSunSamples : kSunsSamples);
+  if (plan.visibility == "traced") octree.buffers().set_uniforms(program);
+  dispatch_list(program, static_cast<int>(points));
 }
 
 void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer) {
@@ -144,11 +183,15 @@ void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t ban
   continued_points += listed.continued;
   timer->end("mark");
   shaded_points += counters[1] + counters[9];
+  const SunBuffers* sun = environment->sun();
+  if (sun) sun->bind();
+  for (int list = 0; list < 2; ++list) shade_sun(plan, list, turn, counters[8 * list + 1]);
+  if (sun) glBindImageTexture(3, history->sun.get(), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, history->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   glBindImageTexture(2, history->renewed.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
   for (int round = 0; round < 2; ++round) {
-    const Program& gather = programs.get(turned_gather_variant(round, buffers->has_textures()));
+    const Program& gather = programs.get(turned_gather_variant(round, buffers->has_textures(), sun));
     gather.set("u_frame_number", static_cast<int>(turn.frame));
     gather.set("u_item_capacity", t.item_capacity);
     gather.set("u_point_capacity", static_cast<int>(t.points[0].bytes() / 16));
@@ -173,6 +216,7 @@ void Renderer::Impl::shade_scheduled(const FramePlan& plan, const Turn& turn, Pa
   shaded_points = shading_samples = continued_points = 0;
   for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
     shade_scheduled_band(plan, band, turn, timer);
+  environment->bind();
 }
 
 }  // namespace maquette

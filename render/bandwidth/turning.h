@@ -20,18 +20,21 @@ struct TurnHistory {
   };
   Texture mean;     ///< RGBA32F: mean without clamping, and the samples that it is worth
   Texture renewed;  ///< R32UI: number of the frame that last renewed the point
+  Texture sun;      ///< RGBA32F: the sun's light at the frame's points, which is not carried on
   Buffer counters;  ///< TurnCounters of shaders/turning/item.glsl
   std::optional<Key> key;
   float rotation_rad = 0.0f;
   std::uint32_t frame = 1;  ///< number of the frame at hand, from 2
 
   static TurnHistory make(int grid_width, int grid_height);
-  std::size_t bytes() const { return mean.bytes() + renewed.bytes(); }
+  std::size_t bytes() const { return mean.bytes() + renewed.bytes() + sun.bytes(); }
 };
 
 /// Base count of samples, and density of points along an axis, of a frame that goes on, over those of one from nothing.
 /// What stands still for an instant only is worth less.
 constexpr float kTurningSamples = 0.5f, kTurningDensity = 0.65f;
+/// The same density where masks shadow: their cells' edges move over the surfaces as the light turns.
+constexpr float kTurningMaskedDensity = 1.0f;
 
 /// How the frame at hand goes on from the one before.
 struct Turn {

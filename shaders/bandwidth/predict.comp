@@ -87,8 +87,13 @@ const float kEdgeNu = 2.3;        // a step over the half sphere: what one sampl
 const float kVisibilityNu = 4.6;  // mean |v1 - v2| in the middle of a step is 1/2: 2.3 cycles/rad
 #endif
 
-void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf) {
+void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf, bool sun) {
   float t = luminance(f * radiance) * weight, stands_for = is_brdf ? r.drawn.x : r.drawn.y;
+#if SKY_VARIANCE
+  bool counts = !sun;  // its samples are no part of those whose number is to be found
+#else
+  const bool counts = true;
+#endif
   float nu_l = environment_bandwidth(world);
   float nu_r = brdf_bandwidth(p, wi);
 #if SHADOWED == 2
@@ -99,12 +104,10 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   nu_l += kEdgeNu;
   t *= distance_m < 0.0 ? 1.0 : 0.0;
 #elif SHADOWED
-  // Two bits tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad. What the choice of the
-  // bit adds to the variance does not fall with the strata.
+  // Two bits tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad.
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
   float v1 = visibility_of(r.visibility, w, unit_pair(r.random)), v2 = visibility_of(r.visibility, w, unit_pair(hash(r.random)));
-  r.second += 0.5 * stands_for * t * t * (v1 - v2) * (v1 - v2);
   nu_l += kVisibilityNu * abs(v1 - v2);
   t *= 0.5 * (v1 + v2);
 #endif
@@ -121,10 +124,11 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #endif
   float change = is_brdf ? of_lobe : nu_l + 2.0 * nu_r;
   float share = min(0.215 * change * stratum, 0.28);
-  r.second += stands_for * t * t * share;
+  r.second += counts ? stands_for * t * t * share : 0.0;
 }
 #define VISIBILITY 0  // of the estimator: on_sample looks itself
-#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf)
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) \
+  on_sample(result, p, f, radiance, weight, wi, world, pdf, is_brdf, luminance(radiance) * e.inverse_integral > kSunDensity)
 #define HALVES (PREDICTION_SAMPLES / 2)
 #define SAMPLE_GROUP 4
 #define WEIGHED_AS_SHADED

@@ -42,5 +42,5 @@ float blocked_at(VisibilityPoint p, vec3 world, float t_max) {
   return hit.node >= 0 ? hit.t : -1.0;
 }
 
-/// In [0, 1]. `u` is for masks, which dither.
-float visibility_of(VisibilityPoint p, vec3 world, vec2 u) { return blocked_at(p, world, 1e30) < 0.0 ? 1.0 : 0.0; }
+/// In [0, 1], as of the masks.
+float mean_visibility(VisibilityPoint p, vec3 world) { return blocked_at(p, world, 1e30) < 0.0 ? 1.0 : 0.0; }

@@ -4,6 +4,9 @@
 //
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
+#ifndef SUN_APART
+#define SUN_APART 0  // 1: the sun's light is found elsewhere
+#endif
 uint hash(uint x) {
   x = x * 747796405u + 2891336453u;
   x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
@@ -24,13 +27,31 @@ float strategy_sum(float own, float other, bool is_brdf, bool sun) {
   return sun ? alone : own + other;
 }
 
+
+#if SUN_APART
+// The sun's texels are no part of the list: turning/sun.comp adds their light, but for lobes that are narrower than the sun itself.
+uniform vec3 u_sun;  // luminance above which a texel is of the sun, 1 / solid angle of the sun, 1 / integral of the rest (0: black)
+
+/// A lobe of this density finds the sun itself. A function of the direction alone: whatever the counts are, each light is counted once.
+bool lobe_finds_sun(float f_hat) { return f_hat > 4.0 * u_sun.y; }
+#endif
+
 /// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
 /// `l`: luminance of the light.
 float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
+#if SUN_APART
+  if (l > u_sun.x) nl = lobe_finds_sun(f_hat) ? 0.0 : 1e30;
+  return cosine * f_hat / max((nb * f_hat + nl * l) * pdf, 1e-30);
+#else
   return cosine * f_hat / max(strategy_sum(nb * f_hat, nl * l, true, l * inverse_integral > kSunDensity) * pdf, 1e-30);
+#endif
 }
 float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
+#if SUN_APART
+  return cosine * l * inverse_integral / max((nl * l + nb * f_hat) * pdf, 1e-30);
+#else
   return cosine * l * inverse_integral / max(strategy_sum(nl * l, nb * f_hat, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
+#endif
 }
 
 /// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of several samples whole groups, because a
@@ -156,7 +177,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
   vec3 radiance = environment_value(s.sky);
   float weight = brdf_weight(wi.z, f_hat, luminance(radiance), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
-  float open = visibility_of(result.visibility, world_from_environment(world), unit_pair((e.q3 + n * kStep3) ^ (e.q4 + n * kStep4)));
+  float open = mean_visibility(result.visibility, world_from_environment(world));
   weight *= open;
 #endif
 #ifdef BEFORE
@@ -204,15 +225,14 @@ void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result res
   float l = luminance(radiance);
   float weight = light_weight(wi.z, f_hat, l, e.inverse_integral, nb, nl, s.direction_pdf.w);
 #if VISIBILITY
-  vec2 dither = unit_pair((e.q3 + n * kStep3) ^ (e.q4 + n * kStep5));
-  weight *= visibility_of(result.visibility, world_from_environment(light), dither);
+  weight *= mean_visibility(result.visibility, world_from_environment(light));
 #endif
 #ifdef BEFORE
   weight = wi.z > 0.0 ? weight : 0.0;
   LobeTerms before = lobe_towards(p, wi_before, unit_pair(e.q3 + n * kStep3));
   float weight_before = light_weight(wi_before.z, before.f_hat, l, e.inverse_integral, nb, nl, s.direction_pdf.w);
 #if VISIBILITY
-  weight_before *= visibility_of(result.visibility, world_from_environment(from), dither);
+  weight_before *= mean_visibility(result.visibility, world_from_environment(from));
 #endif
   result.before = wi_before.z > 0.0 ? before.f * radiance * weight_before : vec3(0.0);
 #endif
@@ -242,16 +262,19 @@ void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result res
 
 // HALVES: the includer's count is a constant, and each strategy takes half of it.
 void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result result) {
-  float integral = u_frame.environment.w;
 #ifdef HALVES
   const int brdf_count = HALVES;
-  int light_count = integral > 0.0 ? HALVES : 0;
+  int light_count = u_frame.environment.w > 0.0 ? HALVES : 0;
 #else
   int brdf_count = brdf_sample_count(p, count);
   int light_count = count - brdf_count;
 #endif
   Estimator e;
-  e.inverse_integral = integral > 0.0 ? 1.0 / integral : 0.0;
+#if SUN_APART
+  e.inverse_integral = u_sun.z;
+#else
+  e.inverse_integral = u_frame.environment.w > 0.0 ? 1.0 / u_frame.environment.w : 0.0;
+#endif
   e.nb = weighed_brdf_count(p, count, brdf_count);
   e.nl = (float(count) - e.nb) * e.inverse_integral;
   // The frame's first sample index moves on while the picture converges.

@@ -45,3 +45,24 @@ float visibility_of(VisibilityPoint p, vec3 world, vec2 u) {
   uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
   return dot(p.open, vec3((bits >> uint(bit & 31)) & 1u));
 }
+
+/// What visibility_of is on average over `u`: the bits of all four cells, each with its share.
+float mean_visibility(VisibilityPoint p, vec3 world) {
+  VisibilityCorner corner = visibility_corner(world);
+  vec2 f = corner.fraction;
+  vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+  ivec2 c0 = visibility_wrap(corner.lower), c1 = visibility_wrap(corner.lower + ivec2(1, 0));
+  ivec2 c2 = visibility_wrap(corner.lower + ivec2(0, 1)), c3 = visibility_wrap(corner.lower + ivec2(1, 1));
+  share = visibility_shares_above(share, abs(f.x - 0.5) < abs(f.y - 0.5), dot(world, p.normal),
+                                  vec4(dot(visibility_cell_direction(c0), p.normal), dot(visibility_cell_direction(c1), p.normal),
+                                       dot(visibility_cell_direction(c2), p.normal), dot(visibility_cell_direction(c3), p.normal)));
+  ivec4 bits = ivec4(c0.y, c1.y, c2.y, c3.y) * kVisibilityCells + ivec4(c0.x, c1.x, c2.x, c3.x);
+  float sum = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    ivec4 words = 8 * p.vertices[k] + (bits >> 5);
+    uvec4 masks = uvec4(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x,
+                        texelFetch(t_visibility, words.w).x);
+    sum += p.open[k] * dot(share, vec4((masks >> uvec4(bits & 31)) & uvec4(1u)));
+  }
+  return sum;
+}

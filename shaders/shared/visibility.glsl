@@ -86,6 +86,28 @@ MAQUETTE_FN int visibility_dithered_bit(vec3 direction, vec3 normal, vec2 u) {
   return cell.y * kVisibilityCells + cell.x;
 }
 
+// Chances with which visibility_dithered_bit takes each of the four cells, lower left, lower right, upper left, upper right. `share`: their bilinear
+// weights; `x_nearer`: as there; `height`, `heights`: cosines of the direction and of the cells' centres to the normal.
+MAQUETTE_FN vec4 visibility_shares_above(vec4 share, bool x_nearer, float height, vec4 heights) {
+  if (height >= 0.462f) return share;
+  bool a0 = heights.x > 0.0f, a1 = heights.y > 0.0f, a2 = heights.z > 0.0f, a3 = heights.w > 0.0f;
+  // Where the share of a cell below goes: to its neighbour along the nearer axis, else along the other, else across.
+  vec4 along = x_nearer ? vec4(a1 ? 1.0f : 0.0f, a0 ? 1.0f : 0.0f, a3 ? 1.0f : 0.0f, a2 ? 1.0f : 0.0f)
+                        : vec4(a2 ? 1.0f : 0.0f, a3 ? 1.0f : 0.0f, a0 ? 1.0f : 0.0f, a1 ? 1.0f : 0.0f);
+  vec4 other = x_nearer ? vec4(a2 ? 1.0f : 0.0f, a3 ? 1.0f : 0.0f, a0 ? 1.0f : 0.0f, a1 ? 1.0f : 0.0f)
+                        : vec4(a1 ? 1.0f : 0.0f, a0 ? 1.0f : 0.0f, a3 ? 1.0f : 0.0f, a2 ? 1.0f : 0.0f);
+  vec4 across = vec4(a3 ? 1.0f : 0.0f, a2 ? 1.0f : 0.0f, a1 ? 1.0f : 0.0f, a0 ? 1.0f : 0.0f);
+  vec4 above = vec4(a0 ? 1.0f : 0.0f, a1 ? 1.0f : 0.0f, a2 ? 1.0f : 0.0f, a3 ? 1.0f : 0.0f);
+  vec4 one = vec4(1.0f);
+  vec4 lost = share * (one - above);
+  vec4 to_along = lost * along;
+  vec4 to_other = lost * (one - along) * other;
+  vec4 to_across = lost * (one - along) * (one - other) * across;
+  vec4 kept = share - to_along - to_other - to_across;
+  vec4 x = x_nearer ? to_along : to_other, y = x_nearer ? to_other : to_along;
+  return kept + vec4(x.y + y.z + to_across.w, x.x + y.w + to_across.z, x.w + y.x + to_across.y, x.z + y.y + to_across.x);
+}
+
 // 1 where the bit is set (unoccluded), else 0. low: words 0 to 3, high: words 4 to 7.
 MAQUETTE_FN float visibility_test(uvec4 low, uvec4 high, int bit) {
   int word = bit >> 5;

@@ -13,6 +13,8 @@ struct ShadedPoint {
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, more_items, more_points;
 };
+// A picture never holds NaN or infinity, whatever a table holds.
+vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
 layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
 layout(std430, binding = 2) buffer Points { ShadedPoint b_points[]; };
 layout(std430, binding = 4) writeonly buffer Items { Item b_items[]; };
@@ -21,6 +23,12 @@ layout(binding = 21) uniform sampler2D t_pyramid;
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 layout(binding = 1, rgba32f) uniform image2D io_history;  // mean, samples that it is worth
 layout(binding = 2, r32ui) uniform writeonly uimage2D o_renewed;
+#if SUN_APART
+layout(binding = 3, rgba32f) uniform readonly image2D i_sun;
+vec3 sun_at(ivec2 pixel) { return finite(imageLoad(i_sun, pixel).rgb); }
+#else
+vec3 sun_at(ivec2 pixel) { return vec3(0.0); }
+#endif
 uniform int u_list;
 uniform int u_frame_number;
 uniform int u_item_capacity;
@@ -28,9 +36,6 @@ uniform int u_point_capacity;
 
 #include "bandwidth/block_share.glsl"
 #include "bandwidth/without_base.glsl"
-
-// A picture never holds NaN or infinity, whatever a table holds.
-vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
 
 vec4 mean_of_items(ShadedPoint point, uint count) {
   vec4 sum = vec4(0.0);
@@ -45,7 +50,7 @@ vec4 mean_of_items(ShadedPoint point, uint count) {
 int more_size_log2() { return least_item_log2() + 3; }
 const float kMostMore = 256.0;
 /// From this many times the samples that were taken a second round is worth its list.
-const float kFarMore = 4.0;
+const float kFarMore = 6.0;
 
 /// Neyman's count for the deviation that was measured; 0 where that is not far from what was taken. They replace what was taken, which
 /// decided on them.
@@ -70,7 +75,7 @@ void main() {
     // What was far from its prediction goes on from nothing and says nothing about the next frame.
     vec3 mean = mean_of_items(point, point.item_count).rgb;
     imageStore(io_history, pixel, vec4(mean, 0.0));
-    imageStore(o_radiance, pixel, vec4(without_base(mean, pixel), 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(mean + sun_at(pixel), pixel), 1.0));
 #else
     vec4 now = mean_of_items(point, point.item_count);
     vec3 mean = now.rgb;
@@ -88,7 +93,7 @@ void main() {
       for (uint i = 0u; i < (fits ? more : 0u); ++i)
         b_items[first + i] = Item(point.pixel, pack_turned_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
     }
-    imageStore(o_radiance, pixel, vec4(without_base(max(mean, vec3(0.0)), pixel), 1.0));
+    imageStore(o_radiance, pixel, vec4(without_base(max(mean + sun_at(pixel), vec3(0.0)), pixel), 1.0));
 #endif
   }
 }

@@ -129,6 +129,51 @@ TEST_F(Turning, NoBiasIsLeftByTheTurn) {
   EXPECT_LT(left, std::hypot(left_fresh, 1.5 * std::sqrt(square / kSeeds))) << left_fresh;
 }
 
+TEST_F(Turning, TheSunApartIsTheSameLight) {
+  // Every point's sun is drawn apart while the light turns: broad lobes, one as narrow as the sun, and a mirror that
+  // finds it itself.
+  const auto two_suns = [](float sky) {
+    Environment e;
+    e.width = 512;
+    e.height = 256;
+    e.rgb.assign(512 * 256, glm::vec3(sky));
+    e.rgb[70 * 512 + 250] = glm::vec3(1e6f, 9e5f, 8e5f);
+    if (sky > 0.0f) e.rgb[60 * 512 + 330] = glm::vec3(4e5f);
+    return std::make_shared<Environment>(e);
+  };
+  const std::shared_ptr<Environment> skies[] = {std::make_shared<Environment>(load_environment("builtin:clear-sky")),
+                                                two_suns(1.0f), two_suns(0.0f)};
+  for (const char* material : {"builtin:leather-black", "builtin:plastic-piano-black", "builtin:metal-chrome"}) {
+    for (const auto& sky : skies) {
+      show(material);
+      renderer_.set_environment(sky);
+      const FrameRequest r = request();
+      const Image truth = converged(r, 77), other = converged(r, 78);
+      constexpr int kSeeds = 6;
+      Image mean(64, 64, 4);
+      double square = 0.0;
+      for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
+        FrameRequest one = r;
+        one.seed = seed;
+        one.settings.set("bandwidth.max_level", 0);  // nothing is interpolated
+        EXPECT_GE(continued(turn(one, 4)), 0.0);
+        const Image picture = renderer_.read_radiance();
+        square += std::pow(difference(picture, truth), 2.0) / kSeeds;
+        for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += picture.data[i] / kSeeds;
+      }
+      const double noise = std::hypot(std::sqrt(square / kSeeds), difference(truth, other));
+      EXPECT_LT(difference(mean, truth), 1.6 * noise + 0.003) << material << " " << sky->name;
+      double sums[2] = {};
+      for (std::size_t i = 0; i < mean.data.size(); i += 4) {
+        sums[0] += static_cast<double>(mean.data[i + 1]);
+        sums[1] += static_cast<double>(truth.data[i + 1]);
+      }
+      EXPECT_NEAR(sums[0] / sums[1], 1.0, 0.03) << material << " " << sky->name;
+      RecordProperty(std::string(material) + sky->name, std::to_string(sums[0] / sums[1]));
+    }
+  }
+}
+
 TEST_F(Turning, ALightThatJumpsLeavesNoGhost) {
   FrameRequest r = request();
   turn(r, 20);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -600,6 +601,38 @@ TEST(VisibilityShader, DitherStaysOnTheSideOfTheNormal) {
     ++tried;
   }
   EXPECT_LT(across, tried / 1000);  // only where the four centres straddle a fold
+}
+
+/// The shares of mean_visibility (shaders/shading/visibility.glsl) are the chances of the dithered bit, folds and
+/// horizon included.
+TEST(VisibilityShader, SharesAreTheChancesOfTheDitheredBit) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  int moved = 0;
+  for (int trial = 0; trial < 100000; ++trial) {
+    const glm::vec3 n = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
+    glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
+    d = glm::normalize(d - n * glm::dot(n, d) + n * (trial % 2 ? 0.3f * uniform(random) : uniform(random)));
+    const auto corner = shared::visibility_corner(d);
+    const glm::vec2 f = corner.fraction;
+    const glm::vec4 bilinear((1.0f - f.x) * (1.0f - f.y), f.x * (1.0f - f.y), (1.0f - f.x) * f.y, f.x * f.y);
+    std::map<int, double> chances, shares;
+    glm::vec4 heights(0.0f);
+    int cells[4];
+    for (int k = 0; k < 4; ++k) {
+      const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
+      cells[k] = cell.y * shared::kVisibilityCells + cell.x;
+      heights[k] = glm::dot(shared::visibility_cell_direction(cell), n);
+      const glm::vec2 u(k & 1 ? -1.0f : 2.0f, k >> 1 ? -1.0f : 2.0f);
+      chances[shared::visibility_dithered_bit(d, n, u)] += static_cast<double>(bilinear[k]);
+    }
+    const glm::vec4 share =
+        shared::visibility_shares_above(bilinear, std::abs(f.x - 0.5f) < std::abs(f.y - 0.5f), glm::dot(d, n), heights);
+    for (int k = 0; k < 4; ++k) shares[cells[k]] += static_cast<double>(share[k]);
+    moved += share != bilinear ? 1 : 0;
+    for (const auto& [bit, chance] : chances) EXPECT_NEAR(shares[bit], chance, 1e-5);
+  }
+  EXPECT_GT(moved, 10000);
 }
 
 }  // namespace

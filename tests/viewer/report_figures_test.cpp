@@ -197,7 +197,15 @@ TEST(ReportPage, ReflectionsHaveTheirOwnSection) {
   p.scope = Scope::reflection;
   p.picture = "none.png";
   report.points.push_back(p);
+  for (const char* camera : {"one", "two"}) {
+    for (const char* technique : {"quick", "slow"}) {
+      Point both = point(camera, technique, 4, std::string(technique) == "slow" ? 12.0 : 3.0, 0.01);
+      both.scope = Scope::reflection;
+      report.points.push_back(both);
+    }
+  }
   const std::string html = page_html({report, folder.path().string(), {}, {}});
+  EXPECT_NE(html.find("To a reflection error of"), std::string::npos);
   for (const char* part : {"<h3>Reflections</h3>", "given reflection error", "Lower pictures: reflection error"})
     EXPECT_NE(html.find(part), std::string::npos) << part;
   EXPECT_EQ(point_json(point_from_json(point_json(p))), point_json(p));

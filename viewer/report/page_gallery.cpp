@@ -101,7 +101,7 @@ std::string fastest_line(const Report& report, Scope scope, Metric metric) {
       if (const std::optional<double> time = time_to_error(curve, target)) reached.emplace_back(*time, curve.technique);
     if (reached.size() < 2) continue;
     std::sort(reached.begin(), reached.end());
-    std::string line = "To a" + std::string(scope == Scope::estimator ? "n estimator" : " model") + " error of " +
+    std::string line = "To a" + std::string(scope == Scope::estimator ? "n " : " ") + scope_name(scope) + " error of " +
                        error_text(target, metric) + (metric == Metric::flip ? " FLIP" : " relative RMSE") + ", <b>" +
                        escape(reached[0].second) + "</b> is the fastest: " + time_text(reached[0].first) + " a frame";
     for (std::size_t i = 1; i < reached.size(); ++i)
@@ -119,7 +119,7 @@ std::string summary_section(const PageInput& input) {
   std::vector<std::string> lines;
   for (const auto& [scope, metric] :
        {std::pair{Scope::estimator, Metric::relative_rmse}, std::pair{Scope::estimator, Metric::flip},
-        std::pair{Scope::model, Metric::flip}}) {
+        std::pair{Scope::model, Metric::flip}, std::pair{Scope::reflection, Metric::flip}}) {
     std::string line = fastest_line(report, scope, metric);
     if (!line.empty()) lines.push_back(std::move(line));
   }

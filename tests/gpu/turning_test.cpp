@@ -162,13 +162,14 @@ TEST_F(Turning, TheSunApartIsTheSameLight) {
         for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += picture.data[i] / kSeeds;
       }
       const double noise = std::hypot(std::sqrt(square / kSeeds), difference(truth, other));
-      EXPECT_LT(difference(mean, truth), 1.6 * noise + 0.003) << material << " " << sky->name;
+      // Where one or two pixels mirror all of the light this is one draw of a normal deviate.
+      EXPECT_LT(difference(mean, truth), 2.5 * noise + 0.003) << material << " " << sky->name;
       double sums[2] = {};
       for (std::size_t i = 0; i < mean.data.size(); i += 4) {
         sums[0] += static_cast<double>(mean.data[i + 1]);
         sums[1] += static_cast<double>(truth.data[i + 1]);
       }
-      EXPECT_NEAR(sums[0] / sums[1], 1.0, 0.03) << material << " " << sky->name;
+      EXPECT_NEAR(sums[0] / sums[1], 1.0, 0.01) << material << " " << sky->name;
       RecordProperty(std::string(material) + sky->name, std::to_string(sums[0] / sums[1]));
     }
   }

@@ -127,8 +127,15 @@ bool emission_is_painted(int material, vec3 emission) {
   return false;
 }
 
+/// A software device gives each core one run of rows of groups: every other row, so that all have as much of the panes.
+ivec2 dealt_pixel() {
+  uint rows = gl_NumWorkGroups.y, half_rows = (rows + 1u) / 2u, y = gl_WorkGroupID.y;
+  uint row = y < half_rows ? 2u * y : 2u * (y - half_rows) + 1u;
+  return ivec2(gl_GlobalInvocationID.x, 8u * row + gl_LocalInvocationID.y);
+}
+
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = dealt_pixel();
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   vec4 direction = texelFetch(t_ray_direction, pixel, 0);
   if (direction.w <= 0.0) {

@@ -232,7 +232,8 @@ TEST(ReportPage, DataAddressesAreBase64) {
 
 TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
   const SceneFacts facts = compute_facts(build_builtin_scene("cockpit"), -1);
-  const std::vector<SweptTechnique> swept = swept_techniques(facts, {}, 0);
+  std::vector<SweptTechnique> swept = swept_techniques(facts, {}, 0);
+  std::erase_if(swept, [](const SweptTechnique& t) { return !t.visibility.empty(); });
   std::vector<std::string> names = technique_names(TechniqueKind::mode);
   for (const std::string& reflector : technique_names(TechniqueKind::reflector)) names.push_back(reflector);
   ASSERT_EQ(swept.size(), names.size());
@@ -241,6 +242,27 @@ TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
     EXPECT_FALSE(swept[i].steps.empty());
     EXPECT_FALSE(swept[i].refused) << *swept[i].refused;
   }
+}
+
+/// Error and time of shadows by each means, beside each other: only where something shadows the sky.
+TEST(ReportSweep, ShadowsAreComparedWhereThereAreSome) {
+  const auto compared = [](const char* scene, const char* asked) {
+    Settings settings;
+    settings.set_from_text("shading.visibility", asked);
+    std::string names;
+    for (const SweptTechnique& t : swept_techniques(compute_facts(build_builtin_scene(scene), -1), settings, 0)) {
+      if (t.visibility.empty()) continue;
+      names += t.name + " ";
+      const FrameRequest whole = request_of({}, t, {.samples = 8, .settings = {}}, Scope::model);
+      EXPECT_EQ(whole.mode, "bandwidth");
+      EXPECT_EQ("bandwidth-" + whole.settings.get_string("shading.visibility"), t.name);
+    }
+    return names;
+  };
+  EXPECT_EQ(compared("cockpit", "auto"), "bandwidth-none bandwidth-traced ");
+  EXPECT_EQ(compared("cockpit", "traced"), "bandwidth-none bandwidth-baked ");
+  EXPECT_EQ(compared("cockpit", "none"), "");
+  EXPECT_EQ(compared("sphere", "auto"), "");
 }
 
 TEST(ReportSweep, WhatCannotDrawSaysWhy) {
@@ -260,7 +282,7 @@ TEST(ReportSweep, WhatCannotDrawSaysWhy) {
 }
 
 TEST(ReportSweep, EstimatorScopeIsRestricted) {
-  const SweptTechnique uniform{"uniform", "", TechniqueKind::mode, {{}}, {}};
+  const SweptTechnique uniform{"uniform", "", TechniqueKind::mode, {{}}, {}, "uniform", {}};
   const QualityStep step{.samples = 8, .settings = {{"bandwidth.max_level", 2}}};
   EXPECT_EQ(quality_label(step), "8 samples, bandwidth.max_level 2");
   EXPECT_EQ(quality_label({}), "default");
@@ -274,7 +296,7 @@ TEST(ReportSweep, EstimatorScopeIsRestricted) {
 }
 
 TEST(ReportSweep, ReflectorsAreDrawnByAModeWithoutNoise) {
-  const SweptTechnique bezier{"bezier", "", TechniqueKind::reflector, {{}}, {}};
+  const SweptTechnique bezier{"bezier", "", TechniqueKind::reflector, {{}}, {}, kReflectionMode, {}};
   const FrameRequest request = request_of({}, bezier, {}, Scope::reflection);
   EXPECT_EQ(request.mode, kReflectionMode);
   EXPECT_EQ(request.reflections, "bezier");

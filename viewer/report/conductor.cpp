@@ -152,8 +152,12 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
           ladders.push_back({c, t, {Scope::reflection}, 0.0, 0, 0, {}, false});
         continue;
       }
+      if (!technique.visibility.empty()) {  // without shadows all are alike
+        ladders.push_back({c, t, {Scope::model}, 0.0, 0, 0, {}, false});
+        continue;
+      }
       // The restricted settings of the shared techniques show in the plan; those of its own need not.
-      const bool same = find_mode(technique.name).restricted_settings.empty() &&
+      const bool same = find_mode(technique.mode).restricted_settings.empty() &&
                         passes(technique, Scope::estimator) == passes(technique, Scope::model);
       if (same)
         ladders.push_back({c, t, {Scope::estimator, Scope::model}, 0.0, 0, 0, {}, false});

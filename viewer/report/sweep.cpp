@@ -25,26 +25,50 @@ std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& o
   return cameras;
 }
 
+namespace {
+
+/// The mode whose shadows are compared: the few points that it shades make rays through the octree affordable.
+constexpr const char* kShadowedMode = "bandwidth";
+
+void append_visibilities(const SweptTechnique& as_asked, const std::string& visibility,
+                         std::vector<SweptTechnique>* swept) {
+  if (as_asked.mode != kShadowedMode || visibility == "none") return;
+  for (const char* other : {"none", "baked", "traced"}) {
+    if (other == visibility) continue;
+    SweptTechnique technique = as_asked;
+    technique.name += std::string("-") + other;
+    technique.help += ", with shading.visibility " + std::string(other);
+    technique.visibility = other;
+    swept->push_back(std::move(technique));
+  }
+}
+
+}  // namespace
+
 std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings,
                                              std::size_t reflectors) {
   std::vector<SweptTechnique> swept;
   for (const TechniqueKind kind : {TechniqueKind::mode, TechniqueKind::reflector}) {
     for (const TechniqueInfo& info : techniques()) {
       if (info.kind != kind) continue;
-      SweptTechnique technique{info.name, info.help, kind, info.quality_steps, {}};
+      SweptTechnique technique{info.name, info.help, kind, info.quality_steps, {}, info.name, {}};
+      if (kind == TechniqueKind::reflector) technique.mode = kReflectionMode;
+      std::string visibility = "none";
       if (technique.steps.empty()) technique.steps.emplace_back();
       ViewInfo view;
       if (kind == TechniqueKind::reflector) view.reflections = info.name;
       if (reflectors > 0) view.reflectors = static_cast<int>(reflectors);
       try {
-        const FramePlan frame = plan(facts, kind == TechniqueKind::mode ? info.name : kReflectionMode, settings, view);
+        const FramePlan frame = plan(facts, technique.mode, settings, view);
+        visibility = frame.visibility;
         const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
                                       [](const LeftOut& l) { return l.what == "reflections"; });
         if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;
       } catch (const Error& error) {
         technique.refused = error.what();
       }
-      swept.push_back(std::move(technique));
+      swept.push_back(technique);
+      append_visibilities(technique, visibility, &swept);
     }
   }
   return swept;
@@ -58,13 +82,14 @@ std::string quality_label(const QualityStep& step) {
 
 FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope) {
   const bool reflector = technique.kind == TechniqueKind::reflector;
-  request.mode = reflector ? kReflectionMode : technique.name;
+  request.mode = technique.mode;
   request.reflections = reflector ? technique.name : "off";
   request.samples = step.samples;
   for (const auto& [name, value] : step.settings) request.settings.set(name, value);
+  if (!technique.visibility.empty()) request.settings.set("shading.visibility", technique.visibility);
   if (scope != Scope::estimator) return request;
   for (const TechniqueInfo& info : techniques())
-    if (info.kind == TechniqueKind::shared || info.name == technique.name)
+    if (info.kind == TechniqueKind::shared || info.name == technique.mode)
       for (const auto& [name, value] : info.restricted_settings) request.settings.set(name, value);
   return request;
 }

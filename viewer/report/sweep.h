@@ -27,9 +27,12 @@ struct SweptTechnique {
   TechniqueKind kind = TechniqueKind::mode;
   std::vector<QualityStep> steps;      ///< at least one
   std::optional<std::string> refused;  ///< why it cannot draw this scene with these settings
+  std::string mode;                    ///< that draws it; of a reflector technique kReflectionMode
+  std::string visibility;              ///< shading.visibility in place of what was asked for; empty: that
 };
-/// Every registered mode and reflector technique, those that cannot draw the scene with the reason. `reflectors`: named
-/// by the options.
+/// Every registered mode and reflector technique, those that cannot draw the scene with the reason; where something
+/// shadows the sky, mode bandwidth once more with each other visibility (bandwidth-none, -baked, -traced).
+/// `reflectors`: named by the options.
 std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors);
 
 /// The mode that draws the pictures with reflections: one without noise, so that they differ by the reflections alone.

@@ -151,7 +151,7 @@ int Renderer::Impl::base_color_texture(std::size_t item) const {
 GlassKind Renderer::Impl::glass_kind(const FramePlan& plan, const FrameRequest& request, std::size_t item) const {
   using Reflected = GlassKind::Reflected;
   const float share = pane_share(material_of_item(item));
-  GlassKind kind{.texture = base_color_texture(item) >= 0, .surface = share<1.0f, .pane = share> 0.0f};
+  GlassKind kind{.texture = base_color_texture(item) >= 0, .surface = (share < 1.0f), .pane = (share > 0.0f)};
   if (plan.reflections.empty() || reflector_of_item(item) < 0) return kind;
   if (is_mirror(item)) {
     kind.reflected = Reflected::mirror;

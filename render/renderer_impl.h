@@ -271,8 +271,8 @@ struct Renderer::Impl {
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.
   void shade_lists(const FramePlan& plan, const unsigned* counters, ShaderVariant (*variant)(const FramePlan&, int),
                    const Program& gather);
-  /// Some rows of the reflected picture, every pixel with the same count of samples.
-  /// `panes`: bit k set where reflector k is one.
+  /// Some rows of the reflected picture. `panes`: bit k set where reflector k is one; their pixels take fewer samples
+  /// than those of mirrors.
   void shade_reflected_rows(const FramePlan& plan, int first_row, int rows, int panes);
   void update_reflectors(const FrameRequest& request);
   void forget_reflectors();
@@ -306,7 +306,7 @@ struct Renderer::Impl {
   void cast_glossy_rays(const FrameRequest& request);
   /// Fills `glossy_light`.
   void reflect_glossy(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
-  /// One reflected picture, a point for `divisor` x `divisor` of the grid.
+  /// The panes' mirrored rays.
   void cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer);
   /// The frame block for pixels of the reflected picture.
   void set_reflection_constants(const FrameRequest& request);
@@ -314,6 +314,7 @@ struct Renderer::Impl {
   void drop_unseen_rays(const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// From rays to radiance.
   void follow_rays(RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
+  /// One reflected picture, a point for `divisor` x `divisor` of the grid.
   void reflect_at(int divisor, RayKind kind, const FramePlan& plan, const FrameRequest& request, PassTimer* timer);
   /// The reflected picture alone, or a channel of `ReflectionTargets::effort`, 2: its doubt; alpha 0 outside the
   /// reflectors. Throws Error when none was drawn.

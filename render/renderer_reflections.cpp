@@ -562,15 +562,14 @@ void Renderer::Impl::follow_rays(RayKind kind, const FramePlan& plan, const Fram
   glBindTextureUnit(0, t.triangle.get());
   glBindTextureUnit(8, t.surface.get());
   glBindTextureUnit(9, t.depth.get());
-  FramePlan shading = plan;
-  shade_reflections(shading, kind, timer);
+  shade_reflections(plan, kind, timer);
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (plan.indirect == "baked") {
     const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));
     bind_indirect(program, indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front());
     dispatch(program, groups(t.width, 8), groups(t.height, 8));
   }
-  const bool layers = technique->shade_layers(frame, shading.visibility == "traced",
+  const bool layers = technique->shade_layers(frame, plan.visibility == "traced",
                                               find_lookup_mode(plan.mode) ? kLookupLayerSamples : samples);
   const Program& complete = programs.get(reflected_compose_variant(layers, is_glossy));
   if (is_glossy) {

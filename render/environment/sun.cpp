@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "render/low_discrepancy.h"
+#include "render/reference/shared_formulas.h"
 #include "render/rgb9e5_shared.h"
 
 namespace maquette {
@@ -38,12 +39,11 @@ double warp_tent(double u) { return u < 0.5 ? std::sqrt(2.0 * u) - 1.0 : 1.0 - s
 EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, double integral, double u, double v) {
   const double x = static_cast<double>(texel.x) + 0.5 + warp_tent(u),
                y = static_cast<double>(texel.y) + 0.5 + warp_tent(v);
-  const double latitude = kPi * (0.5 - y / e.height), longitude = kPi - 2.0 * kPi * x / e.width;
-  const double texel_sr = 2.0 * kPi * kPi / (static_cast<double>(e.width) * e.height) * std::cos(latitude);
+  const glm::dvec3 direction = direction_from_latlong(x, y, e.width, e.height);
+  const double texel_sr = 2.0 * kPi * kPi / (static_cast<double>(e.width) * e.height) * std::sin(kPi * y / e.height);
   const double pdf = texel.power / integral / texel_sr;
   EnvironmentSample s;
-  s.direction = glm::vec3(glm::dvec3(std::sin(longitude) * std::cos(latitude), std::sin(latitude),
-                                     std::cos(longitude) * std::cos(latitude)));
+  s.direction = glm::vec3(direction);
   s.pdf = static_cast<float>(pdf);
   s.radiance = glm::vec3(glm::dvec3(texel.radiance) / pdf);
   return s;
@@ -52,6 +52,7 @@ EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, doub
 }  // namespace
 
 std::optional<Sun> find_sun(const Environment& environment, double luminance_integral, int bias, std::size_t samples) {
+  const double sun_luminance = static_cast<double>(shared::kSunDensity) * luminance_integral;
   if (!(luminance_integral > 0.0)) return std::nullopt;
   const auto width = static_cast<std::size_t>(environment.width), height = static_cast<std::size_t>(environment.height);
   const double texel_sr = 2.0 * kPi * kPi / static_cast<double>(width * height);
@@ -61,13 +62,13 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
     for (std::size_t x = 0; x < width; ++x) {
       const glm::vec3& c = environment.rgb[y * width + x];
       // Most texels are far from it: packing them says nothing.
-      if (luminance(c) < 0.5 * kSunDensity * luminance_integral) {
+      if (luminance(c) < 0.5 * sun_luminance) {
         brightest_other = std::max(brightest_other, luminance(c));
         continue;
       }
       const glm::vec3 packed = shared::unpack_rgb9e5(shared::pack_rgb9e5(c, bias), bias);
       const double l = luminance(packed);
-      if (l <= kSunDensity * luminance_integral) {
+      if (l <= sun_luminance) {
         brightest_other = std::max(brightest_other, l);
         continue;
       }
@@ -98,10 +99,8 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
     sun.samples.push_back(sample_texel(environment, texels[k], sum, u, v));
   }
   const auto direction = [&](const SunTexel& t) {
-    const double latitude = kPi * (0.5 - (static_cast<double>(t.y) + 0.5) / environment.height);
-    const double longitude = kPi - 2.0 * kPi * (static_cast<double>(t.x) + 0.5) / environment.width;
-    return glm::dvec3(std::sin(longitude) * std::cos(latitude), std::sin(latitude),
-                      std::cos(longitude) * std::cos(latitude));
+    return direction_from_latlong(static_cast<double>(t.x) + 0.5, static_cast<double>(t.y) + 0.5, environment.width,
+                                  environment.height);
   };
   for (const SunTexel& t : texels)
     sun.compact = sun.compact && glm::dot(direction(t), direction(texels[0])) > std::cos(kPi / 90.0);

@@ -22,10 +22,8 @@ struct Sun {
   std::shared_ptr<const Environment> rest;  ///< the environment with these texels black
 };
 
-/// A texel with more than this share of all light per steradian is a sun (shaders/shading/integrate.glsl: the same).
-constexpr double kSunDensity = 100.0;
-
-/// Empty where no texel is one, and where they are so many, or so near a pole, that a few samples would not do.
+/// Texels of more than kSunDensity (shaders/shared/constants.glsl). Empty where there are none, and where they are so
+/// many, or so near a pole, that a few samples would not do.
 std::optional<Sun> find_sun(const Environment& environment, double luminance_integral, int bias, std::size_t samples);
 
 }  // namespace maquette

@@ -52,23 +52,6 @@ vec4 met_around(ivec2 pixel, Point p, vec3 direction) {
   return sum.w > 1e-6 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
 }
 
-#if INDIRECT
-/// Share of a direction that the masks leave open; panes do not count: what is behind them is sky all the same.
-float open_share(VisibilityPoint v, vec3 world) {
-  vec2 f = visibility_corner(world).fraction;
-  float open = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    bvec2 upper = bvec2((k & 1) != 0, (k >> 1) != 0);
-    int bit = visibility_dithered_bit(world, v.normal, mix(vec2(1.0), vec2(0.0), upper));
-    ivec3 words = 8 * v.vertices + (bit >> 5);
-    uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
-    vec2 w = mix(1.0 - f, f, vec2(upper));
-    open += w.x * w.y * dot(v.barycentric, vec3((bits >> uint(bit & 31)) & 1u));
-  }
-  return open;
-}
-#endif
-
 vec3 change_of(ivec2 pixel) {
   Point p = load_point(pixel);
   MirrorLobe lobe = mirror_lobe(p, int(texelFetch(t_triangle, pixel, 0).x) - 1);
@@ -78,7 +61,9 @@ vec3 change_of(ivec2 pixel) {
   if (met.w == 0.0) return vec3(0.0);
 #if INDIRECT
   VisibilityPoint v = load_visibility(pixel, p.position, world_from_environment(p.n));
-  return lobe.albedo * ((1.0 - open_share(v, direction)) * met.rgb - indirect_radiance(load_indirect(v), mean));
+  // Panes do not count: what is behind them is sky all the same.
+  float open = mean_mask(v, v.barycentric, direction);
+  return lobe.albedo * ((1.0 - open) * met.rgb - indirect_radiance(load_indirect(v), mean));
 #else
   return lobe.albedo * met.rgb;
 #endif

@@ -15,18 +15,13 @@ uint hash(uint x) {
 float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
-/// What the list draws with more than this density (1/sr) is a sun: its samples lie so close together that the lobe varies little among them,
-/// while one of the lobe's hits it or does not.
-const float kSunDensity = 100.0;
-
 /// What the weights are divided by, for a strategy with `own` samples per unit of solid angle beside one with `other`: the balance heuristic;
-/// towards a sun all goes to the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
+/// towards a sun, whose samples lie so close together that the lobe varies little among them, while one of the lobe's hits it or does not, all goes to the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
 /// Sec. 9.2.2), the lobe where both are alike.
 float strategy_sum(float own, float other, bool is_brdf, bool sun) {
   float alone = own > other || (is_brdf && own == other) ? own : 1e30;
   return sun ? alone : own + other;
 }
-
 
 #if SUN_APART
 // The sun's texels are no part of the list: turning/sun.comp adds their light, but for lobes that are narrower than the sun itself.

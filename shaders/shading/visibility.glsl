@@ -46,8 +46,8 @@ float visibility_of(VisibilityPoint p, vec3 world, vec2 u) {
   return dot(p.open, vec3((bits >> uint(bit & 31)) & 1u));
 }
 
-/// What visibility_of is on average over `u`: the bits of all four cells, each with its share.
-float mean_visibility(VisibilityPoint p, vec3 world) {
+/// What visibility_of is on average over `u`: the bits of all four cells, each with its share. `weights`: of the three vertices.
+float mean_mask(VisibilityPoint p, vec3 weights, vec3 world) {
   VisibilityCorner corner = visibility_corner(world);
   vec2 f = corner.fraction;
   vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
@@ -62,7 +62,8 @@ float mean_visibility(VisibilityPoint p, vec3 world) {
     ivec4 words = 8 * p.vertices[k] + (bits >> 5);
     uvec4 masks = uvec4(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x,
                         texelFetch(t_visibility, words.w).x);
-    sum += p.open[k] * dot(share, vec4((masks >> uvec4(bits & 31)) & uvec4(1u)));
+    sum += weights[k] * dot(share, vec4((masks >> uvec4(bits & 31)) & uvec4(1u)));
   }
   return sum;
 }
+float mean_visibility(VisibilityPoint p, vec3 world) { return mean_mask(p, p.open, world); }

@@ -409,7 +409,6 @@ Figures measure_glossy(Stage& stage) {
     with.settings.set_from_text("shading.visibility", "auto");
     FrameRequest without = with;
     without.settings.set("octree.glossy", 0.0);
-    stage.renderer().finish_background_work(with);
     const std::vector<Clock> times = added_times(&stage.renderer(), {without, with}, stage.options().repeats);
     stage.renderer().finish_background_work(with);  // frames without reflections have let the octree go
     const FrameStats stats = stage.renderer().render(with);
@@ -434,7 +433,6 @@ Figures measure_skipping(Stage& stage) {
     all.settings.set_from_text("shading.visibility", "auto");
     FrameRequest some = all;
     some.display = true;
-    stage.renderer().finish_background_work(all);
     const std::vector<Clock> times = added_times(&stage.renderer(), {all, some}, stage.options().repeats);
     stage.renderer().finish_background_work(all);  // frames without reflections have let the octree go
     stage.renderer().render(all);

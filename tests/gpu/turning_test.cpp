@@ -54,6 +54,26 @@ class Turning : public ::testing::Test {
     r.settings.set_from_text("bandwidth.quality", "0.65");
     return r;
   }
+  struct OverSeeds {
+    Image mean = Image(64, 64, 4);
+    double single = 0.0;  ///< root of the mean square of single pictures' differences to the truth
+  };
+  /// `picture_of`: of a request that differs in its seed alone.
+  template <typename PictureOf>
+  static OverSeeds over_seeds(int seeds, const FrameRequest& r, const Image& truth, PictureOf picture_of) {
+    OverSeeds result;
+    double square = 0.0;
+    for (int seed = 0; seed < seeds; ++seed) {
+      FrameRequest one = r;
+      one.seed = static_cast<std::uint32_t>(seed);
+      const Image picture = picture_of(one);
+      square += std::pow(difference(picture, truth), 2.0) / seeds;
+      for (std::size_t i = 0; i < result.mean.data.size(); ++i)
+        result.mean.data[i] += picture.data[i] / static_cast<float>(seeds);
+    }
+    result.single = std::sqrt(square);
+    return result;
+  }
   Image converged(FrameRequest r, std::uint32_t seed) {
     r.mode = "uniform";
     r.samples = 1024;
@@ -103,30 +123,17 @@ TEST_F(Turning, NoBiasIsLeftByTheTurn) {
   const FrameRequest r = request();
   const Image truth = converged(r, 77);
   constexpr int kSeeds = 24;
-  Image mean(64, 64, 4);
-  double square = 0.0;
-  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-    FrameRequest one = r;
-    one.seed = seed;
+  const OverSeeds turned = over_seeds(kSeeds, r, truth, [&](const FrameRequest& one) {
     EXPECT_GT(continued(turn(one, 12, 0.1f)), 0.0);
-    const Image picture = renderer_.read_radiance();
-    square += std::pow(difference(picture, truth), 2.0) / kSeeds;
-    for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += picture.data[i] / kSeeds;
-  }
+    return renderer_.read_radiance();
+  });
   // What the same count of frames from nothing leaves is interpolation and the rest of the noise.
-  Image fresh(64, 64, 4);
-  double fresh_square = 0.0;
-  for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-    FrameRequest one = r;
-    one.seed = seed;
-    const Image picture = from_nothing(as_while_turning(one));
-    fresh_square += std::pow(difference(picture, truth), 2.0) / kSeeds;
-    for (std::size_t i = 0; i < fresh.data.size(); ++i) fresh.data[i] += picture.data[i] / kSeeds;
-  }
-  const double left = difference(mean, truth), left_fresh = difference(fresh, truth);
+  const OverSeeds fresh =
+      over_seeds(kSeeds, r, truth, [&](const FrameRequest& one) { return from_nothing(as_while_turning(one)); });
+  const double left = difference(turned.mean, truth), left_fresh = difference(fresh.mean, truth);
   RecordProperty("turning", std::to_string(left));
   RecordProperty("from nothing", std::to_string(left_fresh));
-  EXPECT_LT(left, std::hypot(left_fresh, 1.5 * std::sqrt(square / kSeeds))) << left_fresh;
+  EXPECT_LT(left, std::hypot(left_fresh, 1.5 * turned.single / std::sqrt(kSeeds))) << left_fresh;
 }
 
 TEST_F(Turning, TheSunApartIsTheSameLight) {
@@ -150,18 +157,13 @@ TEST_F(Turning, TheSunApartIsTheSameLight) {
       const FrameRequest r = request();
       const Image truth = converged(r, 77), other = converged(r, 78);
       constexpr int kSeeds = 6;
-      Image mean(64, 64, 4);
-      double square = 0.0;
-      for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
-        FrameRequest one = r;
-        one.seed = seed;
+      const OverSeeds turned = over_seeds(kSeeds, r, truth, [&](FrameRequest one) {
         one.settings.set("bandwidth.max_level", 0);  // nothing is interpolated
         EXPECT_GE(continued(turn(one, 4)), 0.0);
-        const Image picture = renderer_.read_radiance();
-        square += std::pow(difference(picture, truth), 2.0) / kSeeds;
-        for (std::size_t i = 0; i < mean.data.size(); ++i) mean.data[i] += picture.data[i] / kSeeds;
-      }
-      const double noise = std::hypot(std::sqrt(square / kSeeds), difference(truth, other));
+        return renderer_.read_radiance();
+      });
+      const Image& mean = turned.mean;
+      const double noise = std::hypot(turned.single / std::sqrt(kSeeds), difference(truth, other));
       // Where one or two pixels mirror all of the light this is one draw of a normal deviate.
       EXPECT_LT(difference(mean, truth), 2.5 * noise + 0.003) << material << " " << sky->name;
       double sums[2] = {};

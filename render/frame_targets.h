@@ -15,6 +15,8 @@ struct TileList {
   Buffer tiles;             ///< uint each, x | y << 16 in tiles; [band][tiles of a band]
   std::vector<int> counts;  ///< of each band
 };
+/// Powers of two: how many invocations a tile takes, one a point, or one for four (shaders/shared/lookup.glsl).
+constexpr int kTileLanes = 6, kLookupLanes = 4;
 
 /// Images and lists whose size follows the picture's. Grid: width * side, height * side points (side^2 samples a
 /// pixel).

@@ -28,9 +28,7 @@ void Renderer::Impl::shade_by_lookup(const LookupModeInfo& mode, PassTimer* time
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.counters.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
-  const int kPointsPerLane = 4;  // as in shaders/shared/lookup.glsl
-  dispatch(programs.get({mode.shader, "", {}}), (t.grid_width() + 8 * kPointsPerLane - 1) / (8 * kPointsPerLane),
-           (t.grid_height() + 7) / 8);
+  dispatch_tiles(programs.get({mode.shader, "", {}}), t.surface_tiles, kLookupLanes);
   unsigned counters[2] = {};
   t.counters.read(0, sizeof counters, counters);
   visible_points = counters[0];

@@ -428,7 +428,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.glossy_technique->add_counters(&stats.technique);
   }
   if (!plan.reflections.empty()) {
-    stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection);
+    stats.gpu_bytes["reflections"] = reflection_bytes(*s.reflection) + s.coarse_indices.bytes();
     s.reflector_techniques[plan.reflections]->add_bytes(&stats.gpu_bytes);
     s.reflector_techniques[plan.reflections]->add_counters(&stats.technique);
     for (const Reflector& reflector : s.reflectors) {

@@ -21,6 +21,7 @@
 #include "render/pass_timer.h"
 #include "render/program_cache.h"
 #include "render/reference/worker.h"
+#include "render/reflections/coarse_patches.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/reflections/skipping.h"
 #include "render/renderer.h"
@@ -171,6 +172,9 @@ struct Renderer::Impl {
   std::vector<std::string> reflectors_named;         ///< what they were found for
   std::uint32_t reflectors_epoch = 0;                ///< epoch + 1 that they were found in; 0: never
   Buffer reflector_block;                            ///< patches of the reflectors, std140
+  CoarsePatches coarse_patches;                      ///< of the scene, while there are reflectors
+  std::optional<std::uint32_t> coarse_epoch;         ///< geometry_epoch that they are of
+  Buffer coarse_indices;
   bool reflectors_fitted = false;                    ///< their curved meshes have patches
   PatchFitStore patch_fits;                          ///< of these
   std::string fitting;                               ///< names of reflectors that are left out until theirs are there
@@ -326,6 +330,11 @@ struct Renderer::Impl {
   Image read_glossy() const;               ///< what their rays met, cd/m2; alpha 0 where none is
   Image read_skipped() const;              ///< 1 where the mirrored ray was not followed
   void draw_panes(ReflectionTargets* targets_of_panes);
+  void update_coarse_patches();
+  /// With the bound program and vertex array: an item's own triangles, or a coarser level of its patch.
+  void draw_level(std::size_t item, const CoarsePatch::Level* level) const;
+  /// Those that show a reflector, or that have rays.
+  void list_tiles(ReflectionTargets* t, bool rays);
   /// Bounds of what the panes mirror in this frame. False, and the plan says so, when every ray is to be followed.
   bool update_skipping(FramePlan* plan, const FrameRequest& request);
   bool update_skip_geometry();

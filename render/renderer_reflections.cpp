@@ -25,6 +25,8 @@ namespace {
 
 /// A probe for so many points each way decides whether they are followed.
 constexpr int kProbeSpacing = 4;
+/// So much of a pixel of the reflected picture a pane's outline may be off. What it mirrors is found on the true patch.
+constexpr float kPaneTolerance_px = 0.1f;
 /// Of the environment, for cells with BRDFs in the modes that look tables up: they show no noise.
 constexpr int kLookupLayerSamples = 64;
 
@@ -64,6 +66,8 @@ std::string fit_line(const Reflector& reflector) { return "'" + reflector.name +
 ShaderVariant rays_variant(bool ghost, bool fitted) {
   return {"reflections/rays.comp", "", {{"GHOST", flag(ghost)}, {"FITTED", flag(fitted)}}};
 }
+
+ShaderVariant list_tiles_variant(bool rays) { return {"reflections/list_tiles.comp", "", {{"RAYS", flag(rays)}}}; }
 
 ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
   return {"shading/shade.comp",
@@ -111,6 +115,8 @@ int reflection_divisor(const Settings& settings) {
 std::vector<ShaderVariant> reflection_shader_variants() {
   std::vector<ShaderVariant> variants{{"reflections/pane.frag", "reflections/pane.vert", {}},
                                       {"reflections/probes.comp", "", {}},
+                                      list_tiles_variant(false),
+                                      list_tiles_variant(true),
                                       {"reflections/skip.comp", "", {}},
                                       {"reflections/cover.frag", "reflections/cover.vert", {}},
                                       shade_cells_variant(false),
@@ -154,6 +160,9 @@ void Renderer::Impl::update_reflectors(const FrameRequest& request) {
   if (request.reflections == "off") {
     patch_fits.cancel();
     forget_reflectors();
+    coarse_epoch.reset();
+    coarse_patches = {};
+    coarse_indices = Buffer();
     return;
   }
   const bool fits = request.reflections == "bezier" && request.mode != "reference";  // which has no use for them
@@ -316,7 +325,26 @@ int Renderer::Impl::reflectors_in_view(const FrameRequest& request) const {
   return count;
 }
 
+void Renderer::Impl::update_coarse_patches() {
+  if (coarse_epoch == geometry_epoch) return;
+  coarse_epoch = geometry_epoch;
+  coarse_patches = make_coarse_patches(buffers->geometry());
+  const std::vector<std::uint32_t>& indices = coarse_patches.indices;
+  coarse_indices = indices.empty() ? Buffer() : Buffer::from("coarse patches", indices);
+}
+
+void Renderer::Impl::draw_level(std::size_t i, const CoarsePatch::Level* level) const {
+  const DrawItem& item = buffers->geometry().items[i];
+  const std::uint32_t first = level ? level->first_index : item.first_index,
+                      count = level ? level->index_count : item.index_count;
+  if (level) glVertexArrayElementBuffer(buffers->vertex_array(), coarse_indices.get());
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(count), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(static_cast<std::uintptr_t>(first) * 4));
+  if (level) glVertexArrayElementBuffer(buffers->vertex_array(), buffers->indices());
+}
+
 void Renderer::Impl::draw_panes(ReflectionTargets* t) {
+  update_coarse_patches();
   const GLuint framebuffer = t->pane_framebuffer.get();
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, t->width, t->height);
@@ -340,8 +368,14 @@ void Renderer::Impl::draw_panes(ReflectionTargets* t) {
     shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
     program.set("u_reflector", static_cast<int>(k));
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+    const auto patch = coarse_patches.of_item.find(i);
+    const CoarsePatch::Level* level =
+        patch == coarse_patches.of_item.end()
+            ? nullptr
+            : coarsest_level(patch->second, glm::vec3(constants.eye),
+                             kPaneTolerance_px * constants.forward.w * static_cast<float>(t->divisor));
+    program.set("u_quads", level ? static_cast<int>(quads_of_side(item)) : 0);
+    draw_level(i, level);
   }
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -358,9 +392,7 @@ void Renderer::Impl::shade_reflections(const FramePlan& plan, RayKind kind, Pass
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->counters.get());
     glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindImageTexture(1, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
-    const int kPointsPerLane = 4;  // as in shaders/shared/lookup.glsl
-    dispatch(programs.get({lookup->shader, "", {{"REFLECTED", "1"}}}), groups(t.width, 8 * kPointsPerLane),
-             groups(t.height, 8));
+    dispatch_tiles(programs.get({lookup->shader, "", {{"REFLECTED", "1"}}}), t.tiles, kLookupLanes);
   } else {
     int panes = 0;  // rays of glossy surfaces name their material
     for (std::size_t k = 0; kind != RayKind::glossy && k < reflectors.size(); ++k)
@@ -437,6 +469,8 @@ void Renderer::Impl::bind_ghost(const Program& rays, const Settings& settings) {
 void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTimer* timer) {
   ReflectionTargets& t = *reflection;
   draw_panes(&t);
+  const float no_ray[4] = {};
+  glClearTexImage(t.ray_direction.get(), 0, GL_RGBA, GL_FLOAT, no_ray);
   glBindTextureUnit(51, t.pane.get());
   glBindTextureUnit(52, targets->depth.get());
   glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -454,7 +488,8 @@ void Renderer::Impl::cast_rays(RayKind kind, const FrameRequest& request, PassTi
     glBindTextureUnit(54, fit_triangle_view.get());
   }
   rays.set("u_divisor", t.divisor);
-  dispatch(rays, groups(t.width, 8), groups(t.height, 8));
+  list_tiles(&t, false);
+  dispatch_tiles(rays, t.tiles, kTileLanes);
   timer->end("panes");
 }
 
@@ -482,8 +517,19 @@ void Renderer::Impl::drop_unseen_rays(const FramePlan& plan, const FrameRequest&
   glBindTextureUnit(51, t.pane.get());
   glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  dispatch(skip, groups(t.width, 8), groups(t.height, 8));
+  dispatch_tiles(skip, t.tiles, kTileLanes);
   timer->end("skip");
+}
+
+void Renderer::Impl::list_tiles(ReflectionTargets* t, bool rays) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->tile_counts.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t->tiles.tiles.get());
+  targets->tile_counts.clear_to_zero();
+  dispatch_list(programs.get(list_tiles_variant(rays)),
+                groups(t->width, FrameTargets::kTile) * groups(t->height, FrameTargets::kTile));
+  unsigned count = 0;
+  targets->tile_counts.read(0, sizeof count, &count);
+  t->tiles.counts.assign(1, static_cast<int>(count));
 }
 
 void Renderer::Impl::fit_targets(int divisor, std::optional<ReflectionTargets>* reflected) const {
@@ -548,15 +594,21 @@ void Renderer::Impl::follow_rays(RayKind kind, const FramePlan& plan, const Fram
                               &request.settings,
                               &t,
                               &programs,
-                              timer};
-  if (!kept) technique->trace(frame);
+                              timer,
+                              [&](const Program& program) { dispatch_tiles(program, t.tiles, kTileLanes); }};
+  if (!kept) {
+    list_tiles(&t, true);
+    const float none = 0.0f;
+    glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, &none);
+    technique->trace(frame);
+  }
   if (!kept && !technique->resolves()) {
     glBindTextureUnit(0, t.triangle.get());
     glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
     glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
-    dispatch(programs.get(reflected_resolve_variant(buffers->has_textures(), buffers->has_colors())),
-             groups(t.width, 8), groups(t.height, 8));
+    dispatch_tiles(programs.get(reflected_resolve_variant(buffers->has_textures(), buffers->has_colors())), t.tiles,
+                   kTileLanes);
     timer->end("reflected gbuffer");
   }
   glBindTextureUnit(0, t.triangle.get());
@@ -567,7 +619,7 @@ void Renderer::Impl::follow_rays(RayKind kind, const FramePlan& plan, const Fram
   if (plan.indirect == "baked") {
     const Program& program = programs.get(reflected_indirect_variant(facts.measured_count > 0));
     bind_indirect(program, indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front());
-    dispatch(program, groups(t.width, 8), groups(t.height, 8));
+    dispatch_tiles(program, t.tiles, kTileLanes);
   }
   const bool layers = technique->shade_layers(frame, plan.visibility == "traced",
                                               find_lookup_mode(plan.mode) ? kLookupLayerSamples : samples);
@@ -576,7 +628,7 @@ void Renderer::Impl::follow_rays(RayKind kind, const FramePlan& plan, const Fram
     complete.set("u_blend", 1.0f / static_cast<float>(glossy_frames));
     glBindImageTexture(1, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   }
-  dispatch(complete, groups(t.width, 8), groups(t.height, 8));
+  dispatch_tiles(complete, t.tiles, kTileLanes);
   timer->end("reflected shade");
 }
 

@@ -26,22 +26,8 @@ shared::AnalyticMaterial analytic_of(const Material& m) {
                                m.clearcoat, m.clearcoat_roughness, m.sheen_color, m.sheen_roughness);
 }
 
-/// Of a patch whose vertices stand in `side` x `side` quads: so many of them along either side are one. A driver
-/// transforms vertices on one core, and how much comes through a pane varies slowly.
-constexpr std::uint32_t kCoarseQuads = 4;
-std::vector<std::uint32_t> coarse_indices(const DrawItem& patch) {
-  const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(patch.vertex_count)))) - 1;
-  std::vector<std::uint32_t> indices;
-  for (std::uint32_t row = 0; row < side; row += kCoarseQuads) {
-    for (std::uint32_t column = 0; column < side; column += kCoarseQuads) {
-      const std::uint32_t next_row = std::min(row + kCoarseQuads, side), next = std::min(column + kCoarseQuads, side);
-      const auto at = [&](std::uint32_t r, std::uint32_t c) { return patch.first_vertex + r * (side + 1) + c; };
-      const std::uint32_t a = at(row, column), b = at(row, next), c = at(next_row, column), d = at(next_row, next);
-      indices.insert(indices.end(), {a, b, d, a, d, c});
-    }
-  }
-  return indices;
-}
+/// How much comes through a pane varies slowly: so many quads of a patch along either side are one.
+constexpr std::uint32_t kCoverQuads = 4;
 
 }  // namespace
 
@@ -101,15 +87,6 @@ bool Renderer::Impl::update_skip_geometry() {
   s.occluding = std::move(occluding);
   s.light.reset();
   s.clip_from_world.reset();
-  s.of_patch.clear();
-  std::vector<std::uint32_t> coarse;
-  for (std::size_t i = 0; i < buffers->geometry().items.size(); ++i) {
-    if (buffers->geometry().items[i].patch < 0) continue;
-    const std::vector<std::uint32_t> own = coarse_indices(buffers->geometry().items[i]);
-    s.of_patch[i] = {coarse.size(), own.size()};
-    coarse.insert(coarse.end(), own.begin(), own.end());
-  }
-  s.coarse_patches = coarse.empty() ? Buffer() : Buffer::from("coarse patches", coarse);
   s.parts = Buffer::from("parts of reflectors", s.bound.part_of_triangle());
   s.part_view = Texture::make_buffer("parts of reflectors", GL_R32UI, s.parts);
   return true;
@@ -172,6 +149,7 @@ void Renderer::Impl::update_skip_light(const FramePlan& plan, const FrameRequest
 }
 
 void Renderer::Impl::draw_cover() {
+  update_coarse_patches();
   Skipping& s = *skipping;
   const ReflectionTargets& t = *reflection;
   if (s.cover.width() != t.width || s.cover.height() != t.height) {
@@ -201,16 +179,12 @@ void Renderer::Impl::draw_cover() {
     glUniform4f(program.location("u_cover"), share, std::max(m.ior, 1.0f),
                 std::clamp(channel_min(glm::vec3(m.base_color)), 0.0f, 1.0f),
                 known && m.alpha_mode == AlphaMode::blend ? std::clamp(1.0f - m.base_color.a, 0.0f, 1.0f) : 0.0f);
-    const DrawItem& item = buffers->geometry().items[i];
-    const auto coarse = s.of_patch.find(i);
-    const glm::uvec2 range =
-        coarse != s.of_patch.end() ? coarse->second : glm::uvec2(item.first_index, item.index_count);
-    glVertexArrayElementBuffer(buffers->vertex_array(),
-                               coarse != s.of_patch.end() ? s.coarse_patches.get() : buffers->indices());
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.y), GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(static_cast<std::uintptr_t>(range.x) * 4));
+    const CoarsePatch::Level* level = nullptr;
+    if (const auto patch = coarse_patches.of_item.find(i); patch != coarse_patches.of_item.end())
+      for (const CoarsePatch::Level& l : patch->second.levels)
+        if (l.quads == kCoverQuads) level = &l;
+    draw_level(i, level);
   }
-  glVertexArrayElementBuffer(buffers->vertex_array(), buffers->indices());
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glDisable(GL_BLEND);

@@ -98,10 +98,11 @@ Image Renderer::Impl::read_reflection(int channel) const {
   const auto doubt = read_texture<std::uint8_t>(r.doubt, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1);
   Image image(r.width, r.height, 4);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
+    if (direction[i / 4 * 4 + 3] == 0.0f) continue;  // where no reflector is seen nothing is written
     const float value = channel < 0   ? radiance[i]
                         : channel > 1 ? static_cast<float>(doubt[i / 4])
                                       : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(channel)]);
-    image.data[i] = i % 4 == 3 ? (direction[i] != 0.0f ? 1.0f : 0.0f) : value;
+    image.data[i] = i % 4 == 3 ? 1.0f : value;
   }
   return image;
 }

@@ -34,9 +34,7 @@ class OctreeReflections : public ReflectorTechnique {
     for (bool again = true; again;) {
       counters_.clear_to_zero();
       glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
-      glUseProgram(program.get());
-      glDispatchCompute(static_cast<GLuint>(groups(t.width, 8)), static_cast<GLuint>(groups(t.height, 8)), 1);
-      glMemoryBarrier(GL_ALL_BARRIER_BITS);
+      frame.for_each_ray(program);
       if (!frame.cells) break;
       counters_.read(2 * sizeof(unsigned), sizeof layer_count_, &layer_count_);
       again = layer_count_ > layer_capacity_;
@@ -47,7 +45,7 @@ class OctreeReflections : public ReflectorTechnique {
   bool shade_layers(const ReflectionFrame& frame, bool traced, int samples) override {
     if (!frame.cells) return false;
     glBindTextureUnit(48, frame.targets->layers.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, layers_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 13, layers_.get());
     if (layer_count_ == 0) return true;
     const Program& program = frame.programs->get(shade_cells_variant(traced));
     frame.octree->set_uniforms(program);
@@ -73,7 +71,7 @@ class OctreeReflections : public ReflectorTechnique {
   void make_layers(unsigned capacity, const Program& program) {
     layer_capacity_ = std::max(capacity, 64u);
     layers_ = Buffer("cell layers", std::size_t{layer_capacity_} * 16);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, layers_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 13, layers_.get());
     program.set("u_layer_capacity", static_cast<int>(layer_capacity_));
   }
   void prepare_layers(const ReflectionFrame& frame, const Program& program) {

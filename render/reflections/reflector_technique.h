@@ -49,6 +49,7 @@ struct ReflectionFrame {
   ReflectionTargets* targets = nullptr;
   ProgramCache* programs = nullptr;
   PassTimer* timer = nullptr;
+  std::function<void(const Program&)> for_each_ray;  ///< runs it over `targets->tiles` (shaders/shared/tiles.glsl)
 };
 
 /// How the hits of the mirrored rays are found. The panes' rays are made before, resolving, shading and compositing are
@@ -63,7 +64,7 @@ class ReflectorTechnique {
   /// Whether it writes `targets->doubt`: there are pixels that it does not vouch for.
   virtual bool doubts() const { return false; }
   /// Shades what lies before the hits and lets a share of them through; true when there is such, for the composition
-  /// (unit 48, storage 7). `traced`: shadow rays through the octree; `samples` of the environment for each.
+  /// (unit 48, storage 13). `traced`: shadow rays through the octree; `samples` of the environment for each.
   virtual bool shade_layers(const ReflectionFrame&, bool /*traced*/, int /*samples*/) { return false; }
   /// Bytes of its own buffers by vocabulary word.
   virtual void add_bytes(std::map<std::string, std::size_t>*) const {}

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -37,12 +36,8 @@ struct Skipping {
   std::optional<glm::mat4> clip_from_world;  ///< that the bounds on the GPU are for
   Buffer parts, bounds, counters;
   Texture part_view, bound_view, cover;
-  Buffer coarse_patches;                       ///< indices of patches' triangles for `cover`, several quads in one
-  std::map<std::size_t, glm::uvec2> of_patch;  ///< [item] first index and count in it
   GlName<FramebufferTraits> framebuffer;
-  std::size_t bytes() const {
-    return parts.bytes() + bounds.bytes() + counters.bytes() + cover.bytes() + coarse_patches.bytes();
-  }
+  std::size_t bytes() const { return parts.bytes() + bounds.bytes() + counters.bytes() + cover.bytes(); }
 };
 
 }  // namespace maquette

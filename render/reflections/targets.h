@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "render/frame_targets.h"
 #include "render/gl/objects.h"
 
 namespace maquette {
@@ -11,6 +12,7 @@ namespace maquette {
 struct ReflectionTargets {
   int width = 0, height = 0;
   int divisor = 1;  ///< of the grid
+  TileList tiles;   ///< of one band: those that have rays
   GlName<FramebufferTraits> pane_framebuffer;
   Texture pane;        ///< RG32UI: triangle + 1, reflector + 1; 0 where none is seen
   Texture pane_depth;  ///< depth buffer of the panes

@@ -1,12 +1,8 @@
 // From the triangle of each grid point to its surface: exact hit of the point's ray with the triangle, interpolated
 // normal and texture coordinates with analytic derivatives, material after textures.
 #include "shared/frame.glsl"
-#ifdef REFLECTED
-layout(local_size_x = 8, local_size_y = 8) in;
-#else
 layout(local_size_x = 64) in;
 #include "shared/tiles.glsl"
-#endif
 #include "shared/constants.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
@@ -134,13 +130,8 @@ void resolve_surface(ivec2 pixel, int triangle) {
 }
 
 void main() {
-#ifdef REFLECTED
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
-#else
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
-#endif
   int triangle = int(texelFetch(t_triangle, pixel, 0).x) - 1;
   if (triangle < 0) {
     imageStore(o_depth, pixel, vec4(0.0));

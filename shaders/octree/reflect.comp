@@ -1,8 +1,9 @@
 // What mirrored rays hit in the octree, as a G-buffer: normal, material, mean colour of a cell and the triangle that stands for it. The cone of a pixel decides how deep the
 // walk goes. GLOSSY: the rays of opaque surfaces, as wide as their lobes.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #define REFLECTED 1
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/constants.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
@@ -21,7 +22,7 @@ layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
 layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps, b_layer_count; };
 #if CELLS
 #include "octree/cells.glsl"
-layout(std430, binding = 7) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
+layout(std430, binding = 13) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
 layout(binding = 5, rg32ui) uniform writeonly uimage2D o_layers;            // first layer, count | what comes through (half) << 16
 uniform int u_layer_capacity;
 uniform int u_all_cells;  // 0: flat cells of one material keep that
@@ -127,16 +128,9 @@ bool emission_is_painted(int material, vec3 emission) {
   return false;
 }
 
-/// A software device gives each core one run of rows of groups: every other row, so that all have as much of the panes.
-ivec2 dealt_pixel() {
-  uint rows = gl_NumWorkGroups.y, half_rows = (rows + 1u) / 2u, y = gl_WorkGroupID.y;
-  uint row = y < half_rows ? 2u * y : 2u * (y - half_rows) + 1u;
-  return ivec2(gl_GlobalInvocationID.x, 8u * row + gl_LocalInvocationID.y);
-}
-
 void main() {
-  ivec2 pixel = dealt_pixel();
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
   vec4 direction = texelFetch(t_ray_direction, pixel, 0);
   if (direction.w <= 0.0) {
     store_nothing(pixel, 0);

@@ -8,7 +8,7 @@ layout(local_size_x = 64) in;
 #include "octree/tables.glsl"
 #include "octree/cells.glsl"
 layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
-layout(std430, binding = 7) buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight; then radiance
+layout(std430, binding = 13) buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight; then radiance
 uniform int u_layer_count;
 uniform int u_samples;
 

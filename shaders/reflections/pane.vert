@@ -1,4 +1,9 @@
 // Rasterises which triangle of which reflector is seen; its rays are found once a pixel (rays.comp).
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
-void main() { gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0); }
+layout(location = 1) in vec2 a_uv;
+out vec2 v_uv;
+void main() {
+  gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  v_uv = a_uv;
+}

@@ -1,6 +1,7 @@
 // From the triangle of each pane pixel to its mirrored ray. On a patch the true surface is hit, not its triangles.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "reflections/reflectors.glsl"
 layout(binding = 4) uniform usamplerBuffer t_indices;
 layout(binding = 5) uniform samplerBuffer t_vertices;
@@ -108,8 +109,8 @@ float opaque_depth(ivec2 pixel) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
   uvec2 pane = texelFetch(t_pane, pixel, 0).xy;
   vec4 origin = vec4(0.0), direction = vec4(0.0);
   float focus = 0.0;

@@ -1,6 +1,7 @@
 // Which mirrored rays need not be followed, because what they bring is invisible before what is seen through the pane.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/fresnel.glsl"
 layout(binding = 51) uniform usampler2D t_pane;
 layout(binding = 0, rgba32f) uniform image2D io_origin;
@@ -66,8 +67,8 @@ vec3 unseen_radiance(ivec2 pixel, int triangle, float reflector, float cosine) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
   vec4 direction = imageLoad(io_direction, pixel);
   if (direction.w <= 0.0) return;
   // The ray stands about the normal as the view does.

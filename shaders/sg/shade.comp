@@ -3,8 +3,9 @@
 // 4 |wo.h|, about the reflected direction). Differs: the cosine is a factor of the lobe (a Gaussian of sharpness 2.133) instead of a
 // constant; a lobe's energy is its exact integral under a constant sky, from a table, instead of the warped Gaussian's; and the factor
 // of Fresnel and shadowing depends on the view alone: it gives each elevation the albedo of the measured table.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
 #include "shared/octahedral.glsl"

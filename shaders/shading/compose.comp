@@ -5,7 +5,7 @@
 // other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step. GLOSSY: what the octree changes of
 // the light by way of other surfaces, or of what REFLECTED opaque surfaces show.
 #include "shared/frame.glsl"
-#if STAGE == 2 || defined(REFLECTED)
+#if STAGE == 2
 layout(local_size_x = 8, local_size_y = 8) in;
 #else
 layout(local_size_x = 64) in;
@@ -95,7 +95,7 @@ vec3 ray_end(ivec2 pixel) { return vec3(0.0); }
 vec3 ray_end(ivec2 pixel) { return sky_radiance(pixel); }
 #endif
 #if LAYERS
-layout(std430, binding = 7) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
+layout(std430, binding = 13) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
 layout(binding = 48) uniform usampler2D t_layers;
 /// Cells with BRDFs before what the ray ends at.
 vec4 with_layers(ivec2 pixel, vec4 behind) {
@@ -111,8 +111,8 @@ layout(binding = 1, rgba32f) uniform image2D io_mean;  // of the frames since an
 uniform float u_blend;                                 // weight of this one
 #endif
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
   vec4 value = vec4(0.0);
   float reflector = texelFetch(t_ray_direction, pixel, 0).w;
   if (reflector < 0.0) value = vec4(texelFetch(t_ray_origin, pixel, 0).xyz, 0.0);  // not followed: rays.comp says why

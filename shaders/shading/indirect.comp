@@ -3,9 +3,7 @@
 // direction, exactly.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
-#ifndef REFLECTED
 #include "shared/tiles.glsl"
-#endif
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
 #include "shared/octahedral.glsl"
@@ -38,13 +36,8 @@ vec3 reflect_analytic(Point p, IndirectLight light) {
 }
 
 void main() {
-#ifdef REFLECTED
-  ivec2 pixel = ivec2(gl_WorkGroupID.xy) * 8 + ivec2(gl_LocalInvocationIndex & 7u, gl_LocalInvocationIndex >> 3);
-  if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
-#else
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
-#endif
   if (!(texelFetch(t_depth, pixel, 0).x > 0.0)) return;
   Point p = load_point(pixel);
   IndirectLight light = load_indirect(load_visibility(pixel, p.position, world_from_environment(p.n)));

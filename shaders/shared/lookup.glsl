@@ -1,13 +1,17 @@
 // Main of the modes that shade by lookups: the includer defines `vec3 shade(Point p)`, in stored units. Four points a lane, so that
-// counting them costs one atomic for four.
+// counting them costs one atomic for four; sixteen lanes a tile.
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 layout(binding = 1, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
 layout(std430, binding = 1) buffer Counters { uint b_visible, b_shaded; };
 
 void main() {
+  int id = int(linear_id());
+  ivec2 tile = tile_of(id, 4);
+  if (tile.x < 0) return;
   uint visible = 0u, shaded = 0u;
   for (int k = 0; k < 4; ++k) {
-    ivec2 pixel = ivec2(4 * gl_GlobalInvocationID.x, gl_GlobalInvocationID.y) + ivec2(k, 0);
+    // Lanes beside one another take points beside one another.
+    ivec2 pixel = kTile * tile + ivec2(id & 7, 2 * k + (id >> 3 & 1));
     if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
     if (texelFetch(t_depth, pixel, 0).x <= 0.0) {
       imageStore(o_marks, pixel, uvec4(0u));

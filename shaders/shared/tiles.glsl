@@ -5,10 +5,13 @@ layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y
 uniform ivec3 u_tiles;  // first entry, number, step from one to the next
 const int kTile = 8;
 
-/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list.
+/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list. A software device gives each core one run of groups:
+/// first every other tile, so that all have as much of what is dear.
 ivec2 tile_of(int id, int shift) {
   if (id >= u_tiles.y << shift) return ivec2(-1);
-  uint tile = b_tiles[u_tiles.x + (id >> shift) * u_tiles.z];
+  int k = id >> shift, half_way = (u_tiles.y + 1) / 2;
+  k = k < half_way ? 2 * k : 2 * (k - half_way) + 1;
+  uint tile = b_tiles[u_tiles.x + k * u_tiles.z];
   return ivec2(tile & 65535u, tile >> 16u);
 }
 

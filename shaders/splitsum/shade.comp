@@ -1,7 +1,8 @@
 // Prefiltered GGX and split sums, the way of most real-time viewers: radiance = (F0 A + F90 B) sky(p, roughness) + diffuse.
 // Source: Karis 2013, "Real Shading in Unreal Engine 4". Measured tables by the GGX lobe fitted to them.
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
+#include "shared/tiles.glsl"
 #include "shared/constants.glsl"
 #include "shared/latlong.glsl"
 #include "shared/octahedral.glsl"

@@ -117,6 +117,17 @@ bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOpti
   }
 }
 
+std::string time_text(const RenderReport& report, const std::string& mode, bool accumulates) {
+  const FrameStats& last = report.frames.back();
+  char text[64];
+  if (accumulates)
+    std::snprintf(text, sizeof text, "%d %s in %.1f s", last.accumulated_frames,
+                  mode == "reference" ? "paths a pixel" : "frames", report.total_s);
+  else
+    std::snprintf(text, sizeof text, "%.1f ms a frame", last.frame_ms);
+  return text;
+}
+
 std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
   std::map<std::string, std::string> attributes = {
       {"maquette.scene", options.scene},
@@ -188,8 +199,8 @@ int run_render(const CommandLine& line) {
     write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,
                   request);
     if (options.stats != "-")
-      std::printf("%s: %dx%d, mode %s, %.1f ms a frame\n", options.output.c_str(), request.width, request.height,
-                  request.mode.c_str(), report.frames.back().frame_ms);
+      std::printf("%s: %dx%d, mode %s, %s\n", options.output.c_str(), request.width, request.height,
+                  request.mode.c_str(), time_text(report, request.mode, accumulates).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
   if (!reached && !options.time_s)

@@ -29,7 +29,7 @@ struct PixelSums {
   glm::dvec3 square{0.0};
   std::uint32_t count = 0;
   std::uint32_t covered = 0;
-  std::uint32_t rays = 0;  ///< of the first kPilotPaths paths
+  std::uint64_t rays = 0;
 };
 
 glm::dvec3 variance_of_mean(const PixelSums& p) {
@@ -39,13 +39,17 @@ glm::dvec3 variance_of_mean(const PixelSums& p) {
   return variance / n;
 }
 
-/// Paths of every pixel before their numbers part.
-constexpr std::uint32_t kPilotPaths = 8;
+/// Paths of every pixel before their numbers part; they are decided again after each doubling. Two paths say little of
+/// one pixel, but there are many around it.
+constexpr std::uint32_t kPilotPaths = 2;
+/// Fewest paths of a complete pass, but for those that end where something is decided.
+constexpr std::uint32_t kLeastStep = 8;
 /// A pass that is stopped leaves pixels unequal: none adds more than this share of the paths that there are.
 constexpr double kLargestStep = 0.25;
 /// Fewest and most paths of a pixel over the average.
 constexpr double kLeastRate = 0.25, kMostRate = 6.0;
-constexpr int kBlock = 8;  ///< pixels; the first pass goes from one pixel of each block to all
+constexpr int kSpreadRadius = 3;  ///< pixels around one whose spread decides
+constexpr int kBlock = 8;         ///< pixels; the first pass goes from one pixel of each block to all
 
 /// When a pass ends early.
 class Halt {
@@ -66,7 +70,8 @@ class Halt {
 float spread_of(const PixelSums& p) {
   if (p.count < 2) return 0.0f;
   const glm::dvec3 v = variance_of_mean(p);
-  const double a_path = (v.x + v.y + v.z) / 3.0 * p.count, cost = std::max(1.0 * p.rays / p.count, 0.25);
+  const double a_path = (v.x + v.y + v.z) / 3.0 * p.count;
+  const double cost = std::max(static_cast<double>(p.rays) / p.count, 0.25);
   return static_cast<float>(std::sqrt(a_path / cost));
 }
 
@@ -128,8 +133,11 @@ struct ReferencePicture::Impl {
   std::optional<MirrorGuide> mirrors;
   CameraFrame camera;
   std::vector<PixelSums> pixels;
-  std::vector<float> rates;  ///< [pixel] paths over the average, after the first kPilotPaths; empty: all 1
-  std::uint32_t done = 0;    ///< paths a pixel, of complete passes
+  /// [pixel] paths from `decided` on: so many for each one of the average. Empty: as many as the average.
+  std::vector<float> rates;
+  std::vector<std::uint32_t> counts_then;  ///< [pixel] paths at `decided`
+  std::uint32_t decided = 0;
+  std::uint32_t done = 0;  ///< paths a pixel, of complete passes
   std::atomic<std::size_t> rays{0};
   std::uint32_t training = 0;         ///< lessons before the first path that are complete
   std::vector<std::uint8_t> trained;  ///< [pixel of the training] in the present one
@@ -169,9 +177,11 @@ struct ReferencePicture::Impl {
 
   /// Of a pixel when the average is `average`.
   std::uint32_t target_of(std::size_t pixel, std::uint32_t average) const {
-    if (rates.empty() || average <= kPilotPaths) return average;
-    return kPilotPaths +
-           static_cast<std::uint32_t>(std::lround(rates[pixel] * static_cast<float>(average - kPilotPaths)));
+    if (rates.empty()) return average;
+    // Rounded up as often as its fraction says: half of a path for many pixels is many paths.
+    const float chance = static_cast<float>(mix_seed(request.seed, static_cast<std::uint32_t>(pixel)) >> 8) * 0x1p-24f;
+    return counts_then[pixel] +
+           static_cast<std::uint32_t>(rates[pixel] * static_cast<float>(average - decided) + chance);
   }
 
   /// Until the pixel has `target` paths. Returns the paths traced.
@@ -196,7 +206,7 @@ struct ReferencePicture::Impl {
         e = shared_ray->estimate(sampler, request.paths.max_bounces, mirrors ? &*mirrors : nullptr);
       }
       *ray_count += e.rays;
-      if (p.count < kPilotPaths) p.rays += e.rays;
+      p.rays += e.rays;
       // A picture never holds NaN or infinity, whatever a table holds.
       const glm::dvec3 value = is_finite(e.radiance) ? glm::dvec3(e.radiance) : glm::dvec3(0.0);
       p.sum += value;
@@ -253,8 +263,8 @@ struct ReferencePicture::Impl {
     return pixels[y / kBlock * kBlock * width + x / kBlock * kBlock];
   }
 
-  /// Mean spread of the 24 pixels around one, its own left out: what a pixel saw itself must not decide how often it
-  /// looks again, or lucky ones would stop and the picture come out too dark.
+  /// Mean spread of the pixels around one, its own left out: what a pixel saw itself must not decide how often it looks
+  /// again, or lucky ones would stop and the picture come out too dark.
   std::vector<float> spreads_around() const {
     const int width = request.width, height = request.height;
     std::vector<float> own(pixels.size()), around(pixels.size());
@@ -263,8 +273,8 @@ struct ReferencePicture::Impl {
       for (int x = 0; x < width; ++x) {
         float sum = 0.0f;
         int count = 0;
-        for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v)
-          for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u) {
+        for (int v = std::max(y - kSpreadRadius, 0); v <= std::min(y + kSpreadRadius, height - 1); ++v)
+          for (int u = std::max(x - kSpreadRadius, 0); u <= std::min(x + kSpreadRadius, width - 1); ++u) {
             if (u == x && v == y) continue;
             sum += own[static_cast<std::size_t>(v * width + u)];
             ++count;
@@ -275,22 +285,28 @@ struct ReferencePicture::Impl {
     return around;
   }
 
-  /// Decided once: later counts would follow what the pixel itself saw.
+  /// After so many paths of every pixel on average: the numbers when there will be twice as many.
   void find_rates() {
-    rates = spreads_around();
-    const auto total = [&](double scale) {
-      double sum = 0.0;
-      for (const float r : rates) sum += std::clamp(scale * static_cast<double>(r), kLeastRate, kMostRate);
-      return sum / static_cast<double>(rates.size());
+    const std::vector<float> spreads = spreads_around();
+    const double mean = std::accumulate(spreads.begin(), spreads.end(), 0.0) / static_cast<double>(spreads.size());
+    if (!(mean > 0.0)) return;
+    counts_then.resize(pixels.size());
+    rates.resize(pixels.size());
+    for (std::size_t i = 0; i < pixels.size(); ++i) counts_then[i] = pixels[i].count;
+    const auto rate_of = [&](std::size_t pixel, double scale) {
+      const double wanted = std::clamp(scale * static_cast<double>(spreads[pixel]), kLeastRate, kMostRate) * 2.0 * done;
+      return std::max((wanted - counts_then[pixel]) / done, kLeastRate);
     };
-    const double mean = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());
-    if (!(mean > 0.0)) {
-      rates.clear();
-      return;
+    // What is bounded shifts the average.
+    double low = 0.0, high = 1e3 / mean;
+    for (int i = 0; i < 40; ++i) {
+      const double scale = 0.5 * (low + high);
+      double sum = 0.0;
+      for (std::size_t k = 0; k < pixels.size(); ++k) sum += rate_of(k, scale);
+      (sum > static_cast<double>(pixels.size()) ? high : low) = scale;
     }
-    double scale = 1.0 / mean;
-    for (int i = 0; i < 20; ++i) scale /= total(scale);  // clamped ones shift the average
-    for (float& r : rates) r = static_cast<float>(std::clamp(scale * static_cast<double>(r), kLeastRate, kMostRate));
+    for (std::size_t i = 0; i < pixels.size(); ++i) rates[i] = static_cast<float>(rate_of(i, low));
+    decided = done;
   }
 
   void learn() {
@@ -368,11 +384,12 @@ bool ReferencePicture::add(int count, const std::stop_token& stop, const std::fu
     const bool learns = s.mirrors && s.done < kLastLesson;
     std::uint32_t next = learns ? std::min(target, std::bit_ceil(s.done + 1)) : target;
     const auto step = static_cast<std::uint32_t>(kLargestStep * s.done);
-    next = std::min(next, s.done < kPilotPaths ? kPilotPaths : s.done + std::max(step, kPilotPaths));
+    next = std::min(next, s.done + std::max(step, kLeastStep));
+    if (s.request.adaptive) next = std::min(next, std::bit_ceil(s.done + 1));
     if (!s.trace_to(next, halt, report)) return false;
     s.done = next;
     if (learns && std::has_single_bit(next)) s.learn();
-    if (next == kPilotPaths && s.request.adaptive) s.find_rates();
+    if (s.request.adaptive && next >= kPilotPaths && std::has_single_bit(next)) s.find_rates();
   }
   return true;
 }

@@ -371,8 +371,10 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   MarkRule rule;
   rule.repainted = repaints;
   if (bandwidth && goes_on) {
-    rule.refine = s.measure_deviations(request);
+    rule.refine = s.measure_deviations();
     timer.end("measure");
+    s.renew_light_list_after(rule.refine->light_rounds, request.seed);
+    timer.end("shade");
   }
   if (const LookupModeInfo* lookup = find_lookup_mode(plan.mode))
     s.shade_by_lookup(*lookup, &timer);
@@ -407,8 +409,8 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
                                t.radiance.bytes() + t.picture.bytes() + t.indirect[0].bytes() + t.indirect[1].bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
-    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.curvature.bytes() +
-                                   t.weights.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
+    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.curvature.bytes() + t.weights.bytes() +
+                                   t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();

@@ -150,7 +150,7 @@ struct Renderer::Impl {
   std::uint32_t indirect_epoch = 0;  ///< bounce_epoch of the bake's input
   int indirect_variant = -2;
   OctreeStore octree;
-  int frames_without_octree = 0;  ///< since a plan wanted it
+  int frames_without_octree = 0;       ///< since a plan wanted it
   std::uint32_t geometry_epoch = 0;    ///< raised by every change of what may occlude
   std::optional<LightBuffers> lights;  ///< empty when nothing shines
   bool lights_stale = true;
@@ -181,7 +181,7 @@ struct Renderer::Impl {
   bool reflectors_glossy = false;                    ///< those that are only glossy were let pass
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
-  Buffer ghost_reach;       ///< by reflector, as ReflectionFrame has it
+  Buffer ghost_reach;                   ///< by reflector, as ReflectionFrame has it
   FrameConstants reflection_constants;  ///< at the size of the reflected picture
   Buffer reflection_block;
   std::optional<ReflectionTargets> reflection;
@@ -348,7 +348,11 @@ struct Renderer::Impl {
   /// Of each grid point the share of what it shows that was interpolated from others.
   std::vector<float> borrowed_shares() const;
   /// What the frames so far say about the next one's sample counts.
-  RefineRates measure_deviations(const FrameRequest& request);
+  RefineRates measure_deviations();
+  /// Light samples come from a list that goes round: drawn anew when the typical point comes round it (`rounds` times).
+  /// Every point then begins another sequence, at the price of an error that falls more slowly, so that a few hungry
+  /// points see it more than once, unless they are where the samples go.
+  void renew_light_list_after(double rounds, std::uint32_t seed);
   /// Of the finest level's points, those that are to be shaded without need by this frame.
   float scout_share() const;
   /// `own`: points that were shaded take part in what is interpolated at them.

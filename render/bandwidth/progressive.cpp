@@ -138,7 +138,7 @@ std::vector<float> Renderer::Impl::borrowed_shares() const {
   return shares;
 }
 
-RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
+RefineRates Renderer::Impl::measure_deviations() {
   Progressive& p = *progressive;
   FrameTargets& t = *targets;
   glBindTextureUnit(18, p.mean.get());
@@ -185,23 +185,23 @@ RefineRates Renderer::Impl::measure_deviations(const FrameRequest& request) {
     for (int k = 0; k < 4; ++k) wanted_at[4 * (i % 2) + static_cast<std::size_t>(k)] += sums[i][k];
   const double rate = rate_for(frame_items, first_rate, wanted_at);
 
-  // Light samples come from a list that goes round: drawn anew when the typical point comes round it. Every point then
-  // begins another sequence, at the price of an error that falls more slowly, so that a few hungry points see it more
-  // than once, unless they are where the samples go.
-  double points = static_cast<double>(std::max<std::size_t>(visible_points, 1)), seen = items;
-  if (hungry_items > kHungryShare * items) points = hungry, seen = hungry_items;
-  const double rounds = seen / points * constants.sampling.y / EnvironmentBuffers::kListLength;
-  if (rounds >= p.rounds + 1.0) {
-    environment->resample(request.seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
-    light_list_seed.reset();
-    p.rounds = rounds;
-  }
   p.rate = rate;
   RefineRates rates;
   rates.items_per_deviation = static_cast<float>(rate);
   rates.least_deviation = static_cast<float>(least);
   rates.most_items = static_cast<unsigned>(std::max(2.0 * frame_items, 4096.0));
+  // Of the typical point; of the hungry ones, where they are where the samples go.
+  double points = static_cast<double>(std::max<std::size_t>(visible_points, 1)), seen = items;
+  if (hungry_items > kHungryShare * items) points = hungry, seen = hungry_items;
+  rates.light_rounds = seen / points * constants.sampling.y / EnvironmentBuffers::kListLength;
   return rates;
+}
+
+void Renderer::Impl::renew_light_list_after(double rounds, std::uint32_t seed) {
+  if (rounds < progressive->rounds + 1.0) return;
+  environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
+  light_list_seed.reset();
+  progressive->rounds = rounds;
 }
 
 }  // namespace maquette

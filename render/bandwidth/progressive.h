@@ -36,6 +36,7 @@ struct RefineRates {
   float items_per_deviation = 0.0f;
   float least_deviation = 0.0f;  ///< added everywhere, so that nothing the measurement missed starves
   unsigned most_items = 0;       ///< of either list, should the rate have been too bold
+  double light_rounds = 0.0;     ///< how often the typical point has come round the list of light samples
 };
 
 }  // namespace maquette

@@ -17,6 +17,14 @@ double importance_of(const glm::vec3& radiance) {
   return (static_cast<double>(radiance.x) + static_cast<double>(radiance.y) + static_cast<double>(radiance.z)) / 3.0;
 }
 
+/// Of a column up to one beyond either end, which wraps, and a row, which is clamped.
+const glm::vec3& texel_around(const Environment& environment, int x, int y) {
+  const int wrapped = x < 0 ? x + environment.width : x >= environment.width ? x - environment.width : x;
+  const int clamped = std::clamp(y, 0, environment.height - 1);
+  return environment.rgb[static_cast<std::size_t>(clamped) * static_cast<std::size_t>(environment.width) +
+                         static_cast<std::size_t>(wrapped)];
+}
+
 /// One of the four texels around a point of the map (texel centres at whole numbers).
 struct ChosenTexel {
   glm::vec3 radiance;
@@ -30,9 +38,7 @@ ChosenTexel choose_texel(const Environment& environment, float x, float y, float
   float importance[4], weights[4], sum = 0.0f;
   for (int k = 0; k < 4; ++k) {
     const int column = static_cast<int>(x0) + (k & 1), row = static_cast<int>(y0) + (k >> 1);
-    const auto wrapped = static_cast<std::size_t>((column + environment.width) % environment.width);
-    const auto clamped = static_cast<std::size_t>(std::clamp(row, 0, environment.height - 1));
-    texels[k] = environment.rgb[clamped * static_cast<std::size_t>(environment.width) + wrapped];
+    texels[k] = texel_around(environment, column, row);
     importance[k] = (texels[k].x + texels[k].y + texels[k].z) / 3.0f;
     weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
     sum += weights[k];
@@ -68,43 +74,96 @@ EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, doubl
   return {row.index, static_cast<double>(column.index) + std::min(column.position, 1.0 - 1e-9), row.position};
 }
 
+namespace {
+
+/// Draws directions in one cell of the map after the other. What a cell is made of is kept until another one is drawn
+/// from.
+class CellSampler {
+ public:
+  CellSampler(const Environment& environment, const EnvironmentTables& tables)
+      : environment_(environment), tables_(tables) {}
+
+  EnvironmentDirection draw(const EnvironmentPoint& point) {
+    const auto x = static_cast<int>(point.x), y = static_cast<int>(point.row);
+    if (x != x_ || y != y_) enter(x, y);
+    const glm::dvec2 place = cell_.warp({point.x - x, point.t});
+    // Even in longitude and in the sine of the latitude.
+    const double up = std::clamp(top_ + (bottom_ - top_) * place.y, -1.0, 1.0);
+    const double r = std::sqrt(std::max(0.0, 1.0 - up * up));
+    const double longitude = kPi - 2.0 * kPi * (x + place.x) / tables_.width;
+    return {glm::vec3(glm::dvec3(std::sin(longitude) * r, up, std::cos(longitude) * r)),
+            static_cast<float>(mean_ > 0.0 ? density_ * cell_.at(place) / mean_ : density_),
+            static_cast<float>(x + place.x), static_cast<float>(std::acos(up) / kPi * tables_.height)};
+  }
+
+ private:
+  void enter(int x, int y) {
+    if (y != y_) {
+      top_ = std::cos(kPi * y / tables_.height);
+      bottom_ = std::cos(kPi * (y + 1) / tables_.height);
+    }
+    x_ = x;
+    y_ = y;
+    cell_ = TexelCell([&](int dx, int dy) { return importance_of(texel_around(environment_, x + dx, y + dy)); });
+    mean_ = cell_.mean();
+    density_ =
+        static_cast<double>(tables_.density[static_cast<std::size_t>(y) * static_cast<std::size_t>(tables_.width) +
+                                            static_cast<std::size_t>(x)]);
+  }
+
+  const Environment& environment_;
+  const EnvironmentTables& tables_;
+  int x_ = -1, y_ = -1;
+  double top_ = 1.0, bottom_ = 1.0, mean_ = 0.0, density_ = 0.0;
+  TexelCell cell_{[](int, int) { return 0.0; }};
+};
+
+/// Points of a scrambled low-discrepancy sequence, and an order in which those that fall near each other follow each
+/// other: found so, they share cells, and tables stay in the cache.
+struct SortedPoints {
+  struct Point {
+    std::uint32_t index, u, v;
+  };
+  std::vector<Point> points;
+
+  SortedPoints(std::uint32_t seed, std::size_t count) : points(count) {
+    constexpr std::uint32_t kRows = 8, kColumns = 6;  // log2
+    const std::uint32_t seeds[2] = {mix_seed(seed, 0), mix_seed(seed, 1)};
+    std::vector<Point> unsorted(count);
+    std::vector<std::uint32_t> ends((1u << (kRows + kColumns)) + 1);
+    const auto bucket = [](const Point& p) { return p.v >> (32u - kRows) << kColumns | p.u >> (32u - kColumns); };
+    for (std::uint32_t i = 0; i < count; ++i) {
+      unsorted[i] = {i, owen_scramble(reverse_bits(i), seeds[0]),
+                     owen_scramble(reverse_bits(sobol_second_reversed(i)), seeds[1])};
+      ++ends[bucket(unsorted[i]) + 1];
+    }
+    for (std::size_t k = 1; k < ends.size(); ++k) ends[k] += ends[k - 1];
+    for (const Point& p : unsorted) points[ends[bucket(p)]++] = p;
+  }
+};
+
+}  // namespace
+
 EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
                                                   double u, double v) {
-  const auto [row, column, t] = sample_environment_point(tables, u, v);
-  const int width = tables.width, height = tables.height;
-  const auto x = static_cast<int>(column), y = static_cast<int>(row);
-  const TexelCell cell([&](int dx, int dy) {
-    const auto at_x = static_cast<std::size_t>((x + dx + width) % width);
-    const auto at_y = static_cast<std::size_t>(std::clamp(y + dy, 0, height - 1));
-    return importance_of(environment.rgb[at_y * static_cast<std::size_t>(width) + at_x]);
-  });
-  const glm::dvec2 place = cell.warp({column - x, t});
-  const double mean = cell.mean();
-  // Even in longitude and in the sine of the latitude.
-  const double top = std::cos(kPi * y / height), bottom = std::cos(kPi * (y + 1) / height);
-  const double up = std::clamp(top + (bottom - top) * place.y, -1.0, 1.0);
-  const double r = std::sqrt(std::max(0.0, 1.0 - up * up)), longitude = kPi - 2.0 * kPi * (x + place.x) / width;
-  const auto density =
-      static_cast<double>(tables.density[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]);
-  return {glm::vec3(glm::dvec3(std::sin(longitude) * r, up, std::cos(longitude) * r)),
-          static_cast<float>(mean > 0.0 ? density * cell.at(place) / mean : density), static_cast<float>(x + place.x),
-          static_cast<float>(std::acos(up) / kPi * height)};
+  return CellSampler(environment, tables).draw(sample_environment_point(tables, u, v));
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
                                                   std::uint32_t seed, std::size_t count) {
   if (!(tables.luminance_integral > 0.0)) return {};
-  const std::uint32_t seeds[2] = {mix_seed(seed, 0), mix_seed(seed, 1)};
+  const SortedPoints sorted(seed, count);
   std::vector<EnvironmentSample> samples(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    const auto index = static_cast<std::uint32_t>(i);
-    const double u = owen_scramble(reverse_bits(index), seeds[0]) * 0x1p-32;
-    const double v = owen_scramble(reverse_bits(sobol_second_reversed(index)), seeds[1]) * 0x1p-32;
-    const EnvironmentDirection d = sample_environment_direction(environment, tables, u, v);
-    // A third dimension for the texel: the golden ratio's additive recurrence.
-    const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
-    const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));
-    samples[i] = {d.direction, d.pdf * texel.factor, texel.radiance, 0.0f};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 2048), [&](const auto& range) {
+    CellSampler cells(environment, tables);
+    for (std::size_t k = range.begin(); k < range.end(); ++k) {
+      const auto [index, u, v] = sorted.points[k];
+      const EnvironmentDirection d = cells.draw(sample_environment_point(tables, u * 0x1p-32, v * 0x1p-32));
+      // A third dimension for the texel: the golden ratio's additive recurrence.
+      const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
+      const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));
+      samples[index] = {d.direction, d.pdf * texel.factor, texel.radiance, 0.0f};
+    }
   });
   return samples;
 }

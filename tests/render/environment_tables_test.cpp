@@ -14,6 +14,7 @@
 #include <set>
 
 #include "render/environment/wavelet_bandwidth.h"
+#include "render/low_discrepancy.h"
 
 namespace maquette {
 namespace {
@@ -196,6 +197,21 @@ TEST(EnvironmentImportance, SeedsDecideAlone) {
              c = sample_environment(e, t, 2, 64);
   EXPECT_EQ(a[63].direction, b[63].direction);
   EXPECT_NE(a[63].direction, c[63].direction);
+}
+
+// Samples are found in an order of their own, cell by cell.
+TEST(EnvironmentImportance, ListHoldsTheSequenceInItsOrder) {
+  const Environment e = make_environment(
+      64, 32, [](const glm::dvec3& d, int x, int y) { return 1.0 + d.y + (x == 0 && y == 9 ? 1e5 : 0.0); });
+  const EnvironmentTables t = compute_environment_tables(e);
+  const std::uint32_t seed = 5, seeds[2] = {mix_seed(seed, 0), mix_seed(seed, 1)};
+  const auto list = sample_environment(e, t, seed, 5000);
+  ASSERT_EQ(list.size(), 5000u);
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    const double u = owen_scramble(reverse_bits(i), seeds[0]) * 0x1p-32;
+    const double v = owen_scramble(reverse_bits(sobol_second_reversed(i)), seeds[1]) * 0x1p-32;
+    ASSERT_EQ(list[i].direction, sample_environment_direction(e, t, u, v).direction) << i;
+  }
 }
 
 TEST(EnvironmentImportance, ExtremesAreSound) {

@@ -26,7 +26,7 @@ ShaderVariant predict_variant(const FramePlan& plan, int measured, bool sky_vari
 
 bool has_near_terms(const FramePlan& plan) { return plan.visibility != "none" || plan.lights; }
 
-/// `first_only`: predicts the first quad alone of each block of 2 x 2, whatever it shows.
+/// `first_only`: predicts the first quad alone of every other block of 2 x 2, whatever it shows.
 ShaderVariant classify_variant(bool first_only) {
   return {"bandwidth/classify.comp", "", {{"FIRST_ONLY", flag(first_only)}}};
 }
@@ -174,7 +174,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.items[0].get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, t.items[1].get());
   const bool first_only = t.side > 1;
-  dispatch_tiles(programs.get(classify_variant(first_only)), part.tiles, 2, {}, part.share);
+  dispatch_tiles(programs.get(classify_variant(first_only)), part.tiles, first_only ? 0 : 2, {}, part.share);
   dispatch(programs.get({"shading/arguments.comp", "", {}}), 1, 1);
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, t.counters.get());
   for (int list = 0; list < 2; ++list) {

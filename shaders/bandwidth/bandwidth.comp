@@ -1,6 +1,6 @@
 // Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
 // pixel along both screen axes. One invocation takes a block of 2 x 2 quads, whose 5 x 5 windows share most of what they read.
-// FIRST_ONLY: only the first quad of each block is predicted (classify.comp).
+// FIRST_ONLY: only the first quad of every other block is predicted (classify.comp).
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

@@ -26,6 +26,6 @@ float bilateral_weight(Guide a, Guide b, float step_px) {
   // Distance from the tangent planes, in pixels of a point this far away, against the step taken.
   vec3 d = b.position - a.position;
   float off = max(abs(dot(d, a.normal)), abs(dot(d, b.normal))) / max(a.reach_m * step_px, 1e-20);
-  float bend = length(a.normal - b.normal);
-  return exp2(-1.5 * off * off) * exp2(-6.0 * bend * bend);
+  vec3 bend = a.normal - b.normal;
+  return exp2(-1.5 * off * off - 6.0 * dot(bend, bend));
 }

@@ -29,14 +29,20 @@ bool is_broad(uvec4 surface, uint flags, bool measured) {
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;
   int id = int(linear_id());
+#if FIRST_ONLY
+  const int kStep = 2;  // an invocation takes a tile
+  ivec2 tile = tile_of(id, 0);
+  ivec2 corner = kTile / 2 * tile;
+#else
+  const int kStep = 1;
   ivec2 tile = tile_of(id, 2);
-  if (tile.x < 0) return;
   ivec2 corner = kTile / 2 * tile + 2 * ivec2(id & 1, (id >> 1) & 1);
-  const int kQuads = FIRST_ONLY == 1 ? 1 : 4;
+#endif
+  if (tile.x < 0) return;
   uint pixels[4];
   uint measured_count = 0u, analytic_count = 0u, first_material = 0xffffffffu;
-  for (int k = 0; k < kQuads; ++k) {
-    ivec2 quad = corner + ivec2(k & 1, k >> 1);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 quad = corner + kStep * ivec2(k & 1, k >> 1);
     pixels[k] = 0xffffffffu;
     if (any(greaterThanEqual(quad, quads))) continue;
     ivec2 pixel = ivec2(-1);
@@ -48,11 +54,11 @@ void main() {
     uvec4 surface = texelFetch(t_surface, max(pixel, ivec2(0)), 0);
     uint material = surface.z >> 16u, flags = material_words(int(material), 6).x;
     bool measured = (flags & kMaterialMeasured) != 0u;
-    // FIRST_ONLY: with several points a pixel one quad in four is enough: its neighbours pool (bandwidth.comp). So it is where nothing
-    // sharp can be seen and the block is of one material. Of sharp ones it takes one in two: one in four lets mirrored suns slip through
-    // (10 instead of 3.9 % error for a car's door), all bring nothing (docs/performance.md).
+    // Where nothing sharp can be seen and the block is of one material one quad in four is enough: its neighbours pool (bandwidth.comp). Of
+    // sharp ones it takes one in two: one in four lets mirrored suns slip through (10 instead of 3.9 % error for a car's door), all bring
+    // nothing (docs/performance.md). FIRST_ONLY: with several points a pixel, of blocks of quads one in two is, by its first quad.
     if (k == 0 && pixel.x >= 0) first_material = material;
-    if (k > 0 && material == first_material && (k < 3 || is_broad(surface, flags, measured))) pixel.x = -1;
+    if (k > 0 && material == first_material && (k < 3 || (FIRST_ONLY == 0 && is_broad(surface, flags, measured)))) pixel.x = -1;
     if (pixel.x < 0) {
       imageStore(o_energy, quad, vec4(0.0));
       continue;
@@ -64,7 +70,7 @@ void main() {
   uint next_measured = 0u, next_analytic = 0u;
   if (measured_count > 0u) next_measured = atomicAdd(b_lists[0].items, measured_count);
   if (analytic_count > 0u) next_analytic = atomicAdd(b_lists[1].items, analytic_count);
-  for (int k = 0; k < kQuads; ++k) {
+  for (int k = 0; k < 4; ++k) {
     if (pixels[k] == 0xffffffffu) continue;
     if ((pixels[k] & 0x80000000u) == 0u)
       b_measured[2u * next_measured++] = pixels[k];

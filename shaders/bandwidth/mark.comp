@@ -57,6 +57,9 @@ uniform float u_least_deviation;
 uniform float u_scouts;  // while nothing moves: share of the finest level's points that were to be shaded without need by now
 #endif
 
+#if BANDWIDTH
+#include "shared/interpolation.glsl"
+#endif
 #if BANDWIDTH && !REFINE
 /// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
 /// below it, 2.5 does best for matte spheres under Grace Cathedral, 5 for chrome ones.
@@ -72,17 +75,45 @@ const float kNeighbourShare = 0.25;
 /// An error weighs by the radiance it is a share of; the square root stands for the eye's and the tone curve's compression.
 float error_weight(float radiance, float mean_radiance) { return clamp(sqrt(radiance / mean_radiance), 0.35, 3.0); }
 
+/// Bandwidth (cycles/px) of a block that is to be carried, weighed by its radiance.
+float weighed_bandwidth(ivec2 block, int level, float mean_radiance) {
+  vec4 b = texelFetch(t_pyramid, clamp(block, ivec2(0), textureSize(t_pyramid, level - 1) - 1), level - 1);
+  return b.x * error_weight(b.y, mean_radiance);
+}
+
+bool carries(float own, float largest_around, int level) {
+  return max(own, kNeighbourShare * largest_around) * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
+}
+
 /// True when points 2^level apart carry the bandwidth of the block around `pixel`, and a share of that of its eight neighbours: what
 /// a neighbour varies by is seen here through the interpolation.
-bool carries(ivec2 pixel, int level, float mean_radiance) {
-  ivec2 size = textureSize(t_pyramid, level - 1);
-  ivec2 block = min(pixel >> level, size - 1);
-  float nu = 0.0;
+bool block_carries(ivec2 pixel, int level, float mean_radiance) {
+  ivec2 block = min(pixel >> level, textureSize(t_pyramid, level - 1) - 1);
+  float own = 0.0, largest = 0.0;
   for (int k = 0; k < 9; ++k) {
-    vec4 b = texelFetch(t_pyramid, clamp(block + ivec2(k % 3, k / 3) - 1, ivec2(0), size - 1), level - 1);
-    nu = max(nu, (k == 4 ? 1.0 : kNeighbourShare) * b.x * error_weight(b.y, mean_radiance));
+    float nu = weighed_bandwidth(block + ivec2(k % 3, k / 3) - 1, level, mean_radiance);
+    own = k == 4 ? nu : own;
+    largest = max(largest, nu);
   }
-  return nu * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
+  return carries(own, largest, level);
+}
+
+/// The same of the four quads of a block of 4 x 4 points, whose neighbours overlap; a bit each.
+int quads_carry(ivec2 corner, float mean_radiance) {
+  ivec2 quad = corner >> 1;
+  vec4 own = vec4(0.0), largest = vec4(0.0);
+  for (int row = -1; row <= 2; ++row) {
+    vec4 nu;
+    for (int column = -1; column <= 2; ++column) nu[column + 1] = weighed_bandwidth(quad + ivec2(column, row), 1, mean_radiance);
+    vec2 around = vec2(max(max(nu.x, nu.y), nu.z), max(max(nu.y, nu.z), nu.w));
+    if (row < 2) largest.xy = max(largest.xy, around);
+    if (row > -1) largest.zw = max(largest.zw, around);
+    if (row == 0) own.xy = nu.yz;
+    if (row == 1) own.zw = nu.yz;
+  }
+  int bits = 0;
+  for (int k = 0; k < 4; ++k) bits |= carries(own[k], largest[k], 1) ? 1 << k : 0;
+  return bits;
 }
 
 /// Relative error that filling may make by what a point's normal is off the one between its neighbours, at quality 1. It falls as noise does, with the
@@ -92,37 +123,64 @@ const float kBentError = 0.15;
 /// True when the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
 /// edge, interpolation is off by the slope of the light over directions, 2 pi nu_theta at most for a light like 1 + cos, times how far the
 /// normal is off, however dense the points are.
-bool neighbours_agree(ivec2 pixel, int level, float mean_radiance) {
-  Guide center = load_guide(pixel);
+/// `normals`: of `count` points, in a sum weighted like `sum`. Within a pixel one of two serves: an edge there asks for the points of the other
+/// surface, and half a pixel from a point of its own a smooth one hardly changes.
+bool agrees(Guide center, vec3 normals, float sum, float count, int level, float bend) {
+  float least = level < findMSB(u_frame.size.z) && count == 2.0 ? 0.4 : 0.55 * count;
+  return sum > least && length(normals / sum - center.normal) * bend <= kBentError;
+}
+
+/// Factor of how far a normal is off, in a quad of predictions.
+float bend_weight(ivec2 quad, vec4 predicted, float mean_radiance) {
+  float slope = 2.0 * kPi * texelFetch(t_axes, quad, 0).w, quality = u_frame.quality.x;
+  return slope * error_weight(predicted.y, mean_radiance) * quality * quality;
+}
+
+bool neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
   vec3 normals = vec3(0.0);
   int s = 1 << level;
   ivec2 odd = (pixel >> level) & 1;
   ivec2 lower = pixel - odd * s;
-  float sum = 0.0, least = 1.0;
+  float sum = 0.0;
   for (int k = 0; k < 4; ++k) {
     ivec2 o = ivec2(k & 1, k >> 1);
     if (any(greaterThan(o, odd))) continue;
     ivec2 q = lower + 2 * o * s;
-    if (any(greaterThanEqual(q, u_frame.size.xy))) {
-      sum += 0.0;
-      continue;
-    }
+    if (any(greaterThanEqual(q, u_frame.size.xy))) continue;
     Guide neighbour = load_guide(q);
     float weight = bilateral_weight(center, neighbour, float(s));
     normals += weight * neighbour.normal;
     sum += weight;
   }
-  float count = float((1 + odd.x) * (1 + odd.y));
-  if (sum <= 0.55 * count) return false;
-  float off = length(normals / sum - center.normal), quality = u_frame.quality.x;
-  float slope = 2.0 * kPi * texelFetch(t_axes, pixel / 2, 0).w;
-  float weight = error_weight(texelFetch(t_pyramid, pixel / 2, 0).y, mean_radiance);
-  return off * slope * weight * quality * quality <= kBentError;
+  return agrees(center, normals, sum, float((1 + odd.x) * (1 + odd.y)), level, bend);
+}
+
+Guide load_guide_or_none(ivec2 pixel) {
+  Guide g = load_guide(min(pixel, u_frame.size.xy - 1));
+  g.valid = g.valid && all(lessThan(pixel, u_frame.size.xy));
+  return g;
+}
+
+/// The same for the four points of a quad, three of which enter at the finest level and lie between the same four coarser ones. Bits.
+int quad_agrees(ivec2 pixel, float bend) {
+  Guide near = load_guide_or_none(pixel), right = load_guide_or_none(pixel + ivec2(2, 0)), below = load_guide_or_none(pixel + ivec2(0, 2)),
+        far = load_guide_or_none(pixel + 2);
+  int bits = neighbours_agree(near, pixel, level_entered(pixel.x, pixel.y, u_frame.size.w), bend) ? 1 : 0;
+  Guide center = load_guide_or_none(pixel + ivec2(1, 0));
+  float w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, right, 1.0);
+  bits |= agrees(center, w0 * near.normal + w1 * right.normal, w0 + w1, 2.0, 0, bend) ? 2 : 0;
+  center = load_guide_or_none(pixel + ivec2(0, 1));
+  w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, below, 1.0);
+  bits |= agrees(center, w0 * near.normal + w1 * below.normal, w0 + w1, 2.0, 0, bend) ? 4 : 0;
+  center = load_guide_or_none(pixel + 1);
+  w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, right, 1.0);
+  float w2 = bilateral_weight(center, below, 1.0), w3 = bilateral_weight(center, far, 1.0);
+  vec3 normals = w0 * near.normal + w1 * right.normal + w2 * below.normal + w3 * far.normal;
+  return bits | (agrees(center, normals, w0 + w1 + w2 + w3, 4.0, 0, bend) ? 8 : 0);
 }
 #endif
 
 #if BANDWIDTH
-#include "shared/interpolation.glsl"
 #include "bandwidth/block_share.glsl"
 
 /// Samples that a point starts with at least while nothing moves, and items: one alone says nothing of its own noise.
@@ -162,7 +220,7 @@ float new_deviation(ivec2 pixel, int level, float predicted) {
 }
 
 /// While nothing moves: what a point has is kept; the items that it still needs to have its share of all samples so far.
-uvec3 decide(ivec2 pixel, int level, vec4 mean) {
+uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
   uvec4 mark = imageLoad(io_marks, pixel);
   int enters = level_entered(pixel.x, pixel.y, u_frame.size.w);
   float have = texelFetch(t_mean, pixel, 0).w;
@@ -182,15 +240,13 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean) {
 #else
 
 /// Shaded or not, its level, and its number of work items; 0 for not shaded.
-uvec3 decide(ivec2 pixel, int level, vec4 mean) {
+uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
 #if BANDWIDTH
   int top = u_frame.size.w;
   int enters = level_entered(pixel.x, pixel.y, top);
-  bool shaded = enters >= top || level <= enters;
-  if (!shaded) shaded = !neighbours_agree(pixel, enters, max(mean.y, 1e-30));
+  bool shaded = enters >= top || level <= enters || !agree;
   if (!shaded && is_scout(pixel, enters)) return uvec3(1u, uint(level), uint(first_items()));
   if (!shaded) return uvec3(0u, uint(level), 0u);
-  vec4 own = texelFetch(t_pyramid, pixel / 2, 0);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
   int spacing = min(level, enters);
   // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; a quarter of them everywhere, so
@@ -224,46 +280,54 @@ void main() {
   uint visible = 0u;
   vec4 mean = vec4(0.0);
   int block_level = 0;
-  bool quad_carries[4] = bool[4](false, false, false, false);
+  int carried = 0, agree = 0;  // bits: quads of the block, points of a quad
+  vec4 own = vec4(0.0);        // predicted for a quad
 #if BANDWIDTH && !REFINE
   mean = picture_mean();
-  for (int k = 0; k < 4; ++k)
-    quad_carries[k] = u_frame.size.w >= 1 && carries(corner + 2 * ivec2(k & 1, k >> 1), 1, max(mean.y, 1e-30));
+  float mean_radiance = max(mean.y, 1e-30);
+  carried = u_frame.size.w >= 1 ? quads_carry(corner, mean_radiance) : 0;
   for (int l = 2; l <= u_frame.size.w; ++l) {
-    if (block_level == (l == 2 ? 0 : l - 1) && carries(corner, l, max(mean.y, 1e-30))) block_level = l;
+    if (block_level == (l == 2 ? 0 : l - 1) && block_carries(corner, l, mean_radiance)) block_level = l;
   }
 #endif
-  for (int k = 0; k < 16; ++k) {
-    ivec2 pixel = corner + ivec2(k & 3, k >> 2);
-    counts[k] = 0u;
-    if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
-    if (texelFetch(t_depth, pixel, 0).x <= 0.0) {
-      imageStore(o_marks, pixel, uvec4(0u));
-      continue;
-    }
-    uvec4 surface = texelFetch(t_surface, pixel, 0);
-    int material = int(surface.z >> 16u);
-    uint flags = material_words(material, 6).x;
+  for (int quad = 0; quad < 4; ++quad) {
+    ivec2 first_of_quad = corner + 2 * ivec2(quad & 1, quad >> 1);
+#if BANDWIDTH && !REFINE
+    own = texelFetch(t_pyramid, first_of_quad / 2, 0);
+    agree = quad_agrees(first_of_quad, bend_weight(first_of_quad / 2, own, mean_radiance));
+#endif
+    for (int j = 0; j < 4; ++j) {
+      int k = (j & 1) + 4 * (j >> 1) + 2 * (quad & 1) + 8 * (quad >> 1);
+      ivec2 pixel = first_of_quad + ivec2(j & 1, j >> 1);
+      counts[k] = 0u;
+      if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
+      if (texelFetch(t_depth, pixel, 0).x <= 0.0) {
+        imageStore(o_marks, pixel, uvec4(0u));
+        continue;
+      }
+      uvec4 surface = texelFetch(t_surface, pixel, 0);
+      int material = int(surface.z >> 16u);
+      uint flags = material_words(material, 6).x;
 #ifdef REPAINTED
-    if ((flags & kMaterialRepainted) == 0u) continue;
+      if ((flags & kMaterialRepainted) == 0u) continue;
 #endif
-    bool measured = (flags & kMaterialMeasured) != 0u;
-    int quad = ((k & 3) >> 1) + 2 * (k >> 3);
-    uvec3 d = decide(pixel, quad_carries[quad] ? max(block_level, 1) : 0, mean);
-    if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
-    ++visible;
+      bool measured = (flags & kMaterialMeasured) != 0u;
+      uvec3 d = decide(pixel, ((carried >> quad) & 1) != 0 ? max(block_level, 1) : 0, mean, own, ((agree >> j) & 1) != 0);
+      if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
+      ++visible;
 #if REFINE
-    vec3 known = texelFetch(t_mean, pixel, 0).rgb;
+      vec3 known = texelFetch(t_mean, pixel, 0).rgb;
 #if TEXTURES
-    known /= base_factor(surface, flags);
+      known /= base_factor(surface, flags);
 #endif
-    if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(known, 1.0));
+      if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(known, 1.0));
 #endif
-    imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
-    counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);
-    if (d.z > 0u) {
-      items += measured ? uvec2(d.z, 0u) : uvec2(0u, d.z);
-      points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
+      imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
+      counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);
+      if (d.z > 0u) {
+        items += measured ? uvec2(d.z, 0u) : uvec2(0u, d.z);
+        points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
+      }
     }
   }
   if (visible == 0u) return;
@@ -301,11 +365,10 @@ void main() {
     if (measured) {
       b_measured_points[next_point.x++] = point;
       for (uint i = 0u; i < kept; ++i) b_measured_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
-      next_item.x += n;
     } else {
       b_analytic_points[next_point.y++] = point;
       for (uint i = 0u; i < kept; ++i) b_analytic_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
-      next_item.y += n;
     }
+    next_item += measured ? uvec2(n, 0u) : uvec2(0u, n);
   }
 }

@@ -161,6 +161,30 @@ TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
   EXPECT_LT(error, 0.02);
 }
 
+// Of an edge pixel's four points those are filled that have a neighbour on their own surface, and none from nothing.
+TEST_F(Estimator, PointsOfEdgePixelsAreFilledFromTheirOwnSide) {
+  show("builtin:matte-white");
+  Scene scene;
+  scene.materials = {test::matte(glm::vec3(0.8f)), test::matte(glm::vec3(0.05f))};
+  test::add(&scene, test::make_grid({-1.3f, -1.3f, 0.0f}, {2.6f, 0, 0}, {0, 2.6f, 0}, 1, 0));
+  for (int k = 0; k < 24; ++k) {  // needles half a point to three points wide, at all angles
+    const float angle = 0.13f * static_cast<float>(k), width = 0.0094f * (1.0f + static_cast<float>(k % 6));
+    const glm::vec3 along(std::cos(angle), std::sin(angle), 0.0f), across(-along.y, along.x, 0.0f);
+    const glm::vec3 at(-1.0f + 0.4f * static_cast<float>(k % 6), -0.9f + 0.6f * static_cast<float>(k / 6), 0.01f);
+    test::add(&scene, test::make_grid(at, 0.5f * along, width * across, 1, 1));
+  }
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  renderer_.set_environment(test::constant_sky(1.0f));
+  FrameRequest all = request("uniform", 256, 5, 64), few = request("bandwidth", 256, 6, 64);
+  all.msaa = few.msaa = 4;
+  const Image filled = draw(few), converged = draw(all);
+  const double error = difference(filled, converged);
+  RecordProperty("error", std::to_string(error));
+  EXPECT_LT(error, 0.01);
+  for (std::size_t i = 0; i < filled.data.size(); i += 4) EXPECT_GT(filled.data[i], 0.9f * converged.data[i]) << i / 4;
+  EXPECT_LT(renderer_.render(few).shaded_pixels, renderer_.render(all).shaded_pixels / 2);
+}
+
 /// The prediction draws half of its few samples from the lobe whatever the material; shading draws a fifth to seven
 /// eighths.
 TEST_F(Estimator, PredictedVarianceIsThatOfTheSharesShadingDraws) {

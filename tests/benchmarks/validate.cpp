@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "scenes/error.h"
 #include "tests/benchmarks/stage.h"
@@ -63,16 +64,20 @@ struct Definition {
   const char* name;
   test::LocalBandwidthOptions options;
   test::Pooling pooling;
+  std::optional<test::Places> scaled = {};  ///< windows from 16 to 128 pixels in place of one length
+  double floor() const { return scaled ? test::kScaledFloor : test::measured_floor(options); }
 };
 
 std::vector<Definition> definitions() {
   using test::Pooling;
   std::vector<Definition> d;
   test::LocalBandwidthOptions plain;
+  d.push_back({"16 to 128 px, off edges by the longest", plain, Pooling::variation, test::Places::off_longest});
+  d.push_back({"16 to 128 px, off edges by its own", plain, Pooling::variation, test::Places::off_own});
   d.push_back({"32 px, centre", plain, Pooling::centre});
   d.push_back({"32 px, mean", plain, Pooling::mean});
   d.push_back({"32 px, variation", plain, Pooling::variation});
-  d.push_back({"32 px, light (judged until 2026-11-22)", plain, Pooling::light});
+  d.push_back({"32 px, light", plain, Pooling::light});
   d.push_back({"32 px, largest", plain, Pooling::largest});
   test::LocalBandwidthOptions quadrature = plain;
   quadrature.undo_window = test::UndoWindow::quadrature;
@@ -88,14 +93,13 @@ std::vector<Definition> definitions() {
   d.push_back({"64 px, mean", wide, Pooling::mean});
   d.push_back({"64 px, variation", wide, Pooling::variation});
   wide.window = 128;
-  wide.stride = 32;
   d.push_back({"128 px, variation", wide, Pooling::variation});
   test::LocalBandwidthOptions small = plain;
   small.window = 16;
   d.push_back({"16 px, mean", small, Pooling::mean});
   return d;
 }
-constexpr std::size_t kJudged = 2;  // index into definitions(): see docs/performance.md
+constexpr std::size_t kJudged = 4;  // index into definitions(): see docs/performance.md
 
 struct Views {
   Image bandwidth, variance, material;
@@ -116,15 +120,21 @@ Views predict(Stage& stage, int samples) {
 
 Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Definition& d) {
   Pairs pairs;
-  for (const auto& w :
-       test::measure_local_bandwidth(reference.halves[0], reference.halves[1], views.smooth, d.options)) {
-    ++pairs.windows;
-    if (w.noise > 0.2) continue;  // too flat to have a bandwidth that could be measured
-    pairs.predicted.push_back(
-        test::pooled_prediction(views.bandwidth, reference.picture, w, d.options.window, d.pooling));
+  const Image &a = reference.halves[0], &b = reference.halves[1];
+  const auto add = [&](const test::WindowBandwidth& w, int window) {
+    pairs.predicted.push_back(test::pooled_prediction(views.bandwidth, reference.picture, w, window, d.pooling));
     pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
     pairs.marks.push_back(w.noise);
     pairs.places.push_back({w.x, w.y});
+  };
+  if (d.scaled) {
+    for (const auto& w : test::measure_scaled_bandwidth(a, b, views.smooth, *d.scaled)) add(w.place, w.window);
+    pairs.windows = pairs.predicted.size();
+    return pairs;
+  }
+  for (const auto& w : test::measure_local_bandwidth(a, b, views.smooth, d.options)) {
+    ++pairs.windows;
+    if (w.noise <= test::kMostNoise) add(w, d.options.window);
   }
   return pairs;
 }
@@ -266,7 +276,7 @@ Figures measure_case(Stage& stage, Case c, Sums* sums) {
   for (std::size_t i = 0; i < all.size() && stage.options().reference_seconds > 0.0; ++i) {  // 0: variance alone
     const Pairs pairs = bandwidth_pairs(views, stage.reference(), all[i]);
     sums->bandwidth[i].append(pairs);
-    const double floor = test::measured_floor(all[i].options);
+    const double floor = all[i].floor();
     std::fprintf(stderr, "  %-16s %-28s %s\n", c.name.c_str(), all[i].name,
                  text_of(agree(pairs, floor), pairs).c_str());
     if (i != kJudged) continue;
@@ -286,7 +296,7 @@ void show_sums(const std::string& set, const Sums& sums, Figures* figures) {
   const std::vector<Definition> all = definitions();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (sums.bandwidth[i].predicted.empty()) continue;
-    const double floor = test::measured_floor(all[i].options);
+    const double floor = all[i].floor();
     figures->push_back(
         shown("bandwidth, " + set + ", " + all[i].name, text_of(agree(sums.bandwidth[i], floor), sums.bandwidth[i])));
   }
@@ -311,7 +321,7 @@ Figures measure_validation(Stage& stage) {
   show_sums("all", sky, &figures);
   show_sums("under Grace", grace, &figures);
   if (sky.variance.predicted.empty()) return figures;
-  const double floor = test::measured_floor(definitions()[kJudged].options);
+  const double floor = definitions()[kJudged].floor();
   for (Figure& f : judge("bandwidth", sky.bandwidth[kJudged], floor)) figures.push_back(std::move(f));
   for (Figure& f : judge("variance", sky.variance, 0.0)) figures.push_back(std::move(f));
   return figures;

@@ -140,6 +140,115 @@ TEST(LocalBandwidth, LeavesOutWindowsWithExcludedPixels) {
   EXPECT_EQ(windows.size(), 25u - 9u);
 }
 
+/// Waves of known length: below the floor of 32 pixels one is told from the other, below that of all it is the floor.
+TEST(LocalBandwidth, ScalesTellLongWaves) {
+  const std::vector<bool> all(160 * 160, true);
+  double before = 0.0;
+  for (const double frequency : {0.018, 0.025, 0.035, 0.06, 0.12, 0.25}) {
+    const Image image = make_picture(160, 160, [&](int, int y) { return 2.0 + std::cos(2.0 * kPi * frequency * y); });
+    double largest = 0.0;
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, Places::off_longest)) {
+      EXPECT_NEAR(s.place.nu_y, frequency, 0.2 * frequency);  // short windows read their longest waves a little off
+      largest = std::max(largest, s.place.nu_y);
+    }
+    EXPECT_GT(largest, 1.1 * before) << frequency;
+    before = largest;
+  }
+  const Image slow = make_picture(160, 160, [](int, int y) { return 2.0 + std::cos(2.0 * kPi * 0.004 * y); });
+  for (const ScaledBandwidth& s : measure_scaled_bandwidth(slow, slow, all, Places::off_longest)) {
+    EXPECT_LE(s.place.nu_y, kScaledFloor);
+    EXPECT_EQ(s.window, 128);
+  }
+}
+
+/// Noise limited to a disc of frequencies, mirrored by a sphere, pressed into a dent, folded: what is seen of it at a
+/// pixel has the bandwidth of the noise times the stretch of the map.
+TEST(LocalBandwidth, ScalesKnowWarpedNoise) {
+  constexpr int kSide = 160;
+  constexpr double kBoxOfDisc = 0.805;  // 95 % of a disc's area lies within this share of its radius along an axis
+  const auto sphere = [](glm::dvec2 p) {
+    const glm::dvec2 d = (p - 80.0) / 100.0;
+    const double r = glm::length(d) + 1e-9;
+    return d / r * (2.0 * std::asin(std::min(r, 0.999)));
+  };
+  const auto dent = [](glm::dvec2 p) {
+    const glm::dvec2 d = (p - 75.0) / 200.0;
+    return d * (0.4 + 3.0 * std::exp(-40.0 * glm::dot(d, d)));
+  };
+  const auto fold = [](glm::dvec2 p) {
+    const glm::dvec2 d = p / 160.0;
+    return glm::dvec2(0.2 * d.x + 0.3 * std::tanh(8.0 * (d.x - 0.5)), 0.2 * d.y);
+  };
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  std::vector<double> exact, measured, ratios;
+  for (const std::function<glm::dvec2(glm::dvec2)>& map :
+       {std::function<glm::dvec2(glm::dvec2)>(sphere), {dent}, {fold}})
+    for (const double radius : {6.0, 30.0}) {
+      std::vector<glm::dvec3> waves;
+      while (waves.size() < 60) {
+        const glm::dvec2 f(u(random), u(random));
+        if (glm::dot(f, f) <= 1.0) waves.emplace_back(radius * f, kPi * u(random));
+      }
+      const Image image = make_picture(kSide, kSide, [&](int x, int y) {
+        const glm::dvec2 p = map({x, y});
+        double sum = 200.0;
+        for (const glm::dvec3& w : waves) sum += std::cos(2.0 * kPi * (w.x * p.x + w.y * p.y) + w.z);
+        return sum;
+      });
+      const Image known = make_picture(kSide, kSide, [&](int x, int y) {
+        const glm::dvec2 p(x, y), dx(0.5, 0.0), dy(0.0, 0.5);
+        return kBoxOfDisc * radius *
+               std::max(glm::length(map(p + dx) - map(p - dx)), glm::length(map(p + dy) - map(p - dy)));
+      });
+      for (const ScaledBandwidth& s :
+           measure_scaled_bandwidth(image, image, std::vector<bool>(kSide * kSide, true), Places::off_longest)) {
+        exact.push_back(std::max(kScaledFloor, pooled_prediction(known, image, s.place, s.window, Pooling::variation)));
+        measured.push_back(std::max({kScaledFloor, s.place.nu_x, s.place.nu_y}));
+        ratios.push_back(exact.back() / measured.back());
+      }
+    }
+  EXPECT_GT(rank_correlation(exact, measured), 0.9);
+  EXPECT_NEAR(median(ratios), 1.0, 0.15);
+  EXPECT_LT(percentile(ratios, 0.9), 1.7);
+  EXPECT_GT(percentile(ratios, 0.1), 0.7);
+}
+
+/// A step blurred twice as far has half the bandwidth, at every size between the floor and the grid.
+TEST(LocalBandwidth, ScalesFollowTheBlurOfAStep) {
+  const std::vector<bool> all(160 * 160, true);
+  double before = 0.0;
+  for (const double sigma : {8.0, 4.0, 2.0}) {
+    const Image image =
+        make_picture(160, 160, [&](int x, int) { return 2.0 + std::erf((x - 79.5) / (std::numbers::sqrt2 * sigma)); });
+    double nearest = 0.0;
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, Places::off_longest))
+      if (s.place.x == 80) nearest = std::max(nearest, s.place.nu_x);
+    if (before > 0.0) {
+      EXPECT_NEAR(nearest / before, 2.0, 0.5) << sigma;
+    }
+    before = nearest;
+  }
+}
+
+TEST(LocalBandwidth, ScalesTakeThePlacesThatTheyAreAskedFor) {
+  // Usable for 128 pixels in the left half; in the right one a gap leaves room for windows of 32.
+  std::vector<bool> usable(320 * 128, true);
+  for (int y = 0; y < 128; ++y) usable[static_cast<std::size_t>(y * 320 + 240)] = false;
+  const Image wave = make_picture(320, 128, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * 0.2 * x); });
+  const auto on_right = [&](Places places) {
+    int count = 0;
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(wave, wave, usable, places)) {
+      EXPECT_GT(std::abs(s.place.x + 0.5 - 240.5) + 0.5, 0.5 * s.window);
+      EXPECT_LE(s.window, 32);
+      count += s.place.x > 240;
+    }
+    return count;
+  };
+  EXPECT_EQ(on_right(Places::off_longest), 0);
+  EXPECT_GT(on_right(Places::off_own), 50);
+}
+
 TEST(LocalBandwidth, FindsGeometricEdges) {
   // A plane seen at a slant, one step in depth at x = 20, one of material at x = 40.
   Image depth(64, 16, 4, 1.0f), normal(64, 16, 4, 1.0f), material(64, 16, 4, 1.0f);

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <complex>
 #include <glm/glm.hpp>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -14,28 +14,41 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Energy over |frequency| of windowed lines, frequencies k / (4 * side): 4 times oversampled, so that the share that
-/// is sought falls between close points.
+/// is sought falls between close points. Found from the lines' correlations, whose cosine transform it is (Wiener and
+/// Khinchin), because those of all lines can be added up first.
 class LineSpectrum {
  public:
   explicit LineSpectrum(int side) : side_(side), bins_(2 * side + 1) {
-    table_.resize(static_cast<std::size_t>(bins_ * side));
-    for (int k = 0; k < bins_; ++k)
-      for (int i = 0; i < side; ++i) table_[at(k, i)] = std::polar(1.0, -2.0 * kPi * k * i / (4.0 * side));
+    cosines_.resize(static_cast<std::size_t>(4 * side));
+    for (int i = 0; i < 4 * side; ++i) cosines_[static_cast<std::size_t>(i)] = std::cos(2.0 * kPi * i / (4.0 * side));
   }
-  void add(const double* a, const double* b, int step, std::vector<double>* energy) const {
-    for (int k = 0; k < bins_; ++k) {
-      std::complex<double> sum_a = 0.0, sum_b = 0.0;
-      for (int i = 0; i < side_; ++i) {
-        sum_a += a[i * step] * table_[at(k, i)];
-        sum_b += b[i * step] * table_[at(k, i)];
-      }
-      (*energy)[static_cast<std::size_t>(k)] +=
-          (sum_a * std::conj(sum_b)).real() * (k == 0 || k == bins_ - 1 ? 0.5 : 1.0);
+  /// Adds to the correlation of a window's lines, [side].
+  void add(const double* a, const double* b, int step, std::vector<double>* correlation) const {
+    std::vector<double> la(static_cast<std::size_t>(side_)), lb(la);
+    for (int i = 0; i < side_; ++i) {
+      la[static_cast<std::size_t>(i)] = a[i * step];
+      lb[static_cast<std::size_t>(i)] = b[i * step];
+    }
+    double* sums = correlation->data();
+    for (std::size_t i = 0; i < la.size(); ++i) {
+      sums[0] -= la[i] * lb[i];  // counted once, the others from both sides
+      for (std::size_t lag = 0; i + lag < la.size(); ++lag) sums[lag] += la[i] * lb[i + lag] + lb[i] * la[i + lag];
     }
   }
-  int bins() const { return bins_; }
-  /// Frequency below which `share` of the energy lies, cycles a sample.
-  double bandwidth(const std::vector<double>& energy, double share) const {
+  /// Of a correlation, [bins]: the real cross spectrum.
+  std::vector<double> energies(const std::vector<double>& correlation) const {
+    std::vector<double> energy(static_cast<std::size_t>(bins_), 0.0);
+    for (int k = 0; k < bins_; ++k) {
+      double sum = 0.0;
+      for (int lag = 0; lag < side_; ++lag)
+        sum += correlation[static_cast<std::size_t>(lag)] * cosines_[static_cast<std::size_t>(k * lag % (4 * side_))];
+      energy[static_cast<std::size_t>(k)] = sum * (k == 0 || k == bins_ - 1 ? 0.5 : 1.0);
+    }
+    return energy;
+  }
+  /// Frequency below which `share` of a correlation's energy lies, cycles a sample.
+  double bandwidth(const std::vector<double>& correlation, double share) const {
+    const std::vector<double> energy = energies(correlation);
     const double goal = share * std::accumulate(energy.begin(), energy.end(), 0.0);
     double sum = 0.0;
     for (std::size_t k = 0; k < energy.size(); ++k) {
@@ -49,9 +62,8 @@ class LineSpectrum {
   }
 
  private:
-  std::size_t at(int k, int i) const { return static_cast<std::size_t>(k * side_ + i); }
   int side_, bins_;
-  std::vector<std::complex<double>> table_;
+  std::vector<double> cosines_;
 };
 
 std::vector<double> hann(int side) {
@@ -68,13 +80,13 @@ class WindowUndoer {
       : undo_(options.undo_window) {
     if (undo_ == UndoWindow::none) return;
     const double frequency = undo_ == UndoWindow::wave ? 0.25 : 0.0;
-    std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0), line(w.size());
+    std::vector<double> correlation(w.size(), 0.0), line(w.size());
     for (const double phase : {0.0, 0.5 * kPi}) {
       for (std::size_t i = 0; i < w.size(); ++i)
         line[i] = w[i] * std::cos(2.0 * kPi * frequency * static_cast<double>(i) + phase);
-      spectrum.add(line.data(), line.data(), 1, &energy);
+      spectrum.add(line.data(), line.data(), 1, &correlation);
     }
-    own_ = spectrum.bandwidth(energy, options.energy) - frequency;
+    own_ = spectrum.bandwidth(correlation, options.energy) - frequency;
   }
   double operator()(double read) const {
     return undo_ == UndoWindow::quadrature ? std::sqrt(std::max(read * read - own_ * own_, 0.0))
@@ -150,10 +162,10 @@ double measured_floor(const LocalBandwidthOptions& options) {
           for (int c = 0; c < 3; ++c)
             wave.at(x, y, c) = static_cast<float>(2.0 + std::cos(2.0 * kPi * frequency * (x - 0.5 * (n - 1)) + phase));
       const std::vector<double> line = windowed(wave, 0, 0, w, options);
-      std::vector<double> energy(static_cast<std::size_t>(spectrum.bins()), 0.0);
+      std::vector<double> correlation(w.size(), 0.0);
       const auto middle = static_cast<std::size_t>(n / 2 * n);
-      spectrum.add(&line[middle], &line[middle], 1, &energy);
-      const double read = undo(spectrum.bandwidth(energy, options.energy));
+      spectrum.add(&line[middle], &line[middle], 1, &correlation);
+      const double read = undo(spectrum.bandwidth(correlation, options.energy));
       if (options.undo_window != UndoWindow::wave || read > 1.02 * frequency) floor = std::max(floor, read);
     }
   }
@@ -173,14 +185,14 @@ std::vector<WindowBandwidth> measure_local_bandwidth(const Image& a, const Image
     for (int x0 = 0; x0 + n <= a.width; x0 += options.stride) {
       if (excluded(x0, y0, n) > 0) continue;
       const std::vector<double> va = windowed(a, x0, y0, w, options), vb = windowed(b, x0, y0, w, options);
-      std::vector<double> along_x(static_cast<std::size_t>(spectrum.bins()), 0.0), along_y = along_x;
+      std::vector<double> along_x(w.size(), 0.0), along_y = along_x;
       for (int i = 0; i < n; ++i) {
         const auto row = static_cast<std::size_t>(i * n), column = static_cast<std::size_t>(i);
         spectrum.add(&va[row], &vb[row], 1, &along_x);
         spectrum.add(&va[column], &vb[column], n, &along_y);
       }
-      const auto bandwidth = [&](const std::vector<double>& energy) {
-        return undo(spectrum.bandwidth(energy, options.energy));
+      const auto bandwidth = [&](const std::vector<double>& correlation) {
+        return undo(spectrum.bandwidth(correlation, options.energy));
       };
       WindowBandwidth r{x0 + n / 2, y0 + n / 2, bandwidth(along_x), bandwidth(along_y), 0.0};
       double shared = 0.0, difference = 0.0;
@@ -217,6 +229,51 @@ double pooled_prediction(const Image& prediction, const Image& picture, const Wi
     }
   }
   return pooling == Pooling::largest ? largest : sum / std::max(weight, 1e-30);
+}
+
+namespace {
+
+/// measured_floor of each scale; found once, because that takes a second.
+const std::array<double, kWindowScales.size()>& scale_floors() {
+  static const auto floors = [] {
+    std::array<double, kWindowScales.size()> f{};
+    LocalBandwidthOptions options;
+    for (std::size_t k = 0; k < f.size(); ++k) {
+      options.window = kWindowScales[k];
+      f[k] = measured_floor(options);
+    }
+    return f;
+  }();
+  return floors;
+}
+
+}  // namespace
+
+std::vector<ScaledBandwidth> measure_scaled_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
+                                                      Places places, int stride) {
+  assert(8 % stride == 0);  // the middles of all windows lie on one grid
+  struct Place {
+    ScaledBandwidth read;
+    bool told = false, off_longest = false;
+  };
+  std::map<std::pair<int, int>, Place> found;
+  for (std::size_t k = 0; k < kWindowScales.size(); ++k) {
+    LocalBandwidthOptions options;
+    options.window = kWindowScales[k];
+    options.stride = stride;
+    const bool longest = k + 1 == kWindowScales.size();
+    for (const WindowBandwidth& w : measure_local_bandwidth(a, b, usable, options)) {
+      Place& place = found[{w.y, w.x}];
+      place.off_longest = longest;
+      if (place.told || w.noise > kMostNoise) continue;
+      place.told = longest || std::max(w.nu_x, w.nu_y) > scale_floors()[k];
+      place.read = {w, kWindowScales[k]};
+    }
+  }
+  std::vector<ScaledBandwidth> result;
+  for (const auto& [at, place] : found)
+    if (place.told && (place.off_longest || places == Places::off_own)) result.push_back(place.read);
+  return result;
 }
 
 std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal, const Image& material) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "scenes/image.h"
@@ -55,6 +56,31 @@ double pooled_prediction(const Image& prediction, const Image& picture, const Wi
 /// Those are waves longer than a window, whose mean was taken out; what is undone in quadrature reads all waves too
 /// high, and its floor is the most that waves longer than two windows read.
 double measured_floor(const LocalBandwidthOptions& options);
+
+/// Energy of the noise over that of the variation above which a window has no bandwidth that could be measured.
+inline constexpr double kMostNoise = 0.2;
+
+/// Sides of the windows of a measure whose resolution follows the frequency, as that of wavelets does.
+inline constexpr std::array<int, 4> kWindowScales{16, 32, 64, 128};
+/// Below this, the two waves that the longest window is long, a place counts as smooth: shading, which asks for four
+/// points a cycle, does not go beyond its coarsest grid either (bandwidth.max_level = 4, 16 pixels).
+inline constexpr double kScaledFloor = 2.0 / kWindowScales.back();
+
+/// Which places a measure by scales takes.
+enum class Places {
+  off_longest,  ///< the longest window holds no excluded pixel, whichever is read
+  off_own,      ///< the window that is read holds none: more places, but those that need a longer window are missing
+};
+
+struct ScaledBandwidth {
+  WindowBandwidth place;
+  int window = 0;  ///< side of the window that it is read in
+};
+
+/// Reads each place in the shortest window that can tell its bandwidth: above that window's floor and, as noise
+/// allows, not drowned. What no window tells reads what the longest one does. `stride` must divide 8.
+std::vector<ScaledBandwidth> measure_scaled_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
+                                                      Places places, int stride = 8);
 
 /// Pixels that show a surface and lie on no geometric edge: same material as their four neighbours, depth that
 /// continues linearly, normals that turn smoothly. The pictures are debug views of one size.

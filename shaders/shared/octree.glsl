@@ -21,6 +21,9 @@ const float kOctreePlanar = 0.08f;
 // What is thinner (in cells without much detail) is as good as a plane, seen from the front.
 const float kOctreeThin = 0.25f;
 
+// Levels of the deepest tree.
+const int kOctreeStack = 14;
+
 struct OctreePlane {
   vec3 normal;   // sum of the absolute components is 1; a small array of directions needs no unit vectors
   float offset;  // dot(normal, p) = offset, p in cells from the cell's centre
@@ -173,7 +176,12 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
   float t = max(max(near_t.x, near_t.y), max(near_t.z, ray.t_min));
   float t_end = min(min(far_t.x, far_t.y), min(far_t.z, ray.t_max));
 
-  uint stack[14];  // words by the size of the cells they hold
+  // Words by the size of the cells they hold. What a computed number indexes a software device keeps in memory, lane by lane, which took a
+  // third of the walk: there all elements are looked at instead.
+  uint stack[kOctreeStack];
+#ifndef __cplusplus
+  for (int k = 0; k < kOctreeStack; ++k) stack[k] = 0u;
+#endif
   uint word = octree_word(0);
   int shift = tree.depth - 1;
   vec3 middle_t = (vec3(float(1 << shift)) - o) * inverse;
@@ -217,7 +225,11 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
         }
       } else {
         step_on = false;
+#ifdef __cplusplus
         stack[shift] = word;
+#else
+        for (int k = 1; k < kOctreeStack; ++k) stack[k] = k == shift ? word : stack[k];
+#endif
         word = next;
         --shift;
         middle_t = (vec3(cell + (1 << shift)) - o) * inverse;
@@ -232,7 +244,11 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
       going = t < t_end && top < tree.depth;
       if (top > shift && going) {
         shift = top;
+#ifdef __cplusplus
         word = stack[top];
+#else
+        for (int k = 1; k < kOctreeStack; ++k) word = k == top ? stack[k] : word;
+#endif
       }
       cell = (to >> shift) << shift;
     }

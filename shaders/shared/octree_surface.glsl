@@ -100,16 +100,25 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   int other = own.material;
   ivec3 lowest = ivec3(low);
   OctreeDescent shared_walk = octree_common(lowest, hit.level);
+  // Walks of different length are found in a loop, which may not be taken apart: its results are kept without computed indices, which
+  // software devices follow lane by lane.
+  int nodes[8];
+  int levels[8];
   for (int k = 0; k < 8; ++k) {
-    ivec3 corner = ivec3(k & 1, (k >> 1) & 1, k >> 2);
-    vec3 w = mix(vec3(1.0f) - f, f, vec3(corner));
-    OctreeNode at = octree_node_at(shared_walk, lowest + corner, hit.level);
+    OctreeNode at = octree_node_at(shared_walk, lowest + ivec3(k & 1, (k >> 1) & 1, k >> 2), hit.level);
+    for (int j = 0; j < 8; ++j) {
+      nodes[j] = j == k ? at.node : nodes[j];
+      levels[j] = j == k ? at.level : levels[j];
+    }
+  }
+  for (int k = 0; k < 8; ++k) {
+    vec3 w = mix(vec3(1.0f) - f, f, vec3(ivec3(k & 1, (k >> 1) & 1, k >> 2)));
     weights[k] = 0.0f;
     colors[k] = 0u;
     normals[k] = vec3(0.0f);
-    if (at.node >= 0) {
-      colors[k] = octree_color_word(at.node);
-      vec3 n = octree_unpack_plane(at.level == tree.depth ? octree_word(at.node) : octree_plane_word(at.node)).normal;
+    if (nodes[k] >= 0) {
+      colors[k] = octree_color_word(nodes[k]);
+      vec3 n = octree_unpack_plane(levels[k] == tree.depth ? octree_word(nodes[k]) : octree_plane_word(nodes[k])).normal;
       normals[k] = n * (1.0f / sqrt(dot(n, n)));
       weights[k] = w.x * w.y * w.z * (octree_unpack_color(colors[k]).coverage + 0.05f);
       int material = int(colors[k] & 4095u);

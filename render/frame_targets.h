@@ -14,6 +14,7 @@ constexpr int kMostReflectedItems = 2;
 struct TileList {
   Buffer tiles;             ///< uint each, x | y << 16 in tiles; [band][tiles of a band]
   std::vector<int> counts;  ///< of each band
+  bool dealt = false;       ///< every other one first: the cost of a tile follows its place in the picture
 };
 /// Powers of two: how many invocations a tile takes, one a point, or one for four (shaders/shared/lookup.glsl).
 constexpr int kTileLanes = 6, kLookupLanes = 4;

@@ -232,8 +232,8 @@ void Renderer::Impl::dispatch_tiles(const Program& program, const TileList& list
   for (std::size_t b = first; b < last; ++b) {
     const int count = (list.counts[b] - share.first + share.step - 1) / share.step;
     if (count <= 0) continue;
-    glProgramUniform3i(program.get(), program.location("u_tiles"),
-                       static_cast<int>(b) * targets->band_tiles() + share.first, count, share.step);
+    glProgramUniform4i(program.get(), program.location("u_tiles"),
+                       static_cast<int>(b) * targets->band_tiles() + share.first, count, share.step, list.dealt);
     dispatch_list(program, count << shift);
   }
 }

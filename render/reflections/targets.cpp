@@ -9,6 +9,7 @@ ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int d
   t.height = (grid_height + divisor - 1) / divisor;
   const int w = t.width, h = t.height;
   constexpr int kTile = FrameTargets::kTile;
+  t.tiles.dealt = true;
   t.tiles.tiles = Buffer("reflected tiles", static_cast<std::size_t>((w + kTile - 1) / kTile) *
                                                 static_cast<std::size_t>((h + kTile - 1) / kTile) * 4);
   t.pane = Texture::make_2d("panes", GL_RG32UI, w, h);

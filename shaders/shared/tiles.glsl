@@ -2,15 +2,15 @@
 // nothing: software devices run a branch that no lane takes. The includer declares 64 invocations a group, and includes frame.glsl before.
 #include "shading/linear_id.glsl"
 layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
-uniform ivec3 u_tiles;  // first entry, number, step from one to the next
+uniform ivec4 u_tiles;  // first entry, number, step from one to the next, whether every other one comes first
 const int kTile = 8;
 
-/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list. A software device gives each core one run of groups:
-/// first every other tile, so that all have as much of what is dear.
+/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list. A software device gives each core one run of groups: where some
+/// regions are far dearer than others every other tile comes first, which costs neighbours' shared memory.
 ivec2 tile_of(int id, int shift) {
   if (id >= u_tiles.y << shift) return ivec2(-1);
   int k = id >> shift, half_way = (u_tiles.y + 1) / 2;
-  k = k < half_way ? 2 * k : 2 * (k - half_way) + 1;
+  if (u_tiles.w != 0) k = k < half_way ? 2 * k : 2 * (k - half_way) + 1;
   uint tile = b_tiles[u_tiles.x + k * u_tiles.z];
   return ivec2(tile & 65535u, tile >> 16u);
 }

@@ -130,7 +130,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
                                                     {"FIRST_ONLY", first_only ? "1" : "0"},
                                                     {"PREDICTION_SAMPLES", std::to_string(kSamples)}});
   const auto count = static_cast<int>(list.size());
-  glProgramUniform3i(program.get(), program.location("u_tiles"), 0, count, 1);
+  glProgramUniform4i(program.get(), program.location("u_tiles"), 0, count, 1, 0);
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>((4 * count + 63) / 64), 1, 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -56,7 +56,7 @@ void main() {
     bool measured = (flags & kMaterialMeasured) != 0u;
     // Where nothing sharp can be seen and the block is of one material one quad in four is enough: its neighbours pool (bandwidth.comp). Of
     // sharp ones it takes one in two: one in four lets mirrored suns slip through (10 instead of 3.9 % error for a car's door), all bring
-    // nothing (docs/performance.md). FIRST_ONLY: with several points a pixel, of blocks of quads one in two is, by its first quad.
+    // nothing (docs/tried.md). FIRST_ONLY: with several points a pixel, of blocks of quads one in two is, by its first quad.
     if (k == 0 && pixel.x >= 0) first_material = material;
     if (k > 0 && material == first_material && (k < 3 || (FIRST_ONLY == 0 && is_broad(surface, flags, measured)))) pixel.x = -1;
     if (pixel.x < 0) {

@@ -115,7 +115,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   r.energy.y += stands_for * t;
   // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. What a strategy
   // draws by is for the most part in its density, the other's factor is not; strata of a table's lobe are stretched by 1 / cos at
-  // grazing views. Factors were found by `maquette_bench validate` (docs/performance.md).
+  // grazing views. Factors were found by `maquette_bench validate` (docs/tried.md).
   float stratum = inversesqrt(kPi * max((is_brdf ? r.strata.x : r.strata.y) * pdf, 1e-6));
 #if MEASURED
   float of_lobe = (2.0 * nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05);

@@ -341,7 +341,7 @@ std::string cost_script(const std::vector<CostCurve>& curves, const std::string&
       "set output '" +
       svg_file +
       "'\nset logscale xy\nset border 3\nset grid linecolor rgb '#888888' linewidth 0.4 dashtype 3\n"
-      "set key outside bottom center horizontal Left reverse samplen 1.5\n"
+      "set key outside bottom center horizontal Left reverse samplen 1.5 height 1\n"
       "set xlabel 'triangles of the scene'\nset ylabel 'added to a frame (ms)'\n"
       "set xtics nomirror ('10,000' 1e4, '100,000' 1e5, '1,000,000' 1e6)\nset xrange [7e3:1.4e6]\n"
       "set ytics nomirror (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)\n";

@@ -128,7 +128,8 @@ std::string gnuplot_script(const Chart& chart, const std::string& svg_file) {
   std::string script = "set terminal svg size 640,430 dynamic font \"Helvetica,Arial,sans-serif,15\" fontscale 1\n";
   script += "set output " + quoted(svg_file) + "\nset logscale xy\nset border 3 linecolor rgb " + ink + "\n";
   script += "set grid xtics ytics linecolor rgb \"#888888\" linewidth 0.4 dashtype 3\n";
-  script += "set key outside bottom center horizontal Left reverse samplen 1.5 spacing 1.2 height 1 textcolor rgb " + ink + "\n";
+  script += "set key outside bottom center horizontal Left reverse samplen 1.5 spacing 1.2 height 1 textcolor rgb " +
+            ink + "\n";
   script += "set xlabel \"time of a frame (ms)\" offset 0,0.4 textcolor rgb " + ink + "\n";
   script += "set ylabel " + quoted(percent ? "relative RMSE" : "FLIP") + " textcolor rgb " + ink + "\n";
   script += "set xtics nomirror textcolor rgb " + ink + " " + tics(time, 1.0, "") + "\n";

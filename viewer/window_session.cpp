@@ -346,9 +346,9 @@ void WindowSession::go_to_camera(int index) {
 }
 
 void WindowSession::meter_if_requested() {
-  if (!metering_ || !state.auto_exposure) return;
+  if (to_meter_ == 0 || !state.auto_exposure) return;
   state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
-  metering_ = !renderer_.background_work().empty();
+  to_meter_ = renderer_.background_work().empty() ? to_meter_ - 1 : kMetered;
 }
 
 /// A camera of a file says nothing of how far what it looks at is: as far as the middle of the scene.

@@ -33,9 +33,9 @@ class WindowSession {
   void undo();
   void go_to_camera(int index);
   void frame_scene(float aspect);
-  /// The exposure is to be found from the picture: when the next one that does not move is drawn, and again when what
+  /// The exposure is to be found from the picture: when the next ones that do not move are drawn, and again when what
   /// is computed in the background shows.
-  void request_metering() { metering_ = true; }
+  void request_metering() { to_meter_ = kMetered; }
   void meter_if_requested();
   void add_message(MessageLevel level, const std::string& text);
   void dismiss_messages();
@@ -96,7 +96,9 @@ class WindowSession {
   std::string scene_source_, environment_source_;
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
-  bool metering_ = true;
+  /// What a picture reads from the cache while it is drawn (baked shadows and light) the next one shows.
+  static constexpr int kMetered = 2;
+  int to_meter_ = kMetered;  ///< pictures
   std::uint32_t seed_ = 0;
   std::uint64_t revision_ = 0, paint_revision_ = 0;
 };

@@ -15,6 +15,9 @@ struct ShaderVariant {
   auto operator<=>(const ShaderVariant&) const = default;
 };
 
+/// What a define holds that says yes or no.
+inline std::string flag(bool on) { return on ? "1" : "0"; }
+
 /// Compiles each variant when it is first asked for.
 class ProgramCache {
  public:

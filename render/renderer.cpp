@@ -251,11 +251,14 @@ void Renderer::Impl::prepare_accumulation(const FramePlan& plan, bool accumulate
     progressive = Progressive::make(*targets, constants.size.w);
 }
 
-void Renderer::Impl::renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count) {
-  constexpr std::int64_t kLength = EnvironmentBuffers::kListLength;
-  if (begin == 0 || begin / kLength == (begin + count) / kLength) return;
+void Renderer::Impl::renew_light_list(std::uint32_t seed) {
   environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
   light_list_seed.reset();
+}
+
+void Renderer::Impl::renew_light_list_for(std::int64_t begin, std::int64_t count, std::uint32_t seed) {
+  constexpr std::int64_t kLength = EnvironmentBuffers::kListLength;
+  if (begin > 0 && begin / kLength != (begin + count) / kLength) renew_light_list(seed);
 }
 
 namespace {
@@ -341,7 +344,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.repainted.assign(s.repainted.size(), false);
   s.drawn_epoch = s.epoch;
   s.last_request = request;
-  if (!bandwidth) s.renew_light_list(request.seed, static_cast<std::int64_t>(s.accumulated) * samples, samples);
+  if (!bandwidth) s.renew_light_list_for(static_cast<std::int64_t>(s.accumulated) * samples, samples, request.seed);
   const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
   std::optional<float> passing_density;
   if (turn.goes_on() || repaints)

@@ -10,11 +10,10 @@ int groups(int count, int size) { return (count + size - 1) / size; }
 }  // namespace
 
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors) {
-  return {"gbuffer/resolve.comp",
-          "",
-          {{"TEXTURES", textures ? "1" : "0"},
-           {"TEXTURE_BANDWIDTH", texture_bandwidth ? "1" : "0"},
-           {"VERTEX_COLORS", colors ? "1" : "0"}}};
+  return {
+      "gbuffer/resolve.comp",
+      "",
+      {{"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", flag(texture_bandwidth)}, {"VERTEX_COLORS", flag(colors)}}};
 }
 
 bool Renderer::Impl::needs_gbuffer(const FrameRequest& request, FramePlan* plan) {

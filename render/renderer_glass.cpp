@@ -34,12 +34,12 @@ ShaderVariant glass_variant(const FramePlan& plan, const GlassKind& kind) {
   return {"glass/glass.frag",
           "glass/glass.vert",
           {{"VISIBILITY", visibility_define(plan)},
-           {"TEXTURES", kind.texture ? "1" : "0"},
-           {"SURFACE", kind.surface ? "1" : "0"},
-           {"PANE", kind.pane ? "1" : "0"},
-           {"RECORD", kind.record ? "1" : "0"},
+           {"TEXTURES", flag(kind.texture)},
+           {"SURFACE", flag(kind.surface)},
+           {"PANE", flag(kind.pane)},
+           {"RECORD", flag(kind.record)},
            {"MIRRORED", std::to_string(static_cast<int>(kind.reflected))},
-           {"HATCHED", kind.hatched ? "1" : "0"}}};
+           {"HATCHED", flag(kind.hatched)}}};
 }
 
 float squared_distance(const Bounds& bounds, const glm::vec3& eye) {

@@ -8,14 +8,14 @@
 namespace maquette {
 
 ShaderVariant glossy_variant(bool measured, bool indirect) {
-  return {"reflections/glossy.comp", "", {{"MEASURED", measured ? "1" : "0"}, {"INDIRECT", indirect ? "1" : "0"}}};
+  return {"reflections/glossy.comp", "", {{"MEASURED", flag(measured)}, {"INDIRECT", flag(indirect)}}};
 }
 ShaderVariant glossy_rays_variant(bool measured) {
-  return {"reflections/glossy_rays.comp", "", {{"MEASURED", measured ? "1" : "0"}}};
+  return {"reflections/glossy_rays.comp", "", {{"MEASURED", flag(measured)}}};
 }
 
 ShaderVariant glossy_tiles_variant(bool measured) {
-  return {"reflections/glossy_tiles.comp", "", {{"MEASURED", measured ? "1" : "0"}}};
+  return {"reflections/glossy_tiles.comp", "", {{"MEASURED", flag(measured)}}};
 }
 
 std::vector<bool> Renderer::Impl::glossy_items(float roughness) const {

@@ -175,10 +175,10 @@ struct Renderer::Impl {
   CoarsePatches coarse_patches;                      ///< of the scene, while there are reflectors
   std::optional<std::uint32_t> coarse_epoch;         ///< geometry_epoch that they are of
   Buffer coarse_indices;
-  bool reflectors_fitted = false;                    ///< their curved meshes have patches
-  PatchFitStore patch_fits;                          ///< of these
-  std::string fitting;                               ///< names of reflectors that are left out until theirs are there
-  bool reflectors_glossy = false;                    ///< those that are only glossy were let pass
+  bool reflectors_fitted = false;   ///< their curved meshes have patches
+  PatchFitStore patch_fits;         ///< of these
+  std::string fitting;              ///< names of reflectors that are left out until theirs are there
+  bool reflectors_glossy = false;   ///< those that are only glossy were let pass
   Buffer fit_triangles, fit_reach;  ///< [triangle of them], [patch]: as shaders/reflections/rays.comp has them
   Texture fit_triangle_view;
   Buffer ghost_reach;                   ///< by reflector, as ReflectionFrame has it
@@ -239,9 +239,10 @@ struct Renderer::Impl {
   void upload_materials();
   /// Before the first frame of a picture: room for what it will know of its points, or none.
   void prepare_accumulation(const FramePlan& plan, bool accumulate);
-  /// Draws the light samples anew when a point that takes `count` more samples after its first `begin` would come round
-  /// the list in this frame.
-  void renew_light_list(std::uint32_t seed, std::int64_t begin, std::int64_t count);
+  /// Draws the light samples anew.
+  void renew_light_list(std::uint32_t seed);
+  /// The same when a point that takes `count` more samples after its first `begin` would come round the list.
+  void renew_light_list_for(std::int64_t begin, std::int64_t count, std::uint32_t seed);
   /// `passing_density`: of points, over that of other frames, where what is drawn stands for an instant only.
   void prepare_constants(const FrameRequest& request, const FramePlan& plan, std::optional<float> passing_density,
                          int samples, int chunk);

@@ -12,8 +12,6 @@ constexpr int kPredictionSamples = 8;  // directions a quad; neighbours pool to 
 
 int groups(int count, int size) { return (count + size - 1) / size; }
 
-std::string flag(int k) { return k ? "1" : "0"; }
-
 ShaderVariant predict_variant(const FramePlan& plan, int measured, bool sky_variance) {
   return {"bandwidth/predict.comp",
           "",

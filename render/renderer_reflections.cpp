@@ -32,8 +32,6 @@ constexpr int kLookupLayerSamples = 64;
 
 int groups(int count, int size) { return (count + size - 1) / size; }
 
-std::string flag(bool k) { return k ? "1" : "0"; }
-
 /// std140 twin of the block in shaders/reflections/reflectors.glsl.
 struct ReflectorBlock {
   glm::ivec4 mirrors[kMaxReflectors]{};
@@ -73,7 +71,7 @@ ShaderVariant reflected_shade_variant(const FramePlan& plan, int measured) {
   return {"shading/shade.comp",
           "",
           {{"REFLECTED", "1"},
-           {"MEASURED", measured ? "1" : "0"},
+           {"MEASURED", flag(measured)},
            {"VISIBILITY", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)}}};
 }

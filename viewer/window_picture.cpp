@@ -81,7 +81,7 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
   if (due) draw(session, request, request == drawn_ && (!changed || paint_alone));
   if (due && !failed_) note_cost(moved && same_size && !begins);
-  if (due && !failed_ && !moving_) session->meter_if_requested();
+  if (due && !failed_ && !moving_) session->meter_if_requested(stats_->accumulated_frames > 1);
   const EditorState& state = session->state;
   const bool better = due && !(stats_ && still_edges_.hidden(stats_->accumulated_frames));
   if (better || picture_.width() != width_px || picture_.height() != height_px || shown_tonemap_ != state.tonemap ||

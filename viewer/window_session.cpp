@@ -345,10 +345,11 @@ void WindowSession::go_to_camera(int index) {
   request_metering();
 }
 
-void WindowSession::meter_if_requested() {
-  if (to_meter_ == 0 || !state.auto_exposure) return;
+void WindowSession::meter_if_requested(bool goes_on) {
+  if (!metering_ || !state.auto_exposure) return;
   state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
-  to_meter_ = renderer_.background_work().empty() ? to_meter_ - 1 : kMetered;
+  // What is read from the cache may be done before the frame is that asked for it, and shows in the next one only.
+  metering_ = !goes_on || !renderer_.background_work().empty();
 }
 
 /// A camera of a file says nothing of how far what it looks at is: as far as the middle of the scene.

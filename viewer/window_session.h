@@ -33,10 +33,11 @@ class WindowSession {
   void undo();
   void go_to_camera(int index);
   void frame_scene(float aspect);
-  /// The exposure is to be found from the picture: when the next ones that do not move are drawn, and again when what
-  /// is computed in the background shows.
-  void request_metering() { to_meter_ = kMetered; }
-  void meter_if_requested();
+  /// The exposure is to be found from the picture: when the next one that does not move is drawn, and again until
+  /// nothing is computed in the background any more and what was shows.
+  void request_metering() { metering_ = true; }
+  /// `goes_on`: the picture is the one before with more samples; nothing that was computed beside came into it.
+  void meter_if_requested(bool goes_on);
   void add_message(MessageLevel level, const std::string& text);
   void dismiss_messages();
 
@@ -96,9 +97,7 @@ class WindowSession {
   std::string scene_source_, environment_source_;
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
-  /// What a picture reads from the cache while it is drawn (baked shadows and light) the next one shows.
-  static constexpr int kMetered = 2;
-  int to_meter_ = kMetered;  ///< pictures
+  bool metering_ = true;
   std::uint32_t seed_ = 0;
   std::uint64_t revision_ = 0, paint_revision_ = 0;
 };

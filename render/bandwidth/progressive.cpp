@@ -199,8 +199,7 @@ RefineRates Renderer::Impl::measure_deviations() {
 
 void Renderer::Impl::renew_light_list_after(double rounds, std::uint32_t seed) {
   if (rounds < progressive->rounds + 1.0) return;
-  environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(accumulated));
-  light_list_seed.reset();
+  renew_light_list(seed);
   progressive->rounds = rounds;
 }
 

@@ -28,8 +28,6 @@ const ShaderVariant kMarks{
     "bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"MARKS_ONLY", "1"}}};
 const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
 
-std::string flag(bool on) { return on ? "1" : "0"; }
-
 ShaderVariant turned_gather_variant(int round, bool textures, bool sun) {
   return {"turning/gather.comp",
           "",

@@ -21,9 +21,7 @@ struct SunTexel {
   double power;  ///< luminance times the integral of its tent over the sphere
 };
 
-double luminance(const glm::vec3& c) {
-  return 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) + 0.0722 * static_cast<double>(c.z);
-}
+double luminance(const glm::vec3& c) { return static_cast<double>(shared::luminance(c)); }
 
 /// Integral of cos(latitude) over the tent around row y's centre, over the texels' extents: the tent's second moment
 /// takes 1/12 of the square of a row off.
@@ -52,8 +50,8 @@ EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, doub
 }  // namespace
 
 std::optional<Sun> find_sun(const Environment& environment, double luminance_integral, int bias, std::size_t samples) {
-  const double sun_luminance = static_cast<double>(shared::kSunDensity) * luminance_integral;
   if (!(luminance_integral > 0.0)) return std::nullopt;
+  const double sun_luminance = static_cast<double>(shared::kSunDensity) * luminance_integral;
   const auto width = static_cast<std::size_t>(environment.width), height = static_cast<std::size_t>(environment.height);
   const double texel_sr = 2.0 * kPi * kPi / static_cast<double>(width * height);
   std::vector<SunTexel> texels;

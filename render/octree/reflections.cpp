@@ -107,7 +107,7 @@ class OctreeReflections : public ReflectorTechnique {
 }  // namespace
 
 ShaderVariant octree_reflect_variant(bool cells, bool glossy) {
-  return {"octree/reflect.comp", "", {{"CELLS", cells ? "1" : "0"}, {"GLOSSY", glossy ? "1" : "0"}}};
+  return {"octree/reflect.comp", "", {{"CELLS", flag(cells)}, {"GLOSSY", flag(glossy)}}};
 }
 
 ShaderVariant shade_cells_variant(bool traced) {

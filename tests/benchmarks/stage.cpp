@@ -13,7 +13,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
-#include "tests/benchmarks/reference.h"
+#include "tests/support/converged_parts.h"
 
 namespace maquette::bench {
 
@@ -130,12 +130,7 @@ std::uint64_t Stage::content_key() {
 
 namespace {
 
-/// a += b * weight
-void add(Image* a, const Image& b, float weight) {
-  for (std::size_t i = 0; i < a->data.size(); ++i) a->data[i] += weight * b.data[i];
-}
-
-/// The same for light alone: alpha stays.
+/// a += b but for alpha.
 void add_light(Image* a, const Image& b) {
   for (std::size_t i = 0; i < a->data.size(); ++i)
     if (i % 4 != 3) a->data[i] += b.data[i];
@@ -183,11 +178,43 @@ Image Stage::draw_uniform(int samples, std::uint32_t seed, int frames) {
   return renderer_->read_radiance();
 }
 
+/// Runs at every pixel first, then at those where they are worth most, until the noise or the time says enough.
+void Stage::sample_halves(const Clock& begin, test::SampledHalf halves[2]) {
+  constexpr int kFrames = 4, kSamples = 256, kMaxRuns = 1024, kPilotRuns = 8;
+  constexpr double kEnough = 0.002;
+  // The kernel for single pixels knows measured tables and the sky alone.
+  const FramePlan plan = renderer_->render(request("uniform", 2)).plan;
+  const bool single = !case_.material.empty() && !plan.lights;
+  for (int h = 0; h < 2; ++h) halves[h] = test::SampledHalf(case_.width, case_.height);
+  int runs = 0;
+  double noise = 1.0;
+  const auto go_on = [&] {
+    return runs < kMaxRuns && noise > kEnough && 0.5 * (now() - begin).cpu_ms < 1e3 * options_.reference_seconds;
+  };
+  for (; go_on() && (!single || runs < kPilotRuns); runs += 2) {
+    // Low-discrepancy runs, each of its own seed, into both halves in turn.
+    for (int h = 0; h < 2; ++h)
+      halves[h].add(draw_uniform(kSamples, static_cast<std::uint32_t>(1000 + runs + h), kFrames));
+    noise = 0.5 * relative_rmse(halves[0].mean(), halves[1].mean());
+  }
+  if (!go_on()) return;
+  const test::PixelSampler sampler;
+  for (; go_on(); runs += 2) {
+    const std::size_t count = static_cast<std::size_t>(case_.width) * static_cast<std::size_t>(case_.height) / 32;
+    const std::vector<std::uint32_t> pixels[2] = {halves[0].neediest(halves[1], count),
+                                                  halves[1].neediest(halves[0], count)};
+    for (int h = 0; h < 2; ++h) {
+      draw_uniform(2, static_cast<std::uint32_t>(1000 + runs + h));  // seed and light samples
+      halves[h].add(pixels[h], sampler.draw(pixels[h], kFrames * kSamples));
+    }
+    noise = 0.5 * relative_rmse(halves[0].mean(), halves[1].mean());
+  }
+}
+
 void Stage::make_reference(Image halves[2]) {
-  constexpr int kFrames = 4, kSamples = 256, kMaxRuns = 1024;
   const Clock begin = now();
-  const SplitEnvironment split = split_environment(*environment_);
-  const std::shared_ptr<const Scene> opaque = renderer_->facts().has_glass ? without_panes(*scene_) : scene_;
+  const test::SplitEnvironment split = test::split_environment(*environment_);
+  const std::shared_ptr<const Scene> opaque = renderer_->facts().has_glass ? test::without_panes(*scene_) : scene_;
   std::vector<Image> with, without;
   if (opaque != scene_) {
     for (std::uint32_t seed = 0; seed < 4; ++seed) with.push_back(draw_uniform(2, seed));
@@ -195,21 +222,13 @@ void Stage::make_reference(Image halves[2]) {
     for (std::uint32_t seed = 0; seed < 4; ++seed) without.push_back(draw_uniform(2, seed));
   }
   set_inputs(opaque, split.rest);
-  // Low-discrepancy runs, each of its own seed, into both halves in turn.
-  for (int h = 0; h < 2; ++h) halves[h] = Image(case_.width, case_.height, 4);
-  int runs = 0;
-  double noise = 1.0;
-  for (; runs < kMaxRuns && noise > 0.002 && 0.5 * (now() - begin).cpu_ms < 1e3 * options_.reference_seconds;
-       runs += 2) {
-    for (int h = 0; h < 2; ++h)
-      add(&halves[h], draw_uniform(kSamples, static_cast<std::uint32_t>(1000 + runs + h), kFrames), 1.0f);
-    noise = 0.5 * relative_rmse(halves[0], halves[1]);
-  }
+  test::SampledHalf sampled[2];
+  sample_halves(begin, sampled);
   for (int h = 0; h < 2; ++h) {
-    for (float& v : halves[h].data) v *= 2.0f / static_cast<float>(runs);
-    if (split.bright[h].empty()) continue;
-    const Image bright = shade_directions(*renderer_, split.bright[h], !case_.material.empty());
-    add_light(&halves[h], bright);
+    halves[h] = sampled[h].mean();
+    if (split.bright.empty()) continue;
+    const test::CellGrid grid = h == 0 ? test::coarse_grid(split) : test::fine_grid(split);
+    add_light(&halves[h], test::shade_cells(*renderer_, split.bright, grid, !case_.material.empty()));
   }
   if (opaque != scene_) {
     const Panes panes = solve_panes(with, without);
@@ -218,8 +237,10 @@ void Stage::make_reference(Image halves[2]) {
         if (i % 4 != 3) halves[h].data[i] = panes.through.data[i] * halves[h].data[i] + panes.added.data[i];
   }
   set_inputs(scene_, environment_);
-  std::fprintf(stderr, "  %-16s converged picture: %d runs, %zu bright directions, %.1f s\n", case_.name.c_str(), runs,
-               split.bright[1].size(), 1e-3 * (now() - begin).wall_ms);
+  const Clock spent = now() - begin;
+  std::fprintf(stderr, "  %-16s converged picture: noise %.3f %%, %zu bright cells, %.1f s (processor time %.1f s)\n",
+               case_.name.c_str(), 50.0 * relative_rmse(halves[0], halves[1]), split.bright.size(),
+               1e-3 * spent.wall_ms, 1e-3 * spent.cpu_ms);
 }
 
 const Reference& Stage::reference() {

@@ -10,6 +10,10 @@
 #include "render/renderer.h"
 #include "scenes/image.h"
 
+namespace maquette::test {
+class SampledHalf;
+}
+
 /// The benchmark program: every figure that the project promises, measured. Shared by its parts.
 namespace maquette::bench {
 
@@ -81,6 +85,7 @@ class Stage {
  private:
   std::uint64_t content_key();
   void make_reference(Image halves[2]);
+  void sample_halves(const Clock& begin, test::SampledHalf halves[2]);
   void set_inputs(std::shared_ptr<const Scene> scene, std::shared_ptr<const Environment> environment);
   const Options& options_;
   GlContext context_;

@@ -29,6 +29,19 @@ float effective_solid_angle(const Environment& e, double integral) {
   return static_cast<float>(1.0 / std::max(sum, 1e-9));
 }
 
+/// [cell][kSeenBandwidthCount + 1]: as each lobe sees it, then nu_L itself, so that one read fetches both.
+std::vector<float> cell_bandwidths(const EnvironmentTables& tables) {
+  std::vector<float> values;
+  values.reserve(tables.bandwidth.size() + tables.seen_bandwidth.size());
+  auto seen = tables.seen_bandwidth.begin();
+  for (const float own : tables.bandwidth) {
+    values.insert(values.end(), seen, seen + kSeenBandwidthCount);
+    values.push_back(own);
+    seen += kSeenBandwidthCount;
+  }
+  return values;
+}
+
 }  // namespace
 
 int EnvironmentBuffers::packing_bias(const Environment& environment) {
@@ -48,7 +61,7 @@ EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> enviro
   });
   words_ = Buffer::from("environment", words);
   word_view_ = Texture::make_buffer("environment", GL_R32UI, words_);
-  bandwidth_ = Buffer::from("environment bandwidth", tables_.bandwidth);
+  bandwidth_ = Buffer::from("environment bandwidth", cell_bandwidths(tables_));
   bandwidth_view_ = Texture::make_buffer("environment bandwidth", GL_R32F, bandwidth_);
   effective_sr_ = effective_solid_angle(*environment_, tables_.luminance_integral);
   list_ = Buffer("light samples", kListLength * sizeof(EnvironmentSample));

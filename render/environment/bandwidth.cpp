@@ -10,6 +10,11 @@
 
 #include "render/environment/wavelet_bandwidth.h"
 
+namespace maquette::shared {
+using namespace glm;
+#include "shared/bandwidth.glsl"
+}  // namespace maquette::shared
+
 namespace maquette {
 namespace {
 
@@ -22,7 +27,8 @@ constexpr float kClipStep = 4.0f;    ///< ratio of neighbouring clip thresholds
 constexpr int kMaxClipCount = 10;    ///< a wider range of brightness gets wider steps
 constexpr double kTailShare = 0.05;  ///< 95 % of the energy is inside
 constexpr double kTailContrast = 0.01;
-constexpr double kMaxStretch = 4.0;  ///< largest 1 / sin(theta) that is undone
+constexpr double kLeavesAlone = 8.0;  ///< a lobe of so many times the light's bandwidth takes 3 % of what is there
+constexpr double kMaxStretch = 4.0;   ///< largest 1 / sin(theta) that is undone
 
 /// Luminance, [height][width], width = 2 height = a power of two.
 struct Map {
@@ -189,6 +195,70 @@ void add_columns(const Map& map, int clip, Cells& cells) {
   });
 }
 
+/// Spectra along one axis of a row of cells, and what each lobe leaves of them.
+class AxisSpectra {
+ public:
+  /// `negligible`: energies that count as nothing, one a cell; `cycles_per_rad`: of direction, of one cycle per sample.
+  AxisSpectra(const LevelSpectrum& spectrum, const float* energies, const std::vector<double>& negligible,
+              double cycles_per_rad)
+      : spectrum_(spectrum), cycles_per_rad_(cycles_per_rad), bins_(spectrum.bin_count()), seen_(bins_) {
+    values_.resize(negligible.size() * bins_);
+    spectrum.spectra(energies, negligible.data(), negligible.size(), values_.data());
+    for (std::size_t k = 0; k < kSeenBandwidthCount; ++k)
+      for (std::size_t b = 0; b < bins_; ++b)
+        kept_.push_back(
+            static_cast<float>(lobe_energy(cycles_per_rad * LevelSpectrum::bin_frequency(b) / seen_through(k))));
+    kept_.insert(kept_.end(), bins_, 1.0f);  // a mirror
+  }
+  /// Takes cell x as lobe k sees it, kSeenBandwidthCount for a mirror; returns its energy.
+  double see(std::size_t x, std::size_t k) {
+    double sum = 0.0;
+    for (std::size_t b = 0; b < bins_; ++b)
+      sum += static_cast<double>(seen_[b] = values_[x * bins_ + b] * kept_[k * bins_ + b]);
+    return sum;
+  }
+  /// Of what was seen last, cycles/rad.
+  double quantile(double tail) const { return cycles_per_rad_ * spectrum_.quantile(seen_.data(), tail); }
+
+ private:
+  /// Energy that a Gaussian lobe leaves at `nu` times its nu_rho, below which 95 % of its own lies: erf(1.386) = 0.95.
+  /// nu_rho is calibrated by such lobes (render/materials/bandwidth.cpp).
+  static double lobe_energy(double nu) { return std::exp(-1.386 * 1.386 * nu * nu); }
+
+  const LevelSpectrum& spectrum_;
+  double cycles_per_rad_;
+  std::size_t bins_;
+  std::vector<float> values_;  ///< [cell][bin]
+  std::vector<float> kept_;    ///< [lobe][bin] share of the energy
+  std::vector<float> seen_;    ///< [bin]
+};
+
+/// The bandwidths of the cells of row cy.
+void find_row(const Cells& cells, const LevelSpectrum& spectrum, double samples_per_rad, std::size_t cy,
+              EnvironmentTables& tables) {
+  const double sin_theta = std::sin(kPi * (static_cast<double>(cy) + 0.5) / static_cast<double>(cells.height));
+  const double stretch = std::min(1.0 / sin_theta, kMaxStretch);
+  const std::size_t first = cy * cells.width, level = first * static_cast<std::size_t>(cells.level_count);
+  std::vector<double> negligible(cells.width);
+  for (std::size_t x = 0; x < cells.width; ++x)
+    negligible[x] = std::pow(kTailContrast * static_cast<double>(cells.mean[first + x]), 2.0);
+  AxisSpectra row(spectrum, &cells.along_row[level], negligible, stretch * samples_per_rad);
+  AxisSpectra column(spectrum, &cells.along_column[level], negligible, samples_per_rad);
+  for (std::size_t x = 0; x < cells.width; ++x) {
+    const auto seen_by = [&](std::size_t lobe) {
+      // Each axis's own sum misses what is constant along it: the larger one is nearer to the whole.
+      const double tail = kTailShare * std::max(row.see(x, lobe), column.see(x, lobe)) + negligible[x];
+      return static_cast<float>(std::hypot(row.quantile(tail), column.quantile(tail)));
+    };
+    const float own = tables.bandwidth[first + x] = seen_by(kSeenBandwidthCount);
+    const float least = std::min(own, shared::kBandwidthLambert);
+    float* seen = &tables.seen_bandwidth[(first + x) * kSeenBandwidthCount];
+    float narrower = own;
+    for (std::size_t k = kSeenBandwidthCount; k-- > 0; seen[k] = narrower)
+      if (narrower > least && seen_through(k) < kLeavesAlone * own) narrower = std::clamp(seen_by(k), least, narrower);
+  }
+}
+
 }  // namespace
 
 void compute_bandwidth(const Environment& environment, EnvironmentTables& tables) {
@@ -197,6 +267,7 @@ void compute_bandwidth(const Environment& environment, EnvironmentTables& tables
   tables.bandwidth_width = static_cast<int>(cells.width);
   tables.bandwidth_height = static_cast<int>(cells.height);
   tables.bandwidth.assign(cells.count(), 0.0f);
+  tables.seen_bandwidth.assign(cells.count() * kSeenBandwidthCount, 0.0f);
   if (cells.thresholds.empty()) return;
   const std::set<int> used(cells.clip.begin(), cells.clip.end());
   for (const int clip : used) {
@@ -204,27 +275,8 @@ void compute_bandwidth(const Environment& environment, EnvironmentTables& tables
     add_columns(map, clip, cells);
   }
   const LevelSpectrum spectrum(cells.level_count);
-  const auto levels = static_cast<std::size_t>(cells.level_count);
-  const double samples_per_rad = static_cast<double>(map.width) / (2.0 * kPi);
   tbb::parallel_for(std::size_t{0}, cells.height, [&](std::size_t cy) {
-    const double sin_theta = std::sin(kPi * (static_cast<double>(cy) + 0.5) / static_cast<double>(cells.height));
-    const double stretch = std::min(1.0 / sin_theta, kMaxStretch);
-    const std::size_t first = cy * cells.width;
-    std::vector<double> tails(cells.width), row(cells.width), column(cells.width);
-    for (std::size_t x = 0; x < cells.width; ++x) {
-      double row_energy = 0.0, column_energy = 0.0;
-      for (std::size_t i = (first + x) * levels; i < (first + x + 1) * levels; ++i) {
-        row_energy += static_cast<double>(cells.along_row[i]);
-        column_energy += static_cast<double>(cells.along_column[i]);
-      }
-      // Each axis's own sum misses what is constant along it: the larger one is nearer to the whole.
-      const double mean = kTailContrast * static_cast<double>(cells.mean[first + x]);
-      tails[x] = kTailShare * std::max(row_energy, column_energy) + mean * mean;
-    }
-    spectrum.quantiles(&cells.along_row[first * levels], tails.data(), cells.width, row.data());
-    spectrum.quantiles(&cells.along_column[first * levels], tails.data(), cells.width, column.data());
-    for (std::size_t x = 0; x < cells.width; ++x)
-      tables.bandwidth[first + x] = static_cast<float>(samples_per_rad * std::hypot(stretch * row[x], column[x]));
+    find_row(cells, spectrum, static_cast<double>(map.width) / (2.0 * kPi), cy, tables);
   });
 }
 

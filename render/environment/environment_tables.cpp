@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "render/environment/bandwidth.h"
 #include "render/environment/importance.h"
@@ -11,9 +12,9 @@ namespace maquette {
 namespace {
 
 constexpr const char* kCacheKind = "environment-bandwidth";
-constexpr int kCacheVersion = 2;
+constexpr int kCacheVersion = 5;
 
-/// Cached bytes: two int32 (width, height), then the bandwidths.
+/// Cached bytes: two int32 (width, height), then both bandwidths.
 bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& tables) {
   const auto bytes = cache_load(kCacheKind, kCacheVersion, environment.hash);
   std::int32_t size[2] = {0, 0};
@@ -21,20 +22,27 @@ bool read_cached_bandwidth(const Environment& environment, EnvironmentTables& ta
   std::memcpy(size, bytes->data(), sizeof size);
   if (size[0] < 1 || size[1] < 1 || size[0] > 4096 || size[1] > 4096) return false;
   const std::size_t count = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
-  if (bytes->size() != sizeof size + count * sizeof(float)) return false;
+  if (bytes->size() != sizeof size + count * (1 + kSeenBandwidthCount) * sizeof(float)) return false;
   tables.bandwidth_width = size[0];
   tables.bandwidth_height = size[1];
-  tables.bandwidth.resize(count);
-  std::memcpy(tables.bandwidth.data(), bytes->data() + sizeof size, count * sizeof(float));
+  const std::byte* from = bytes->data() + sizeof size;
+  for (auto [values, each] :
+       {std::pair{&tables.bandwidth, std::size_t{1}}, {&tables.seen_bandwidth, kSeenBandwidthCount}}) {
+    values->resize(count * each);
+    std::memcpy(values->data(), from, values->size() * sizeof(float));
+    from += values->size() * sizeof(float);
+  }
   return true;
 }
 
 void store_bandwidth(const Environment& environment, const EnvironmentTables& tables) {
   const std::int32_t size[2] = {tables.bandwidth_width, tables.bandwidth_height};
   const auto header = std::as_bytes(std::span(size));
-  const auto values = std::as_bytes(std::span(tables.bandwidth));
   std::vector<std::byte> bytes(header.begin(), header.end());
-  bytes.insert(bytes.end(), values.begin(), values.end());
+  for (const auto* values : {&tables.bandwidth, &tables.seen_bandwidth}) {
+    const auto added = std::as_bytes(std::span(*values));
+    bytes.insert(bytes.end(), added.begin(), added.end());
+  }
   cache_store(kCacheKind, kCacheVersion, environment.hash, bytes);
 }
 

@@ -8,6 +8,10 @@
 
 namespace maquette {
 
+/// Lobes through which the sky's bandwidth is tabulated: nu_rho of number k is seen_through(k) cycles/rad.
+inline constexpr std::size_t kSeenBandwidthCount = 9;
+constexpr double seen_through(std::size_t k) { return 0.5 * static_cast<double>(1u << k); }
+
 /// Tables derived once per environment and cached by content; independent of its rotation. No OpenGL.
 struct EnvironmentTables {
   int width = 0, height = 0;           ///< of the importance grid: the environment's own
@@ -21,6 +25,8 @@ struct EnvironmentTables {
   /// nu_L: local angular bandwidth, cycles per radian of direction, [bandwidth_height][bandwidth_width], latlong;
   /// sin(theta) of longitude undone. Daubechies-4 wavelets; local (a sun does not raise the whole sky).
   std::vector<float> bandwidth;
+  /// nu_L as it is seen through a lobe, [bandwidth_height][bandwidth_width][kSeenBandwidthCount], at most nu_L.
+  std::vector<float> seen_bandwidth;
 };
 EnvironmentTables compute_environment_tables(const Environment& environment);
 EnvironmentTables load_environment_tables(const Environment& environment);  ///< through the disk cache

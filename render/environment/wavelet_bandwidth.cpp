@@ -158,40 +158,46 @@ MAQUETTE_WIDE void LevelSpectrum::estimate(Group& group) const {
   }
 }
 
-void LevelSpectrum::quantiles(const float* energies, const double* tails, std::size_t count, double* result) const {
+void LevelSpectrum::spectra(const float* energies, const double* negligible, std::size_t count, float* result) const {
   Group group{std::vector<Spectra>(level_count_), std::vector<Spectra>(bin_count_), std::vector<Spectra>(bin_count_)};
   std::array<std::size_t, kLanes> members{};
-  std::array<double, kLanes> totals{};
+  std::array<float, kLanes> totals{};
   std::size_t filled = 0;
+  std::fill(result, result + count * bin_count_, 0.0f);
   const auto finish = [&] {
     if (filled == 0) return;
     estimate(group);
-    for (std::size_t l = 0; l < filled; ++l) {
-      double above = 0.0;
-      for (std::size_t b = 0; b < bin_count_; ++b) {
-        const double energy = static_cast<double>(group.spectrum[b].of[l]) * static_cast<double>(gain_[b]) * totals[l];
-        const double missing = tails[members[l]] - above;
-        above += energy;
-        if (energy <= missing) continue;
-        // `missing` of the bin's energy lies above the quantile, counted from the bin's upper edge.
-        result[members[l]] = std::exp2(bin_upper_log2(static_cast<double>(b) + missing / energy) - kPeakOctaves);
-        break;
-      }
-    }
+    for (std::size_t l = 0; l < filled; ++l)
+      for (std::size_t b = 0; b < bin_count_; ++b)
+        result[members[l] * bin_count_ + b] = group.spectrum[b].of[l] * gain_[b] * totals[l];
     filled = 0;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    result[i] = 0.0;
     double total = 0.0;
     for (std::size_t j = 0; j < level_count_; ++j) total += static_cast<double>(energies[i * level_count_ + j]);
-    if (!(total > tails[i])) continue;
+    if (!(total > negligible[i])) continue;
     for (std::size_t j = 0; j < level_count_; ++j)
       group.energies[j].of[filled] = static_cast<float>(static_cast<double>(energies[i * level_count_ + j]) / total);
     members[filled] = i;
-    totals[filled] = total;
+    totals[filled] = static_cast<float>(total);
     if (++filled == kLanes) finish();
   }
   finish();
+}
+
+double LevelSpectrum::bin_frequency(std::size_t bin) {
+  return std::exp2(bin_upper_log2(static_cast<double>(bin) + 0.5));
+}
+
+double LevelSpectrum::quantile(const float* spectrum, double tail) const {
+  double above = 0.0;
+  for (std::size_t b = 0; b < bin_count_; ++b) {
+    const double energy = static_cast<double>(spectrum[b]), missing = tail - above;
+    above += energy;
+    // `missing` of the bin's energy lies above the quantile, counted from the bin's upper edge.
+    if (energy > missing) return std::exp2(bin_upper_log2(static_cast<double>(b) + missing / energy) - kPeakOctaves);
+  }
+  return 0.0;
 }
 
 }  // namespace maquette

@@ -49,9 +49,15 @@ std::vector<double> d4_response(double frequency, int level_count);
 class LevelSpectrum {
  public:
   explicit LevelSpectrum(int level_count);
-  /// energies: [count][level_count], level 1 first, >= 0; tails, result: [count]. Cycles per sample; 0 when the whole
-  /// energy is at most the tail. About 1 microsecond each.
-  void quantiles(const float* energies, const double* tails, std::size_t count, double* result) const;
+  /// energies: [count][level_count], level 1 first, >= 0; negligible: [count], the whole energy up to which a spectrum
+  /// is 0; result: [count][bin_count()], the energy of each quarter octave, the highest first. About 1 microsecond
+  /// each.
+  void spectra(const float* energies, const double* negligible, std::size_t count, float* result) const;
+  std::size_t bin_count() const { return bin_count_; }
+  /// The middle of a bin, cycles per sample.
+  static double bin_frequency(std::size_t bin);
+  /// Of one spectrum, [bin_count()], cycles per sample; 0 when the whole energy is at most the tail.
+  double quantile(const float* spectrum, double tail) const;
 
  private:
   struct Group;  ///< a few spectra side by side, so that every loop runs over them

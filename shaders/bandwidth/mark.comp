@@ -62,8 +62,8 @@ uniform float u_scouts;  // while nothing moves: share of the finest level's poi
 #endif
 #if BANDWIDTH && !REFINE
 /// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
-/// below it, 2.5 does best for matte spheres under Grace Cathedral, 5 for chrome ones.
-const float kPointsPerCycle = 4.0;
+/// below it: of min(nu_L, nu_rho), where this was 4, 2.5 did best for matte spheres under Grace Cathedral and 5 for chrome ones.
+const float kPointsPerCycle = 5.0;
 
 vec4 picture_mean() { return texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1); }
 
@@ -117,8 +117,9 @@ int quads_carry(ivec2 corner, float mean_radiance) {
 }
 
 /// Relative error that filling may make by what a point's normal is off the one between its neighbours, at quality 1. It falls as noise does, with the
-/// square of the quality. By error squared times samples in seven scenes at 16 to 1024 samples a pixel: 0.08 and 0.3 cost up to 8 % more.
-const float kBentError = 0.15;
+/// square of the quality. By error squared times samples in seven scenes at 16 to 1024 samples a pixel 0.15 was best, 0.08 and 0.3 cost up to 8 % more, while nu_theta
+/// was min(nu_L, nu_rho), a fifth higher.
+const float kBentError = 0.124;
 
 /// True when the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
 /// edge, interpolation is off by the slope of the light over directions, 2 pi nu_theta at most for a light like 1 + cos, times how far the

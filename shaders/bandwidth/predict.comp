@@ -24,7 +24,7 @@ layout(binding = 30) uniform samplerBuffer t_visibility_bandwidth;  // [vertex],
 layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, mean square, 1
 #endif
 layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
-layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width], cycles/rad
+layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width][1 + lobes], cycles/rad: seen through each lobe, and as it is
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;     // sum w nu, sum w (lights included), sum t^2 (with the stratum factor), 1 + material
 
 struct List {
@@ -48,10 +48,17 @@ struct Result {
 #endif
 };
 
-float environment_bandwidth(vec3 d) {
+const int kSeenBandwidthCount = 9;  // lobe k has nu_rho = 2^(k - 1) cycles/rad: render/environment/environment_tables.h
+
+/// The light's bandwidth around a direction: as it is, and as a lobe of nu_rho shows it.
+vec2 environment_bandwidth(vec3 d, float nu_rho) {
   ivec2 size = u_frame.bandwidth_size.xy;
   ivec2 p = clamp(ivec2(latlong_uv_from_direction(d) * vec2(size)), ivec2(0), size - 1);
-  return texelFetch(t_environment_bandwidth, p.y * size.x + p.x).x;
+  int first = (p.y * size.x + p.x) * (kSeenBandwidthCount + 1);
+  float lobe = clamp(log2(nu_rho) + 1.0, 0.0, float(kSeenBandwidthCount));
+  int k = min(int(lobe), kSeenBandwidthCount - 1);
+  float broader = texelFetch(t_environment_bandwidth, first + k).x, narrower = texelFetch(t_environment_bandwidth, first + k + 1).x;
+  return vec2(texelFetch(t_environment_bandwidth, first + kSeenBandwidthCount).x, mix(broader, narrower, lobe - float(k)));
 }
 
 float brdf_bandwidth(Point p, vec3 wi) {
@@ -94,24 +101,28 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #else
   const bool counts = true;
 #endif
-  float nu_l = environment_bandwidth(world);
   float nu_r = brdf_bandwidth(p, wi);
+  vec2 sky = environment_bandwidth(world, nu_r);
+  float nu_l = sky.x, nu_seen = sky.y;
 #if SHADOWED == 2
   // The edge of a blocker at distance d moves over the sky by 1 / d per metre, and the light behind it changes no faster than its own
   // bandwidth: light and edge are convolved. Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 4.1 and 4.2.
   float distance_m = blocked_at(r.visibility, world_from_environment(world), 1e30);
   r.edges += stands_for * t * vec2(distance_m < 0.0 ? 0.0 : nu_l / max(distance_m, r.visibility.own_m), 1.0);
   nu_l += kEdgeNu;
+  nu_seen += kEdgeNu;
   t *= distance_m < 0.0 ? 1.0 : 0.0;
 #elif SHADOWED
   // Two bits tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad.
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
   float v1 = visibility_of(r.visibility, w, unit_pair(r.random)), v2 = visibility_of(r.visibility, w, unit_pair(hash(r.random)));
-  nu_l += kVisibilityNu * abs(v1 - v2);
+  float edge = kVisibilityNu * abs(v1 - v2);
+  nu_l += edge;
+  nu_seen += edge;
   t *= 0.5 * (v1 + v2);
 #endif
-  r.energy.x += stands_for * t * min(nu_l, nu_r);
+  r.energy.x += stands_for * t * min(nu_seen, nu_r);
   r.energy.y += stands_for * t;
   // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. What a strategy
   // draws by is for the most part in its density, the other's factor is not; strata of a table's lobe are stretched by 1 / cos at

@@ -23,7 +23,8 @@ float bandwidth_at_pixel(vec2 b, float pixel_angle, float footprint_m) {
   return b.y * pixel_angle + b.x * footprint_m;
 }
 
-/// The whole chain for one bounce from a distant light; `nu_theta` is the average of min(nu_L, nu_rho) over incident directions.
+/// The whole chain for one bounce from a distant light; `nu_theta` is the average over incident directions of the light's
+/// bandwidth as the lobe shows it (render/environment/bandwidth.h).
 /// Every operator is linear in nu_theta for given geometry, so averaging first is the average of the results.
 float bandwidth_one_bounce(float nu_theta, float curvature, float nu_surface, float pixel_angle, float footprint_m) {
   vec2 b = vec2(0.0f, nu_theta);

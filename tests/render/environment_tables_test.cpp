@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <set>
 
@@ -297,10 +298,12 @@ TEST(WaveletBandwidth, QuantileOfAToneIsItsFrequency) {
       energies.push_back(static_cast<float>(share));
       total += share;
     }
-    const double tail = 0.05 * total;
-    double result = 0.0;
-    spectrum.quantiles(energies.data(), &tail, 1, &result);
-    EXPECT_NEAR(result / f, 1.08, 0.1) << f;
+    std::vector<float> bins(spectrum.bin_count());
+    const double negligible = 0.0;
+    spectrum.spectra(energies.data(), &negligible, 1, bins.data());
+    EXPECT_NEAR(std::accumulate(bins.begin(), bins.end(), 0.0) / total, 1.0, 1e-4);
+    EXPECT_NEAR(spectrum.quantile(bins.data(), 0.05 * total) / f, 1.08, 0.1) << f;
+    EXPECT_EQ(spectrum.quantile(bins.data(), 1.001 * total), 0.0);
   }
 }
 
@@ -346,6 +349,87 @@ TEST(EnvironmentBandwidth, AConstantSkyHasNone) {
   const EnvironmentTables t =
       compute_environment_tables(make_environment(256, 128, [](const glm::dvec3&, int, int) { return 7.0; }));
   EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
+}
+
+/// nu_L as lobe k sees it, in the middle column.
+double seen_at(const EnvironmentTables& t, int row, std::size_t k) {
+  const int cell = row * t.bandwidth_width + t.bandwidth_width / 2;
+  return static_cast<double>(t.seen_bandwidth[static_cast<std::size_t>(cell) * kSeenBandwidthCount + k]);
+}
+
+/// A sky of the elevation alone, seen through Gaussian lobes: what is seen is known (erf), and its own local bandwidth
+/// is what the tables of the sharp sky must give, averaged over the lobe by energy as shading does. min(nu_L, nu_rho)
+/// is not it.
+TEST(EnvironmentBandwidth, AnEdgeSeenThroughALobeHasTheBandwidthOfItsBlur) {
+  constexpr int kWidth = 512, kHeight = 256;
+  const auto elevation_of = [](double row, int height) { return kPi * (0.5 - row / height); };
+  const auto sky = [&](double sigma) {
+    return make_environment(kWidth, kHeight, [&](const glm::dvec3&, int, int y) {
+      const double e = elevation_of(y + 0.5, kHeight) - 0.013;
+      return sigma > 0.0 ? 1.5 + 0.5 * std::erf(e / (std::numbers::sqrt2 * sigma)) : (e > 0.0 ? 2.0 : 1.0);
+    });
+  };
+  const EnvironmentTables sharp = compute_environment_tables(sky(0.0));
+  for (std::size_t k = 2; k < 6; ++k) {
+    const double nu_rho = seen_through(k),
+                 sigma = 1.386 / (2.0 * kPi * nu_rho);  // 95 % of the lobe's energy below nu_rho
+    const EnvironmentTables blurred = compute_environment_tables(sky(sigma));
+    std::vector<double> ratios, of_least;
+    for (int y = 0; y < sharp.bandwidth_height; ++y) {
+      const double e = elevation_of(y + 0.5, sharp.bandwidth_height);
+      if (std::abs(e) > std::max(3.0 * sigma, 0.1)) continue;
+      double seen = 0.0, least = 0.0, energy = 0.0;
+      for (int j = 0; j < sharp.bandwidth_height; ++j) {
+        const double to = elevation_of(j + 0.5, sharp.bandwidth_height), x = (to - e) / sigma;
+        const double w = std::exp(-0.5 * x * x) * (to > 0.013 ? 2.0 : 1.0);
+        const auto own = static_cast<double>(sharp.bandwidth[static_cast<std::size_t>(j * sharp.bandwidth_width)]);
+        seen += w * seen_at(sharp, j, k);
+        least += w * std::min(own, nu_rho);
+        energy += w;
+      }
+      const auto truth = static_cast<double>(blurred.bandwidth[static_cast<std::size_t>(y * blurred.bandwidth_width)]);
+      ratios.push_back(seen / energy / truth);
+      of_least.push_back(least / energy / truth);
+    }
+    std::sort(ratios.begin(), ratios.end());
+    std::sort(of_least.begin(), of_least.end());
+    EXPECT_NEAR(median(ratios), 0.95, 0.15) << nu_rho;
+    EXPECT_GT(ratios.front(), 0.55) << nu_rho;  // cells of 1.4 degrees are coarse beside the narrowest lobe
+    EXPECT_LT(ratios.back(), 1.5) << nu_rho;
+    EXPECT_GT(median(of_least), 1.4) << nu_rho;
+  }
+}
+
+TEST(EnvironmentBandwidth, ALobeLeavesWavesAloneThatItCarries) {
+  for (const int m : {9, 21, 55}) {
+    const EnvironmentTables t = compute_environment_tables(make_environment(
+        256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + 0.5 * std::cos(m * std::acos(d.y)); }));
+    const int row = t.bandwidth_height / 2;
+    const auto own = static_cast<double>(t.bandwidth[static_cast<std::size_t>(row * t.bandwidth_width)]);
+    for (std::size_t k = 0; k < kSeenBandwidthCount; ++k) {
+      if (seen_through(k) < 2.0 * own) continue;
+      EXPECT_NEAR(seen_at(t, row, k) / own, 1.0, 0.1) << m << ' ' << k;
+    }
+  }
+}
+
+/// Narrower lobes see no less, none sees more than there is, and none makes anything of a constant.
+TEST(EnvironmentBandwidth, NarrowerLobesSeeMore) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  const EnvironmentTables noise = compute_environment_tables(make_environment(
+      128, 64, [&](const glm::dvec3&, int x, int) { return std::pow(u(random), x < 64 ? 8.0 : 1.0); }));
+  int told = 0;
+  for (std::size_t cell = 0; cell < noise.bandwidth.size(); ++cell) {
+    const float* seen = &noise.seen_bandwidth[cell * kSeenBandwidthCount];
+    for (std::size_t k = 0; k + 1 < kSeenBandwidthCount; ++k) ASSERT_LE(seen[k], seen[k + 1]) << cell << ' ' << k;
+    ASSERT_LE(seen[kSeenBandwidthCount - 1], noise.bandwidth[cell]);
+    told += seen[2] < 0.5f * noise.bandwidth[cell];
+  }
+  EXPECT_GT(told, static_cast<int>(noise.bandwidth.size() / 2));
+  const EnvironmentTables even =
+      compute_environment_tables(make_environment(128, 64, [](const glm::dvec3&, int, int) { return 7.0; }));
+  EXPECT_EQ(*std::max_element(even.seen_bandwidth.begin(), even.seen_bandwidth.end()), 0.0f);
 }
 
 TEST(EnvironmentBandwidth, ASunRaisesOnlyItsNeighbourhood) {
@@ -402,6 +486,7 @@ TEST(EnvironmentTablesCache, GivesTheSameTables) {
   const EnvironmentTables second = load_environment_tables(e);
   for (const EnvironmentTables* t : {&first, &second}) {
     EXPECT_EQ(t->bandwidth, computed.bandwidth);
+    EXPECT_EQ(t->seen_bandwidth, computed.seen_bandwidth);
     EXPECT_EQ(t->bandwidth_width, computed.bandwidth_width);
     EXPECT_EQ(t->density, computed.density);
   }

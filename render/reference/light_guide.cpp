@@ -37,8 +37,22 @@ class ImportanceSums {
 constexpr double kPi = std::numbers::pi;
 constexpr std::uint32_t kMostUseful = 255;  ///< fixed point of the recorded squares
 constexpr float kPlainShare = 0.1f;         ///< of every cell's probability
+/// Leaves count as no smaller than this, and as no farther below the horizon than this share of their extent: every
+/// direction keeps a density.
+constexpr float kLeastExtent = 1e-3f, kLowest = 0.72f;
+
+/// Cosines over a leaf lie within its extent of that of its axis. Their mean where they are even there and cut off at
+/// the horizon.
+inline float mean_facing(float cosine, float extent, float slope) {
+  const float low = -kLowest * extent;
+  const float bounded = cosine > low ? cosine : low;
+  const float above = (bounded < extent ? bounded : extent) + extent;
+  const float mean = above * above * slope;
+  return mean > cosine ? mean : cosine;
+}
+
 /// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
-constexpr float kPriorRays = 2.0f, kPriorUseful = 0.1f;
+constexpr float kPriorRays = 2.0f, kPriorUseful = 1.0f;
 
 }  // namespace
 
@@ -105,33 +119,90 @@ glm::vec3 EnvironmentPartition::direction(const EnvironmentPoint& point) const {
   return {std::sin(longitude) * r, static_cast<float>(y), std::cos(longitude) * r};
 }
 
+glm::vec4 EnvironmentPartition::axis_and_extent(int leaf) const {
+  const Leaf& l = leaves_[static_cast<std::size_t>(leaf)];
+  constexpr int kSteps = 16;
+  const auto at = [&](int column, int row) {
+    const int texels = l.y1 - l.y0;
+    const double y = l.y0 + static_cast<double>(texels) * row / kSteps;
+    const auto whole = std::min(static_cast<std::size_t>(y), static_cast<std::size_t>(l.y1 - 1));
+    return direction(
+        {whole, l.x0 + static_cast<double>(l.x1 - l.x0) * column / kSteps, y - static_cast<double>(whole)});
+  };
+  const glm::vec3 axis = at(kSteps / 2, kSteps / 2);
+  float extent = 0.0f;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int k = 0; k <= kSteps; ++k) extent = std::max(extent, glm::length(at(i, k) - axis));
+  return {axis, extent};
+}
+
+int LeafShares::choose(float* u) const {
+  float along = *u * ends[kBlocks - 1];
+  int block = 0, within = 0;  // all are compared: no branch to predict
+  for (int b = 0; b + 1 < kBlocks; ++b) block += ends[static_cast<std::size_t>(b)] <= along ? 1 : 0;
+  along -= block == 0 ? 0.0f : ends[static_cast<std::size_t>(block - 1)];
+  const float* sums = cumulative.data() + block;
+  for (int i = 0; i + 1 < kBlock; ++i) within += sums[i * kBlocks] <= along ? 1 : 0;
+  const float before = within == 0 ? 0.0f : sums[(within - 1) * kBlocks];
+  const float width = sums[within * kBlocks] - before;
+  int leaf = block * kBlock + within;
+  if (width > 0.0f) {
+    *u = std::clamp((along - before) / width, 0.0f, 0x1.fffffep-1f);
+    return leaf;
+  }
+  // Rounded past the last leaf with light.
+  while (leaf > 0 && !(probability(leaf) > 0.0f)) --leaf;
+  *u = 0x1.fffffep-1f;
+  return leaf;
+}
+
 LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid)
     : partition_(partition),
       grid_(grid),
       leaves_(partition.leaf_count()),
-      records_(static_cast<std::size_t>(kCells) * static_cast<std::size_t>(leaves_)),
-      cumulative_(records_.size()) {
+      records_(static_cast<std::size_t>(kCells) * kLeaves),
+      shares_(records_.size()) {
+  for (int leaf = 0; leaf < leaves_; ++leaf) {
+    const std::size_t i = LeafShares::place_of(leaf);
+    const glm::vec4 axis = partition.axis_and_extent(leaf);
+    const float extent = std::max(axis.w, kLeastExtent);
+    axes_.x[i] = axis.x;
+    axes_.y[i] = axis.y;
+    axes_.z[i] = axis.z;
+    axes_.extent[i] = extent;
+    axes_.slope[i] = 0.25f / extent;
+    const float plain = partition.probability(leaf);
+    inverse_plain_[static_cast<std::size_t>(leaf)] = plain > 0.0f ? 1.0f / plain : 0.0f;
+  }
   prefer_large_pages(records_);
   learn_cell(0);  // nothing yet: all cells alike
   for (std::uint32_t cell = 1; cell < kCells; ++cell)
-    std::copy_n(cumulative_.begin(), leaves_, cumulative_.begin() + static_cast<std::ptrdiff_t>(at(cell, 0)));
-  prefer_large_pages(cumulative_);
+    std::copy_n(shares_.begin(), kLeaves, shares_.begin() + static_cast<std::ptrdiff_t>(at(cell, 0)));
+  prefer_large_pages(shares_);
 }
 
-int LightGuide::choose_leaf(std::uint32_t cell, float* u) const {
-  const float scaled = *u * 65536.0f;
-  const auto value = static_cast<std::uint16_t>(scaled);
-  const std::uint16_t* shares = &cumulative_[at(cell, 0)];
-  std::uint16_t leaf = 0;  // all are compared: no branch to predict
-  for (int i = 0; i + 1 < leaves_; ++i) leaf = static_cast<std::uint16_t>(leaf + (shares[i] <= value ? 1 : 0));
-  const float before = leaf == 0 ? 0.0f : static_cast<float>(shares[leaf - 1]);
-  *u = std::min((scaled - before) / static_cast<float>(std::max(share(cell, leaf), 1u)), 0x1.fffffep-1f);
-  return leaf;
+float LightGuide::facing(int leaf, const glm::vec3& normal) const {
+  const std::size_t i = LeafShares::place_of(leaf);
+  return mean_facing(axes_.x[i] * normal.x + axes_.y[i] * normal.y + axes_.z[i] * normal.z, axes_.extent[i],
+                     axes_.slope[i]);
 }
 
-float LightGuide::gain(std::uint32_t cell, int leaf) const {
-  const float plain = partition_.probability(leaf);
-  return plain > 0.0f ? static_cast<float>(share(cell, leaf)) * 0x1p-16f / plain : 0.0f;
+void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
+  const std::uint16_t* known = &shares_[at(cell, 0)];
+  const float x = normal.x, y = normal.y, z = normal.z;
+  alignas(32) std::array<float, kLeaves> sums;  // of its own, so that the loop is known to write to nothing it reads
+  for (std::size_t i = 0; i < kLeaves; ++i)
+    sums[i] = static_cast<float>(known[i]) *
+              mean_facing(axes_.x[i] * x + axes_.y[i] * y + axes_.z[i] * z, axes_.extent[i], axes_.slope[i]);
+  constexpr std::size_t kBlocks = LeafShares::kBlocks;
+  for (std::size_t i = kBlocks; i < kLeaves; i += kBlocks)
+    for (std::size_t block = 0; block < kBlocks; ++block) sums[i + block] += sums[i - kBlocks + block];
+  shares->cumulative = sums;
+  float sum = 0.0f;
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    sum += sums[kLeaves - kBlocks + block];
+    shares->ends[block] = sum;
+  }
 }
 
 void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
@@ -144,7 +215,7 @@ void LightGuide::learn() {
   ++lessons_;
   tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
     const auto* first = &records_[at(cell, 0)];
-    if (std::any_of(first, first + leaves_, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
+    if (std::any_of(first, first + kLeaves, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
       learn_cell(cell);
   });
 }
@@ -160,22 +231,18 @@ void LightGuide::learn_cell(std::uint32_t cell) {
     weights[static_cast<std::size_t>(leaf)] = partition_.probability(leaf) * std::sqrt(square / rays);
     sum += weights[static_cast<std::size_t>(leaf)];
   }
-  // At least one unit for every leaf with light, so that none is left out.
-  double total = 0.0;
-  int lit = 0;
+  float largest = 0.0f;
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const float plain = partition_.probability(leaf);
     float& weight = weights[static_cast<std::size_t>(leaf)];
     weight = (1.0f - kPlainShare) * (sum > 0.0f ? weight / sum : plain) + kPlainShare * plain;
-    total += static_cast<double>(weight);
-    lit += plain > 0.0f ? 1 : 0;
+    largest = std::max(largest, weight);
   }
-  double running = 0.0;
-  std::uint32_t before = 0;
-  for (int leaf = 0; leaf + 1 < leaves_; ++leaf) {
-    running += static_cast<double>(weights[static_cast<std::size_t>(leaf)]) / total * (65536.0 - lit);
-    before += partition_.probability(leaf) > 0.0f ? 1 : 0;
-    cumulative_[at(cell, leaf)] = static_cast<std::uint16_t>(static_cast<std::uint32_t>(running) + before);
+  // At least one unit for every leaf with light, so that none is left out.
+  for (int leaf = 0; leaf < leaves_; ++leaf) {
+    const float units = weights[static_cast<std::size_t>(leaf)] / largest * 65535.0f;
+    shares_[at(cell, leaf)] =
+        static_cast<std::uint16_t>(partition_.probability(leaf) > 0.0f ? std::max(units, 1.0f) : 0.0f);
   }
 }
 

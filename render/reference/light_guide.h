@@ -24,6 +24,9 @@ class EnvironmentPartition {
   /// Point within a leaf, by importance: the density is EnvironmentTables::density where the leaf has its own
   /// probability.
   EnvironmentPoint sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
+  /// Unit direction of the middle of a leaf, in the map's frame, and how far any direction of the leaf is from it at
+  /// most: the length of the chord.
+  glm::vec4 axis_and_extent(int leaf) const;
   /// Of the latitude of a row's upper edge.
   double sine_above(std::size_t row) const { return row_sines_[row]; }
   /// Unit direction of a point, in the map's frame.
@@ -41,10 +44,30 @@ class EnvironmentPartition {
   std::vector<std::uint8_t> leaf_map_;  ///< [height][width]
 };
 
+/// Probabilities of the leaves at one surface: what its place is known to see, times how far each leaf stands above the
+/// surface's horizon.
+struct LeafShares {
+  static constexpr int kBlock = 8, kBlocks = EnvironmentPartition::kMostLeaves / kBlock;
+  /// Leaf `l` is at [l % kBlock][l / kBlock]: blocks beside each other, so that sums run along all of them at once.
+  static constexpr std::size_t place_of(int leaf) {
+    return static_cast<std::size_t>(leaf % kBlock * kBlocks + leaf / kBlock);
+  }
+  alignas(32) std::array<float, EnvironmentPartition::kMostLeaves> cumulative;  ///< in the block, inclusive
+  alignas(32) std::array<float, kBlocks> ends;                                  ///< of the blocks, the last: the sum
+
+  /// `u` in [0, 1) picks the leaf and is stretched over it again.
+  int choose(float* u) const;
+  float probability(int leaf) const {
+    const std::size_t at = place_of(leaf);
+    const float before = leaf % kBlock == 0 ? 0.0f : cumulative[at - kBlocks];
+    return (cumulative[at] - before) / ends[kBlocks - 1];
+  }
+};
+
 /// Learns while a picture is traced which parts of the environment light which parts of the scene, so that shadow rays
 /// are spent on what a place can see: in a cabin most of the sky cannot be seen from most places.
 ///
-/// For every cell of the places and every leaf the squares of cosine times visibility of the shadow rays so far are
+/// For every cell of the places and every leaf the squares of the visibility of the shadow rays so far are
 /// summed (whole numbers: the order in which threads add does not matter). Between passes, learn() turns them into
 /// probabilities; a tenth stays with the plain importance, so that every direction keeps a density. Estimates stay
 /// unbiased: a pass draws with what passes before it learned. Source: Vorba et al. 2014, "On-line Learning of
@@ -58,37 +81,35 @@ class LightGuide {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
     return grid_.cell_of(position, normal);
   }
-  /// Fetches what choose_leaf reads, ahead of time.
+  /// Fetches what look reads, ahead of time.
   void prefetch(std::uint32_t cell) const {
-    const auto* shares = reinterpret_cast<const char*>(&cumulative_[at(cell, 0)]);
-    const char* last = shares + sizeof(cumulative_[0]) * static_cast<std::size_t>(leaves_) - 1;
-    for (const char* line = shares; line < last; line += 64) __builtin_prefetch(line);
-    __builtin_prefetch(last);
+    const auto* shares = reinterpret_cast<const char*>(&shares_[at(cell, 0)]);
+    for (std::size_t line = 0; line < sizeof(shares_[0]) * kLeaves; line += 64) __builtin_prefetch(shares + line);
   }
-  /// `u` in [0, 1) picks the leaf and is stretched over it again.
-  int choose_leaf(std::uint32_t cell, float* u) const;
-  /// Probability of the leaf in this cell over its plain one.
-  float gain(std::uint32_t cell, int leaf) const;
+  /// What a surface of unit `normal` (in the map's frame) draws by.
+  void look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
+  /// Mean cosine over a leaf at a surface of unit `normal` (in the map's frame).
+  float facing(int leaf, const glm::vec3& normal) const;
+  /// Probability of the leaf over its plain one.
+  float gain(const LeafShares& shares, int leaf) const {
+    return shares.probability(leaf) * inverse_plain_[static_cast<std::size_t>(leaf)];
+  }
   /// Whether records still matter: places have seen enough after some passes.
   bool learning() const { return lessons_ < kLessons; }
   /// Fetches what record writes, ahead of time.
   void prefetch_record(std::uint32_t cell, int leaf) const { __builtin_prefetch(&records_[at(cell, leaf)], 1); }
-  /// One shadow ray: `useful` is cosine times transmittance, in [0, 1]. Thread-safe.
+  /// One shadow ray: `useful` is its transmittance, in [0, 1]. Not its cosine: the directions that a lesson saw would
+  /// be preferred where they are drawn again. Thread-safe.
   void record(std::uint32_t cell, int leaf, float useful);
   /// Takes what was recorded into the probabilities. Not while others use the guide.
   void learn();
 
  private:
   static constexpr std::uint32_t kCells = PlaceGrid::kCells;
+  static constexpr std::size_t kLeaves = EnvironmentPartition::kMostLeaves;
   static constexpr int kLessons = 10;  ///< three before the first path, the last one after 64 paths
-  /// Of a leaf, in units of 2^-16.
-  std::uint32_t share(std::uint32_t cell, int leaf) const {
-    const std::size_t i = at(cell, leaf);
-    const std::uint32_t end = leaf + 1 == leaves_ ? 0x10000u : cumulative_[i];
-    return leaf == 0 ? end : end - cumulative_[i - 1];
-  }
   std::size_t at(std::uint32_t cell, int leaf) const {
-    return static_cast<std::size_t>(cell) * static_cast<std::size_t>(leaves_) + static_cast<std::size_t>(leaf);
+    return static_cast<std::size_t>(cell) * kLeaves + LeafShares::place_of(leaf);
   }
   void learn_cell(std::uint32_t cell);
 
@@ -98,8 +119,13 @@ class LightGuide {
   int lessons_ = 0;
   /// [cell][leaf] rays in the lower half, what they were good for in the upper one: one addition for both.
   std::vector<std::atomic<std::uint64_t>> records_;
-  /// [cell][leaf] inclusive, in units of 2^-16 (the last one, 2^16, is cut to one less): draws and densities are exact.
-  std::vector<std::uint16_t> cumulative_;
+  /// [cell][leaf] relative, 0 only for leaves without light.
+  std::vector<std::uint16_t> shares_;
+  struct Leaves {
+    alignas(32) std::array<float, kLeaves> x, y, z, extent, slope;
+  };
+  Leaves axes_{};                               ///< at LeafShares::place_of
+  std::array<float, kLeaves> inverse_plain_{};  ///< [leaf] 0 where there is no light
 };
 
 }  // namespace maquette

@@ -27,12 +27,15 @@ std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::ve
   return guide_ ? guide_->cell_of(position, normal) : LightGuide::kNoCell;
 }
 
-glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, std::uint32_t cell) const {
+void EnvironmentLight::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
+  guide_->look(cell, shared::latlong_turn(normal, cosine_, -sine_), shares);
+}
+
+glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, const LeafShares* shares) const {
   const glm::vec3 own = shared::latlong_turn(world, cosine_, -sine_);
   const EnvironmentLookup found = environment_.look_up(own);
   const auto texel = static_cast<std::size_t>(found.y * environment_.tables.width + found.x);
-  const float gain =
-      cell == LightGuide::kNoCell ? 1.0f : guide_->gain(cell, environment_.partition->leaf_at(found.x, found.y));
+  const float gain = shares ? guide_->gain(*shares, environment_.partition->leaf_at(found.x, found.y)) : 1.0f;
   return {found.radiance * scale_, environment_.density_at(texel, own) * gain};
 }
 
@@ -54,11 +57,12 @@ LightDraw EnvironmentLight::draw_at(const EnvironmentPoint& drawn, int leaf) con
   return draw;
 }
 
-EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint32_t cell, std::uint32_t path) const {
+EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint32_t cell, const LeafShares* shares,
+                                                  std::uint32_t path) const {
   Choice choice;
   choice.within = u;
-  if (cell == LightGuide::kNoCell) return choice;
-  choice.leaf = guide_->choose_leaf(cell, &choice.within.x);
+  if (!shares) return choice;
+  choice.leaf = shares->choose(&choice.within.x);
   if (guide_->learning()) guide_->prefetch_record(cell, choice.leaf);
   if (samples_ && PresampledEnvironment::serves(path)) {
     choice.sample = &samples_->at(path, choice.leaf, choice.within);
@@ -67,22 +71,22 @@ EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint3
   return choice;
 }
 
-LightDraw EnvironmentLight::take(const Choice& choice, std::uint32_t cell) const {
+LightDraw EnvironmentLight::take(const Choice& choice, const LeafShares* shares) const {
   if (!choice.sample) return choice.leaf < 0 ? draw(choice.within) : draw_in_leaf(choice.leaf, choice.within);
   LightDraw draw;
   draw.distance = kEndless;
   draw.leaf = choice.leaf;
   draw.direction = choice.sample->direction;
   draw.radiance = choice.sample->radiance;
-  draw.pdf = choice.sample->density * guide_->gain(cell, choice.leaf);
+  draw.pdf = choice.sample->density * guide_->gain(*shares, choice.leaf);
   return draw;
 }
 
-void EnvironmentLight::fill(LightDraw* draw, std::uint32_t cell) const {
+void EnvironmentLight::fill(LightDraw* draw, const LeafShares* shares) const {
   const glm::vec3 own = shared::latlong_turn(draw->direction, cosine_, -sine_);
   draw->radiance = environment_.look_up(own).radiance * scale_;
   draw->pdf = environment_.density_at(static_cast<std::size_t>(draw->texel), own);
-  if (cell != LightGuide::kNoCell) draw->pdf *= guide_->gain(cell, draw->leaf);
+  if (shares) draw->pdf *= guide_->gain(*shares, draw->leaf);
 }
 
 void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float useful) const {

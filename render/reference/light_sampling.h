@@ -33,8 +33,10 @@ class EnvironmentLight {
   void prefetch(std::uint32_t cell) const {
     if (cell != LightGuide::kNoCell) guide_->prefetch(cell);
   }
-  /// cd/m2 of a world direction (unit), and 1/sr with which `draw` gives it in this cell.
-  glm::vec4 radiance_and_density(const glm::vec3& world, std::uint32_t cell = LightGuide::kNoCell) const;
+  /// What a surface of unit `normal` (world) in this cell draws by. Not without a guide.
+  void look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
+  /// cd/m2 of a world direction (unit), and 1/sr with which it is drawn; `shares`: null without a guide.
+  glm::vec4 radiance_and_density(const glm::vec3& world, const LeafShares* shares = nullptr) const;
   /// Direction and distance only, by plain importance.
   LightDraw draw(const glm::vec2& u) const;
   /// By what a place can see, in parts, so that several draws wait for memory together: first where to look, then the
@@ -44,13 +46,13 @@ class EnvironmentLight {
     glm::vec2 within{0.0f};
     const PresampledDirection* sample = nullptr;
   };
-  Choice choose(const glm::vec2& u, std::uint32_t cell, std::uint32_t path) const;
-  LightDraw take(const Choice& choice, std::uint32_t cell) const;
+  Choice choose(const glm::vec2& u, std::uint32_t cell, const LeafShares* shares, std::uint32_t path) const;
+  LightDraw take(const Choice& choice, const LeafShares* shares) const;
   /// Direction and distance of a point of a leaf; `within` as `draw`'s numbers.
   LightDraw draw_in_leaf(int leaf, const glm::vec2& within) const;
-  /// Radiance and pdf of what was drawn in this cell.
-  void fill(LightDraw* draw, std::uint32_t cell = LightGuide::kNoCell) const;
-  /// Tells the guide what became of a draw: cosine times transmittance.
+  /// Radiance and pdf of what was drawn.
+  void fill(LightDraw* draw, const LeafShares* shares = nullptr) const;
+  /// Tells the guide what became of a draw above the horizon: what came through.
   void record(const LightDraw& draw, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }
 

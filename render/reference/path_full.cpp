@@ -93,7 +93,7 @@ class FullPath {
 
   void add_environment() {
     if (environment_.black()) return;
-    const glm::vec4 light = environment_.radiance_and_density(ray_.direction, cell_);
+    const glm::vec4 light = environment_.radiance_and_density(ray_.direction, shares());
     result_.radiance += weight_ * glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_));
   }
 
@@ -154,12 +154,13 @@ class FullPath {
     if (bounce_ > 0) shadow_rays_ = kLaterShadowRays;
     polarisation_ = {};
     find_cells(p);
+    origin_ = offset_from_surface(p.position, p.error, p.normal);
     // What is read later is chosen first, and comes from memory while there is other work: hence the order.
     const bool lamps = !scene_.lights.lights.empty();
     const std::size_t lamp_index =
         lamps ? choose_scene_light(scene_, sampler_.single(dimension(kLightChoice))) : std::size_t{0};
     const ScatteringChoice choice = choose_scattering(p, sampler_.pair(dimension(kDirection)));
-    choose_environment();
+    choose_environment(p);
     LightDraw lamp;
     if (lamps) lamp = draw_scene_light(scene_, p.position, lamp_index, sampler_.pair(dimension(kLight)), false);
     ask_mirrors(p);
@@ -171,7 +172,7 @@ class FullPath {
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
     weight_ *= evaluate_brdf(p, query) * (s.wi.z / s.pdf);
     if (!survives()) return false;
-    ray_ = {offset_from_surface(p.position, p.error, p.normal), direction};
+    ray_ = {origin_, direction};
     pdf_ = s.pdf;
     scattered_at_ = from_ = p.position;
     ++bounce_;
@@ -228,14 +229,17 @@ class FullPath {
     return true;
   }
 
-  void choose_environment() {
+  void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
     std::array<glm::vec2, kFirstShadowRays> u;
     // One sequence for all rays of all paths.
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
       u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
-    for (std::uint32_t k = 0; k < shadow_rays_; ++k) choices_[k] = environment_.choose(u[k], cell_, sampler_.index);
+    if (cell_ != LightGuide::kNoCell) environment_.look(cell_, p.n, &shares_);
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
+      choices_[k] = environment_.choose(u[k], cell_, shares(), sampler_.index);
   }
+  const LeafShares* shares() const { return cell_ != LightGuide::kNoCell ? &shares_ : nullptr; }
 
   /// Shadow rays first, shading of what they let through after: what it reads arrives together.
   void add_direct(const SurfacePoint& p, const LightDraw& lamp) {
@@ -243,10 +247,10 @@ class FullPath {
     std::size_t count = 0;
     for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
       ArrivingLight& light = arriving[count];
-      light.draw = environment_.take(choices_[k], cell_);
+      light.draw = environment_.take(choices_[k], shares());
       light.rays = static_cast<float>(shadow_rays_);
       const bool arrives = trace_light(p, &light);
-      environment_.record(light.draw, cell_, arrives ? light.query.wi.z * largest(light.through) : 0.0f);
+      if (light.above) environment_.record(light.draw, cell_, arrives ? largest(light.through) : 0.0f);
       count += arrives ? 1 : 0;
     }
     if (lamp.pdf > 0.0f) {
@@ -263,15 +267,18 @@ class FullPath {
     float rays;
     ScatteringQuery query;
     glm::vec3 through;
+    bool above;  ///< the horizon
   };
 
   /// Whether any of it comes through.
   bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
     const LightDraw& draw = light->draw;
+    light->above = false;
     if (glm::dot(draw.direction, p.normal) <= 0.0f) return false;
     const glm::vec3 wi = p.to_local(draw.direction);
     if (wi.z <= 0.0f) return false;
-    Ray ray{offset_from_surface(p.position, p.error, p.normal), draw.direction, 0.0f, draw.distance};
+    light->above = true;
+    Ray ray{origin_, draw.direction, 0.0f, draw.distance};
     // Short of a near light by the rounding of its distance and of the direction.
     if (draw.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
@@ -284,7 +291,7 @@ class FullPath {
 
   void add_light(const SurfacePoint& p, ArrivingLight* light) {
     LightDraw& draw = light->draw;
-    if (draw.texel >= 0) environment_.fill(&draw, cell_);
+    if (draw.texel >= 0) environment_.fill(&draw, shares());
     const Scattering s = evaluate_scattering(p, light->query);
     const float density = light->rays * draw.pdf + (draw.has_extent ? mixed_pdf(s.pdf, draw.direction) : 0.0f);
     if (density > 0.0f)
@@ -304,8 +311,10 @@ class FullPath {
   int vertex_ = 0;             ///< surfaces met so far, panes included
   float pdf_ = 0.0f;           ///< density of the last scattering; 0: nothing else could have found what is hit
   glm::vec3 scattered_at_{0.0f};
+  glm::vec3 origin_{0.0f};                    ///< of rays that leave there
   glm::vec3 from_{0.0f};                      ///< of the ray, on the surface itself
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
+  LeafShares shares_;                         ///< of the guide, there
   std::uint32_t shadow_rays_ = 0;             ///< sent there
   std::array<EnvironmentLight::Choice, kFirstShadowRays> choices_;
   std::uint32_t mirror_cell_ = 0;

@@ -1,6 +1,7 @@
 #include "render/reference/surface.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace maquette {
@@ -11,6 +12,13 @@ namespace {
 /// units in the last place. Source: Pharr et al. 2023, Sec. 6.8.5 has 7 for the sum alone; the rest is the test's,
 /// which subtracts coordinates of the same size.
 constexpr float kPositionError = 16.0f * 0x1p-24f;
+
+/// std::nextafter of a finite number, which is a call: its neighbour upwards or downwards.
+float next_float(float value, bool upwards) {
+  const auto bits = std::bit_cast<std::int32_t>(value);
+  if (value == 0.0f) return std::bit_cast<float>(upwards ? 1 : static_cast<std::int32_t>(0x80000001u));
+  return std::bit_cast<float>(bits + ((bits >= 0) == upwards ? 1 : -1));
+}
 
 /// Corner values of one triangle, and their interpolation.
 struct Corners {
@@ -211,7 +219,7 @@ glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error,
   const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
   glm::vec3 result = moved;
   for (int c = 0; c < 3; ++c)
-    if (normal[c] != 0.0f) result[c] = std::nextafter(moved[c], normal[c] > 0.0f ? 3.4e38f : -3.4e38f);
+    if (normal[c] != 0.0f) result[c] = next_float(moved[c], normal[c] > 0.0f);
   return result;
 }
 

@@ -1,0 +1,217 @@
+// What surfaces draw the sky by, against sums over the sky in double.
+#include "render/reference/light_guide.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "render/reference/light_sampling.h"
+#include "render/reference/path_sampler.h"
+#include "render/reference/path_scene.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+/// An uneven sky with a lamp of a few texels 1e4 times as bright, and one dark quarter.
+std::shared_ptr<const Environment> sky_with_lamp() {
+  auto environment = std::make_shared<Environment>();
+  environment->width = 64;
+  environment->height = 32;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float sky = x < 16 ? 0.0f : 1.0f + 0.5f * std::sin(0.7f * static_cast<float>(x + 3 * y));
+      const bool lamp = y >= 8 && y < 10 && x >= 40 && x < 42;
+      environment->rgb.push_back(lamp ? glm::vec3(1e4f) : glm::vec3(sky));
+    }
+  return environment;
+}
+
+class LightGuideTest : public testing::Test {
+ protected:
+  LightGuideTest() { options_.env_rotation_rad = 0.8f; }
+  const EnvironmentPartition& partition() const { return *scene_->environment.partition; }
+
+  /// As after many rays of which some leaves' were all blocked, and others' of random use.
+  void teach(std::uint32_t cell) {
+    for (int leaf = 0; leaf < partition().leaf_count(); ++leaf)
+      for (int ray = 0; ray < 40; ++ray) guide_.record(cell, leaf, leaf % 3 == 0 ? 0.0f : uniform_(random_));
+    guide_.learn();
+  }
+  glm::vec3 random_normal() {
+    const glm::vec3 v(uniform_(random_) - 0.5f, uniform_(random_) - 0.5f, uniform_(random_) - 0.5f);
+    return glm::length(v) > 1e-3f ? glm::normalize(v) : glm::vec3(0.0f, 1.0f, 0.0f);
+  }
+
+  std::mt19937 random_{5};
+  std::uniform_real_distribution<float> uniform_{0.0f, 0x1.fffffep-1f};
+  std::shared_ptr<const PathScene> scene_ =
+      build_path_scene({.scene = test::sphere_of(Material()), .environment = sky_with_lamp()});
+  PathOptions options_;
+  LightGuide guide_{*scene_->environment.partition, PlaceGrid(glm::vec3(0.0f), 1.0f)};
+};
+
+TEST_F(LightGuideTest, ChoosesLeavesAsOftenAsItSays) {
+  teach(17);
+  for (int round = 0; round < 50; ++round) {
+    LeafShares shares;
+    guide_.look(17, random_normal(), &shares);
+    std::vector<double> before{0.0};
+    for (int leaf = 0; leaf < partition().leaf_count(); ++leaf)
+      before.push_back(before.back() + static_cast<double>(shares.probability(leaf)));
+    ASSERT_NEAR(before.back(), 1.0, 1e-5);
+    for (int k = 0; k < 2000; ++k) {
+      const float u =
+          k < 4 ? std::array{0.0f, 0x1p-24f, 0.5f, 0x1.fffffep-1f}[static_cast<std::size_t>(k)] : uniform_(random_);
+      float within = u;
+      const int leaf = shares.choose(&within);
+      ASSERT_GE(leaf, 0);
+      ASSERT_LT(leaf, partition().leaf_count());
+      ASSERT_GT(shares.probability(leaf), 0.0f);
+      ASSERT_GE(within, 0.0f);
+      ASSERT_LT(within, 1.0f);
+      const auto i = static_cast<std::size_t>(leaf);
+      ASSERT_NEAR(before[i] + (before[i + 1] - before[i]) * static_cast<double>(within), static_cast<double>(u), 2e-5);
+    }
+  }
+}
+
+/// Sums round: at the end of a block whose last leaves are dark, and at the end of all.
+TEST(LeafShares, NeverChoosesDarkLeaves) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> uniform(0.0f, 0x1.fffffep-1f);
+  for (int round = 0; round < 2000; ++round) {
+    LeafShares shares{};
+    constexpr int kLeaves = EnvironmentPartition::kMostLeaves;
+    float sum = 0.0f;
+    const float lit = std::array{0.05f, 0.3f, 0.9f}[static_cast<std::size_t>(round % 3)];
+    for (int block = 0; block < LeafShares::kBlocks; ++block) {
+      float inside = 0.0f;
+      for (int i = 0; i < LeafShares::kBlock; ++i) {
+        const bool lamp = uniform(random) < lit || block * LeafShares::kBlock + i == round % kLeaves;
+        if (lamp) inside += std::exp2(-20.0f * uniform(random));
+        shares.cumulative[LeafShares::place_of(block * LeafShares::kBlock + i)] = inside;
+      }
+      sum += inside;
+      shares.ends[static_cast<std::size_t>(block)] = sum;
+    }
+    for (int k = 0; k < 100 + LeafShares::kBlocks; ++k) {
+      float u = k < LeafShares::kBlocks ? std::min(shares.ends[static_cast<std::size_t>(k)] / sum, 0x1.fffffep-1f)
+                                        : uniform(random);
+      if (k % 2 == 1) u = std::nextafter(u, 0.0f);
+      const int leaf = shares.choose(&u);
+      ASSERT_GT(shares.probability(leaf), 0.0f) << round << " " << k;
+      ASSERT_GE(u, 0.0f);
+      ASSERT_LT(u, 1.0f);
+    }
+  }
+}
+
+/// A leaf's mean of the cosine above the horizon lies in what its extent allows, and no direction is without density.
+TEST_F(LightGuideTest, LeavesFaceASurfaceByTheirDirections) {
+  int below = 0, cut = 0;
+  for (int round = 0; round < 40; ++round) {
+    const glm::vec3 normal = random_normal();
+    for (int leaf = 0; leaf < partition().leaf_count(); ++leaf) {
+      const glm::vec4 axis = partition().axis_and_extent(leaf);
+      double mean = 0.0, highest = -1.0;
+      constexpr int kDraws = 64;
+      for (int k = 0; k < kDraws; ++k) {
+        const EnvironmentPoint point = partition().sample(scene_->environment.tables, leaf,
+                                                          static_cast<double>(uniform_(random_)), (k + 0.5) / kDraws);
+        const double cosine = static_cast<double>(glm::dot(partition().direction(point), normal));
+        mean += std::max(cosine, 0.0) / kDraws;
+        highest = std::max(highest, cosine);
+        ASSERT_LE(std::abs(cosine - static_cast<double>(glm::dot(glm::vec3(axis), normal))), axis.w + 1e-3);
+      }
+      const auto facing = static_cast<double>(guide_.facing(leaf, normal)), extent = static_cast<double>(axis.w);
+      ASSERT_GT(facing, 0.0);
+      ASSERT_NEAR(facing, mean, 1.001 * extent + 1e-3);
+      if (highest < -extent) {
+        ASSERT_LT(facing, 0.03 * std::max(extent, 1e-3)) << leaf;
+      }
+      below += highest < -extent ? 1 : 0;
+      cut += highest > 0.0 && glm::dot(glm::vec3(axis), normal) < axis.w ? 1 : 0;
+    }
+  }
+  EXPECT_GT(below, 100);
+  EXPECT_GT(cut, 100);
+}
+
+/// Irradiance of a surface by what it draws, whatever its place believes to see, against the sum over the map's texels.
+TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
+  teach(3);
+  const EnvironmentLight plain(scene_->environment, options_);
+  const EnvironmentLight light(scene_->environment, options_, &guide_);
+  for (const glm::vec3 normal : {glm::vec3(0.0f, 1.0f, 0.0f), glm::normalize(glm::vec3(0.3f, -0.8f, 0.5f)),
+                                 glm::normalize(glm::vec3(-1.0f, 0.02f, 0.1f))}) {
+    LeafShares shares;
+    light.look(3, normal, &shares);
+    double drawn = 0.0, expected = 0.0;
+    int compared = 0, alike = 0;
+    constexpr std::uint32_t kDraws = 1u << 16;
+    for (std::uint32_t k = 0; k < kDraws; ++k) {
+      const PathSampler sampler{9, k};
+      const auto choice = light.choose(sampler.pair(0), 3, &shares, 0);
+      LightDraw draw = light.take(choice, &shares);
+      light.fill(&draw, &shares);
+      ASSERT_GT(draw.pdf, 0.0f);
+      drawn += std::max(glm::dot(draw.direction, normal), 0.0f) * draw.radiance.x / draw.pdf / kDraws;
+      // At a leaf's edge a direction may round to the neighbour.
+      const float told = light.radiance_and_density(draw.direction, &shares).w;
+      ++compared;
+      alike += std::abs(told - draw.pdf) < 0.01f * draw.pdf ? 1 : 0;
+    }
+    EXPECT_GT(alike, compared * 98 / 100);
+    constexpr int kFine = 2048;
+    for (int y = 0; y < kFine / 2; ++y)
+      for (int x = 0; x < kFine; ++x) {
+        const glm::vec3 direction =
+            shared::direction_from_latlong_uv((glm::vec2(x, y) + 0.5f) / glm::vec2(kFine, kFine / 2));
+        const double solid = 2.0 * 9.8696044 / (kFine / 2.0 * kFine) *
+                             std::sqrt(std::max(0.0, 1.0 - std::pow(static_cast<double>(direction.y), 2.0)));
+        if (const float cosine = glm::dot(direction, normal); cosine > 0.0f)
+          expected += static_cast<double>(cosine * plain.radiance_and_density(direction).x) * solid;
+      }
+    EXPECT_NEAR(drawn / expected, 1.0, 0.005) << normal.x;
+  }
+}
+
+TEST(PlaceGrid, FloorsAndLevelsAreTheLibrarys) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> exponent(-30.0f, 30.0f), uniform(-1.0f, 1.0f);
+  for (int i = 0; i < 20000; ++i) {
+    const float v = uniform(random) * std::exp2(exponent(random));
+    ASSERT_EQ(PlaceGrid::whole_below(v), static_cast<std::int32_t>(std::floor(v))) << v;
+    const auto whole = static_cast<float>(i - 10000);
+    ASSERT_EQ(PlaceGrid::whole_below(whole), i - 10000);
+  }
+  EXPECT_EQ(PlaceGrid::whole_below(-0.0f), 0);
+  EXPECT_EQ(PlaceGrid::whole_below(1e30f), 2000000000);
+  EXPECT_EQ(PlaceGrid::whole_below(-1e30f), -2000000000);
+  const PlaceGrid grid(glm::vec3(0.0f), 5.0f);
+  for (int i = 0; i < 20000; ++i) {
+    const double distance = std::exp2(static_cast<double>(exponent(random)));
+    const double level = std::log2(std::max(0.12 * distance / 0.005, 1.0));
+    if (std::abs(level - std::round(level)) < 1e-5) continue;  // where rounding decides
+    ASSERT_EQ(grid.level({0.0f, static_cast<float>(distance), 0.0f}), std::min(static_cast<int>(level), 20))
+        << distance;
+  }
+}
+
+TEST(OffsetFromSurface, StepsToTheNextFloat) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  for (const float v : {0.0f, -0.0f, 1.0f, -1.0f, 0.1f, -0.1f, 1e-45f, -1e-45f, 1.17549435e-38f, -1.17549435e-38f,
+                        3e38f, -3e38f, 65536.0f, -65536.0f})
+    for (const float normal : {1.0f, -1.0f}) {
+      const glm::vec3 moved = offset_from_surface(glm::vec3(v, 2.0f, v), glm::vec3(0.0f), {0.0f, 0.0f, normal});
+      EXPECT_EQ(moved.x, v);
+      EXPECT_EQ(moved.y, 2.0f);
+      EXPECT_EQ(moved.z, std::nextafter(v, normal * kLargest)) << v << " " << normal;
+    }
+}
+
+}  // namespace
+}  // namespace maquette

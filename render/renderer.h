@@ -97,6 +97,8 @@ class Renderer {
 
   /// The frame just drawn: linear RGBA, alpha 0 where only the sky is seen. Includes env_scale, no exposure.
   Image read_radiance() const;
+  /// The same, tone mapped and display-encoded as `present` shows it.
+  Image read_display(float exposure_ev, const std::string& tonemap) const;
   /// RGB variance of the picture's pixels, where the mode itself knows it (mode reference, not in a window).
   std::optional<Image> read_variance() const;
   /// One of debug_view_names() of the last frame: values in the unit of the view (the same in R, G, B for scalars),
@@ -140,9 +142,9 @@ class Renderer {
 /// colour.
 Image debug_view_picture(const Image& values, const std::string& name);
 
-/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then sRGB. Same formulas as the
-/// shader.
-Image tone_map(const Image& radiance, float exposure_ev, const std::string& tonemap);
+/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then the mean over the
+/// `side` x `side` points of each pixel, then sRGB. Same formulas as the shader.
+Image tone_map(const Image& points, float exposure_ev, const std::string& tonemap, int side = 1);
 const std::vector<std::string>& tonemap_names();
 
 }  // namespace maquette

@@ -212,6 +212,7 @@ struct Renderer::Impl {
   bool keeps_surfaces = false;                     ///< the G-buffer is that of an earlier frame
   int weights_levels = -1;                         ///< that the weights of upsampling were found for; -1: none
   std::optional<IndirectDrawn> indirect_drawn[2];  ///< what FrameTargets::indirect holds
+  bool points_hold_mean = false;                   ///< the points of the last frame are those of the mean of all frames
   bool composes_in_picture = false;  ///< the frame at hand, and not in the grid that the picture is filtered from
   std::optional<SkyKey> drawn_sky;   ///< what the sky's points show; empty: to be drawn
   FramePlan last_plan;
@@ -365,6 +366,8 @@ struct Renderer::Impl {
   bool shows_reference() const { return last_plan.mode == "reference" && reference.news.mean.width > 0; }
   /// The finished picture for the eye.
   const Texture& picture();
+  /// The picture is the mean of several points a pixel that are still known apart.
+  bool points_are_picture() const { return !shows_reference() && targets->side > 1 && points_hold_mean; }
   Scene edited_scene() const;  ///< with the effective materials and hidden nodes
   /// `tiles`: those to be drawn anew where light is of the bake that is shown already.
   void add_indirect(const TileList& tiles, PassTimer* timer);
@@ -400,6 +403,7 @@ ShaderVariant scheduled_shade_variant(const FramePlan& plan, bool measured, bool
 ShaderVariant sun_variant(const FramePlan& plan, bool measured);
 std::vector<ShaderVariant> turning_shader_variants();
 ShaderVariant resolve_variant(bool textures, bool texture_bandwidth, bool colors);
+ShaderVariant present_variant(int side);
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const FramePlan& plan);
 std::vector<ShaderVariant> glass_shader_variants();

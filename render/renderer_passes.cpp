@@ -143,7 +143,7 @@ std::vector<ShaderVariant> all_shader_variants() {
     if ((k & 2) && !(k & 1)) continue;  // texture bandwidth without textures
     variants.push_back(resolve_variant(k & 1, k & 2, k & 4));
   }
-  variants.push_back({"present/present.frag", "present/present.vert", {}});
+  for (const int side : {1, 2, 4}) variants.push_back(present_variant(side));
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
         "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp", "octree/trace_rays.comp",
@@ -379,6 +379,7 @@ const Texture& Renderer::Impl::under_panes() const {
 
 void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request, float blend, PassTimer* timer) {
   FrameTargets& t = *targets;
+  points_hold_mean = blend >= 1.0f;
   composes_in_picture = t.side == 1 && (!plan.glass || blend >= 1.0f);
   const bool kept = keep_panes(plan, request);
   draw_sky(plan, request, kept);

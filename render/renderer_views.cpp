@@ -232,11 +232,17 @@ Image debug_view_picture(const Image& values, const std::string& name) {
   return picture;
 }
 
+ShaderVariant present_variant(int side) {
+  return {"present/present.frag", "present/present.vert", {{"SIDE", std::to_string(side)}}};
+}
+
 void Renderer::present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
                        const std::string& debug_view) {
   Impl& s = *impl_;
   Texture view;
-  GLuint texture = s.picture().get();
+  const bool by_points =
+      debug_view.empty() && s.points_are_picture() && width == s.targets->width && height == s.targets->height;
+  GLuint texture = by_points ? s.targets->radiance.get() : s.picture().get();
   int curve = tonemap_index(tonemap);
   if (!debug_view.empty()) {
     const Image picture = debug_view_picture(read_debug_view(debug_view), debug_view);
@@ -245,7 +251,7 @@ void Renderer::present(int x, int y, int width, int height, float exposure_ev, c
     texture = view.get();
     curve = -1;
   }
-  const Program& program = s.programs.get({"present/present.frag", "present/present.vert", {}});
+  const Program& program = s.programs.get(present_variant(by_points ? s.targets->side : 1));
   program.set("u_exposure", std::exp2(exposure_ev));
   program.set("u_curve", curve);
   // Window coordinates put row 0 at the bottom, whatever the clip origin of the G-buffer pass.

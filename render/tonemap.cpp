@@ -121,18 +121,23 @@ int tonemap_index(const std::string& name) {
   return static_cast<int>(found - names.begin());
 }
 
-Image tone_map(const Image& radiance, float exposure_ev, const std::string& tonemap) {
-  assert(radiance.channels >= 3);
+Image tone_map(const Image& points, float exposure_ev, const std::string& tonemap, int side) {
+  assert(points.channels >= 3 && side > 0 && points.width % side == 0 && points.height % side == 0);
   const int curve = tonemap_index(tonemap);
-  const float exposure = std::exp2(exposure_ev);
-  Image result(radiance.width, radiance.height, radiance.channels);
-  tbb::parallel_for(0, radiance.height, [&](int y) {
-    for (int x = 0; x < radiance.width; ++x) {
-      const std::size_t i = radiance.index(x, y);
-      const glm::vec3 rgb(radiance.data[i], radiance.data[i + 1], radiance.data[i + 2]);
-      const glm::vec3 display = shared::tonemap(rgb, exposure, curve);
-      for (int c = 0; c < 3; ++c) result.data[i + static_cast<std::size_t>(c)] = display[c];
-      if (radiance.channels > 3) result.data[i + 3] = std::clamp(radiance.data[i + 3], 0.0f, 1.0f);
+  const float exposure = std::exp2(exposure_ev), share = 1.0f / static_cast<float>(side * side);
+  Image result(points.width / side, points.height / side, points.channels);
+  tbb::parallel_for(0, result.height, [&](int y) {
+    for (int x = 0; x < result.width; ++x) {
+      glm::vec3 sum(0.0f);
+      float alpha = 0.0f;
+      for (int k = 0; k < side * side; ++k) {
+        const float* p = &points.data[points.index(x * side + k % side, y * side + k / side)];
+        sum += shared::tonemap({p[0], p[1], p[2]}, exposure, curve);
+        if (points.channels > 3) alpha += std::clamp(p[3], 0.0f, 1.0f);
+      }
+      const glm::vec3 display = shared::srgb_encode(sum * share);
+      for (int c = 0; c < 3; ++c) result.at(x, y, c) = display[c];
+      if (points.channels > 3) result.at(x, y, 3) = alpha * share;
     }
   });
   return result;

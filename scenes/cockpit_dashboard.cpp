@@ -127,13 +127,13 @@ void add_dashboard(SceneBuilder* builder, const CockpitMaterials& m) {
 
   // Displays face the driver's eye.
   const glm::dmat4 cluster = look_at_frame({kDriver_m, 0.868, 0.398}, {kDriver_m, 0.620, 1.20});
-  add_display(builder, "cluster_display", cluster, {0.30, 0.1125}, m.cluster, m.piano);
+  add_display(builder, "cluster_display", cluster, {0.28, 0.105}, m.cluster, m.piano);
   builder->add_part("cluster_base", make_rounded_box({0.22, 0.09, 0.05}, 0.015, 2), m.hard,
                     translation(kDriver_m, 0.845, 0.428));
-  const glm::dmat4 center = look_at_frame({0.0, 0.868, 0.372}, {-0.13, 0.72, 1.20});
+  const glm::dmat4 center = look_at_frame({0.0, 0.868, 0.356}, {-0.13, 0.72, 1.184});
   add_display(builder, "center_display", center, {0.272, 0.17}, m.center_screen, m.piano);
   builder->add_part("center_display_stem", make_rounded_box({0.10, 0.09, 0.05}, 0.015, 2), m.hard,
-                    translation(0.0, 0.855, 0.402));
+                    translation(0.0, 0.855, 0.390));
 
   for (const double side : {1.0, -1.0}) {
     const double x = side * 0.628;

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "scenes/error.h"
@@ -75,16 +76,18 @@ Image load_hdr_image(const std::string& path) {
 void save_png(const std::string& path, const Image& image) {
   assert(image.width > 0 && image.height > 0 && image.channels >= 1 && image.channels <= 4);
   assert(image.data.size() == image.index(0, image.height));
-  std::vector<std::uint8_t> bytes(image.data.size());
-  std::transform(image.data.begin(), image.data.end(), bytes.begin(), to_byte);
+  const int colors = image.channels < 3 ? 1 : 3;
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(image.data.size());
+  for (std::size_t i = 0; i < image.data.size(); i += static_cast<std::size_t>(image.channels))
+    std::transform(&image.data[i], &image.data[i] + colors, std::back_inserter(bytes), to_byte);
   std::vector<std::byte> png;
   const auto append = [](void* context, void* data, int size) {
     auto& target = *static_cast<std::vector<std::byte>*>(context);
     const auto* begin = static_cast<const std::byte*>(data);
     target.insert(target.end(), begin, begin + size);
   };
-  if (!stbi_write_png_to_func(append, &png, image.width, image.height, image.channels, bytes.data(),
-                              image.width * image.channels))
+  if (!stbi_write_png_to_func(append, &png, image.width, image.height, colors, bytes.data(), image.width * colors))
     throw Error(path, "cannot encode the PNG", "make the image smaller");
   write_file_atomically(path, png);
 }

@@ -20,7 +20,8 @@ using ImageLayers = std::map<std::string, Image>;
 void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes = {},
               const ImageLayers& layers = {});
 
-/// Writes an already tone mapped image (display-encoded, 0..1) as 8-bit PNG, beside and renamed.
+/// Writes an already tone mapped image (display-encoded, 0..1) as 8-bit PNG, beside and renamed. Opaque: alpha says where
+/// the sky is seen, and the sky belongs to the picture.
 void save_png(const std::string& path, const Image& image);
 
 }  // namespace maquette

@@ -95,7 +95,7 @@ Section file_section() {
             "folder of derived tables, kept by content; empty: none are kept. Without it "
             "$XDG_CACHE_HOME/maquette or ~/.cache/maquette. It can be removed at any time"},
            {".exr", "linear Rec.709 in stored units times --env-scale, alpha 0 where only the sky is seen"},
-           {".png", "exposure, then the tone mapper, then sRGB"},
+           {".png", "opaque; exposure, then the tone mapper, then the mean over the samples of a pixel, then sRGB"},
            {"--stats", "one JSON object; docs/vocabulary.md says what its names mean"}}};
 }
 

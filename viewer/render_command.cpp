@@ -149,12 +149,13 @@ ImageLayers layers_of(const Renderer& renderer, const SceneOptions& options) {
 
 void write_picture(const Renderer& renderer, const Image& radiance, float exposure_ev, const SceneOptions& options,
                    const FrameRequest& request) {
-  const Image picture = options.debug_view.empty() ? radiance : renderer.read_debug_view(options.debug_view);
+  const bool debug = !options.debug_view.empty();
+  const Image view = debug ? renderer.read_debug_view(options.debug_view) : Image();
   if (picture_format(options.output) == PictureFormat::exr)
-    save_exr(options.output, picture, provenance(options, request), layers_of(renderer, options));
+    save_exr(options.output, debug ? view : radiance, provenance(options, request), layers_of(renderer, options));
   else
-    save_png(options.output, options.debug_view.empty() ? tone_map(picture, exposure_ev, options.tonemap)
-                                                        : debug_view_picture(picture, options.debug_view));
+    save_png(options.output, debug ? debug_view_picture(view, options.debug_view)
+                                   : renderer.read_display(exposure_ev, options.tonemap));
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// A picture on screen. SIDE: points a pixel along each axis of what is read. Each goes through the tone mapper and a pixel shows their mean:
+// where a pixel sees a sky that is 1,000 times as bright as the rest of it, the mean radiance would show no smooth edge.
 #include "shared/tonemap.glsl"
 layout(binding = 24) uniform sampler2D t_picture;
 uniform float u_exposure;
@@ -7,6 +9,14 @@ in vec2 v_uv;
 layout(location = 0) out vec4 o_color;
 void main() {
   vec2 uv = u_flip != 0 ? vec2(v_uv.x, 1.0 - v_uv.y) : v_uv;
+#if SIDE > 1
+  ivec2 first = ivec2(uv * vec2(textureSize(t_picture, 0) / SIDE)) * SIDE;
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < SIDE * SIDE; ++k)
+    sum += tonemap(texelFetch(t_picture, first + ivec2(k % SIDE, k / SIDE), 0).rgb, u_exposure, u_curve);
+  o_color = vec4(srgb_encode(sum / float(SIDE * SIDE)), 1.0);
+#else
   vec3 c = texture(t_picture, uv).rgb;
-  o_color = vec4(u_curve < 0 ? c : tonemap(c, u_exposure, u_curve), 1.0);
+  o_color = vec4(u_curve < 0 ? c : srgb_encode(tonemap(c, u_exposure, u_curve)), 1.0);
+#endif
 }

@@ -75,13 +75,14 @@ MAQUETTE_FN float srgb_from_linear(float v) {
   return v <= 0.0031308f ? 12.92f * v : 1.055f * pow(v, 1.0f / 2.4f) - 0.055f;
 }
 
-// From radiance to display-encoded sRGB in [0, 1]. exposure: 2^EV.
+MAQUETTE_FN vec3 srgb_encode(vec3 c) { return vec3(srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z)); }
+
+// From radiance to linear display values in [0, 1]. exposure: 2^EV.
 MAQUETTE_FN vec3 tonemap(vec3 radiance, float exposure, int curve) {
   vec3 c = vec3(tonemap_sane(radiance.x * exposure), tonemap_sane(radiance.y * exposure), tonemap_sane(radiance.z * exposure));
   if (curve == kTonemapReinhard) c = tonemap_reinhard(c);
   if (curve == kTonemapAces) c = tonemap_aces(c);
   if (curve == kTonemapAgx) c = tonemap_agx(c);
   if (curve == kTonemapPbrNeutral) c = tonemap_pbr_neutral(c);
-  c = clamp(c, vec3(0.0f), vec3(1.0f));
-  return vec3(srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z));
+  return clamp(c, vec3(0.0f), vec3(1.0f));
 }

@@ -55,6 +55,18 @@ TEST(Tonemap, EveryCurveRisesFromBlackToWhiteAndKeepsGreyGrey) {
   }
 }
 
+TEST(Tonemap, APixelIsTheMeanOfItsPointsOnTheDisplay) {
+  Image points(4, 2, 4);
+  for (int k = 0; k < 8; ++k)
+    for (int c = 0; c < 4; ++c) points.at(k % 4, k / 4, c) = k % 4 == 0 ? 1000.0f : 0.1f;
+  const Image pixels = tone_map(points, 0.0f, "linear", 2);
+  ASSERT_EQ(pixels.width, 2);
+  ASSERT_EQ(pixels.height, 1);
+  EXPECT_NEAR(pixels.at(0, 0, 0), srgb(0.5 * 1.0 + 0.5 * 0.1), 1e-6);
+  EXPECT_NEAR(pixels.at(1, 0, 2), srgb(0.1), 1e-6);
+  EXPECT_NEAR(pixels.at(0, 0, 3), 0.5 * 1.0 + 0.5 * 0.1, 1e-6);
+}
+
 TEST(Tonemap, BrokenPixelsStayInRange) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInfinity = std::numeric_limits<float>::infinity();

@@ -252,6 +252,20 @@ TEST_F(ImageIo, PngRoundsClampsAndShowsNanAsBlack) {
   stbi_image_free(bytes);
 }
 
+TEST_F(ImageIo, PngIsOpaque) {
+  for (const int channels : {1, 2, 3, 4}) {
+    Image image(2, 1, channels, 0.0f);
+    for (int c = 0; c < channels; ++c) image.at(1, 0, c) = 0.2f * static_cast<float>(c + 1);
+    save_png(path("a.png"), image);
+    int w = 0, h = 0, n = 0;
+    unsigned char* bytes = stbi_load(path("a.png").c_str(), &w, &h, &n, 0);
+    ASSERT_NE(bytes, nullptr);
+    ASSERT_EQ(n, channels < 3 ? 1 : 3);
+    for (int c = 0; c < n; ++c) EXPECT_EQ(bytes[n + c], 51 * (c + 1)) << channels;
+    stbi_image_free(bytes);
+  }
+}
+
 TEST_F(ImageIo, UnwritablePathsLeaveNothing) {
   EXPECT_THROW(save_exr(path("no/such/folder/a.exr"), Image(2, 2, 3)), Error);
   EXPECT_THROW(save_png(path("no/such/folder/a.png"), Image(2, 2, 3)), Error);

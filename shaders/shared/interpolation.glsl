@@ -19,9 +19,12 @@ MAQUETTE_FN float item_variance(float deviation, int samples) { return deviation
 
 /// Variance of the mean of n items over that of one. They go on with one low-discrepancy sequence: own means of 3 to 400 items fall with
 /// powers of 1.5 to 1.7 on the Ferrari, plate, matte and paint, 1.2 to 1.3 on chrome. Too steep a fall trusts own means too early, too flat a
-/// one blurs.
-const float kNoiseExponent = 1.5f;
-MAQUETTE_FN float noise_fall(float items) { return pow(max(items, 1e-3f), -kNoiseExponent); }
+/// one blurs. The first kEarlyItems are as good as independent, and fall with 1 / n; from kEarlyItems^2 on nothing of that is left.
+const float kNoiseExponent = 1.5f, kEarlyItems = 2.5f;
+MAQUETTE_FN float noise_fall(float items) {
+  float n = max(items, 1e-3f), root = sqrt(n);
+  return pow(n, -kNoiseExponent) * max(min(root, kEarlyItems / root), 1.0f);
+}
 
 /// Weight of the own mean against the interpolated value.
 MAQUETTE_FN float own_weight(float items, float kappa) { return items > 0.0f ? kappa / (kappa + noise_fall(items)) : 0.0f; }

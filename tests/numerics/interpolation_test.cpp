@@ -56,6 +56,32 @@ TEST(InterpolationWorth, BothTogetherErrNoMoreThanOwnMeans) {
       }
 }
 
+/// Two items with lamps in them are as far apart as any two numbers are: what a mean of both is off by is no error of
+/// interpolation.
+TEST(InterpolationWorth, NoiseOfTwoIndependentItemsDoesNotPassForAnErrorOfInterpolation) {
+  std::mt19937 random(7);
+  std::normal_distribution<float> normal;
+  glm::vec4 sums(0.0f);
+  for (int i = 0; i < 20000; ++i) {
+    const float a = normal(random), b = normal(random), own = 0.5f * (a + b), variance = 0.5f * (a - b) * (a - b);
+    sums += glm::vec4(own * own, variance * shared::noise_fall(2.0f), variance, 1.0f);  // interpolation is exact
+  }
+  EXPECT_LT(shared::own_weight(2.0f, shared::pooled_kappa(sums, 0.0f)), 0.03f);
+}
+
+TEST(InterpolationWorth, EarlyNoiseJoinsTheLateOne) {
+  EXPECT_FLOAT_EQ(shared::noise_fall(1.0f), 1.0f);
+  EXPECT_FLOAT_EQ(shared::noise_fall(2.0f), 0.5f);
+  EXPECT_FLOAT_EQ(shared::noise_fall(25.0f), 1.0f / 125.0f);
+  float before = shared::noise_fall(0.5f);
+  for (float n = 0.51f; n < 40.0f; n += 0.01f) {
+    const float now = shared::noise_fall(n);
+    EXPECT_LT(now, before);
+    EXPECT_GT(now, 0.93f * before) << n;
+    before = now;
+  }
+}
+
 TEST(InterpolationWorth, TakesWhatItIsToldWhereNothingWasMeasured) {
   for (const float kappa : {0.0f, 0.3f, shared::kNeverInterpolate})
     EXPECT_EQ(shared::pooled_kappa(glm::vec4(0.0f), kappa), kappa);

@@ -466,15 +466,6 @@ Image Renderer::read_radiance() const {
   return image;
 }
 
-Image Renderer::read_display(float exposure_ev, const std::string& tonemap) const {
-  if (!impl_->points_are_picture()) return tone_map(read_radiance(), exposure_ev, tonemap);
-  const Texture& points = impl_->targets->radiance;
-  Image image(points.width(), points.height(), 4);
-  glGetTextureImage(points.get(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(image.data.size() * sizeof(float)),
-                    image.data.data());
-  return tone_map(image, exposure_ev, tonemap, impl_->targets->side);
-}
-
 Renderer::Pick Renderer::pick(int x, int y) const {
   Pick pick;
   if (impl_->shows_reference()) return impl_->pick_traced(x, y);

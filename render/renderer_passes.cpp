@@ -19,6 +19,7 @@ ShaderVariant predict_variant(const FramePlan& plan, int measured, bool sky_vari
            {"SHADOWED", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)},
            {"SKY_VARIANCE", flag(sky_variance)},
+           {"SEEN_BANDWIDTHS", std::to_string(kSeenBandwidthCount)},
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 

@@ -236,6 +236,14 @@ ShaderVariant present_variant(int side) {
   return {"present/present.frag", "present/present.vert", {{"SIDE", std::to_string(side)}}};
 }
 
+Image Renderer::read_display(float exposure_ev, const std::string& tonemap) const {
+  const Impl& s = *impl_;
+  if (!s.points_are_picture()) return tone_map(read_radiance(), exposure_ev, tonemap);
+  Image points(s.targets->grid_width(), s.targets->grid_height(), 4);
+  points.data = read_texture<float>(s.targets->radiance, GL_RGBA, GL_FLOAT, 4);
+  return tone_map(points, exposure_ev, tonemap, s.targets->side);
+}
+
 void Renderer::present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
                        const std::string& debug_view) {
   Impl& s = *impl_;

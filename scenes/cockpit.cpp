@@ -28,9 +28,8 @@ Scene build_cockpit() {
   add_seat(&builder, materials, "seat_driver", 0.37);
   add_seat(&builder, materials, "seat_passenger", -0.37);
   add_variants(&builder, materials);
-  // R-point of the driver and his eye: 63 cm above it and a little behind it.
-  builder.add_empty("r_point", {0.37, 0.47, -0.23});
-  builder.add_camera("driver", {0.37, 1.10, -0.30}, {0.27, 0.93, 0.60}, 58.0);
+  builder.add_empty("r_point", {0.37, 0.47, -0.23});  // of the driver
+  builder.add_camera("driver", kDriverEye_m, {0.27, 0.93, 0.60}, 58.0);
   builder.add_camera("passenger", {-0.37, 1.12, -0.34}, {0.06, 0.86, 0.50}, 58.0);
   builder.add_camera("exterior", {3.7, 1.30, 4.5}, {0.05, 0.60, 0.10}, 27.0);
   builder.add_camera("door", {2.9, 1.05, 0.75}, {0.85, 0.64, 0.02}, 28.0);

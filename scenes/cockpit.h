@@ -6,6 +6,9 @@
 /// drive.
 namespace maquette::builtin {
 
+/// Where the camera `driver` stands, and whom the mirrors serve: 63 cm above the R-point and a little behind it.
+inline const modelling::Vec3 kDriverEye_m(0.37, 1.10, -0.30);
+
 /// Materials by purpose, indices into the scene; a variant swaps them.
 struct CockpitMaterials {
   int paint, paint_touring, paint_atelier;

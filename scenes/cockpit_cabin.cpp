@@ -143,8 +143,9 @@ BezierPatch flat_patch(const std::string& name, const glm::dmat4& place, const g
 
 void add_overhead(SceneBuilder* builder, const CockpitMaterials& m) {
   // Halfway between the driver's eye and the rear window, which he sees in it.
-  const Vec3 at(0.0, 1.222, 0.125), eye(0.37, 1.10, -0.30), rear_window(0.0, 1.10, -1.55);
-  const glm::dmat4 mirror = look_at_frame(at, at - glm::normalize(eye - at) - glm::normalize(rear_window - at));
+  const Vec3 at(0.0, 1.222, 0.125), rear_window(0.0, 1.10, -1.55);
+  const glm::dmat4 mirror =
+      look_at_frame(at, at - glm::normalize(kDriverEye_m - at) - glm::normalize(rear_window - at));
   builder->add_part("interior_mirror_housing", make_rounded_box({0.245, 0.070, 0.030}, 0.0149, 2), m.piano,
                     mirror * translation(0, 0, -0.010));
   builder->add_part("interior_mirror_rim", make_rounded_box({0.236, 0.062, 0.006}, 0.0029, 2), m.piano,

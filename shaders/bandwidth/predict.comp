@@ -24,7 +24,7 @@ layout(binding = 30) uniform samplerBuffer t_visibility_bandwidth;  // [vertex],
 layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, mean square, 1
 #endif
 layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
-layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width][1 + lobes], cycles/rad: seen through each lobe, and as it is
+layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width][lobes + 1], cycles/rad: seen through each lobe, then as it is
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;     // sum w nu, sum w (lights included), sum t^2 (with the stratum factor), 1 + material
 
 struct List {
@@ -48,7 +48,7 @@ struct Result {
 #endif
 };
 
-const int kSeenBandwidthCount = 9;  // lobe k has nu_rho = 2^(k - 1) cycles/rad: render/environment/environment_tables.h
+const int kSeenBandwidthCount = SEEN_BANDWIDTHS;  // lobe k has nu_rho = 2^(k - 1) cycles/rad: render/environment/environment_tables.h
 
 /// The light's bandwidth around a direction: as it is, and as a lobe of nu_rho shows it.
 vec2 environment_bandwidth(vec3 d, float nu_rho) {

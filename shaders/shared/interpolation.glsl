@@ -22,15 +22,18 @@ MAQUETTE_FN float item_variance(float deviation, int samples) { return deviation
 /// one blurs. The first kEarlyItems are as good as independent, and fall with 1 / n; from kEarlyItems^2 on nothing of that is left.
 const float kNoiseExponent = 1.5f, kEarlyItems = 2.5f;
 MAQUETTE_FN float noise_fall(float items) {
-  float n = max(items, 1e-3f), root = sqrt(n);
-  return pow(n, -kNoiseExponent) * max(min(root, kEarlyItems / root), 1.0f);
+  float n = max(items, 1e-3f);
+  return max(pow(n, -kNoiseExponent), min(1.0f / n, kEarlyItems / (n * n)));
 }
 
 /// Weight of the own mean against the interpolated value.
 MAQUETTE_FN float own_weight(float items, float kappa) { return items > 0.0f ? kappa / (kappa + noise_fall(items)) : 0.0f; }
 
 /// How many items of its own a point would need to err as little as interpolation does.
-MAQUETTE_FN float interpolation_items(float kappa) { return pow(max(kappa, 1e-9f), -1.0f / kNoiseExponent); }
+MAQUETTE_FN float interpolation_items(float kappa) {
+  float k = max(kappa, 1e-9f);  // noise_fall turned round, part by part
+  return max(pow(k, -1.0f / kNoiseExponent), min(1.0f / k, sqrt(kEarlyItems / k)));
+}
 
 /// `kappa` of one point, whose own mean and interpolated value were `residual` apart (squared; below 0: not known). What holds around it need
 /// not hold for a point that stands out: `residual` less its noise is what the point itself says of kappa, and half of `residual` is believed.

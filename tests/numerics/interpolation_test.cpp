@@ -78,6 +78,7 @@ TEST(InterpolationWorth, EarlyNoiseJoinsTheLateOne) {
     const float now = shared::noise_fall(n);
     EXPECT_LT(now, before);
     EXPECT_GT(now, 0.93f * before) << n;
+    EXPECT_NEAR(shared::interpolation_items(now), n, 1e-4f * n);
     before = now;
   }
 }

@@ -15,20 +15,6 @@
 namespace maquette {
 namespace {
 
-/// An uneven sky with a lamp of a few texels 1e4 times as bright, and one dark quarter.
-std::shared_ptr<const Environment> sky_with_lamp() {
-  auto environment = std::make_shared<Environment>();
-  environment->width = 64;
-  environment->height = 32;
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 64; ++x) {
-      const float sky = x < 16 ? 0.0f : 1.0f + 0.5f * std::sin(0.7f * static_cast<float>(x + 3 * y));
-      const bool lamp = y >= 8 && y < 10 && x >= 40 && x < 42;
-      environment->rgb.push_back(lamp ? glm::vec3(1e4f) : glm::vec3(sky));
-    }
-  return environment;
-}
-
 class LightGuideTest : public testing::Test {
  protected:
   LightGuideTest() { options_.env_rotation_rad = 0.8f; }
@@ -47,8 +33,8 @@ class LightGuideTest : public testing::Test {
 
   std::mt19937 random_{5};
   std::uniform_real_distribution<float> uniform_{0.0f, 0x1.fffffep-1f};
-  std::shared_ptr<const PathScene> scene_ =
-      build_path_scene({.scene = test::sphere_of(Material()), .environment = sky_with_lamp()});
+  std::shared_ptr<const PathScene> scene_ = build_path_scene(
+      {.scene = test::sphere_of(Material()), .environment = test::sky_with_lamp(glm::vec3(1.0f), glm::vec3(1e4f))});
   PathOptions options_;
   LightGuide guide_{*scene_->environment.partition, PlaceGrid(glm::vec3(0.0f), 1.0f)};
 };

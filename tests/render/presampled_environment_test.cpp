@@ -13,20 +13,6 @@
 namespace maquette {
 namespace {
 
-/// A dim sky with a lamp of a few texels 1e5 times as bright, and one dark quarter.
-std::shared_ptr<const Environment> sky_with_lamp() {
-  auto environment = std::make_shared<Environment>();
-  environment->width = 64;
-  environment->height = 32;
-  for (int y = 0; y < 32; ++y)
-    for (int x = 0; x < 64; ++x) {
-      const float sky = x < 16 ? 0.0f : 1.0f + 0.5f * std::sin(0.7f * static_cast<float>(x + 3 * y));
-      const bool lamp = y >= 8 && y < 10 && x >= 40 && x < 42;
-      environment->rgb.push_back(lamp ? glm::vec3(1e5f, 8e4f, 5e4f) : glm::vec3(sky, 0.8f * sky, 0.5f * sky));
-    }
-  return environment;
-}
-
 class PresampledEnvironmentTest : public testing::Test {
  protected:
   PresampledEnvironmentTest() {
@@ -37,7 +23,8 @@ class PresampledEnvironmentTest : public testing::Test {
   int leaves() const { return traced().partition->leaf_count(); }
 
   std::shared_ptr<const PathScene> scene_ =
-      build_path_scene({.scene = test::sphere_of(Material()), .environment = sky_with_lamp()});
+      build_path_scene({.scene = test::sphere_of(Material()),
+                        .environment = test::sky_with_lamp({1.0f, 0.8f, 0.5f}, {1e5f, 8e4f, 5e4f})});
   PathOptions options_;
 };
 

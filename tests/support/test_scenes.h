@@ -83,6 +83,19 @@ inline std::shared_ptr<Environment> constant_sky(const glm::vec3& radiance) {
   sky->rgb.assign(32 * 16, radiance);
   return sky;
 }
+/// An uneven sky of that colour with a lamp of four texels, and one dark quarter.
+inline std::shared_ptr<Environment> sky_with_lamp(const glm::vec3& color, const glm::vec3& lamp) {
+  auto environment = std::make_shared<Environment>();
+  environment->width = 64;
+  environment->height = 32;
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float sky = x < 16 ? 0.0f : 1.0f + 0.5f * std::sin(0.7f * static_cast<float>(x + 3 * y));
+      const bool is_lamp = y >= 8 && y < 10 && x >= 40 && x < 42;
+      environment->rgb.push_back(is_lamp ? lamp : sky * color);
+    }
+  return environment;
+}
 inline std::shared_ptr<Environment> constant_sky(float radiance) { return constant_sky(glm::vec3(radiance)); }
 
 }  // namespace maquette::test

@@ -60,6 +60,12 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
     list->tiles = Buffer("tiles", bands * static_cast<std::size_t>(t.band_tiles()) * sizeof(unsigned));
     list->counts.assign(bands, 0);
   }
+  if (bandwidth && side > 1) {
+    const std::size_t quads = static_cast<std::size_t>(w / 2) * static_cast<std::size_t>(h / 2);
+    t.plain_quads.quads = Buffer("plain quads", quads * sizeof(unsigned));
+    t.mixed_quads.quads = Buffer("mixed quads", quads * sizeof(unsigned));
+    t.quad_counts = Buffer("quad counts", 2 * sizeof(unsigned));
+  }
   t.counters = Buffer("counters", 2 * 8 * sizeof(unsigned));
   for (int k = 0; k < 2; ++k) {
     const auto items = static_cast<std::size_t>(t.item_capacity);

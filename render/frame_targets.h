@@ -19,6 +19,12 @@ struct TileList {
 /// Powers of two: how many invocations a tile takes, one a point, or one for four (shaders/shared/lookup.glsl).
 constexpr int kTileLanes = 6, kLookupLanes = 4;
 
+/// Quads of 2 x 2 grid points (shaders/bandwidth/quads.comp).
+struct QuadList {
+  Buffer quads;  ///< uint each, x | y << 16 of the first point
+  int count = 0;
+};
+
 /// Images and lists whose size follows the picture's. Grid: width * side, height * side points (side^2 samples a
 /// pixel).
 struct FrameTargets {
@@ -27,7 +33,9 @@ struct FrameTargets {
   int item_capacity = 0;  ///< work items of each list
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
   TileList surface_tiles, sky_tiles, repainted_tiles;
-  Buffer tile_counts;  ///< of both lists, by band
+  Buffer tile_counts;                 ///< of both lists, by band
+  QuadList plain_quads, mixed_quads;  ///< with several points a pixel, mode `bandwidth`
+  Buffer quad_counts;
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
   Texture weights;  ///< of upsampling (shaders/bandwidth/fill.comp)

@@ -359,6 +359,9 @@ struct Renderer::Impl {
   float scout_share() const;
   /// `own`: points that were shaded take part in what is interpolated at them.
   void fill(bool own, const TileList& tiles, PassTimer* timer);
+  void list_quads();
+  /// `lanes`: invocations a quad.
+  void dispatch_quads(const Program& program, const QuadList& list, int lanes);
   FrameStats render_reference(const FrameRequest& request, FramePlan plan, bool accumulate);
   void trace_reference(const FrameRequest& request, bool accumulate);
   void watch_reference(const FrameRequest& request);

@@ -69,6 +69,13 @@ ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, Fill
            {"KEPT", flag(step == FillStep::kept)}}};
 }
 
+/// The finest level with several points a pixel, by listed quads.
+ShaderVariant fill_quads_variant(bool textures, bool own) {
+  ShaderVariant variant = fill_variant(textures, false, false, own, FillStep::once);
+  variant.defines.emplace_back("QUADS", "1");
+  return variant;
+}
+
 /// `indirect`: how many bakes of indirect light the picture lies between. `panes`: of KeptPanes.
 ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect, bool panes, bool glossy) {
   return {"shading/compose.comp",
@@ -78,6 +85,11 @@ ShaderVariant compose_variant(int stage, bool textures, std::size_t indirect, bo
            {"INDIRECT", std::to_string(indirect)},
            {"PANES", flag(panes)},
            {"GLOSSY", flag(glossy)}}};
+}
+
+ShaderVariant listed(ShaderVariant compose) {
+  compose.defines.emplace_back("QUADS", "1");
+  return compose;
 }
 
 ShaderVariant sky_variant(bool panes) { return {"shading/sky.comp", "", {{"PANES", flag(panes)}}}; }
@@ -112,8 +124,13 @@ std::vector<ShaderVariant> all_shader_variants() {
           variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
     for (int j = 0; j < 12; ++j)
       for (const bool glossy : {false, true})
-        variants.push_back(compose_variant(k, j & 1, static_cast<std::size_t>(j / 2 % 3), j / 6 == 1, glossy));
+        for (const int stage : {k, 2 * k + 1}) {
+          const ShaderVariant variant =
+              compose_variant(stage, j & 1, static_cast<std::size_t>(j / 2 % 3), j / 6 == 1, glossy);
+          variants.push_back(stage == k ? variant : listed(variant));
+        }
     variants.push_back(sky_variant(k));
+    for (const bool own : {false, true}) variants.push_back(fill_quads_variant(k, own));
     for (int j = 0; j < 6; ++j) {
       FramePlan plan;
       plan.visibility = j < 2 ? "none" : j < 4 ? "baked" : "traced";
@@ -147,10 +164,11 @@ std::vector<ShaderVariant> all_shader_variants() {
   for (const int side : {1, 2, 4}) variants.push_back(present_variant(side));
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
-        "bandwidth/worth.comp", "bandwidth/forget.comp", "gbuffer/repainted.comp", "octree/trace_rays.comp",
-        "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+        "bandwidth/worth.comp", "bandwidth/forget.comp", "bandwidth/quads.comp", "gbuffer/repainted.comp",
+        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0, false, false));
+  variants.push_back(listed(compose_variant(4, false, 0, false, false)));
   variants.push_back(mark_variant(true, false, false, true));
   for (const std::vector<ShaderVariant>& more :
        {glass_shader_variants(), reflection_shader_variants(), turning_shader_variants()})
@@ -295,6 +313,25 @@ void Renderer::Impl::shade_lists(const FramePlan& plan, const unsigned* counters
   }
 }
 
+void Renderer::Impl::list_quads() {
+  FrameTargets& t = *targets;
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.quad_counts.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.plain_quads.quads.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.mixed_quads.quads.get());
+  t.quad_counts.clear_to_zero();
+  dispatch_tiles(programs.get({"bandwidth/quads.comp", "", {}}), t.surface_tiles, 2);
+  unsigned counts[2];
+  t.quad_counts.read(0, sizeof counts, counts);
+  t.plain_quads.count = static_cast<int>(counts[0]);
+  t.mixed_quads.count = static_cast<int>(counts[1]);
+}
+
+void Renderer::Impl::dispatch_quads(const Program& program, const QuadList& list, int lanes) {
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.quads.get());
+  program.set("u_quads", list.count);
+  dispatch_list(program, lanes * list.count);
+}
+
 void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   FrameTargets& t = *targets;
   glBindTextureUnit(21, t.curvature.get());
@@ -309,7 +346,7 @@ void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   }
   const int levels = constants.size.w;
   const auto over_points = [&](FillStep step) {
-    for (int level = levels - 1; level >= 0; --level) {
+    for (int level = levels - 1; level >= (t.side > 1 ? 1 : 0); --level) {
       const bool by_tiles = level <= kLastTileLevel, find = step == FillStep::find;
       const Program& program =
           programs.get(fill_variant(!find && buffers->has_textures(), level > 0, by_tiles, !find && own, step));
@@ -331,6 +368,12 @@ void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
     weights_levels = levels;
   }
   over_points(keeps_surfaces ? FillStep::kept : FillStep::once);
+  if (t.side > 1) {
+    list_quads();
+    const Program& program = programs.get(fill_quads_variant(buffers->has_textures(), own));
+    program.set("u_level", 0);
+    dispatch_quads(program, t.mixed_quads, 1);
+  }
   timer->end("upsample");
 }
 
@@ -385,19 +428,30 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   const bool kept = keep_panes(plan, request);
   draw_sky(plan, request, kept);
   const std::size_t keys = plan.indirect == "baked" ? indirect.keys().size() : 0;
-  const Program& complete = programs.get(compose_variant(
-      composes_in_picture ? 0 : 1, plan.mode == "bandwidth" && buffers->has_textures(), keys, kept, plan.glossy));
-  if (kept) bind_kept_panes(complete, request.env_rotation_rad);
-  if (composes_in_picture) {
-    complete.set("u_blend", blend);
-    glBindTextureUnit(24, t.radiance.get());
-  }
+  const bool bandwidth = plan.mode == "bandwidth";
+  const auto program_of = [&](int stage, bool quads) -> const Program& {
+    const ShaderVariant variant = compose_variant(stage, bandwidth && buffers->has_textures(), keys, kept, plan.glossy);
+    const Program& program = programs.get(quads ? listed(variant) : variant);
+    if (kept) bind_kept_panes(program, request.env_rotation_rad);
+    if (keys == 2) program.set("u_later", indirect.blend());
+    return program;
+  };
+  if (composes_in_picture) glBindTextureUnit(24, t.radiance.get());
   for (std::size_t k = 0; k < keys; ++k)
     glBindTextureUnit(static_cast<GLuint>(18 + k), t.indirect[indirect.keys()[k].serial & 1u].get());
-  if (keys == 2) complete.set("u_later", indirect.blend());
   if (plan.glossy) glBindTextureUnit(54, glossy_light.get());
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  dispatch_tiles(complete, t.surface_tiles, 6);
+  if (bandwidth && t.side > 1) {
+    const Program& plain = program_of(3, true);
+    plain.set("u_least_points", keys > 0 || plan.glossy || kept || buffers->has_colors() ? 4 : 1);
+    dispatch_quads(plain, t.plain_quads, 1);
+    dispatch_quads(program_of(1, true), t.mixed_quads, 4);
+    dispatch_quads(programs.get(listed(compose_variant(4, false, 0, false, false))), t.plain_quads, 1);
+  } else {
+    const Program& complete = program_of(composes_in_picture ? 0 : 1, false);
+    if (composes_in_picture) complete.set("u_blend", blend);
+    dispatch_tiles(complete, t.surface_tiles, 6);
+  }
   timer->end("compose");
   if (plan.glass && !kept) {
     if (!plan.reflections.empty()) reflect(plan, request, timer);

@@ -3,6 +3,7 @@
 // Dubuc 1989) where all lie on one smooth surface; else, and at the finest level (CUBIC 0: three quarters of the points, and what is
 // left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
 // along which the picture varies less counting more: an anisotropic kernel.
+// QUADS: the finest level with several points a pixel, of listed quads alone, bilaterally from the two or four coarser points around.
 // OWN: while nothing moves. Points that were shaded are interpolated too; their own mean and the interpolated value are weighted by what the
 // frames before told of both, and how far they are apart tells the next frame.
 layout(local_size_x = 64) in;
@@ -23,6 +24,9 @@ layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa
 layout(binding = 1, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
 /// Weight of the neighbours below which interpolation says nothing: of two in a row, as where marking lets points be filled.
 const float kLeastWeight = 1.1;
+#endif
+#ifdef QUADS
+#include "bandwidth/quads.glsl"
 #endif
 uniform int u_level;
 uniform int u_middle;  // 0: between two, 1: in the middle of four
@@ -54,6 +58,29 @@ uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
   if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) w = vec2(kCubic);
 #endif
   return packHalf2x16(w);
+}
+
+/// `value`: interpolated, and the weight of the neighbours.
+void store_filled(ivec2 pixel, uvec4 mark, vec4 value) {
+#if OWN
+  if (mark.x != 0u) {
+    vec4 own = texelFetch(t_mean, pixel, 0);
+    bool known = value.w >= kLeastWeight;
+#if TEXTURES
+    uvec4 surface = texelFetch(t_surface, pixel, 0);
+    vec3 base = base_factor(surface, material_words(int(surface.z >> 16u), 6).x);
+#else
+    const vec3 base = vec3(1.0);
+#endif
+    vec3 apart = own.rgb - value.rgb * base;
+    float residual = dot(apart, apart) * (1.0 / 3.0), d = texelFetch(t_deviation, pixel, 0).x;
+    imageStore(o_residual, pixel, vec4(known ? residual : -1.0));
+    float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
+    kappa = point_kappa(kappa, own.w, residual, item_variance(d, u_frame.sampling.y));
+    value.rgb += apart / base * (known ? own_weight(own.w, kappa) : 1.0);
+  }
+#endif
+  imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
 }
 
 vec3 radiance_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_frame.size.xy - 1)).rgb; }
@@ -95,28 +122,36 @@ void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
     vec2 w = vec2(nu.y * nu.y * x.w, nu.x * nu.x * y.w) + 1e-20;
     value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
   }
-#if OWN
-  if (mark.x != 0u) {
-    vec4 own = texelFetch(t_mean, pixel, 0);
-    bool known = value.w >= kLeastWeight;
-#if TEXTURES
-    uvec4 surface = texelFetch(t_surface, pixel, 0);
-    vec3 base = base_factor(surface, material_words(int(surface.z >> 16u), 6).x);
-#else
-    const vec3 base = vec3(1.0);
-#endif
-    vec3 apart = own.rgb - value.rgb * base;
-    float residual = dot(apart, apart) * (1.0 / 3.0), d = texelFetch(t_deviation, pixel, 0).x;
-    imageStore(o_residual, pixel, vec4(known ? residual : -1.0));
-    float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
-    kappa = point_kappa(kappa, own.w, residual, item_variance(d, u_frame.sampling.y));
-    value.rgb += apart / base * (known ? own_weight(own.w, kappa) : 1.0);
-  }
-#endif
-  imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
+  store_filled(pixel, mark, value);
 #endif
 }
 
+#ifdef QUADS
+void main() {
+  ivec2 first = listed_quad(int(linear_id()));
+  if (first.x < 0) return;
+  Guide around[4];
+  vec3 radiance[4];
+  for (int k = 0; k < 4; ++k) {
+    ivec2 q = first + 2 * ivec2(k & 1, k >> 1);
+    around[k] = load_guide(min(q, u_frame.size.xy - 1));
+    around[k].valid = around[k].valid && all(lessThan(q, u_frame.size.xy));
+    radiance[k] = radiance_at(q);
+  }
+  for (int j = 1; j < 4; ++j) {
+    ivec2 pixel = first + ivec2(j & 1, j >> 1);
+    Guide center = load_guide(pixel);
+    vec4 value = vec4(0.0);
+    for (int k = 0; k < 4; ++k) {
+      float weight = (k & ~j) == 0 ? bilateral_weight(center, around[k], 1.0) : 0.0;
+      value += weight > 0.0 ? weight * vec4(radiance[k], 1.0) : vec4(0.0);
+    }
+    value.rgb /= max(value.w, 1e-12);
+    uvec4 mark = texelFetch(t_marks, pixel, 0);
+    if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) store_filled(pixel, mark, value);
+  }
+}
+#else
 void main() {
   // The invocations are the points to fill and no others: (odd, odd), or (odd, even) and then (even, odd).
   int s = 1 << u_level;
@@ -143,3 +178,4 @@ void main() {
   uvec4 mark = texelFetch(t_marks, pixel, 0);
   if (mark.w != 0u && (OWN == 1 || FIND == 1 || mark.x == 0u)) fill(pixel, odd, s, mark);
 }
+#endif

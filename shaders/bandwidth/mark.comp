@@ -22,10 +22,10 @@ layout(binding = 21) uniform sampler2D t_pyramid;  // level 0: quads
 #include "bandwidth/bilateral.glsl"
 #endif
 #if REFINE
-layout(binding = 0, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible
+layout(binding = 0, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible, 3 in plain quads
 #define o_marks io_marks
 #else
-layout(binding = 0, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
+layout(binding = 0, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible, 3 in plain quads
 #endif
 struct Item {
   uint pixel, first_sample;
@@ -121,14 +121,19 @@ int quads_carry(ivec2 corner, float mean_radiance) {
 /// was min(nu_L, nu_rho), a fifth higher.
 const float kBentError = 0.124;
 
-/// True when the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
+/// What the weights of the points around may lack where they count alike: none is below a half.
+const float kUnlike = 0.5;
+
+/// First bit: the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
 /// edge, interpolation is off by the slope of the light over directions, 2 pi nu_theta at most for a light like 1 + cos, times how far the
 /// normal is off, however dense the points are.
 /// `normals`: of `count` points, in a sum weighted like `sum`. Within a pixel one of two serves: an edge there asks for the points of the other
 /// surface, and half a pixel from a point of its own a smooth one hardly changes.
-bool agrees(Guide center, vec3 normals, float sum, float count, int level, float bend) {
+/// Second bit: the points around count alike, so that the finest level need not look at them again (quads.comp).
+int agrees(Guide center, vec3 normals, float sum, float count, int level, float bend) {
   float least = level < findMSB(u_frame.size.z) && count == 2.0 ? 0.4 : 0.55 * count;
-  return sum > least && length(normals / sum - center.normal) * bend <= kBentError;
+  bool agree = sum > least && length(normals / sum - center.normal) * bend <= kBentError;
+  return (agree ? 1 : 0) | (sum >= count - kUnlike ? 2 : 0);
 }
 
 /// Factor of how far a normal is off, in a quad of predictions.
@@ -137,7 +142,7 @@ float bend_weight(ivec2 quad, vec4 predicted, float mean_radiance) {
   return slope * error_weight(predicted.y, mean_radiance) * quality * quality;
 }
 
-bool neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
+int neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
   vec3 normals = vec3(0.0);
   int s = 1 << level;
   ivec2 odd = (pixel >> level) & 1;
@@ -156,28 +161,49 @@ bool neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
   return agrees(center, normals, sum, float((1 + odd.x) * (1 + odd.y)), level, bend);
 }
 
+/// Least weight of the points around where the finest level is plain: all count alike there, without looking at them again (quads.comp).
+const float kPlainWeight = 0.5;
+
+/// The same between points of one row, column or square that were loaded before.
+int agrees_between(Guide center, Guide first, Guide last, int level, float bend) {
+  float step = float(1 << level), w0 = bilateral_weight(center, first, step), w1 = bilateral_weight(center, last, step);
+  return agrees(center, w0 * first.normal + w1 * last.normal, w0 + w1, 2.0, level, bend);
+}
+
+int agrees_amid(Guide center, Guide near, Guide right, Guide below, Guide far, int level, float bend) {
+  float step = float(1 << level), w0 = bilateral_weight(center, near, step), w1 = bilateral_weight(center, right, step);
+  float w2 = bilateral_weight(center, below, step), w3 = bilateral_weight(center, far, step);
+  vec3 normals = w0 * near.normal + w1 * right.normal + w2 * below.normal + w3 * far.normal;
+  return agrees(center, normals, w0 + w1 + w2 + w3, 4.0, level, bend);
+}
+
 Guide load_guide_or_none(ivec2 pixel) {
   Guide g = load_guide(min(pixel, u_frame.size.xy - 1));
   g.valid = g.valid && all(lessThan(pixel, u_frame.size.xy));
   return g;
 }
 
-/// The same for the four points of a quad, three of which enter at the finest level and lie between the same four coarser ones. Bits.
-int quad_agrees(ivec2 pixel, float bend) {
-  Guide near = load_guide_or_none(pixel), right = load_guide_or_none(pixel + ivec2(2, 0)), below = load_guide_or_none(pixel + ivec2(0, 2)),
-        far = load_guide_or_none(pixel + 2);
-  int bits = neighbours_agree(near, pixel, level_entered(pixel.x, pixel.y, u_frame.size.w), bend) ? 1 : 0;
-  Guide center = load_guide_or_none(pixel + ivec2(1, 0));
-  float w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, right, 1.0);
-  bits |= agrees(center, w0 * near.normal + w1 * right.normal, w0 + w1, 2.0, 0, bend) ? 2 : 0;
-  center = load_guide_or_none(pixel + ivec2(0, 1));
-  w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, below, 1.0);
-  bits |= agrees(center, w0 * near.normal + w1 * below.normal, w0 + w1, 2.0, 0, bend) ? 4 : 0;
-  center = load_guide_or_none(pixel + 1);
-  w0 = bilateral_weight(center, near, 1.0), w1 = bilateral_weight(center, right, 1.0);
-  float w2 = bilateral_weight(center, below, 1.0), w3 = bilateral_weight(center, far, 1.0);
-  vec3 normals = w0 * near.normal + w1 * right.normal + w2 * below.normal + w3 * far.normal;
-  return bits | (agrees(center, normals, w0 + w1 + w2 + w3, 4.0, 0, bend) ? 8 : 0);
+/// Of a quad's points the three that enter at the finest level and lie between the same four coarser ones: a bit each, the first one's left out, and
+/// bit 16 where all three count those alike.
+int finest_agree(ivec2 pixel, Guide near, Guide right, Guide below, Guide far, float bend) {
+  Guide beside = load_guide_or_none(pixel + ivec2(1, 0)), under = load_guide_or_none(pixel + ivec2(0, 1)), amid = load_guide_or_none(pixel + 1);
+  int x = agrees_between(beside, near, right, 0, bend), y = agrees_between(under, near, below, 0, bend);
+  int both = agrees_amid(amid, near, right, below, far, 0, bend);
+  return (x & 1) << 1 | (y & 1) << 2 | (both & 1) << 3 | (x & y & both & 2) << 15;
+}
+
+/// For the points of a block of 4 x 4, whose neighbours overlap: four bits a quad; from bit 16 on one a quad where the finest level's count alike.
+int block_agrees(ivec2 corner, vec4 bend) {
+  Guide a = load_guide_or_none(corner), b = load_guide_or_none(corner + ivec2(2, 0)), c = load_guide_or_none(corner + ivec2(4, 0));
+  Guide d = load_guide_or_none(corner + ivec2(0, 2)), e = load_guide_or_none(corner + 2), f = load_guide_or_none(corner + ivec2(4, 2));
+  Guide g = load_guide_or_none(corner + ivec2(0, 4)), h = load_guide_or_none(corner + ivec2(2, 4)), i = load_guide_or_none(corner + 4);
+  ivec4 quads = ivec4(finest_agree(corner, a, b, d, e, bend.x), finest_agree(corner + ivec2(2, 0), b, c, e, f, bend.y),
+                      finest_agree(corner + ivec2(0, 2), d, e, g, h, bend.z), finest_agree(corner + 2, e, f, h, i, bend.w));
+  quads |= 1 & ivec4(neighbours_agree(a, corner, level_entered(corner.x, corner.y, u_frame.size.w), bend.x), agrees_between(b, a, c, 1, bend.y),
+                     agrees_between(d, a, g, 1, bend.z), agrees_amid(e, a, c, g, i, 1, bend.w));
+  ivec4 points = (quads & 15) << ivec4(0, 4, 8, 12), alike = (quads & 65536) << ivec4(0, 1, 2, 3);
+  ivec2 sum = points.xy + points.zw + alike.xy + alike.zw;
+  return sum.x + sum.y;
 }
 #endif
 
@@ -278,24 +304,30 @@ void main() {
 #endif
   uint counts[16];
   uvec2 items = uvec2(0u), points = uvec2(0u);
-  uint visible = 0u;
+  uint visible = 0u, shaded = 0u;  // number, bits
   vec4 mean = vec4(0.0);
   int block_level = 0;
-  int carried = 0, agree = 0;  // bits: quads of the block, points of a quad
+  int carried = 0, agree = 0;  // bits: quads of the block, points of its quads
   vec4 own = vec4(0.0);        // predicted for a quad
 #if BANDWIDTH && !REFINE
   mean = picture_mean();
   float mean_radiance = max(mean.y, 1e-30);
   carried = u_frame.size.w >= 1 ? quads_carry(corner, mean_radiance) : 0;
   for (int l = 2; l <= u_frame.size.w; ++l) {
-    if (block_level == (l == 2 ? 0 : l - 1) && block_carries(corner, l, mean_radiance)) block_level = l;
+    if (!block_carries(corner, l, mean_radiance)) break;
+    block_level = l;
   }
+  vec4 bends;
+  for (int quad = 0; quad < 4; ++quad) {
+    ivec2 at = corner / 2 + ivec2(quad & 1, quad >> 1);
+    bends[quad] = bend_weight(at, texelFetch(t_pyramid, at, 0), mean_radiance);
+  }
+  agree = block_agrees(corner, bends);
 #endif
   for (int quad = 0; quad < 4; ++quad) {
     ivec2 first_of_quad = corner + 2 * ivec2(quad & 1, quad >> 1);
 #if BANDWIDTH && !REFINE
     own = texelFetch(t_pyramid, first_of_quad / 2, 0);
-    agree = quad_agrees(first_of_quad, bend_weight(first_of_quad / 2, own, mean_radiance));
 #endif
     for (int j = 0; j < 4; ++j) {
       int k = (j & 1) + 4 * (j >> 1) + 2 * (quad & 1) + 8 * (quad >> 1);
@@ -313,7 +345,7 @@ void main() {
       if ((flags & kMaterialRepainted) == 0u) continue;
 #endif
       bool measured = (flags & kMaterialMeasured) != 0u;
-      uvec3 d = decide(pixel, ((carried >> quad) & 1) != 0 ? max(block_level, 1) : 0, mean, own, ((agree >> j) & 1) != 0);
+      uvec3 d = decide(pixel, ((carried >> quad) & 1) != 0 ? max(block_level, 1) : 0, mean, own, ((agree >> (4 * quad + j)) & 1) != 0);
       if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
       ++visible;
 #if REFINE
@@ -322,12 +354,16 @@ void main() {
       known /= base_factor(surface, flags);
 #endif
       if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(known, 1.0));
+      uint seen = imageLoad(io_marks, pixel).w;
+#else
+      uint seen = ((agree >> (16 + quad)) & 1) != 0 ? 3u : 1u;
 #endif
-      imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), 1u));
+      imageStore(o_marks, pixel, uvec4(d.x, d.y, d.z == 0u ? 0u : min(uint(findMSB(d.z * uint(u_frame.sampling.y))), 255u), seen));
       counts[k] = d.z | (d.y << 20u) | (measured ? 0u : 0x80000000u);
       if (d.z > 0u) {
         items += measured ? uvec2(d.z, 0u) : uvec2(0u, d.z);
         points += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
+        shaded |= 1u << k;
       }
     }
   }
@@ -345,9 +381,10 @@ void main() {
     next_item.y = atomicAdd(b_lists[1].items, items.y);
     next_point.y = atomicAdd(b_lists[1].points, points.y);
   }
-  for (int k = 0; k < 16; ++k) {
+  // Few are shaded: software devices run a loop as often as the longest of eight lanes.
+  for (uint left = shaded; left != 0u; left &= left - 1u) {
+    int k = findLSB(left);
     uint n = counts[k] & 0xfffffu;
-    if (n == 0u) continue;
     ivec2 pixel = corner + ivec2(k & 3, k >> 2);
     uint packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
     uint level = (counts[k] >> 20u) & 15u;
@@ -363,13 +400,14 @@ void main() {
 #ifdef REFLECTED
     begin = uint(u_frames) * n;
 #endif
-    if (measured) {
-      b_measured_points[next_point.x++] = point;
-      for (uint i = 0u; i < kept; ++i) b_measured_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
-    } else {
-      b_analytic_points[next_point.y++] = point;
-      for (uint i = 0u; i < kept; ++i) b_analytic_items[first + i] = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
+    if (measured) b_measured_points[next_point.x] = point;
+    else b_analytic_points[next_point.y] = point;
+    for (uint i = 0u; i < kept; ++i) {
+      Item item = Item(packed_pixel, (begin + i) * uint(u_frame.sampling.y));
+      if (measured) b_measured_items[first + i] = item;
+      else b_analytic_items[first + i] = item;
     }
+    next_point += measured ? uvec2(1u, 0u) : uvec2(0u, 1u);
     next_item += measured ? uvec2(n, 0u) : uvec2(0u, n);
   }
 }

@@ -1,6 +1,8 @@
 // Grid points to pixels: emission, sky, box filter over the samples of a pixel, and the running mean while nothing moves.
 // With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
-// place, STAGE 2 filters all. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
+// place, STAGE 2 filters all. In mode `bandwidth` listed quads take STAGE 1's place (bandwidth/quads.comp): STAGE 3
+// makes one value of a plain one, kept at its last point, which no other reads; STAGE 1 with QUADS completes the others' points; STAGE 4 gives a
+// plain quad's value to all its points. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
 // what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of
 // other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step. GLOSSY: what the octree changes of
 // the light by way of other surfaces, or of what REFLECTED opaque surfaces show.
@@ -19,7 +21,7 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
-#if STAGE == 1
+#if STAGE == 1 || STAGE >= 3
 layout(binding = 0, rgba32f) uniform image2D io_radiance;
 #else
 layout(binding = 24) uniform sampler2D t_radiance;
@@ -30,7 +32,10 @@ uniform float u_blend;  // weight of this frame in the mean
 #if PANES || defined(REFLECTED)
 #include "shading/environment_bilinear.glsl"
 #endif
-#if STAGE < 2
+#ifdef QUADS
+#include "bandwidth/quads.glsl"
+#endif
+#if STAGE < 2 || STAGE == 3
 #if TEXTURES
 #include "bandwidth/base_factor.glsl"
 #endif
@@ -75,7 +80,7 @@ vec3 complete(ivec2 p, vec3 shaded) {
 }
 #endif
 
-#if STAGE != 1
+#if STAGE == 0 || STAGE == 2
 /// As an increment: mix() multiplies the mean by 1 - 1/n, whose rounding adds up to 0.2 % over a million frames.
 void store_blended(ivec2 pixel, vec4 value) {
   if (u_blend < 1.0) {
@@ -138,14 +143,52 @@ void main() {
   for (int k = 0; k < side * side; ++k) sum += texelFetch(t_radiance, pixel * side + ivec2(k % side, k / side), 0);
   store_blended(pixel, sum / float(side * side));
 }
+#elif STAGE == 4
+void main() {
+  ivec2 first = listed_quad(int(linear_id()));
+  if (first.x < 0) return;
+  vec4 value = imageLoad(io_radiance, first + 1);
+  imageStore(io_radiance, first, value);
+  imageStore(io_radiance, first + ivec2(1, 0), value);
+  imageStore(io_radiance, first + ivec2(0, 1), value);
+}
 #else
 #if PANES
 #include "glass/kept.glsl"
 #else
 vec3 through_panes(ivec2 pixel, vec3 behind) { return behind; }
 #endif
+#if STAGE == 3
+uniform int u_least_points;  // of a quad's four that are looked at for what varies within it; all where a texture lies
+
 void main() {
+  ivec2 first = listed_quad(int(linear_id()));
+  if (first.x < 0) return;
+  vec3 near = imageLoad(io_radiance, first).rgb, right = imageLoad(io_radiance, first + ivec2(2, 0)).rgb;
+  vec3 below = imageLoad(io_radiance, first + ivec2(0, 2)).rgb, far = imageLoad(io_radiance, first + 2).rgb;
+  int points = u_least_points;
+#if TEXTURES
+  points = material_words(int(texelFetch(t_surface, first, 0).z >> 16u), 7).x != kNoTexture ? 4 : points;
+#endif
+  vec3 sum = vec3(0.0);
+  int k = 0;
+  do {  // tested at the end, as in integrate.glsl
+    ivec2 step = ivec2(k & 1, k >> 1);
+    vec2 at = points == 1 ? vec2(0.25) : 0.5 * vec2(step);
+    vec3 shaded = mix(mix(near, right, at.x), mix(below, far, at.x), at.y);
+    sum += through_panes(first + step, complete(first + step, shaded));
+  } while (++k < points);
+  imageStore(io_radiance, first + 1, vec4(sum / float(points), 1.0));
+}
+#else
+void main() {
+#ifdef QUADS
+  int id = int(linear_id());
+  ivec2 pixel = listed_quad(id >> 2);
+  if (pixel.x >= 0) pixel += ivec2(id & 1, (id >> 1) & 1);
+#else
   ivec2 pixel = tile_point();
+#endif
   if (pixel.x < 0 || texelFetch(t_depth, pixel, 0).x <= 0.0) return;
 #if STAGE == 0
   store_blended(pixel, vec4(through_panes(pixel, complete(pixel, texelFetch(t_radiance, pixel, 0).rgb)), 1.0));
@@ -153,4 +196,5 @@ void main() {
   imageStore(io_radiance, pixel, vec4(through_panes(pixel, complete(pixel, imageLoad(io_radiance, pixel).rgb)), 1.0));
 #endif
 }
+#endif
 #endif

@@ -22,7 +22,7 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
     const Scattering s = evaluate_scattering(p, wi);
     if (wi.z > 0.0f) sum += balanced(s.f * wi.z * light.radiance, light.pdf, s.pdf);
   }
-  const ScatteringSample s = sample_scattering(p, sampler.pair(dimension + 1), sampler.single(dimension + 2));
+  const ScatteringSample s = sample_scattering(p, sampler.pair(dimension + 1));
   if (s.pdf > 0.0f && !environment.black()) {
     const glm::vec4 light = environment.radiance_and_density(p.to_world(s.wi));
     sum += balanced(s.f * s.wi.z * glm::vec3(light), s.pdf, light.w);

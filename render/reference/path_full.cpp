@@ -28,19 +28,9 @@ constexpr std::uint32_t kFirstShadowRays = 4, kLaterShadowRays = 2;
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths.
 constexpr float kMirroredShare = 4.0f;
 /// Dimensions of the sampler, so many of each surface of each branch.
-constexpr std::uint32_t kDimensionsASurface = 9;
+constexpr std::uint32_t kDimensionsASurface = 8;
 constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;
-enum Dimension : std::uint32_t {
-  kEnvironment,
-  kLightChoice,
-  kLight,
-  kLobe,
-  kDirection,
-  kRoulette,
-  kPane,
-  kChance,
-  kGuide
-};
+enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kDirection, kRoulette, kPane, kChance, kGuide };
 
 float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 
@@ -203,14 +193,14 @@ class FullPath {
 
   DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
     guided_ = 0.0f;
-    if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice, sampler_.single(dimension(kLobe)));
+    if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice);
     DrawnDirection s;
     if (sampler_.single(dimension(kGuide)) < mirror_share_) {
       s.wi = p.to_local(mirrors_->sample(mirror_cell_, choice.u));
       if (s.wi.z <= 0.0f) return s;
       s.pdf = scattering_pdf(p, s.wi);
     } else {
-      s = draw_scattering(p, choice, sampler_.single(dimension(kLobe)));
+      s = draw_scattering(p, choice);
       if (!(s.pdf > 0.0f)) return s;
     }
     const float guide = mirror_share_ * mirrors_->pdf(mirror_cell_, p.to_world(s.wi));

@@ -1,5 +1,6 @@
 #include "render/reference/scattering.h"
 
+#include <algorithm>
 #include <array>
 
 namespace maquette {
@@ -78,20 +79,27 @@ ScatteringChoice choose_scattering(const SurfacePoint& p, const glm::vec2& u) {
   return choice;
 }
 
-DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& choice, float lobe) {
+DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& choice) {
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
     const auto drawn = shared::BrdfSampler(measured->tables)
                            .brdf_sample_in_cell(p.wo, choice.cell, *choice.theta_cell, *choice.phi_cell);
     return {drawn.wi, drawn.pdf};
   }
+  // One number picks the lobe and, stretched over its share again, a place in it: points that are spread well in [0,
+  // 1)^2 are so in every lobe. By a number of its own a lobe would get a part of them at random.
+  const float lobe = choice.u.x;
+  const glm::vec3& share = p.lobe_weights;
+  const int which = lobe < share.x ? 0 : lobe < share.x + share.y ? 1 : 2;
+  const float before = which == 0 ? 0.0f : which == 1 ? share.x : share.x + share.y;
+  const float within = share[which] > 0.0f ? std::clamp((lobe - before) / share[which], 0.0f, 0x1.fffffep-1f) : 0.0f;
   DrawnDirection d;
-  d.wi = shared::sample_analytic(p.analytic, p.lobe_weights, p.wo, choice.u.x, choice.u.y, lobe);
+  d.wi = shared::sample_analytic(p.analytic, share, p.wo, within, choice.u.y, lobe);
   if (d.wi.z > 0.0f) d.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, d.wi, p.wo);
   return d;
 }
 
-ScatteringSample sample_scattering(const SurfacePoint& p, const glm::vec2& u, float lobe) {
-  const DrawnDirection d = draw_scattering(p, choose_scattering(p, u), lobe);
+ScatteringSample sample_scattering(const SurfacePoint& p, const glm::vec2& u) {
+  const DrawnDirection d = draw_scattering(p, choose_scattering(p, u));
   ScatteringSample s{d.wi, glm::vec3(0.0f), d.pdf};
   if (s.pdf > 0.0f) s.f = evaluate_brdf(p, prepare_scattering(p, s.wi));
   return s;

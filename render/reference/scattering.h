@@ -34,15 +34,14 @@ struct DrawnDirection {
   glm::vec3 wi{0.0f};
   float pdf = 0.0f;  ///< 0: worth nothing, but it counts
 };
-/// `lobe` in [0, 1) picks a lobe of an analytic material.
-DrawnDirection draw_scattering(const SurfacePoint& point, const ScatteringChoice& choice, float lobe);
+DrawnDirection draw_scattering(const SurfacePoint& point, const ScatteringChoice& choice);
 /// All at once, with the BRDF.
 struct ScatteringSample {
   glm::vec3 wi{0.0f};
   glm::vec3 f{0.0f};
   float pdf = 0.0f;
 };
-ScatteringSample sample_scattering(const SurfacePoint& point, const glm::vec2& u, float lobe);
+ScatteringSample sample_scattering(const SurfacePoint& point, const glm::vec2& u);
 
 /// Trilinear between bin centres, as evaluate_brdf, in float. Directions above the horizon.
 glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo);

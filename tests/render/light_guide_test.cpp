@@ -3,13 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "render/reference/light_sampling.h"
 #include "render/reference/path_sampler.h"
 #include "render/reference/path_scene.h"
+#include "render/reference/scattering.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -184,6 +188,68 @@ TEST(PlaceGrid, FloorsAndLevelsAreTheLibrarys) {
     if (std::abs(level - std::round(level)) < 1e-5) continue;  // where rounding decides
     ASSERT_EQ(grid.level({0.0f, static_cast<float>(distance), 0.0f}), std::min(static_cast<int>(level), 20))
         << distance;
+  }
+}
+
+SurfacePoint surface_of(const TracedMaterial& material, const shared::AnalyticMaterial& analytic, const glm::vec3& wo,
+                        const glm::vec3& lobe_weights) {
+  SurfacePoint p;
+  p.material = &material;
+  p.analytic = analytic;
+  p.wo = wo;
+  p.lobe_weights = lobe_weights;
+  return p;
+}
+
+/// Closed form: the cosine over the hemisphere is pi, and its square 2 pi / 3.
+TEST(DrawScattering, AllLobesTogetherHaveTheDensityThatIsTold) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  const TracedMaterial material;
+  for (std::uint32_t trial = 0; trial < 40; ++trial) {
+    const auto analytic =
+        shared::make_analytic(glm::vec3(0.5f), 0.0f, 0.3f + 0.7f * uniform(random), 1.5f, 1.0f, glm::vec3(1.0f), 1.0f,
+                              0.3f + 0.7f * uniform(random), glm::vec3(0.0f), 0.0f);
+    // Some without a coat, without a base lobe, or with shares that round to nothing.
+    glm::vec3 weights(0.2f + uniform(random), trial % 4 == 1 ? 0.0f : uniform(random),
+                      trial % 4 == 2 ? 0.0f : uniform(random));
+    if (trial % 4 == 3) weights.y *= 1e-8f;
+    weights /= weights.x + weights.y + weights.z;
+    const float z = 0.02f + 0.98f * uniform(random);
+    const SurfacePoint p = surface_of(material, analytic, {std::sqrt(1.0f - z * z), 0.0f, z}, weights);
+    constexpr std::uint32_t kPoints = 1u << 14;
+    double first = 0.0, second = 0.0;
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      const DrawnDirection d = draw_scattering(p, choose_scattering(p, PathSampler{trial, i}.pair(0)));
+      if (!(d.pdf > 0.0f)) continue;
+      ASSERT_FLOAT_EQ(d.pdf, scattering_pdf(p, d.wi));
+      first += static_cast<double>(d.wi.z) / d.pdf / kPoints;
+      second += static_cast<double>(d.wi.z) * d.wi.z / d.pdf / kPoints;
+    }
+    EXPECT_NEAR(first / std::numbers::pi, 1.0, 0.01) << trial;
+    EXPECT_NEAR(second * 1.5 / std::numbers::pi, 1.0, 0.01) << trial;
+  }
+}
+
+/// Half of 256 points of a sequence lie in half of the square, and one in each cell of 8 x 16 of it.
+TEST(DrawScattering, PointsAreSpreadInEachLobe) {
+  const TracedMaterial material;
+  const auto analytic = shared::make_analytic(glm::vec3(0.5f), 0.0f, 0.5f, 1.5f, 1.0f, glm::vec3(1.0f), 0.0f, 0.0f,
+                                              glm::vec3(0.0f), 0.0f);
+  const SurfacePoint p = surface_of(material, analytic, {0.6f, 0.0f, 0.8f}, {0.5f, 0.5f, 0.0f});
+  for (std::uint32_t seed = 0; seed < 8; ++seed) {
+    std::array<int, 128> counts{};
+    for (std::uint32_t i = 0; i < 256; ++i) {
+      const ScatteringChoice choice = choose_scattering(p, PathSampler{seed, i}.pair(3));
+      if (choice.u.x >= 0.5f) continue;
+      const glm::vec3 wi = draw_scattering(p, choice).wi;  // of the Lambert lobe
+      const float radius2 = wi.x * wi.x + wi.y * wi.y;
+      const float turn = std::atan2(wi.y, wi.x) * 0.15915494f;
+      const int column = std::min(static_cast<int>(8.0f * radius2), 7);
+      const int row = std::min(static_cast<int>(16.0f * (turn < 0.0f ? turn + 1.0f : turn)), 15);
+      ++counts[static_cast<std::size_t>(16 * column + row)];
+    }
+    for (const int count : counts) EXPECT_EQ(count, 1) << seed;
   }
 }
 

@@ -25,8 +25,10 @@ constexpr int kMostSplits = 6;            ///< panes in a row that send a camera
 /// cabin of a car comes of choosing one part of the sky at the second surface: a second ray costs 14 % of the rays and
 /// takes 27 % of the variance away.
 constexpr std::uint32_t kFirstShadowRays = 4, kLaterShadowRays = 2;
-/// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths.
-constexpr float kMirroredShare = 4.0f;
+/// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
+/// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
+/// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.
+constexpr float kMirroredShare = 16.0f;
 /// Dimensions of the sampler, so many of each surface of each branch.
 constexpr std::uint32_t kDimensionsASurface = 8;
 constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;

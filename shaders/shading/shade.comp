@@ -121,6 +121,8 @@ void main() {
   vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
 #if defined(TURNED) && LOOKS_BACK
   lights *= 1.0 - turned.kept;  // they did not turn
+  // One light sample tells nothing of the noise of its like; its square bounds it.
+  spread += turned.kept > 0.0 ? float(count) * dot(lights, lights) * (1.0 / 3.0) : 0.0;
 #endif
   sum += lights;
 #endif

@@ -44,6 +44,9 @@ uniform int u_frame_number;
 
 /// What a sample costs that is evaluated twice.
 const float kTwice = 1.7;
+/// What a point is to be worth, over the samples of a frame from nothing: with less many take about the fewest samples anew instead of going on, and a
+/// frame takes more samples at a larger error.
+const float kWorth = 1.3;
 /// Energy-weighted mean bandwidth to the root mean square frequency of a sample's change over the turn.
 const float kBandwidthToChange = 0.25;
 
@@ -83,7 +86,7 @@ Plan plan_point(float wanted, float have, float nu) {
 float wanted_samples(ivec2 pixel, int level, float mean_deviation) {
   float predicted = texelFetch(t_pyramid, pixel / 2, 0).z;
   float relative = mean_deviation > 0.0 ? predicted / mean_deviation : 1.0;
-  return float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(level) * u_sample_scale;
+  return float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(level) * u_sample_scale * kWorth;
 }
 
 float samples_so_far(ivec2 pixel) {

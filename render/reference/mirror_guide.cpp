@@ -41,7 +41,8 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
                          std::uint32_t seed)
     : scene_(scene), environment_(environment), grid_(grid), seed_(mix_seed(seed, 0x6d697272u)) {
   double area = 0.0;
-  for (std::uint32_t triangle = scene.mesh_begin[1]; triangle < scene.mesh_begin[2]; ++triangle) {
+  for (std::uint32_t triangle = scene.mesh_begin[PathScene::kPanes]; triangle < scene.mesh_begin[PathScene::kHidden];
+       ++triangle) {
     if (!(scene.material_of(triangle).clear() > 0.0f)) continue;
     const auto& [p0, p1, p2] = scene.triangles[triangle].positions;
     area += static_cast<double>(glm::length(glm::cross(p1 - p0, p2 - p0)));

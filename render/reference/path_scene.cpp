@@ -70,7 +70,7 @@ glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
 /// and what is hidden.
 struct Assignment {
   std::vector<std::uint32_t> materials;
-  std::array<std::vector<std::uint32_t>, 3> meshes;
+  std::array<std::vector<std::uint32_t>, PathScene::kHidden + 1> meshes;
 };
 
 Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
@@ -81,7 +81,10 @@ Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
     const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
     TracedMaterial& m = scene->materials[material];
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
-    const std::size_t mesh = !visible ? 2 : m.clear() > 0.0f || m.masked || m.blended ? 1 : 0;
+    const std::size_t mesh = !visible                ? PathScene::kHidden
+                             : m.masked || m.blended ? PathScene::kAsks
+                             : m.clear() > 0.0f      ? PathScene::kPanes
+                                                     : PathScene::kStops;
     for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
       assignment.materials[i] = material | sides;
       assignment.meshes[mesh].push_back(i);

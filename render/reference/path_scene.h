@@ -85,12 +85,13 @@ struct EmbreeRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
 
-/// What every hit needs of its triangle, side by side in memory.
-struct alignas(32) TracedTriangle {
-  std::array<glm::vec3, 3> positions, normals;
+/// What every hit needs of its triangle, in two lines of memory; the first one is all that a pane on the way needs.
+struct alignas(64) TracedTriangle {
+  std::array<glm::vec3, 3> normals;
   glm::vec3 geometric;     ///< unit normal by winding
   std::uint32_t material;  ///< with kBothSides
   std::uint32_t source;    ///< triangle of the geometry
+  std::array<glm::vec3, 3> positions;
 };
 
 /// Flag in TracedTriangle::material: the camera sees the back too.
@@ -100,10 +101,11 @@ struct PathScene {
   FlatGeometry geometry;
   Bounds bounds;
   std::vector<TracedMaterial> materials;  ///< the last one is glTF's default
-  /// In the order of the ray tracer's two meshes: 0 stops every ray, 1 asks (pane, cut out, blended). What is hidden
-  /// comes last. A triangle is known by its index here.
+  /// In the order of the ray tracer's meshes: kStops stops every ray, kPanes all but shadow rays, kAsks some (cut out,
+  /// blended). What is hidden comes last. A triangle is known by its index here.
   std::vector<TracedTriangle> triangles;
-  std::array<std::uint32_t, 3> mesh_begin{};  ///< first triangle of each mesh, and the end of the second one
+  enum Mesh : std::size_t { kStops, kPanes, kAsks, kHidden };
+  std::array<std::uint32_t, kHidden + 1> mesh_begin{};  ///< first triangle of each mesh
   std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of the list, kNoTriangle: none; may be empty
   TextureAtlas atlas;
   LightList lights;              ///< `triangles` by their index here

@@ -204,7 +204,12 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
   glm::vec3 inside = plain_color(scene, m, c);
   if (m.texture(TextureRole::base_color) >= 0)
     inside *= glm::vec3(TextureReader(scene, c, Footprint()).read(m.texture(TextureRole::base_color)));
-  return pane_shares(cosine, m.values.ior, glm::clamp(inside, 0.0f, 1.0f)).transmitted * m.pane;
+  inside = glm::clamp(inside, 0.0f, 1.0f);
+  const auto passes = [&](float channel) {
+    return shared::fresnel_pane(cosine, std::max(m.values.ior, 1.0f), channel).y;
+  };
+  const float red = passes(inside.x), green = inside.y == inside.x ? red : passes(inside.y);
+  return glm::vec3(red, green, inside.z == inside.y ? green : passes(inside.z)) * m.pane;
 }
 
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric) {

@@ -60,6 +60,15 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// Of panes: what a shadow ray loses.
+void pass_pane(const RTCFilterFunctionNArguments* args) {
+  auto* context = reinterpret_cast<RayContext*>(args->context);
+  const Candidate c = candidate_of(*context->scene, args);
+  glm::vec3& t = context->transmittance;
+  t *= pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction);
+  if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
+}
+
 /// Of the mesh that asks: what a shadow ray loses.
 void take_share(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
@@ -70,10 +79,7 @@ void take_share(const RTCFilterFunctionNArguments* args) {
     if (alpha_at(scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
     return;
   }
-  if (m.blended)
-    context->transmittance *= 1.0f - alpha_at(scene, c.triangle, c.barycentric);
-  else
-    context->transmittance *= pane_transmittance(scene, c.triangle, c.barycentric, -c.direction);
+  context->transmittance *= 1.0f - alpha_at(scene, c.triangle, c.barycentric);
   const glm::vec3& t = context->transmittance;
   if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
 }
@@ -91,7 +97,8 @@ void add_mesh(PathScene* scene, std::size_t mesh) {
     std::memcpy(vertices, positions.data(), positions.size() * 12);
     for (std::uint32_t i = begin; i < end; ++i)
       std::memcpy(indices + 3 * std::size_t{i - begin}, scene->corners(i), 12);
-    if (mesh == 1) {
+    if (mesh == PathScene::kPanes) rtcSetGeometryOccludedFilterFunction(handle, pass_pane);
+    if (mesh == PathScene::kAsks) {
       rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
       rtcSetGeometryOccludedFilterFunction(handle, take_share);
     }
@@ -110,7 +117,7 @@ void build_hierarchy(PathScene* scene) {
   rtcSetSceneFlags(scene->embree.get(),
                    static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   rtcSetSceneBuildQuality(scene->embree.get(), RTC_BUILD_QUALITY_MEDIUM);
-  for (std::size_t mesh = 0; mesh + 1 < scene->mesh_begin.size(); ++mesh) add_mesh(scene, mesh);
+  for (std::size_t mesh = 0; mesh < PathScene::kHidden; ++mesh) add_mesh(scene, mesh);
   rtcCommitScene(scene->embree.get());
   if (rtcGetDeviceError(scene->device.get()) != RTC_ERROR_NONE)
     throw Error("reference", "the ray tracer could not take " + std::to_string(scene->triangles.size()) + " triangles",

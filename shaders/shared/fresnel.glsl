@@ -21,13 +21,20 @@ MAQUETTE_FN float fresnel_surface(float cos_i, float n) {
 // Reflectance (x) and transmittance (y) of a pane: all bounces between its faces, without interference, per polarisation and then
 // averaged. `inside`: internal transmittance of one crossing, in [0, 1]; at 1 both sum to 1.
 // Source: Stokes 1862, "On the Intensity of the Light Reflected from or Transmitted through a Pile of Plates".
+//
+// Differs: both amplitudes are (a - b) / (a + b) with b = n cos_t, so that a face reflects m / s = (a - b)^2 / (a + b)^2 and lets
+// pass (s - m) / s with s - m = 4 a b, which loses no digits at grazing incidence. With t for `inside` the sums of all bounces are
+// T = 4 a b / (s + m t) * 4 a b t / (s - m t) and R = m / s (1 + t T).
 MAQUETTE_FN vec2 fresnel_pane(float cos_i, float n, float inside) {
-  vec2 r = fresnel_sp(cos_i, n);
-  vec2 q = vec2(1.0f - r.x, 1.0f - r.y);
-  // At grazing incidence both faces reflect all; 1 - r^2 t^2 is then 0 for a clear pane.
-  vec2 d = vec2(max(1.0f - r.x * r.x * inside * inside, 1.0e-12f), max(1.0f - r.y * r.y * inside * inside, 1.0e-12f));
-  vec2 reflected = vec2(r.x + q.x * q.x * r.x * inside * inside / d.x, r.y + q.y * q.y * r.y * inside * inside / d.y);
-  vec2 transmitted = vec2(q.x * q.x * inside / d.x, q.y * q.y * inside / d.y);
+  float c = clamp(cos_i, 1.0e-7f, 1.0f);
+  float b = sqrt(max((n - 1.0f) * (n + 1.0f), 0.0f) + c * c);
+  vec2 a = vec2(c, n * n * c);
+  vec2 s = vec2((a.x + b) * (a.x + b), (a.y + b) * (a.y + b));
+  vec2 m = vec2((a.x - b) * (a.x - b), (a.y - b) * (a.y - b));
+  vec2 passes = a * (4.0f * b);
+  vec2 stays = passes + m * (1.0f - inside);
+  vec2 transmitted = passes * passes * inside / (stays * (s + m * inside));
+  vec2 reflected = m / s * (vec2(1.0f, 1.0f) + transmitted * inside);
   return vec2(0.5f * (reflected.x + reflected.y), 0.5f * (transmitted.x + transmitted.y));
 }
 

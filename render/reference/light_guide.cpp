@@ -161,7 +161,7 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
       grid_(grid),
       leaves_(partition.leaf_count()),
       records_(static_cast<std::size_t>(kCells) * kLeaves),
-      shares_(records_.size()) {
+      shares_(kCells) {
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const std::size_t i = LeafShares::place_of(leaf);
     const glm::vec4 axis = partition.axis_and_extent(leaf);
@@ -176,8 +176,7 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
   }
   prefer_large_pages(records_);
   learn_cell(0);  // nothing yet: all cells alike
-  for (std::uint32_t cell = 1; cell < kCells; ++cell)
-    std::copy_n(shares_.begin(), kLeaves, shares_.begin() + static_cast<std::ptrdiff_t>(at(cell, 0)));
+  std::fill(shares_.begin() + 1, shares_.end(), shares_[0]);
   prefer_large_pages(shares_);
 }
 
@@ -188,7 +187,7 @@ float LightGuide::facing(int leaf, const glm::vec3& normal) const {
 }
 
 void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
-  const std::uint16_t* known = &shares_[at(cell, 0)];
+  const std::uint16_t* known = shares_[cell].units.data();
   const float x = normal.x, y = normal.y, z = normal.z;
   alignas(32) std::array<float, kLeaves> sums;  // of its own, so that the loop is known to write to nothing it reads
   for (std::size_t i = 0; i < kLeaves; ++i)
@@ -241,7 +240,7 @@ void LightGuide::learn_cell(std::uint32_t cell) {
   // At least one unit for every leaf with light, so that none is left out.
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const float units = weights[static_cast<std::size_t>(leaf)] / largest * 65535.0f;
-    shares_[at(cell, leaf)] =
+    shares_[cell].units[LeafShares::place_of(leaf)] =
         static_cast<std::uint16_t>(partition_.probability(leaf) > 0.0f ? std::max(units, 1.0f) : 0.0f);
   }
 }

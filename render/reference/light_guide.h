@@ -83,8 +83,8 @@ class LightGuide {
   }
   /// Fetches what look reads, ahead of time.
   void prefetch(std::uint32_t cell) const {
-    const auto* shares = reinterpret_cast<const char*>(&shares_[at(cell, 0)]);
-    for (std::size_t line = 0; line < sizeof(shares_[0]) * kLeaves; line += 64) __builtin_prefetch(shares + line);
+    const auto* shares = reinterpret_cast<const char*>(&shares_[cell]);
+    for (std::size_t line = 0; line < sizeof(CellShares); line += 64) __builtin_prefetch(shares + line);
   }
   /// What a surface of unit `normal` (in the map's frame) draws by.
   void look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
@@ -119,8 +119,11 @@ class LightGuide {
   int lessons_ = 0;
   /// [cell][leaf] rays in the lower half, what they were good for in the upper one: one addition for both.
   std::vector<std::atomic<std::uint64_t>> records_;
-  /// [cell][leaf] relative, 0 only for leaves without light.
-  std::vector<std::uint16_t> shares_;
+  /// [leaf] at LeafShares::place_of, relative, 0 only for leaves without light. Whole lines of memory.
+  struct alignas(64) CellShares {
+    std::array<std::uint16_t, kLeaves> units;
+  };
+  std::vector<CellShares> shares_;
   struct Leaves {
     alignas(32) std::array<float, kLeaves> x, y, z, extent, slope;
   };

@@ -19,9 +19,9 @@ std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source,
   std::shared_ptr<const MeasuredMaterial>& entry = (*library)[source];
   if (!entry) {
     auto material = std::make_shared<MeasuredMaterial>();
-    material->table = load_brdf(source);
-    material->tables = load_brdf_tables(material->table);
-    prefer_large_pages(material->table.rgb);
+    const BrdfTable table = load_brdf(source);
+    material->values = PackedBrdf(table);
+    material->tables = load_brdf_tables(table);
     entry = std::move(material);
   }
   return entry;

@@ -10,6 +10,7 @@
 #include "render/lights/light_list.h"
 #include "render/materials/brdf_tables.h"
 #include "render/reference/light_guide.h"
+#include "render/reference/packed_brdf.h"
 #include "render/reference/reference.h"
 #include "render/reference/shared_formulas.h"
 #include "render/texture_atlas.h"
@@ -30,7 +31,7 @@ struct TextureFilter {
 
 /// A tabulated BRDF with what sampling it needs.
 struct MeasuredMaterial {
-  BrdfTable table;
+  PackedBrdf values;
   BrdfTables tables;
 };
 

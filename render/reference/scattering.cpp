@@ -1,51 +1,34 @@
 #include "render/reference/scattering.h"
 
 #include <algorithm>
-#include <array>
 
 namespace maquette {
 
-namespace {
-
-/// The four rows of a table around a place, from its lower phi_d on.
-std::array<const glm::vec3*, 4> rows_of(const BrdfTable& table, const shared::MerlCell& cell) {
-  const auto row = [&](int theta_h, int theta_d) {
-    return table.rgb.data() + shared::merl_index(theta_h, theta_d, cell.lower.z);
-  };
-  return {row(cell.lower.x, cell.lower.y), row(cell.lower.x, cell.upper.y), row(cell.upper.x, cell.lower.y),
-          row(cell.upper.x, cell.upper.y)};
-}
-
-glm::vec3 lookup_brdf(const BrdfTable& table, const shared::MerlCell& cell) {
-  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
-  const int next = cell.upper.z - cell.lower.z;
-  const std::array<const glm::vec3*, 4> rows = rows_of(table, cell);
-  const auto along_phi = [&](const glm::vec3* row) { return row[0] * g.z + row[next] * f.z; };
-  return (along_phi(rows[0]) * g.y + along_phi(rows[1]) * f.y) * g.x +
-         (along_phi(rows[2]) * g.y + along_phi(rows[3]) * f.y) * f.x;
-}
-
-}  // namespace
-
 glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo) {
-  return lookup_brdf(table, shared::merl_cell(shared::merl_coordinates(wi, wo)));
+  const shared::MerlCell cell = shared::merl_cell(shared::merl_coordinates(wi, wo));
+  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
+  const auto along_phi = [&](int theta_h, int theta_d) {
+    const auto at = [&](int phi_d) {
+      return table.rgb[static_cast<std::size_t>(shared::merl_index(theta_h, theta_d, phi_d))];
+    };
+    return at(cell.lower.z) * g.z + at(cell.upper.z) * f.z;
+  };
+  return (along_phi(cell.lower.x, cell.lower.y) * g.y + along_phi(cell.lower.x, cell.upper.y) * f.y) * g.x +
+         (along_phi(cell.upper.x, cell.lower.y) * g.y + along_phi(cell.upper.x, cell.upper.y) * f.y) * f.x;
 }
 
 ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   ScatteringQuery query{wi, {}};
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
     query.cell = shared::merl_cell(shared::merl_coordinates(wi, p.wo));
-    for (const glm::vec3* row : rows_of(measured->table, query.cell)) {
-      __builtin_prefetch(row);
-      __builtin_prefetch(reinterpret_cast<const char*>(row + 2) - 1);
-    }
+    measured->values.prefetch(query.cell);
   }
   return query;
 }
 
 glm::vec3 evaluate_brdf(const SurfacePoint& p, const ScatteringQuery& query) {
   if (const MeasuredMaterial* measured = p.material->measured.get())
-    return lookup_brdf(measured->table, query.cell) * p.tint;
+    return measured->values.look_up(query.cell) * p.tint;
   return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
 }
 

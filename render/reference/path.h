@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "render/reference/light_sampling.h"
@@ -16,6 +17,8 @@ struct PathEstimate {
   std::uint32_t rays = 0;    ///< that were traced
 };
 
+class FullPath;
+
 /// A ray and all that panes make of it, up to the surfaces that scatter: the same for every path of a pixel centre.
 /// `differential`: of a camera ray, which culls backs of single-sided surfaces; null for any other. `chance`: decides
 /// about blended surfaces for rays that are none of the camera's.
@@ -23,11 +26,11 @@ class CameraRay {
  public:
   CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
             const RayDifferential* differential, std::uint32_t chance);
-  /// One path on from there, full transport. `mirrors`: may be null.
-  PathEstimate estimate(const PathSampler& sampler, int max_bounces, const MirrorGuide* mirrors = nullptr) const;
   std::uint32_t rays() const { return rays_; }  ///< traced by the constructor
 
  private:
+  friend class PathGroup;
+  friend class FullPath;
   class Splitter;
   struct Surface {
     SurfacePoint point;
@@ -40,6 +43,31 @@ class CameraRay {
   bool covered_ = false;
   std::uint32_t rays_ = 0;
   std::vector<Surface> surfaces_;
+};
+
+/// A path on from a camera ray.
+struct PathTask {
+  const CameraRay* ray = nullptr;
+  PathSampler sampler;
+  PathEstimate estimate;
+};
+
+/// Follows paths, full transport, several in turn: what one reads next comes from memory while the others are at work.
+/// Each is what it would be alone. Not for several threads at once.
+class PathGroup {
+ public:
+  static constexpr std::size_t kMost = 8;
+  /// `mirrors`: may be null.
+  PathGroup(const PathScene& scene, const EnvironmentLight& environment, int max_bounces,
+            const MirrorGuide* mirrors = nullptr);
+  ~PathGroup();
+  PathGroup(const PathGroup&) = delete;
+  PathGroup& operator=(const PathGroup&) = delete;
+  /// Fills the estimates of kMost tasks at most.
+  void follow(std::span<PathTask> tasks);
+
+ private:
+  std::vector<FullPath> paths_;
 };
 
 PathEstimate estimate_direct(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,

@@ -36,51 +36,141 @@ enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kDirection,
 
 float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 
-/// Follows one path from the first surface that scatters.
+}  // namespace
+
+/// Follows one path from the surfaces of its camera ray, in steps: each asks for the memory that the next one reads, so
+/// that other paths' steps belong in between.
 class FullPath {
  public:
-  FullPath(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler, int max_bounces,
-           const MirrorGuide* mirrors)
-      : scene_(scene), environment_(environment), sampler_(sampler), max_bounces_(max_bounces), mirrors_(mirrors) {}
+  FullPath(const PathScene& scene, const EnvironmentLight& environment, int max_bounces, const MirrorGuide* mirrors)
+      : scene_(scene), environment_(environment), max_bounces_(max_bounces), mirrors_(mirrors) {}
 
-  /// Adds what arrives at `point` and leaves along its wo, times `weight`.
-  void follow(const SurfacePoint& point, const glm::vec3& weight, std::uint32_t branch, std::uint32_t shadow_rays) {
-    base_ = 1 + kDimensionsABranch * branch;
-    weight_ = weight;
-    polarisation_ = {};
-    bounce_ = vertex_ = 0;
-    shadow_rays_ = shadow_rays;
-    ray_.direction = -point.to_world(point.wo);
-    from_ = point.position;
-    if (point.material->bends() && pass_bending(point)) {
-      if (!(largest(weight_) > 0.0f)) return;
-    } else if (!scatter(point)) {
-      return;
-    }
-    while (advance()) {
-    }
+  void begin(const CameraRay& ray, const PathSampler& sampler) {
+    camera_ray_ = &ray;
+    sampler_ = sampler;
+    result_ = {};
+    branches_ = 0;
+    next_branch();
   }
+  bool ended() const { return step_ == Step::none; }
   const PathEstimate& result() const { return result_; }
 
- private:
-  std::uint32_t dimension(Dimension which) const {
-    return base_ + static_cast<std::uint32_t>(std::min(vertex_, 255)) * kDimensionsASurface + which;
+  /// To the next surface, or out of the scene.
+  void trace() {
+    if (step_ != Step::trace) return;
+    ++result_.rays;
+    if (intersect(scene_, ray_, RayKind::path, sampler_.word(dimension(kChance)), &hit_)) {
+      const auto* triangle = reinterpret_cast<const char*>(&scene_.triangles[hit_.triangle]);
+      __builtin_prefetch(triangle);
+      __builtin_prefetch(triangle + 64);
+      step_ = Step::meet;
+    } else {
+      add_environment();
+      next_branch();
+    }
   }
 
-  /// To the next surface and its contribution; false when the path has ended.
-  bool advance() {
-    RayHit hit;
-    ++result_.rays;
-    if (!intersect(scene_, ray_, RayKind::path, sampler_.word(dimension(kChance)), &hit)) {
-      add_environment();
-      return false;
-    }
-    const SurfacePoint p = resolve_surface(scene_, ray_, hit, {});
+  void meet() {
+    if (step_ != Step::meet) return;
+    met_ = resolve_surface(scene_, ray_, hit_, {});
+    at_ = &met_;
     ++vertex_;
-    if (p.material->bends() && pass_bending(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
-    if (p.material->clear() > 0.0f && pass_pane(p)) return vertex_ < kMostPanes && largest(weight_) > 0.0f;
-    add_emission(p);
-    return !p.material->values.unlit && scatter(p);
+    if ((met_.material->bends() && pass_bending(met_)) || (met_.material->clear() > 0.0f && pass_pane(met_))) {
+      go_on(vertex_ < kMostPanes && largest(weight_) > 0.0f);
+      return;
+    }
+    add_emission(met_);
+    step_ = Step::scatter;
+    if (met_.material->values.unlit) next_branch();
+  }
+
+  /// At a surface that scatters: where it is.
+  void look() {
+    if (step_ != Step::scatter) return;
+    const SurfacePoint& p = *at_;
+    if (bounce_ > 0) shadow_rays_ = kLaterShadowRays;
+    polarisation_ = {};
+    find_cells(p);
+    origin_ = offset_from_surface(p.position, p.error, p.normal);
+    has_lamp_ = !scene_.lights.lights.empty();
+    if (has_lamp_) lamp_index_ = choose_scene_light(scene_, sampler_.single(dimension(kLightChoice)));
+    scattering_ = choose_scattering(p, sampler_.pair(dimension(kDirection)));
+  }
+
+  /// Directions to light and on.
+  void choose() {
+    if (step_ != Step::scatter) return;
+    const SurfacePoint& p = *at_;
+    choose_environment(p);
+    lamp_ = has_lamp_ ? draw_scene_light(scene_, p.position, lamp_index_, sampler_.pair(dimension(kLight)), false)
+                      : LightDraw();
+    ask_mirrors(p);
+    drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
+    if (drawn_.pdf > 0.0f) query_ = prepare_scattering(p, drawn_.wi);
+  }
+
+  /// Shadow rays.
+  void ask_lights() {
+    if (step_ != Step::scatter) return;
+    arrived_ = 0;
+    for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
+      ArrivingLight& light = arriving_[arrived_];
+      light.draw = environment_.take(choices_[k], shares());
+      light.rays = static_cast<float>(shadow_rays_);
+      const bool arrives = trace_light(*at_, &light);
+      if (light.above) environment_.record(light.draw, cell_, arrives ? largest(light.through) : 0.0f);
+      arrived_ += arrives ? 1 : 0;
+    }
+    if (lamp_.pdf > 0.0f) {
+      arriving_[arrived_].draw = lamp_;
+      arriving_[arrived_].rays = 1.0f;
+      arrived_ += trace_light(*at_, &arriving_[arrived_]) ? 1 : 0;
+    }
+  }
+
+  /// Light that arrives straight, then on in a new direction.
+  void scatter() {
+    if (step_ != Step::scatter) return;
+    for (std::size_t i = 0; i < arrived_; ++i) add_light(*at_, &arriving_[i]);
+    go_on(leaves(*at_));
+  }
+
+ private:
+  enum class Step { none, trace, meet, scatter };
+
+  void go_on(bool further) {
+    if (further)
+      step_ = Step::trace;
+    else
+      next_branch();
+  }
+
+  /// To the camera ray's next surface that this path shades: what arrives there and leaves along its wo counts.
+  void next_branch() {
+    while (branches_ < camera_ray_->surfaces_.size()) {
+      const auto branch = static_cast<std::uint32_t>(branches_);
+      const CameraRay::Surface& s = camera_ray_->surfaces_[branches_++];
+      const float share = s.straight ? 1.0f : std::min(1.0f, kMirroredShare * largest(s.weight));
+      if (share < 1.0f && sampler_.single(kDimensionsABranch * (64 + branch)) >= share) continue;
+      base_ = 1 + kDimensionsABranch * branch;
+      weight_ = s.weight / share;
+      polarisation_ = {};
+      bounce_ = vertex_ = 0;
+      shadow_rays_ = s.straight ? kFirstShadowRays : kLaterShadowRays;
+      ray_ = {};
+      ray_.direction = -s.point.to_world(s.point.wo);
+      from_ = s.point.position;
+      at_ = &s.point;
+      step_ = Step::scatter;
+      if (!s.point.material->bends() || !pass_bending(s.point)) return;
+      step_ = Step::trace;
+      if (largest(weight_) > 0.0f) return;
+    }
+    step_ = Step::none;
+  }
+
+  std::uint32_t dimension(Dimension which) const {
+    return base_ + static_cast<std::uint32_t>(std::min(vertex_, 255)) * kDimensionsASurface + which;
   }
 
   void add_environment() {
@@ -141,31 +231,15 @@ class FullPath {
     return true;
   }
 
-  /// Light that arrives straight, then on in a new direction. False when the path ends.
-  bool scatter(const SurfacePoint& p) {
-    if (bounce_ > 0) shadow_rays_ = kLaterShadowRays;
-    polarisation_ = {};
-    find_cells(p);
-    origin_ = offset_from_surface(p.position, p.error, p.normal);
-    // What is read later is chosen first, and comes from memory while there is other work: hence the order.
-    const bool lamps = !scene_.lights.lights.empty();
-    const std::size_t lamp_index =
-        lamps ? choose_scene_light(scene_, sampler_.single(dimension(kLightChoice))) : std::size_t{0};
-    const ScatteringChoice choice = choose_scattering(p, sampler_.pair(dimension(kDirection)));
-    choose_environment(p);
-    LightDraw lamp;
-    if (lamps) lamp = draw_scene_light(scene_, p.position, lamp_index, sampler_.pair(dimension(kLight)), false);
-    ask_mirrors(p);
-    const DrawnDirection s = bounce_ < max_bounces_ ? draw_direction(p, choice) : DrawnDirection();
-    const ScatteringQuery query = s.pdf > 0.0f ? prepare_scattering(p, s.wi) : ScatteringQuery();
-    add_direct(p, lamp);
-    if (!(s.pdf > 0.0f)) return false;
-    const glm::vec3 direction = p.to_world(s.wi);
+  /// Whether the path goes on from a surface.
+  bool leaves(const SurfacePoint& p) {
+    if (!(drawn_.pdf > 0.0f)) return false;
+    const glm::vec3 direction = p.to_world(drawn_.wi);
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
-    weight_ *= evaluate_brdf(p, query) * (s.wi.z / s.pdf);
+    weight_ *= evaluate_brdf(p, query_) * (drawn_.wi.z / drawn_.pdf);
     if (!survives()) return false;
     ray_ = {origin_, direction};
-    pdf_ = s.pdf;
+    pdf_ = drawn_.pdf;
     scattered_at_ = from_ = p.position;
     ++bounce_;
     return true;
@@ -233,26 +307,6 @@ class FullPath {
   }
   const LeafShares* shares() const { return cell_ != LightGuide::kNoCell ? &shares_ : nullptr; }
 
-  /// Shadow rays first, shading of what they let through after: what it reads arrives together.
-  void add_direct(const SurfacePoint& p, const LightDraw& lamp) {
-    std::array<ArrivingLight, kFirstShadowRays + 1> arriving;
-    std::size_t count = 0;
-    for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
-      ArrivingLight& light = arriving[count];
-      light.draw = environment_.take(choices_[k], shares());
-      light.rays = static_cast<float>(shadow_rays_);
-      const bool arrives = trace_light(p, &light);
-      if (light.above) environment_.record(light.draw, cell_, arrives ? largest(light.through) : 0.0f);
-      count += arrives ? 1 : 0;
-    }
-    if (lamp.pdf > 0.0f) {
-      arriving[count].draw = lamp;
-      arriving[count].rays = 1.0f;
-      count += trace_light(p, &arriving[count]) ? 1 : 0;
-    }
-    for (std::size_t i = 0; i < count; ++i) add_light(p, &arriving[i]);
-  }
-
   /// One of `rays` shadow rays of the same kind.
   struct ArrivingLight {
     LightDraw draw;
@@ -292,30 +346,79 @@ class FullPath {
 
   const PathScene& scene_;
   const EnvironmentLight& environment_;
-  PathSampler sampler_;
   int max_bounces_;
   const MirrorGuide* mirrors_;
+  const CameraRay* camera_ray_ = nullptr;
+  PathSampler sampler_;
   PathEstimate result_;
+  std::size_t branches_ = 0;  ///< of the camera ray that were begun
+  std::uint32_t base_ = 0;    ///< of the dimensions
+  Step step_ = Step::none;
   Ray ray_;
+  RayHit hit_;
+  SurfacePoint met_;
+  const SurfacePoint* at_ = nullptr;  ///< met_, or the camera ray's
   glm::vec3 weight_{1.0f};
   Polarisation polarisation_;  ///< by glass since the last surface
   int bounce_ = 0;             ///< surfaces that scattered so far
   int vertex_ = 0;             ///< surfaces met so far, panes included
   float pdf_ = 0.0f;           ///< density of the last scattering; 0: nothing else could have found what is hit
   glm::vec3 scattered_at_{0.0f};
+  glm::vec3 from_{0.0f};  ///< of the ray, on the surface itself
+  // Of the surface where it is:
   glm::vec3 origin_{0.0f};                    ///< of rays that leave there
-  glm::vec3 from_{0.0f};                      ///< of the ray, on the surface itself
-  std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide, there
-  LeafShares shares_;                         ///< of the guide, there
-  std::uint32_t shadow_rays_ = 0;             ///< sent there
+  std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide
+  LeafShares shares_;                         ///< of the guide
+  std::uint32_t shadow_rays_ = 0;
   std::array<EnvironmentLight::Choice, kFirstShadowRays> choices_;
+  bool has_lamp_ = false;
+  std::size_t lamp_index_ = 0;
+  LightDraw lamp_;
+  std::array<ArrivingLight, kFirstShadowRays + 1> arriving_;
+  std::size_t arrived_ = 0;
   std::uint32_t mirror_cell_ = 0;
-  float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws there
+  float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws
   float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction
-  std::uint32_t base_ = 0;     ///< of the dimensions
+  ScatteringChoice scattering_;
+  DrawnDirection drawn_;
+  ScatteringQuery query_;
 };
 
-}  // namespace
+PathGroup::PathGroup(const PathScene& scene, const EnvironmentLight& environment, int max_bounces,
+                     const MirrorGuide* mirrors) {
+  paths_.reserve(kMost);
+  for (std::size_t i = 0; i < kMost; ++i) paths_.emplace_back(scene, environment, max_bounces, mirrors);
+}
+PathGroup::~PathGroup() = default;
+
+void PathGroup::follow(std::span<PathTask> tasks) {
+  std::array<FullPath*, kMost> under_way;
+  std::size_t count = tasks.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    under_way[i] = &paths_[i];
+    paths_[i].begin(*tasks[i].ray, tasks[i].sampler);
+  }
+  const auto all = [&](void (FullPath::*step)()) {
+    for (std::size_t i = 0; i < count; ++i) (under_way[i]->*step)();
+  };
+  while (count > 0) {
+    all(&FullPath::trace);
+    all(&FullPath::meet);
+    all(&FullPath::look);
+    all(&FullPath::choose);
+    all(&FullPath::ask_lights);
+    all(&FullPath::scatter);
+    const auto end = std::remove_if(under_way.begin(), under_way.begin() + static_cast<std::ptrdiff_t>(count),
+                                    [](const FullPath* path) { return path->ended(); });
+    count = static_cast<std::size_t>(end - under_way.begin());
+  }
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    PathEstimate& estimate = tasks[i].estimate;
+    estimate = paths_[i].result();
+    estimate.radiance += tasks[i].ray->radiance_;
+    estimate.covered = tasks[i].ray->covered_;
+  }
+}
 
 /// Panes send the ray both ways, blended surfaces let it go on behind them.
 class CameraRay::Splitter {
@@ -396,21 +499,6 @@ CameraRay::CameraRay(const PathScene& scene, const EnvironmentLight& environment
   Splitter(scene, environment, differential, chance, this).follow(ray);
 }
 
-PathEstimate CameraRay::estimate(const PathSampler& sampler, int max_bounces, const MirrorGuide* mirrors) const {
-  FullPath path(scene_, environment_, sampler, max_bounces, mirrors);
-  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-    const Surface& s = surfaces_[i];
-    const auto branch = static_cast<std::uint32_t>(i);
-    const float share = s.straight ? 1.0f : std::min(1.0f, kMirroredShare * largest(s.weight));
-    if (share < 1.0f && sampler.single(kDimensionsABranch * (64 + branch)) >= share) continue;
-    path.follow(s.point, s.weight / share, branch, s.straight ? kFirstShadowRays : kLaterShadowRays);
-  }
-  PathEstimate result = path.result();
-  result.radiance += radiance_;
-  result.covered = covered_;
-  return result;
-}
-
 glm::vec3 estimate_radiance(const PathScene& scene, const PathOptions& options, const glm::vec3& origin,
                             const glm::vec3& direction, std::uint32_t seed, std::uint32_t index) {
   const EnvironmentLight environment(scene.environment, options);
@@ -418,7 +506,10 @@ glm::vec3 estimate_radiance(const PathScene& scene, const PathOptions& options, 
   const Ray ray{origin, direction, 0.0f, 3.4e38f};
   if (options.transport == Transport::direct)
     return estimate_direct(scene, environment, sampler, ray, nullptr).radiance;
-  return CameraRay(scene, environment, ray, nullptr, sampler.word(0)).estimate(sampler, options.max_bounces).radiance;
+  const CameraRay first(scene, environment, ray, nullptr, sampler.word(0));
+  PathTask task{&first, sampler, {}};
+  PathGroup(scene, environment, options.max_bounces).follow({&task, 1});
+  return task.estimate.radiance;
 }
 
 }  // namespace maquette

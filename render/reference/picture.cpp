@@ -2,9 +2,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -184,34 +186,85 @@ struct ReferencePicture::Impl {
            static_cast<std::uint32_t>(rates[pixel] * static_cast<float>(average - decided) + chance);
   }
 
-  /// Until the pixel has `target` paths. Returns the paths traced.
-  std::size_t trace_pixel(std::size_t pixel, std::uint32_t target, const Halt& halt, std::size_t* ray_count) {
+  /// Adds one path's result to its pixel.
+  static void add(const PathEstimate& e, PixelSums* p) {
+    p->rays += e.rays;
+    // A picture never holds NaN or infinity, whatever a table holds.
+    const glm::dvec3 value = is_finite(e.radiance) ? glm::dvec3(e.radiance) : glm::dvec3(0.0);
+    p->sum += value;
+    p->square += value * value;
+    p->covered += e.covered ? 1 : 0;
+    ++p->count;
+  }
+
+  glm::vec2 corner_of(std::size_t pixel) const {
+    const auto width = static_cast<std::size_t>(request.width);
+    return {static_cast<float>(pixel % width), static_cast<float>(pixel / width)};
+  }
+  PathSampler sampler_of(std::size_t pixel, std::uint32_t path) const {
+    return {mix_seed(request.seed, static_cast<std::uint32_t>(pixel)), path};
+  }
+  PixelRay first_ray(std::size_t pixel, const PathSampler& sampler) const {
+    return ray_through(corner_of(pixel) + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f)));
+  }
+
+  /// Full transport, paths of several pixels in turn.
+  class Tracer {
+   public:
+    Tracer(Impl* picture, const Halt& halt)
+        : picture_(*picture),
+          halt_(halt),
+          group_(*picture->scene, picture->environment, picture->request.paths.max_bounces,
+                 picture->mirrors ? &*picture->mirrors : nullptr) {}
+
+    /// Until the pixel has `target` paths, once all are complete.
+    void add(std::size_t pixel, std::uint32_t target) {
+      const std::uint32_t first = picture_.pixels[pixel].count;
+      for (std::uint32_t path = first; path < target && !halt_(); ++path) {
+        const PathSampler sampler = picture_.sampler_of(pixel, path);
+        // All paths through a pixel's centre begin alike.
+        if (path == first || picture_.request.msaa > 1) {
+          const PixelRay r = picture_.first_ray(pixel, sampler);
+          first_rays_.emplace_back(*picture_.scene, picture_.environment, r.ray, &r.differential, 0u);
+          rays_ += first_rays_.back().rays();
+        }
+        pixels_[count_] = pixel;
+        tasks_[count_] = {&first_rays_.back(), sampler, {}};
+        if (++count_ == PathGroup::kMost) complete();
+      }
+    }
+    void complete() {
+      group_.follow(std::span(tasks_).first(count_));
+      for (std::size_t i = 0; i < count_; ++i) {
+        rays_ += tasks_[i].estimate.rays;
+        Impl::add(tasks_[i].estimate, &picture_.pixels[pixels_[i]]);
+      }
+      paths_ += count_;
+      count_ = 0;
+      while (first_rays_.size() > 1) first_rays_.pop_front();  // the last pixel may have more paths
+    }
+    std::size_t paths() const { return paths_; }
+    std::size_t rays() const { return rays_; }
+
+   private:
+    Impl& picture_;
+    const Halt& halt_;
+    PathGroup group_;
+    std::array<PathTask, PathGroup::kMost> tasks_;
+    std::array<std::size_t, PathGroup::kMost> pixels_{};
+    std::size_t count_ = 0, paths_ = 0, rays_ = 0;
+    std::deque<CameraRay> first_rays_;
+  };
+
+  std::size_t trace_direct(std::size_t pixel, std::uint32_t target, const Halt& halt, std::size_t* ray_count) {
     PixelSums& p = pixels[pixel];
     const std::uint32_t first = p.count;
-    const auto width = static_cast<std::size_t>(request.width);
-    const glm::vec2 corner(static_cast<float>(pixel % width), static_cast<float>(pixel / width));
-    PathSampler sampler{mix_seed(request.seed, static_cast<std::uint32_t>(pixel)), 0};
-    std::optional<CameraRay> shared_ray;  // all paths through a pixel's centre begin alike
-    for (; p.count < target && !halt(); ++p.count) {
-      sampler.index = p.count;
-      const PixelRay r = ray_through(corner + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f)));
-      PathEstimate e;
-      if (request.paths.transport == Transport::direct) {
-        e = estimate_direct(*scene, environment, sampler, r.ray, &r.differential);
-      } else {
-        if (!shared_ray || request.msaa > 1) {
-          shared_ray.emplace(*scene, environment, r.ray, &r.differential, 0u);
-          *ray_count += shared_ray->rays();
-        }
-        e = shared_ray->estimate(sampler, request.paths.max_bounces, mirrors ? &*mirrors : nullptr);
-      }
+    while (p.count < target && !halt()) {
+      const PathSampler sampler = sampler_of(pixel, p.count);
+      const PixelRay r = first_ray(pixel, sampler);
+      const PathEstimate e = estimate_direct(*scene, environment, sampler, r.ray, &r.differential);
       *ray_count += e.rays;
-      p.rays += e.rays;
-      // A picture never holds NaN or infinity, whatever a table holds.
-      const glm::dvec3 value = is_finite(e.radiance) ? glm::dvec3(e.radiance) : glm::dvec3(0.0);
-      p.sum += value;
-      p.square += value * value;
-      p.covered += e.covered ? 1 : 0;
+      add(e, &p);
     }
     return p.count - first;
   }
@@ -220,8 +273,16 @@ struct ReferencePicture::Impl {
                     const Progress& progress) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), kPixelsATask), [&](const auto& range) {
       std::size_t traced = 0, paths = 0;
-      for (std::size_t i = range.begin(); i < range.end(); ++i)
-        paths += trace_pixel(order[i], target_of(order[i], average), halt, &traced);
+      if (request.paths.transport == Transport::direct) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+          paths += trace_direct(order[i], target_of(order[i], average), halt, &traced);
+      } else {
+        Tracer tracer(this, halt);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) tracer.add(order[i], target_of(order[i], average));
+        tracer.complete();
+        paths = tracer.paths();
+        traced = tracer.rays();
+      }
       rays += traced;
       progress.add(paths);
     });
@@ -324,8 +385,12 @@ struct ReferencePicture::Impl {
     const CameraRay ray(*scene, environment, r.ray, &r.differential, 0u);
     std::size_t traced = ray.rays();
     const std::uint32_t count = 1u << training;
-    for (std::uint32_t i = 0; i < count; ++i)
-      traced += ray.estimate({seed, count - 1 + i}, request.paths.max_bounces, &*mirrors).rays;
+    static_assert(1u << (kTrainingLessons - 1) <= PathGroup::kMost);
+    std::array<PathTask, PathGroup::kMost> tasks;
+    for (std::uint32_t i = 0; i < count; ++i) tasks[i] = {&ray, {seed, count - 1 + i}, {}};
+    const std::span wanted = std::span(tasks).first(count);
+    PathGroup(*scene, environment, request.paths.max_bounces, &*mirrors).follow(wanted);
+    for (const PathTask& task : wanted) traced += task.estimate.rays;
     rays += traced;
   }
 

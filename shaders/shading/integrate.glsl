@@ -5,7 +5,7 @@
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
 #ifndef SUN_APART
-#define SUN_APART 0  // 1: the sun's light is found elsewhere
+#define SUN_APART 0  // 1: the sun's light is found elsewhere. What is left is even: samples look at one texel of it, otherwise at the mean of four
 #endif
 uint hash(uint x) {
   x = x * 747796405u + 2891336453u;
@@ -26,6 +26,19 @@ float strategy_sum(float own, float other, bool is_brdf, bool sun) {
 #if SUN_APART
 // The sun's texels are no part of the list: turning/sun.comp adds their light, but for lobes that are narrower than the sun itself.
 uniform vec3 u_sun;  // luminance above which a texel is of the sun, 1 / solid angle of the sun, 1 / integral of the rest (0: black)
+
+/// Index of one of the four texels around, chosen with its bilinear weight by `xi`.
+int environment_index(vec3 d, vec2 xi) {
+  ivec2 size = u_frame.environment_size.xy;
+  vec2 uv = latlong_uv_from_direction(d) * vec2(size);
+  ivec2 p = ivec2(floor(uv - 0.5 + xi));
+  p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
+  p.y = clamp(p.y, 0, size.y - 1);
+  return p.y * size.x + p.x;
+}
+uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
+/// Radiance of a fetched texel, stored units.
+vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 /// A lobe of this density finds the sun itself. A function of the direction alone: whatever the counts are, each light is counted once.
 bool lobe_finds_sun(float f_hat) { return f_hat > 4.0 * u_sun.y; }
@@ -82,8 +95,12 @@ const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kSt
 struct LobeSample {
   vec3 wi, world;
   float pdf;  // 0: worth nothing
+#if SUN_APART
   int sky_index;
   uint sky;
+#else
+  vec3 sky;
+#endif
 #if MEASURED
   BrdfPlace place;
   uvec2 words;
@@ -145,7 +162,9 @@ LobeSample draw_direction(Point p, Estimator e, uint n) {
   s.pdf = max(s.wi.z, 0.0);
 #endif
   s.world = from_local(p, s.wi);
+#if SUN_APART
   s.sky_index = environment_index(s.world, unit_pair(e.q4 + n * kStep4));
+#endif
   return s;
 }
 
@@ -153,7 +172,11 @@ void fetch_worth(inout LobeSample s) {
 #if MEASURED
   s.words = fetch_brdf(s.place);
 #endif
+#if SUN_APART
   s.sky = fetch_environment(s.sky_index);
+#else
+  s.sky = environment_bilinear(s.world);
+#endif
 }
 
 void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result result) {
@@ -169,7 +192,11 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #endif
   vec3 f = lobe.f;
   float f_hat = lobe.f_hat;
+#if SUN_APART
   vec3 radiance = environment_value(s.sky);
+#else
+  vec3 radiance = s.sky;
+#endif
   float weight = brdf_weight(wi.z, f_hat, luminance(radiance), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   float open = mean_visibility(result.visibility, world_from_environment(world));
@@ -177,7 +204,11 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #endif
 #ifdef BEFORE
   // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
+#if SUN_APART
   vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), unit_pair(e.q4 + n * kStep4))));
+#else
+  vec3 sky = environment_bilinear(stood_before(world));
+#endif
   result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   result.before *= open;

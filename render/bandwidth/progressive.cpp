@@ -177,7 +177,7 @@ RefineRates Renderer::Impl::measure_deviations() {
   worth.set("u_least_deviation", static_cast<float>(least));
   const std::vector<float> typical = p.typical_kappas();
   for (std::size_t layer = 0; layer < typical.size(); ++layer)
-    worth.set("u_unmeasured[" + std::to_string(layer) + "]", typical[layer]);
+    worth.set("u_typical[" + std::to_string(layer) + "]", typical[layer]);
   dispatch_tiles(worth, t.surface_tiles, 0);
   std::array<double, kRates> wanted_at{};
   const std::vector<glm::vec4> sums = read_all(p.sums);

@@ -23,7 +23,7 @@ struct Progressive {
 
   static Progressive make(const FrameTargets& targets, int levels);
   void clear();
-  /// By layer, where a tile has nothing to go by: the median over the tiles that were measured.
+  /// By layer: the median over the tiles that were measured.
   std::vector<float> typical_kappas() const;
   std::size_t bytes() const {
     return mean.bytes() + spread.bytes() + deviation.bytes() + residual.bytes() + residuals.bytes() + worth.bytes() +

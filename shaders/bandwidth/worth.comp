@@ -14,7 +14,7 @@ layout(binding = 0, rg32f) uniform writeonly image2DArray o_worth;  // [layer][t
 layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: items wanted at kRates rates, each sqrt(2) times the one before
 uniform float u_items_per_deviation;  // the first rate
 uniform float u_least_deviation;
-uniform float u_unmeasured[16];  // kappa by layer where there is nothing to go by
+uniform float u_typical[16];  // kappa by layer, of the picture's tiles
 const int kRates = 8;
 #include "bandwidth/block_share.glsl"
 #include "bandwidth/wanted.glsl"
@@ -27,7 +27,7 @@ float kappa_around(ivec2 tile, ivec2 tiles, int layer) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, tiles))) continue;
     sums += texelFetch(t_residuals, ivec3(q, layer), 0) * (k == 4 ? 1.0 : 0.5);
   }
-  return pooled_kappa(sums, u_unmeasured[layer]);
+  return pooled_kappa(sums, u_typical[layer]);
 }
 
 void main() {

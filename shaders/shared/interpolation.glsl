@@ -46,12 +46,13 @@ MAQUETTE_FN float point_kappa(float kappa, float items, float residual, float it
 
 /// `sums` over measured points: weighted squared distance of own mean and interpolated value, noise in it, variance of one item; unweighted count.
 ///
-/// Was all noise taken out, chance would make interpolation look better than it is just as often as worse, and be trusted then. Two
-/// measurements' worth of noise stays, by which the squared error is nowhere above that of own means alone. Source: James and Stein 1961,
-/// "Estimation with quadratic loss", Sec. 2. One measurement's worth stays in any case: more is not known.
-/// `unmeasured`: where there are none.
-MAQUETTE_FN float pooled_kappa(vec4 sums, float unmeasured) {
-  if (sums.w <= 0.0f || sums.z <= 0.0f) return unmeasured;
-  float noise = sums.y / sums.w;
-  return max(sums.x - sums.y + 2.0f * min(noise, 0.5f * sums.y), noise) / sums.z;
+/// A handful of points says little: chance makes interpolation look worse than it is as often as better. So what holds for the picture's
+/// tiles (`typical`) counts as kTypicalPoints more, in the manner of empirical Bayes. Source: Efron and Morris 1973, "Stein's Estimation Rule and
+/// Its Competitors - An Empirical Bayes Approach". And some of one measurement's noise stays in any case: more is not known.
+const float kTypicalPoints = 4.0f, kLeastNoise = 0.35f;
+MAQUETTE_FN float pooled_kappa(vec4 sums, float typical) {
+  if (sums.w <= 0.0f || sums.z <= 0.0f) return typical;
+  float item = sums.z / sums.w, noise = sums.y / sums.w;  // of one measurement
+  float kappa = (max(sums.x - sums.y, 0.0f) + kTypicalPoints * item * typical) / (sums.z + kTypicalPoints * item);
+  return max(kappa, kLeastNoise * noise / sums.z);
 }

@@ -71,6 +71,11 @@ EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> enviro
 
 namespace {
 
+/// What the shaders find in the packed texels.
+void round_to_packed(std::vector<EnvironmentSample>& samples, int bias) {
+  for (EnvironmentSample& s : samples) s.radiance = shared::unpack_rgb9e5(shared::pack_rgb9e5(s.radiance, bias), bias);
+}
+
 SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   SunBuffers b;
   b.least_luminance = sun.least_luminance;
@@ -79,8 +84,9 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   EnvironmentTables tables;
   compute_importance(*sun.rest, tables);
   b.rest_integral = tables.luminance_integral;
-  std::vector<EnvironmentSample> rest = sample_environment(
-      *sun.rest, tables, 0, static_cast<std::size_t>(EnvironmentBuffers::kListLength), SkyLookup::texel, bias);
+  std::vector<EnvironmentSample> rest =
+      sample_environment(*sun.rest, tables, 0, static_cast<std::size_t>(EnvironmentBuffers::kListLength));
+  round_to_packed(rest, bias);
   rest.resize(EnvironmentBuffers::kListLength);  // of a black rest: worth nothing
   b.sun_list = Buffer::from("sun samples", sun.samples);
   b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
@@ -107,8 +113,8 @@ const SunBuffers* EnvironmentBuffers::sun() {
 }
 
 void EnvironmentBuffers::resample(std::uint32_t seed) {
-  const std::vector<EnvironmentSample> samples =
-      sample_environment(*environment_, tables_, seed, kListLength, SkyLookup::bilinear, bias_);
+  std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
+  round_to_packed(samples, bias_);
   if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
 }
 

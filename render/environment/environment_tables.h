@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <optional>
 #include <vector>
 
 #include "scenes/environment.h"
@@ -55,27 +54,19 @@ EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, doubl
 EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
                                                   double u, double v);
 
-/// One light sample: a direction and light from there.
+/// One light sample: a direction and one of the four texels around it. Light of a direction is the mean of its texels
+/// by bilinear weights; a shader that meets it by BRDF sampling chooses one by these weights. Both strategies must
+/// weigh the same thing: with the bilinear radiance here, the balance heuristic (not linear in radiance) loses up to 6
+/// % of a sun that a glossy surface mirrors.
 struct EnvironmentSample {
   glm::vec3 direction;
-  float pdf;  ///< 1/sr; of a chosen texel: joint density of direction and texel, over the texel's bilinear weight
-  glm::vec3 radiance;  ///< stored units
+  float pdf;           ///< 1/sr: joint density of direction and texel, over the texel's bilinear weight
+  glm::vec3 radiance;  ///< of the texel
   float padding = 0.0f;
 };
-
-/// What a light sample holds: the mean of the four texels around by bilinear weights, or one of them, chosen by its
-/// share of their light. A shader must look at the sky in the same way where its own samples meet it: both strategies
-/// weigh the same thing then (the balance heuristic is not linear in radiance: up to 6 % of a sun that a glossy surface
-/// mirrors was lost). One texel is read sooner, but which one is a choice that low-discrepancy samples pay for: it is
-/// for skies without anything bright.
-enum class SkyLookup { bilinear, texel };
-
 /// `count` samples of a scrambled low-discrepancy sequence (any prefix or run of consecutive ones is well spread)
-/// warped by the importance tables. Deterministic for a seed. Empty for a black environment. `packing`: texels count as
-/// a shared exponent with this bias rounds them, which is what shaders read.
+/// warped by the importance tables. Deterministic for a seed. Empty for a black environment.
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
-                                                  std::uint32_t seed, std::size_t count,
-                                                  SkyLookup lookup = SkyLookup::bilinear,
-                                                  std::optional<int> packing = {});
+                                                  std::uint32_t seed, std::size_t count);
 
 }  // namespace maquette

@@ -7,7 +7,6 @@
 #include "render/environment/environment_tables.h"
 #include "render/environment/texel_cell.h"
 #include "render/low_discrepancy.h"
-#include "render/rgb9e5_shared.h"
 
 namespace maquette {
 namespace {
@@ -26,48 +25,33 @@ const glm::vec3& texel_around(const Environment& environment, int x, int y) {
                          static_cast<std::size_t>(wrapped)];
 }
 
-/// The four texels around a point of the map (texel centres at whole numbers), and their bilinear weights.
-struct TexelsAround {
-  glm::vec3 texels[4];
-  float weights[4];
-};
-
-TexelsAround texels_around(const Environment& environment, float x, float y) {
-  const float x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
-  TexelsAround around;
-  for (int k = 0; k < 4; ++k) {
-    const int column = static_cast<int>(x0) + (k & 1), row = static_cast<int>(y0) + (k >> 1);
-    around.texels[k] = texel_around(environment, column, row);
-    around.weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b);
-  }
-  return around;
-}
-
+/// One of the four texels around a point of the map (texel centres at whole numbers).
 struct ChosenTexel {
   glm::vec3 radiance;
   float factor;  ///< probability of the choice over the texel's bilinear weight
 };
 
 /// Chosen in proportion to bilinear weight times importance.
-ChosenTexel choose_texel(const TexelsAround& around, float u) {
-  float importance[4], shares[4], sum = 0.0f;
+ChosenTexel choose_texel(const Environment& environment, float x, float y, float u) {
+  const float x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
+  glm::vec3 texels[4];
+  float importance[4], weights[4], sum = 0.0f;
   for (int k = 0; k < 4; ++k) {
-    importance[k] = static_cast<float>(importance_of(around.texels[k]));
-    sum += shares[k] = around.weights[k] * importance[k];
+    const int column = static_cast<int>(x0) + (k & 1), row = static_cast<int>(y0) + (k >> 1);
+    texels[k] = texel_around(environment, column, row);
+    importance[k] = (texels[k].x + texels[k].y + texels[k].z) / 3.0f;
+    weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
+    sum += weights[k];
   }
   int chosen = -1;
   for (int k = 0; k < 4; ++k) {
-    if (!(shares[k] > 0.0f)) continue;
+    if (!(weights[k] > 0.0f)) continue;
     chosen = k;
-    u -= shares[k] / sum;
+    u -= weights[k] / sum;
     if (u < 0.0f) break;
   }
   if (chosen < 0) return {glm::vec3(0.0f), 1.0f};  // a cell's border without light
-  return {around.texels[chosen], importance[chosen] / sum};
-}
-
-glm::vec3 rounded(const glm::vec3& radiance, std::optional<int> packing) {
-  return packing ? shared::unpack_rgb9e5(shared::pack_rgb9e5(radiance, *packing), *packing) : radiance;
+  return {texels[chosen], importance[chosen] / sum};
 }
 
 }  // namespace
@@ -166,8 +150,7 @@ EnvironmentDirection sample_environment_direction(const Environment& environment
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
-                                                  std::uint32_t seed, std::size_t count, SkyLookup lookup,
-                                                  std::optional<int> packing) {
+                                                  std::uint32_t seed, std::size_t count) {
   if (!(tables.luminance_integral > 0.0)) return {};
   const SortedPoints sorted(seed, count);
   std::vector<EnvironmentSample> samples(count);
@@ -176,20 +159,10 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       const auto [index, u, v] = sorted.points[k];
       const EnvironmentDirection d = cells.draw(sample_environment_point(tables, u * 0x1p-32, v * 0x1p-32));
-      const TexelsAround around = texels_around(environment, d.map_x - 0.5f, d.map_y - 0.5f);
-      EnvironmentSample& sample = samples[index];
-      sample.direction = d.direction;
-      if (lookup == SkyLookup::texel) {
-        // A third dimension for the texel: the golden ratio's additive recurrence.
-        const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
-        const ChosenTexel texel = choose_texel(around, static_cast<float>(w));
-        sample.pdf = d.pdf * texel.factor;
-        sample.radiance = rounded(texel.radiance, packing);
-      } else {
-        sample.pdf = d.pdf;
-        sample.radiance = glm::vec3(0.0f);
-        for (int j = 0; j < 4; ++j) sample.radiance += around.weights[j] * rounded(around.texels[j], packing);
-      }
+      // A third dimension for the texel: the golden ratio's additive recurrence.
+      const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
+      const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));
+      samples[index] = {d.direction, d.pdf * texel.factor, texel.radiance, 0.0f};
     }
   });
   return samples;

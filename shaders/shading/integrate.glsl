@@ -5,7 +5,7 @@
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
 #ifndef SUN_APART
-#define SUN_APART 0  // 1: the sun's light is found elsewhere. What is left is even: samples look at one texel of it, otherwise at the mean of four
+#define SUN_APART 0  // 1: the sun's light is found elsewhere
 #endif
 uint hash(uint x) {
   x = x * 747796405u + 2891336453u;
@@ -26,19 +26,6 @@ float strategy_sum(float own, float other, bool is_brdf, bool sun) {
 #if SUN_APART
 // The sun's texels are no part of the list: turning/sun.comp adds their light, but for lobes that are narrower than the sun itself.
 uniform vec3 u_sun;  // luminance above which a texel is of the sun, 1 / solid angle of the sun, 1 / integral of the rest (0: black)
-
-/// Index of one of the four texels around, chosen with its bilinear weight by `xi`.
-int environment_index(vec3 d, vec2 xi) {
-  ivec2 size = u_frame.environment_size.xy;
-  vec2 uv = latlong_uv_from_direction(d) * vec2(size);
-  ivec2 p = ivec2(floor(uv - 0.5 + xi));
-  p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
-  p.y = clamp(p.y, 0, size.y - 1);
-  return p.y * size.x + p.x;
-}
-uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
-/// Radiance of a fetched texel, stored units.
-vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 /// A lobe of this density finds the sun itself. A function of the direction alone: whatever the counts are, each light is counted once.
 bool lobe_finds_sun(float f_hat) { return f_hat > 4.0 * u_sun.y; }
@@ -85,22 +72,19 @@ float weighed_brdf_count(Point p, int count, int drawn) {
 struct Estimator {
   float nb, nl;  // counts, the second over the environment's integral
   float inverse_integral;
-  uint q1, q2, q3, q4, q5;  // random numbers of the first sample
+  uint q1, q2, q3, q4, q5, q6;  // random numbers of the first sample
   int elevation;            // row of the importance table
 };
-// Additive recurrences on the golden ratios of dimension 2 (Roberts 2018), Cranley-Patterson rotated per pixel.
-const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xABC98388u, kStep5 = 0x9E3779B9u;
+// Additive recurrences on the golden ratios of dimension 2 for what a lobe varies by most, its directions, and the third and fourth of dimension 4 for which
+// texel they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
+const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xA0F2EC75u, kStep5 = 0x9E3779B9u, kStep6 = 0x89E18285u;
 
 /// A direction drawn from the lobe, and the words of the tables that say what it is worth.
 struct LobeSample {
   vec3 wi, world;
   float pdf;  // 0: worth nothing
-#if SUN_APART
   int sky_index;
   uint sky;
-#else
-  vec3 sky;
-#endif
 #if MEASURED
   BrdfPlace place;
   uvec2 words;
@@ -116,6 +100,9 @@ struct SkySample {
   uvec2 words;
 #endif
 };
+
+/// Which of the texels around lobe sample n meets.
+vec2 texel_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q6 + n * kStep6)); }
 
 struct LobeTerms {
   vec3 f;
@@ -162,9 +149,7 @@ LobeSample draw_direction(Point p, Estimator e, uint n) {
   s.pdf = max(s.wi.z, 0.0);
 #endif
   s.world = from_local(p, s.wi);
-#if SUN_APART
-  s.sky_index = environment_index(s.world, unit_pair(e.q4 + n * kStep4));
-#endif
+  s.sky_index = environment_index(s.world, texel_choice(e, n));
   return s;
 }
 
@@ -172,11 +157,7 @@ void fetch_worth(inout LobeSample s) {
 #if MEASURED
   s.words = fetch_brdf(s.place);
 #endif
-#if SUN_APART
   s.sky = fetch_environment(s.sky_index);
-#else
-  s.sky = environment_bilinear(s.world);
-#endif
 }
 
 void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result result) {
@@ -192,11 +173,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #endif
   vec3 f = lobe.f;
   float f_hat = lobe.f_hat;
-#if SUN_APART
   vec3 radiance = environment_value(s.sky);
-#else
-  vec3 radiance = s.sky;
-#endif
   float weight = brdf_weight(wi.z, f_hat, luminance(radiance), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   float open = mean_visibility(result.visibility, world_from_environment(world));
@@ -204,11 +181,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #endif
 #ifdef BEFORE
   // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
-#if SUN_APART
-  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), unit_pair(e.q4 + n * kStep4))));
-#else
-  vec3 sky = environment_bilinear(stood_before(world));
-#endif
+  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), texel_choice(e, n))));
   result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   result.before *= open;
@@ -310,8 +283,9 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   e.q1 = rotation + first * kStep1;
   e.q2 = hash(rotation) + first * kStep2;
   e.q3 = hash(rotation ^ 0x68bc21ebu) + (first_sample + 1u) * kStep3;
-  e.q4 = hash(rotation ^ 0x02e5be93u) + (first_sample + 1u) * kStep4;
+  e.q4 = hash(rotation ^ 0x02e5be93u) + first * kStep4;
   e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
+  e.q6 = hash(rotation ^ 0x5f356495u) + first * kStep6;
 #if MEASURED
   g_brdf_slot = p.slot;
   e.elevation = brdf_elevation(p.wo);
@@ -332,7 +306,6 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   // after the other from the first sample on (a mere offset begins amid one: 6 to 16 % more error on the Ferrari).
   uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u), list_mask = uint(u_frame.environment_size.w - 1);
   e.q3 += uint(brdf_count) * kStep3;
-  e.q4 += uint(brdf_count - 1) * kStep4;
   i = 0;
   do {
     uint n = uint(i);

@@ -6,7 +6,7 @@ layout(binding = 10) uniform usamplerBuffer t_brdf;          // [slot][theta_h][
 layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation][96], t begin and end
 layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
 layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
-#include "shading/environment_bilinear.glsl"
+layout(binding = 14) uniform usamplerBuffer t_environment;   // [height][width], shared exponent
 layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, -
 
 const int kBrdfBias = 20;  // up to 1e6 1/sr: mirrors at grazing angles reach 5e5; full precision from 2.4e-4
@@ -111,6 +111,19 @@ vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
   BrdfPlace b = brdf_place(slot, wi, wo, xi);
   return brdf_value(fetch_brdf(b), b.fraction);
 }
+
+/// Index of one of the four texels around, chosen with its bilinear weight by `xi`.
+int environment_index(vec3 d, vec2 xi) {
+  ivec2 size = u_frame.environment_size.xy;
+  vec2 uv = latlong_uv_from_direction(d) * vec2(size);
+  ivec2 p = ivec2(floor(uv - 0.5 + xi));
+  p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
+  p.y = clamp(p.y, 0, size.y - 1);
+  return p.y * size.x + p.x;
+}
+uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
+/// Radiance of a fetched texel, stored units.
+vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 int g_brdf_slot = 0;  // whose cells the shared sampler reads
 vec2 fetch_theta_cell(int elevation, int k) {

@@ -15,9 +15,7 @@
 #include <set>
 
 #include "render/environment/wavelet_bandwidth.h"
-#include "render/environment_buffers.h"
 #include "render/low_discrepancy.h"
-#include "render/rgb9e5_shared.h"
 
 namespace maquette {
 namespace {
@@ -168,53 +166,13 @@ TEST(EnvironmentImportance, TexelsAreChosenByTheirShareOfTheLight) {
   const Environment e = make_environment(2, 1, [](const glm::dvec3&, int x, int) { return x == 0 ? 1.0 : 3.0; });
   const EnvironmentTables t = compute_environment_tables(e);
   double bright = 0.0, expected = 0.0;
-  for (const EnvironmentSample& s : sample_environment(e, t, 2, 16384, SkyLookup::texel)) {
+  for (const EnvironmentSample& s : sample_environment(e, t, 2, 16384)) {
     const double x = latlong_from_direction(s.direction, 2, 1).x - 0.5;
     const double share = x < 1.0 ? std::abs(x) : 2.0 - x;  // bilinear weight of the second
     expected += 3.0 * share / (3.0 * share + 1.0 - share);
     bright += luminance(s.radiance) > 2.0 ? 1.0 : 0.0;
   }
   EXPECT_NEAR(bright / expected, 1.0, 0.01);
-}
-
-// What a shader finds in the direction of a sample, of the texels as they are and as they are packed.
-TEST(EnvironmentImportance, SamplesHoldTheBilinearLight) {
-  std::mt19937 random(6);
-  std::lognormal_distribution<double> value(0.0, 2.0);
-  Environment e = make_environment(24, 12, [&](const glm::dvec3&, int, int) { return value(random); });
-  for (glm::vec3& c : e.rgb) c *= glm::vec3(1.0f, static_cast<float>(value(random)), static_cast<float>(value(random)));
-  const EnvironmentTables t = compute_environment_tables(e);
-  const int bias = EnvironmentBuffers::packing_bias(e);
-  Environment packed = e;
-  for (glm::vec3& c : packed.rgb) c = shared::unpack_rgb9e5(shared::pack_rgb9e5(c, bias), bias);
-  const auto plain = sample_environment(e, t, 7, 4096),
-             rounded = sample_environment(e, t, 7, 4096, SkyLookup::bilinear, bias);
-  for (std::size_t i = 0; i < plain.size(); ++i) {
-    const glm::vec3 light = evaluate_environment(e, plain[i].direction),
-                    read = evaluate_environment(packed, plain[i].direction);
-    for (int c = 0; c < 3; ++c) {
-      ASSERT_NEAR(plain[i].radiance[c], light[c], 2e-4f * light[c] + 1e-3f) << i;
-      ASSERT_NEAR(rounded[i].radiance[c], read[c], 2e-4f * read[c] + 1e-3f) << i;
-    }
-  }
-}
-
-// Both ways to look at the sky are estimates of the same light: here through a lobe around some direction.
-TEST(EnvironmentImportance, LookupsAgree) {
-  std::mt19937 random(8);
-  std::lognormal_distribution<double> value(0.0, 2.0);
-  const Environment e = make_environment(32, 16, [&](const glm::dvec3&, int, int) { return value(random); });
-  const EnvironmentTables t = compute_environment_tables(e);
-  constexpr std::size_t kCount = 65536;
-  for (const glm::vec3& axis : {glm::vec3(0, 1, 0), glm::vec3(0.6f, 0, 0.8f), glm::vec3(-0.48f, -0.6f, 0.64f)}) {
-    double means[2] = {};
-    for (const SkyLookup lookup : {SkyLookup::bilinear, SkyLookup::texel})
-      for (const EnvironmentSample& s : sample_environment(e, t, 3, kCount, lookup))
-        means[lookup == SkyLookup::texel] +=
-            std::pow(std::max(0.0, static_cast<double>(glm::dot(s.direction, axis))), 20.0) * luminance(s.radiance) /
-            static_cast<double>(s.pdf) / kCount;
-    EXPECT_NEAR(means[1] / means[0], 1.0, 5e-3);
-  }
 }
 
 TEST(EnvironmentImportance, RunsOfConsecutiveSamplesAreWellSpread) {

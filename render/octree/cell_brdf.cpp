@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "render/octree/octree_shared.h"
-#include "render/reference/scattering.h"
+#include "render/reference/shared_formulas.h"
 #include "scenes/files.h"
 
 namespace maquette {
@@ -51,10 +51,10 @@ glm::vec3 average_table(const BrdfTable& table, const glm::vec3& wi, const glm::
     const glm::vec3 axis(radius * std::cos(angle), radius * std::sin(angle), 0.0f);
     const glm::vec3 a = glm::normalize(wi + glm::cross(axis, wi)), b = glm::normalize(wo + glm::cross(axis, wo));
     if (a.z <= 0.0f || b.z <= 0.0f) continue;
-    sum += lookup_brdf(table, a, b);
+    sum += glm::vec3(evaluate_brdf(table, a, b));
     ++count;
   }
-  return count > 0 ? sum / static_cast<float>(count) : lookup_brdf(table, wi, wo);
+  return count > 0 ? sum / static_cast<float>(count) : glm::vec3(evaluate_brdf(table, wi, wo));
 }
 
 constexpr int kGrid = 24;

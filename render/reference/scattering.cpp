@@ -1,21 +1,6 @@
 #include "render/reference/scattering.h"
 
-#include <algorithm>
-
 namespace maquette {
-
-glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo) {
-  const shared::MerlCell cell = shared::merl_cell(shared::merl_coordinates(wi, wo));
-  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
-  const auto along_phi = [&](int theta_h, int theta_d) {
-    const auto at = [&](int phi_d) {
-      return table.rgb[static_cast<std::size_t>(shared::merl_index(theta_h, theta_d, phi_d))];
-    };
-    return at(cell.lower.z) * g.z + at(cell.upper.z) * f.z;
-  };
-  return (along_phi(cell.lower.x, cell.lower.y) * g.y + along_phi(cell.lower.x, cell.upper.y) * f.y) * g.x +
-         (along_phi(cell.upper.x, cell.lower.y) * g.y + along_phi(cell.upper.x, cell.upper.y) * f.y) * f.x;
-}
 
 ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   ScatteringQuery query{wi, {}};
@@ -68,15 +53,8 @@ DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& ch
                            .brdf_sample_in_cell(p.wo, choice.cell, *choice.theta_cell, *choice.phi_cell);
     return {drawn.wi, drawn.pdf};
   }
-  // One number picks the lobe and, stretched over its share again, a place in it: points that are spread well in [0,
-  // 1)^2 are so in every lobe. By a number of its own a lobe would get a part of them at random.
-  const float lobe = choice.u.x;
-  const glm::vec3& share = p.lobe_weights;
-  const int which = lobe < share.x ? 0 : lobe < share.x + share.y ? 1 : 2;
-  const float before = which == 0 ? 0.0f : which == 1 ? share.x : share.x + share.y;
-  const float within = share[which] > 0.0f ? std::clamp((lobe - before) / share[which], 0.0f, 0x1.fffffep-1f) : 0.0f;
   DrawnDirection d;
-  d.wi = shared::sample_analytic(p.analytic, share, p.wo, within, choice.u.y, lobe);
+  d.wi = shared::sample_analytic(p.analytic, p.lobe_weights, p.wo, choice.u.x, choice.u.y);
   if (d.wi.z > 0.0f) d.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, d.wi, p.wo);
   return d;
 }

@@ -43,7 +43,4 @@ struct ScatteringSample {
 };
 ScatteringSample sample_scattering(const SurfacePoint& point, const glm::vec2& u);
 
-/// Trilinear between bin centres, as evaluate_brdf, in float. Directions above the horizon.
-glm::vec3 lookup_brdf(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo);
-
 }  // namespace maquette

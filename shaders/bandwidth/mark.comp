@@ -161,9 +161,6 @@ int neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
   return agrees(center, normals, sum, float((1 + odd.x) * (1 + odd.y)), level, bend);
 }
 
-/// Least weight of the points around where the finest level is plain: all count alike there, without looking at them again (quads.comp).
-const float kPlainWeight = 0.5;
-
 /// The same between points of one row, column or square that were loaded before.
 int agrees_between(Guide center, Guide first, Guide last, int level, float bend) {
   float step = float(1 << level), w0 = bilateral_weight(center, first, step), w1 = bilateral_weight(center, last, step);

@@ -72,12 +72,12 @@ float weighed_brdf_count(Point p, int count, int drawn) {
 struct Estimator {
   float nb, nl;  // counts, the second over the environment's integral
   float inverse_integral;
-  uint q1, q2, q3, q4, q5, q6;  // random numbers of the first sample
+  uint q1, q2, q3, q4, q5;  // random numbers of the first sample
   int elevation;            // row of the importance table
 };
 // Additive recurrences on the golden ratios of dimension 2 for what a lobe varies by most, its directions, and the third and fourth of dimension 4 for which
 // texel they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
-const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xA0F2EC75u, kStep5 = 0x9E3779B9u, kStep6 = 0x89E18285u;
+const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xA0F2EC75u, kStep5 = 0x89E18285u;
 
 /// A direction drawn from the lobe, and the words of the tables that say what it is worth.
 struct LobeSample {
@@ -102,7 +102,7 @@ struct SkySample {
 };
 
 /// Which of the texels around lobe sample n meets.
-vec2 texel_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q6 + n * kStep6)); }
+vec2 texel_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q5 + n * kStep5)); }
 
 struct LobeTerms {
   vec3 f;
@@ -144,8 +144,7 @@ LobeSample draw_direction(Point p, Estimator e, uint n, CellDraw cell) {
 #else
 LobeSample draw_direction(Point p, Estimator e, uint n) {
   LobeSample s;
-  s.wi = sample_analytic(p.analytic, p.lobe_weights, p.wo, unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2),
-                         unit_float(e.q5 + n * kStep5));
+  s.wi = sample_analytic(p.analytic, p.lobe_weights, p.wo, unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2));
   s.pdf = max(s.wi.z, 0.0);
 #endif
   s.world = from_local(p, s.wi);
@@ -285,7 +284,6 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   e.q3 = hash(rotation ^ 0x68bc21ebu) + (first_sample + 1u) * kStep3;
   e.q4 = hash(rotation ^ 0x02e5be93u) + first * kStep4;
   e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
-  e.q6 = hash(rotation ^ 0x5f356495u) + first * kStep6;
 #if MEASURED
   g_brdf_slot = p.slot;
   e.elevation = brdf_elevation(p.wo);

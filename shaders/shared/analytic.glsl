@@ -156,12 +156,18 @@ MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
 }
 
-MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, vec3 weights, vec3 wo, float u1, float u2, float u3) {
-  if (u3 < weights.x) {
-    float r = sqrt(u1);
+// A direction for u in [0, 1)^2, below the horizon where it is worth nothing. u1 picks the lobe and, stretched over its share again, a place in it: points
+// that are spread well in [0, 1)^2 are so in every lobe. By a number of its own a lobe would get a part of them at random.
+MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, vec3 weights, vec3 wo, float u1, float u2) {
+  bool base = u1 < weights.x, coat = u1 >= weights.x + weights.y;
+  float begin = base ? 0.0f : coat ? weights.x + weights.y : weights.x;
+  float share = base ? weights.x : coat ? weights.z : weights.y;
+  float within = share > 0.0f ? clamp((u1 - begin) / share, 0.0f, 0.99999994f) : 0.0f;
+  if (base) {
+    float r = sqrt(within);
     float phi = 6.28318530718f * u2;
-    return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0f, 1.0f - u1)));
+    return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0f, 1.0f - within)));
   }
-  vec3 h = sample_ggx_visible(wo, u3 < weights.x + weights.y ? m.alpha : m.coat_alpha, u1, u2);
+  vec3 h = sample_ggx_visible(wo, coat ? m.coat_alpha : m.alpha, within, u2);
   return h * (2.0f * dot(wo, h)) - wo;
 }

@@ -92,8 +92,8 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (std::size_t s = 0; s < samples; ++s) {
-    const float u1 = unit(random), u2 = unit(random), u3 = unit(random);
-    const glm::dvec3 wi(analytic::sample_analytic(m, weights, view, u1, u2, u3));
+    const float u1 = unit(random), u2 = unit(random);
+    const glm::dvec3 wi(analytic::sample_analytic(m, weights, view, u1, u2));
     const glm::dvec3 sum = wi + wo;
     if (!(wi.z > 0.0)) {
       counted.back() += 1.0;

@@ -83,6 +83,7 @@ inline std::shared_ptr<Environment> constant_sky(const glm::vec3& radiance) {
   sky->rgb.assign(32 * 16, radiance);
   return sky;
 }
+inline std::shared_ptr<Environment> constant_sky(float radiance) { return constant_sky(glm::vec3(radiance)); }
 /// An uneven sky of that colour with a lamp of four texels, and one dark quarter.
 inline std::shared_ptr<Environment> sky_with_lamp(const glm::vec3& color, const glm::vec3& lamp) {
   auto environment = std::make_shared<Environment>();
@@ -96,6 +97,5 @@ inline std::shared_ptr<Environment> sky_with_lamp(const glm::vec3& color, const 
     }
   return environment;
 }
-inline std::shared_ptr<Environment> constant_sky(float radiance) { return constant_sky(glm::vec3(radiance)); }
 
 }  // namespace maquette::test

@@ -10,7 +10,9 @@ using namespace modelling;
 
 namespace {
 
-constexpr double kGap_m = 0.0045;
+constexpr double kGap_m = 0.0035;  ///< between the rims of two parts
+constexpr double kRim_m = 0.003;   ///< a rim ends so far outside its cut
+constexpr double kSeal_m = 0.010;  ///< depth of what closes the gaps
 constexpr double kPaneInset_m = 0.004;
 
 Field inverted(const Field& f) {
@@ -23,6 +25,12 @@ Primitive symmetric(const Primitive& left) {
   Primitive whole = left;
   append(&whole, mirrored_x(left));
   return whole;
+}
+
+/// The same surface with vertices all along `line`: a field that turns there is cut in the right places then, though
+/// its band is narrower than the triangles.
+Primitive scored(const Primitive& surface, const Field& line) {
+  return merged({clip(surface, line), clip(surface, inverted(line))});
 }
 
 /// Angle about the front (rear) end of the car, 0 straight ahead (back), growing to the left flank; degrees.
@@ -54,11 +62,13 @@ double nose_slot(const Vec3& p) {
   return smooth_max(std::abs(p.y - 0.530) - 0.013, p.x - 0.40, 0.012);
 }
 
+double tail_lamp_middle(const Vec3& p) { return p.y - 0.822; }
+
 double tail_lamp(const Vec3& p) {
   if (p.z > -1.55) return 1.0;
   const double a = heading_deg(p, false);
   const double half = mix(0.014, 0.030, smoother(20.0, 48.0, a));
-  return smooth_max(std::abs(p.y - 0.822) - half, (a - 72.0) * 0.012, 0.03);
+  return smooth_max(std::abs(tail_lamp_middle(p)) - half, (a - 72.0) * 0.012, 0.03);
 }
 
 double diffuser(const Vec3& p) {
@@ -71,20 +81,24 @@ double rear_bumper(const Vec3& p) { return std::max(p.z + 1.70 + 0.45 * std::max
 
 double boot_lid(const Vec3& p) {
   if (p.z > -1.4) return 1.0;
-  return smooth_max(smooth_max(p.x - 0.66, 0.625 - p.y, 0.08), 0.030 - rear_glass_outline(p), 0.02);
+  const double lower = smooth_max(smooth_max(p.x - 0.66, 0.625 - p.y, 0.08), p.z + 1.70, 0.08);
+  return smooth_max(lower, 0.030 - rear_glass_outline(p), 0.02);
 }
 
 double cladding(const Vec3& p) { return p.y - 0.215; }
 
+constexpr double kBeltFront_m = 0.375, kBeltBack_m = -1.36;
+
 /// Height over the strip between door and side glass, and that strip.
 double above_belt(const Vec3& p) { return p.y - belt_height(p.z) + 0.004; }
 Primitive belt_strip(const Primitive& skin) {
-  const Field length = [](const Vec3& p) { return std::abs(p.z + 0.44) - 0.92; };
+  const Field length = [](const Vec3& p) { return std::max(p.z - kBeltFront_m, kBeltBack_m - p.z); };
   return clip(clip_band(skin, above_belt, -0.0085, 0.0085), length);
 }
 /// `skin` without that strip.
 Primitive without_belt_strip(const Primitive& skin) {
-  const Field front = [](const Vec3&p) { return 0.48 - p.z; }, back = [](const Vec3&p) { return p.z + 1.36; };
+  const Field front = [](const Vec3& p) { return kBeltFront_m - p.z; };
+  const Field back = [](const Vec3& p) { return p.z - kBeltBack_m; };
   const Primitive middle = clip(clip(skin, inverted(front)), inverted(back));
   Primitive rest = merged({clip(skin, front), clip(skin, back)});
   append(&rest, clip(middle, [](const Vec3& p) { return above_belt(p) + 0.0085; }));
@@ -155,7 +169,7 @@ void add_lamps(SceneBuilder* builder, const CockpitMaterials& m, const Primitive
     const double a = (37.0 + 7.5 * i) * kPi / 180.0, y = 0.562 + 0.0024 * (37.0 + 7.5 * i - 30.0);
     double r = 0.5;
     while (lower_body({r * std::sin(a), y, 1.25 + r * std::cos(a)}) < 0.0) r += 0.002;
-    r -= 0.05;
+    r -= 0.038;
     const Primitive bowl = revolve(
         round_corners({{0.0, -0.01}, {0.012, -0.008}, {0.021, 0.012}, {0.024, 0.012}, {0.024, -0.02}}, 0.003, 2, false),
         24);
@@ -165,7 +179,8 @@ void add_lamps(SceneBuilder* builder, const CockpitMaterials& m, const Primitive
     add_pair(builder, "projector_lens_" + std::to_string(i), transformed(make_sphere(0.013, 6), place), m.mirror);
   }
   const Rim rim{0.003, 0.01, 2};
-  builder->add_part("tail_lamp", symmetric(clip(offset(skin, -0.001), grown(tail_lamp, -0.004), &rim)), m.tail_lamp);
+  const Primitive lamp = offset(scored(skin, tail_lamp_middle), -0.001);
+  builder->add_part("tail_lamp", symmetric(clip(lamp, grown(tail_lamp, -0.004), &rim)), m.tail_lamp);
 }
 
 void add_nose(SceneBuilder* builder, const CockpitMaterials& m, const Primitive& skin) {
@@ -223,6 +238,27 @@ Primitive make_cowl(const Primitive& skin) {
   return symmetric(flipped(offset(clip(skin, region), -0.012)));
 }
 
+/// Panel between bonnet and windshield, which dives below the skin there.
+Primitive make_scuttle(const Primitive& skin) {
+  const Field region = [](const Vec3& p) {
+    return std::max({windshield_outline(p) - 0.012, 0.008 - windshield_chart().height(p), 0.45 - p.z});
+  };
+  const Rim lip{0.002, 0.024, 1};
+  return symmetric(clip(offset(skin, -0.0045), region, &lip));
+}
+
+/// Strips below the gaps between parts, so that these are dark lines from everywhere.
+Primitive make_seals(const Primitive& skin) {
+  const Field openings = [](const Vec3& p) {
+    return -std::min({head_lamp(p), tail_lamp(p), wheel_arches(p), windshield_outline(p), rear_glass_outline(p),
+                      side_glass_outline(p), grille(p), side_intake(p)});
+  };
+  Primitive seals;
+  for (const Field& outline : {Field(hood_outline), Field(front_bumper), Field(rear_bumper), Field(boot_lid)})
+    append(&seals, clip(clip_band(skin, outline, -0.020, 0.012), openings));
+  return symmetric(offset(seals, -kSeal_m));
+}
+
 /// What closes the cabin towards the engine: without it the driver would see the road below the bonnet.
 Primitive make_bulkhead() {
   const Primitive plane = make_quad({0.0, 0.2, 0.9}, {0.0, 0.85, 0.0}, {0.95, 0.0, 0.0}, 24);
@@ -233,16 +269,16 @@ Primitive make_bulkhead() {
 
 void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
   const Primitive skin = make_half_skin();
-  const Rim opening{0.004, 0.010, 2}, shut{0.003, 0.016, 2}, arch{0.006, 0.045, 2};
+  const Rim opening{0.004, 0.010, 2}, shut{kRim_m, 0.016, 2}, arch{0.006, 0.045, 2};
   Primitive body = clip(skin, inverted(side_glass_outline), &opening);
   body = clip(body, inverted(windshield_outline), &opening);
   body = clip(body, inverted(rear_glass_outline), &opening);
   body = clip(body, inverted(wheel_arches), &arch);
-  body = clip(body, inverted(grown(door_outline, kGap_m)), &shut);
+  body = clip(body, inverted(grown(door_outline, kGap_m + kRim_m)), &shut);
   body = without_belt_strip(body);
 
   const auto split = [&](const Field& outline, Primitive* rest) {
-    const Primitive part = clip(*rest, grown(outline, -kGap_m), &shut);
+    const Primitive part = clip(*rest, grown(outline, -kGap_m - 2.0 * kRim_m), &shut);
     *rest = clip(*rest, inverted(outline), &shut);
     return part;
   };
@@ -254,7 +290,7 @@ void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
   builder->add_part("hood", symmetric(split(hood_outline, &body)), m.paint);
   const Rim deep{0.003, 0.045, 2};
   body = clip(body, inverted(head_lamp), &deep);
-  body = clip(body, inverted(tail_lamp), &opening);
+  body = clip(scored(body, tail_lamp_middle), inverted(tail_lamp), &opening);
   Primitive nose = split(front_bumper, &body);
   for (const Field& hole : {Field(grille), Field(side_intake), Field(nose_slot)})
     nose = clip(nose, inverted(hole), &deep);
@@ -269,6 +305,8 @@ void add_body(SceneBuilder* builder, const CockpitMaterials& m) {
   add_lamps(builder, m, skin);
   add_nose(builder, m, skin);
   add_tail(builder, m, skin);
+  builder->add_part("shut_seals", make_seals(skin), m.hard);
+  builder->add_part("scuttle", make_scuttle(skin), m.hard);
   builder->add_part("cowl", make_cowl(skin), m.hard);
   builder->add_part("bulkhead", make_bulkhead(), m.hard);
   builder->add_part("roof_lining", make_lining(skin), m.headliner);

@@ -92,7 +92,9 @@ double lower_body(const Vec3& p) {
 double canopy(const Vec3& p) {
   const double ends =
       smooth_max(smooth_max(windshield_chart().height(p), canopy_roof(p), 0.10), rear_glass_chart().height(p), 0.10);
-  return std::max(smooth_max(ends, canopy_side(p), 0.11), 0.86 - p.y);
+  // Its floor rises where the rear glass goes on inside the boot: near the tail it would dent the skin.
+  const double floor = 0.86 + 0.12 * smoother(-1.7, -2.0, p.z);
+  return std::max(smooth_max(ends, canopy_side(p), 0.11), floor - p.y);
 }
 
 double car_body(const Vec3& p) {

@@ -29,7 +29,10 @@ std::array<unsigned char, 4> read_magic(const std::string& path) {
   if (std::filesystem::is_directory(path, status))
     throw Error(path, "is a folder, not an image", "name a .exr or .hdr file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(path, "cannot be read", "check the path and the permissions");
+  if (!file) {
+    const bool there = std::filesystem::exists(path, status);
+    throw Error(path, there ? "cannot be read" : "does not exist", there ? "check its permissions" : "check the path");
+  }
   std::array<unsigned char, 4> magic{};
   file.read(reinterpret_cast<char*>(magic.data()), magic.size());
   return magic;

@@ -16,6 +16,7 @@
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
+#include "viewer/outputs.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -72,6 +73,7 @@ void bake_cell_brdfs_of(const OctreeJob& octree, const std::shared_ptr<const Oct
 }
 
 int bake_octree(const SceneOptions& options) {
+  if (!options.output.empty()) prepare_folder("--output", options.output);
   const std::shared_ptr<Scene> scene = load_session_scene(options);
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   OctreeJob job =

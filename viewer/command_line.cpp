@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "render/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
@@ -130,6 +131,9 @@ void check_combinations(const CommandLine& line) {
   if (line.command != "render" || line.help) return;
   if (options.output.empty() && options.stats.empty())
     throw UsageError("", "render needs a file to write to", "add --output FILE.exr or FILE.png");
+  if (!options.reflectors.empty() && options.reflections == "off")
+    throw UsageError("--reflector " + options.reflectors.front(), "nothing reflects while --reflections is off",
+                     "add --reflections, one of " + join(technique_names(TechniqueKind::reflector)));
   const bool accumulates = options.time_s || options.target_error;
   if (options.frames > 0 && accumulates)
     throw UsageError("--frames", "it excludes --time and --target-error", "leave one out");
@@ -156,9 +160,16 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
   for (const GivenOption& option : collect(rest, command, &line.files)) {
     if (option.texts.size() > 1 && !option.declaration->repeatable)
       throw UsageError(option.declaration->name, "it is given twice");
-    for (const std::string& text : option.texts) option.declaration->apply(&line, text);
+    for (const std::string& text : option.texts) {
+      if (text.empty())
+        throw UsageError(option.declaration->name, "its value is empty",
+                         "give " + option.declaration->argument + " or leave the option out");
+      option.declaration->apply(&line, text);
+    }
     if (option.flag) option.declaration->apply(&line, {});
   }
+  if (std::find(line.files.begin(), line.files.end(), "") != line.files.end())
+    throw UsageError("maquette " + command.name, "one of its arguments is empty", "it takes " + command.arguments);
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
   if ((line.command == "view" || line.command == "render" || line.command == "report") && !line.files.empty())

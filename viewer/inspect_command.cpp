@@ -208,6 +208,10 @@ Json inspect(const CommandLine& line) {
   if (extension == ".gltf" || extension == ".glb") return inspect_scene(line);
   if (extension == ".binary") return inspect_brdf(source);
   if (extension == ".hdr" || extension == ".exr") return inspect_environment(source);
+  std::error_code error;
+  if (!std::filesystem::exists(source, error))
+    throw Error(source, "does not exist", "check the path; `maquette inspect library` lists what is built in");
+  if (std::filesystem::is_directory(source, error)) throw Error(source, "is a folder, not a file", "name a file in it");
   throw UsageError(source, "neither a scene (.gltf, .glb), a BRDF (.binary) nor an environment (.hdr, .exr)",
                    "`maquette inspect library` lists what is built in");
 }

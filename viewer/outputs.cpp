@@ -39,6 +39,16 @@ void check_writable(const std::string& option, const std::string& path) {
   std::remove(probe.c_str());
 }
 
+void prepare_folder(const std::string& option, const std::string& folder) {
+  const std::string where = option + " " + folder;
+  std::error_code error;
+  if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
+    throw Error(where, "this is a file", "give the name of a folder");
+  std::filesystem::create_directories(folder, error);
+  if (error) throw Error(where, "the folder cannot be made: " + error.message(), "choose another place");
+  check_writable(option, (std::filesystem::path(folder) / "a file").string());
+}
+
 void write_text(const std::string& path, const std::string& text) {
   if (path == "-") {
     std::fputs(text.c_str(), stdout);

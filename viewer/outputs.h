@@ -14,6 +14,9 @@ PictureFormat picture_format(const std::string& path);
 /// called before the work, so that minutes of it are not lost. "-" is standard output.
 void check_writable(const std::string& option, const std::string& path);
 
+/// Makes `folder` where it is not there yet. Throws Error when it cannot be made or written into.
+void prepare_folder(const std::string& option, const std::string& folder);
+
 /// Writes text atomically; "-" prints it.
 void write_text(const std::string& path, const std::string& text);
 

@@ -163,6 +163,8 @@ TEST(CommandLine, WrongValuesAreNamed) {
       {{"--time", "0"}, "out of range"},
       {{"--target-error", "-1"}, "out of range"},
       {{"--env", ""}, "empty"},
+      {{"--camera", ""}, "--camera: its value is empty"},
+      {{"--reflector", "windshield"}, "while --reflections is off"},
       {{"--mode", "uniform", "--mode", "sg"}, "given twice"},
       {{"--moed", "uniform"}, "did you mean --mode"},
       {{"--json"}, "it belongs to compare"},

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "scenes/image_io.h"
@@ -38,9 +39,22 @@ TEST(Program, UsageErrorsExitWithTwoAndOneLine) {
   expect_failure({"render"}, 2, "--output");
   expect_failure({"render", "-o", "picture.jpg"}, 2, ".exr");
   expect_failure({"compare", "one.exr"}, 2, "A.exr B.exr");
-  expect_failure({"inspect", "notes.txt"}, 2, "neither a scene");
+  expect_failure({"inspect", MAQUETTE_SOURCE_DIR "/README.md"}, 2, "neither a scene");
+  expect_failure({"inspect", "notes.txt"}, 1, "does not exist");
+  expect_failure({"inspect", MAQUETTE_SOURCE_DIR}, 1, "is a folder");
+  expect_failure({"render", "-o", "x.png", "sky.HDR"}, 2, "--env sky.HDR");
+  expect_failure({"render", "-o", "x.png", "red.binary"}, 2, "--material NAME=red.binary");
+  expect_failure({"render", "-o", "x.png", ""}, 2, "one of its arguments is empty");
   expect_failure({"bake", "octre"}, 2, "did you mean octree?");
   expect_failure({"help", "rendr"}, 2, "did you mean render?");
+}
+
+TEST(Program, AFileInPlaceOfAFolderIsNamedBeforeTheWork) {
+  const TemporaryFolder folder;
+  const std::string file = folder.file("notes.txt");
+  std::ofstream(file) << "notes";
+  expect_failure({"bake", "octree", "builtin:sphere", "-o", file}, 1, "this is a file");
+  expect_failure({"report", "builtin:sphere", "-o", file}, 1, "this is a file");
 }
 
 TEST(Program, LaterCommandsAndNamesExitWithOne) {

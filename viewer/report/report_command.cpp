@@ -48,15 +48,6 @@ class Progress {
   bool terminal_ = isatty(STDERR_FILENO) == 1, written_ = false;
 };
 
-void prepare_folder(const std::string& folder) {
-  std::error_code error;
-  if (fs::exists(folder, error) && !fs::is_directory(folder, error))
-    throw Error("--output " + folder, "this is a file", "give the name of a folder");
-  fs::create_directories(folder, error);
-  if (error) throw Error("--output " + folder, "the folder cannot be made: " + error.message(), "choose another place");
-  check_writable("--output", folder + "/report.html");
-}
-
 void write_outputs(const std::string& folder, const Report& report, std::string* chart_problem) {
   write_text(folder + "/report.json", report_json_text(report));
   write_text(folder + "/report.csv", report_csv_text(report));
@@ -99,7 +90,7 @@ std::string command_text(const SceneOptions& options) {
 int run_report(const CommandLine& line) {
   const SceneOptions& options = line.options;
   const std::string& folder = options.output;
-  prepare_folder(folder);
+  prepare_folder("--output", folder);
   const StopSignal stop;
   Report report;
   report.scene = options.scene;

@@ -52,7 +52,7 @@ inline float mean_facing(float cosine, float extent, float slope) {
 }
 
 /// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
-constexpr float kPriorRays = 2.0f, kPriorUseful = 1.0f;
+constexpr float kPriorRays = 0.2f, kPriorUseful = 0.1f;
 
 }  // namespace
 

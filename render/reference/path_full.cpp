@@ -21,10 +21,9 @@ constexpr float kMirrorShare = 0.15f, kGuidedMirrored = 0.9f;
 constexpr int kMostPanes = 4096;          ///< that one path passes between two surfaces
 constexpr std::size_t kMostBranches = 8;  ///< of one camera ray
 constexpr int kMostSplits = 6;            ///< panes in a row that send a camera ray both ways
-/// Shadow rays to the environment: where the camera looks straight, and everywhere else. Half of what is left in the
-/// cabin of a car comes of choosing one part of the sky at the second surface: a second ray costs 14 % of the rays and
-/// takes 27 % of the variance away.
-constexpr std::uint32_t kFirstShadowRays = 4, kLaterShadowRays = 2;
+/// Shadow rays to the environment: at the first two surfaces, and further on. Much of what is left in the cabin of a car
+/// comes of choosing one part of the sky at the second surface.
+constexpr std::uint32_t kShadowRays = 3, kLaterShadowRays = 2;
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
 /// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
 /// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.
@@ -88,7 +87,7 @@ class FullPath {
   void look() {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *at_;
-    if (bounce_ > 0) shadow_rays_ = kLaterShadowRays;
+    shadow_rays_ = bounce_ < 2 ? kShadowRays : kLaterShadowRays;
     polarisation_ = {};
     find_cells(p);
     origin_ = offset_from_surface(p.position, p.error, p.normal);
@@ -156,7 +155,6 @@ class FullPath {
       weight_ = s.weight / share;
       polarisation_ = {};
       bounce_ = vertex_ = 0;
-      shadow_rays_ = s.straight ? kFirstShadowRays : kLaterShadowRays;
       ray_ = {};
       ray_.direction = -s.point.to_world(s.point.wo);
       from_ = s.point.position;
@@ -297,7 +295,7 @@ class FullPath {
 
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    std::array<glm::vec2, kFirstShadowRays> u;
+    std::array<glm::vec2, kShadowRays> u;
     // One sequence for all rays of all paths.
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
       u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
@@ -370,11 +368,11 @@ class FullPath {
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide
   LeafShares shares_;                         ///< of the guide
   std::uint32_t shadow_rays_ = 0;
-  std::array<EnvironmentLight::Choice, kFirstShadowRays> choices_;
+  std::array<EnvironmentLight::Choice, kShadowRays> choices_;
   bool has_lamp_ = false;
   std::size_t lamp_index_ = 0;
   LightDraw lamp_;
-  std::array<ArrivingLight, kFirstShadowRays + 1> arriving_;
+  std::array<ArrivingLight, kShadowRays + 1> arriving_;
   std::size_t arrived_ = 0;
   std::uint32_t mirror_cell_ = 0;
   float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws

@@ -345,7 +345,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   s.drawn_epoch = s.epoch;
   s.last_request = request;
   if (!bandwidth) s.renew_light_list_for(static_cast<std::int64_t>(s.accumulated) * samples, samples, request.seed);
-  const Turn turn = s.begin_turn(request, plan, bandwidth && !accumulate && request.settings.get_bool("shading.reuse"));
+  const Turn turn = s.begin_turn(request, plan, bandwidth && request.settings.get_bool("shading.reuse"), accumulate);
   std::optional<float> passing_density;
   if (turn.goes_on() || repaints)
     passing_density = turn.goes_on() && plan.visibility == "baked" ? kTurningMaskedDensity : kTurningDensity;

@@ -161,7 +161,9 @@ struct Renderer::Impl {
   GlName<FramebufferTraits> glass_framebuffer;  ///< the radiance image over the depth buffer
   std::map<std::string, std::unique_ptr<LookupMode>> lookup_modes;  ///< made when first drawn with
   std::optional<FrameTargets> targets;
-  std::optional<Progressive> progressive;     ///< mode bandwidth, while pictures accumulate
+  std::optional<Progressive> progressive;  ///< mode bandwidth, while pictures accumulate
+  std::optional<DrawnLight> drawn_light;
+  float sample_scale = 1.0f;                  ///< of the lists at hand, while the light turns
   std::optional<TurnHistory> history;         ///< mode bandwidth, from frame to frame while nothing but the light turns
   std::uint32_t indirect_news = 0;            ///< changes of `epoch` by indirect light alone
   std::uint32_t paint_news = 0;               ///< changes of `epoch` by measured tables of materials alone
@@ -261,7 +263,7 @@ struct Renderer::Impl {
   /// Lists the tiles, and empties what passes over them read of their neighbours.
   void find_tiles();
   /// What the frame goes on from, if only the light has turned. `keeps`: its own points are kept for the next one.
-  Turn begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps);
+  Turn begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps, bool accumulate);
   void predict(const FramePlan& plan, const PredictedPart& part, PassTimer* timer);
   /// Mode bandwidth where pictures do not accumulate: two rounds of samples, and what is left of earlier frames.
   void shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer);

@@ -17,8 +17,10 @@ namespace {
 /// as slowly as the light.
 constexpr int kPredictionFrames = 8;
 constexpr float kPredictionHolds_rad = 0.3f;
-/// A light that turns further between two frames has jumped: nothing goes on.
-constexpr float kJump_rad = 0.5f;
+
+/// A frame's lists are made once more where they cost so much more than their budget, and the frame after may ask for
+/// so much more: points gain as many samples as going on takes.
+constexpr float kFarTooMuch = 0.75f, kMostGrowth = 1.25f;
 
 /// Samples of the sun at a point that does not mirror it: of one, over which broad lobes hardly vary, and of several,
 /// among which they choose.
@@ -61,30 +63,43 @@ TurnHistory TurnHistory::make(int grid_width, int grid_height) {
   return h;
 }
 
-Turn Renderer::Impl::begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps) {
+float budgeted_scale(float scale, const TurnCost& cost, int base_count, int fewest) {
+  const double spent = cost.samples + (kLookingBack - 1.0) * cost.looking_back;
+  const double budget = cost.points * std::max(kTurningBudget * static_cast<float>(base_count),
+                                               kGoingOnBudget * kLookingBack * static_cast<float>(fewest));
+  const double wanted = spent > 0.0 ? scale * budget / spent : 1.0;
+  return static_cast<float>(std::clamp(wanted, static_cast<double>(kLeastSampleScale), 1.0));
+}
+
+Turn Renderer::Impl::begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps, bool accumulate) {
   if (!keeps) {
     history.reset();
+    drawn_light.reset();
     return {};
   }
-  TurnHistory::Key key{request, epoch - indirect_news, plan.visibility, plan.lights};
+  DrawnLight::Key key{request, epoch - indirect_news, plan.visibility, plan.lights};
   key.request.env_rotation_rad = 0.0f;
   key.request.deadline.reset();
+  Turn turn;
+  if (!accumulate && drawn_light && drawn_light->key == key)
+    turn.angle_rad =
+        std::remainder(request.env_rotation_rad - drawn_light->rotation_rad, 2.0f * std::numbers::pi_v<float>);
+  turn.begins = turn.goes_on() && !drawn_light->scheduled;
+  drawn_light = DrawnLight{std::move(key), request.env_rotation_rad, turn.goes_on()};
+  if (accumulate) {
+    history.reset();
+    return turn;
+  }
   if (!history || history->mean.width() != targets->grid_width() || history->mean.height() != targets->grid_height())
     history = TurnHistory::make(targets->grid_width(), targets->grid_height());
-  Turn turn;
-  if (history->key == key)
-    turn.angle_rad = std::remainder(request.env_rotation_rad - history->rotation_rad, 2.0f * std::numbers::pi_v<float>);
-  if (std::abs(turn.angle_rad) > kJump_rad) turn.angle_rad = 0.0f;
-  history->key = std::move(key);
-  history->rotation_rad = request.env_rotation_rad;
   // A number is left out when nothing goes on, so that no point looks renewed in the frame before.
-  history->frame += turn.goes_on() ? 1 : 2;
+  history->frame += turn.goes_on() && !turn.begins ? 1 : 2;
   turn.frame = history->frame;
   return turn;
 }
 
 TileShare renewed_share(const Turn& turn) {
-  if (!turn.goes_on()) return {};
+  if (!turn.goes_on() || turn.begins) return {};
   const int frames =
       std::clamp(static_cast<int>(kPredictionHolds_rad / std::abs(turn.angle_rad)), 1, kPredictionFrames);
   return {static_cast<int>(turn.frame) % frames, frames};
@@ -129,15 +144,31 @@ void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned*
   schedule.set("u_item_capacity", t.item_capacity);
   schedule.set("u_turn_rad", std::abs(turn.angle_rad));
   schedule.set("u_frame_number", static_cast<int>(turn.frame));
-  // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
-  for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
+  // A band that needs far more than its share gets what fits; what costs far more than its budget is asked for anew.
+  bool asked_anew = false;
+  for (float scale = history->sample_scale; scale > 1e-3f;) {
     t.counters.clear_to_zero();
     history->counters.clear_to_zero();
     schedule.set("u_sample_scale", scale);
     dispatch_tiles(schedule, t.surface_tiles, 2, band);
     t.counters.read(0, 16 * sizeof(unsigned), counters);
+    TurnCounters listed;
+    history->counters.read(0, sizeof listed, &listed);
+    sample_scale = scale;
+    const int fewest = 1 << least_item_log2(constants.sampling.y);
+    const TurnCost cost{static_cast<double>(counters[1]) + counters[9], static_cast<double>(counters[5]) + counters[13],
+                        fewest * (static_cast<double>(listed.small_items[0]) + listed.small_items[1])};
+    const float next = budgeted_scale(scale, cost, constants.sampling.x, fewest);
+    history->sample_scale = std::min(next, scale * kMostGrowth);
     const auto capacity = static_cast<unsigned>(t.item_capacity);
-    if (counters[0] <= capacity && counters[8] <= capacity) break;
+    if (counters[0] > capacity || counters[8] > capacity) {
+      scale *= 0.5f;
+    } else if (next < kFarTooMuch * scale && !asked_anew) {
+      asked_anew = true;
+      scale = next;
+    } else {
+      break;
+    }
   }
 }
 
@@ -192,6 +223,7 @@ void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t ban
     const Program& gather = programs.get(turned_gather_variant(round, buffers->has_textures(), sun));
     gather.set("u_frame_number", static_cast<int>(turn.frame));
     gather.set("u_item_capacity", t.item_capacity);
+    gather.set("u_sample_scale", sample_scale);
     gather.set("u_point_capacity", static_cast<int>(t.points[0].bytes() / 16));
     for (int list = 0; list < 2; ++list) {
       const unsigned more = std::min(counters[8 * list + 6], capacity), large = listed.large_items[list];

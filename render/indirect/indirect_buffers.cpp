@@ -11,6 +11,11 @@ namespace {
 constexpr float kKeySpacing_rad = 0.2f;
 /// Nobody knows where a light goes next that leaps so far from frame to frame.
 constexpr float kLeap_rad = 0.5f;
+/// While the light turns, the worker rests for so many times as many frames as a bake took: frames need the processors
+/// more than light that comes by way of other surfaces needs to be of this very moment.
+constexpr int kRest = 1;
+/// Frames that a bake is taken to need at most.
+constexpr int kSlowest = 16;
 
 float turn_between(const IndirectSky& from, const IndirectSky& to) {
   return std::remainder(to.rotation_rad - from.rotation_rad, 2.0f * std::numbers::pi_v<float>);
@@ -43,7 +48,8 @@ bool IndirectBuffers::update(const IndirectJob& job) {
 void IndirectBuffers::take_result() {
   std::optional<IndirectWorker::Result> result = worker_->take();
   if (!result) return;
-  latency_ = frames_;
+  // A first bake traces rays for seconds: it says nothing about those of a light that turns.
+  if (result->bounces == IndirectBounces::step) latency_ = std::min(frames_, kSlowest);
   if (result->bake.vertices.empty()) return;
   IndirectKey key;
   key.sky = result->sky;
@@ -61,12 +67,14 @@ void IndirectBuffers::take_result() {
 }
 
 void IndirectBuffers::follow(float turn_rad) {
+  const int every = (1 + kRest) * latency_;
+  if (frames_ < every) return;
   if (std::abs(turn_rad) > kLeap_rad) {
-    submit(asked_->rotation_rad, IndirectBounces::all);
+    submit(asked_->rotation_rad, IndirectBounces::step);
     return;
   }
   // Where the light stands when the bake after this one is done: until then the picture lies between both.
-  const float ahead_rad = 2.0f * static_cast<float>(latency_) * turn_rad;
+  const float ahead_rad = static_cast<float>(latency_ + every) * turn_rad;
   IndirectSky goal = *asked_;
   goal.rotation_rad += ahead_rad;
   const float left_rad = submitted_ ? turn_between(*submitted_, goal) : ahead_rad;

@@ -33,6 +33,7 @@ uniform int u_list;
 uniform int u_frame_number;
 uniform int u_item_capacity;
 uniform int u_point_capacity;
+uniform float u_sample_scale;
 
 #include "bandwidth/block_share.glsl"
 #include "bandwidth/without_base.glsl"
@@ -55,7 +56,7 @@ const float kFarMore = 6.0;
 /// Neyman's count for the deviation that was measured; 0 where that is not far from what was taken. They replace what was taken, which
 /// decided on them.
 uint more_items(float variance, int level, float taken, float mean_deviation) {
-  float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share(level);
+  float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share(level) * u_sample_scale;
   return wanted > kFarMore * taken ? uint(clamp(wanted * exp2(float(-more_size_log2())), 1.0, kMostMore)) : 0u;
 }
 

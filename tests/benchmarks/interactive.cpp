@@ -78,20 +78,23 @@ double error_without_peaks(const Image& picture, const Reference& reference) {
   return error_against(kept, reference);
 }
 
-/// Each frame turns the light by what it turns while a frame is drawn, at the frames' processor time over all cores:
-/// what else runs on the machine must not make the light jump. The last of the measured ones arrives at rotation 0.
+/// Each frame turns the light by what it turns while the frame before is drawn, at its processor time over all cores:
+/// what else runs on the machine must not make the light jump. The measured frames turn it evenly, and the last of them
+/// arrives at rotation 0.
 TurningFrames draw_turning(Stage& stage, FrameRequest r, const Reference& reference) {
-  constexpr int kFirst = 10, kFrames = 30;
+  constexpr int kFirst = 24, kSteady = 8, kFrames = 30;
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   std::vector<Clock> times;
-  double step = 0.1;
+  r.env_rotation_rad = -2.0f;
+  double step = 0.0;
   for (int f = 0; f < kFirst; ++f) {
-    r.env_rotation_rad = static_cast<float>(f * step - 2.0);
     const Clock begin = now();
     stage.renderer().render(r);
     times.push_back(now() - begin);
-    if (f > 2) step = kTurn_rad_per_s * 1e-3 * median_of({times.begin() + 3, times.end()}).cpu_ms / cores;
+    step = kTurn_rad_per_s * 1e-3 * times.back().cpu_ms / cores;
+    r.env_rotation_rad += static_cast<float>(step);
   }
+  step = kTurn_rad_per_s * 1e-3 * median_of({times.end() - kSteady, times.end()}).cpu_ms / cores;
   times.clear();
   TurningFrames result;
   result.step_rad = step;

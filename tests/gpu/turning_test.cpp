@@ -1,10 +1,14 @@
 // Frames while only the light turns: points go on from their past, without bias, and from nothing after every other
 // change.
+#include "render/bandwidth/turning.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/gl/context.h"
@@ -184,11 +188,70 @@ TEST_F(Turning, ALightThatJumpsLeavesNoGhost) {
   renderer_.render(r);
   const Image leapt = renderer_.read_radiance(), truth = converged(r, 77);
   EXPECT_LT(difference(leapt, truth), 1.5 * difference(from_nothing(as_while_turning(r)), truth));
-  turn(r, 20);
-  r.env_rotation_rad = 2.0f;
-  EXPECT_LT(continued(renderer_.render(r)), 0.0);
-  const Image jumped = renderer_.read_radiance();
-  EXPECT_EQ(jumped.data, from_nothing(r).data);
+  // However far it jumps, and from frame to frame: a quick hand must not be answered by slow frames.
+  for (int jump = 1; jump <= 3; ++jump) {
+    turn(r, 4);
+    r.env_rotation_rad = 2.0f * static_cast<float>(jump);
+    EXPECT_GE(continued(renderer_.render(r)), 0.0) << jump;
+    const Image jumped = renderer_.read_radiance(), there = converged(r, 77);
+    EXPECT_LT(difference(jumped, there), 1.5 * difference(from_nothing(as_while_turning(r)), there)) << jump;
+  }
+}
+
+TEST_F(Turning, TheFirstFrameAfterRestAsksForNoMoreThanTheOthers) {
+  FrameRequest r = request();
+  for (int f = 0; f < 4; ++f) renderer_.render(r, true);
+  r.env_rotation_rad = 0.035f;
+  const FrameStats first = renderer_.render(r);
+  EXPECT_EQ(continued(first), 0.0);  // scheduled, but no point has a past
+  const Image picture = renderer_.read_radiance();
+  r.env_rotation_rad += 0.035f;
+  EXPECT_GT(continued(renderer_.render(r)), 0.0);
+  r.env_rotation_rad -= 0.035f;
+  const Image truth = converged(r, 77);
+  EXPECT_LT(difference(picture, truth), 1.5 * difference(from_nothing(as_while_turning(r)), truth));
+  FrameRequest anew = r;
+  anew.settings.set("shading.reuse", false);
+  EXPECT_LT(static_cast<double>(first.shading_samples),
+            0.6 * static_cast<double>(renderer_.render(anew).shading_samples));
+}
+
+TEST_F(Turning, ASlowFrameIsNotFollowedByAnother) {
+  // Steps of all sizes cost about the same: else what turns by the clock turns farther after each slow frame.
+  show("builtin:paint-red-metallic");
+  double least = 1e30, most = 0.0;
+  for (const float step_rad : {0.02f, 0.1f, 0.4f, 1.2f}) {
+    const FrameStats stats = turn(request(), 16, step_rad);
+    const double points = static_cast<double>(stats.shaded_pixels);
+    const double looking_back = 8.0 * continued(stats);
+    const double cost = (static_cast<double>(stats.shading_samples) + (kLookingBack - 1.0) * looking_back) / points;
+    least = std::min(least, cost);
+    most = std::max(most, cost);
+  }
+  RecordProperty("most over least", std::to_string(most / least));
+  EXPECT_LT(most, 2.5 * least);
+}
+
+TEST(TurningBudget, PointsThatGoOnAreWithinIt) {
+  // Each with the fewest samples, whatever a frame asks for.
+  for (const auto& [base, fewest] : {std::pair{32, 8}, {2, 2}, {128, 32}, {2048, 512}, {16, 8}}) {
+    const double samples = 1000.0 * fewest;
+    EXPECT_EQ(budgeted_scale(1.0f, {1000.0, samples, samples}, base, fewest), 1.0f) << base;
+  }
+}
+
+TEST(TurningBudget, PointsThatBeginAnewShareIt) {
+  const TurnCost cost{1000.0, 80.0 * 1000.0, 0.0};
+  const float scale = budgeted_scale(1.0f, cost, 32, 8);
+  EXPECT_NEAR(scale, kTurningBudget * 32.0 / 80.0, 1e-5);
+  // Costs are linear in the scale here: at that scale the budget is spent, and the scale stays.
+  const TurnCost then{1000.0, scale * cost.samples, 0.0};
+  EXPECT_NEAR(budgeted_scale(scale, then, 32, 8), scale, 1e-5);
+  // What looks back counts for more.
+  EXPECT_LT(budgeted_scale(1.0f, {1000.0, 80.0 * 1000.0, 8000.0}, 32, 8), scale);
+  EXPECT_EQ(budgeted_scale(1.0f, {1000.0, 1e9, 0.0}, 32, 8), kLeastSampleScale);
+  EXPECT_EQ(budgeted_scale(0.5f, {1000.0, 1000.0, 0.0}, 32, 8), 1.0f);
+  EXPECT_EQ(budgeted_scale(0.5f, {}, 32, 8), 1.0f);  // nothing to see
 }
 
 TEST_F(Turning, EveryOtherChangeBeginsAnew) {
@@ -232,10 +295,6 @@ TEST_F(Turning, EveryOtherChangeBeginsAnew) {
   r.mode = "bandwidth";
   r.env_rotation_rad += 0.035f;
   begins_anew(r, "mode");
-  turned();
-  renderer_.render(r, true);
-  r.env_rotation_rad += 0.035f;
-  begins_anew(r, "a picture that accumulates");
   turned();
   r.settings.set("shading.reuse", false);
   begins_anew(r, "switched off");

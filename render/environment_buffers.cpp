@@ -1,12 +1,10 @@
 #include "render/environment_buffers.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "render/environment/importance.h"
-#include "render/rgb9e5_shared.h"
+#include "render/reference/shared_formulas.h"
 
 namespace maquette {
 
@@ -29,6 +27,20 @@ float effective_solid_angle(const Environment& e, double integral) {
   return static_cast<float>(1.0 / std::max(sum, 1e-9));
 }
 
+float mean_sun_luminance(const Environment& e, double integral) {
+  double sum = 0.0, squares = 0.0;
+  const double least = static_cast<double>(shared::kSunDensity) * integral;
+  for (std::size_t i = 0; i < e.rgb.size(); ++i) {
+    const double l = static_cast<double>(shared::luminance(e.rgb[i]));
+    if (!(l > least)) continue;
+    const double row = static_cast<double>(i / static_cast<std::size_t>(e.width));
+    const double extent = std::sin(3.14159265 * (row + 0.5) / e.height);
+    sum += l * extent;
+    squares += l * l * extent;
+  }
+  return sum > 0.0 ? static_cast<float>(squares / sum) : 0.0f;
+}
+
 /// [cell][kSeenBandwidthCount + 1]: as each lobe sees it, then nu_L itself, so that one read fetches both.
 std::vector<float> cell_bandwidths(const EnvironmentTables& tables) {
   std::vector<float> values;
@@ -44,37 +56,27 @@ std::vector<float> cell_bandwidths(const EnvironmentTables& tables) {
 
 }  // namespace
 
-int EnvironmentBuffers::packing_bias(const Environment& environment) {
-  float largest = 0.0f;
-  for (const glm::vec3& c : environment.rgb) largest = std::max({largest, c.x, c.y, c.z});
-  if (!(largest > 0.0f)) return 24;
-  return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
-}
-
 EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> environment)
     : environment_(std::move(environment)), tables_(load_environment_tables(*environment_)) {
   bias_ = packing_bias(*environment_);
-  std::vector<std::uint32_t> words(environment_->rgb.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words.size(), 4096), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i < range.end(); ++i)
-      words[i] = shared::pack_rgb9e5(environment_->rgb[i], bias_);
-  });
-  words_ = Buffer::from("environment", words);
+  sky_ = pack_sky(*environment_, bias_, 1);
+  words_ = Buffer::from("environment", sky_.words);
   word_view_ = Texture::make_buffer("environment", GL_R32UI, words_);
+  if (const int refinement = sky_refinement(*environment_, kMostNodes); refinement > 1) {
+    sky_ = pack_sky(*environment_, bias_, refinement);
+    nodes_ = Buffer::from("environment nodes", sky_.words);
+    node_view_ = Texture::make_buffer("environment nodes", GL_R32UI, nodes_);
+  }
   bandwidth_ = Buffer::from("environment bandwidth", cell_bandwidths(tables_));
   bandwidth_view_ = Texture::make_buffer("environment bandwidth", GL_R32F, bandwidth_);
   effective_sr_ = effective_solid_angle(*environment_, tables_.luminance_integral);
+  sun_luminance_ = mean_sun_luminance(*environment_, tables_.luminance_integral);
   list_ = Buffer("light samples", kListLength * sizeof(EnvironmentSample));
   list_view_ = Texture::make_buffer("light samples", GL_RGBA32F, list_);
   resample(0);
 }
 
 namespace {
-
-/// What the shaders find in the packed texels.
-void round_to_packed(std::vector<EnvironmentSample>& samples, int bias) {
-  for (EnvironmentSample& s : samples) s.radiance = shared::unpack_rgb9e5(shared::pack_rgb9e5(s.radiance, bias), bias);
-}
 
 SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   SunBuffers b;
@@ -84,9 +86,8 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   EnvironmentTables tables;
   compute_importance(*sun.rest, tables);
   b.rest_integral = tables.luminance_integral;
-  std::vector<EnvironmentSample> rest =
-      sample_environment(*sun.rest, tables, 0, static_cast<std::size_t>(EnvironmentBuffers::kListLength));
-  round_to_packed(rest, bias);
+  std::vector<EnvironmentSample> rest = sample_environment(*sun.rest, tables, pack_sky(*sun.rest, bias, 1), 0,
+                                                           static_cast<std::size_t>(EnvironmentBuffers::kListLength));
   rest.resize(EnvironmentBuffers::kListLength);  // of a black rest: worth nothing
   b.sun_list = Buffer::from("sun samples", sun.samples);
   b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
@@ -113,8 +114,7 @@ const SunBuffers* EnvironmentBuffers::sun() {
 }
 
 void EnvironmentBuffers::resample(std::uint32_t seed) {
-  std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, seed, kListLength);
-  round_to_packed(samples, bias_);
+  const std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, sky_, seed, kListLength);
   if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
 }
 
@@ -122,6 +122,7 @@ void EnvironmentBuffers::bind() const {
   glBindTextureUnit(14, word_view_.get());
   glBindTextureUnit(15, list_view_.get());
   glBindTextureUnit(17, bandwidth_view_.get());
+  glBindTextureUnit(64, (node_view_ ? node_view_ : word_view_).get());
 }
 
 }  // namespace maquette

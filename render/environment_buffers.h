@@ -24,29 +24,35 @@ struct SunBuffers {
 /// business.
 class EnvironmentBuffers {
  public:
-  static constexpr int kListLength = 65536;  ///< light samples, a power of two
+  static constexpr std::size_t kMostNodes = 1u << 24;  ///< of the finer grid that estimators read, 4 bytes each
+  static constexpr int kListLength = 65536;            ///< light samples, a power of two
   explicit EnvironmentBuffers(std::shared_ptr<const Environment> environment);
   /// Draws the light samples anew (progressive rendering asks when it has used the list up).
   void resample(std::uint32_t seed);
-  /// Bias of the shared exponent with which an environment is packed: its brightest texel just fits.
-  static int packing_bias(const Environment& environment);
-  void bind() const;  ///< units 14, 15 and 17
+  void bind() const;  ///< units 14, 15, 17 and 64
+  const PackedSky& sky() const { return sky_; }
   int bias() const { return bias_; }
   const Environment& environment() const { return *environment_; }
   const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   const EnvironmentTables& tables() const { return tables_; }
+  /// Mean luminance of suns (more than kSunDensity of all light, 1/sr), weighted by itself, in stored units; 0 without
+  /// any.
+  float sun_luminance() const { return sun_luminance_; }
   float effective_sr() const { return effective_sr_; }
   /// Null where the environment has no sun. Made when first asked for: 20 ms a million texels.
   const SunBuffers* sun();
-  std::size_t bytes() const { return words_.bytes() + list_.bytes() + bandwidth_.bytes() + (sun_ ? sun_->bytes() : 0); }
+  std::size_t bytes() const {
+    return words_.bytes() + nodes_.bytes() + list_.bytes() + bandwidth_.bytes() + (sun_ ? sun_->bytes() : 0);
+  }
 
  private:
   std::shared_ptr<const Environment> environment_;
   EnvironmentTables tables_;
   int bias_ = 0;
-  float effective_sr_ = 12.56f;
-  Buffer words_, list_, bandwidth_;
-  Texture word_view_, list_view_, bandwidth_view_;
+  float effective_sr_ = 12.56f, sun_luminance_ = 0.0f;
+  PackedSky sky_;  ///< what estimators choose nodes of
+  Buffer words_, nodes_, list_, bandwidth_;
+  Texture word_view_, node_view_, list_view_, bandwidth_view_;
   bool sun_sought_ = false;
   std::optional<SunBuffers> sun_;
 };

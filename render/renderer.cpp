@@ -188,13 +188,15 @@ void Renderer::Impl::prepare_constants(const FrameRequest& request, const FrameP
   c.sampling = glm::ivec4(samples, chunk, first_sample, static_cast<int>(request.seed));
   c.environment_size = glm::ivec4(environment->environment().width, environment->environment().height,
                                   environment->bias(), EnvironmentBuffers::kListLength);
+  const PackedSky& sky = environment->sky();
+  c.sky_nodes = glm::ivec4(sky.columns, sky.spans, sky.last_row, sky.offset > 0.0f ? 1 : 0);
   c.bandwidth_size = glm::ivec4(environment->tables().bandwidth_width, environment->tables().bandwidth_height,
                                 lights ? lights->count() : 0, 0);
   // Interpolation's error falls with the square of the spacing, and noise with the 0.8th power of the samples (docs/
   // numerics.md): so they fall together. Once there is a picture, what was measured decides instead.
   const float quality = static_cast<float>(request.settings.get_double("bandwidth.quality")) *
                         std::pow(static_cast<float>(samples) / 64.0f, 0.4f) * passing_density.value_or(1.0f);
-  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, 0.0f);
+  c.quality = glm::vec4(quality, 1.0f, plan.texture_bandwidth ? 1.0f : 0.0f, environment->sun_luminance());
   frame_block.update(0, sizeof(c), &c);
 }
 

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "render/environment/packed_sky.h"
 #include "scenes/environment.h"
 
 namespace maquette {
@@ -54,19 +55,19 @@ EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, doubl
 EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
                                                   double u, double v);
 
-/// One light sample: a direction and one of the four texels around it. Light of a direction is the mean of its texels
-/// by bilinear weights; a shader that meets it by BRDF sampling chooses one by these weights. Both strategies must
+/// One light sample: a direction and one of the four nodes of the packed sky around it. Light of a direction is their
+/// mean by bilinear weights; a shader that meets it by BRDF sampling chooses one by these weights. Both strategies must
 /// weigh the same thing: with the bilinear radiance here, the balance heuristic (not linear in radiance) loses up to 6
 /// % of a sun that a glossy surface mirrors.
 struct EnvironmentSample {
   glm::vec3 direction;
-  float pdf;           ///< 1/sr: joint density of direction and texel, over the texel's bilinear weight
-  glm::vec3 radiance;  ///< of the texel
+  float pdf;           ///< 1/sr: joint density of direction and node, over the node's bilinear weight
+  glm::vec3 radiance;  ///< of the node
   float padding = 0.0f;
 };
 /// `count` samples of a scrambled low-discrepancy sequence (any prefix or run of consecutive ones is well spread)
 /// warped by the importance tables. Deterministic for a seed. Empty for a black environment.
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
-                                                  std::uint32_t seed, std::size_t count);
+                                                  const PackedSky& sky, std::uint32_t seed, std::size_t count);
 
 }  // namespace maquette

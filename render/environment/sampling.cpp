@@ -25,21 +25,20 @@ const glm::vec3& texel_around(const Environment& environment, int x, int y) {
                          static_cast<std::size_t>(wrapped)];
 }
 
-/// One of the four texels around a point of the map (texel centres at whole numbers).
-struct ChosenTexel {
+/// One of the four nodes around a point of the map (nodes at whole numbers).
+struct ChosenNode {
   glm::vec3 radiance;
-  float factor;  ///< probability of the choice over the texel's bilinear weight
+  float factor;  ///< probability of the choice over the node's bilinear weight
 };
 
 /// Chosen in proportion to bilinear weight times importance.
-ChosenTexel choose_texel(const Environment& environment, float x, float y, float u) {
+ChosenNode choose_node(const PackedSky& sky, float x, float y, float u) {
   const float x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
-  glm::vec3 texels[4];
+  glm::vec3 nodes[4];
   float importance[4], weights[4], sum = 0.0f;
   for (int k = 0; k < 4; ++k) {
-    const int column = static_cast<int>(x0) + (k & 1), row = static_cast<int>(y0) + (k >> 1);
-    texels[k] = texel_around(environment, column, row);
-    importance[k] = (texels[k].x + texels[k].y + texels[k].z) / 3.0f;
+    nodes[k] = sky.at(static_cast<int>(x0) + (k & 1), static_cast<int>(y0) + (k >> 1));
+    importance[k] = (nodes[k].x + nodes[k].y + nodes[k].z) / 3.0f;
     weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
     sum += weights[k];
   }
@@ -51,7 +50,7 @@ ChosenTexel choose_texel(const Environment& environment, float x, float y, float
     if (u < 0.0f) break;
   }
   if (chosen < 0) return {glm::vec3(0.0f), 1.0f};  // a cell's border without light
-  return {texels[chosen], importance[chosen] / sum};
+  return {nodes[chosen], importance[chosen] / sum};
 }
 
 }  // namespace
@@ -150,19 +149,21 @@ EnvironmentDirection sample_environment_direction(const Environment& environment
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
-                                                  std::uint32_t seed, std::size_t count) {
+                                                  const PackedSky& sky, std::uint32_t seed, std::size_t count) {
   if (!(tables.luminance_integral > 0.0)) return {};
   const SortedPoints sorted(seed, count);
   std::vector<EnvironmentSample> samples(count);
+  const float spacing = static_cast<float>(environment.width) / static_cast<float>(sky.columns);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 2048), [&](const auto& range) {
     CellSampler cells(environment, tables);
     for (std::size_t k = range.begin(); k < range.end(); ++k) {
       const auto [index, u, v] = sorted.points[k];
       const EnvironmentDirection d = cells.draw(sample_environment_point(tables, u * 0x1p-32, v * 0x1p-32));
-      // A third dimension for the texel: the golden ratio's additive recurrence.
+      // A third dimension for the node: the golden ratio's additive recurrence.
       const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
-      const ChosenTexel texel = choose_texel(environment, d.map_x - 0.5f, d.map_y - 0.5f, static_cast<float>(w));
-      samples[index] = {d.direction, d.pdf * texel.factor, texel.radiance, 0.0f};
+      const ChosenNode node =
+          choose_node(sky, d.map_x / spacing - sky.offset, d.map_y / spacing - sky.offset, static_cast<float>(w));
+      samples[index] = {d.direction, d.pdf * node.factor, node.radiance, 0.0f};
     }
   });
   return samples;

@@ -53,8 +53,10 @@ DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& ch
                            .brdf_sample_in_cell(p.wo, choice.cell, *choice.theta_cell, *choice.phi_cell);
     return {drawn.wi, drawn.pdf};
   }
+  // One number for the lobe and a place in it: points that are spread well in the square are so in every lobe.
+  const shared::LobeChoice chosen = shared::choose_lobe(p.lobe_weights, choice.u.x);
   DrawnDirection d;
-  d.wi = shared::sample_analytic(p.analytic, p.lobe_weights, p.wo, choice.u.x, choice.u.y);
+  d.wi = shared::sample_analytic(p.analytic, chosen.lobe, p.wo, chosen.within, choice.u.y);
   if (d.wi.z > 0.0f) d.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, d.wi, p.wo);
   return d;
 }

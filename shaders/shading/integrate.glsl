@@ -4,9 +4,6 @@
 //
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
-#ifndef SUN_APART
-#define SUN_APART 0  // 1: the sun's light is found elsewhere
-#endif
 uint hash(uint x) {
   x = x * 747796405u + 2891336453u;
   x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
@@ -15,12 +12,13 @@ uint hash(uint x) {
 float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
-/// What the weights are divided by, for a strategy with `own` samples per unit of solid angle beside one with `other`: the balance heuristic;
-/// towards a sun, whose samples lie so close together that the lobe varies little among them, while one of the lobe's hits it or does not, all goes to the denser one (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
-/// Sec. 9.2.2), the lobe where both are alike.
-float strategy_sum(float own, float other, bool is_brdf, bool sun) {
-  float alone = own > other || (is_brdf && own == other) ? own : 1e30;
-  return sun ? alone : own + other;
+/// What the weights are divided by, for strategies with `lobe` and `light` samples per unit of solid angle: the balance heuristic; towards a sun, whose
+/// samples lie so close together that the lobe varies little among them, while one of the lobe's hits it or does not, all goes to one, the list unless the
+/// lobe is denser than it is amid the sun, `amid` (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
+/// Sec. 9.2.2). By the list's own density the dim nodes of a sun's edge would all be the lobe's.
+float strategy_sum(float lobe, float light, float amid, bool is_brdf, bool sun) {
+  float alone = (lobe >= max(light, amid)) == is_brdf ? (is_brdf ? lobe : light) : 1e30;
+  return sun ? alone : lobe + light;
 }
 
 #if SUN_APART
@@ -38,14 +36,14 @@ float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, fl
   if (l > u_sun.x) nl = lobe_finds_sun(f_hat) ? 0.0 : 1e30;
   return cosine * f_hat / max((nb * f_hat + nl * l) * pdf, 1e-30);
 #else
-  return cosine * f_hat / max(strategy_sum(nb * f_hat, nl * l, true, l * inverse_integral > kSunDensity) * pdf, 1e-30);
+  return cosine * f_hat / max(strategy_sum(nb * f_hat, nl * l, nl * u_frame.quality.w, true, l * inverse_integral > kSunDensity) * pdf, 1e-30);
 #endif
 }
 float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
 #if SUN_APART
   return cosine * l * inverse_integral / max((nl * l + nb * f_hat) * pdf, 1e-30);
 #else
-  return cosine * l * inverse_integral / max(strategy_sum(nl * l, nb * f_hat, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
+  return cosine * l * inverse_integral / max(strategy_sum(nb * f_hat, nl * l, nl * u_frame.quality.w, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
 #endif
 }
 
@@ -68,12 +66,23 @@ float weighed_brdf_count(Point p, int count, int drawn) {
 #endif
 }
 
+#if !MEASURED && !SUN_APART && !defined(HALVES)
+#define LOBES_COUNTED 1
+#else
+#define LOBES_COUNTED 0  // few samples; or the weights are to stay those of the sun's pass
+#endif
 /// What the samples of an item have in common.
 struct Estimator {
   float nb, nl;  // counts, the second over the environment's integral
   float inverse_integral;
-  uint q1, q2, q3, q4, q5;  // random numbers of the first sample
-  int elevation;            // row of the importance table
+  uint q1, q2, q3, q4, q5, q6;  // random numbers of the first sample, q6 for lobes
+#if MEASURED
+  int elevation;  // row of the importance table
+#else
+  uint lobe_step;    // samples pick lobes by a number that goes round once an item
+  uvec2 lobe_ends;   // or: first sample of the second and the third lobe,
+  uvec3 lobe_first;  // and what leads from a sample's number to its place in its lobe's own sequence
+#endif
 };
 // Additive recurrences on the golden ratios of dimension 2 for what a lobe varies by most, its directions, and the third and fourth of dimension 4 for which
 // texel they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
@@ -144,7 +153,15 @@ LobeSample draw_direction(Point p, Estimator e, uint n, CellDraw cell) {
 #else
 LobeSample draw_direction(Point p, Estimator e, uint n) {
   LobeSample s;
-  s.wi = sample_analytic(p.analytic, p.lobe_weights, p.wo, unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2));
+  int lobe = choose_lobe(p.lobe_weights, unit_float(e.q6 + n * e.lobe_step)).lobe;
+  uint at = n;
+#if LOBES_COUNTED
+  if (e.lobe_ends.y > 0u) {
+    lobe = int(n >= e.lobe_ends.x) + int(n >= e.lobe_ends.y);
+    at += lobe == 0 ? e.lobe_first.x : lobe == 1 ? e.lobe_first.y : e.lobe_first.z;
+  }
+#endif
+  s.wi = sample_analytic(p.analytic, lobe, p.wo, unit_float(e.q1 + at * kStep1), unit_float(e.q2 + at * kStep2));
   s.pdf = max(s.wi.z, 0.0);
 #endif
   s.world = from_local(p, s.wi);
@@ -284,6 +301,21 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   e.q3 = hash(rotation ^ 0x68bc21ebu) + (first_sample + 1u) * kStep3;
   e.q4 = hash(rotation ^ 0x02e5be93u) + first * kStep4;
   e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
+#if !MEASURED
+  e.q6 = hash(rotation ^ 0x5f356495u) + block * 0x9E3779B9u;
+  e.lobe_step = 0xFFFFFFFFu / uint(brdf_count);
+  e.lobe_ends = uvec2(0u);
+#endif
+#if LOBES_COUNTED
+  // Lobes follow each other, each with a fixed number of the samples, a sequence of its own that later items go on with, and that number over all as
+  // its weight.
+  if (brdf_count >= 8) {
+    uvec3 counts = uvec3(lobe_counts(p.lobe_weights, brdf_count));
+    p.lobe_weights = vec3(counts) / float(brdf_count);
+    e.lobe_ends = uvec2(counts.x, counts.x + counts.y);
+    e.lobe_first = block * counts - uvec3(0u, e.lobe_ends) - block * uint(brdf_count);
+  }
+#endif
 #if MEASURED
   g_brdf_slot = p.slot;
   e.elevation = brdf_elevation(p.wo);

@@ -6,7 +6,14 @@ layout(binding = 10) uniform usamplerBuffer t_brdf;          // [slot][theta_h][
 layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation][96], t begin and end
 layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
 layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
-layout(binding = 14) uniform usamplerBuffer t_environment;   // [height][width], shared exponent
+#ifndef SUN_APART
+#define SUN_APART 0  // 1: the sun's light is found elsewhere, texel by texel
+#endif
+#if SUN_APART
+layout(binding = 14) uniform usamplerBuffer t_sky;   // [height][width], shared exponent
+#else
+layout(binding = 64) uniform usamplerBuffer t_sky;   // [row][column] of nodes, shared exponent
+#endif
 layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, -
 
 const int kBrdfBias = 20;  // up to 1e6 1/sr: mirrors at grazing angles reach 5e5; full precision from 2.4e-4
@@ -112,17 +119,21 @@ vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
   return brdf_value(fetch_brdf(b), b.fraction);
 }
 
-/// Index of one of the four texels around, chosen with its bilinear weight by `xi`.
+/// Index of one of the four nodes around, chosen with its bilinear weight by `xi`.
 int environment_index(vec3 d, vec2 xi) {
-  ivec2 size = u_frame.environment_size.xy;
-  vec2 uv = latlong_uv_from_direction(d) * vec2(size);
-  ivec2 p = ivec2(floor(uv - 0.5 + xi));
-  p.x = p.x < 0 ? p.x + size.x : (p.x >= size.x ? p.x - size.x : p.x);
-  p.y = clamp(p.y, 0, size.y - 1);
-  return p.y * size.x + p.x;
+#if SUN_APART
+  ivec4 nodes = ivec4(u_frame.environment_size.xy, u_frame.environment_size.y - 1, 1);
+#else
+  ivec4 nodes = u_frame.sky_nodes;
+#endif
+  vec2 uv = latlong_uv_from_direction(d) * vec2(nodes.xy);
+  ivec2 p = ivec2(floor(uv - 0.5 * float(nodes.w) + xi));
+  p.x = p.x < 0 ? p.x + nodes.x : (p.x >= nodes.x ? p.x - nodes.x : p.x);
+  p.y = clamp(p.y, 0, nodes.z);
+  return p.y * nodes.x + p.x;
 }
-uint fetch_environment(int index) { return texelFetch(t_environment, index).x; }
-/// Radiance of a fetched texel, stored units.
+uint fetch_environment(int index) { return texelFetch(t_sky, index).x; }
+/// Radiance of a fetched node, stored units.
 vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
 int g_brdf_slot = 0;  // whose cells the shared sampler reads

@@ -156,18 +156,36 @@ MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
 }
 
-// A direction for u in [0, 1)^2, below the horizon where it is worth nothing. u1 picks the lobe and, stretched over its share again, a place in it: points
-// that are spread well in [0, 1)^2 are so in every lobe. By a number of its own a lobe would get a part of them at random.
-MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, vec3 weights, vec3 wo, float u1, float u2) {
-  bool base = u1 < weights.x, coat = u1 >= weights.x + weights.y;
+// Which lobe u in [0, 1) picks (0 base, 1 specular, 2 coat), and u stretched over that lobe's share.
+struct LobeChoice {
+  int lobe;
+  float within;
+};
+MAQUETTE_FN LobeChoice choose_lobe(vec3 weights, float u) {
+  bool base = u < weights.x, coat = u >= weights.x + weights.y;
   float begin = base ? 0.0f : coat ? weights.x + weights.y : weights.x;
   float share = base ? weights.x : coat ? weights.z : weights.y;
-  float within = share > 0.0f ? clamp((u1 - begin) / share, 0.0f, 0.99999994f) : 0.0f;
-  if (base) {
-    float r = sqrt(within);
+  LobeChoice choice;
+  choice.lobe = base ? 0 : coat ? 2 : 1;
+  choice.within = share > 0.0f ? clamp((u - begin) / share, 0.0f, 0.99999994f) : 0.0f;
+  return choice;
+}
+
+// How many of n samples, 8 or more, each lobe gets: its share rounded, and one where it has a share at all.
+MAQUETTE_FN ivec3 lobe_counts(vec3 weights, int n) {
+  int coat = weights.z > 0.0f ? clamp(int(weights.z * float(n) + 0.5f), 1, n - 2) : 0;
+  int specular = weights.y > 0.0f ? clamp(int(weights.y * float(n) + 0.5f), 1, n - 1 - coat) : 0;
+  if (weights.x > 0.0f) return ivec3(n - specular - coat, specular, coat);
+  return weights.y > 0.0f ? ivec3(0, n - coat, coat) : ivec3(0, 0, n);
+}
+
+// A direction of that lobe for (u1, u2) in [0, 1)^2; below the horizon where it is worth nothing.
+MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, int lobe, vec3 wo, float u1, float u2) {
+  if (lobe == 0) {
+    float r = sqrt(u1);
     float phi = 6.28318530718f * u2;
-    return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0f, 1.0f - within)));
+    return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0f, 1.0f - u1)));
   }
-  vec3 h = sample_ggx_visible(wo, coat ? m.coat_alpha : m.alpha, within, u2);
+  vec3 h = sample_ggx_visible(wo, lobe == 2 ? m.coat_alpha : m.alpha, u1, u2);
   return h * (2.0f * dot(wo, h)) - wo;
 }

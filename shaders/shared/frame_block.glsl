@@ -12,5 +12,6 @@ struct FrameConstants {
   ivec4 sampling;      // samples a point, samples a work item, first sample index of the frame, seed
   ivec4 environment_size;  // texels width, height; log2 scale of the packed texels; light sample list length
   ivec4 bandwidth_size;    // nu_L map width, height; number of lights; 0
-  vec4 quality;        // x: bandwidth.quality, sharpened with the samples
+  ivec4 sky_nodes;     // columns, spans between rows, last row, 1: nodes are the texels' centres (render/environment/packed_sky.h)
+  vec4 quality;        // x: bandwidth.quality, sharpened with the samples; w: luminance amid suns, stored units
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "render/environment/environment_tables.h"
 #include "render/environment/texel_cell.h"
@@ -93,7 +94,8 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (std::size_t s = 0; s < samples; ++s) {
     const float u1 = unit(random), u2 = unit(random);
-    const glm::dvec3 wi(analytic::sample_analytic(m, weights, view, u1, u2));
+    const analytic::LobeChoice chosen = analytic::choose_lobe(weights, u1);
+    const glm::dvec3 wi(analytic::sample_analytic(m, chosen.lobe, view, chosen.within, u2));
     const glm::dvec3 sum = wi + wo;
     if (!(wi.z > 0.0)) {
       counted.back() += 1.0;
@@ -157,6 +159,41 @@ double cell_solid_angle(int y, int width, int height) {
 }
 
 /// Independent draws: every sample is the first of a run of its own.
+/// Every lobe that has a share gets a sample, and none is off its share by more than such a sample each costs.
+TEST(AnalyticLobes, CountsShareOutTheSamples) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int i = 0; i < 20000; ++i) {
+    glm::vec3 weights(unit(random), unit(random), unit(random));
+    for (int k = 0; k < 3; ++k) weights[k] = unit(random) < 0.3f ? 0.0f : std::pow(weights[k], 8.0f);
+    const float sum = weights.x + weights.y + weights.z;
+    weights = sum > 0.0f ? weights / sum : glm::vec3(1.0f, 0.0f, 0.0f);
+    const int n = 8 + static_cast<int>(unit(random) * 250.0f);
+    const glm::ivec3 counts = analytic::lobe_counts(weights, n);
+    ASSERT_EQ(counts.x + counts.y + counts.z, n);
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_EQ(counts[k] > 0, weights[k] > 0.0f) << k;
+      ASSERT_NEAR(static_cast<float>(counts[k]), weights[k] * static_cast<float>(n), 2.001f) << k;
+    }
+  }
+}
+
+/// One number picks a lobe with its share and is even over it.
+TEST(AnalyticLobes, ChoiceStretchesItsNumberOverTheShare) {
+  const glm::vec3 weights(0.5f, 0.125f, 0.375f);
+  for (const auto& [u, lobe, within] : {std::tuple{0.0f, 0, 0.0f},
+                                        {0.25f, 0, 0.5f},
+                                        {0.5f, 1, 0.0f},
+                                        {0.5625f, 1, 0.5f},
+                                        {0.625f, 2, 0.0f},
+                                        {0.8125f, 2, 0.5f}}) {
+    const analytic::LobeChoice chosen = analytic::choose_lobe(weights, u);
+    EXPECT_EQ(chosen.lobe, lobe) << u;
+    EXPECT_FLOAT_EQ(chosen.within, within) << u;
+  }
+  EXPECT_LT(analytic::choose_lobe(weights, 0x1.fffffep-1f).within, 1.0f);
+}
+
 TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
   for (const auto& [name, environment] : environments()) {
     const EnvironmentTables tables = compute_environment_tables(environment);
@@ -171,7 +208,8 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
     }
     EXPECT_NEAR(total, 1.0, 1e-5) << name;
     // A low-discrepancy run is spread better than chance: the statistic is then small, never large.
-    const auto list = sample_environment(environment, tables, test::test_seed(21), samples);
+    const auto list = sample_environment(environment, tables, pack_sky(environment, packing_bias(environment), 2),
+                                         test::test_seed(21), samples);
     for (const EnvironmentSample& s : list) {
       const double latitude = std::asin(std::clamp(static_cast<double>(s.direction.y), -1.0, 1.0));
       const double longitude = std::atan2(static_cast<double>(s.direction.x), static_cast<double>(s.direction.z));

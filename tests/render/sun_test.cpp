@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "render/environment/environment_tables.h"
-#include "render/environment_buffers.h"
+#include "render/environment/packed_sky.h"
 #include "render/rgb9e5_shared.h"
 
 namespace maquette {
@@ -50,7 +50,7 @@ glm::dvec4 quadrature(const Environment& whole, const Environment& rest, int bia
 }
 
 std::optional<Sun> sun_of(const Environment& e, std::size_t samples = 4096) {
-  return find_sun(e, compute_environment_tables(e).luminance_integral, EnvironmentBuffers::packing_bias(e), samples);
+  return find_sun(e, compute_environment_tables(e).luminance_integral, packing_bias(e), samples);
 }
 
 void expect_quadrature(const Environment& e, const char* what) {
@@ -59,7 +59,7 @@ void expect_quadrature(const Environment& e, const char* what) {
   glm::dvec4 mean(0.0);
   for (const EnvironmentSample& s : sun->samples)
     mean += luminance(s.radiance) * glm::dvec4(1.0, glm::dvec3(s.direction)) / static_cast<double>(sun->samples.size());
-  const glm::dvec4 truth = quadrature(e, *sun->rest, EnvironmentBuffers::packing_bias(e));
+  const glm::dvec4 truth = quadrature(e, *sun->rest, packing_bias(e));
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(mean[k], truth[k], 1e-3 * truth.x) << what << " " << k;
 }
 

@@ -6,9 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "render/environment_buffers.h"
 #include "render/gl/objects.h"
-#include "render/rgb9e5_shared.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 
@@ -196,9 +194,7 @@ bool is_pane(const Scene& scene, int material) {
 }  // namespace
 
 SplitEnvironment split_environment(const Environment& environment) {
-  const int bias = EnvironmentBuffers::packing_bias(environment);
-  Environment all = environment;
-  for (glm::vec3& c : all.rgb) c = shared::unpack_rgb9e5(shared::pack_rgb9e5(c, bias), bias);
+  const Environment& all = environment;
   auto rest = std::make_shared<Environment>(all);
   SplitEnvironment split;
   const std::vector<std::size_t> bright = bright_texels(all);

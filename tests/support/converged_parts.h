@@ -17,7 +17,8 @@ struct BrightCell {
   glm::vec4 light[4];  ///< rgb, stored units: upper left, upper right, lower left, lower right
 };
 
-/// The environment as the shaders' tables hold it, in two summands that are packed without loss.
+/// The environment in two summands: one to be rendered, one to be integrated in full, as it is and not as tables pack
+/// it.
 struct SplitEnvironment {
   std::shared_ptr<const Environment> rest;  ///< without its brightest texels
   std::vector<BrightCell> bright;           ///< what was taken away

@@ -1,0 +1,67 @@
+#include "render/environment/packed_sky.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/rgb9e5_shared.h"
+
+namespace maquette {
+
+int packing_bias(const Environment& environment) {
+  float largest = 0.0f;
+  for (const glm::vec3& c : environment.rgb) largest = std::max({largest, c.x, c.y, c.z});
+  if (!(largest > 0.0f)) return 24;
+  return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
+}
+
+glm::vec3 PackedSky::at(int column, int row) const {
+  const int wrapped = column < 0 ? column + columns : column >= columns ? column - columns : column;
+  const auto x = static_cast<std::size_t>(wrapped), y = static_cast<std::size_t>(std::clamp(row, 0, last_row));
+  return shared::unpack_rgb9e5(words[y * static_cast<std::size_t>(columns) + x], bias);
+}
+
+int sky_refinement(const Environment& environment, std::size_t most) {
+  const std::size_t texels = environment.rgb.size();
+  return 16 * texels <= most ? 4 : 4 * texels <= most ? 2 : 1;
+}
+
+PackedSky pack_sky(const Environment& environment, int bias, int refinement) {
+  PackedSky sky;
+  const int width = environment.width, height = environment.height;
+  sky.columns = width * refinement;
+  sky.spans = height * refinement;
+  sky.bias = bias;
+  const bool between = refinement > 1;
+  sky.offset = between ? 0.0f : 0.5f;
+  sky.last_row = between ? sky.spans : sky.spans - 1;
+  const auto columns = static_cast<std::size_t>(sky.columns), from = static_cast<std::size_t>(width);
+  const float step = 1.0f / static_cast<float>(refinement);
+  sky.words.resize(columns * static_cast<std::size_t>(sky.last_row + 1));
+  tbb::parallel_for(tbb::blocked_range<int>(0, sky.last_row + 1, 8), [&](const auto& rows) {
+    std::vector<glm::vec3> row(from);
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const int v = between ? y - refinement / 2 : y;  // parts below the first texel's centre
+      const int above = v < 0 ? 0 : v / refinement, part = v < 0 ? 0 : v % refinement;
+      const float b = static_cast<float>(part) * step;
+      const glm::vec3* upper = &environment.rgb[static_cast<std::size_t>(std::min(above, height - 1)) * from];
+      const glm::vec3* lower = &environment.rgb[static_cast<std::size_t>(std::min(above + 1, height - 1)) * from];
+      for (std::size_t x = 0; x < from; ++x) row[x] = part == 0 ? upper[x] : upper[x] * (1.0f - b) + lower[x] * b;
+      std::uint32_t* words = &sky.words[static_cast<std::size_t>(y) * columns];
+      const auto parts = static_cast<std::size_t>(refinement);
+      for (std::size_t x = 0; x < from; ++x) {
+        const glm::vec3 &left = row[x], &right = row[x + 1 < from ? x + 1 : 0];
+        for (std::size_t k = 0; k < parts; ++k) {
+          const std::size_t column = x * parts + k + parts / 2;
+          const float a = static_cast<float>(k) * step;
+          const glm::vec3 value = k == 0 ? left : left * (1.0f - a) + right * a;
+          words[column < columns ? column : column - columns] = shared::pack_rgb9e5(value, bias);
+        }
+      }
+    }
+  });
+  return sky;
+}
+
+}  // namespace maquette

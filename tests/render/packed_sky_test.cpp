@@ -1,0 +1,114 @@
+#include "render/environment/packed_sky.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "render/environment/environment_tables.h"
+
+namespace maquette {
+namespace {
+
+Environment noisy_map(int width, int height, double spread, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::lognormal_distribution<float> value(0.0f, static_cast<float>(spread));
+  Environment e;
+  e.width = width;
+  e.height = height;
+  for (int i = 0; i < width * height; ++i) e.rgb.emplace_back(value(random), value(random), value(random));
+  return e;
+}
+
+/// What a shader finds there on the average over its choice, in double.
+glm::dvec3 mean_of_nodes(const PackedSky& sky, double u, double v) {
+  const double x = u * sky.columns - static_cast<double>(sky.offset),
+               y = v * sky.spans - static_cast<double>(sky.offset);
+  const double a = x - std::floor(x), b = y - std::floor(y);
+  glm::dvec3 sum(0.0);
+  for (int k = 0; k < 4; ++k) {
+    const double weight = (k & 1 ? a : 1.0 - a) * (k >> 1 ? b : 1.0 - b);
+    sum += weight *
+           glm::dvec3(sky.at(static_cast<int>(std::floor(x)) + (k & 1), static_cast<int>(std::floor(y)) + (k >> 1)));
+  }
+  return sum;
+}
+
+TEST(PackedSky, NodesHoldTheBilinearMapAtEverySpacing) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform;
+  for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 3}, {7, 5}, {32, 16}}) {
+    const Environment e = noisy_map(width, height, 1.0, static_cast<std::uint32_t>(width * 31 + height));
+    for (const int refinement : {1, 2, 4}) {
+      const PackedSky sky = pack_sky(e, packing_bias(e), refinement);
+      ASSERT_EQ(sky.words.size(), static_cast<std::size_t>(sky.columns * (sky.last_row + 1)));
+      for (int i = 0; i < 2000; ++i) {
+        // Every eighth on an edge or a centre of the map, poles and seam among them.
+        double u = uniform(random), v = uniform(random);
+        if (i % 8 == 0) u = std::floor(u * 2 * width) / (2 * width);
+        if (i % 8 < 2) v = std::round(v * 2 * height) / (2 * height);
+        const glm::dvec3 truth = evaluate_environment(e, direction_from_latlong(u * width, v * height, width, height));
+        const glm::dvec3 found = mean_of_nodes(sky, u, v);
+        // Rounding of the largest node around, and directions go through angles.
+        double largest = 0.0;
+        for (const glm::vec3& c : e.rgb)
+          largest = std::max({largest, static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z)});
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(found[c], truth[c], largest / 511.0)
+              << width << 'x' << height << " by " << refinement << " at " << u << ' ' << v;
+      }
+    }
+  }
+}
+
+TEST(PackedSky, CloserNodesDifferLess) {
+  const Environment e = noisy_map(64, 32, 2.0, 8);
+  double before = INFINITY;
+  for (const int refinement : {1, 2, 4}) {
+    const PackedSky sky = pack_sky(e, packing_bias(e), refinement);
+    // Mean square that the choice between neighbours of a row adds: weights even in [0, 1) leave a sixth of the
+    // difference squared.
+    double sum = 0.0;
+    for (int y = 0; y <= sky.last_row; ++y)
+      for (int x = 0; x < sky.columns; ++x) {
+        const double d = static_cast<double>(sky.at(x + 1, y).y) - static_cast<double>(sky.at(x, y).y);
+        sum += d * d / 6.0;
+      }
+    sum /= static_cast<double>(sky.words.size());
+    EXPECT_LT(sum, before / 3.0);  // a quarter along the row
+    before = sum;
+  }
+}
+
+TEST(PackedSky, RefinementKeepsTheGridBelowItsLimit) {
+  Environment e;
+  for (const auto& [texels, refinement] : {std::pair{100u, 4}, {400u, 2}, {401u, 1}, {1600u, 1}}) {
+    e.rgb.resize(texels);
+    EXPECT_EQ(sky_refinement(e, 1600), refinement) << texels;
+  }
+}
+
+TEST(PackedSky, ListsOfCloserNodesSumToTheSameLight) {
+  // A lamp of one texel among noise: by the list, light over density is the integral whatever the spacing.
+  Environment e = noisy_map(32, 16, 0.5, 5);
+  e.rgb[8 * 32 + 31] = glm::vec3(3000.0f, 2000.0f, 1000.0f);
+  const EnvironmentTables tables = compute_environment_tables(e);
+  for (const int refinement : {1, 2, 4}) {
+    glm::dvec3 sum(0.0);
+    const auto list = sample_environment(e, tables, pack_sky(e, packing_bias(e), refinement), 7, 65536);
+    for (const EnvironmentSample& s : list) sum += glm::dvec3(s.radiance) / static_cast<double>(s.pdf) / 65536.0;
+    glm::dvec3 truth(0.0);
+    const int kSide = 512;  // midpoint rule over the map
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < 2 * kSide; ++i) {
+        const double x = (i + 0.5) * 32 / (2.0 * kSide), y = (j + 0.5) * 16 / kSide;
+        truth += evaluate_environment(e, direction_from_latlong(x, y, 32, 16)) *
+                 std::sin(3.14159265358979 * (j + 0.5) / kSide);
+      }
+    truth *= 2.0 * 3.14159265358979 * 3.14159265358979 / (2.0 * kSide * kSide);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / truth[c], 1.0, 2e-3) << refinement;
+  }
+}
+
+}  // namespace
+}  // namespace maquette

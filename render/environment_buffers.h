@@ -24,7 +24,7 @@ struct SunBuffers {
 /// business.
 class EnvironmentBuffers {
  public:
-  static constexpr std::size_t kMostNodes = 1u << 24;  ///< of the finer grid that estimators read, 4 bytes each
+  static constexpr std::size_t kMostNodes = 1u << 22;  ///< of the finer grid that estimators read, 4 bytes each
   static constexpr int kListLength = 65536;            ///< light samples, a power of two
   explicit EnvironmentBuffers(std::shared_ptr<const Environment> environment);
   /// Draws the light samples anew (progressive rendering asks when it has used the list up).

@@ -27,6 +27,29 @@ int sky_refinement(const Environment& environment, std::size_t most) {
   return 16 * texels <= most ? 4 : 4 * texels <= most ? 2 : 1;
 }
 
+namespace {
+
+/// Packs values one after the other. What rounding took from one is given to the next, as far as that does no more than
+/// choose the next one's rounding (error diffusion: Floyd and Steinberg 1976): lamps keep their power, which equal
+/// roundings of a few nodes would shift.
+class DiffusingPacker {
+ public:
+  explicit DiffusingPacker(int bias) : bias_(bias) {}
+  std::uint32_t pack(const glm::vec3& value) {
+    const float half_step = std::max({value.x, value.y, value.z}) * (1.0f / 1024.0f);  // at most
+    const glm::vec3 wanted = glm::max(value + glm::clamp(owed_, -half_step, half_step), 0.0f);
+    const std::uint32_t word = shared::pack_rgb9e5(wanted, bias_);
+    owed_ = wanted - shared::unpack_rgb9e5(word, bias_);
+    return word;
+  }
+
+ private:
+  int bias_;
+  glm::vec3 owed_{0.0f};
+};
+
+}  // namespace
+
 PackedSky pack_sky(const Environment& environment, int bias, int refinement) {
   PackedSky sky;
   const int width = environment.width, height = environment.height;
@@ -49,14 +72,19 @@ PackedSky pack_sky(const Environment& environment, int bias, int refinement) {
       const glm::vec3* lower = &environment.rgb[static_cast<std::size_t>(std::min(above + 1, height - 1)) * from];
       for (std::size_t x = 0; x < from; ++x) row[x] = part == 0 ? upper[x] : upper[x] * (1.0f - b) + lower[x] * b;
       std::uint32_t* words = &sky.words[static_cast<std::size_t>(y) * columns];
+      if (!between) {
+        for (std::size_t x = 0; x < from; ++x) words[x] = shared::pack_rgb9e5(row[x], bias);
+        continue;
+      }
       const auto parts = static_cast<std::size_t>(refinement);
+      DiffusingPacker packer(bias);
       for (std::size_t x = 0; x < from; ++x) {
         const glm::vec3 &left = row[x], &right = row[x + 1 < from ? x + 1 : 0];
         for (std::size_t k = 0; k < parts; ++k) {
           const std::size_t column = x * parts + k + parts / 2;
           const float a = static_cast<float>(k) * step;
           const glm::vec3 value = k == 0 ? left : left * (1.0f - a) + right * a;
-          words[column < columns ? column : column - columns] = shared::pack_rgb9e5(value, bias);
+          words[column < columns ? column : column - columns] = packer.pack(value);
         }
       }
     }

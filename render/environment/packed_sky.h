@@ -13,7 +13,7 @@ namespace maquette {
 /// fourth part of a texel hold the same bilinear map, since texels' centres are among them.
 struct PackedSky {
   int columns = 0, spans = 0;  ///< node (x, y) lies at ((x + offset) / columns, (y + offset) / spans) of the map
-  int last_row = 0;            ///< rows wrap in no way: those beyond are the outermost
+  int last_row = 0;            ///< rows beyond are the outermost
   float offset = 0.5f;
   int bias = 0;
   std::vector<std::uint32_t> words;  ///< [last_row + 1][columns]
@@ -23,7 +23,7 @@ struct PackedSky {
 };
 /// Bias of the shared exponent with which an environment is packed: its brightest texel just fits.
 int packing_bias(const Environment& environment);
-/// Nodes a texel's width, so that the grid stays below `most` nodes: 1 (the texels themselves), 2 or 4.
+/// Nodes to a texel's width: 4, 2 or 1 (the texels themselves), the most with which there are no more than `most`.
 int sky_refinement(const Environment& environment, std::size_t most);
 PackedSky pack_sky(const Environment& environment, int bias, int refinement);
 

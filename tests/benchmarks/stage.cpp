@@ -114,7 +114,8 @@ FrameRequest Stage::request(const std::string& mode, int samples, std::uint32_t 
 
 std::uint64_t Stage::content_key() {
   // What the picture shows, without its light: changes of scene, camera or size make another reference.
-  std::uint64_t key = environment_hash_;
+  constexpr std::uint64_t kMade = 2;  // how references are made; 2: from the environment as it is, not as packed
+  std::uint64_t key = environment_hash_ + kMade;
   const auto mix = [&](const void* data, std::size_t bytes) {
     key = content_hash({static_cast<const std::byte*>(data), bytes}, key);
   };

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "render/environment/importance.h"
-#include "render/reference/shared_formulas.h"
 
 namespace maquette {
 
@@ -25,20 +24,6 @@ float effective_solid_angle(const Environment& e, double integral) {
     }
   }
   return static_cast<float>(1.0 / std::max(sum, 1e-9));
-}
-
-float mean_sun_luminance(const Environment& e, double integral) {
-  double sum = 0.0, squares = 0.0;
-  const double least = static_cast<double>(shared::kSunDensity) * integral;
-  for (std::size_t i = 0; i < e.rgb.size(); ++i) {
-    const double l = static_cast<double>(shared::luminance(e.rgb[i]));
-    if (!(l > least)) continue;
-    const double row = static_cast<double>(i / static_cast<std::size_t>(e.width));
-    const double extent = std::sin(3.14159265 * (row + 0.5) / e.height);
-    sum += l * extent;
-    squares += l * l * extent;
-  }
-  return sum > 0.0 ? static_cast<float>(squares / sum) : 0.0f;
 }
 
 /// [cell][kSeenBandwidthCount + 1]: as each lobe sees it, then nu_L itself, so that one read fetches both.

@@ -35,9 +35,7 @@ class EnvironmentBuffers {
   const Environment& environment() const { return *environment_; }
   const std::shared_ptr<const Environment>& shared_environment() const { return environment_; }
   const EnvironmentTables& tables() const { return tables_; }
-  /// Mean luminance of suns (more than kSunDensity of all light, 1/sr), weighted by itself, in stored units; 0 without
-  /// any.
-  float sun_luminance() const { return sun_luminance_; }
+  float sun_luminance() const { return sun_luminance_; }  ///< mean_sun_luminance
   float effective_sr() const { return effective_sr_; }
   /// Null where the environment has no sun. Made when first asked for: 20 ms a million texels.
   const SunBuffers* sun();

@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <atomic>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -66,6 +67,12 @@ fs::path cache_entry(const fs::path& folder, const std::string& kind, int versio
 }
 
 }  // namespace
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
 
 std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes) {
   std::error_code code;

@@ -11,6 +11,9 @@
 
 namespace maquette {
 
+/// With its dot and in lower case, of a name alone; empty without one.
+std::string lower_extension(const std::string& path);
+
 /// Whole file as bytes. Throws Error when it is missing, a folder, or larger than `max_bytes`.
 std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes = std::size_t{4} << 30);
 

@@ -1,27 +1,6 @@
 #include "scenes/scene.h"
 
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-
-#include "scenes/error.h"
-
 namespace maquette {
-
-namespace {
-
-/// Says how a file is given that is no scene, by its name alone.
-void check_is_scene(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".hdr" || extension == ".exr")
-    throw UsageError(path, "is an environment, not a scene", "give it by --env " + path);
-  if (extension == ".binary")
-    throw UsageError(path, "is a measured material, not a scene", "give it by --material NAME=" + path);
-}
-
-}  // namespace
 
 std::vector<glm::mat4> compute_world_transforms(const Scene& scene) {
   std::vector<glm::mat4> world(scene.nodes.size(), glm::mat4(1.0f));
@@ -77,7 +56,6 @@ std::size_t count_triangles(const Scene& scene) {
 Scene load_scene(const std::string& source) {
   constexpr std::string_view kBuiltin = "builtin:";
   if (source.starts_with(kBuiltin)) return build_builtin_scene(source.substr(kBuiltin.size()));
-  check_is_scene(source);
   return load_gltf(source);
 }
 

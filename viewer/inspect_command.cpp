@@ -6,6 +6,7 @@
 #include "render/environment/environment_tables.h"
 #include "render/materials/brdf_tables.h"
 #include "scenes/error.h"
+#include "scenes/files.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -202,9 +203,7 @@ Json inspect(const CommandLine& line) {
   const std::string& source = line.files[0];
   if (source == "library") return inspect_library();
   if (source.starts_with("builtin:")) return inspect_builtin(line, source.substr(8));
-  std::string extension = std::filesystem::path(source).extension();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(source);
   if (extension == ".gltf" || extension == ".glb") return inspect_scene(line);
   if (extension == ".binary") return inspect_brdf(source);
   if (extension == ".hdr" || extension == ".exr") return inspect_environment(source);

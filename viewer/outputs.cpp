@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -16,9 +15,7 @@
 namespace maquette {
 
 PictureFormat picture_format(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(path);
   if (extension == ".exr") return PictureFormat::exr;
   if (extension == ".png") return PictureFormat::png;
   throw UsageError("--output " + path, "the name must end in .exr (linear) or .png (tone mapped)");

@@ -7,6 +7,7 @@
 
 #include "render/tonemap.h"
 #include "scenes/error.h"
+#include "scenes/files.h"
 #include "scenes/subdivision.h"
 #include "scenes/suggest.h"
 #include "ui/camera_control.h"
@@ -17,6 +18,16 @@ namespace {
 
 constexpr float kDegree = 0.017453292519943295f;
 constexpr float kDefaultFov = 40.0f * kDegree;
+
+/// Says by which option a file is given that is no scene.
+void check_is_scene(const std::string& path) {
+  if (path.starts_with("builtin:")) return;
+  const std::string extension = lower_extension(path);
+  if (extension == ".hdr" || extension == ".exr")
+    throw UsageError(path, "is an environment, not a scene", "give it by --env " + path);
+  if (extension == ".binary")
+    throw UsageError(path, "is a measured material, not a scene", "give it by --material NAME=" + path);
+}
 
 std::string camera_name(const Scene& scene, const Node& node) {
   const std::string& name = scene.cameras[static_cast<std::size_t>(node.camera)].name;
@@ -172,6 +183,7 @@ void press_dent(Scene* scene, const Dent& dent) {
 }
 
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
+  check_is_scene(options.scene);
   auto scene = std::make_shared<Scene>(load_scene(options.scene));
   find_variant(*scene, options.variant);
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);

@@ -7,6 +7,7 @@
 #include "render/camera.h"
 #include "render/tonemap.h"
 #include "scenes/error.h"
+#include "scenes/files.h"
 #include "ui/camera_control.h"
 #include "viewer/reflector_picking.h"
 #include "viewer/session.h"
@@ -16,12 +17,6 @@ namespace maquette {
 namespace {
 
 constexpr float kDegree = 0.017453292519943295f;
-
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
 
 bool contains_name(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();

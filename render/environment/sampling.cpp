@@ -38,7 +38,7 @@ ChosenNode choose_node(const PackedSky& sky, float x, float y, float u) {
   float importance[4], weights[4], sum = 0.0f;
   for (int k = 0; k < 4; ++k) {
     nodes[k] = sky.at(static_cast<int>(x0) + (k & 1), static_cast<int>(y0) + (k >> 1));
-    importance[k] = (nodes[k].x + nodes[k].y + nodes[k].z) / 3.0f;
+    importance[k] = static_cast<float>(importance_of(nodes[k]));
     weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
     sum += weights[k];
   }

@@ -49,6 +49,19 @@ EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, doub
 
 }  // namespace
 
+float mean_sun_luminance(const Environment& e, double luminance_integral) {
+  const double least = static_cast<double>(shared::kSunDensity) * luminance_integral;
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < e.rgb.size(); ++i) {
+    const double l = luminance(e.rgb[i]);
+    if (!(l > least)) continue;
+    const double power = l * tent_cosine(static_cast<double>(i / static_cast<std::size_t>(e.width)), e);
+    sum += power;
+    squares += power * l;
+  }
+  return sum > 0.0 ? static_cast<float>(squares / sum) : 0.0f;
+}
+
 std::optional<Sun> find_sun(const Environment& environment, double luminance_integral, int bias, std::size_t samples) {
   if (!(luminance_integral > 0.0)) return std::nullopt;
   const double sun_luminance = static_cast<double>(shared::kSunDensity) * luminance_integral;

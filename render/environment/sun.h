@@ -22,6 +22,10 @@ struct Sun {
   std::shared_ptr<const Environment> rest;  ///< the environment with these texels black
 };
 
+/// Mean luminance of the texels of suns (more than kSunDensity of all light, 1/sr), weighted by their own light, in
+/// stored units; 0 without any.
+float mean_sun_luminance(const Environment& environment, double luminance_integral);
+
 /// Texels of more than kSunDensity (shaders/shared/constants.glsl). Empty where there are none, and where they are so
 /// many, or so near a pole, that a few samples would not do.
 std::optional<Sun> find_sun(const Environment& environment, double luminance_integral, int bias, std::size_t samples);

@@ -1,6 +1,14 @@
 #include "render/reference/scattering.h"
 
+#include <algorithm>
+
 namespace maquette {
+
+LobeChoice choose_lobe(const glm::vec3& weights, float u) {
+  const int lobe = u < weights.x ? 0 : u < weights.x + weights.y ? 1 : 2;
+  const float begin = lobe == 0 ? 0.0f : lobe == 1 ? weights.x : weights.x + weights.y;
+  return {lobe, weights[lobe] > 0.0f ? std::clamp((u - begin) / weights[lobe], 0.0f, 0x1.fffffep-1f) : 0.0f};
+}
 
 ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   ScatteringQuery query{wi, {}};
@@ -53,8 +61,7 @@ DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& ch
                            .brdf_sample_in_cell(p.wo, choice.cell, *choice.theta_cell, *choice.phi_cell);
     return {drawn.wi, drawn.pdf};
   }
-  // One number for the lobe and a place in it: points that are spread well in the square are so in every lobe.
-  const shared::LobeChoice chosen = shared::choose_lobe(p.lobe_weights, choice.u.x);
+  const LobeChoice chosen = choose_lobe(p.lobe_weights, choice.u.x);
   DrawnDirection d;
   d.wi = shared::sample_analytic(p.analytic, chosen.lobe, p.wo, chosen.within, choice.u.y);
   if (d.wi.z > 0.0f) d.pdf = shared::analytic_pdf(p.analytic, p.lobe_weights, d.wi, p.wo);

@@ -30,6 +30,15 @@ struct ScatteringChoice {
 };
 ScatteringChoice choose_scattering(const SurfacePoint& point, const glm::vec2& u);
 
+/// Which lobe of an analytic material u in [0, 1) picks (shared/analytic.glsl), and u stretched over that lobe's share,
+/// in [0, 1): one number for the lobe and a place in it, so that points that are spread well in the square are so in
+/// every lobe.
+struct LobeChoice {
+  int lobe = 0;
+  float within = 0.0f;
+};
+LobeChoice choose_lobe(const glm::vec3& weights, float u);
+
 struct DrawnDirection {
   glm::vec3 wi{0.0f};
   float pdf = 0.0f;  ///< 0: worth nothing, but it counts

@@ -66,26 +66,20 @@ float weighed_brdf_count(Point p, int count, int drawn) {
 #endif
 }
 
-#if !MEASURED && !SUN_APART && !defined(HALVES)
-#define LOBES_COUNTED 1
-#else
-#define LOBES_COUNTED 0  // few samples; or the weights are to stay those of the sun's pass
-#endif
 /// What the samples of an item have in common.
 struct Estimator {
   float nb, nl;  // counts, the second over the environment's integral
   float inverse_integral;
-  uint q1, q2, q3, q4, q5, q6;  // random numbers of the first sample, q6 for lobes
+  uint q1, q2, q3, q4, q5;  // random numbers of the first sample
 #if MEASURED
   int elevation;  // row of the importance table
 #else
-  uint lobe_step;    // samples pick lobes by a number that goes round once an item
-  uvec2 lobe_ends;   // or: first sample of the second and the third lobe,
-  uvec3 lobe_first;  // and what leads from a sample's number to its place in its lobe's own sequence
+  uvec2 lobe_ends;   // first sample of the second and of the third lobe
+  uvec3 lobe_first;  // what leads from a sample's number to its place in its lobe's own sequence
 #endif
 };
 // Additive recurrences on the golden ratios of dimension 2 for what a lobe varies by most, its directions, and the third and fourth of dimension 4 for which
-// texel they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
+// node of the sky they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
 const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xA0F2EC75u, kStep5 = 0x89E18285u;
 
 /// A direction drawn from the lobe, and the words of the tables that say what it is worth.
@@ -110,8 +104,8 @@ struct SkySample {
 #endif
 };
 
-/// Which of the texels around lobe sample n meets.
-vec2 texel_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q5 + n * kStep5)); }
+/// Which of the sky's nodes around lobe sample n meets.
+vec2 node_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q5 + n * kStep5)); }
 
 struct LobeTerms {
   vec3 f;
@@ -153,19 +147,13 @@ LobeSample draw_direction(Point p, Estimator e, uint n, CellDraw cell) {
 #else
 LobeSample draw_direction(Point p, Estimator e, uint n) {
   LobeSample s;
-  int lobe = choose_lobe(p.lobe_weights, unit_float(e.q6 + n * e.lobe_step)).lobe;
-  uint at = n;
-#if LOBES_COUNTED
-  if (e.lobe_ends.y > 0u) {
-    lobe = int(n >= e.lobe_ends.x) + int(n >= e.lobe_ends.y);
-    at += lobe == 0 ? e.lobe_first.x : lobe == 1 ? e.lobe_first.y : e.lobe_first.z;
-  }
-#endif
+  int lobe = int(n >= e.lobe_ends.x) + int(n >= e.lobe_ends.y);
+  uint at = n + (lobe == 0 ? e.lobe_first.x : lobe == 1 ? e.lobe_first.y : e.lobe_first.z);
   s.wi = sample_analytic(p.analytic, lobe, p.wo, unit_float(e.q1 + at * kStep1), unit_float(e.q2 + at * kStep2));
   s.pdf = max(s.wi.z, 0.0);
 #endif
   s.world = from_local(p, s.wi);
-  s.sky_index = environment_index(s.world, texel_choice(e, n));
+  s.sky_index = environment_index(s.world, node_choice(e, n));
   return s;
 }
 
@@ -197,7 +185,7 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
 #endif
 #ifdef BEFORE
   // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
-  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), texel_choice(e, n))));
+  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), node_choice(e, n))));
   result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   result.before *= open;
@@ -302,19 +290,19 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   e.q4 = hash(rotation ^ 0x02e5be93u) + first * kStep4;
   e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
 #if !MEASURED
-  e.q6 = hash(rotation ^ 0x5f356495u) + block * 0x9E3779B9u;
-  e.lobe_step = 0xFFFFFFFFu / uint(brdf_count);
-  e.lobe_ends = uvec2(0u);
-#endif
-#if LOBES_COUNTED
-  // Lobes follow each other, each with a fixed number of the samples, a sequence of its own that later items go on with, and that number over all as
-  // its weight.
+  // Lobes follow each other. Of a few samples each gets its share rounded by chance,
+  float share_to_samples = float(brdf_count), chance = unit_float(hash(rotation ^ 0x5f356495u) + block * 0x9E3779B9u);
+  e.lobe_ends = uvec2(share_to_samples * vec2(p.lobe_weights.x, p.lobe_weights.x + p.lobe_weights.y) + chance);
+  e.lobe_first = uvec3(0u);
+#if !SUN_APART  // the sun's pass takes the weights as they are
+  // of more a fixed number, which over all is its weight then, and a sequence of its own that later items go on with.
   if (brdf_count >= 8) {
     uvec3 counts = uvec3(lobe_counts(p.lobe_weights, brdf_count));
     p.lobe_weights = vec3(counts) / float(brdf_count);
     e.lobe_ends = uvec2(counts.x, counts.x + counts.y);
     e.lobe_first = block * counts - uvec3(0u, e.lobe_ends) - block * uint(brdf_count);
   }
+#endif
 #endif
 #if MEASURED
   g_brdf_slot = p.slot;

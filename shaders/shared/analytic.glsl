@@ -156,21 +156,6 @@ MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
 }
 
-// Which lobe u in [0, 1) picks (0 base, 1 specular, 2 coat), and u stretched over that lobe's share.
-struct LobeChoice {
-  int lobe;
-  float within;
-};
-MAQUETTE_FN LobeChoice choose_lobe(vec3 weights, float u) {
-  bool base = u < weights.x, coat = u >= weights.x + weights.y;
-  float begin = base ? 0.0f : coat ? weights.x + weights.y : weights.x;
-  float share = base ? weights.x : coat ? weights.z : weights.y;
-  LobeChoice choice;
-  choice.lobe = base ? 0 : coat ? 2 : 1;
-  choice.within = share > 0.0f ? clamp((u - begin) / share, 0.0f, 0.99999994f) : 0.0f;
-  return choice;
-}
-
 // How many of n samples, 8 or more, each lobe gets: its share rounded, and one where it has a share at all.
 MAQUETTE_FN ivec3 lobe_counts(vec3 weights, int n) {
   int coat = weights.z > 0.0f ? clamp(int(weights.z * float(n) + 0.5f), 1, n - 2) : 0;
@@ -179,7 +164,7 @@ MAQUETTE_FN ivec3 lobe_counts(vec3 weights, int n) {
   return weights.y > 0.0f ? ivec3(0, n - coat, coat) : ivec3(0, 0, n);
 }
 
-// A direction of that lobe for (u1, u2) in [0, 1)^2; below the horizon where it is worth nothing.
+// A direction of a lobe (0 base, 1 specular, 2 coat) for (u1, u2) in [0, 1)^2; below the horizon where it is worth nothing.
 MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, int lobe, vec3 wo, float u1, float u2) {
   if (lobe == 0) {
     float r = sqrt(u1);

@@ -234,17 +234,25 @@ TEST(EnvironmentImportance, ExtremesAreSound) {
   for (const EnvironmentSample& s : sample(one, t, 0, 100)) EXPECT_NEAR(s.pdf, 1.0 / (4.0 * kPi), 1e-6);
   EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
 
-  // Far below and above float's comfortable range.
-  for (const double scale : {1e-29, 1e15}) {
+  // Far below and above float's comfortable range. What is packed ends at 1e-33 (a step of 2^-110), tables do not.
+  for (const double scale : {1e-38, 1e-29, 1e15}) {
     const Environment e = make_environment(
         32, 16, [&](const glm::dvec3&, int x, int y) { return x == 3 && y == 3 ? scale : scale * 1e-3; });
     const EnvironmentTables extreme = compute_environment_tables(e);
-    double sum = 0.0;
+    double sum = 0.0, drawn = 0.0;
     for (const EnvironmentSample& s : sample(e, extreme, 0, 4096)) {
       ASSERT_TRUE(std::isfinite(s.pdf) && s.pdf > 0.0f);
       sum += luminance(s.radiance) / static_cast<double>(s.pdf) / 4096.0;
     }
-    EXPECT_NEAR(sum / extreme.luminance_integral, 1.0, 0.01);
+    for (std::uint32_t i = 0; i < 4096; ++i) {
+      const EnvironmentDirection d = sample_environment_direction(e, extreme, reverse_bits(i) * 0x1p-32,
+                                                                  reverse_bits(sobol_second_reversed(i)) * 0x1p-32);
+      ASSERT_TRUE(std::isfinite(d.pdf) && d.pdf > 0.0f);
+      drawn += luminance(glm::vec3(1e-3 / scale * evaluate_environment(e, d.direction))) / static_cast<double>(d.pdf) /
+               4096.0;
+    }
+    EXPECT_NEAR(drawn / (1e-3 / scale * extreme.luminance_integral), 1.0, 0.01);
+    if (scale > 1e-33) EXPECT_NEAR(sum / extreme.luminance_integral, 1.0, 0.01);
     for (const float nu : extreme.bandwidth) ASSERT_TRUE(std::isfinite(nu) && nu >= 0.0f);
   }
 }

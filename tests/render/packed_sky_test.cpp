@@ -134,5 +134,33 @@ TEST(PackedSky, ListsOfCloserNodesSumToTheSameLight) {
   }
 }
 
+// What the list says through a lobe around some direction is what the map says, node by node or not.
+TEST(PackedSky, ListsAgreeThroughALobe) {
+  const Environment e = noisy_map(32, 16, 0.5, 8);
+  const EnvironmentTables tables = compute_environment_tables(e);
+  const auto lobe = [](const glm::dvec3& d, const glm::dvec3& axis) {
+    return std::pow(std::max(0.0, glm::dot(d, axis)), 8.0);
+  };
+  for (const glm::dvec3& axis : {glm::dvec3(0, 1, 0), glm::dvec3(0.6, 0, 0.8), glm::dvec3(-0.48, -0.6, 0.64)}) {
+    double truth = 0.0;
+    constexpr int kSide = 256;
+    for (int j = 0; j < kSide; ++j)
+      for (int i = 0; i < 2 * kSide; ++i) {
+        const glm::dvec3 d = direction_from_latlong(i + 0.5, j + 0.5, 2 * kSide, kSide);
+        truth += lobe(d, axis) * evaluate_environment(e, d).y * std::sin(3.14159265358979 * (j + 0.5) / kSide);
+      }
+    truth *= 3.14159265358979 * 3.14159265358979 / (kSide * kSide);
+    for (const int refinement : {1, 2, 4}) {
+      double mean = 0.0;
+      for (const unsigned seed : {3u, 4u, 5u, 6u})
+        for (const EnvironmentSample& s :
+             sample_environment(e, tables, pack_sky(e, packing_bias(e), refinement), seed, 65536))
+          mean += lobe(glm::dvec3(s.direction), axis) * static_cast<double>(s.radiance.y) / static_cast<double>(s.pdf) /
+                  (4.0 * 65536.0);
+      EXPECT_NEAR(mean / truth, 1.0, 5e-3) << refinement;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace maquette

@@ -11,6 +11,7 @@
 #include "render/environment/environment_tables.h"
 #include "render/environment/texel_cell.h"
 #include "render/lights/light_list.h"
+#include "render/reference/scattering.h"
 #include "tests/support/chi_square.h"
 
 namespace {
@@ -94,7 +95,7 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (std::size_t s = 0; s < samples; ++s) {
     const float u1 = unit(random), u2 = unit(random);
-    const analytic::LobeChoice chosen = analytic::choose_lobe(weights, u1);
+    const LobeChoice chosen = choose_lobe(weights, u1);
     const glm::dvec3 wi(analytic::sample_analytic(m, chosen.lobe, view, chosen.within, u2));
     const glm::dvec3 sum = wi + wo;
     if (!(wi.z > 0.0)) {
@@ -158,7 +159,6 @@ double cell_solid_angle(int y, int width, int height) {
   return 2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height));
 }
 
-/// Independent draws: every sample is the first of a run of its own.
 /// Every lobe that has a share gets a sample, and none is off its share by more than such a sample each costs.
 TEST(AnalyticLobes, CountsShareOutTheSamples) {
   std::mt19937 random(4);
@@ -187,13 +187,14 @@ TEST(AnalyticLobes, ChoiceStretchesItsNumberOverTheShare) {
                                         {0.5625f, 1, 0.5f},
                                         {0.625f, 2, 0.0f},
                                         {0.8125f, 2, 0.5f}}) {
-    const analytic::LobeChoice chosen = analytic::choose_lobe(weights, u);
+    const LobeChoice chosen = choose_lobe(weights, u);
     EXPECT_EQ(chosen.lobe, lobe) << u;
     EXPECT_FLOAT_EQ(chosen.within, within) << u;
   }
-  EXPECT_LT(analytic::choose_lobe(weights, 0x1.fffffep-1f).within, 1.0f);
+  EXPECT_LT(choose_lobe(weights, 0x1.fffffep-1f).within, 1.0f);
 }
 
+/// Independent draws: every sample is the first of a run of its own.
 TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
   for (const auto& [name, environment] : environments()) {
     const EnvironmentTables tables = compute_environment_tables(environment);

@@ -110,5 +110,19 @@ TEST(SunApart, SkiesWithoutOneHaveNone) {
   EXPECT_FALSE(sun_of(e));  // a lamp of many degrees
 }
 
+// By its light: a dim edge hardly lowers it, and a sky alone has none.
+TEST(SunApart, MeanLuminanceIsThatOfItsLight) {
+  const auto mean_of = [](const Environment& e) {
+    return static_cast<double>(mean_sun_luminance(e, compute_environment_tables(e).luminance_integral));
+  };
+  Environment e = sky(256, 128, 1.0f);
+  EXPECT_EQ(mean_of(e), 0.0);
+  EXPECT_EQ(mean_of(sky(256, 128, 0.0f)), 0.0);
+  texel(e, 80, 63) = texel(e, 80, 64) = glm::vec3(1e6f);
+  EXPECT_NEAR(mean_of(e) / 1e6, 1.0, 1e-5);
+  texel(e, 81, 63) = texel(e, 81, 64) = glm::vec3(5e5f);
+  EXPECT_NEAR(mean_of(e) / 1e6, (1.0 + 0.25) / (1.0 + 0.5), 1e-5);
+}
+
 }  // namespace
 }  // namespace maquette

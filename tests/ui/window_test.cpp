@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -72,15 +73,17 @@ class Window : public testing::Test {
     return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; },
                                 kPatience_s);
   }
-  /// A picture that stays as it is for a second, but for what averaging still changes.
+  /// A picture that stays as it is for a second, but for what averaging still changes. Shorter would take the picture
+  /// of a loaded machine before its next frame.
   ScreenPicture settled(const Rect& rect) {
+    using Clock = std::chrono::steady_clock;
     ScreenPicture last = desktop_->grab();
-    int still = 0;
+    Clock::time_point since = Clock::now();
     desktop_->wait_until(
         [&](const ScreenPicture& now) {
-          still = difference(last, now, rect) < 0.25 * kSeen ? still + 1 : 0;
+          if (difference(last, now, rect) >= 0.25 * kSeen) since = Clock::now();
           last = now;
-          return still >= 3;
+          return Clock::now() - since >= std::chrono::seconds(1);
         },
         kSettle_s);
     return last;

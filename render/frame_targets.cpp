@@ -8,6 +8,30 @@
 
 namespace maquette {
 
+std::vector<unsigned> ordered_tiles(std::vector<unsigned> tiles) {
+  constexpr std::size_t kRun = 16;
+  std::sort(tiles.begin(), tiles.end());
+  const std::size_t half = (tiles.size() + 1) / 2;
+  std::vector<unsigned> ordered;
+  ordered.reserve(tiles.size());
+  const auto append = [&](std::size_t first, std::size_t limit) {
+    for (std::size_t i = first; i < std::min(first + kRun, limit); ++i) ordered.push_back(tiles[i]);
+  };
+  for (std::size_t run = 0; run < half; run += kRun) {
+    append(run, half);
+    append(half + run, tiles.size());
+  }
+  return ordered;
+}
+
+TileList FrameTargets::make_tile_list() const {
+  const auto bands = static_cast<std::size_t>((grid_height() + band_rows - 1) / band_rows);
+  TileList list;
+  list.tiles = Buffer("tiles", bands * static_cast<std::size_t>(band_tiles()) * sizeof(unsigned));
+  list.counts.assign(bands, 0);
+  return list;
+}
+
 FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth, bool texture_bandwidth) {
   GLint max_size = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
@@ -56,10 +80,7 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : std::max(band_points, 4 * kMostReflectedItems * w);
   const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
   t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
-  for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) {
-    list->tiles = Buffer("tiles", bands * static_cast<std::size_t>(t.band_tiles()) * sizeof(unsigned));
-    list->counts.assign(bands, 0);
-  }
+  for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) *list = t.make_tile_list();
   if (bandwidth && side > 1) {
     const std::size_t quads = static_cast<std::size_t>(w / 2) * static_cast<std::size_t>(h / 2);
     t.plain_quads.quads = Buffer("plain quads", quads * sizeof(unsigned));

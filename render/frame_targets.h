@@ -16,6 +16,10 @@ struct TileList {
   std::vector<int> counts;  ///< of each band
   bool dealt = false;       ///< every other one first: the cost of a tile follows its place in the picture
 };
+/// The order in which a list holds its tiles. Shaders append them as they get to them, but parts of the list are
+/// predicted anew while the light turns, so that it must be the same in every run: by rows, runs of the upper and the
+/// lower half by turns, since a software device gives each core one stretch of the list.
+std::vector<unsigned> ordered_tiles(std::vector<unsigned> tiles);
 /// Powers of two: how many invocations a tile takes, one a point, or one for four (shaders/shared/lookup.glsl).
 constexpr int kTileLanes = 6, kLookupLanes = 4;
 
@@ -52,6 +56,8 @@ struct FrameTargets {
   bool whole_blocks() const { return energy.width() % 2 == 0 && energy.height() % 2 == 0; }
   /// Entries of a band in the lists of tiles.
   int band_tiles() const { return (grid_width() + kTile - 1) / kTile * (band_rows / kTile); }
+  /// An empty list with room for all tiles.
+  TileList make_tile_list() const;
   static constexpr int kTile = 8;
 };
 

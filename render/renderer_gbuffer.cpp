@@ -1,4 +1,8 @@
 // What is seen through each grid point: raster, surfaces, curvature. Kept from frame to frame while it holds.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "render/renderer_impl.h"
 
 namespace maquette {
@@ -6,6 +10,17 @@ namespace maquette {
 namespace {
 
 int groups(int count, int size) { return (count + size - 1) / size; }
+
+void order_tiles(TileList& list, int band_tiles) {
+  for (std::size_t band = 0; band < list.counts.size(); ++band) {
+    std::vector<unsigned> tiles(static_cast<std::size_t>(list.counts[band]));
+    if (tiles.empty()) continue;
+    const std::size_t offset = band * static_cast<std::size_t>(band_tiles) * sizeof(unsigned);
+    list.tiles.read(offset, tiles.size() * sizeof(unsigned), tiles.data());
+    tiles = ordered_tiles(std::move(tiles));
+    list.tiles.update(offset, tiles.size() * sizeof(unsigned), tiles.data());
+  }
+}
 
 }  // namespace
 
@@ -76,21 +91,33 @@ void Renderer::Impl::raster() {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-void Renderer::Impl::find_tiles() {
+const Program& Renderer::Impl::begin_tile_lists(const char* shader, const TileList& first, const TileList* second) {
   FrameTargets& t = *targets;
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.tile_counts.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.surface_tiles.tiles.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, t.sky_tiles.tiles.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, first.tiles.get());
+  if (second) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, second->tiles.get());
   t.tile_counts.clear_to_zero();
-  const Program& program = programs.get({"gbuffer/tiles.comp", "", {}});
+  const Program& program = programs.get({shader, "", {}});
   program.set("u_band_rows", t.band_rows / FrameTargets::kTile);
-  dispatch_list(program, groups(t.grid_width(), FrameTargets::kTile) * groups(t.grid_height(), FrameTargets::kTile));
-  std::vector<unsigned> counts(2 * t.surface_tiles.counts.size());
+  return program;
+}
+
+void Renderer::Impl::end_tile_lists(TileList* first, TileList* second) {
+  const FrameTargets& t = *targets;
+  std::vector<unsigned> counts(2 * first->counts.size());
   t.tile_counts.read(0, t.tile_counts.bytes(), counts.data());
-  for (std::size_t band = 0; band < t.surface_tiles.counts.size(); ++band) {
-    t.surface_tiles.counts[band] = static_cast<int>(counts[2 * band]);
-    t.sky_tiles.counts[band] = static_cast<int>(counts[2 * band + 1]);
+  for (std::size_t band = 0; band < first->counts.size(); ++band) {
+    first->counts[band] = static_cast<int>(counts[2 * band]);
+    if (second) second->counts[band] = static_cast<int>(counts[2 * band + 1]);
   }
+}
+
+void Renderer::Impl::find_tiles() {
+  FrameTargets& t = *targets;
+  const Program& program = begin_tile_lists("gbuffer/tiles.comp", t.surface_tiles, &t.sky_tiles);
+  dispatch_list(program, groups(t.grid_width(), FrameTargets::kTile) * groups(t.grid_height(), FrameTargets::kTile));
+  end_tile_lists(&t.surface_tiles, &t.sky_tiles);
+  order_tiles(t.surface_tiles, t.band_tiles());
   const float none[4] = {};
   const GLuint nothing[4] = {};
   glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, none);
@@ -105,16 +132,8 @@ void Renderer::Impl::find_repainted(bool painted, PassTimer* timer) {
   FrameTargets& t = *targets;
   t.repainted_tiles.counts.assign(t.repainted_tiles.counts.size(), 0);
   if (!painted) return;  // the flags are those of an earlier swap
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, t.tile_counts.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.repainted_tiles.tiles.get());
-  t.tile_counts.clear_to_zero();
-  const Program& program = programs.get({"gbuffer/repainted.comp", "", {}});
-  program.set("u_band_rows", t.band_rows / FrameTargets::kTile);
-  dispatch_tiles(program, t.surface_tiles, 0);
-  std::vector<unsigned> counts(2 * t.repainted_tiles.counts.size());
-  t.tile_counts.read(0, t.tile_counts.bytes(), counts.data());
-  for (std::size_t band = 0; band < t.repainted_tiles.counts.size(); ++band)
-    t.repainted_tiles.counts[band] = static_cast<int>(counts[2 * band]);
+  dispatch_tiles(begin_tile_lists("gbuffer/repainted.comp", t.repainted_tiles, nullptr), t.surface_tiles, 0);
+  end_tile_lists(&t.repainted_tiles, nullptr);
   if (progressive) {
     glBindImageTexture(0, progressive->mean.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindImageTexture(1, progressive->spread.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);

@@ -134,6 +134,14 @@ bool Renderer::Impl::keep_panes(const FramePlan& plan, const FrameRequest& reque
   std::uint32_t count = 0;
   kept.layers.read(0, sizeof count, &count);
   kept.complete = kHeaderBytes + count * kLayerBytes <= kept.layers.bytes();
+  if (kept.complete) {
+    kept.covered_tiles = t.make_tile_list();
+    kept.bare_tiles = t.make_tile_list();
+    glBindTextureUnit(50, kept.heads.get());
+    const Program& split = begin_tile_lists("glass/tiles.comp", kept.covered_tiles, &kept.bare_tiles);
+    dispatch_tiles(split, t.surface_tiles, 0);
+    end_tile_lists(&kept.covered_tiles, &kept.bare_tiles);
+  }
   return kept.complete;
 }
 

@@ -62,6 +62,7 @@ struct KeptPanes {
   bool complete = false;   ///< false: there is more than fits, and panes are drawn as ever
   Texture heads, layer_view;
   Buffer layers;
+  TileList covered_tiles, bare_tiles;  ///< of surfaces: with a pane before them somewhere, and without
 };
 
 /// All that the hits of the mirrored rays depend on.
@@ -262,6 +263,9 @@ struct Renderer::Impl {
   void raster();
   /// Lists the tiles, and empties what passes over them read of their neighbours.
   void find_tiles();
+  /// Binds the lists that a shader fills. `second` may be null, here and after it ran.
+  const Program& begin_tile_lists(const char* shader, const TileList& first, const TileList* second);
+  void end_tile_lists(TileList* first, TileList* second);
   /// What the frame goes on from, if only the light has turned. `keeps`: its own points are kept for the next one.
   Turn begin_turn(const FrameRequest& request, const FramePlan& plan, bool keeps, bool accumulate);
   void predict(const FramePlan& plan, const PredictedPart& part, PassTimer* timer);

@@ -165,7 +165,7 @@ std::vector<ShaderVariant> all_shader_variants() {
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
         "bandwidth/worth.comp", "bandwidth/forget.comp", "bandwidth/quads.comp", "gbuffer/repainted.comp",
-        "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+        "glass/tiles.comp", "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0, false, false));
   variants.push_back(listed(compose_variant(4, false, 0, false, false)));
@@ -429,10 +429,11 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   draw_sky(plan, request, kept);
   const std::size_t keys = plan.indirect == "baked" ? indirect.keys().size() : 0;
   const bool bandwidth = plan.mode == "bandwidth";
-  const auto program_of = [&](int stage, bool quads) -> const Program& {
-    const ShaderVariant variant = compose_variant(stage, bandwidth && buffers->has_textures(), keys, kept, plan.glossy);
+  const auto program_of = [&](int stage, bool quads, bool panes) -> const Program& {
+    const ShaderVariant variant =
+        compose_variant(stage, bandwidth && buffers->has_textures(), keys, panes, plan.glossy);
     const Program& program = programs.get(quads ? listed(variant) : variant);
-    if (kept) bind_kept_panes(program, request.env_rotation_rad);
+    if (panes) bind_kept_panes(program, request.env_rotation_rad);
     if (keys == 2) program.set("u_later", indirect.blend());
     return program;
   };
@@ -442,15 +443,19 @@ void Renderer::Impl::compose(const FramePlan& plan, const FrameRequest& request,
   if (plan.glossy) glBindTextureUnit(54, glossy_light.get());
   glBindImageTexture(0, under_panes().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (bandwidth && t.side > 1) {
-    const Program& plain = program_of(3, true);
+    const Program& plain = program_of(3, true, kept);
     plain.set("u_least_points", keys > 0 || plan.glossy || kept || buffers->has_colors() ? 4 : 1);
     dispatch_quads(plain, t.plain_quads, 1);
-    dispatch_quads(program_of(1, true), t.mixed_quads, 4);
+    dispatch_quads(program_of(1, true, kept), t.mixed_quads, 4);
     dispatch_quads(programs.get(listed(compose_variant(4, false, 0, false, false))), t.plain_quads, 1);
   } else {
-    const Program& complete = program_of(composes_in_picture ? 0 : 1, false);
-    if (composes_in_picture) complete.set("u_blend", blend);
-    dispatch_tiles(complete, t.surface_tiles, 6);
+    const auto complete = [&](const TileList& tiles, bool panes) {
+      const Program& program = program_of(composes_in_picture ? 0 : 1, false, panes);
+      if (composes_in_picture) program.set("u_blend", blend);
+      dispatch_tiles(program, tiles, 6);
+    };
+    complete(kept ? kept_panes->bare_tiles : t.surface_tiles, false);
+    if (kept) complete(kept_panes->covered_tiles, true);
   }
   timer->end("compose");
   if (plan.glass && !kept) {

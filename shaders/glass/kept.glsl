@@ -6,15 +6,18 @@ uniform float u_turn;  // of the environment, in turns
 
 vec3 through_panes(ivec2 pixel, vec3 behind) {
   vec3 sum = vec3(0.0), through = vec3(1.0);
-  for (uint layer = texelFetch(t_pane_heads, pixel, 0).x; layer != 0u;) {
-    int at = 3 * int(layer) - 2;
-    uvec4 first = texelFetch(t_pane_layers, at);
-    vec4 second = uintBitsToFloat(texelFetch(t_pane_layers, at + 1)), third = uintBitsToFloat(texelFetch(t_pane_layers, at + 2));
-    vec2 uv = vec2(fract(uintBitsToFloat(first.y) + u_turn), uintBitsToFloat(first.z));
-    vec3 mirrored = latlong_bilinear(uv, u_frame.environment_size.xy) * u_frame.environment.z;
-    sum += through * (vec3(uintBitsToFloat(first.w), second.xy) * mirrored + third.yzw);
-    through *= vec3(second.zw, third.x);
-    layer = first.x;
-  }
+  uint layer = texelFetch(t_pane_heads, pixel, 0).x;
+  do {  // tested at the end, as in shading/integrate.glsl
+    if (layer != 0u) {
+      int at = 3 * int(layer) - 2;
+      uvec4 first = texelFetch(t_pane_layers, at);
+      vec4 second = uintBitsToFloat(texelFetch(t_pane_layers, at + 1)), third = uintBitsToFloat(texelFetch(t_pane_layers, at + 2));
+      vec2 uv = vec2(fract(uintBitsToFloat(first.y) + u_turn), uintBitsToFloat(first.z));
+      vec3 mirrored = latlong_bilinear(uv, u_frame.environment_size.xy) * u_frame.environment.z;
+      sum += through * (vec3(uintBitsToFloat(first.w), second.xy) * mirrored + third.yzw);
+      through *= vec3(second.zw, third.x);
+      layer = first.x;
+    }
+  } while (layer != 0u);
   return sum + through * behind;
 }

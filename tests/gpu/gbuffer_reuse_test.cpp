@@ -279,6 +279,12 @@ TEST_F(KeptGbuffer, KeepsPanesThatShowWhatDrawnOnesShow) {
   compare(false);
   request_.env_rotation_rad = 1.0f;
   compare(true);
+  request_.msaa = 1;
+  request_.samples = 4;
+  request_.width = request_.height = 1408;  // lists of tiles of two bands of rows
+  compare(false);
+  request_.env_rotation_rad = 2.0f;
+  compare(true);
 }
 
 }  // namespace

@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "render/frame_targets.h"
 #include "render/gl/context.h"
 #include "render/metrics.h"
 #include "render/renderer.h"
@@ -311,6 +314,25 @@ TEST_F(Turning, TheSameTurnIsTheSamePicture) {
   other.seed = 9;
   turn(other, 12);
   EXPECT_NE(first.data, renderer_.read_radiance().data);
+}
+
+TEST(TileOrder, IsThatOfTheTilesAlone) {
+  std::mt19937 random(5);
+  for (const std::size_t count : {0u, 1u, 2u, 15u, 16u, 17u, 32u, 33u, 49u, 1000u}) {
+    std::vector<unsigned> tiles(count);
+    for (std::size_t i = 0; i < count; ++i) tiles[i] = static_cast<unsigned>(i % 40 + (i / 40 << 16));
+    const std::vector<unsigned> ordered = ordered_tiles(tiles);
+    std::vector<unsigned> sorted = ordered;
+    std::sort(sorted.begin(), sorted.end());
+    EXPECT_EQ(sorted, tiles) << count;
+    std::shuffle(tiles.begin(), tiles.end(), random);
+    EXPECT_EQ(ordered_tiles(tiles), ordered) << count;
+  }
+  // The first half of the list, one core's of two, holds tiles of both halves of the picture.
+  std::vector<unsigned> tiles(100);
+  std::iota(tiles.begin(), tiles.end(), 0u);
+  const std::vector<unsigned> ordered = ordered_tiles(tiles);
+  EXPECT_NEAR(std::count_if(ordered.begin(), ordered.begin() + 50, [](unsigned tile) { return tile < 50u; }), 25, 8);
 }
 
 TEST_F(Turning, ABrightMirrorImageIsSampledForWhatItIs) {

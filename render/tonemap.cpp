@@ -87,6 +87,8 @@ const std::vector<std::string>& tonemap_names() {
   return kNames;
 }
 
+double mean_luminance(const Environment& environment) { return sum_light(environment).flux / (4.0 * kPi); }
+
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
   constexpr double kTarget = 0.1, kFloor = 0.004;  // of the display's linear range
   constexpr float kMostStops = 2.0f;

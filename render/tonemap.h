@@ -10,6 +10,9 @@ namespace maquette {
 /// (above 0.65). 0 for a black environment; within [-40, 40]. An env_scale adds -log2(scale). Milliseconds.
 float suggest_exposure_ev(const Environment& environment);
 
+/// Over the sphere, in stored units. Milliseconds.
+double mean_luminance(const Environment& environment);
+
 /// `environment_ev` (of suggest_exposure_ev), raised by up to 2 stops where the surfaces of a picture are dark: a cabin
 /// seen from inside gets a fraction of the daylight. Meters the log-average of the surfaces (alpha 1) to a display
 /// value of 0.1; lights and sky count little.

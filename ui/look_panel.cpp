@@ -70,7 +70,7 @@ void draw_light(Ui& ui) {
   ImGui::SliderFloat("##rotation", &edits.env_rotation_deg, -180.0f, 180.0f, "%.1f\u00b0");
   mark_item(ui, "rotation");
   row_label("Intensity", "cd/m\u00b2 per stored unit of the environment");
-  ImGui::SliderFloat("##intensity", &edits.env_scale, 0.01f, 100.0f, "\u00d7 %.3g", ImGuiSliderFlags_Logarithmic);
+  ImGui::SliderFloat("##intensity", &edits.env_scale, 1e-3f, 1e6f, "\u00d7 %.3g", ImGuiSliderFlags_Logarithmic);
   mark_item(ui, "intensity");
   edits.env_scale = std::max(edits.env_scale, 0.0f);
 }

@@ -192,6 +192,28 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   return scene;
 }
 
+std::string doubt_about_units(const Scene& scene, const Environment& environment, float env_scale,
+                              const std::string& remedy) {
+  constexpr double kStreetAtNight_cdm2 = 10.0, kHall_cdm2 = 500.0, kOutshines = 30.0;
+  if (environment.name.starts_with("builtin:")) return {};
+  double lamps = 0.0;
+  for (const Material& material : scene.materials)
+    lamps = std::max(lamps, static_cast<double>(glm::dot(material.emissive, glm::vec3(0.2126f, 0.7152f, 0.0722f))));
+  const double stored = mean_luminance(environment), mean = stored * static_cast<double>(env_scale);
+  if (!(stored > 0.0) || mean > kStreetAtNight_cdm2 || lamps < kOutshines * mean) return {};
+  const auto rounded = [](double value) {
+    const double digit = std::pow(10.0, std::floor(std::log10(value)));
+    return std::round(value / digit) * digit;
+  };
+  char text[256];
+  std::snprintf(
+      text, sizeof text,
+      "about %.5g cd/m2 on average, the scene's lamps up to %.5g: as at night. If the file is in units of its own, "
+      "%s %.10g lights it as a hall",
+      rounded(mean), rounded(lamps), remedy.c_str(), rounded(kHall_cdm2 / stored));
+  return text;
+}
+
 float exposure_of(const SceneOptions& options, const Environment& environment) {
   if (options.exposure_ev) return *options.exposure_ev;
   if (!(options.env_scale > 0.0f)) return 0.0f;

@@ -111,6 +111,8 @@ void WindowSession::take_environment(EnvironmentPointer environment, const std::
   request_metering();
   for (const std::string& warning : environment_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(source).filename().string() + ": " + warning);
+  const std::string doubt = doubt_about_units(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
+  if (!doubt.empty()) add_message(MessageLevel::note, std::filesystem::path(source).filename().string() + ": " + doubt);
   remember(&environment_files_, source);
   state.edits.environment = source;
   applied_.environment = source;

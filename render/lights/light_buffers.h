@@ -9,8 +9,8 @@
 
 namespace maquette {
 
-/// The sampled lights on the GPU, and the grid by which they are chosen: three texels of the grid's place, one a
-/// cluster (its first light and their number), the cells' rows, four texels a light (shaders/shading/lights.glsl).
+/// The sampled lights on the GPU, and the grid by which they are chosen: three texels of the grid's place, one a node
+/// of the tree, the cells' rows (sums, nodes, light), four texels a light (shaders/shading/lights.glsl).
 class LightBuffers {
  public:
   explicit LightBuffers(const LightList& list)
@@ -24,16 +24,20 @@ class LightBuffers {
  private:
   static std::vector<glm::vec4> texels_of(const LightGrid& grid) {
     std::vector<glm::vec4> texels{{grid.low, static_cast<float>(grid.stride / 4)},
-                                  {1.0f / grid.cell_size, static_cast<float>(grid.clusters())},
+                                  {1.0f / grid.cell_size, static_cast<float>(grid.nodes.size())},
                                   {glm::vec3(grid.cells), 0.0f}};
-    for (int k = 0; k < grid.clusters(); ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      texels.push_back({grid.first[i], grid.first[i + 1] - grid.first[i], 0.0f, 0.0f});
+    for (const LightNode& node : grid.nodes) texels.push_back({node.first, node.count, node.before, node.share});
+    const auto stride = static_cast<std::size_t>(grid.stride);
+    for (std::size_t cell = 0; cell < grid.lux.size(); ++cell) {
+      for (std::size_t k = cell * stride; k < (cell + 1) * stride; k += 4)
+        texels.push_back({grid.cumulative[k], grid.cumulative[k + 1], grid.cumulative[k + 2], grid.cumulative[k + 3]});
+      for (std::size_t k = cell * stride; k < (cell + 1) * stride; k += 4)
+        texels.push_back({grid.cut[k], grid.cut[k + 1], grid.cut[k + 2], grid.cut[k + 3]});
+      texels.push_back({grid.lux[cell], 0.0f, 0.0f, 0.0f});
     }
-    const std::size_t rows = texels.size(), lights = rows + grid.cumulative.size() / 4;
+    const std::size_t lights = texels.size();
     texels[2].w = static_cast<float>(lights);
     texels.resize(lights + 4 * grid.lights.size());
-    std::memcpy(&texels[rows], grid.cumulative.data(), grid.cumulative.size() * sizeof(float));
     std::memcpy(&texels[lights], grid.lights.data(), grid.lights.size() * sizeof(LightRecord));
     return texels;
   }

@@ -1,6 +1,9 @@
 #include "render/lights/light_grid.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -9,11 +12,12 @@ namespace maquette {
 namespace {
 
 /// Inner cells at most, about a hand wide in a car.
-constexpr double kCells = 8192.0;
+constexpr double kCells = 4096.0;
 /// They reach this share of the lights' extent beyond them: what a light is near to must not be in the layer around.
 constexpr double kBeyond = 0.1;
 /// Share of the choice that is by power wherever the point is.
 constexpr double kByPower = 0.25;
+constexpr double kPi = std::numbers::pi;
 
 struct Box {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -35,66 +39,87 @@ Box box_of(const LightRecord& light) {
   return box;
 }
 
-/// Lights that are drawn as one, and what they are seen as from afar.
-struct Cluster {
-  std::vector<int> lights;
+/// A one-sided triangle's normal, length 1; 0 for what shines everywhere.
+glm::dvec3 normal_of(const LightRecord& light) {
+  if (light.kind != shared::kLightTriangle || light.range_m > 0.0f) return glm::dvec3(0.0);
+  // Edges of 1e-20 m have no square in the product's floats; doubles hold it.
+  const glm::dvec3 n = glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2));
+  const double length = glm::length(n);
+  return length > 0.0 ? n / length : glm::dvec3(0.0);
+}
+
+/// A node of the tree.
+struct TreeNode {
+  LightNode range;
+  std::array<int, 2> children{-1, -1};
   Box box;
   double power = 0.0;  ///< share of all
   bool distant = false;
 };
 
-Cluster make_cluster(const std::vector<LightRecord>& lights, std::vector<int> members, bool distant) {
-  Cluster cluster;
-  cluster.lights = std::move(members);
-  cluster.distant = distant;
-  for (const int i : cluster.lights) {
-    const LightRecord& light = lights[static_cast<std::size_t>(i)];
-    cluster.power += static_cast<double>(light.selection_pdf);
+using Members = std::vector<int>::iterator;
+
+/// Lights of a list in the order of a tree's leaves, and its nodes.
+struct Tree {
+  std::vector<int> order;
+  std::vector<TreeNode> nodes;
+  std::vector<int> roots;
+};
+
+/// Adds the node of order[first, last), split at the middle light along the longest axis.
+int add_node(const std::vector<LightRecord>& lights, std::size_t first, std::size_t last, bool distant, Tree* tree) {
+  const auto begin = tree->order.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end = tree->order.begin() + static_cast<std::ptrdiff_t>(last);
+  TreeNode node;
+  node.range.first = static_cast<int>(first);
+  node.range.count = static_cast<int>(last - first);
+  node.distant = distant;
+  for (Members i = begin; i != end; ++i) {
+    const LightRecord& light = lights[static_cast<std::size_t>(*i)];
+    node.power += static_cast<double>(light.selection_pdf);
     if (distant) continue;
     const Box box = box_of(light);
-    cluster.box.add(box.low);
-    cluster.box.add(box.high);
+    node.box.add(box.low);
+    node.box.add(box.high);
   }
-  return cluster;
-}
-
-/// At the middle light along the longest axis.
-void split(const std::vector<LightRecord>& lights, std::vector<Cluster>* clusters, std::size_t which) {
-  std::vector<int> members = std::move((*clusters)[which].lights);
-  const glm::dvec3 size = (*clusters)[which].box.high - (*clusters)[which].box.low;
+  const int id = static_cast<int>(tree->nodes.size());
+  tree->nodes.push_back(node);
+  if (distant || last - first < 2) return id;
+  const glm::dvec3 size = node.box.high - node.box.low;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto middle_of = [&](int i) {
     const Box box = box_of(lights[static_cast<std::size_t>(i)]);
     return box.low[axis] + box.high[axis];
   };
-  std::stable_sort(members.begin(), members.end(), [&](int a, int b) { return middle_of(a) < middle_of(b); });
-  const auto half = members.begin() + static_cast<std::ptrdiff_t>(members.size() / 2);
-  const Cluster upper = make_cluster(lights, {half, members.end()}, false);
-  (*clusters)[which] = make_cluster(lights, {members.begin(), half}, false);
-  clusters->push_back(upper);
+  std::stable_sort(begin, end, [&](int a, int b) { return middle_of(a) < middle_of(b); });
+  const std::size_t middle = first + (last - first) / 2;
+  const int lower = add_node(lights, first, middle, false, tree), upper = add_node(lights, middle, last, false, tree);
+  tree->nodes[static_cast<std::size_t>(id)].children = {lower, upper};
+  return id;
 }
 
-std::vector<Cluster> make_clusters(const std::vector<LightRecord>& lights) {
-  std::vector<int> near, distant;
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    (lights[i].kind == shared::kLightDirectional ? distant : near).push_back(static_cast<int>(i));
-  std::vector<Cluster> clusters;
-  if (!distant.empty()) clusters.push_back(make_cluster(lights, std::move(distant), true));
-  if (near.empty()) return clusters;
-  clusters.push_back(make_cluster(lights, std::move(near), false));
-  while (clusters.size() < LightGrid::kMaxClusters) {
-    // The most extended one: where a cluster is small beside its distance, power says enough.
-    std::size_t which = clusters.size();
-    double longest = -1.0;
-    for (std::size_t k = 0; k < clusters.size(); ++k) {
-      if (clusters[k].distant || clusters[k].lights.size() < 2 || clusters[k].box.diagonal() <= longest) continue;
-      longest = clusters[k].box.diagonal();
-      which = k;
-    }
-    if (which == clusters.size()) break;
-    split(lights, &clusters, which);
+/// Distant ones, those that shine everywhere, and one-sided triangles by the axis that they mostly face: what is behind
+/// the lights of a node is then behind most of them.
+std::size_t group_of(const LightRecord& light) {
+  if (light.kind == shared::kLightDirectional) return 0;
+  const glm::dvec3 n = normal_of(light), size = glm::abs(n);
+  if (n == glm::dvec3(0.0)) return 1;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  return 2 + 2 * static_cast<std::size_t>(axis) + (n[axis] > 0.0 ? 1 : 0);
+}
+
+Tree make_tree(const std::vector<LightRecord>& lights) {
+  std::array<std::vector<int>, 8> groups;
+  for (std::size_t i = 0; i < lights.size(); ++i) groups[group_of(lights[i])].push_back(static_cast<int>(i));
+  Tree tree;
+  for (const std::vector<int>& group : groups) tree.order.insert(tree.order.end(), group.begin(), group.end());
+  std::size_t first = 0;
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    if (groups[k].empty()) continue;
+    tree.roots.push_back(add_node(lights, first, first + groups[k].size(), k == 0, &tree));
+    first += groups[k].size();
   }
-  return clusters;
+  return tree;
 }
 
 void place_cells(const Box& lights, LightGrid* grid) {
@@ -122,73 +147,201 @@ Box box_of_cell(const LightGrid& grid, const glm::ivec3& cell, double layer_m) {
   return box;
 }
 
-/// Light that a cluster may bring to a cell: its power over the square of the distance between both boxes, and no
-/// nearer than their own sizes.
-double importance(const Cluster& cluster, const Box& cell, double scene_diagonal) {
-  const double distant = 0.25 * scene_diagonal * scene_diagonal;  // power is that of a disc so large
-  if (cluster.distant) return cluster.power / std::max(distant, 1e-300);
-  const glm::dvec3 apart =
-      glm::max(glm::max(cluster.box.low - cell.high, cell.low - cluster.box.high), glm::dvec3(0.0));
-  const double own = 0.25 * (cell.diagonal() + cluster.box.diagonal());
-  return cluster.power / std::max(glm::dot(apart, apart) + own * own, 1e-300);
+/// What a light may bring to a ball, in lux: its intensity times the largest cosine at which it may be seen from there
+/// over the square of the distance, no nearer than the ball's radius. 0 where all of the ball is behind it.
+struct Emitter {
+  glm::dvec3 centre{0.0}, normal{0.0};
+  double radius = 0.0, intensity = 0.0;  ///< m; cd along the normal, lux of a distant light
+  bool distant = false;
+};
+
+struct Ball {
+  glm::dvec3 centre{0.0};
+  double radius = 0.0;
+};
+
+/// Around a box; a point where there is none.
+Ball ball_of(const Box& box) {
+  if (!(box.low.x <= box.high.x)) return {};
+  return {0.5 * (box.low + box.high), 0.5 * box.diagonal()};
+}
+
+Emitter emitter_of(const LightRecord& light) {
+  Emitter e;
+  const glm::dvec3 c(light.color);
+  e.intensity = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+  e.distant = light.kind == shared::kLightDirectional;
+  if (e.distant) return e;
+  const Box box = box_of(light);
+  e.centre = 0.5 * (box.low + box.high);
+  e.radius = 0.5 * box.diagonal();
+  e.normal = normal_of(light);
+  if (light.kind == shared::kLightTriangle)
+    e.intensity *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
+  return e;
+}
+
+double importance(const Emitter& e, const Ball& ball) {
+  if (e.distant) return e.intensity;
+  const glm::dvec3 way = ball.centre - e.centre;
+  const double reach = ball.radius + e.radius, square = glm::dot(way, way) + reach * reach;
+  if (!(square > 0.0)) return e.intensity;  // all in one place
+  if (e.normal == glm::dvec3(0.0)) return e.intensity / square;
+  const double height = glm::dot(e.normal, way) + reach;
+  return height > 0.0 ? e.intensity * std::min(height / std::sqrt(square), 1.0) / square : 0.0;
+}
+
+/// A node of a cell's cut.
+struct Entry {
+  int node = 0;
+  double importance = 0.0;  ///< root of the second moment of what one of its lights, chosen by power, may bring there
+  double spread = 0.0;      ///< its square less that of the mean
+  double power = 0.0;       ///< of all of them, 0 where none shines there
+};
+
+/// Running sums over the lights of a tree.
+struct CellSums {
+  std::vector<double> lux, second;  ///< of what lights may bring there, and of its square over their power
+  std::vector<int> shining;         ///< how many may bring any: little beside a sun is not nothing
+  void resize(std::size_t size) {
+    lux.resize(size);
+    second.resize(size);
+    shining.resize(size);
+  }
+  Entry entry(const Tree& tree, int id) const {
+    const TreeNode& node = tree.nodes[static_cast<std::size_t>(id)];
+    const auto first = static_cast<std::size_t>(node.range.first),
+               last = first + static_cast<std::size_t>(node.range.count);
+    Entry e;
+    e.node = id;
+    const double mean = lux[last] - lux[first], square = node.power * (second[last] - second[first]);
+    e.importance = std::sqrt(std::max(square, 0.0));
+    e.power = shining[last] > shining[first] ? node.power : 0.0;
+    if (node.children[0] >= 0 && square - mean * mean > 1e-9 * square) e.spread = square - mean * mean;
+    return e;
+  }
+};
+
+/// The nodes that spread most are split until there are `most`.
+std::vector<Entry> cut_for(const Tree& tree, const CellSums& sums, std::size_t most) {
+  std::vector<Entry> heap, done;
+  const auto less = [](const Entry& a, const Entry& b) { return a.spread < b.spread; };
+  const auto add = [&](int id) {
+    const Entry entry = sums.entry(tree, id);
+    if (!(entry.spread > 0.0)) {
+      done.push_back(entry);
+      return;
+    }
+    heap.push_back(entry);
+    std::push_heap(heap.begin(), heap.end(), less);
+  };
+  for (const int root : tree.roots) add(root);
+  while (!heap.empty() && heap.size() + done.size() < most) {
+    std::pop_heap(heap.begin(), heap.end(), less);
+    const std::array<int, 2> children = tree.nodes[static_cast<std::size_t>(heap.back().node)].children;
+    heap.pop_back();
+    for (const int child : children) add(child);
+  }
+  done.insert(done.end(), heap.begin(), heap.end());
+  std::sort(done.begin(), done.end(), [](const Entry& a, const Entry& b) { return a.node < b.node; });
+  return done;
+}
+
+/// Probabilities of a cut's nodes. By power only of those that hold a light that shines there.
+std::vector<double> weights_of(const Tree& tree, const std::vector<Entry>& cut) {
+  double sum = 0.0, power = 0.0;
+  for (const Entry& entry : cut) {
+    sum += entry.importance;
+    power += entry.power;
+  }
+  std::vector<double> weights;
+  for (const Entry& entry : cut) {
+    const double by_power = power > 0.0 ? entry.power / power : tree.nodes[static_cast<std::size_t>(entry.node)].power;
+    weights.push_back(sum > 0.0 ? kByPower * by_power + (1.0 - kByPower) * entry.importance / sum : by_power);
+  }
+  return weights;
 }
 
 }  // namespace
 
 LightGrid build_light_grid(const LightList& list) {
   LightGrid grid;
-  const std::vector<Cluster> clusters = make_clusters(list.lights);
-  Box box;
-  for (const Cluster& cluster : clusters) {
-    grid.first.push_back(static_cast<int>(grid.lights.size()));
-    std::vector<double> powers;
-    for (const int i : cluster.lights) {
-      grid.order.push_back(i);
-      grid.lights.push_back(list.lights[static_cast<std::size_t>(i)]);
-      powers.push_back(static_cast<double>(grid.lights.back().selection_pdf));
-    }
-    const std::vector<float> cdf = cumulative_in_steps(powers);
-    for (std::size_t i = 0; i < cdf.size(); ++i) {
-      LightRecord& light = grid.lights[static_cast<std::size_t>(grid.first.back()) + i];
-      light.selection_pdf = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0f);
-      light.cdf = cdf[i];
-    }
-    if (cluster.distant) continue;
-    box.add(cluster.box.low);
-    box.add(cluster.box.high);
+  const Tree tree = make_tree(list.lights);
+  grid.order = tree.order;
+  std::vector<double> powers;
+  for (const int i : tree.order) {
+    grid.lights.push_back(list.lights[static_cast<std::size_t>(i)]);
+    powers.push_back(static_cast<double>(grid.lights.back().selection_pdf));
   }
-  grid.first.push_back(static_cast<int>(grid.lights.size()));
-  grid.stride = (std::max(grid.clusters(), 1) + 3) / 4 * 4;
-  const bool one_row = clusters.size() < 2 || !(box.diagonal() > 0.0);
-  if (!one_row) place_cells(box, &grid);
-  const double diagonal = box.diagonal();
-  for (int z = 0; z < grid.cells.z; ++z)
-    for (int y = 0; y < grid.cells.y; ++y)
-      for (int x = 0; x < grid.cells.x; ++x) {
-        const Box cell = one_row ? Box{} : box_of_cell(grid, {x, y, z}, diagonal);
-        std::vector<double> near, weights;
-        double sum = 0.0;
-        for (const Cluster& cluster : clusters) {
-          near.push_back(one_row ? cluster.power : importance(cluster, cell, list.diagonal_m));
-          sum += near.back();
-        }
-        for (std::size_t k = 0; k < clusters.size(); ++k)
-          weights.push_back(kByPower * clusters[k].power + (1.0 - kByPower) * near[k] / std::max(sum, 1e-300));
-        std::vector<float> cdf = cumulative_in_steps(weights);
-        cdf.resize(static_cast<std::size_t>(grid.stride), 1.0f);
-        grid.cumulative.insert(grid.cumulative.end(), cdf.begin(), cdf.end());
-      }
+  const std::vector<float> cdf = cumulative_in_steps(powers);
+  for (std::size_t i = 0; i < cdf.size(); ++i) {
+    grid.lights[i].selection_pdf = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0f);
+    grid.lights[i].cdf = cdf[i];
+  }
+  Box box;
+  for (const TreeNode& node : tree.nodes) {
+    LightNode range = node.range;
+    const auto first = static_cast<std::size_t>(range.first);
+    range.before = first > 0 ? cdf[first - 1] : 0.0f;
+    range.share = cdf[first + static_cast<std::size_t>(range.count) - 1] - range.before;
+    grid.nodes.push_back(range);
+    if (node.distant) continue;
+    box.add(node.box.low);
+    box.add(node.box.high);
+  }
+  const double extent = box.diagonal();
+  if (extent > 0.0) place_cells(box, &grid);
+  const std::size_t most = std::min<std::size_t>(LightGrid::kMaxNodes, std::max<std::size_t>(grid.lights.size(), 1));
+  grid.stride = static_cast<int>((most + 3) / 4 * 4);
+  const auto stride = static_cast<std::size_t>(grid.stride);
+  const auto columns = static_cast<std::size_t>(grid.cells.x), rows = static_cast<std::size_t>(grid.cells.y);
+  const std::size_t count = columns * rows * static_cast<std::size_t>(grid.cells.z);
+  grid.cumulative.assign(count * stride, 1.0f);
+  grid.cut.assign(count * stride, 0u);
+  if (tree.roots.empty()) return grid;
+  grid.lux.assign(count, 0.0f);
+  std::vector<Emitter> emitters;
+  for (const LightRecord& light : grid.lights) emitters.push_back(emitter_of(light));
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const glm::ivec3 at(i % columns, i / columns % rows, i / (columns * rows));
+    const Box cell = extent > 0.0 ? box_of_cell(grid, at, extent) : box;
+    const Ball all = ball_of(cell);
+    // Of the layer around, what is near the lights counts, and all of it decides what is never seen from the front.
+    const bool outside =
+        extent > 0.0 && (glm::any(glm::equal(at, glm::ivec3(0))) || glm::any(glm::equal(at, grid.cells - 1)));
+    const Ball near{glm::clamp(0.5 * (box.low + box.high), cell.low, cell.high), 0.1 * extent};
+    thread_local CellSums sums;
+    sums.resize(emitters.size() + 1);
+    for (std::size_t k = 0; k < emitters.size(); ++k) {
+      const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
+      sums.lux[k + 1] = sums.lux[k] + lux;
+      sums.second[k + 1] = sums.second[k] + lux * lux / powers[k];
+      sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
+    }
+    const std::vector<Entry> cut = cut_for(tree, sums, most);
+    const std::vector<float> row = cumulative_in_steps(weights_of(tree, cut));
+    for (std::size_t k = 0; k < stride; ++k) {
+      grid.cut[i * stride + k] = static_cast<std::uint32_t>(cut[std::min(k, cut.size() - 1)].node);
+      if (k < row.size()) grid.cumulative[i * stride + k] = row[k];
+    }
+    grid.lux[i] = static_cast<float>(std::min(sums.lux.back(), 1e30));
+  });
   return grid;
 }
 
 double light_probability(const LightGrid& grid, const glm::ivec3& cell, int index) {
   const int row = (cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x;
-  const auto k =
-      static_cast<std::size_t>(std::upper_bound(grid.first.begin(), grid.first.end(), index) - grid.first.begin() - 1);
-  const std::size_t at = static_cast<std::size_t>(row * grid.stride) + k;
-  const double before = k > 0 ? static_cast<double>(grid.cumulative[at - 1]) : 0.0;
-  return (static_cast<double>(grid.cumulative[at]) - before) *
-         static_cast<double>(grid.lights[static_cast<std::size_t>(index)].selection_pdf);
+  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.stride);
+  double before = 0.0;
+  for (std::size_t k = first; before < 1.0; ++k) {
+    const double sum = static_cast<double>(grid.cumulative[k]);
+    const LightNode& node = grid.nodes[grid.cut[k]];
+    if (index >= node.first && index < node.first + node.count)
+      return (sum - before) * static_cast<double>(grid.lights[static_cast<std::size_t>(index)].selection_pdf) /
+             static_cast<double>(node.share);
+    before = sum;
+  }
+  return 0.0;
 }
 
 }  // namespace maquette

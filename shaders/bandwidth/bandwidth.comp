@@ -53,12 +53,11 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   vec2 kx = bend.xy, ky = bend.zw;
   float nu_surface = 0.0, light = 0.0;
 #if NEAR
-  // Masks and near lights vary over the surface. The lights have one sample for eight of the environment.
+  // Masks and near lights vary over the surface.
   nu_surface += pool.near.x / max(pool.sums.y, 1e-20);
   if (pool.near.w > 0.0) {
     light = pool.near.y;
-    float mean = pool.near.y / pool.near.w;
-    deviation = sqrt(deviation * deviation + 8.0 * max(pool.near.z / pool.near.w - mean * mean, 0.0));
+    deviation = sqrt(deviation * deviation + pool.near.z / pool.near.w);
   }
 #endif
   float radiance = max(pool.sums.y - light, 0.0) / count;

@@ -21,7 +21,7 @@ layout(local_size_x = 64) in;
 layout(binding = 30) uniform samplerBuffer t_visibility_bandwidth;  // [vertex], cycles/m
 #endif
 #if SHADOWED || LIGHTS
-layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, mean square, 1
+layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, variance of a sample of the environment's beside them, 1
 #endif
 layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
 layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width][lobes + 1], cycles/rad: seen through each lobe, then as it is
@@ -153,17 +153,20 @@ vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
   vec4 near = vec4(0.0, 0.0, 0.0, 1.0);
   LightChoice choice = light_choice(p.position);
+  const float share = 1.0 / float(kPredictedLights);
   int i = 0;
   do {
     LightDraw d = draw_light(p, choice, light_numbers(rotation, uint(i)), unit_pair(hash(rotation + uint(i))));
     float y = luminance(d.outgoing) * unit;
     if (y > 0.0) {
       float nu_r = brdf_bandwidth(p, d.wi);
-      float share = 1.0 / float(kPredictedLights);
       r.energy += share * y * vec2(nu_r, 1.0);
-      near += share * vec4(y * d.wi.z * light_bandwidth(d.light, d.world, d.distance_m, nu_r), y, y * y, 0.0);
+      near.xyz += share * vec3(y * d.wi.z * light_bandwidth(d.light, d.world, d.distance_m, nu_r), y, y * y);
     }
   } while (++i < kPredictedLights);
+  // Unbiased, for so few; and lights have fewer samples.
+  int count = u_frame.sampling.y;
+  near.z = max(near.z - near.y * near.y, 0.0) / (1.0 - share) * float(count) / float(light_sample_count(choice, count));
   return near;
 }
 #endif

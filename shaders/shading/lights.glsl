@@ -1,9 +1,8 @@
-// Light of the scene's own lights, by samples: one for each kLightStride samples of the environment, of a light chosen by what it may bring to
-// the point. Shadows by rays only: the baked masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
+// Light of the scene's own lights, by samples, each of a light chosen by what it may bring to the point. Shadows by rays only: the baked
+// masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
 #include "shared/lights.glsl"
 layout(binding = 27) uniform samplerBuffer t_lights;  // render/lights/light_buffers.h
 
-const int kLightStride = 8;
 /// A sample of an emissive triangle may add as much as this many mirrors of it. The truth never exceeds one; without a limit, samples
 /// close to a triangle or in a narrow lobe are fireflies. Energy is lost only nearer than about a fifth of the triangle's size, and in
 /// lobes narrower than about 5 degrees.
@@ -19,36 +18,48 @@ LightChoice light_choice(vec3 position) {
   ivec3 c = ivec3(clamp(floor((position - low.xyz) * scale.xyz) + 1.0, vec3(0.0), cells.xyz - 1.0));
   LightChoice r;
   r.row_texels = int(low.w);
-  r.row = 3 + int(scale.w) + ((c.z * int(cells.y) + c.y) * int(cells.x) + c.x) * r.row_texels;
+  r.row = 3 + int(scale.w) + ((c.z * int(cells.y) + c.y) * int(cells.x) + c.x) * (2 * r.row_texels + 1);
   r.first_light = int(cells.w);
   return r;
 }
 
-/// A light, its selection_pdf that of the whole choice: the first cluster, and in it the first light, whose running sum exceeds u.
-/// Loops are tested at their end (integrate.glsl).
-LightRecord choose_light(LightChoice choice, vec2 u) {
+/// Samples of lights beside `count` of the environment: one for eight where they are dim beside it, as many where they outshine it. In steps
+/// of two, by what both would bring to the cell unhindered.
+int light_sample_count(LightChoice choice, int count) {
+  float lights = texelFetch(t_lights, choice.row + 2 * choice.row_texels).x;  // lux, facing each
+  float sky = 0.25 * u_frame.environment.z * u_frame.environment.w;           // mean over all surfaces
+  int shift = 3 - int(lights > 0.25 * sky) - int(lights > 0.5 * sky) - int(lights > sky);
+  return max(count >> shift, 1);
+}
+
+/// A light, its selection_pdf that of the whole choice: the first node of the cut whose running sum exceeds u, and in it the light at
+/// `place` of 2^32. Sums are whole steps of 2^-24. Loops are tested at their end (integrate.glsl).
+LightRecord choose_light(LightChoice choice, float u, uint place) {
   int low = 0, high = choice.row_texels - 1;
   do {
     int middle = (low + high) >> 1;
-    if (texelFetch(t_lights, choice.row + middle).w > u.x) high = middle;
+    if (texelFetch(t_lights, choice.row + middle).w > u) high = middle;
     else low = min(middle + 1, high);
   } while (low < high);
-  vec4 sums = texelFetch(t_lights, choice.row + low);
+  vec4 sums = texelFetch(t_lights, choice.row + low), cut = texelFetch(t_lights, choice.row + choice.row_texels + low);
   float before = low > 0 ? texelFetch(t_lights, choice.row + max(low - 1, 0)).w : 0.0;
-  int k = sums.x > u.x ? 0 : (sums.y > u.x ? 1 : (sums.z > u.x ? 2 : 3));
+  int k = sums.x > u ? 0 : (sums.y > u ? 1 : (sums.z > u ? 2 : 3));
   float pdf = sums[k] - (k > 0 ? sums[max(k - 1, 0)] : before);
-  vec2 cluster = texelFetch(t_lights, 3 + 4 * low + k).xy;
-  int first = choice.first_light + 4 * int(cluster.x);
+  vec4 node = texelFetch(t_lights, 3 + int(cut[k]));  // first light, their number, power before them, their own
+  uint step, rest;
+  umulExtended(place, uint(node.w * 16777216.0), step, rest);
+  float sum = node.z + float(step) * (1.0 / 16777216.0);
+  int first = choice.first_light + 4 * int(node.x);
   low = 0;
-  high = int(cluster.y) - 1;
+  high = int(node.y) - 1;
   do {
     int middle = (low + high) >> 1;
-    if (texelFetch(t_lights, first + 4 * middle + 3).w > u.y) high = middle;
+    if (texelFetch(t_lights, first + 4 * middle + 3).w > sum) high = middle;
     else low = min(middle + 1, high);
   } while (low < high);
   int at = first + 4 * low;
   vec4 a = texelFetch(t_lights, at), b = texelFetch(t_lights, at + 1), c = texelFetch(t_lights, at + 2), d = texelFetch(t_lights, at + 3);
-  return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w * pdf, d.xyz, d.w);
+  return LightRecord(a.xyz, floatBitsToUint(a.w), b.xyz, b.w, c.xyz, c.w * pdf / node.w, d.xyz, d.w);
 }
 
 struct LightDraw {
@@ -59,10 +70,21 @@ struct LightDraw {
   vec3 outgoing;    // cd/m2, already divided by the probabilities; 0 where it does not shine
 };
 
-LightDraw draw_light(Point p, LightChoice choice, vec4 u, vec2 xi) {
+/// Random numbers of sample `index` of a point.
+struct LightNumbers {
+  vec3 u;
+  uint place;
+};
+LightNumbers light_numbers(uint rotation, uint index) {
+  return LightNumbers(vec3(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
+                           unit_float(hash(rotation ^ 0x510e527fu) + index * 0x91E10DA5u)),
+                      hash(rotation ^ 0x1f83d9abu) + index * 0xABC98388u);
+}
+
+LightDraw draw_light(Point p, LightChoice choice, LightNumbers n, vec2 xi) {
   LightDraw r;
-  r.light = choose_light(choice, u.xw);
-  LightSample s = light_sample(r.light, p.position, u.yz);
+  r.light = choose_light(choice, n.u.x, n.place);
+  LightSample s = light_sample(r.light, p.position, n.u.yz);
   r.world = s.wi;
   r.wi = to_local(p, environment_from_world(s.wi));
   r.distance_m = s.distance_m;
@@ -88,18 +110,12 @@ float light_share(LightDraw d) {
 }
 #endif
 
-/// Random numbers of sample `index` of a point.
-vec4 light_numbers(uint rotation, uint index) {
-  return vec4(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
-              unit_float(hash(rotation ^ 0x510e527fu) + index * 0x91E10DA5u), unit_float(hash(rotation ^ 0x1f83d9abu) + index * 0xABC98388u));
-}
-
 /// Mean over this work item's light samples, cd/m2.
 vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
-  int samples = max(count / kLightStride, 1);
-  uint first = first_sample / uint(min(count, kLightStride));
-  vec3 sum = vec3(0.0);
   LightChoice choice = light_choice(p.position);
+  int samples = light_sample_count(choice, count);
+  uint first = first_sample / uint(count) * uint(samples);
+  vec3 sum = vec3(0.0);
   int i = 0;
   do {
     uint index = first + uint(i);

@@ -272,6 +272,34 @@ TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   EXPECT_NEAR(mean(one), mean(converged), 0.1 * mean(converged));  // the foot of the strip is interpolated, too
 }
 
+/// At night, where a few samples for 64 of the sky would be all noise.
+TEST_P(LightAndGlass, LampsThatOutshineTheSkyHaveAsManySamples) {
+  Scene scene = floor_scene();
+  for (int k = 0; k < 8; ++k) {
+    Material glow = matte("panel", 0.0f);
+    glow.emissive = glm::vec3(10.0f * std::exp2(static_cast<float>(k % 4)));
+    scene.materials.push_back(glow);
+    add(&scene, make_grid({-0.8f + 0.2f * static_cast<float>(k), 0.3f, -0.5f}, {0.1f, 0, 0}, {0, 0, 0.8f}, 4,
+                          static_cast<int>(scene.materials.size()) - 1));
+  }
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(1e-3f));
+  FrameRequest request = request_of(GetParam(), "none");
+  request.camera.eye = {0.0f, 0.25f, 1.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  request.camera.fov_y_rad = 0.3f;
+  const Image one = draw(&renderer, request);
+  request.seed = 5;
+  const Image other = draw(&renderer, request);
+  double square = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < one.data.size(); i += 4) {
+    square += std::pow(static_cast<double>(one.data[i] - other.data[i]), 2.0);
+    sum += static_cast<double>(one.data[i]);
+  }
+  EXPECT_LT(std::sqrt(0.5 * square * 48.0 * 48.0) / sum, GetParam() == "uniform" ? 0.1 : 0.03);
+}
+
 Scene pane_scene(const glm::vec4& tint) {
   Scene scene;
   Material glass;

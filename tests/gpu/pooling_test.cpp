@@ -57,7 +57,7 @@ struct Predicted {
   glm::vec4 pooled(int x, int y) const {
     const glm::ivec2 p = visible(x, y);
     if (p.x < 0) return glm::vec4(0.0f);
-    double nu = 0.0, sum = 0.0, square = 0.0, count = 0.0, near_nu = 0.0, light = 0.0, light_square = 0.0;
+    double nu = 0.0, sum = 0.0, square = 0.0, count = 0.0, near_nu = 0.0, light_variance = 0.0;
     for (int k = 0; k < 25; ++k) {
       const std::size_t i = quad(std::clamp(x + k % 5 - 2, 0, quads_x - 1), std::clamp(y + k / 5 - 2, 0, quads_y - 1));
       if (energy[i].w != own(p)) continue;
@@ -67,11 +67,10 @@ struct Predicted {
       square += w * energy[i].z;
       count += w;
       near_nu += w * near[i].x;
-      light += w * near[i].y;
-      light_square += w * near[i].z;
+      light_variance += w * near[i].z;
     }
     if (count <= 0.0) return glm::vec4(1e4f * kAngle, 0.0f, 0.0f, 1.0f);
-    const double spread = 8.0 * std::max(light_square / count - light * light / (count * count), 0.0);
+    const double spread = light_variance / count;
     return glm::vec4(nu / sum * kAngle + near_nu / sum * kFootprint, sum / count,
                      std::sqrt(kSamples * square / count + spread), 1.0f);
   }

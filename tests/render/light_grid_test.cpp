@@ -76,7 +76,7 @@ void check_rows(const LightList& list) {
   const LightGrid grid = build_light_grid(list);
   ASSERT_EQ(grid.lights.size(), list.lights.size());
   ASSERT_EQ(grid.stride % 4, 0);
-  ASSERT_LE(grid.clusters(), LightGrid::kMaxClusters);
+  ASSERT_LE(grid.stride, LightGrid::kMaxNodes);
   std::vector<int> seen = grid.order;
   std::sort(seen.begin(), seen.end());
   for (std::size_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], static_cast<int>(i));
@@ -87,31 +87,41 @@ void check_rows(const LightList& list) {
   const auto rows = static_cast<std::size_t>(grid.cells.x) * static_cast<std::size_t>(grid.cells.y) *
                     static_cast<std::size_t>(grid.cells.z);
   ASSERT_EQ(grid.cumulative.size(), rows * static_cast<std::size_t>(grid.stride));
+  ASSERT_EQ(grid.cut.size(), grid.cumulative.size());
+  ASSERT_EQ(grid.lux.size(), rows);
+  std::vector<int> times(grid.lights.size());
   for (std::size_t row = 0; row < rows; ++row) {
     float before = 0.0f;
+    std::fill(times.begin(), times.end(), 0);
     for (int k = 0; k < grid.stride; ++k) {
-      const float sum = grid.cumulative[row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(k)];
+      const std::size_t at = row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(k);
       // Whole steps: a number of 24 bits below it is drawn as often as the difference says.
-      ASSERT_TRUE(whole(sum));
-      if (k < grid.clusters()) {
-        ASSERT_GT(sum, before) << row << " " << k;
+      ASSERT_TRUE(whole(grid.cumulative[at]));
+      if (before < 1.0f) {
+        ASSERT_GT(grid.cumulative[at], before) << row << " " << k;
+        const LightNode& node = grid.nodes[grid.cut[at]];
+        for (int i = 0; i < node.count; ++i) ++times[static_cast<std::size_t>(node.first + i)];
+      } else {
+        ASSERT_EQ(grid.cumulative[at], 1.0f);
       }
-      before = sum;
+      before = grid.cumulative[at];
     }
     ASSERT_EQ(before, 1.0f);
-    ASSERT_EQ(
-        grid.cumulative[row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(grid.clusters()) - 1],
-        1.0f);
+    ASSERT_EQ(std::count(times.begin(), times.end(), 1), static_cast<std::ptrdiff_t>(times.size()))
+        << "a cut holds each light once";
   }
-  for (int k = 0; k < grid.clusters(); ++k) {
-    float before = 0.0f;
-    for (int i = grid.first[static_cast<std::size_t>(k)]; i < grid.first[static_cast<std::size_t>(k) + 1]; ++i) {
-      const LightRecord& light = grid.lights[static_cast<std::size_t>(i)];
-      ASSERT_TRUE(whole(light.cdf));
-      ASSERT_EQ(light.cdf - before, light.selection_pdf);
-      before = light.cdf;
-    }
-    ASSERT_EQ(before, 1.0f);
+  float before = 0.0f;
+  for (const LightRecord& light : grid.lights) {
+    ASSERT_TRUE(whole(light.cdf));
+    ASSERT_EQ(light.cdf - before, light.selection_pdf);
+    before = light.cdf;
+  }
+  ASSERT_EQ(before, 1.0f);
+  for (const LightNode& node : grid.nodes) {
+    const auto first = static_cast<std::size_t>(node.first);
+    ASSERT_EQ(node.before, first > 0 ? grid.lights[first - 1].cdf : 0.0f);
+    ASSERT_EQ(node.before + node.share, grid.lights[first + static_cast<std::size_t>(node.count) - 1].cdf);
+    ASSERT_GT(node.share, 0.0f);
   }
   for (const glm::ivec3& cell : {glm::ivec3(0), grid.cells / 2, grid.cells - 1}) {
     double sum = 0.0;
@@ -180,6 +190,92 @@ TEST(LightGrid, WhatIsNearIsNoSurprise) {
   EXPECT_LT(worst, 30.0);
   EXPECT_LT(worst_far, 8.0);
   EXPECT_GT(worst_by_power, 300.0);
+}
+
+LightRecord triangle_at(const glm::vec3& position, const glm::vec3& edge1, const glm::vec3& edge2, float radiance) {
+  LightRecord light{};
+  light.kind = shared::kLightTriangle;
+  light.position = position;
+  light.direction = edge1;
+  light.edge2 = edge2;
+  light.color = glm::vec3(radiance);
+  return light;
+}
+
+/// Luminous flux on the side that it shines to.
+double power_of(const LightRecord& light) {
+  return 1.5707963 * static_cast<double>(light.color.y) *
+         glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
+}
+
+/// What a one-sided triangle brings to a point, without the cosine there; 0 from behind.
+double lux_at(const LightRecord& light, const glm::dvec3& p) {
+  const glm::dvec3 a(light.direction), b(light.edge2), to = p - glm::dvec3(light.position) - (a + b) / 3.0;
+  const double facing = 0.5 * glm::dot(glm::cross(a, b), to) / glm::length(to);
+  return facing > 0.0 ? static_cast<double>(light.color.y) * facing / glm::dot(to, to) : 0.0;
+}
+
+// Headlamps in front of a cabin: nothing of them shines back on what its display lights.
+TEST(LightGrid, WhatShinesElsewhereIsHardlyDrawn) {
+  std::vector<LightRecord> lights;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  for (int i = 0; i < 300; ++i)
+    lights.push_back(triangle_at({unit(random), 0.1f * unit(random), 2.0f}, {0.02f, 0, 0}, {0, 0.02f, 0}, 20000.0f));
+  for (int i = 0; i < 40; ++i)
+    lights.push_back(triangle_at({0.01f * static_cast<float>(i), 0.2f, 0.5f}, {0, 0.02f, 0}, {0.01f, 0, 0}, 200.0f));
+  std::vector<double> powers;
+  for (const LightRecord& light : lights) powers.push_back(power_of(light));
+  const LightGrid grid = build_light_grid(list_of(lights, powers));
+  for (int trial = 0; trial < 100; ++trial) {
+    const glm::vec3 p(unit(random), 0.4f * unit(random), 0.3f * unit(random));
+    double display = 0.0;
+    for (std::size_t i = 0; i < lights.size(); ++i)
+      if (grid.order[i] >= 300) display += light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+    EXPECT_GT(display, 0.99) << p.x << " " << p.y << " " << p.z;
+  }
+}
+
+// Whatever may be lit, near and far and beyond the inner cells: no light that reaches a point is much rarer than by
+// power, and what the cell says of the light there is what arrives.
+TEST(LightGrid, WhatReachesAPointIsDrawn) {
+  std::mt19937 random(23);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const auto vector = [&] { return 2.0f * glm::vec3(unit(random), unit(random), unit(random)) - 1.0f; };
+  for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+    std::vector<LightRecord> lights;
+    std::vector<double> powers;
+    for (int i = 0; i < 400; ++i) {
+      const float side = scale * std::pow(10.0f, -1.0f - 3.0f * unit(random));
+      lights.push_back(
+          triangle_at(scale * vector(), side * vector(), side * vector(), std::pow(10.0f, 4.0f * unit(random))));
+      powers.push_back(power_of(lights.back()));
+    }
+    const LightList list = list_of(lights, powers);
+    const LightGrid grid = build_light_grid(list);
+    double least = 1.0;
+    std::vector<double> said;
+    for (int trial = 0; trial < 300; ++trial) {
+      const bool outside = trial % 3 == 0;
+      const glm::vec3 p = (outside ? 4.0f : 1.0f) * scale * vector();
+      const glm::ivec3 cell = cell_of(grid, p);
+      double sum = 0.0;
+      for (std::size_t i = 0; i < grid.lights.size(); ++i) {
+        const double lux = lux_at(grid.lights[i], glm::dvec3(p));
+        if (!(lux > 0.0)) continue;
+        sum += lux;
+        const double by_power = list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
+        if (by_power > 1e-4) least = std::min(least, light_probability(grid, cell, static_cast<int>(i)) / by_power);
+      }
+      if (outside) continue;
+      const auto row = static_cast<std::size_t>((cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x);
+      said.push_back(static_cast<double>(grid.lux[row]) / sum);
+    }
+    EXPECT_GT(least, 0.24) << scale;
+    std::sort(said.begin(), said.end());
+    EXPECT_GT(said[said.size() / 20], 0.5) << scale;
+    EXPECT_LT(said[said.size() * 19 / 20], 4.0) << scale;
+  }
 }
 
 }  // namespace

@@ -168,5 +168,24 @@ TEST(Session, ADentThatTouchesNothingSaysHowFar) {
   EXPECT_THROW(press_dent(&plain, dent), Error);
 }
 
+TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
+  Scene scene = load_scene("builtin:sphere");
+  Environment environment;
+  environment.name = "hall.hdr";
+  environment.width = 64;
+  environment.height = 32;
+  environment.rgb.assign(2048, glm::vec3(0.6f));
+  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"), "") << "no lamps";
+  scene.materials.front().emissive = glm::vec3(400.0f);
+  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"),
+            "about 0.6 cd/m2 on average, the scene's lamps up to 400: as at night. If the file is in units of its own, "
+            "--env-scale 800 lights it as a hall");
+  EXPECT_EQ(doubt_about_units(scene, environment, 800.0f, "--env-scale"), "");
+  environment.rgb.assign(2048, glm::vec3(0.0f));
+  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"), "") << "black on purpose";
+  EXPECT_EQ(doubt_about_units(load_scene("builtin:cockpit"), load_environment("builtin:studio"), 1e-9f, ""), "")
+      << "in cd/m2";
+}
+
 }  // namespace
 }  // namespace maquette

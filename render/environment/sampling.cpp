@@ -60,8 +60,8 @@ EnvironmentCell find_environment_cell(const float* cdf, std::size_t count, doubl
   const float* after =
       std::upper_bound(cdf, end, u, [](double value, float entry) { return value < static_cast<double>(entry); });
   const std::size_t i = std::min(static_cast<std::size_t>(after - cdf), count) - 1;
-  const double begin = cdf[i];
-  return {i, std::clamp((u - begin) / (static_cast<double>(cdf[i + 1]) - begin), 0.0, 1.0)};
+  const double begin = cdf[i], size = static_cast<double>(cdf[i + 1]) - begin;
+  return {i, size > 0.0 ? std::clamp((u - begin) / size, 0.0, 1.0) : 0.0};  // where there is no light at all
 }
 
 EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, double u, double v) {

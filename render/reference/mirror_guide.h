@@ -36,6 +36,10 @@ class MirrorGuide {
   glm::vec3 sample(std::uint32_t cell, const glm::vec2& u) const;
   /// 1/sr.
   float pdf(std::uint32_t cell, const glm::vec3& direction) const;
+  /// 1/sr of directions of which the share `mirror_share` is drawn here and the others with density `own`.
+  float mixed_pdf(float own, std::uint32_t cell, float mirror_share, const glm::vec3& direction) const {
+    return mirror_share > 0.0f ? (1.0f - mirror_share) * own + mirror_share * pdf(cell, direction) : own;
+  }
 
  private:
   struct Arrival {

@@ -49,11 +49,12 @@ class CameraRay {
 struct PathTask {
   const CameraRay* ray = nullptr;
   PathSampler sampler;
+  std::uint32_t tile = 0;  ///< paths of one tile, beside each other, share light (path_sharing.h); 0: alone
   PathEstimate estimate;
 };
 
 /// Follows paths, full transport, several in turn: what one reads next comes from memory while the others are at work.
-/// Each is what it would be alone. Not for several threads at once.
+/// What they are does not depend on what else is under way. Not for several threads at once.
 class PathGroup {
  public:
   static constexpr std::size_t kMost = 8;
@@ -63,10 +64,14 @@ class PathGroup {
   ~PathGroup();
   PathGroup(const PathGroup&) = delete;
   PathGroup& operator=(const PathGroup&) = delete;
-  /// Fills the estimates of kMost tasks at most.
+  /// Fills the estimates of kMost tasks at most, a tile's all at once.
   void follow(std::span<PathTask> tasks);
 
  private:
+  void share(std::span<PathTask> tasks) const;
+
+  const PathScene& scene_;
+  const MirrorGuide* mirrors_;
   std::vector<FullPath> paths_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "render/reference/bending.h"
 #include "render/reference/path.h"
+#include "render/reference/path_sharing.h"
 #include "render/reference/scattering.h"
 
 namespace maquette {
@@ -21,9 +22,10 @@ constexpr float kMirrorShare = 0.15f, kGuidedMirrored = 0.9f;
 constexpr int kMostPanes = 4096;          ///< that one path passes between two surfaces
 constexpr std::size_t kMostBranches = 8;  ///< of one camera ray
 constexpr int kMostSplits = 6;            ///< panes in a row that send a camera ray both ways
-/// Shadow rays to the environment: at the first two surfaces, and further on. Much of what is left in the cabin of a car
-/// comes of choosing one part of the sky at the second surface.
-constexpr std::uint32_t kShadowRays = 3, kLaterShadowRays = 2;
+/// Shadow rays to the environment at the first surface, the second and later ones. What the second sends is shared by a
+/// tile, so that most is left to gain at the first.
+constexpr std::array<std::uint32_t, 3> kShadowRays{5, 3, 2};
+constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(), kShadowRays.end());
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
 /// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
 /// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.
@@ -44,15 +46,20 @@ class FullPath {
   FullPath(const PathScene& scene, const EnvironmentLight& environment, int max_bounces, const MirrorGuide* mirrors)
       : scene_(scene), environment_(environment), max_bounces_(max_bounces), mirrors_(mirrors) {}
 
-  void begin(const CameraRay& ray, const PathSampler& sampler) {
+  /// `shares`: light with others of its tile.
+  void begin(const CameraRay& ray, const PathSampler& sampler, bool shares) {
     camera_ray_ = &ray;
     sampler_ = sampler;
     result_ = {};
+    in_tile_ = shares;
+    link_ = {};
     branches_ = 0;
     next_branch();
   }
   bool ended() const { return step_ == Step::none; }
   const PathEstimate& result() const { return result_; }
+  /// What it shares, once it has ended.
+  const PathLink& link() const { return link_; }
 
   /// To the next surface, or out of the scene.
   void trace() {
@@ -80,6 +87,7 @@ class FullPath {
     }
     add_emission(met_);
     step_ = Step::scatter;
+    if (linking_ && bounce_ == 1 && vertex_ == 1) reach(met_);
     if (met_.material->values.unlit) next_branch();
   }
 
@@ -87,7 +95,7 @@ class FullPath {
   void look() {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *at_;
-    shadow_rays_ = bounce_ < 2 ? kShadowRays : kLaterShadowRays;
+    shadow_rays_ = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
     polarisation_ = {};
     find_cells(p);
     origin_ = offset_from_surface(p.position, p.error, p.normal);
@@ -130,6 +138,7 @@ class FullPath {
   /// Light that arrives straight, then on in a new direction.
   void scatter() {
     if (step_ != Step::scatter) return;
+    if (linking_) link(*at_);
     for (std::size_t i = 0; i < arrived_; ++i) add_light(*at_, &arriving_[i]);
     go_on(leaves(*at_));
   }
@@ -153,6 +162,8 @@ class FullPath {
       if (share < 1.0f && sampler_.single(kDimensionsABranch * (64 + branch)) >= share) continue;
       base_ = 1 + kDimensionsABranch * branch;
       weight_ = s.weight / share;
+      shared_weight_ = steady_ = glm::vec3(0.0f);
+      linking_ = in_tile_ && branch == 0 && s.straight;
       polarisation_ = {};
       bounce_ = vertex_ = 0;
       ray_ = {};
@@ -174,17 +185,54 @@ class FullPath {
   void add_environment() {
     if (environment_.black()) return;
     const glm::vec4 light = environment_.radiance_and_density(ray_.direction, shares());
-    result_.radiance += weight_ * glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_));
+    add(glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_)));
+  }
+
+  /// What arrives: most of it is the link's, once there is one.
+  void add(const glm::vec3& light) {
+    result_.radiance += (weight_ - link_.carried * shared_weight_) * light;
+    link_.light += shared_weight_ * light;
+  }
+  void scale(const glm::vec3& factor) {
+    weight_ *= factor;
+    shared_weight_ *= factor;
+  }
+
+  /// At the second surface.
+  void reach(const SurfacePoint& p) {
+    if (!link_.from || !shares_second(p, ray_.direction)) return;
+    link_.reached = true;
+    link_.carried = weight_;
+    link_.to = p.position;
+    link_.normal = p.normal;
+    link_.shading_normal = p.n;
+  }
+
+  /// What the link needs of the surface that the path is about to leave.
+  void link(const SurfacePoint& p) {
+    steady_ = glm::vec3(0.0f);
+    if (bounce_ == 0 && vertex_ == 0 && max_bounces_ > 0 && shares_first(p)) {
+      link_.from = &p;
+      link_.origin = origin_;
+      link_.weight = weight_;
+      link_.mirror_cell = mirror_cell_;
+      link_.mirror_share = mirror_share_;
+      link_.direction = p.to_world(drawn_.wi);
+      link_.pdf = drawn_.pdf;
+    } else if (bounce_ == 1 && link_.reached) {
+      link_.end = origin_;
+      steady_ = steady_brdf(p);
+    }
   }
 
   /// Balance heuristic against a density with which shadow rays find the same; none does behind a mirror.
   float share_of(float other) const { return pdf_ > 0.0f ? pdf_ / (pdf_ + other) : 1.0f; }
 
   void add_emission(const SurfacePoint& p) {
-    if (p.material->values.unlit) result_.radiance += weight_ * p.base_color;
+    if (p.material->values.unlit) add(p.base_color);
     if (p.emission == glm::vec3(0.0f)) return;
     const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_, p.position) : 0.0f;
-    result_.radiance += weight_ * p.emission * share_of(other);
+    add(p.emission * share_of(other));
   }
 
   /// Mirrors or lets pass; false where this path treats the pane as a surface (its share that is none).
@@ -199,11 +247,11 @@ class FullPath {
     float probability = reflect + pass > 0.0f ? reflect / (reflect + pass) : 0.0f;
     if (reflect > 0.0f) probability = std::max(probability, glm::mix(kLeastMirrored, kGuidedMirrored, guided_));
     if (u < probability) {
-      weight_ *= rays.shares.reflected / probability;
+      scale(rays.shares.reflected / probability);
       ray_ = rays.mirrored;
       pdf_ = 0.0f;
     } else {
-      weight_ *= rays.shares.transmitted / (1.0f - probability);
+      scale(rays.shares.transmitted / (1.0f - probability));
       ray_ = rays.passed;
     }
     from_ = p.position;
@@ -217,12 +265,12 @@ class FullPath {
     float u = sampler_.single(dimension(kPane));
     if (u >= m.pane) return false;
     u /= m.pane;
-    if (m.solid && !p.front) weight_ *= glm::exp(-m.absorption * glm::length(p.position - from_));
+    if (m.solid && !p.front) scale(glm::exp(-m.absorption * glm::length(p.position - from_)));
     if (vertex_ > 0) add_emission(p);
     const float roughness = m.rough ? p.analytic.alpha : 0.0f;
     const BentRay bent = bend_at_glass(p, glm::normalize(ray_.direction), roughness,
                                        sampler_.pair(dimension(kDirection)), u, &polarisation_);
-    weight_ *= bent.weight;
+    scale(bent.weight);
     ray_ = {offset_from_surface(p.position, p.error, bent.passed ? -p.normal : p.normal), bent.direction};
     from_ = p.position;
     pdf_ = 0.0f;
@@ -234,7 +282,11 @@ class FullPath {
     if (!(drawn_.pdf > 0.0f)) return false;
     const glm::vec3 direction = p.to_world(drawn_.wi);
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
-    weight_ *= evaluate_brdf(p, query_) * (drawn_.wi.z / drawn_.pdf);
+    const glm::vec3 f = evaluate_brdf(p, query_);
+    const float scale = drawn_.wi.z / drawn_.pdf;
+    weight_ *= f * scale;
+    shared_weight_ = (steady_ + shared_weight_ * f) * scale;
+    steady_ = glm::vec3(0.0f);
     if (!survives()) return false;
     ray_ = {origin_, direction};
     pdf_ = drawn_.pdf;
@@ -261,8 +313,7 @@ class FullPath {
 
   /// Density of what draw_direction draws, given the BRDF's own.
   float mixed_pdf(float own, const glm::vec3& direction) const {
-    if (!(mirror_share_ > 0.0f)) return own;
-    return (1.0f - mirror_share_) * own + mirror_share_ * mirrors_->pdf(mirror_cell_, direction);
+    return mirrors_ ? mirrors_->mixed_pdf(own, mirror_cell_, mirror_share_, direction) : own;
   }
 
   DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
@@ -289,13 +340,13 @@ class FullPath {
     if (bounce_ + 1 < kRouletteBounce) return true;
     const float survival = std::min(weight, kMostSurvival);
     if (sampler_.single(dimension(kRoulette)) >= survival) return false;
-    weight_ /= survival;
+    scale(glm::vec3(1.0f / survival));
     return true;
   }
 
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    std::array<glm::vec2, kShadowRays> u;
+    std::array<glm::vec2, kMostShadowRays> u;
     // One sequence for all rays of all paths.
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
       u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
@@ -338,8 +389,11 @@ class FullPath {
     if (draw.texel >= 0) environment_.fill(&draw, shares());
     const Scattering s = evaluate_scattering(p, light->query);
     const float density = light->rays * draw.pdf + (draw.has_extent ? mixed_pdf(s.pdf, draw.direction) : 0.0f);
-    if (density > 0.0f)
-      result_.radiance += weight_ * s.f * draw.radiance * light->through * (light->query.wi.z / density);
+    if (!(density > 0.0f)) return;
+    const glm::vec3 arriving = draw.radiance * light->through * (light->query.wi.z / density);
+    const glm::vec3 shared = steady_ + shared_weight_ * s.f;
+    result_.radiance += (weight_ * s.f - link_.carried * shared) * arriving;
+    link_.light += shared * arriving;
   }
 
   const PathScene& scene_;
@@ -357,10 +411,14 @@ class FullPath {
   SurfacePoint met_;
   const SurfacePoint* at_ = nullptr;  ///< met_, or the camera ray's
   glm::vec3 weight_{1.0f};
-  Polarisation polarisation_;  ///< by glass since the last surface
-  int bounce_ = 0;             ///< surfaces that scattered so far
-  int vertex_ = 0;             ///< surfaces met so far, panes included
-  float pdf_ = 0.0f;           ///< density of the last scattering; 0: nothing else could have found what is hit
+  bool in_tile_ = false, linking_ = false;  ///< with its tile; on the branch that does
+  PathLink link_;
+  glm::vec3 shared_weight_{0.0f};  ///< of what arrives, in the link's light: part of weight_, less what is carried
+  glm::vec3 steady_{0.0f};         ///< 1/sr, where it is the second surface
+  Polarisation polarisation_;      ///< by glass since the last surface
+  int bounce_ = 0;                 ///< surfaces that scattered so far
+  int vertex_ = 0;                 ///< surfaces met so far, panes included
+  float pdf_ = 0.0f;               ///< density of the last scattering; 0: nothing else could have found what is hit
   glm::vec3 scattered_at_{0.0f};
   glm::vec3 from_{0.0f};  ///< of the ray, on the surface itself
   // Of the surface where it is:
@@ -368,11 +426,11 @@ class FullPath {
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide
   LeafShares shares_;                         ///< of the guide
   std::uint32_t shadow_rays_ = 0;
-  std::array<EnvironmentLight::Choice, kShadowRays> choices_;
+  std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
   bool has_lamp_ = false;
   std::size_t lamp_index_ = 0;
   LightDraw lamp_;
-  std::array<ArrivingLight, kShadowRays + 1> arriving_;
+  std::array<ArrivingLight, kMostShadowRays + 1> arriving_;
   std::size_t arrived_ = 0;
   std::uint32_t mirror_cell_ = 0;
   float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws
@@ -383,7 +441,8 @@ class FullPath {
 };
 
 PathGroup::PathGroup(const PathScene& scene, const EnvironmentLight& environment, int max_bounces,
-                     const MirrorGuide* mirrors) {
+                     const MirrorGuide* mirrors)
+    : scene_(scene), mirrors_(mirrors) {
   paths_.reserve(kMost);
   for (std::size_t i = 0; i < kMost; ++i) paths_.emplace_back(scene, environment, max_bounces, mirrors);
 }
@@ -394,7 +453,8 @@ void PathGroup::follow(std::span<PathTask> tasks) {
   std::size_t count = tasks.size();
   for (std::size_t i = 0; i < count; ++i) {
     under_way[i] = &paths_[i];
-    paths_[i].begin(*tasks[i].ray, tasks[i].sampler);
+    const auto beside = [&](std::size_t k) { return k < tasks.size() && tasks[k].tile == tasks[i].tile; };
+    paths_[i].begin(*tasks[i].ray, tasks[i].sampler, tasks[i].tile > 0 && (beside(i - 1) || beside(i + 1)));
   }
   const auto all = [&](void (FullPath::*step)()) {
     for (std::size_t i = 0; i < count; ++i) (under_way[i]->*step)();
@@ -415,6 +475,24 @@ void PathGroup::follow(std::span<PathTask> tasks) {
     estimate = paths_[i].result();
     estimate.radiance += tasks[i].ray->radiance_;
     estimate.covered = tasks[i].ray->covered_;
+  }
+  share(tasks);
+}
+
+void PathGroup::share(std::span<PathTask> tasks) const {
+  static_assert(kMost <= kMostLinks);
+  std::array<PathLink, kMost> links;
+  for (std::size_t begin = 0, end = 0; begin < tasks.size(); begin = end) {
+    for (end = begin; end < tasks.size() && tasks[end].tile == tasks[begin].tile; ++end)
+      links[end - begin] = paths_[end].link();
+    const std::size_t count = end - begin;
+    if (tasks[begin].tile == 0 || count < 2) continue;
+    std::array<SharedLight, kMost> results;
+    share_links(scene_, mirrors_, std::span(links).first(count), std::span(results).first(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      tasks[begin + i].estimate.radiance += results[i].radiance;
+      tasks[begin + i].estimate.rays += results[i].rays;
+    }
   }
 }
 
@@ -505,7 +583,7 @@ glm::vec3 estimate_radiance(const PathScene& scene, const PathOptions& options, 
   if (options.transport == Transport::direct)
     return estimate_direct(scene, environment, sampler, ray, nullptr).radiance;
   const CameraRay first(scene, environment, ray, nullptr, sampler.word(0));
-  PathTask task{&first, sampler, {}};
+  PathTask task{&first, sampler, 0, {}};
   PathGroup(scene, environment, options.max_bounces).follow({&task, 1});
   return task.estimate.radiance;
 }

@@ -22,7 +22,11 @@ namespace maquette {
 
 namespace {
 
-constexpr std::size_t kPixelsATask = 128;
+/// Pixels of a tile share light (path_sharing.h) and have equal numbers of paths.
+constexpr int kTileWidth = 4, kTileHeight = 2;
+constexpr std::size_t kMostInTile = static_cast<std::size_t>(kTileWidth * kTileHeight);
+static_assert(kMostInTile <= PathGroup::kMost);
+constexpr std::size_t kTilesATask = 16;
 
 /// Sums over the paths of one pixel. Double: float stops growing at 1.7e7 equal terms and loses the variance long
 /// before.
@@ -50,7 +54,7 @@ constexpr std::uint32_t kLeastStep = 8;
 constexpr double kLargestStep = 0.25;
 /// Fewest and most paths of a pixel over the average.
 constexpr double kLeastRate = 0.25, kMostRate = 6.0;
-constexpr int kSpreadRadius = 3;  ///< pixels around one whose spread decides
+constexpr int kSpreadRadius = 3;  ///< pixels around a tile whose spread decides
 constexpr int kBlock = 8;         ///< pixels; the first pass goes from one pixel of each block to all
 
 /// When a pass ends early.
@@ -181,7 +185,7 @@ struct ReferencePicture::Impl {
   std::uint32_t target_of(std::size_t pixel, std::uint32_t average) const {
     if (rates.empty()) return average;
     // Rounded up as often as its fraction says: half of a path for many pixels is many paths.
-    const float chance = static_cast<float>(mix_seed(request.seed, static_cast<std::uint32_t>(pixel)) >> 8) * 0x1p-24f;
+    const float chance = static_cast<float>(mix_seed(request.seed, tile_of(pixel)) >> 8) * 0x1p-24f;
     return counts_then[pixel] +
            static_cast<std::uint32_t>(rates[pixel] * static_cast<float>(average - decided) + chance);
   }
@@ -217,20 +221,26 @@ struct ReferencePicture::Impl {
           group_(*picture->scene, picture->environment, picture->request.paths.max_bounces,
                  picture->mirrors ? &*picture->mirrors : nullptr) {}
 
-    /// Until the pixel has `target` paths, once all are complete.
-    void add(std::size_t pixel, std::uint32_t target) {
-      const std::uint32_t first = picture_.pixels[pixel].count;
-      for (std::uint32_t path = first; path < target && !halt_(); ++path) {
-        const PathSampler sampler = picture_.sampler_of(pixel, path);
-        // All paths through a pixel's centre begin alike.
-        if (path == first || picture_.request.msaa > 1) {
-          const PixelRay r = picture_.first_ray(pixel, sampler);
-          first_rays_.emplace_back(*picture_.scene, picture_.environment, r.ray, &r.differential, 0u);
-          rays_ += first_rays_.back().rays();
+    /// Until these pixels of a tile have their paths, once all are complete.
+    void add(std::span<const std::uint32_t> pixels, std::uint32_t average) {
+      std::array<const CameraRay*, kMostInTile> rays{};
+      std::uint32_t path = std::numeric_limits<std::uint32_t>::max(), end = 0;
+      for (const std::uint32_t pixel : pixels) {
+        path = std::min(path, picture_.pixels[pixel].count);
+        end = std::max(end, picture_.target_of(pixel, average));
+      }
+      for (; path < end && !halt_(); ++path) {
+        if (count_ + pixels.size() > PathGroup::kMost) complete();
+        ++tile_;
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+          const std::uint32_t pixel = pixels[i];
+          if (path < picture_.pixels[pixel].count || path >= picture_.target_of(pixel, average)) continue;
+          const PathSampler sampler = picture_.sampler_of(pixel, path);
+          // All paths through a pixel's centre begin alike.
+          if (!rays[i] || picture_.request.msaa > 1) rays[i] = &first_ray(pixel, sampler);
+          pixels_[count_] = pixel;
+          tasks_[count_++] = {rays[i], sampler, tile_, {}};
         }
-        pixels_[count_] = pixel;
-        tasks_[count_] = {&first_rays_.back(), sampler, {}};
-        if (++count_ == PathGroup::kMost) complete();
       }
     }
     void complete() {
@@ -241,18 +251,26 @@ struct ReferencePicture::Impl {
       }
       paths_ += count_;
       count_ = 0;
-      while (first_rays_.size() > 1) first_rays_.pop_front();  // the last pixel may have more paths
+      while (first_rays_.size() > kMostInTile) first_rays_.pop_front();  // the last tile may have more paths
     }
     std::size_t paths() const { return paths_; }
     std::size_t rays() const { return rays_; }
 
    private:
+    const CameraRay& first_ray(std::size_t pixel, const PathSampler& sampler) {
+      const PixelRay r = picture_.first_ray(pixel, sampler);
+      first_rays_.emplace_back(*picture_.scene, picture_.environment, r.ray, &r.differential, 0u);
+      rays_ += first_rays_.back().rays();
+      return first_rays_.back();
+    }
+
     Impl& picture_;
     const Halt& halt_;
     PathGroup group_;
     std::array<PathTask, PathGroup::kMost> tasks_;
     std::array<std::size_t, PathGroup::kMost> pixels_{};
     std::size_t count_ = 0, paths_ = 0, rays_ = 0;
+    std::uint32_t tile_ = 0;  ///< counts what was begun
     std::deque<CameraRay> first_rays_;
   };
 
@@ -269,16 +287,30 @@ struct ReferencePicture::Impl {
     return p.count - first;
   }
 
-  void trace_pixels(std::span<const std::uint32_t> order, std::uint32_t average, const Halt& halt,
-                    const Progress& progress) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, order.size(), kPixelsATask), [&](const auto& range) {
+  /// Pixels in the order of their tiles.
+  struct Tiles {
+    std::vector<std::uint32_t> pixels;
+    std::vector<std::size_t> begins{0};  ///< [tile + 1]
+    std::size_t count() const { return begins.size() - 1; }
+    std::span<const std::uint32_t> of(std::size_t tile) const {
+      return std::span(pixels).subspan(begins[tile], begins[tile + 1] - begins[tile]);
+    }
+  };
+  std::uint32_t tile_of(std::size_t pixel) const {
+    const auto width = static_cast<std::size_t>(request.width);
+    return static_cast<std::uint32_t>(pixel / width / kTileHeight * width + pixel % width / kTileWidth);
+  }
+
+  void trace_pixels(const Tiles& tiles, std::uint32_t average, const Halt& halt, const Progress& progress) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles.count(), kTilesATask), [&](const auto& range) {
       std::size_t traced = 0, paths = 0;
       if (request.paths.transport == Transport::direct) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-          paths += trace_direct(order[i], target_of(order[i], average), halt, &traced);
+          for (const std::uint32_t pixel : tiles.of(i))
+            paths += trace_direct(pixel, target_of(pixel, average), halt, &traced);
       } else {
         Tracer tracer(this, halt);
-        for (std::size_t i = range.begin(); i < range.end(); ++i) tracer.add(order[i], target_of(order[i], average));
+        for (std::size_t i = range.begin(); i < range.end(); ++i) tracer.add(tiles.of(i), average);
         tracer.complete();
         paths = tracer.paths();
         traced = tracer.rays();
@@ -292,27 +324,31 @@ struct ReferencePicture::Impl {
   bool trace_to(std::uint32_t average, const Halt& halt, const Progress& progress) {
     if (samples) samples->prepare(static_cast<std::uint32_t>(kMostRate * average));
     if (done > 0) {
-      std::vector<std::uint32_t> rows(pixels.size());
-      std::iota(rows.begin(), rows.end(), 0u);
-      trace_pixels(rows, average, halt, progress);
+      trace_pixels(tiles_where([](int, int) { return true; }), average, halt, progress);
     } else {
       // From coarse to fine. What time does not end is the first pixel of each block.
       for (int side = kBlock; side > 0; side /= 2) {
-        const std::vector<std::uint32_t> grid = pixels_of_grid(side);
-        trace_pixels(grid, average, side == kBlock ? Halt(halt.stop(), {}) : halt, progress);
+        // Whose coordinates are multiples of `side`, but not of twice that.
+        const auto in_grid = [side](int x, int y) {
+          return x % side == 0 && y % side == 0 && (side == kBlock || x % (2 * side) != 0 || y % (2 * side) != 0);
+        };
+        trace_pixels(tiles_where(in_grid), average, side == kBlock ? Halt(halt.stop(), {}) : halt, progress);
       }
     }
     return !halt();
   }
 
-  /// Whose coordinates are multiples of `side`, but not of twice that.
-  std::vector<std::uint32_t> pixels_of_grid(int side) const {
-    std::vector<std::uint32_t> grid;
-    for (int y = 0; y < request.height; y += side)
-      for (int x = 0; x < request.width; x += side)
-        if (side == kBlock || x % (2 * side) != 0 || y % (2 * side) != 0)
-          grid.push_back(static_cast<std::uint32_t>(y * request.width + x));
-    return grid;
+  template <typename Which>
+  Tiles tiles_where(const Which& which) const {
+    Tiles tiles;
+    for (int y = 0; y < request.height; y += kTileHeight)
+      for (int x = 0; x < request.width; x += kTileWidth) {
+        for (int v = y; v < std::min(y + kTileHeight, request.height); ++v)
+          for (int u = x; u < std::min(x + kTileWidth, request.width); ++u)
+            if (which(u, v)) tiles.pixels.push_back(static_cast<std::uint32_t>(v * request.width + u));
+        if (tiles.pixels.size() > tiles.begins.back()) tiles.begins.push_back(tiles.pixels.size());
+      }
+    return tiles;
   }
 
   /// Of the pixel, or of one that stands for it.
@@ -324,24 +360,26 @@ struct ReferencePicture::Impl {
     return pixels[y / kBlock * kBlock * width + x / kBlock * kBlock];
   }
 
-  /// Mean spread of the pixels around one, its own left out: what a pixel saw itself must not decide how often it looks
-  /// again, or lucky ones would stop and the picture come out too dark.
+  /// [pixel] mean spread of the pixels around its tile, those of the tile left out: what a pixel saw itself, and its
+  /// tile saw with it, must not decide how often it looks again, or lucky ones would stop and the picture come out too
+  /// dark.
   std::vector<float> spreads_around() const {
     const int width = request.width, height = request.height;
     std::vector<float> own(pixels.size()), around(pixels.size());
     for (std::size_t i = 0; i < pixels.size(); ++i) own[i] = spread_of(pixels[i]);
-    tbb::parallel_for(0, height, [&](int y) {
-      for (int x = 0; x < width; ++x) {
-        float sum = 0.0f;
-        int count = 0;
-        for (int v = std::max(y - kSpreadRadius, 0); v <= std::min(y + kSpreadRadius, height - 1); ++v)
-          for (int u = std::max(x - kSpreadRadius, 0); u <= std::min(x + kSpreadRadius, width - 1); ++u) {
-            if (u == x && v == y) continue;
-            sum += own[static_cast<std::size_t>(v * width + u)];
-            ++count;
-          }
-        around[static_cast<std::size_t>(y * width + x)] = count > 0 ? sum / static_cast<float>(count) : 0.0f;
-      }
+    const Tiles tiles = tiles_where([](int, int) { return true; });
+    tbb::parallel_for(std::size_t{0}, tiles.count(), [&](std::size_t tile) {
+      const std::span<const std::uint32_t> inside = tiles.of(tile);
+      const int x = static_cast<int>(inside[0]) % width, y = static_cast<int>(inside[0]) / width;
+      float sum = 0.0f;
+      int count = 0;
+      for (int v = std::max(y - kSpreadRadius, 0); v < std::min(y + kTileHeight + kSpreadRadius, height); ++v)
+        for (int u = std::max(x - kSpreadRadius, 0); u < std::min(x + kTileWidth + kSpreadRadius, width); ++u) {
+          if (u >= x && u < x + kTileWidth && v >= y && v < y + kTileHeight) continue;
+          sum += own[static_cast<std::size_t>(v * width + u)];
+          ++count;
+        }
+      for (const std::uint32_t pixel : inside) around[pixel] = count > 0 ? sum / static_cast<float>(count) : 0.0f;
     });
     return around;
   }
@@ -387,7 +425,7 @@ struct ReferencePicture::Impl {
     const std::uint32_t count = 1u << training;
     static_assert(1u << (kTrainingLessons - 1) <= PathGroup::kMost);
     std::array<PathTask, PathGroup::kMost> tasks;
-    for (std::uint32_t i = 0; i < count; ++i) tasks[i] = {&ray, {seed, count - 1 + i}, {}};
+    for (std::uint32_t i = 0; i < count; ++i) tasks[i] = {&ray, {seed, count - 1 + i}, 0, {}};
     const std::span wanted = std::span(tasks).first(count);
     PathGroup(*scene, environment, request.paths.max_bounces, &*mirrors).follow(wanted);
     for (const PathTask& task : wanted) traced += task.estimate.rays;

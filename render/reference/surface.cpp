@@ -159,6 +159,7 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
       normal = shared::apply_normal_map(normal, c.mix(scene.geometry.tangents), f.mapped, v.normal_scale);
   }
   p.n = shared::face_viewer(normal, p.normal, view);
+  p.turned = p.n != normal && p.n != -normal;
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
   p.t = basis.t;
   p.b = basis.b;

@@ -20,7 +20,8 @@ struct SurfacePoint {
   glm::vec3 wo{0.0f};                   ///< local, unit, z > 0
   const TracedMaterial* material = nullptr;
   std::uint32_t triangle = 0;
-  bool front = true;  ///< seen from the side that the winding says
+  bool front = true;    ///< seen from the side that the winding says
+  bool turned = false;  ///< n was turned towards this viewer: another one sees another
   glm::vec3 base_color{1.0f};
   glm::vec3 emission{0.0f};  ///< cd/m2 towards wo
   glm::vec3 tint{1.0f};      ///< of a measured table

@@ -1,0 +1,99 @@
+#include "render/reference/path_sharing.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/reference/scattering.h"
+
+namespace maquette {
+
+namespace {
+
+/// First surfaces that scatter less than this by their diffuse lobe look elsewhere than their neighbours.
+constexpr float kLeastDiffuse = 0.2f;
+/// Cosine from which on no shading normal is turned towards the viewer (face_viewer), with its rounding.
+constexpr float kLeastFacing = 0.005f;
+
+float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
+bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+/// Whether nothing at all is in between, not even panes.
+bool is_clear(const PathScene& scene, const PathLink& first, const PathLink& second) {
+  return transmittance(scene, {first.origin, second.end - first.origin, 0.0f, 1.0f}) == glm::vec3(1.0f);
+}
+
+/// Connection of a first surface with a second one, over the second's area.
+struct Connection {
+  glm::vec3 throughput{0.0f};  ///< 1/m2, what the second one's light counts
+  float density = 0.0f;        ///< 1/m2, with which the first one's path finds it; 0: it cannot
+};
+
+/// `own`: of a path that came this way itself. Nothing wherever FullPath::leaves would have ended the path.
+Connection connect(const PathLink& first, const PathLink& second, const MirrorGuide* mirrors, bool own) {
+  const glm::vec3 way = second.to - first.origin;
+  const float square = glm::dot(way, way);
+  const glm::vec3 direction = own ? second.direction : way / std::sqrt(square);
+  Connection c;
+  const SurfacePoint& p = *first.from;
+  const float arriving = -glm::dot(direction, second.normal);
+  if (!(square > 0.0f && arriving > 0.0f && -glm::dot(direction, second.shading_normal) > kLeastFacing)) return c;
+  const glm::vec3 wi = p.to_local(direction);
+  if (glm::dot(direction, p.normal) <= 0.0f || wi.z <= 0.0f) return c;
+  const Scattering s = evaluate_scattering(p, wi);
+  c.throughput = first.weight * s.f * (wi.z * arriving / square);
+  if (!(largest(c.throughput) > 0.0f)) return c;
+  const float pdf = own       ? second.pdf
+                    : mirrors ? mirrors->mixed_pdf(s.pdf, first.mirror_cell, first.mirror_share, direction)
+                              : s.pdf;
+  c.density = pdf * arriving / square;
+  return c;
+}
+
+}  // namespace
+
+bool shares_first(const SurfacePoint& p) { return p.material->measured || p.lobe_weights.x >= kLeastDiffuse; }
+
+bool shares_second(const SurfacePoint& p, const glm::vec3& direction) {
+  const TracedMaterial& m = *p.material;
+  if (m.pane > 0.0f || m.blended || m.values.unlit || p.turned) return false;
+  return -glm::dot(direction, p.n) > kLeastFacing && largest(steady_brdf(p)) > 0.0f;
+}
+
+glm::vec3 steady_brdf(const SurfacePoint& p) {
+  if (p.material->measured) return glm::vec3(0.0f);
+  // As evaluate_analytic has it where Fresnel's weight is nothing.
+  const shared::AnalyticMaterial& m = p.analytic;
+  return m.diffuse * (shared::kInvPi * std::max(1.0f - largest(m.f0), 0.0f) * (1.0f - 0.04f * m.coat));
+}
+
+void share_links(const PathScene& scene, const MirrorGuide* mirrors, std::span<const PathLink> links,
+                 std::span<SharedLight> results) {
+  // A path may have passed blended surfaces by chance.
+  const bool asks = scene.mesh_begin[PathScene::kAsks] != scene.mesh_begin[PathScene::kHidden];
+  std::array<Connection, kMostLinks> connections;
+  for (std::size_t j = 0; j < links.size(); ++j) {
+    const PathLink& second = links[j];
+    if (!second.reached || second.light == glm::vec3(0.0f)) continue;
+    float density = 0.0f;
+    results[j].rays += asks ? 1 : 0;
+    if (is_finite(second.light) && (!asks || is_clear(scene, second, second))) {
+      for (std::size_t i = 0; i < links.size(); ++i) {
+        connections[i] = links[i].from ? connect(links[i], second, mirrors, i == j) : Connection();
+        if (i != j && connections[i].density > 0.0f) {
+          ++results[i].rays;
+          if (!is_clear(scene, links[i], second)) connections[i] = {};
+        }
+        density += connections[i].density;
+      }
+    }
+    if (!(connections[j].density > 0.0f && density > 0.0f && std::isfinite(density))) {
+      results[j].radiance += second.carried * second.light;
+      continue;
+    }
+    for (std::size_t i = 0; i < links.size(); ++i)
+      if (connections[i].density > 0.0f) results[i].radiance += connections[i].throughput * second.light / density;
+  }
+}
+
+}  // namespace maquette

@@ -90,7 +90,7 @@ const std::vector<std::string>& tonemap_names() {
 double mean_luminance(const Environment& environment) { return sum_light(environment).flux / (4.0 * kPi); }
 
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
-  constexpr double kTarget = 0.1, kFloor = 0.004;  // of the display's linear range
+  constexpr double kTarget = 0.1, kGlare = 0.3, kFloor = 0.004;  // of the display's linear range
   constexpr float kMostStops = 2.0f;
   if (radiance.channels < 3) return environment_ev;
   const double scale = std::exp2(static_cast<double>(environment_ev));
@@ -108,8 +108,10 @@ float meter_exposure_ev(const Image& radiance, float environment_ev) {
     }
   }
   if (count == 0) return environment_ev;
-  const auto stops = static_cast<float>(std::log2(kTarget) - sum / static_cast<double>(count));
-  return environment_ev + std::clamp(stops, 0.0f, kMostStops);
+  const double average = sum / static_cast<double>(count);
+  const auto stops = static_cast<float>(average > std::log2(kGlare) ? std::log2(kGlare) - average
+                                                                    : std::max(std::log2(kTarget) - average, 0.0));
+  return environment_ev + std::min(stops, kMostStops);
 }
 
 int tonemap_index(const std::string& name) {

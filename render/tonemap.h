@@ -15,7 +15,7 @@ double mean_luminance(const Environment& environment);
 
 /// `environment_ev` (of suggest_exposure_ev), raised by up to 2 stops where the surfaces of a picture are dark: a cabin
 /// seen from inside gets a fraction of the daylight. Meters the log-average of the surfaces (alpha 1) to a display
-/// value of 0.1; lights and sky count little.
+/// value of 0.1; lights and sky count little. Lowered where that average is above 0.3: lamps outshine the environment.
 float meter_exposure_ev(const Image& radiance, float environment_ev);
 
 /// Index of a name for `curve` of shaders/shared/tonemap.glsl. Throws UsageError naming all.

@@ -155,7 +155,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
           [](O* o, const std::string& t) { o->env_scale = static_cast<float>(parse_in(t, "--env-scale", 0.0, 1e12)); }),
       shared("--exposure", "EV",
              "stops; only of the picture for the eye, never of .exr (what suits the environment, more where the "
-             "picture is dark)",
+             "picture is dark, less where lamps glare)",
              [](O* o, const std::string& t) {
                o->exposure_ev = static_cast<float>(parse_in(t, "--exposure", -64.0, 64.0));
              }),

@@ -175,7 +175,7 @@ int run_render(const CommandLine& line) {
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const std::string& warning : environment->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   const std::string doubt = doubt_about_units(*scene, *environment, options.env_scale, "--env-scale");
-  if (!doubt.empty()) std::fprintf(stderr, "note: %s: %s\n", options.environment.c_str(), doubt.c_str());
+  if (!doubt.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), doubt.c_str());
 
   Renderer renderer;
   renderer.set_scene(scene);

@@ -50,6 +50,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
     return std::make_shared<Environment>(load_environment(source));
   });
   ScenePointer scene = load_session_scene(options);
+  state.edits.env_scale = options.env_scale;
   take_scene(scene);
   take_environment(environment.get(), options.environment);
   const FrameRequest request = make_request(*scene, options);
@@ -65,7 +66,6 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.debug_view = options.debug_view;
   state.edits.variant = request.variant;
   state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
-  state.edits.env_scale = options.env_scale;
   state.auto_exposure = !options.exposure_ev;
   state.exposure_ev = exposure_of(options, *environment_);
   seed_ = options.seed;
@@ -99,6 +99,7 @@ void WindowSession::take_scene(ScenePointer scene) {
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
   undo_.reset(state.edits);
+  warn_of_units();
   request_metering();
   ++revision_;
 }
@@ -111,12 +112,17 @@ void WindowSession::take_environment(EnvironmentPointer environment, const std::
   request_metering();
   for (const std::string& warning : environment_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(source).filename().string() + ": " + warning);
-  const std::string doubt = doubt_about_units(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
-  if (!doubt.empty()) add_message(MessageLevel::note, std::filesystem::path(source).filename().string() + ": " + doubt);
   remember(&environment_files_, source);
   state.edits.environment = source;
   applied_.environment = source;
+  warn_of_units();
   ++revision_;
+}
+
+void WindowSession::warn_of_units() {
+  if (!environment_) return;  // still being read
+  const std::string doubt = doubt_about_units(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
+  if (!doubt.empty()) add_message(MessageLevel::warning, environment_->name + ": " + doubt);
 }
 
 float WindowSession::suggested_exposure() const {

@@ -74,6 +74,7 @@ class WindowSession {
   float suggested_exposure() const;
   void take_scene(ScenePointer scene);
   void take_environment(EnvironmentPointer environment, const std::string& source);
+  void warn_of_units();
   void set_camera(const CameraView& camera);
   void poll_files();
   void apply_materials();

@@ -125,19 +125,21 @@ TEST(Exposure, BuiltinsGiveAMiddleTone) {
   }
 }
 
-TEST(Exposure, MeteringBrightensDarkPicturesByAtMostTwoStops) {
+TEST(Exposure, MeteringBrightensDarkPicturesByAtMostTwoStopsAndDimsGlare) {
   Image picture(4, 4, 4, 1.0f);
   const auto fill = [&](float v) {
     for (std::size_t i = 0; i < picture.data.size(); ++i) picture.data[i] = i % 4 == 3 ? 1.0f : v;
   };
-  fill(0.5f);
+  fill(0.25f);
   EXPECT_FLOAT_EQ(meter_exposure_ev(picture, 0.0f), 0.0f);
   fill(0.046f);
   EXPECT_NEAR(meter_exposure_ev(picture, 0.0f), std::log2(0.1f / 0.05f), 1e-4f);
   fill(0.0f);
   EXPECT_FLOAT_EQ(meter_exposure_ev(picture, -2.0f), 0.0f);
+  fill(8.0f);  // lit by lamps, not by the environment
+  EXPECT_NEAR(meter_exposure_ev(picture, 0.0f), std::log2(0.3f / 8.004f), 1e-4f);
   // Sky (alpha 0) and broken pixels do not count.
-  fill(0.5f);
+  fill(0.12f);
   for (int x = 0; x < 4; ++x) picture.at(x, 0, 3) = picture.at(x, 0, 0) = 0.0f;
   picture.at(2, 2, 1) = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FLOAT_EQ(meter_exposure_ev(picture, 1.0f), 1.0f);

@@ -152,7 +152,7 @@ Box box_of_cell(const LightGrid& grid, const glm::ivec3& cell, double layer_m) {
 struct Emitter {
   glm::dvec3 centre{0.0}, normal{0.0};
   double radius = 0.0, intensity = 0.0;  ///< m; cd along the normal, lux of a distant light
-  bool distant = false;
+  bool distant = false, everywhere = false;
 };
 
 struct Ball {
@@ -176,6 +176,7 @@ Emitter emitter_of(const LightRecord& light) {
   e.centre = 0.5 * (box.low + box.high);
   e.radius = 0.5 * box.diagonal();
   e.normal = normal_of(light);
+  e.everywhere = e.normal == glm::dvec3(0.0);
   if (light.kind == shared::kLightTriangle)
     e.intensity *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
   return e;
@@ -186,9 +187,11 @@ double importance(const Emitter& e, const Ball& ball) {
   const glm::dvec3 way = ball.centre - e.centre;
   const double reach = ball.radius + e.radius, square = glm::dot(way, way) + reach * reach;
   if (!(square > 0.0)) return e.intensity;  // all in one place
-  if (e.normal == glm::dvec3(0.0)) return e.intensity / square;
+  if (e.everywhere) return e.intensity / square;
   const double height = glm::dot(e.normal, way) + reach;
-  return height > 0.0 ? e.intensity * std::min(height / std::sqrt(square), 1.0) / square : 0.0;
+  if (!(height > 0.0)) return 0.0;
+  const double near = 1.0 / std::sqrt(square);
+  return e.intensity * std::min(height * near, 1.0) * near * near;
 }
 
 /// A node of a cell's cut.
@@ -301,7 +304,9 @@ LightGrid build_light_grid(const LightList& list) {
   if (tree.roots.empty()) return grid;
   grid.lux.assign(count, 0.0f);
   std::vector<Emitter> emitters;
+  std::vector<double> inverse_powers;
   for (const LightRecord& light : grid.lights) emitters.push_back(emitter_of(light));
+  for (const double power : powers) inverse_powers.push_back(1.0 / power);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const glm::ivec3 at(i % columns, i / columns % rows, i / (columns * rows));
     const Box cell = extent > 0.0 ? box_of_cell(grid, at, extent) : box;
@@ -315,7 +320,7 @@ LightGrid build_light_grid(const LightList& list) {
     for (std::size_t k = 0; k < emitters.size(); ++k) {
       const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
       sums.lux[k + 1] = sums.lux[k] + lux;
-      sums.second[k + 1] = sums.second[k] + lux * lux / powers[k];
+      sums.second[k + 1] = sums.second[k] + lux * lux * inverse_powers[k];
       sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
     }
     const std::vector<Entry> cut = cut_for(tree, sums, most);

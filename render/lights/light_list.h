@@ -25,7 +25,7 @@ struct LightList {
   double dropped_power = 0.0;
   double diagonal_m = 0.0;  ///< of the scene's bounding sphere, across
 };
-LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int variant, int max_triangles = 4096);
+LightList build_light_list(const Scene& scene, const FlatGeometry& geometry, int variant, int max_triangles = 8192);
 
 /// Running sums of probabilities in proportion to `weights`, in whole steps of 2^-24: what is drawn (a uniform number
 /// of 24 bits below an entry) and what it is divided by are then the same to the last bit. Rounded entries drew lights

@@ -16,12 +16,6 @@ int packing_bias(const Environment& environment) {
   return std::clamp(31 - static_cast<int>(std::ceil(std::log2(largest / 511.0f))), -80, 110);
 }
 
-glm::vec3 PackedSky::at(int column, int row) const {
-  const int wrapped = column < 0 ? column + columns : column >= columns ? column - columns : column;
-  const auto x = static_cast<std::size_t>(wrapped), y = static_cast<std::size_t>(std::clamp(row, 0, last_row));
-  return shared::unpack_rgb9e5(words[y * static_cast<std::size_t>(columns) + x], bias);
-}
-
 int sky_refinement(const Environment& environment, std::size_t most) {
   const std::size_t texels = environment.rgb.size();
   return 16 * texels <= most ? 4 : 4 * texels <= most ? 2 : 1;

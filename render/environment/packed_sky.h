@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "render/rgb9e5_shared.h"
 #include "scenes/environment.h"
 
 namespace maquette {
@@ -19,7 +22,11 @@ struct PackedSky {
   std::vector<std::uint32_t> words;  ///< [last_row + 1][columns]
 
   /// Radiance of a node up to one column or row beyond the ends.
-  glm::vec3 at(int column, int row) const;
+  glm::vec3 at(int column, int row) const {
+    const int wrapped = column < 0 ? column + columns : column >= columns ? column - columns : column;
+    const auto x = static_cast<std::size_t>(wrapped), y = static_cast<std::size_t>(std::clamp(row, 0, last_row));
+    return shared::unpack_rgb9e5(words[y * static_cast<std::size_t>(columns) + x], bias);
+  }
 };
 /// Bias of the shared exponent with which an environment is packed: its brightest texel just fits.
 int packing_bias(const Environment& environment);

@@ -1,6 +1,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -13,17 +14,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-double importance_of(const glm::vec3& radiance) {
-  return (static_cast<double>(radiance.x) + static_cast<double>(radiance.y) + static_cast<double>(radiance.z)) / 3.0;
-}
+/// Nine texels of a map around one: rows at the poles count twice, columns wrap.
+class TexelsAround {
+ public:
+  TexelsAround(const Environment& environment, int x, int y) {
+    const int width = environment.width;
+    for (int j = 0; j < 3; ++j)
+      rows_[j] = &environment.rgb[static_cast<std::size_t>(std::clamp(y + j - 1, 0, environment.height - 1)) *
+                                  static_cast<std::size_t>(width)];
+    columns_[0] = x == 0 ? width - 1 : x - 1;
+    columns_[1] = x;
+    columns_[2] = x + 1 == width ? 0 : x + 1;
+  }
+  /// Sum of the channels.
+  double operator()(int dx, int dy) const {
+    const glm::vec3& c = rows_[dy + 1][columns_[dx + 1]];
+    return static_cast<double>(c.x) + static_cast<double>(c.y) + static_cast<double>(c.z);
+  }
 
-/// Of a column up to one beyond either end, which wraps, and a row, which is clamped.
-const glm::vec3& texel_around(const Environment& environment, int x, int y) {
-  const int wrapped = x < 0 ? x + environment.width : x >= environment.width ? x - environment.width : x;
-  const int clamped = std::clamp(y, 0, environment.height - 1);
-  return environment.rgb[static_cast<std::size_t>(clamped) * static_cast<std::size_t>(environment.width) +
-                         static_cast<std::size_t>(wrapped)];
-}
+ private:
+  const glm::vec3* rows_[3];
+  int columns_[3];
+};
 
 /// One of the four nodes around a point of the map (nodes at whole numbers).
 struct ChosenNode {
@@ -33,24 +45,25 @@ struct ChosenNode {
 
 /// Chosen in proportion to bilinear weight times importance.
 ChosenNode choose_node(const PackedSky& sky, float x, float y, float u) {
-  const float x0 = std::floor(x), y0 = std::floor(y), a = x - x0, b = y - y0;
+  const auto below = [](float v) {
+    return static_cast<int>(v) - (v < static_cast<float>(static_cast<int>(v)) ? 1 : 0);
+  };
+  const int x0 = below(x), y0 = below(y);
+  const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
+  const float shares[4] = {(1.0f - a) * (1.0f - b), a * (1.0f - b), (1.0f - a) * b, a * b};
   glm::vec3 nodes[4];
-  float importance[4], weights[4], sum = 0.0f;
+  float sums[4], begins[5] = {};  // channels, weights so far
   for (int k = 0; k < 4; ++k) {
-    nodes[k] = sky.at(static_cast<int>(x0) + (k & 1), static_cast<int>(y0) + (k >> 1));
-    importance[k] = static_cast<float>(importance_of(nodes[k]));
-    weights[k] = (k & 1 ? a : 1.0f - a) * (k >> 1 ? b : 1.0f - b) * importance[k];
-    sum += weights[k];
+    nodes[k] = sky.at(x0 + (k & 1), y0 + (k >> 1));
+    sums[k] = nodes[k].x + nodes[k].y + nodes[k].z;
+    begins[k + 1] = begins[k] + shares[k] * sums[k];
   }
-  int chosen = -1;
-  for (int k = 0; k < 4; ++k) {
-    if (!(weights[k] > 0.0f)) continue;
-    chosen = k;
-    u -= weights[k] / sum;
-    if (u < 0.0f) break;
-  }
-  if (chosen < 0) return {glm::vec3(0.0f), 1.0f};  // a cell's border without light
-  return {nodes[chosen], importance[chosen] / sum};
+  if (!(begins[4] > 0.0f)) return {glm::vec3(0.0f), 1.0f};  // a cell's border without light
+  // The last one that begins at or below, of those that have any weight.
+  const float at = u * begins[4];
+  int chosen = 0;
+  for (int k = 0; k < 4; ++k) chosen = begins[k] <= at && begins[k + 1] > begins[k] ? k : chosen;
+  return {nodes[chosen], sums[chosen] / begins[4]};
 }
 
 }  // namespace
@@ -75,46 +88,66 @@ EnvironmentPoint sample_environment_point(const EnvironmentTables& tables, doubl
 
 namespace {
 
-/// Draws directions in one cell of the map after the other. What a cell is made of is kept until another one is drawn
-/// from.
+/// Draws directions in the cells of a map, in two steps, so that reading what several cells are made of can overlap.
 class CellSampler {
  public:
-  CellSampler(const Environment& environment, const EnvironmentTables& tables)
-      : environment_(environment), tables_(tables) {}
+  /// `many`: finds sines and cosines of rows and columns once.
+  CellSampler(const Environment& environment, const EnvironmentTables& tables, bool many)
+      : environment_(environment), tables_(tables) {
+    if (!many || tables.width < kLeastColumns) return;
+    for (int y = 0; y <= tables.height; ++y) heights_.push_back(height_of(y));
+    for (int x = 0; x < tables.width; ++x) centers_.push_back(heading_of(x + 0.5));
+  }
 
-  EnvironmentDirection draw(const EnvironmentPoint& point) {
+  struct Cell {
+    TexelCell shape;
+    double density;
+    int x, y;
+  };
+  Cell find(const EnvironmentPoint& point) const {
     const auto x = static_cast<int>(point.x), y = static_cast<int>(point.row);
-    if (x != x_ || y != y_) enter(x, y);
-    const glm::dvec2 place = cell_.warp({point.x - x, point.t});
+    const std::size_t texel =
+        static_cast<std::size_t>(y) * static_cast<std::size_t>(tables_.width) + static_cast<std::size_t>(x);
+    return {TexelCell(TexelsAround(environment_, x, y)), static_cast<double>(tables_.density[texel]), x, y};
+  }
+
+  EnvironmentDirection draw(const Cell& cell, const EnvironmentPoint& point) const {
+    const glm::dvec2 place = cell.shape.warp({point.x - cell.x, point.t});
+    const double mean = cell.shape.mean();
     // Even in longitude and in the sine of the latitude.
-    const double up = std::clamp(top_ + (bottom_ - top_) * place.y, -1.0, 1.0);
+    const bool known = !heights_.empty();
+    const auto row = static_cast<std::size_t>(cell.y);
+    const double top = known ? heights_[row] : height_of(cell.y);
+    const double bottom = known ? heights_[row + 1] : height_of(cell.y + 1);
+    const double up = std::clamp(top + (bottom - top) * place.y, -1.0, 1.0);
     const double r = std::sqrt(std::max(0.0, 1.0 - up * up));
-    const double longitude = kPi - 2.0 * kPi * (x + place.x) / tables_.width;
-    return {glm::vec3(glm::dvec3(std::sin(longitude) * r, up, std::cos(longitude) * r)),
-            static_cast<float>(mean_ > 0.0 ? density_ * cell_.at(place) / mean_ : density_),
-            static_cast<float>(x + place.x), static_cast<float>(std::acos(up) / kPi * tables_.height)};
+    const glm::dvec2 heading = known ? heading_near(cell.x, place.x) : heading_of(cell.x + place.x);
+    return {glm::vec3(glm::dvec3(heading.x * r, up, heading.y * r)),
+            static_cast<float>(mean > 0.0 ? cell.density * cell.shape.at(place) / mean : cell.density),
+            static_cast<float>(cell.x + place.x), static_cast<float>(std::acos(up) / kPi * tables_.height)};
   }
 
  private:
-  void enter(int x, int y) {
-    if (y != y_) {
-      top_ = std::cos(kPi * y / tables_.height);
-      bottom_ = std::cos(kPi * (y + 1) / tables_.height);
-    }
-    x_ = x;
-    y_ = y;
-    cell_ = TexelCell([&](int dx, int dy) { return importance_of(texel_around(environment_, x + dx, y + dy)); });
-    mean_ = cell_.mean();
-    density_ =
-        static_cast<double>(tables_.density[static_cast<std::size_t>(y) * static_cast<std::size_t>(tables_.width) +
-                                            static_cast<std::size_t>(x)]);
+  double height_of(int y) const { return std::cos(kPi * y / tables_.height); }
+  glm::dvec2 heading_of(double x) const {
+    const double longitude = kPi - 2.0 * kPi * x / tables_.width;
+    return {std::sin(longitude), std::cos(longitude)};
+  }
+  /// The same at a place in [0, 1] of a column: turned from its centre, by Taylor's series up to the seventh power,
+  /// whose next terms are below 1e-15 for kLeastColumns.
+  glm::dvec2 heading_near(int column, double place) const {
+    const double d = 2.0 * kPi * (0.5 - place) / tables_.width, d2 = d * d;
+    const double sine = d * (1.0 - d2 * (1.0 / 6.0 - d2 * (1.0 / 120.0 - d2 * (1.0 / 5040.0))));
+    const double cosine = 1.0 - d2 * (0.5 - d2 * (1.0 / 24.0 - d2 * (1.0 / 720.0)));
+    const glm::dvec2& center = centers_[static_cast<std::size_t>(column)];
+    return {center.x * cosine + center.y * sine, center.y * cosine - center.x * sine};
   }
 
+  static constexpr int kLeastColumns = 64;
   const Environment& environment_;
   const EnvironmentTables& tables_;
-  int x_ = -1, y_ = -1;
-  double top_ = 1.0, bottom_ = 1.0, mean_ = 0.0, density_ = 0.0;
-  TexelCell cell_{[](int, int) { return 0.0; }};
+  std::vector<double> heights_;      ///< sine of the latitude of each row's upper border
+  std::vector<glm::dvec2> centers_;  ///< sine and cosine of the longitude of each column's centre
 };
 
 /// Points of a scrambled low-discrepancy sequence, and an order in which those that fall near each other follow each
@@ -145,7 +178,9 @@ struct SortedPoints {
 
 EnvironmentDirection sample_environment_direction(const Environment& environment, const EnvironmentTables& tables,
                                                   double u, double v) {
-  return CellSampler(environment, tables).draw(sample_environment_point(tables, u, v));
+  const CellSampler cells(environment, tables, false);
+  const EnvironmentPoint point = sample_environment_point(tables, u, v);
+  return cells.draw(cells.find(point), point);
 }
 
 std::vector<EnvironmentSample> sample_environment(const Environment& environment, const EnvironmentTables& tables,
@@ -154,16 +189,31 @@ std::vector<EnvironmentSample> sample_environment(const Environment& environment
   const SortedPoints sorted(seed, count);
   std::vector<EnvironmentSample> samples(count);
   const float spacing = static_cast<float>(environment.width) / static_cast<float>(sky.columns);
+  const CellSampler cells(environment, tables, true);
+  // Some at a time, step by step: what one waits for in memory is asked for by the others as well.
+  constexpr std::size_t kTogether = 32;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 2048), [&](const auto& range) {
-    CellSampler cells(environment, tables);
-    for (std::size_t k = range.begin(); k < range.end(); ++k) {
-      const auto [index, u, v] = sorted.points[k];
-      const EnvironmentDirection d = cells.draw(sample_environment_point(tables, u * 0x1p-32, v * 0x1p-32));
-      // A third dimension for the node: the golden ratio's additive recurrence.
-      const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
-      const ChosenNode node =
-          choose_node(sky, d.map_x / spacing - sky.offset, d.map_y / spacing - sky.offset, static_cast<float>(w));
-      samples[index] = {d.direction, d.pdf * node.factor, node.radiance, 0.0f};
+    std::array<EnvironmentPoint, kTogether> points;
+    std::array<EnvironmentDirection, kTogether> directions;
+    std::vector<CellSampler::Cell> drawn_from;
+    drawn_from.reserve(kTogether);
+    for (std::size_t first = range.begin(); first < range.end(); first += kTogether) {
+      const std::size_t n = std::min(kTogether, range.end() - first);
+      const SortedPoints::Point* numbers = &sorted.points[first];
+      for (std::size_t k = 0; k < n; ++k)
+        points[k] = sample_environment_point(tables, numbers[k].u * 0x1p-32, numbers[k].v * 0x1p-32);
+      drawn_from.clear();
+      for (std::size_t k = 0; k < n; ++k) drawn_from.push_back(cells.find(points[k]));
+      for (std::size_t k = 0; k < n; ++k) directions[k] = cells.draw(drawn_from[k], points[k]);
+      for (std::size_t k = 0; k < n; ++k) {
+        const auto& [direction, pdf, map_x, map_y] = directions[k];
+        const std::uint32_t index = numbers[k].index;
+        // A third dimension for the node: the golden ratio's additive recurrence.
+        const double w = (index * 0x9e3779b9u + mix_seed(seed, 2)) * 0x1p-32;
+        const ChosenNode node =
+            choose_node(sky, map_x / spacing - sky.offset, map_y / spacing - sky.offset, static_cast<float>(w));
+        samples[index] = {direction, pdf * node.factor, node.radiance, 0.0f};
+      }
     }
   });
   return samples;

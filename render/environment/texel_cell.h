@@ -48,9 +48,12 @@ class TexelCell {
   static double invert(const Nodes& n, double u) {
     const double first = n[0] + n[1], second = n[1] + n[2], all = first + second;
     if (!(all > 0.0)) return u;
+    // Without a branch, which would be foretold wrongly every other time.
     const double reached = u * all;
-    if (reached < first || !(second > 0.0)) return 0.5 * invert_straight(n[0], n[1], std::min(reached / first, 1.0));
-    return 0.5 + 0.5 * invert_straight(n[1], n[2], std::min((reached - first) / second, 1.0));
+    const bool near = reached < first || !(second > 0.0);
+    const double from = near ? n[0] : n[1], to = near ? n[1] : n[2];
+    const double share = (near ? reached : reached - first) / (near ? first : second);
+    return (near ? 0.0 : 0.5) + 0.5 * invert_straight(from, to, std::min(share, 1.0));
   }
   static double invert_straight(double a, double b, double u) {
     return u * (a + b) / std::max(a + std::sqrt(a * a + u * (b * b - a * a)), 1e-300);

@@ -54,8 +54,8 @@ float mean_mask(VisibilityPoint p, vec3 weights, vec3 world) {
   ivec2 c0 = visibility_wrap(corner.lower), c1 = visibility_wrap(corner.lower + ivec2(1, 0));
   ivec2 c2 = visibility_wrap(corner.lower + ivec2(0, 1)), c3 = visibility_wrap(corner.lower + ivec2(1, 1));
   share = visibility_shares_above(share, abs(f.x - 0.5) < abs(f.y - 0.5), dot(world, p.normal),
-                                  vec4(dot(visibility_cell_direction(c0), p.normal), dot(visibility_cell_direction(c1), p.normal),
-                                       dot(visibility_cell_direction(c2), p.normal), dot(visibility_cell_direction(c3), p.normal)));
+                                  vec4(visibility_cell_height(c0, p.normal), visibility_cell_height(c1, p.normal),
+                                       visibility_cell_height(c2, p.normal), visibility_cell_height(c3, p.normal)));
   ivec4 bits = ivec4(c0.y, c1.y, c2.y, c3.y) * kVisibilityCells + ivec4(c0.x, c1.x, c2.x, c3.x);
   float sum = 0.0;
   for (int k = 0; k < 3; ++k) {

@@ -29,10 +29,15 @@ MAQUETTE_FN ivec2 visibility_wrap(ivec2 cell) {
   return c;
 }
 
-// Unit direction of a cell's centre; cell inside the map.
-MAQUETTE_FN vec3 visibility_cell_direction(ivec2 cell) {
+MAQUETTE_FN vec2 visibility_cell_center(ivec2 cell) {
   float step_size = 1.0f / float(kVisibilityCells);
-  return direction_from_octahedral(vec2((float(cell.x) + 0.5f) * step_size, (float(cell.y) + 0.5f) * step_size));
+  return vec2((float(cell.x) + 0.5f) * step_size, (float(cell.y) + 0.5f) * step_size);
+}
+// Unit direction of a cell's centre; cell inside the map.
+MAQUETTE_FN vec3 visibility_cell_direction(ivec2 cell) { return direction_from_octahedral(visibility_cell_center(cell)); }
+// Of the sign of the cosine between the centre's direction and `normal`.
+MAQUETTE_FN float visibility_cell_height(ivec2 cell, vec3 normal) {
+  return dot(unscaled_from_octahedral(visibility_cell_center(cell)), normal);
 }
 
 // Bit of the cell that holds the direction (any length above 0).
@@ -70,7 +75,7 @@ MAQUETTE_FN int visibility_dithered_bit(vec3 direction, vec3 normal, vec2 u) {
   int dy = u.y < corner.fraction.y ? 1 : 0;
   ivec2 cell = visibility_wrap(ivec2(corner.lower.x + dx, corner.lower.y + dy));
   // A neighbouring centre is at most 0.48 rad away (checked over the sphere), so higher up nothing needs a look.
-  if (dot(direction, normal) < 0.462f && dot(visibility_cell_direction(cell), normal) <= 0.0f) {
+  if (dot(direction, normal) < 0.462f && visibility_cell_height(cell, normal) <= 0.0f) {
     // The direction lies between the four centres, so one of them at least is above; folds and ties keep the first choice.
     ivec2 other_x = visibility_wrap(ivec2(corner.lower.x + 1 - dx, corner.lower.y + dy));
     ivec2 other_y = visibility_wrap(ivec2(corner.lower.x + dx, corner.lower.y + 1 - dy));
@@ -78,16 +83,16 @@ MAQUETTE_FN int visibility_dithered_bit(vec3 direction, vec3 normal, vec2 u) {
     bool x_nearer = abs(corner.fraction.x - 0.5f) < abs(corner.fraction.y - 0.5f);
     ivec2 second = x_nearer ? other_x : other_y;
     ivec2 third = x_nearer ? other_y : other_x;
-    bool take_second = dot(visibility_cell_direction(second), normal) > 0.0f;
-    bool take_third = !take_second && dot(visibility_cell_direction(third), normal) > 0.0f;
-    bool take_other = !take_second && !take_third && dot(visibility_cell_direction(other), normal) > 0.0f;
+    bool take_second = visibility_cell_height(second, normal) > 0.0f;
+    bool take_third = !take_second && visibility_cell_height(third, normal) > 0.0f;
+    bool take_other = !take_second && !take_third && visibility_cell_height(other, normal) > 0.0f;
     cell = take_second ? second : (take_third ? third : (take_other ? other : cell));
   }
   return cell.y * kVisibilityCells + cell.x;
 }
 
 // Chances with which visibility_dithered_bit takes each of the four cells, lower left, lower right, upper left, upper right. `share`: their bilinear
-// weights; `x_nearer`: as there; `height`, `heights`: cosines of the direction and of the cells' centres to the normal.
+// weights; `x_nearer`: as there; `height`: cosine of the direction to the normal; `heights`: visibility_cell_height of the cells.
 MAQUETTE_FN vec4 visibility_shares_above(vec4 share, bool x_nearer, float height, vec4 heights) {
   if (height >= 0.462f) return share;
   bool a0 = heights.x > 0.0f, a1 = heights.y > 0.0f, a2 = heights.z > 0.0f, a3 = heights.w > 0.0f;

@@ -428,8 +428,11 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   if (s.octree.cells()) stats.gpu_bytes["cell_brdfs"] = s.octree.cell_bytes();
   if (s.lights) stats.gpu_bytes["lights"] = s.lights->bytes();
   if (s.irradiance)
-    stats.gpu_bytes["glass"] = s.irradiance.bytes() + (s.pane_order ? s.pane_order->indices.bytes() : 0) +
-                               (s.kept_panes ? s.kept_panes->layers.bytes() + s.kept_panes->heads.bytes() : 0);
+    stats.gpu_bytes["glass"] =
+        s.irradiance.bytes() + (s.pane_order ? s.pane_order->indices.bytes() : 0) +
+        (s.kept_panes ? s.kept_panes->layers.bytes() + s.kept_panes->heads.bytes() +
+                            s.kept_panes->covered_tiles.tiles.bytes() + s.kept_panes->bare_tiles.tiles.bytes()
+                      : 0);
   if (plan.glossy) {
     stats.gpu_bytes["glossy"] = reflection_bytes(*s.glossy) + s.glossy_light.bytes() + s.glossy_tiles.tiles.bytes();
     s.glossy_technique->add_counters(&stats.technique);

@@ -65,7 +65,13 @@ std::optional<MeteredError> meter_error(const Image& picture, const GridReferenc
   const PixelGrid& grid = reference.grid;
   MeteredError result;
   result.map = Image(grid.width, grid.height, 1, -1.0f);
-  double sum = 0.0, squares = 0.0, light = 0.0;
+  // Noise of the paths of a tile is alike (render/reference/path_sharing.h): tiles are what is independent.
+  struct Tile {
+    double sum = 0.0, pixels = 0.0;
+  };
+  const int tiles_across = (grid.width + kTileWidth - 1) / kTileWidth;
+  std::vector<Tile> tiles(static_cast<std::size_t>(tiles_across * ((grid.height + kTileHeight - 1) / kTileHeight)));
+  double light = 0.0;
   for (int row = 0; row < grid.height; ++row) {
     for (int column = 0; column < grid.width; ++column) {
       const int x = grid.pixel_x(column), y = grid.pixel_y(row);
@@ -77,16 +83,24 @@ std::optional<MeteredError> meter_error(const Image& picture, const GridReferenc
                    (shown - static_cast<double>(reference.halves[1].at(column, row, c))) / 3.0;
       }
       if (!surface || !std::isfinite(product)) continue;
-      sum += product;
-      squares += product * product;
+      Tile& tile = tiles[static_cast<std::size_t>(row / kTileHeight * tiles_across + column / kTileWidth)];
+      tile.sum += product;
+      tile.pixels += 1.0;
       light += 0.5 * (luminance(reference.halves[0], column, row) + luminance(reference.halves[1], column, row));
       result.map.at(column, row) = static_cast<float>(std::sqrt(std::max(product, 0.0)));
       ++result.pixels;
     }
   }
   if (result.pixels < 2 || !(light > 0.0)) return std::nullopt;
+  double sum = 0.0, squares = 0.0, seen = 0.0;
+  for (const Tile& tile : tiles) sum += tile.sum;
   const double n = result.pixels, mean = sum / n, mean_light = light / n;
-  const double spread = std::sqrt(std::max(squares / n - mean * mean, 0.0) / (n - 1.0));
+  for (const Tile& tile : tiles) {  // ratio estimator: tiles hold different numbers of pixels
+    squares += (tile.sum - mean * tile.pixels) * (tile.sum - mean * tile.pixels);
+    seen += tile.pixels > 0.0 ? 1.0 : 0.0;
+  }
+  if (seen < 2.0) return std::nullopt;
+  const double spread = std::sqrt(squares * seen / (seen - 1.0)) / n;
   const auto root = [&](double square) { return std::sqrt(std::max(square, 0.0)) / mean_light; };
   result.error = root(mean);
   result.low = root(mean - kNormal95 * spread);

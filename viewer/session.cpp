@@ -200,7 +200,7 @@ std::string doubt_about_units(const Scene& scene, const Environment& environment
   for (const Material& material : scene.materials)
     lamps = std::max(lamps, static_cast<double>(glm::dot(material.emissive, glm::vec3(0.2126f, 0.7152f, 0.0722f))));
   const double stored = mean_luminance(environment), mean = stored * static_cast<double>(env_scale);
-  if (!(stored > 0.0) || mean > kStreetAtNight_cdm2 || lamps < kOutshines * mean) return {};
+  if (!(mean > 0.0) || mean > kStreetAtNight_cdm2 || lamps < kOutshines * mean) return {};
   const auto rounded = [](double value) {
     const double digit = std::pow(10.0, std::floor(std::log10(value)));
     return std::round(value / digit) * digit;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 namespace maquette {
 
@@ -17,7 +16,6 @@ constexpr double kCells = 4096.0;
 constexpr double kBeyond = 0.1;
 /// Share of the choice that is by power wherever the point is.
 constexpr double kByPower = 0.25;
-constexpr double kPi = std::numbers::pi;
 
 struct Box {
   glm::dvec3 low{1e300}, high{-1e300};
@@ -152,6 +150,7 @@ Box box_of_cell(const LightGrid& grid, const glm::ivec3& cell, double layer_m) {
 struct Emitter {
   glm::dvec3 centre{0.0}, normal{0.0};
   double radius = 0.0, intensity = 0.0;  ///< m; cd along the normal, lux of a distant light
+  double inverse_power = 1.0;            ///< of the share of all power
   bool distant = false, everywhere = false;
 };
 
@@ -166,8 +165,9 @@ Ball ball_of(const Box& box) {
   return {0.5 * (box.low + box.high), 0.5 * box.diagonal()};
 }
 
-Emitter emitter_of(const LightRecord& light) {
+Emitter emitter_of(const LightRecord& light, double power) {
   Emitter e;
+  e.inverse_power = 1.0 / power;
   const glm::dvec3 c(light.color);
   e.intensity = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
   e.distant = light.kind == shared::kLightDirectional;
@@ -265,6 +265,39 @@ std::vector<double> weights_of(const Tree& tree, const std::vector<Entry>& cut) 
   return weights;
 }
 
+/// Row `i` of a grid whose cells are placed.
+void fill_cell(const Tree& tree, const std::vector<Emitter>& emitters, const Box& lights, std::size_t i,
+               LightGrid* grid) {
+  // The layer around goes on for a thousand times the lights' extent: what lies farther out sees them from there.
+  constexpr double kForEver = 1000.0, kNear = 0.1;
+  const auto columns = static_cast<std::size_t>(grid->cells.x), rows = static_cast<std::size_t>(grid->cells.y);
+  const auto stride = static_cast<std::size_t>(grid->stride);
+  const glm::ivec3 at(i % columns, i / columns % rows, i / (columns * rows));
+  const double extent = lights.diagonal();
+  const Box cell = extent > 0.0 ? box_of_cell(*grid, at, kForEver * extent) : lights;
+  const Ball all = ball_of(cell);
+  // There, what is near the lights counts, and all of it decides what is never seen from the front.
+  const bool outside =
+      extent > 0.0 && (glm::any(glm::equal(at, glm::ivec3(0))) || glm::any(glm::equal(at, grid->cells - 1)));
+  const Ball near{glm::clamp(0.5 * (lights.low + lights.high), cell.low, cell.high), kNear * extent};
+  thread_local CellSums sums;
+  sums.resize(emitters.size() + 1);
+  for (std::size_t k = 0; k < emitters.size(); ++k) {
+    const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
+    sums.lux[k + 1] = sums.lux[k] + lux;
+    sums.second[k + 1] = sums.second[k] + lux * lux * emitters[k].inverse_power;
+    sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
+  }
+  const std::size_t most = std::min<std::size_t>(LightGrid::kMaxNodes, emitters.size());
+  const std::vector<Entry> cut = cut_for(tree, sums, most);
+  const std::vector<float> row = cumulative_in_steps(weights_of(tree, cut));
+  for (std::size_t k = 0; k < stride; ++k) {
+    grid->cut[i * stride + k] = static_cast<std::uint32_t>(cut[std::min(k, cut.size() - 1)].node);
+    if (k < row.size()) grid->cumulative[i * stride + k] = row[k];
+  }
+  grid->lux[i] = static_cast<float>(std::min(sums.lux.back(), 1e30));
+}
+
 }  // namespace
 
 LightGrid build_light_grid(const LightList& list) {
@@ -304,33 +337,8 @@ LightGrid build_light_grid(const LightList& list) {
   if (tree.roots.empty()) return grid;
   grid.lux.assign(count, 0.0f);
   std::vector<Emitter> emitters;
-  std::vector<double> inverse_powers;
-  for (const LightRecord& light : grid.lights) emitters.push_back(emitter_of(light));
-  for (const double power : powers) inverse_powers.push_back(1.0 / power);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    const glm::ivec3 at(i % columns, i / columns % rows, i / (columns * rows));
-    const Box cell = extent > 0.0 ? box_of_cell(grid, at, extent) : box;
-    const Ball all = ball_of(cell);
-    // Of the layer around, what is near the lights counts, and all of it decides what is never seen from the front.
-    const bool outside =
-        extent > 0.0 && (glm::any(glm::equal(at, glm::ivec3(0))) || glm::any(glm::equal(at, grid.cells - 1)));
-    const Ball near{glm::clamp(0.5 * (box.low + box.high), cell.low, cell.high), 0.1 * extent};
-    thread_local CellSums sums;
-    sums.resize(emitters.size() + 1);
-    for (std::size_t k = 0; k < emitters.size(); ++k) {
-      const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
-      sums.lux[k + 1] = sums.lux[k] + lux;
-      sums.second[k + 1] = sums.second[k] + lux * lux * inverse_powers[k];
-      sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
-    }
-    const std::vector<Entry> cut = cut_for(tree, sums, most);
-    const std::vector<float> row = cumulative_in_steps(weights_of(tree, cut));
-    for (std::size_t k = 0; k < stride; ++k) {
-      grid.cut[i * stride + k] = static_cast<std::uint32_t>(cut[std::min(k, cut.size() - 1)].node);
-      if (k < row.size()) grid.cumulative[i * stride + k] = row[k];
-    }
-    grid.lux[i] = static_cast<float>(std::min(sums.lux.back(), 1e30));
-  });
+  for (std::size_t i = 0; i < grid.lights.size(); ++i) emitters.push_back(emitter_of(grid.lights[i], powers[i]));
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { fill_cell(tree, emitters, box, i, &grid); });
   return grid;
 }
 

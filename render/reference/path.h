@@ -54,7 +54,7 @@ struct PathTask {
 };
 
 /// Follows paths, full transport, several in turn: what one reads next comes from memory while the others are at work.
-/// What they are does not depend on what else is under way. Not for several threads at once.
+/// What they are depends on their tile, not on what else is under way. Not for several threads at once.
 class PathGroup {
  public:
   static constexpr std::size_t kMost = 8;

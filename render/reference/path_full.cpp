@@ -82,7 +82,7 @@ class FullPath {
     at_ = &met_;
     ++vertex_;
     if ((met_.material->bends() && pass_bending(met_)) || (met_.material->clear() > 0.0f && pass_pane(met_))) {
-      go_on(vertex_ < kMostPanes && largest(weight_) > 0.0f);
+      go_on(vertex_ < kMostPanes && largest_weight() > 0.0f);
       return;
     }
     add_emission(met_);
@@ -334,9 +334,13 @@ class FullPath {
     return s;
   }
 
+  /// Of what arrives, to this pixel or to its tile: what others count on must not end by what this one takes of it.
+  float largest_weight() const { return std::max(largest(weight_), largest(shared_weight_)); }
+
   bool survives() {
-    const float weight = largest(weight_);
-    if (!(weight > 0.0f) || !std::isfinite(weight)) return false;
+    const glm::vec3 both = weight_ + shared_weight_;
+    const float weight = largest_weight();
+    if (!(weight > 0.0f) || !std::isfinite(both.x + both.y + both.z)) return false;
     if (bounce_ + 1 < kRouletteBounce) return true;
     const float survival = std::min(weight, kMostSurvival);
     if (sampler_.single(dimension(kRoulette)) >= survival) return false;

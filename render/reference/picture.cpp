@@ -22,8 +22,6 @@ namespace maquette {
 
 namespace {
 
-/// Pixels of a tile share light (path_sharing.h) and have equal numbers of paths.
-constexpr int kTileWidth = 4, kTileHeight = 2;
 constexpr std::size_t kMostInTile = static_cast<std::size_t>(kTileWidth * kTileHeight);
 static_assert(kMostInTile <= PathGroup::kMost);
 constexpr std::size_t kTilesATask = 16;

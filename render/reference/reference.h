@@ -81,6 +81,9 @@ struct ReferenceCounts {
   std::size_t covered_pixels = 0;  ///< that show more than sky
 };
 
+/// Pixels of a tile share light (path_sharing.h) and have equal numbers of paths; their noise is alike.
+constexpr int kTileWidth = 4, kTileHeight = 2;
+
 /// A picture that gets better with every path. The result depends on the seed and on the number of paths only, not on
 /// how many threads there are or how the paths were asked for.
 class ReferencePicture {

@@ -60,12 +60,12 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Of panes: what a shadow ray loses.
+/// Of panes: what a shadow ray loses. Never nothing at all, so that a way without panes can be told (path_sharing.h).
 void pass_pane(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
   glm::vec3& t = context->transmittance;
-  t *= pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction);
+  t *= glm::min(pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction), glm::vec3(0x1.fffffep-1f));
   if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
 }
 

@@ -134,7 +134,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   float of_lobe = 2.0 * nu_l;
 #endif
   float change = is_brdf ? of_lobe : nu_l + 2.0 * nu_r;
-  float share = min(0.2 * change * stratum, 0.26);
+  float share = min(0.203 * change * stratum, 0.264);
   r.second += counts ? stands_for * t * t * share : 0.0;
 }
 #define VISIBILITY 0  // of the estimator: on_sample looks itself

@@ -16,7 +16,7 @@ struct LightRecord {
   vec3 direction;       // unit, where the light shines; triangle: edge 1 (m); it shines to the side of cross(edge 1, edge 2)
   float range_m;        // 0: infinite; triangle: 1 where it shines to both sides
   vec3 color;           // lux, candela, or emitted radiance (cd/m2)
-  float selection_pdf;  // probability of choosing this light: by power, of all or within its cluster
+  float selection_pdf;  // probability of choosing this light: by power
   vec3 edge2;           // triangle: edge 2 (m); spot: (cos inner, cos outer, 0)
   float cdf;            // cumulative selection probability, inclusive
 };

@@ -278,5 +278,29 @@ TEST(LightGrid, WhatReachesAPointIsDrawn) {
   }
 }
 
+// Far outside the grid a light that is seen at a flat angle from near it may shine straight at a point.
+TEST(LightGrid, TheLayerAroundGoesOn) {
+  std::vector<LightRecord> lights;
+  std::vector<double> powers;
+  for (int i = 0; i < 64; ++i) {
+    lights.push_back(
+        triangle_at({0.0f, static_cast<float>(i) / 64.0f, 0.0f}, {0.0f, 0.0f, 0.01f}, {0.008f, 0.006f, 0.0f}, 100.0f));
+    powers.push_back(power_of(lights.back()));
+  }
+  const LightList list = list_of(lights, powers);
+  const LightGrid grid = build_light_grid(list);
+  for (const glm::vec3& p :
+       {glm::vec3(-10, -3, 0), glm::vec3(-10, -3, 2), glm::vec3(-300, -90, 10), glm::vec3(-2, 40, 3)}) {
+    double truth = 0.0, square = 0.0;
+    for (std::size_t i = 0; i < grid.lights.size(); ++i) {
+      const double lux = lux_at(grid.lights[i], glm::dvec3(p));
+      truth += lux;
+      square += lux * lux / light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+    }
+    ASSERT_GT(truth, 0.0);
+    EXPECT_LT(square, 8.0 * truth * truth) << p.x;
+  }
+}
+
 }  // namespace
 }  // namespace maquette

@@ -156,13 +156,48 @@ TEST(PathSharing, ThinThingsBetween) {
   Material veil = matte({0.2f, 0.9f, 0.2f});
   veil.base_color.a = 0.5f;
   veil.alpha_mode = AlphaMode::blend;
-  for (const Material& between : {double_sided(pane), double_sided(veil)}) {
+  Material nothing = pane;  // takes no light, and is a pane all the same
+  nothing.base_color = glm::vec4(1.0f);
+  nothing.ior = 1.0f;
+  for (const Material& between : {double_sided(pane), double_sided(nothing), double_sided(veil)}) {
     Scene scene = room();
     const int thin = add_material(&scene, between);
     add(&scene, partition(1.2f, thin));
     add(&scene, wall_piece({-0.4f, -0.9f, 0.3f}, {0.38f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.0f}, thin));
     expect_same(scene, 2048);
   }
+}
+
+Scene halved_floor(const glm::vec3& walls, const glm::vec3& left, const glm::vec3& right) {
+  Scene scene = box_scene(4, 1, matte(walls));
+  const int a = add_material(&scene, matte(left)), b = add_material(&scene, matte(right));
+  add(&scene, wall_piece({-0.99f, -0.999f, 0.99f}, {0.99f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.98f}, a));
+  add(&scene, wall_piece({0.0f, -0.999f, 0.99f}, {0.99f, 0.0f, 0.0f}, {0.0f, 0.0f, -1.98f}, b));
+  return scene;
+}
+
+/// A path that brings nothing to its own pixel may bring something to others.
+TEST(PathSharing, PureColoursBesideEachOther) {
+  expect_same(halved_floor({0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, glm::vec3(1.0f)), 1024, 0.1);
+}
+
+/// Roulette by what a dark pixel takes of its light would make the bright ones beside it noisier than they are alone.
+TEST(PathSharing, DarkPixelsDoNotThinOutBrightOnes) {
+  const Scene scene = halved_floor(glm::vec3(0.9f), glm::vec3(0.02f), glm::vec3(0.9f));
+  expect_same(scene, 4096, 0.1);
+  const auto traced =
+      build_path_scene({.scene = scene, .environment = sky_with_lamp({0.5f, 0.7f, 1.0f}, glm::vec3(300.0f))});
+  constexpr int kPaths = 512;
+  ReferencePicture picture(traced, floor_request());
+  ASSERT_TRUE(picture.add(kPaths));
+  const Image mean = picture.mean(), variance = picture.variance();
+  float brightest = 0.0f;
+  for (int x = 0; x < kWidth; ++x) brightest = std::max(brightest, mean.at(x, 0, 1));
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      if (mean.at(x, y, 1) < 0.5f * brightest) continue;
+      EXPECT_LT(std::sqrt(kPaths * variance.at(x, y, 1)), 1.2f * mean.at(x, y, 1)) << x << ", " << y;
+    }
 }
 
 TEST(PathSharing, MeasuredSurfaces) {

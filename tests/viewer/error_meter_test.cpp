@@ -76,6 +76,25 @@ TEST(MeterError, IsRightOnAverageAndInItsInterval) {
   EXPECT_GE(inside, 52);                             // 95 % of 60 are 57
 }
 
+/// The paths of a tile share light, and their noise is alike.
+TEST(MeterError, NoiseOfATileIsOneNoise) {
+  const PixelGrid grid = choose_grid(300, 200, 60);
+  const Image picture(300, 200, 4, 1.1f);
+  int inside = 0;
+  constexpr int kTrials = 100;
+  for (std::uint32_t seed = 0; seed < kTrials; ++seed) {
+    GridReference reference = noisy_reference(grid, 0.5f, seed);
+    for (Image& half : reference.halves)
+      for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x)
+          for (int c = 0; c < 3; ++c) half.at(x, y, c) = half.at(x - x % kTileWidth, y - y % kTileHeight, c);
+    const auto error = meter_error(picture, reference);
+    ASSERT_TRUE(error);
+    inside += error->low <= 0.1 && error->high >= 0.1 ? 1 : 0;
+  }
+  EXPECT_GE(inside, 89);  // 62 by pixels
+}
+
 TEST(MeterError, SkyAndDarknessHaveNone) {
   const PixelGrid grid = choose_grid(90, 60, 30);
   EXPECT_FALSE(meter_error(Image(90, 60, 4, 0.0f), noisy_reference(grid, 0.0f, 1)));

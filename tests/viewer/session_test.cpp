@@ -181,6 +181,7 @@ TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
             "about 0.6 cd/m2 on average, the scene's lamps up to 400: as at night. If the file is in units of its own, "
             "--env-scale 800 lights it as a hall");
   EXPECT_EQ(doubt_about_units(scene, environment, 800.0f, "--env-scale"), "");
+  EXPECT_EQ(doubt_about_units(scene, environment, 0.0f, "--env-scale"), "") << "dark on purpose";
   environment.rgb.assign(2048, glm::vec3(0.0f));
   EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"), "") << "black on purpose";
   EXPECT_EQ(doubt_about_units(load_scene("builtin:cockpit"), load_environment("builtin:studio"), 1e-9f, ""), "")

@@ -7,8 +7,6 @@ namespace maquette {
 
 namespace {
 
-float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 /// Masking and shadowing of both directions over that of the one that is given, facets with height.
 float shadowing(float cosine_in, float cosine_out, float alpha) {
   if (alpha <= 0.0f) return 1.0f;

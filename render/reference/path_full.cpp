@@ -35,8 +35,6 @@ constexpr std::uint32_t kDimensionsASurface = 8;
 constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;
 enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kDirection, kRoulette, kPane, kChance, kGuide };
 
-float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
-
 }  // namespace
 
 /// Follows one path from the surfaces of its camera ray, in steps: each asks for the memory that the next one reads, so
@@ -338,9 +336,8 @@ class FullPath {
   float largest_weight() const { return std::max(largest(weight_), largest(shared_weight_)); }
 
   bool survives() {
-    const glm::vec3 both = weight_ + shared_weight_;
     const float weight = largest_weight();
-    if (!(weight > 0.0f) || !std::isfinite(both.x + both.y + both.z)) return false;
+    if (!(weight > 0.0f) || !is_finite(weight_) || !is_finite(shared_weight_)) return false;
     if (bounce_ + 1 < kRouletteBounce) return true;
     const float survival = std::min(weight, kMostSurvival);
     if (sampler_.single(dimension(kRoulette)) >= survival) return false;

@@ -15,12 +15,8 @@ constexpr float kLeastDiffuse = 0.2f;
 /// Cosine from which on no shading normal is turned towards the viewer (face_viewer), with its rounding.
 constexpr float kLeastFacing = 0.005f;
 
-float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-/// Whether nothing at all is in between, not even panes.
-bool is_clear(const PathScene& scene, const PathLink& first, const PathLink& second) {
-  return transmittance(scene, {first.origin, second.end - first.origin, 0.0f, 1.0f}) == glm::vec3(1.0f);
+Ray ray_between(const PathLink& first, const PathLink& second) {
+  return {first.origin, second.end - first.origin, 0.0f, 1.0f};
 }
 
 /// Connection of a first surface with a second one, over the second's area.
@@ -77,12 +73,12 @@ void share_links(const PathScene& scene, const MirrorGuide* mirrors, std::span<c
     if (!second.reached || second.light == glm::vec3(0.0f)) continue;
     float density = 0.0f;
     results[j].rays += asks ? 1 : 0;
-    if (is_finite(second.light) && (!asks || is_clear(scene, second, second))) {
+    if (is_finite(second.light) && (!asks || is_clear(scene, ray_between(second, second)))) {
       for (std::size_t i = 0; i < links.size(); ++i) {
         connections[i] = links[i].from ? connect(links[i], second, mirrors, i == j) : Connection();
         if (i != j && connections[i].density > 0.0f) {
           ++results[i].rays;
-          if (!is_clear(scene, links[i], second)) connections[i] = {};
+          if (!is_clear(scene, ray_between(links[i], second))) connections[i] = {};
         }
         density += connections[i].density;
       }

@@ -79,8 +79,6 @@ float spread_of(const PixelSums& p) {
   return static_cast<float>(std::sqrt(a_path / cost));
 }
 
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 /// Calls back about 100 times.
 class Progress {
  public:

@@ -1,9 +1,15 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"
 
 namespace maquette {
+
+inline float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
+inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// Rays through the neighbouring pixels, for the footprint of textures; directions as long as the ray's own.
 struct RayDifferential {

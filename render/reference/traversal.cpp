@@ -60,12 +60,13 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Of panes: what a shadow ray loses. Never nothing at all, so that a way without panes can be told (path_sharing.h).
+/// Of panes: what a shadow ray loses.
 void pass_pane(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
+  if (context->kind == RayKind::link) return;
   const Candidate c = candidate_of(*context->scene, args);
   glm::vec3& t = context->transmittance;
-  t *= glm::min(pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction), glm::vec3(0x1.fffffep-1f));
+  t *= pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction);
   if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
 }
 
@@ -79,7 +80,12 @@ void take_share(const RTCFilterFunctionNArguments* args) {
     if (alpha_at(scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
     return;
   }
-  context->transmittance *= 1.0f - alpha_at(scene, c.triangle, c.barycentric);
+  const float alpha = alpha_at(scene, c.triangle, c.barycentric);
+  if (context->kind == RayKind::link) {
+    if (!(alpha > 0.0f)) args->valid[0] = 0;
+    return;
+  }
+  context->transmittance *= 1.0f - alpha;
   const glm::vec3& t = context->transmittance;
   if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
 }
@@ -144,17 +150,28 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   return true;
 }
 
-glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
+namespace {
+
+/// 0 where something stops the ray.
+glm::vec3 share_that_passes(const PathScene& scene, const Ray& ray, RayKind kind) {
   if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, true});
   RayContext context;
   rtcInitIntersectContext(&context.base);
   context.scene = &scene;
-  context.kind = RayKind::path;
+  context.kind = kind;
   context.chance = 0;
   context.transmittance = glm::vec3(1.0f);
   RTCRay query = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   rtcOccluded1(scene.embree.get(), &context.base, &query);
   return query.tfar < 0.0f ? glm::vec3(0.0f) : context.transmittance;
+}
+
+}  // namespace
+
+glm::vec3 transmittance(const PathScene& scene, const Ray& ray) { return share_that_passes(scene, ray, RayKind::path); }
+
+bool is_clear(const PathScene& scene, const Ray& ray) {
+  return share_that_passes(scene, ray, RayKind::link) != glm::vec3(0.0f);
 }
 
 }  // namespace maquette

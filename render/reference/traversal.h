@@ -15,6 +15,7 @@ struct RayHit {
 enum class RayKind {
   camera,  ///< culls backs of single-sided surfaces as rasterisation does; stops at blended surfaces
   path,    ///< passes blended surfaces by chance
+  link,    ///< stops at whatever takes or mirrors light
 };
 
 struct Ray {
@@ -32,5 +33,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
 /// Share of light per channel that comes through along a straight line: panes and blended surfaces take some, all else
 /// everything.
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray);
+/// Whether nothing at all is in between, not even a pane.
+bool is_clear(const PathScene& scene, const Ray& ray);
 
 }  // namespace maquette

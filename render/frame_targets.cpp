@@ -68,7 +68,6 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
     t.curvature = Texture::make_2d("curvature", GL_RGBA16F, qw, qh);
     const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(qw, qh))));
     t.pyramid = Texture::make_2d("pyramid", GL_RGBA32F, qw, qh, levels);
-    t.pyramid.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);
     t.weights = Texture::make_2d("upsampling weights", GL_RG32UI, w, h);
   }
   // One item a point in uniform, about eight in bandwidth (the sample counts average to the base count). The largest

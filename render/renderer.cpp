@@ -215,6 +215,18 @@ void Renderer::Impl::bind_frame() const {
   glBindTextureUnit(26, targets->guide.get());
 }
 
+void Renderer::Impl::settle_slots() {
+  if (!device.software) return;
+  if (!slot_texture) {
+    const float zero = 0.0f;
+    slot_texture = Texture::make_2d("slots", GL_R32F, 1, 1);
+    slot_texture.upload(0, 1, 1, GL_RED, GL_FLOAT, &zero);
+  }
+  glBindTextureUnit(0, slot_texture.get());
+  glBindImageTexture(0, slot_texture.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  dispatch(programs.get({"shading/slots.comp", "", {}}), 1, 1);
+}
+
 void Renderer::Impl::dispatch(const Program& program, int x, int y) {
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>(x), static_cast<GLuint>(y), 1);
@@ -356,6 +368,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
     s.prepare_accumulation(plan, accumulate);
   else if (!accumulate)
     s.progressive.reset();
+  s.settle_slots();
   s.bind_frame();
   // Of all passes that draw triangles, also where the G-buffer is kept: present() and panels set their own.
   glClipControl(GL_UPPER_LEFT, GL_ZERO_TO_ONE);

@@ -218,6 +218,7 @@ struct Renderer::Impl {
   bool points_hold_mean = false;                   ///< the points of the last frame are those of the mean of all frames
   bool composes_in_picture = false;  ///< the frame at hand, and not in the grid that the picture is filtered from
   std::optional<SkyKey> drawn_sky;   ///< what the sky's points show; empty: to be drawn
+  Texture slot_texture;              ///< of settle_slots()
   FramePlan last_plan;
   std::size_t shaded_points = 0, shading_samples = 0, visible_points = 0, continued_points = 0;
 
@@ -401,6 +402,10 @@ struct Renderer::Impl {
   void dispatch_tiles(const Program& program, const TileList& list, int shift, std::optional<std::size_t> band = {},
                       TileShare share = {});
   void bind_frame() const;
+  /// Gives all texture slots of compute programs the sampler state that nearly all textures share. Mesa leaves in the
+  /// slot of a buffer texture what the program before had there, and a software device compiles a program anew for each
+  /// state that it meets: half a second for the large ones, in some later frame.
+  void settle_slots();
 };
 
 ShaderVariant shade_variant(const FramePlan& plan, int measured);

@@ -165,7 +165,8 @@ std::vector<ShaderVariant> all_shader_variants() {
   for (const char* path :
        {"gbuffer/tiles.comp", "gbuffer/curvature.comp", "bandwidth/pyramid.comp", "bandwidth/measure.comp",
         "bandwidth/worth.comp", "bandwidth/forget.comp", "bandwidth/quads.comp", "gbuffer/repainted.comp",
-        "glass/tiles.comp", "octree/trace_rays.comp", "shading/arguments.comp", "splitsum/shade.comp", "sg/shade.comp"})
+        "glass/tiles.comp", "octree/trace_rays.comp", "shading/arguments.comp", "shading/slots.comp",
+        "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
   variants.push_back(compose_variant(2, false, 0, false, false));
   variants.push_back(listed(compose_variant(4, false, 0, false, false)));

@@ -1,0 +1,10 @@
+// Uses every texture slot of a program, and does nothing: Renderer::Impl::settle_slots says why.
+layout(local_size_x = 1) in;
+uniform sampler2D t_slots[32];
+layout(binding = 0, r32f) uniform writeonly image2D o_never;
+
+void main() {
+  int sum = 0;
+  for (int k = 0; k < 32; ++k) sum += textureSize(t_slots[k], 0).x;
+  if (sum < 0) imageStore(o_never, ivec2(0), vec4(0.0));
+}

@@ -1,5 +1,6 @@
 #include "render/reference/traversal.h"
 
+#include <array>
 #include <cstring>
 
 #include "render/embree_ray.h"
@@ -11,14 +12,34 @@ namespace maquette {
 
 namespace {
 
+/// Where a shadow ray passed a pane.
+struct PassedPane {
+  std::uint32_t triangle;
+  glm::vec2 barycentric;
+};
+constexpr std::uint32_t kMostPassed = 8;  ///< that wait to be reckoned
+
 /// What filters need to know of the ray that they are asked about.
 struct RayContext {
   RTCIntersectContext base;  // first: Embree hands back a pointer to it
   const PathScene* scene;
   RayKind kind;
   std::uint32_t chance;
-  glm::vec3 transmittance;
+  glm::vec3 transmittance;  ///< without the panes that wait
+  std::uint32_t passed_count;
+  std::array<PassedPane, kMostPassed> passed;
 };
+
+/// What the panes that wait let pass of light along `direction`.
+void take_panes(const glm::vec3& direction, RayContext* context) {
+  for (std::uint32_t i = 0; i < context->passed_count; ++i) {
+    const PassedPane& pane = context->passed[i];
+    context->transmittance *= pane_transmittance(*context->scene, pane.triangle, pane.barycentric, direction);
+  }
+  context->passed_count = 0;
+}
+
+bool all_taken(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
 
 struct Candidate {
   std::uint32_t triangle;
@@ -60,14 +81,19 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Of panes: what a shadow ray loses.
+/// Of panes: what a shadow ray loses is reckoned once nothing has stopped it, as most are stopped, and by then the
+/// panes have come from memory.
 void pass_pane(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
   if (context->kind == RayKind::link) return;
   const Candidate c = candidate_of(*context->scene, args);
-  glm::vec3& t = context->transmittance;
-  t *= pane_transmittance(*context->scene, c.triangle, c.barycentric, c.direction);
-  if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
+  __builtin_prefetch(&context->scene->triangles[c.triangle]);
+  if (context->passed_count == kMostPassed) {
+    take_panes(c.direction, context);
+    if (all_taken(context->transmittance)) return;
+  }
+  context->passed[context->passed_count++] = {c.triangle, c.barycentric};
+  args->valid[0] = 0;
 }
 
 /// Of the mesh that asks: what a shadow ray loses.
@@ -86,8 +112,7 @@ void take_share(const RTCFilterFunctionNArguments* args) {
     return;
   }
   context->transmittance *= 1.0f - alpha;
-  const glm::vec3& t = context->transmittance;
-  if (t.x + t.y + t.z > 0.0f) args->valid[0] = 0;
+  if (!all_taken(context->transmittance)) args->valid[0] = 0;
 }
 
 void add_mesh(PathScene* scene, std::size_t mesh) {
@@ -161,9 +186,12 @@ glm::vec3 share_that_passes(const PathScene& scene, const Ray& ray, RayKind kind
   context.kind = kind;
   context.chance = 0;
   context.transmittance = glm::vec3(1.0f);
+  context.passed_count = 0;
   RTCRay query = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   rtcOccluded1(scene.embree.get(), &context.base, &query);
-  return query.tfar < 0.0f ? glm::vec3(0.0f) : context.transmittance;
+  if (query.tfar < 0.0f) return glm::vec3(0.0f);
+  take_panes(ray.direction, &context);
+  return context.transmittance;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "render/reference/traversal.h"
 #include "tests/support/path_scenes.h"
 
 namespace maquette::test {
@@ -95,6 +96,31 @@ TEST(Glass, SolidSlabFollowsFresnelWithAllItsBounces) {
 }
 
 /// Closed glass that absorbs nothing is not seen in a furnace, total reflection inside included.
+/// Thin panes above each other, more than a ray keeps waiting, each of which takes the same.
+TEST(Glass, ShadowRaysLoseAtEveryPaneOfAStack) {
+  const auto through = [](int count, const Material& last) {
+    Scene scene = scene_of(quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), glass(0.0f, 0.0f));
+    scene.materials.push_back(last);
+    for (int i = 1; i < count; ++i) {
+      Primitive pane = quad({-1, 0.01f * static_cast<float>(i), 1}, {2, 0, 0}, {0, 0, -2});
+      pane.material = i + 1 == count ? 1 : 0;
+      scene.meshes[0].primitives.push_back(pane);
+    }
+    const SlabView view(50.0);
+    const glm::vec3 off_the_diagonals(0.0f, 0.0f, 0.3f);
+    return transmittance(*trace(scene, half_sky(1.0, 1.0)), {view.origin + off_the_diagonals, view.direction}).y;
+  };
+  const double one = slab_shares(50.0 * kDegree, 1.0).transmitted;
+  Material black = glass(0.0f, 0.0f);
+  black.base_color = {0.0f, 0.0f, 0.0f, 1.0f};
+  for (const int count : {2, 8, 9, 16, 17, 24}) {
+    const double expected = std::pow(one, count);
+    EXPECT_NEAR(through(count, glass(0.0f, 0.0f)), expected, 1e-4 * expected) << count;
+    EXPECT_EQ(through(count, black), 0.0f) << count;
+    EXPECT_EQ(through(count, Material()), 0.0f) << count;
+  }
+}
+
 TEST(Glass, SolidBodiesVanishInAFurnace) {
   const auto sky = half_sky(1.0, 1.0);
   for (const float ior : {1.1f, 1.52f, 2.4f}) {

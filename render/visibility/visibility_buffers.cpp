@@ -12,7 +12,7 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
   if (!asked_ || geometry_epoch != geometry_epoch_ || transmits != transmits_ || passages != passages_) {
     GLint max_texels = 0;
     glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &max_texels);
-    if (geometry.positions.size() * 8 > static_cast<std::size_t>(max_texels))
+    if (geometry.positions.size() * 2 * kVisibilityWords > static_cast<std::size_t>(max_texels))
       throw Error("visibility", std::to_string(geometry.positions.size()) + " vertices are more than this driver holds",
                   "set shading.visibility=none");
     VisibilityWorker::Job job;
@@ -28,9 +28,10 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
     transmits_ = transmits;
     passages_ = passages;
   }
-  std::optional<VisibilityBake> bake = worker_->take();
-  if (!bake || bake->vertices.empty()) return false;
-  words_ = Buffer::from("visibility", bake->vertices);
+  std::optional<DrawnVisibility> drawn = worker_->take();
+  if (!drawn || drawn->bake.vertices.empty()) return false;
+  VisibilityBake* bake = &drawn->bake;
+  words_ = Buffer::from("visibility", drawn->sides);
   bandwidth_ = Buffer::from("visibility bandwidth", bake->bandwidth);
   word_view_ = Texture::make_buffer("visibility", GL_R32UI, words_);
   bandwidth_view_ = Texture::make_buffer("visibility bandwidth", GL_R32F, bandwidth_);

@@ -28,8 +28,8 @@ class VisibilityBuffers {
   bool ready() const { return static_cast<bool>(words_); }
   bool busy() const { return worker_ && worker_->busy(); }
   double progress() const { return worker_ ? worker_->progress() : 0.0; }
-  void bind()
-      const;  ///< units 25 (words, [vertex][8]), 30 (bandwidth, [vertex], cycles/m) and 35 (transmittance, [vertex])
+  void bind() const;  ///< units 25 (words, [vertex][side][18]), 30 (bandwidth, [vertex], cycles/m) and 35
+                      ///< (transmittance, [vertex])
   std::size_t bytes() const { return words_.bytes() + bandwidth_.bytes() + transmittance_.bytes(); }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "render/background_worker.h"
 #include "render/visibility/visibility_bake.h"
+#include "render/visibility/visibility_sides.h"
 
 namespace maquette {
 
@@ -13,8 +14,14 @@ struct VisibilityJob {
   std::vector<Passage> passages;
 };
 
+/// A bake and its masks as shaders read them.
+struct DrawnVisibility {
+  VisibilityBake bake;
+  std::vector<VisibilitySides> sides;
+};
+
 /// Bakes visibility on a thread of its own, through the disk cache.
-class VisibilityWorker : public BackgroundWorker<VisibilityJob, VisibilityBake> {
+class VisibilityWorker : public BackgroundWorker<VisibilityJob, DrawnVisibility> {
  public:
   using Job = VisibilityJob;
   VisibilityWorker();

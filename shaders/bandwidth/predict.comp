@@ -113,14 +113,14 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   nu_seen += kEdgeNu;
   t *= distance_m < 0.0 ? 1.0 : 0.0;
 #elif SHADOWED
-  // Two bits tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad.
+  // Two cells tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad.
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
-  float v1 = visibility_of(r.visibility, w, unit_pair(r.random)), v2 = visibility_of(r.visibility, w, unit_pair(hash(r.random)));
-  float edge = kVisibilityNu * abs(v1 - v2);
+  vec2 cells = two_cells(r.visibility, w, unit_pair(r.random), unit_pair(hash(r.random)));
+  float edge = kVisibilityNu * cells.y;
   nu_l += edge;
   nu_seen += edge;
-  t *= 0.5 * (v1 + v2);
+  t *= cells.x;
 #endif
   r.energy.x += stands_for * t * min(nu_seen, nu_r);
   r.energy.y += stands_for * t;

@@ -8,7 +8,7 @@ layout(binding = 5) uniform samplerBuffer t_vertices;
 #include "octree/tables.glsl"
 #elif VISIBILITY
 #include "shared/visibility.glsl"
-layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
+layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
 #endif
 out vec3 v_position;  // m, relative to the eye
 out vec3 v_normal;
@@ -16,21 +16,11 @@ out vec2 v_uv;
 out float v_open;     // share of the mirror direction that is not occluded
 
 #if VISIBILITY == 1
-/// Bilinear between the four cells around; cells on the far side of the pane belong to its other face.
-float open_share(vec3 direction, vec3 normal) {
+float open_share(vec3 direction, bool back) {
   VisibilityCorner corner = visibility_corner(direction);
-  float sum = 0.0, weights = 0.0;
-  for (int k = 0; k < 4; ++k) {
-    ivec2 o = ivec2(k & 1, k >> 1);
-    ivec2 cell = visibility_wrap(corner.lower + o);
-    if (dot(visibility_cell_direction(cell), normal) <= 0.0) continue;
-    vec2 f = mix(1.0 - corner.fraction, corner.fraction, vec2(o));
-    int bit = cell.y * kVisibilityCells + cell.x;
-    uint word = texelFetch(t_visibility, 8 * gl_VertexID + (bit >> 5)).x;
-    sum += f.x * f.y * float((word >> uint(bit & 31)) & 1u);
-    weights += f.x * f.y;
-  }
-  return weights > 0.0 ? sum / weights : 0.0;
+  VisibilityPlace place = visibility_place(corner.lower);
+  uint word = texelFetch(t_visibility, kVisibilityWords * (2 * gl_VertexID + (back ? 1 : 0)) + place.word).x;
+  return dot(visibility_shares(corner.fraction), visibility_bits(word, place.shift));
 }
 #endif
 
@@ -41,11 +31,12 @@ void main() {
   v_uv = a_uv;
   v_open = 1.0;
 #if VISIBILITY
-  vec3 n = dot(v_normal, v_position) > 0.0 ? -v_normal : v_normal;
+  bool back = dot(v_normal, v_position) > 0.0;
+  vec3 n = back ? -v_normal : v_normal;
   vec3 mirrored = reflect(normalize(v_position), n);
 #endif
 #if VISIBILITY == 1
-  v_open = open_share(mirrored, n);
+  v_open = open_share(mirrored, back);
 #elif VISIBILITY == 2
   // The pane itself is not in the octree, the frame that it touches is.
   float own_m = 2.0 * octree_cell_at(octree_frame(), a_position) / u_octree.w;

@@ -1,14 +1,14 @@
-// Baked visibility at a shading point: the masks of its triangle's vertices blended by barycentrics. Per sample one dithered bit index and
-// one word of each vertex.
+// Baked visibility at a shading point: the masks of its triangle's vertices blended by barycentrics, one word of each vertex a direction.
 #include "shared/visibility.glsl"
 layout(binding = 0) uniform usampler2D t_triangle;
 layout(binding = 4) uniform usamplerBuffer t_indices;
 layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][8] words
+layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
 layout(binding = 35) uniform samplerBuffer t_transmittance;  // [vertex]: of the panes before the sky, side of +n and of -n
 
 struct VisibilityPoint {
   ivec3 vertices;
+  ivec3 words;  // first of each vertex's side
   vec3 barycentric;
   vec3 open;    // barycentrics times the transmittance of the panes that each vertex looks through
   vec3 normal;  // of the bake's tangent plane: interpolated from the vertices, turned to the viewer, world
@@ -33,37 +33,34 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
   n = dot(n, n) > 1e-12 ? normalize(n) : normal;
   bool back = dot(n, normal) < 0.0;
   r.normal = back ? -n : n;
+  r.words = kVisibilityWords * (2 * v + (back ? 1 : 0));
   vec2 of_x = texelFetch(t_transmittance, v.x).xy, of_y = texelFetch(t_transmittance, v.y).xy, of_z = texelFetch(t_transmittance, v.z).xy;
   r.open = r.barycentric * (back ? vec3(of_x.y, of_y.y, of_z.y) : vec3(of_x.x, of_y.x, of_z.x));
   return r;
 }
 
-/// In [0, 1]; `u` picks the bit (dithering between the cells of the map).
-float visibility_of(VisibilityPoint p, vec3 world, vec2 u) {
-  int bit = visibility_dithered_bit(world, p.normal, u);
-  ivec3 words = 8 * p.vertices + (bit >> 5);
+/// The three vertices' bits of the four cells around a direction, blended. `weights`: of the vertices.
+vec4 blended_bits(VisibilityPoint p, vec3 weights, VisibilityCorner corner) {
+  VisibilityPlace place = visibility_place(corner.lower);
+  ivec3 words = p.words + place.word;
   uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
-  return dot(p.open, vec3((bits >> uint(bit & 31)) & 1u));
+  return weights.x * visibility_bits(bits.x, place.shift) + weights.y * visibility_bits(bits.y, place.shift) +
+         weights.z * visibility_bits(bits.z, place.shift);
 }
 
-/// What visibility_of is on average over `u`: the bits of all four cells, each with its share. `weights`: of the three vertices.
+/// In [0, 1]: the map's bilinear value.
 float mean_mask(VisibilityPoint p, vec3 weights, vec3 world) {
   VisibilityCorner corner = visibility_corner(world);
-  vec2 f = corner.fraction;
-  vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
-  ivec2 c0 = visibility_wrap(corner.lower), c1 = visibility_wrap(corner.lower + ivec2(1, 0));
-  ivec2 c2 = visibility_wrap(corner.lower + ivec2(0, 1)), c3 = visibility_wrap(corner.lower + ivec2(1, 1));
-  share = visibility_shares_above(share, abs(f.x - 0.5) < abs(f.y - 0.5), dot(world, p.normal),
-                                  vec4(visibility_cell_height(c0, p.normal), visibility_cell_height(c1, p.normal),
-                                       visibility_cell_height(c2, p.normal), visibility_cell_height(c3, p.normal)));
-  ivec4 bits = ivec4(c0.y, c1.y, c2.y, c3.y) * kVisibilityCells + ivec4(c0.x, c1.x, c2.x, c3.x);
-  float sum = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    ivec4 words = 8 * p.vertices[k] + (bits >> 5);
-    uvec4 masks = uvec4(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x,
-                        texelFetch(t_visibility, words.w).x);
-    sum += weights[k] * dot(share, vec4((masks >> uvec4(bits & 31)) & uvec4(1u)));
-  }
-  return sum;
+  return dot(visibility_shares(corner.fraction), blended_bits(p, weights, corner));
 }
 float mean_visibility(VisibilityPoint p, vec3 world) { return mean_mask(p, p.open, world); }
+
+/// Of two of the four cells, each chosen with its bilinear weight by one of the numbers: mean and difference.
+vec2 two_cells(VisibilityPoint p, vec3 world, vec2 u1, vec2 u2) {
+  VisibilityCorner corner = visibility_corner(world);
+  vec4 open = blended_bits(p, p.open, corner);
+  vec2 f = corner.fraction;
+  vec2 of_row1 = u1.x < f.x ? open.yw : open.xz, of_row2 = u2.x < f.x ? open.yw : open.xz;
+  float v1 = u1.y < f.y ? of_row1.y : of_row1.x, v2 = u2.y < f.y ? of_row2.y : of_row2.x;
+  return vec2(0.5 * (v1 + v2), abs(v1 - v2));
+}

@@ -331,6 +331,29 @@ TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
   }
 }
 
+/// A pane above a black floor mirrors the whole sky upwards and nothing downwards: each face by its own masks.
+TEST_P(LightAndGlass, PaneMirrorsWhatItsFaceSees) {
+  Scene scene = floor_scene();
+  scene.materials[0] = matte("black", 0.0f);
+  const Scene pane = pane_scene(glm::vec4(1.0f));
+  scene.materials.push_back(pane.materials[0]);
+  add(&scene, make_grid({-1, 0.05f, 1}, {2, 0, 0}, {0, 0, -2}, 8, 1));
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(constant_sky(3.0f));
+  const auto middle = [&](const std::string& visibility, float height_m, float target_m) {
+    FrameRequest request = request_of(GetParam(), visibility);
+    request.camera.eye = {0.0f, height_m, 0.6f};
+    request.camera.target = {0.0f, target_m, 0.0f};
+    request.camera.fov_y_rad = 0.3f;
+    return mean(draw(&renderer, request));
+  };
+  const double above = middle("none", 0.25f, 0.05f), below = middle("none", 0.025f, 0.05f);
+  EXPECT_GT(above, 0.2);
+  EXPECT_NEAR(middle("baked", 0.25f, 0.05f), above, 0.01 * above);
+  EXPECT_LT(middle("baked", 0.025f, 0.05f), 0.9 * below);
+}
+
 TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
   Renderer renderer;
   renderer.set_scene(std::make_shared<Scene>(pane_scene(glm::vec4(0.8f, 1.0f, 0.5f, 1.0f))));

@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <numbers>
 #include <random>
 
 #include "render/fresnel_shared.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_shared.h"
+#include "render/visibility/visibility_sides.h"
 
 namespace maquette {
 namespace {
@@ -297,6 +297,7 @@ TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
   item.vertex_count = static_cast<std::uint32_t>(g.positions.size());
   g.items.push_back(item);
   const VisibilityBake bake = bake_opaque(g);
+  const std::vector<VisibilitySides> sides = visibility_sides(bake.vertices, g.normals);
   std::mt19937 random(5);
   std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
   double closed = 0.0;
@@ -307,8 +308,12 @@ TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
     for (int k = 0; k < 20; ++k) {
       const glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
       if (glm::dot(d, normal) <= 0.0f) continue;
-      const int bit = shared::visibility_dithered_bit(d, normal, {uniform(random), uniform(random)});
-      for (int corner = 0; corner < 3; ++corner) closed += is_open(bake, c[corner], bit) ? 0.0 : 1.0;
+      const shared::VisibilityCorner around = shared::visibility_corner(d);
+      const shared::VisibilityPlace place = shared::visibility_place(around.lower);
+      for (int corner = 0; corner < 3; ++corner) {
+        const std::uint32_t word = sides[c[corner]][0][static_cast<std::size_t>(place.word)];
+        closed += shared::visibility_bits(word, place.shift) == glm::vec4(1.0f) ? 0.0 : 1.0;
+      }
       tried += 3;
     }
   }
@@ -533,106 +538,6 @@ TEST(VisibilityBandwidth, StaysFiniteAcrossTinyEdges) {
     EXPECT_TRUE(std::isfinite(value));
     EXPECT_LE(value, bound);
   }
-}
-
-TEST(VisibilityShader, DitheredBitIsBilinearAcrossTheFold) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
-  const int grid = 64;
-  double worst_angle = 0.0;
-  double worst_blend = 0.0;
-  for (int trial = 0; trial < 4000; ++trial) {
-    glm::vec3 d(uniform(random), uniform(random), uniform(random));
-    if (trial % 4 == 0) d.y = -1.0f - std::abs(d.y);             // near the corners
-    if (trial % 4 == 1) d = glm::vec3(d.x, -0.5f, 0.01f * d.z);  // on the fold
-    d = glm::normalize(d);
-    std::array<int, 256> hits{};
-    const int side = trial < 200 ? grid : 4;
-    for (int j = 0; j < side; ++j) {
-      for (int i = 0; i < side; ++i) {
-        const glm::vec2 u((static_cast<float>(i) + 0.5f) / static_cast<float>(side),
-                          (static_cast<float>(j) + 0.5f) / static_cast<float>(side));
-        const int bit = shared::visibility_dithered_bit(d, d, u);
-        ASSERT_TRUE(bit >= 0 && bit < 256);
-        ++hits[static_cast<std::size_t>(bit)];
-        worst_angle =
-            std::max(worst_angle, std::acos(std::min(1.0, static_cast<double>(glm::dot(cell_direction(bit), d)))));
-      }
-    }
-    if (side != grid) continue;
-    // The blend of the centres comes back to the direction (inside a face of the octahedron exactly).
-    glm::dvec3 mean(0.0);
-    for (int b = 0; b < 256; ++b) {
-      const glm::dvec3 c(cell_direction(b));
-      const double l1 = std::abs(c.x) + std::abs(c.y) + std::abs(c.z);
-      mean += c / l1 * static_cast<double>(hits[static_cast<std::size_t>(b)]);
-    }
-    worst_blend = std::max(worst_blend, std::acos(std::min(1.0, glm::dot(glm::normalize(mean), glm::dvec3(d)))));
-  }
-  EXPECT_LT(worst_angle, 0.48);  // the bound that visibility_dithered_bit relies on
-  EXPECT_LT(worst_blend, 0.09);
-}
-
-TEST(VisibilityShader, BitsOfCellsAndWords) {
-  glm::uvec4 low(0u);
-  glm::uvec4 high(0u);
-  for (int b : {0, 31, 32, 127, 128, 200, 255}) {
-    (b < 128 ? low : high)[(b / 32) & 3] |= 1u << (b % 32);
-  }
-  for (int b = 0; b < 256; ++b) {
-    const bool set = b == 0 || b == 31 || b == 32 || b == 127 || b == 128 || b == 200 || b == 255;
-    EXPECT_EQ(shared::visibility_test(low, high, b), set ? 1.0f : 0.0f);
-    EXPECT_EQ(shared::visibility_bit(cell_direction(b)), b);
-  }
-}
-
-/// Near the horizon only cells of the viewer's side are taken.
-TEST(VisibilityShader, DitherStaysOnTheSideOfTheNormal) {
-  std::mt19937 random(9);
-  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
-  int across = 0;
-  int tried = 0;
-  for (int trial = 0; trial < 200000; ++trial) {
-    const glm::vec3 n = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
-    glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
-    d = glm::normalize(d - n * glm::dot(n, d) + n * (0.25f * uniform(random) + 1e-3f));
-    const int bit = shared::visibility_dithered_bit(d, n, {uniform(random), uniform(random)});
-    across += glm::dot(cell_direction(bit), n) <= 0.0f ? 1 : 0;
-    ++tried;
-  }
-  EXPECT_LT(across, tried / 1000);  // only where the four centres straddle a fold
-}
-
-/// The shares of mean_visibility (shaders/shading/visibility.glsl) are the chances of the dithered bit, folds and
-/// horizon included.
-TEST(VisibilityShader, SharesAreTheChancesOfTheDitheredBit) {
-  std::mt19937 random(10);
-  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
-  int moved = 0;
-  for (int trial = 0; trial < 100000; ++trial) {
-    const glm::vec3 n = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
-    glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
-    d = glm::normalize(d - n * glm::dot(n, d) + n * (trial % 2 ? 0.3f * uniform(random) : uniform(random)));
-    const auto corner = shared::visibility_corner(d);
-    const glm::vec2 f = corner.fraction;
-    const glm::vec4 bilinear((1.0f - f.x) * (1.0f - f.y), f.x * (1.0f - f.y), (1.0f - f.x) * f.y, f.x * f.y);
-    std::map<int, double> chances, shares;
-    glm::vec4 heights(0.0f);
-    int cells[4];
-    for (int k = 0; k < 4; ++k) {
-      const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
-      cells[k] = cell.y * shared::kVisibilityCells + cell.x;
-      heights[k] = glm::dot(shared::visibility_cell_direction(cell), n);
-      const glm::vec2 u(k & 1 ? -1.0f : 2.0f, k >> 1 ? -1.0f : 2.0f);
-      chances[shared::visibility_dithered_bit(d, n, u)] += static_cast<double>(bilinear[k]);
-    }
-    const glm::vec4 share =
-        shared::visibility_shares_above(bilinear, std::abs(f.x - 0.5f) < std::abs(f.y - 0.5f), glm::dot(d, n), heights);
-    for (int k = 0; k < 4; ++k) shares[cells[k]] += static_cast<double>(share[k]);
-    moved += share != bilinear ? 1 : 0;
-    for (const auto& [bit, chance] : chances) EXPECT_NEAR(shares[bit], chance, 1e-5);
-  }
-  EXPECT_GT(moved, 10000);
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ TEST(VisibilityWorker, OnlyTheNewestJobCounts) {
   EXPECT_DOUBLE_EQ(worker.progress(), 1.0);
   const auto bake = worker.take();
   ASSERT_TRUE(bake);
-  EXPECT_EQ(bake->vertices.size(), 12u);
+  EXPECT_EQ(bake->bake.vertices.size(), 12u);
+  EXPECT_EQ(bake->sides.size(), 12u);
   EXPECT_FALSE(worker.take());  // once
 }
 

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/visibility/visibility_points.h"
+
+namespace maquette {
+
+inline constexpr std::size_t kVisibilityWords = 18;
+/// The masks of both sides of a vertex, +n first, as shaders read them (shaders/shared/visibility.glsl).
+using VisibilitySides = std::array<std::array<std::uint32_t, kVisibilityWords>, 2>;
+
+/// Cells below the tangent plane hold what the other side sees. For this side those near the horizon repeat the nearest
+/// above, so that whatever looks upwards, from between vertices as well, meets this side alone.
+std::vector<VisibilitySides> visibility_sides(const std::vector<VisibilityBits>& bits,
+                                              const std::vector<glm::vec3>& normals);
+
+}  // namespace maquette

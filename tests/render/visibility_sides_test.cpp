@@ -1,0 +1,134 @@
+#include "render/visibility/visibility_sides.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "render/visibility/visibility_shared.h"
+
+namespace maquette {
+namespace {
+
+bool is_open(const VisibilityBits& bits, const glm::ivec2& cell) {
+  const auto b = static_cast<std::size_t>(cell.y * shared::kVisibilityCells + cell.x);
+  return ((bits[b >> 5] >> (b & 31u)) & 1u) != 0;
+}
+
+/// As shaders read it.
+float value_towards(const VisibilitySides& sides, std::size_t side, const glm::vec3& d) {
+  const shared::VisibilityCorner corner = shared::visibility_corner(d);
+  const shared::VisibilityPlace place = shared::visibility_place(corner.lower);
+  const std::uint32_t word = sides[side].at(static_cast<std::size_t>(place.word));
+  return glm::dot(shared::visibility_shares(corner.fraction), shared::visibility_bits(word, place.shift));
+}
+
+class VisibilitySidesTest : public ::testing::Test {
+ protected:
+  std::mt19937 random_{3};
+  glm::vec3 direction() {
+    std::normal_distribution<float> normal;
+    return glm::normalize(glm::vec3(normal(random_), normal(random_), normal(random_)));
+  }
+  VisibilityBits random_bits() {
+    VisibilityBits bits;
+    for (std::uint32_t& word : bits) word = static_cast<std::uint32_t>(random_());
+    return bits;
+  }
+};
+
+/// Far above the horizon both sides read the map itself, folds and corners included.
+TEST_F(VisibilitySidesTest, AboveTheHorizonStandsTheMap) {
+  for (int trial = 0; trial < 20000; ++trial) {
+    glm::vec3 d = direction();
+    if (trial % 4 == 0) d = glm::normalize(glm::vec3(0.1f * d.x, -1.0f, 0.1f * d.z));     // the corners
+    if (trial % 4 == 1) d = glm::normalize(glm::vec3(d.x, -std::abs(d.y), 0.01f * d.z));  // the fold
+    const VisibilityBits bits = random_bits();
+    const shared::VisibilityCorner corner = shared::visibility_corner(d);
+    float value = 0.0f;
+    for (int k = 0; k < 4; ++k)
+      value += is_open(bits, shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1)))
+                   ? shared::visibility_shares(corner.fraction)[k]
+                   : 0.0f;
+    const std::vector<VisibilitySides> sides = visibility_sides({bits, bits}, {d, -d});
+    ASSERT_NEAR(value_towards(sides[0], 0, d), value, 1e-6) << trial;
+    ASSERT_NEAR(value_towards(sides[1], 1, d), value, 1e-6) << trial;
+  }
+}
+
+/// What looks upwards sees nothing of what the other side sees, from a plane that leans by 0.2 rad as well.
+TEST_F(VisibilitySidesTest, TheOtherSideIsNotSeen) {
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  int near_horizon = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const glm::vec3 n = direction();
+    VisibilityBits bits{}, other;
+    for (int b = 0; b < 256; ++b) {
+      const glm::vec3 cell = shared::visibility_cell_direction({b % 16, b / 16});
+      if (glm::dot(cell, n) > 0.0f) bits[static_cast<std::size_t>(b >> 5)] |= 1u << (b & 31);
+    }
+    for (std::size_t w = 0; w < other.size(); ++w) other[w] = ~bits[w];
+    const std::vector<VisibilitySides> sides = visibility_sides({bits, other}, {n, n});
+    glm::vec3 d = direction();
+    d = glm::normalize(d - n * glm::dot(n, d));
+    const float elevation = trial % 2 ? 0.5f * uniform(random_) : -0.2f * uniform(random_);
+    d = std::cos(elevation) * d + std::sin(elevation) * n;
+    near_horizon += std::abs(elevation) < 0.2f ? 1 : 0;
+    ASSERT_NEAR(value_towards(sides[0], 0, d), 1.0f, 1e-6) << elevation;
+    ASSERT_NEAR(value_towards(sides[1], 0, d), 0.0f, 1e-6) << elevation;
+    ASSERT_NEAR(value_towards(sides[0], 1, -d), 0.0f, 1e-6) << elevation;
+    ASSERT_NEAR(value_towards(sides[1], 1, -d), 1.0f, 1e-6) << elevation;
+  }
+  EXPECT_GT(near_horizon, 5000);
+}
+
+/// Below the horizon stands what is seen close by above it.
+TEST_F(VisibilitySidesTest, TheHorizonGoesOnBelow) {
+  int tried = 0, wrong = 0;  // neighbours lie far apart at the map's corners
+  for (int trial = 0; trial < 2000; ++trial) {
+    const glm::vec3 n = direction(), towards = direction();
+    VisibilityBits bits{};
+    for (int b = 0; b < 256; ++b) {
+      const glm::vec3 cell = shared::visibility_cell_direction({b % 16, b / 16});
+      if (glm::dot(cell, n) > 0.0f && glm::dot(cell, towards) > 0.0f)
+        bits[static_cast<std::size_t>(b >> 5)] |= 1u << (b & 31);
+    }
+    const VisibilitySides sides = visibility_sides({bits}, {n})[0];
+    glm::vec3 d = direction();
+    d = glm::normalize(d - n * glm::dot(n, d));
+    if (std::abs(glm::dot(d, towards)) < 0.7f) continue;  // an edge of the open part is near
+    d = std::cos(0.15f) * d - std::sin(0.15f) * n;
+    wrong += std::abs(value_towards(sides, 0, d) - (glm::dot(d, towards) > 0.0f ? 1.0f : 0.0f)) > 0.1f ? 1 : 0;
+    ++tried;
+  }
+  EXPECT_GT(tried, 400);
+  EXPECT_LT(wrong, tried / 50);
+}
+
+/// The value moves steadily with the direction: the blend of the cells' middles comes back to it, across folds as well.
+TEST_F(VisibilitySidesTest, SharesAreBilinearAcrossTheFold) {
+  double worst = 0.0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    glm::vec3 d = direction();
+    if (trial % 4 == 1) d = glm::normalize(glm::vec3(d.x, -0.5f, 0.01f * d.z));  // on the fold
+    const shared::VisibilityCorner corner = shared::visibility_corner(d);
+    glm::dvec3 mean(0.0);
+    for (int k = 0; k < 4; ++k) {
+      const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));
+      ASSERT_TRUE(cell.x >= 0 && cell.x < 16 && cell.y >= 0 && cell.y < 16);
+      const glm::dvec3 c(shared::visibility_cell_direction(cell));
+      mean += c / (std::abs(c.x) + std::abs(c.y) + std::abs(c.z)) *
+              static_cast<double>(shared::visibility_shares(corner.fraction)[k]);
+    }
+    worst = std::max(worst, std::acos(std::min(1.0, glm::dot(glm::normalize(mean), glm::dvec3(d)))));
+  }
+  EXPECT_LT(worst, 0.09);
+}
+
+TEST_F(VisibilitySidesTest, CellsHoldTheirMiddles) {
+  for (int b = 0; b < 256; ++b)
+    EXPECT_EQ(shared::visibility_bit(shared::visibility_cell_direction({b % 16, b / 16})), b);
+}
+
+}  // namespace
+}  // namespace maquette

@@ -106,22 +106,23 @@ class Tracer {
   }
 
   glm::vec3 lamps(const glm::vec3& origin, const glm::vec3& normal, std::uint32_t seed) const {
-    const std::vector<LightRecord>& lights = scene_->lights.lights;
-    if (lights.empty()) return glm::vec3(0.0f);
+    const LightGrid& lights = scene_->lights;
+    if (lights.lights.empty()) return glm::vec3(0.0f);
+    const std::size_t cell = light_cell(lights, origin);
     glm::vec3 sum(0.0f);
     for (std::uint32_t i = 0; i < kLampSamples; ++i) {
       const std::uint32_t h = hash(seed + i * 0x9e3779b9u);
       // Stratified over the choice of the light.
       const float u = (static_cast<float>(i) + unit_float(h)) / static_cast<float>(kLampSamples);
-      const auto light = std::upper_bound(lights.begin(), lights.end() - 1, u,
-                                          [](float value, const LightRecord& l) { return value < l.cdf; });
+      const LightPick pick = choose_light(lights, cell, u, hash(h ^ 0x1f83d9abu));
+      const LightRecord& light = lights.lights[pick.index];
       const shared::LightSample s =
-          shared::light_sample(*light, origin, {unit_float(hash(h ^ 0x68bc21ebu)), unit_float(hash(h ^ 0x02e5be93u))});
+          shared::light_sample(light, origin, {unit_float(hash(h ^ 0x68bc21ebu)), unit_float(hash(h ^ 0x02e5be93u))});
       const float cosine = glm::dot(normal, s.wi);
       if (!(cosine > 0.0f)) continue;
       // No sample may add more than a lamp that fills the hemisphere: beside a small one the rest is left out.
-      glm::vec3 irradiance = s.radiance * (cosine / std::max(light->selection_pdf, 1e-20f));
-      if (light->kind == shared::kLightTriangle) irradiance = glm::min(irradiance, light->color * 3.14159265f);
+      glm::vec3 irradiance = s.radiance * (cosine / std::max(pick.probability, 1e-20f));
+      if (light.kind == shared::kLightTriangle) irradiance = glm::min(irradiance, light.color * 3.14159265f);
       const Ray ray{origin, s.wi, 0.0f, s.distance_m * (1.0f - 1e-4f)};
       sum += irradiance * transmittance(*scene_, ray);
     }

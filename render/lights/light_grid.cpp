@@ -342,19 +342,42 @@ LightGrid build_light_grid(const LightList& list) {
   return grid;
 }
 
-double light_probability(const LightGrid& grid, const glm::ivec3& cell, int index) {
-  const int row = (cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x;
-  const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(grid.stride);
-  double before = 0.0;
-  for (std::size_t k = first; before < 1.0; ++k) {
-    const double sum = static_cast<double>(grid.cumulative[k]);
-    const LightNode& node = grid.nodes[grid.cut[k]];
-    if (index >= node.first && index < node.first + node.count)
-      return (sum - before) * static_cast<double>(grid.lights[static_cast<std::size_t>(index)].selection_pdf) /
-             static_cast<double>(node.share);
-    before = sum;
+std::size_t light_cell(const LightGrid& grid, const glm::vec3& position) {
+  int cell = 0;
+  for (int axis = 2; axis >= 0; --axis) {
+    const float place = std::floor((position[axis] - grid.low[axis]) / grid.cell_size[axis]) + 1.0f;
+    const int last = grid.cells[axis] - 1;
+    // In this order, so that what is not a number has a cell as well.
+    const int at = place > 0.0f ? place < static_cast<float>(last) ? static_cast<int>(place) : last : 0;
+    cell = cell * grid.cells[axis] + at;
   }
-  return 0.0;
+  return static_cast<std::size_t>(cell);
+}
+
+LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::uint32_t place) {
+  const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
+  const auto sums = grid.cumulative.begin() + static_cast<std::ptrdiff_t>(row);
+  const auto k = static_cast<std::size_t>(std::upper_bound(sums, sums + (grid.stride - 1), u) - sums);
+  const float share = grid.cumulative[row + k] - (k > 0 ? grid.cumulative[row + k - 1] : 0.0f);
+  const LightNode& node = grid.nodes[grid.cut[row + k]];
+  const auto steps = static_cast<std::uint64_t>(node.share * 0x1p24f);
+  const float power = node.before + static_cast<float>((place * steps) >> 32) * 0x1p-24f;
+  const auto first = grid.lights.begin() + node.first;
+  const auto light = std::upper_bound(first, first + (node.count - 1), power,
+                                      [](float value, const LightRecord& l) { return value < l.cdf; });
+  return {static_cast<std::size_t>(light - grid.lights.begin()), share * (light->selection_pdf / node.share)};
+}
+
+float light_probability(const LightGrid& grid, std::size_t cell, std::size_t index) {
+  const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
+  // A cut's nodes are in the order of the lights.
+  const auto cut = grid.cut.begin() + static_cast<std::ptrdiff_t>(row);
+  const auto node = std::partition_point(cut, cut + (grid.stride - 1), [&](std::uint32_t id) {
+    return grid.nodes[id].first + grid.nodes[id].count <= static_cast<int>(index);
+  });
+  const auto k = row + static_cast<std::size_t>(node - cut);
+  const float share = grid.cumulative[k] - (k > row ? grid.cumulative[k - 1] : 0.0f);
+  return share * (grid.lights[index].selection_pdf / grid.nodes[*node].share);
 }
 
 }  // namespace maquette

@@ -37,7 +37,28 @@ struct LightGrid {
 };
 LightGrid build_light_grid(const LightList& list);
 
-/// Probability of light `index` (of `grid.lights`) at a point of this cell.
-double light_probability(const LightGrid& grid, const glm::ivec3& cell, int index);
+/// The cell that holds a point, in m.
+std::size_t light_cell(const LightGrid& grid, const glm::vec3& position);
+
+/// Fetches what choosing in a cell reads, ahead of time.
+inline void prefetch_cell(const LightGrid& grid, std::size_t cell) {
+  constexpr std::size_t kLine = 16;  // entries
+  const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(grid.stride); k += kLine) {
+    __builtin_prefetch(&grid.cumulative[row + k]);
+    __builtin_prefetch(&grid.cut[row + k]);
+  }
+}
+
+/// A light of `grid.lights`, and the probability with which the point is given it.
+struct LightPick {
+  std::size_t index = 0;
+  float probability = 0.0f;
+};
+/// One of at least one light, as shaders/shading/lights.glsl chooses it: a node by u in [0, 1), a light in it by
+/// `place` of 2^32.
+LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::uint32_t place);
+/// Probability with which choose_light gives light `index`.
+float light_probability(const LightGrid& grid, std::size_t cell, std::size_t index);
 
 }  // namespace maquette

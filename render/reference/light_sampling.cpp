@@ -20,6 +20,7 @@ EnvironmentLight::EnvironmentLight(const TracedEnvironment& environment, const P
       cosine_(std::cos(options.env_rotation_rad)),
       sine_(std::sin(options.env_rotation_rad)),
       scale_(options.env_scale),
+      mean_lux_(0.25f * options.env_scale * static_cast<float>(environment.tables.luminance_integral)),
       guide_(guide),
       samples_(samples) {}
 
@@ -93,16 +94,9 @@ void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float u
   if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, draw.leaf, useful);
 }
 
-std::size_t choose_scene_light(const PathScene& scene, float u) {
-  const std::vector<float>& cdf = scene.light_cdf;
-  const auto index = static_cast<std::size_t>(std::upper_bound(cdf.begin(), cdf.end() - 1, u) - cdf.begin());
-  __builtin_prefetch(&scene.lights.lights[index]);
-  return index;
-}
-
-LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, std::size_t index, const glm::vec2& u,
+LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,
                            bool mean_emission) {
-  const LightRecord& light = scene.lights.lights[index];
+  const LightRecord& light = scene.lights.lights[pick.index];
   const shared::LightSample s = shared::light_sample(light, position, u);
   LightDraw draw;
   draw.direction = s.wi;
@@ -110,13 +104,13 @@ LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, st
   draw.has_extent = light.kind == shared::kLightTriangle;
   if (!draw.has_extent) {
     draw.radiance = s.radiance;
-    draw.pdf = light.selection_pdf;
+    draw.pdf = pick.probability;
     return draw;
   }
   if (!(s.pdf > 0.0f)) return draw;
-  draw.pdf = light.selection_pdf * s.pdf;
+  draw.pdf = pick.probability * s.pdf;
   draw.radiance = light.color;
-  const std::uint32_t triangle = scene.lights.triangles[index];
+  const std::uint32_t triangle = scene.light_triangles[pick.index];
   if (!mean_emission && scene.material_of(triangle).texture(TextureRole::emissive) >= 0)
     draw.radiance = emission_at(scene, triangle, shared::light_triangle_uv(u));
   return draw;
@@ -124,14 +118,16 @@ LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, st
 
 float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from, const glm::vec3& to) {
   if (scene.triangle_light.empty() || scene.triangle_light[triangle] == kNoTriangle) return 0.0f;
-  const LightRecord& light = scene.lights.lights[scene.triangle_light[triangle]];
+  const std::uint32_t index = scene.triangle_light[triangle];
+  const LightRecord& light = scene.lights.lights[index];
   // As light_sample_triangle: lengths scaled, because squares of small ones leave float's range.
   const float scale = std::max(shared::light_largest(light.direction), shared::light_largest(light.edge2));
   const glm::vec3 doubled = glm::cross(light.direction / scale, light.edge2 / scale);
   const glm::vec3 way = (to - from) / scale;
   const float square = glm::dot(way, way);
   const float facing = std::abs(glm::dot(doubled, way)) / std::sqrt(std::max(square, 1e-30f));
-  return facing > 0.0f ? light.selection_pdf * 2.0f * square / facing : 0.0f;
+  if (!(facing > 0.0f)) return 0.0f;
+  return light_probability(scene.lights, light_cell(scene.lights, from), index) * 2.0f * square / facing;
 }
 
 }  // namespace maquette

@@ -55,24 +55,24 @@ class EnvironmentLight {
   /// Tells the guide what became of a draw above the horizon: what came through.
   void record(const LightDraw& draw, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }
+  /// Mean over all directions that a surface may face, nothing in between.
+  float mean_lux() const { return mean_lux_; }
 
  private:
   LightDraw draw_at(const EnvironmentPoint& drawn, int leaf) const;
 
   const TracedEnvironment& environment_;
-  float cosine_, sine_, scale_;
+  float cosine_, sine_, scale_, mean_lux_;
   LightGuide* guide_;
   const PresampledEnvironment* samples_;
 };
 
-/// One of the scene's lights, by power; it is on its way from memory then. `u` in [0, 1).
-std::size_t choose_scene_light(const PathScene& scene, float u);
 /// A point of a light that was chosen, by area. `mean_emission`: a textured triangle shines with its mean (as the
 /// direct modes have it), else as its texture says there.
-LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, std::size_t index, const glm::vec2& u,
+LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,
                            bool mean_emission);
-/// Density with which draw_scene_light gives the direction from `from` to a point on an emissive triangle; 0 where it
-/// is in no list.
+/// Density with which choose_light and draw_scene_light give the direction from `from` to a point on an emissive
+/// triangle; 0 where it is in no list.
 float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from, const glm::vec3& to);
 
 }  // namespace maquette

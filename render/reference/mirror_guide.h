@@ -51,6 +51,8 @@ class MirrorGuide {
     float cumulative;  ///< inclusive, over the cell's entries
   };
   static constexpr std::uint32_t kCopies = 8;  ///< of one light's arrival, at places and in directions close by
+  /// Of the light that is sent to a pane in this cell of the grid of lights.
+  float share_of_lamps(std::size_t cell) const;
   /// Leaves them as they are where it does not arrive.
   void send(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const;
   void collect(std::vector<Arrival> arrivals);

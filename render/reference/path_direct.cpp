@@ -28,8 +28,9 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
     sum += balanced(s.f * s.wi.z * glm::vec3(light), s.pdf, light.w);
   }
   if (!scene.lights.lights.empty()) {
-    const LightDraw light = draw_scene_light(
-        scene, p.position, choose_scene_light(scene, sampler.single(dimension + 3)), sampler.pair(dimension + 4), true);
+    const LightPick pick = choose_light(scene.lights, light_cell(scene.lights, p.position),
+                                        sampler.single(dimension + 3), sampler.word(dimension + 3));
+    const LightDraw light = draw_scene_light(scene, p.position, pick, sampler.pair(dimension + 4), true);
     const glm::vec3 wi = p.to_local(light.direction);
     if (light.pdf > 0.0f && wi.z > 0.0f) sum += evaluate_scattering(p, wi).f * wi.z * light.radiance / light.pdf;
   }

@@ -25,6 +25,8 @@ constexpr int kMostSplits = 6;            ///< panes in a row that send a camera
 /// Shadow rays to the environment at the first surface, the second and later ones. What the second sends is shared by a
 /// tile, so that most is left to gain at the first.
 constexpr std::array<std::uint32_t, 3> kShadowRays{5, 3, 2};
+/// Shadow rays to lamps: one a surface where they may outshine the sky, as seldom as this where they are dim beside it.
+constexpr float kLeastLampRays = 0.25f;
 constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(), kShadowRays.end());
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
 /// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
@@ -97,8 +99,14 @@ class FullPath {
     polarisation_ = {};
     find_cells(p);
     origin_ = offset_from_surface(p.position, p.error, p.normal);
-    has_lamp_ = !scene_.lights.lights.empty();
-    if (has_lamp_) lamp_index_ = choose_scene_light(scene_, sampler_.single(dimension(kLightChoice)));
+    has_lamp_ = false;
+    if (!scene_.lights.lights.empty()) {
+      lamp_cell_ = light_cell(scene_.lights, p.position);
+      prefetch_cell(scene_.lights, lamp_cell_);
+      const float lux = scene_.lights.lux[lamp_cell_], sky = environment_.mean_lux();
+      lamp_rays_ = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
+      has_lamp_ = lamp_rays_ >= 1.0f || sampler_.single(dimension(kChance)) < lamp_rays_;
+    }
     scattering_ = choose_scattering(p, sampler_.pair(dimension(kDirection)));
   }
 
@@ -107,8 +115,12 @@ class FullPath {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *at_;
     choose_environment(p);
-    lamp_ = has_lamp_ ? draw_scene_light(scene_, p.position, lamp_index_, sampler_.pair(dimension(kLight)), false)
-                      : LightDraw();
+    lamp_ = LightDraw();
+    if (has_lamp_) {
+      const std::uint32_t choice = dimension(kLightChoice);
+      const LightPick pick = choose_light(scene_.lights, lamp_cell_, sampler_.single(choice), sampler_.word(choice));
+      lamp_ = draw_scene_light(scene_, p.position, pick, sampler_.pair(dimension(kLight)), false);
+    }
     ask_mirrors(p);
     drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
     if (drawn_.pdf > 0.0f) query_ = prepare_scattering(p, drawn_.wi);
@@ -128,7 +140,7 @@ class FullPath {
     }
     if (lamp_.pdf > 0.0f) {
       arriving_[arrived_].draw = lamp_;
-      arriving_[arrived_].rays = 1.0f;
+      arriving_[arrived_].rays = lamp_rays_;
       arrived_ += trace_light(*at_, &arriving_[arrived_]) ? 1 : 0;
     }
   }
@@ -230,7 +242,7 @@ class FullPath {
     if (p.material->values.unlit) add(p.base_color);
     if (p.emission == glm::vec3(0.0f)) return;
     const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_, p.position) : 0.0f;
-    add(p.emission * share_of(other));
+    add(p.emission * share_of(lamp_rays_ * other));
   }
 
   /// Mirrors or lets pass; false where this path treats the pane as a surface (its share that is none).
@@ -429,7 +441,8 @@ class FullPath {
   std::uint32_t shadow_rays_ = 0;
   std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
   bool has_lamp_ = false;
-  std::size_t lamp_index_ = 0;
+  std::size_t lamp_cell_ = 0;  ///< of the grid of lights
+  float lamp_rays_ = 1.0f;     ///< mean number of shadow rays to lamps
   LightDraw lamp_;
   std::array<ArrivingLight, kMostShadowRays + 1> arriving_;
   std::size_t arrived_ = 0;

@@ -126,20 +126,21 @@ void gather_triangles(const PathSceneInput& input, PathScene* scene) {
   prefer_large_pages(scene->triangles);
 }
 
-/// The list's triangles are the geometry's.
+/// A list's triangles are the geometry's.
 void gather_lights(const PathSceneInput& input, PathScene* scene) {
-  scene->lights = build_light_list(input.scene, scene->geometry, input.variant);
-  if (scene->lights.lights.empty()) return;
-  for (const LightRecord& light : scene->lights.lights) scene->light_cdf.push_back(light.cdf);
+  const LightList list = build_light_list(input.scene, scene->geometry, input.variant);
+  if (list.lights.empty()) return;
+  scene->lights = build_light_grid(list);
   std::vector<std::uint32_t> traced(scene->geometry.indices.size() / 3, kNoTriangle);
   for (std::size_t i = 0; i < scene->triangles.size(); ++i)
     traced[scene->triangles[i].source] = static_cast<std::uint32_t>(i);
   scene->triangle_light.assign(scene->triangles.size(), kNoTriangle);
-  for (std::size_t i = 0; i < scene->lights.triangles.size(); ++i) {
-    std::uint32_t& triangle = scene->lights.triangles[i];
-    if (triangle == kNoTriangle) continue;
-    triangle = traced[triangle];
-    scene->triangle_light[triangle] = static_cast<std::uint32_t>(i);
+  for (const int i : scene->lights.order) {
+    const std::uint32_t source = list.triangles[static_cast<std::size_t>(i)];
+    const std::uint32_t triangle = source == kNoTriangle ? kNoTriangle : traced[source];
+    if (triangle != kNoTriangle)
+      scene->triangle_light[triangle] = static_cast<std::uint32_t>(scene->light_triangles.size());
+    scene->light_triangles.push_back(triangle);
   }
 }
 

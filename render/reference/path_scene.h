@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "render/environment/environment_tables.h"
-#include "render/lights/light_list.h"
+#include "render/lights/light_grid.h"
 #include "render/materials/brdf_tables.h"
 #include "render/reference/light_guide.h"
 #include "render/reference/packed_brdf.h"
@@ -109,8 +109,8 @@ struct PathScene {
   std::array<std::uint32_t, kHidden + 1> mesh_begin{};  ///< first triangle of each mesh
   std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of the list, kNoTriangle: none; may be empty
   TextureAtlas atlas;
-  LightList lights;              ///< `triangles` by their index here
-  std::vector<float> light_cdf;  ///< [light] its cdf, which is searched
+  LightGrid lights;
+  std::vector<std::uint32_t> light_triangles;  ///< [light] its triangle; kNoTriangle: none
   TracedEnvironment environment;
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease> device;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease> embree;

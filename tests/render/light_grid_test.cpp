@@ -57,11 +57,6 @@ LightList strip_and_lamp() {
   return list_of(lights, powers);
 }
 
-glm::ivec3 cell_of(const LightGrid& grid, const glm::vec3& p) {
-  return glm::ivec3(
-      glm::clamp(glm::floor((p - grid.low) / grid.cell_size) + 1.0f, glm::vec3(0.0f), glm::vec3(grid.cells - 1)));
-}
-
 /// Bound of what a light brings to a point, without cosines at the point.
 double flux_at(const LightRecord& light, const glm::dvec3& p) {
   if (light.kind == shared::kLightDirectional) return static_cast<double>(light.color.y);
@@ -123,10 +118,10 @@ void check_rows(const LightList& list) {
     ASSERT_EQ(node.before + node.share, grid.lights[first + static_cast<std::size_t>(node.count) - 1].cdf);
     ASSERT_GT(node.share, 0.0f);
   }
-  for (const glm::ivec3& cell : {glm::ivec3(0), grid.cells / 2, grid.cells - 1}) {
+  for (const std::size_t cell : {std::size_t{0}, rows / 2, rows - 1}) {
     double sum = 0.0;
     for (std::size_t i = 0; i < grid.lights.size(); ++i) {
-      const double p = light_probability(grid, cell, static_cast<int>(i));
+      const double p = static_cast<double>(light_probability(grid, cell, i));
       const double by_power = list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
       // Single steps of 2^-24 are rounded; what is larger keeps its quarter.
       if (by_power > 1e-5) {
@@ -160,6 +155,45 @@ TEST(LightGrid, ProbabilitiesAreWhatIsDrawn) {
   }
 }
 
+// In every cell, one of few lights among many: what is drawn is what is said, to the light of least power.
+TEST(LightGrid, LightsAreDrawnAsOftenAsSaid) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::vector<LightRecord> lights{sun()};
+  std::vector<double> powers{5.0};
+  for (int i = 0; i < 150; ++i) {
+    lights.push_back(point_at({unit(random), unit(random), unit(random)}, 1.0f));
+    powers.push_back(std::pow(10.0, 3.0 * static_cast<double>(unit(random)) - 3.0));
+  }
+  const LightGrid grid = build_light_grid(list_of(lights, powers));
+  for (int trial = 0; trial < 8; ++trial) {
+    const std::size_t cell = light_cell(grid, 1.5f * glm::vec3(unit(random), unit(random), unit(random)) - 0.25f);
+    constexpr int kDraws = 1 << 18;
+    std::vector<int> times(lights.size());
+    for (int i = 0; i < kDraws; ++i) {
+      // Stratified in what chooses the node.
+      const float u = (static_cast<float>(i) + unit(random)) / static_cast<float>(kDraws);
+      const LightPick pick =
+          choose_light(grid, cell, std::min(u, 0x1.fffffep-1f), static_cast<std::uint32_t>(random()));
+      ASSERT_LT(pick.index, lights.size());
+      ASSERT_EQ(pick.probability, light_probability(grid, cell, pick.index)) << pick.index;
+      ++times[pick.index];
+    }
+    double chi_square = 0.0;
+    int classes = 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      const double expected = kDraws * static_cast<double>(light_probability(grid, cell, i));
+      if (expected < 8.0) continue;
+      chi_square += (times[i] - expected) * (times[i] - expected) / expected;
+      ++classes;
+    }
+    ASSERT_GT(classes, 50);
+    EXPECT_LT(chi_square, classes + 4.0 * std::sqrt(2.0 * classes)) << trial;
+  }
+  const glm::vec3 nowhere(std::nanf(""), 1e30f, -1e30f);
+  EXPECT_LT(light_cell(grid, nowhere), grid.lux.size());
+}
+
 TEST(LightGrid, WhatIsNearIsNoSurprise) {
   // Second moment of one sample over the square of the truth: 1 would be a perfect choice, and its root is how far a
   // single sample may stand out. By power alone it is thousands beside the strip.
@@ -177,7 +211,7 @@ TEST(LightGrid, WhatIsNearIsNoSurprise) {
     for (std::size_t i = 0; i < grid.lights.size(); ++i) {
       const double flux = flux_at(grid.lights[i], glm::dvec3(p));
       truth += flux;
-      square += flux * flux / light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+      square += flux * flux / static_cast<double>(light_probability(grid, light_cell(grid, p), i));
       square_by_power += flux * flux / list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
     }
     if (far) worst_far = std::max(worst_far, square / (truth * truth));
@@ -231,7 +265,7 @@ TEST(LightGrid, WhatShinesElsewhereIsHardlyDrawn) {
     const glm::vec3 p(unit(random), 0.4f * unit(random), 0.3f * unit(random));
     double display = 0.0;
     for (std::size_t i = 0; i < lights.size(); ++i)
-      if (grid.order[i] >= 300) display += light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+      if (grid.order[i] >= 300) display += static_cast<double>(light_probability(grid, light_cell(grid, p), i));
     EXPECT_GT(display, 0.99) << p.x << " " << p.y << " " << p.z;
   }
 }
@@ -258,18 +292,17 @@ TEST(LightGrid, WhatReachesAPointIsDrawn) {
     for (int trial = 0; trial < 300; ++trial) {
       const bool outside = trial % 3 == 0;
       const glm::vec3 p = (outside ? 4.0f : 1.0f) * scale * vector();
-      const glm::ivec3 cell = cell_of(grid, p);
+      const std::size_t cell = light_cell(grid, p);
       double sum = 0.0;
       for (std::size_t i = 0; i < grid.lights.size(); ++i) {
         const double lux = lux_at(grid.lights[i], glm::dvec3(p));
         if (!(lux > 0.0)) continue;
         sum += lux;
         const double by_power = list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
-        if (by_power > 1e-4) least = std::min(least, light_probability(grid, cell, static_cast<int>(i)) / by_power);
+        if (by_power > 1e-4) least = std::min(least, static_cast<double>(light_probability(grid, cell, i)) / by_power);
       }
       if (outside) continue;
-      const auto row = static_cast<std::size_t>((cell.z * grid.cells.y + cell.y) * grid.cells.x + cell.x);
-      said.push_back(static_cast<double>(grid.lux[row]) / sum);
+      said.push_back(static_cast<double>(grid.lux[cell]) / sum);
     }
     EXPECT_GT(least, 0.24) << scale;
     std::sort(said.begin(), said.end());
@@ -295,7 +328,7 @@ TEST(LightGrid, TheLayerAroundGoesOn) {
     for (std::size_t i = 0; i < grid.lights.size(); ++i) {
       const double lux = lux_at(grid.lights[i], glm::dvec3(p));
       truth += lux;
-      square += lux * lux / light_probability(grid, cell_of(grid, p), static_cast<int>(i));
+      square += lux * lux / static_cast<double>(light_probability(grid, light_cell(grid, p), i));
     }
     ASSERT_GT(truth, 0.0);
     EXPECT_LT(square, 8.0 * truth * truth) << p.x;

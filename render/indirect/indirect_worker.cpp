@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kCacheKind = "indirect";
 /// Raised whenever the result for the same input changes.
-constexpr int kCacheVersion = 2;
+constexpr int kCacheVersion = 3;
 /// Rays of all points together: 8 bytes each in main memory, 3 to 5 s on two cores.
 constexpr std::size_t kRayBudget = std::size_t{1} << 24;
 

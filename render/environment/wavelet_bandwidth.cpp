@@ -7,13 +7,7 @@
 #include <numbers>
 
 #include "render/daubechies4.h"
-
-// The same operations in the same order in wider registers: no result changes.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define MAQUETTE_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define MAQUETTE_WIDE
-#endif
+#include "render/wide.h"
 
 namespace maquette {
 namespace {

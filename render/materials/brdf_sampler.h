@@ -5,6 +5,22 @@
 
 namespace maquette::shared {
 
+/// The cell that brdf_sample_pdf finds, in three steps of comparisons beside each other instead of seven that wait for
+/// each other: the last that begins at `t` or before it, or the first.
+inline int find_theta_cell(const vec2* cells, float t) {
+  static_assert(kThetaCellCount == 4 * 24);
+  const auto begun = [&](int k) { return cells[k].x <= t ? 1 : 0; };
+  int k = 24 * (begun(24) + begun(48) + begun(72));
+  k += 6 * (begun(k + 6) + begun(k + 12) + begun(k + 18));
+  return k + begun(k + 1) + begun(k + 2) + begun(k + 3) + begun(k + 4) + begun(k + 5);
+}
+inline int find_phi_cell(const vec2* cells, float phi) {
+  static_assert(kPhiCellCount == 16);
+  const auto begun = [&](int p) { return cells[p].x <= phi ? 1 : 0; };
+  const int p = 4 * (begun(4) + begun(8) + begun(12));
+  return p + begun(p + 1) + begun(p + 2) + begun(p + 3);
+}
+
 /// The shader's sampler on the CPU: the functions of shaders/shared/brdf_sampling.glsl as members (sample_brdf,
 /// brdf_sample_pdf, theta_cell_mass, ...), reading the cells of `tables`, which must outlive it.
 struct BrdfSampler {

@@ -90,8 +90,8 @@ void EnvironmentLight::fill(LightDraw* draw, const LeafShares* shares) const {
   if (shares) draw->pdf *= guide_->gain(*shares, draw->leaf);
 }
 
-void EnvironmentLight::record(const LightDraw& draw, std::uint32_t cell, float useful) const {
-  if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, draw.leaf, useful);
+void EnvironmentLight::record(int leaf, std::uint32_t cell, float useful) const {
+  if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, leaf, useful);
 }
 
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,

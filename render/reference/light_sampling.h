@@ -53,7 +53,7 @@ class EnvironmentLight {
   /// Radiance and pdf of what was drawn.
   void fill(LightDraw* draw, const LeafShares* shares = nullptr) const;
   /// Tells the guide what became of a draw above the horizon: what came through.
-  void record(const LightDraw& draw, std::uint32_t cell, float useful) const;
+  void record(int leaf, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }
   /// Mean over all directions that a surface may face, nothing in between.
   float mean_lux() const { return mean_lux_; }

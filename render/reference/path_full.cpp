@@ -107,7 +107,8 @@ class FullPath {
       lamp_rays_ = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
       has_lamp_ = lamp_rays_ >= 1.0f || sampler_.single(dimension(kChance)) < lamp_rays_;
     }
-    scattering_ = choose_scattering(p, sampler_.pair(dimension(kDirection)));
+    draw_numbers();
+    scattering_ = choose_scattering(p, numbers_[kMostShadowRays]);
   }
 
   /// Directions to light and on.
@@ -123,26 +124,43 @@ class FullPath {
     }
     ask_mirrors(p);
     drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
-    if (drawn_.pdf > 0.0f) query_ = prepare_scattering(p, drawn_.wi);
+    if (drawn_.pdf > 0.0f) query_ = prepare_brdf(p, drawn_.wi);
   }
 
   /// Shadow rays.
   void ask_lights() {
     if (step_ != Step::scatter) return;
     arrived_ = 0;
+    std::array<float, kMostShadowRays> useful;
+    useful.fill(-1.0f);  // not sent
     for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
       ArrivingLight& light = arriving_[arrived_];
       light.draw = environment_.take(choices_[k], shares());
       light.rays = static_cast<float>(shadow_rays_);
-      const bool arrives = trace_light(*at_, &light);
-      if (light.above) environment_.record(light.draw, cell_, arrives ? largest(light.through) : 0.0f);
-      arrived_ += arrives ? 1 : 0;
+      light.choice = k;
+      arrived_ += trace_light(*at_, &light) ? 1 : 0;
+      if (light.above) useful[k] = 0.0f;
     }
+    const std::size_t of_sky = arrived_;
     if (lamp_.pdf > 0.0f) {
       arriving_[arrived_].draw = lamp_;
       arriving_[arrived_].rays = lamp_rays_;
       arrived_ += trace_light(*at_, &arriving_[arrived_]) ? 1 : 0;
     }
+    // Panes, cells and lessons of all rays beside each other: what one reads comes while another is reckoned.
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < arrived_; ++i) {
+      ArrivingLight& light = arriving_[i];
+      light.through = transmittance(scene_, light.draw.direction, light.passage);
+      if (light.through == glm::vec3(0.0f)) continue;
+      if (i < of_sky) useful[light.choice] = largest(light.through);
+      if (kept != i) arriving_[kept] = light;
+      ++kept;
+    }
+    arrived_ = kept;
+    for (std::size_t i = 0; i < arrived_; ++i) arriving_[i].query = prepare_scattering(*at_, arriving_[i].query.wi);
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
+      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, cell_, useful[k]);
   }
 
   /// Light that arrives straight, then on in a new direction.
@@ -357,15 +375,21 @@ class FullPath {
     return true;
   }
 
+  /// Of all shadow rays to the sky, one sequence for those of all paths; then of the scattered ray.
+  void draw_numbers() {
+    static_assert(kMostShadowRays < PathSampler::Pairs::kMost);
+    numbers_.dimension.fill(dimension(kEnvironment));
+    for (std::uint32_t k = 0; k < kMostShadowRays; ++k) numbers_.index[k] = sampler_.index * shadow_rays_ + k;
+    numbers_.dimension[kMostShadowRays] = dimension(kDirection);
+    numbers_.index[kMostShadowRays] = sampler_.index;
+    PathSampler::draw(sampler_.seed, &numbers_);
+  }
+
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    std::array<glm::vec2, kMostShadowRays> u;
-    // One sequence for all rays of all paths.
-    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      u[k] = PathSampler{sampler_.seed, sampler_.index * shadow_rays_ + k}.pair(dimension(kEnvironment));
     if (cell_ != LightGuide::kNoCell) environment_.look(cell_, p.n, &shares_);
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      choices_[k] = environment_.choose(u[k], cell_, shares(), sampler_.index);
+      choices_[k] = environment_.choose(numbers_[k], cell_, shares(), sampler_.index);
   }
   const LeafShares* shares() const { return cell_ != LightGuide::kNoCell ? &shares_ : nullptr; }
 
@@ -373,12 +397,14 @@ class FullPath {
   struct ArrivingLight {
     LightDraw draw;
     float rays;
+    std::uint32_t choice;  ///< of the sky's
     ScatteringQuery query;
+    Passage passage;
     glm::vec3 through;
     bool above;  ///< the horizon
   };
 
-  /// Whether any of it comes through.
+  /// Whether any of it may come through.
   bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
     const LightDraw& draw = light->draw;
     light->above = false;
@@ -390,11 +416,8 @@ class FullPath {
     // Short of a near light by the rounding of its distance and of the direction.
     if (draw.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
-    light->through = transmittance(scene_, ray);
-    // What is blocked needs no shading.
-    if (light->through == glm::vec3(0.0f)) return false;
-    light->query = prepare_scattering(p, wi);
-    return true;
+    light->query.wi = wi;
+    return find_passage(scene_, ray, &light->passage);
   }
 
   void add_light(const SurfacePoint& p, ArrivingLight* light) {
@@ -439,6 +462,7 @@ class FullPath {
   std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide
   LeafShares shares_;                         ///< of the guide
   std::uint32_t shadow_rays_ = 0;
+  PathSampler::Pairs numbers_;
   std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
   bool has_lamp_ = false;
   std::size_t lamp_cell_ = 0;  ///< of the grid of lights
@@ -451,7 +475,7 @@ class FullPath {
   float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction
   ScatteringChoice scattering_;
   DrawnDirection drawn_;
-  ScatteringQuery query_;
+  BrdfQuery query_;
 };
 
 PathGroup::PathGroup(const PathScene& scene, const EnvironmentLight& environment, int max_bounces,

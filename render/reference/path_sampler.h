@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 
@@ -29,6 +30,15 @@ struct PathSampler {
   }
   /// A random word, not spread.
   std::uint32_t word(std::uint32_t dimension) const { return mix_seed(mix_seed(seed, dimension), index); }
+
+  /// Pairs side by side, of any dimensions and paths of one seed: what `pair` gives, sooner.
+  struct Pairs {
+    static constexpr std::size_t kMost = 8;
+    alignas(32) std::array<std::uint32_t, kMost> dimension{}, index{};
+    alignas(32) std::array<float, kMost> x, y;
+    glm::vec2 operator[](std::size_t i) const { return {x[i], y[i]}; }
+  };
+  static void draw(std::uint32_t seed, Pairs* pairs);
 
  private:
   static float to_unit(std::uint32_t v) { return static_cast<float>(v >> 8) * 0x1p-24f; }

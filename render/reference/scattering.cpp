@@ -10,8 +10,28 @@ LobeChoice choose_lobe(const glm::vec3& weights, float u) {
   return {lobe, weights[lobe] > 0.0f ? std::clamp((u - begin) / weights[lobe], 0.0f, 0x1.fffffep-1f) : 0.0f};
 }
 
-ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
-  ScatteringQuery query{wi, {}};
+namespace {
+
+void place_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
+  shared::BrdfSampler sampler(measured.tables);
+  const int row = sampler.brdf_elevation(wo) * kThetaCellCount;
+  query->half = sampler.half_vector_place(wo, query->wi);
+  query->theta_cell = shared::find_theta_cell(measured.tables.theta_cells.data() + row, query->half.t);
+  query->theta = measured.tables.theta_cells.data() + row + query->theta_cell;
+  query->phis = measured.tables.phi_cells.data() + (row + query->theta_cell) * kPhiCellCount;
+  for (int p : {0, kPhiCellCount / 2, kPhiCellCount - 1}) __builtin_prefetch(query->phis + p);
+}
+
+float density_of(const MeasuredMaterial& measured, const glm::vec3& wo, const ScatteringQuery& query) {
+  const int p = shared::find_phi_cell(query.phis, query.half.phi);
+  return shared::BrdfSampler(measured.tables)
+      .density_in_cell(wo, query.wi, query.half, query.theta_cell, *query.theta, query.phis[p]);
+}
+
+}  // namespace
+
+BrdfQuery prepare_brdf(const SurfacePoint& p, const glm::vec3& wi) {
+  BrdfQuery query{wi, {}};
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
     query.cell = shared::merl_cell(shared::merl_coordinates(wi, p.wo));
     measured->values.prefetch(query.cell);
@@ -19,20 +39,30 @@ ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   return query;
 }
 
-glm::vec3 evaluate_brdf(const SurfacePoint& p, const ScatteringQuery& query) {
+ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
+  ScatteringQuery query{prepare_brdf(p, wi)};
+  if (const MeasuredMaterial* measured = p.material->measured.get()) place_density(*measured, p.wo, &query);
+  return query;
+}
+
+glm::vec3 evaluate_brdf(const SurfacePoint& p, const BrdfQuery& query) {
   if (const MeasuredMaterial* measured = p.material->measured.get())
     return measured->values.look_up(query.cell) * p.tint;
   return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
 }
 
 float scattering_pdf(const SurfacePoint& p, const glm::vec3& wi) {
-  if (const MeasuredMaterial* measured = p.material->measured.get())
-    return shared::BrdfSampler(measured->tables).brdf_sample_pdf(p.wo, wi);
+  if (const MeasuredMaterial* measured = p.material->measured.get()) {
+    ScatteringQuery query{{wi, {}}};
+    place_density(*measured, p.wo, &query);
+    return density_of(*measured, p.wo, query);
+  }
   return shared::analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);
 }
 
 Scattering evaluate_scattering(const SurfacePoint& p, const ScatteringQuery& query) {
-  return {evaluate_brdf(p, query), scattering_pdf(p, query.wi)};
+  const MeasuredMaterial* measured = p.material->measured.get();
+  return {evaluate_brdf(p, query), measured ? density_of(*measured, p.wo, query) : scattering_pdf(p, query.wi)};
 }
 
 Scattering evaluate_scattering(const SurfacePoint& p, const glm::vec3& wi) {
@@ -71,7 +101,7 @@ DrawnDirection draw_scattering(const SurfacePoint& p, const ScatteringChoice& ch
 ScatteringSample sample_scattering(const SurfacePoint& p, const glm::vec2& u) {
   const DrawnDirection d = draw_scattering(p, choose_scattering(p, u));
   ScatteringSample s{d.wi, glm::vec3(0.0f), d.pdf};
-  if (s.pdf > 0.0f) s.f = evaluate_brdf(p, prepare_scattering(p, s.wi));
+  if (s.pdf > 0.0f) s.f = evaluate_brdf(p, prepare_brdf(p, s.wi));
   return s;
 }
 

@@ -12,13 +12,19 @@ struct Scattering {
 Scattering evaluate_scattering(const SurfacePoint& point, const glm::vec3& wi);
 
 /// A direction above the horizon whose entries of a measured table are on their way from memory.
-struct ScatteringQuery {
+struct BrdfQuery {
   glm::vec3 wi{0.0f};
   shared::MerlCell cell{};
 };
+BrdfQuery prepare_brdf(const SurfacePoint& point, const glm::vec3& wi);
+glm::vec3 evaluate_brdf(const SurfacePoint& point, const BrdfQuery& query);
+/// With what the density reads.
+struct ScatteringQuery : BrdfQuery {
+  shared::BrdfSampler::HalfVectorPlace half{};
+  int theta_cell = 0;
+  const glm::vec2 *theta = nullptr, *phis = nullptr;  ///< borders of the cell, and of the phi cells in it
+};
 ScatteringQuery prepare_scattering(const SurfacePoint& point, const glm::vec3& wi);
-/// The BRDF alone.
-glm::vec3 evaluate_brdf(const SurfacePoint& point, const ScatteringQuery& query);
 Scattering evaluate_scattering(const SurfacePoint& point, const ScatteringQuery& query);
 /// The density alone.
 float scattering_pdf(const SurfacePoint& point, const glm::vec3& wi);

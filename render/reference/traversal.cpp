@@ -12,32 +12,14 @@ namespace maquette {
 
 namespace {
 
-/// Where a shadow ray passed a pane.
-struct PassedPane {
-  std::uint32_t triangle;
-  glm::vec2 barycentric;
-};
-constexpr std::uint32_t kMostPassed = 8;  ///< that wait to be reckoned
-
 /// What filters need to know of the ray that they are asked about.
 struct RayContext {
   RTCIntersectContext base;  // first: Embree hands back a pointer to it
   const PathScene* scene;
   RayKind kind;
   std::uint32_t chance;
-  glm::vec3 transmittance;  ///< without the panes that wait
-  std::uint32_t passed_count;
-  std::array<PassedPane, kMostPassed> passed;
+  Passage* passage;  ///< of shadow rays
 };
-
-/// What the panes that wait let pass of light along `direction`.
-void take_panes(const glm::vec3& direction, RayContext* context) {
-  for (std::uint32_t i = 0; i < context->passed_count; ++i) {
-    const PassedPane& pane = context->passed[i];
-    context->transmittance *= pane_transmittance(*context->scene, pane.triangle, pane.barycentric, direction);
-  }
-  context->passed_count = 0;
-}
 
 bool all_taken(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
 
@@ -88,11 +70,13 @@ void pass_pane(const RTCFilterFunctionNArguments* args) {
   if (context->kind == RayKind::link) return;
   const Candidate c = candidate_of(*context->scene, args);
   __builtin_prefetch(&context->scene->triangles[c.triangle]);
-  if (context->passed_count == kMostPassed) {
-    take_panes(c.direction, context);
-    if (all_taken(context->transmittance)) return;
+  Passage& passage = *context->passage;
+  if (passage.pane_count == Passage::kMostPanes) {
+    passage.transmittance = transmittance(*context->scene, c.direction, passage);
+    passage.pane_count = 0;
+    if (all_taken(passage.transmittance)) return;
   }
-  context->passed[context->passed_count++] = {c.triangle, c.barycentric};
+  passage.panes[passage.pane_count++] = {c.triangle, c.barycentric};
   args->valid[0] = 0;
 }
 
@@ -111,8 +95,9 @@ void take_share(const RTCFilterFunctionNArguments* args) {
     if (!(alpha > 0.0f)) args->valid[0] = 0;
     return;
   }
-  context->transmittance *= 1.0f - alpha;
-  if (!all_taken(context->transmittance)) args->valid[0] = 0;
+  glm::vec3& left = context->passage->transmittance;
+  left *= 1.0f - alpha;
+  if (!all_taken(left)) args->valid[0] = 0;
 }
 
 void add_mesh(PathScene* scene, std::size_t mesh) {
@@ -177,29 +162,44 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
 
 namespace {
 
-/// 0 where something stops the ray.
-glm::vec3 share_that_passes(const PathScene& scene, const Ray& ray, RayKind kind) {
+bool passes(const PathScene& scene, const Ray& ray, RayKind kind, Passage* passage) {
   if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, true});
+  passage->transmittance = glm::vec3(1.0f);
+  passage->pane_count = 0;
   RayContext context;
   rtcInitIntersectContext(&context.base);
   context.scene = &scene;
   context.kind = kind;
   context.chance = 0;
-  context.transmittance = glm::vec3(1.0f);
-  context.passed_count = 0;
+  context.passage = passage;
   RTCRay query = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   rtcOccluded1(scene.embree.get(), &context.base, &query);
-  if (query.tfar < 0.0f) return glm::vec3(0.0f);
-  take_panes(ray.direction, &context);
-  return context.transmittance;
+  return query.tfar >= 0.0f;
 }
 
 }  // namespace
 
-glm::vec3 transmittance(const PathScene& scene, const Ray& ray) { return share_that_passes(scene, ray, RayKind::path); }
+bool find_passage(const PathScene& scene, const Ray& ray, Passage* passage) {
+  return passes(scene, ray, RayKind::path, passage);
+}
+
+glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const Passage& passage) {
+  glm::vec3 result = passage.transmittance;
+  for (std::uint32_t i = 0; i < passage.pane_count; ++i) {
+    const Passage::Pane& pane = passage.panes[i];
+    result *= pane_transmittance(scene, pane.triangle, pane.barycentric, direction);
+  }
+  return result;
+}
+
+glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
+  Passage passage;
+  return find_passage(scene, ray, &passage) ? transmittance(scene, ray.direction, passage) : glm::vec3(0.0f);
+}
 
 bool is_clear(const PathScene& scene, const Ray& ray) {
-  return share_that_passes(scene, ray, RayKind::link) != glm::vec3(0.0f);
+  Passage passage;
+  return passes(scene, ray, RayKind::link, &passage) && passage.transmittance != glm::vec3(0.0f);
 }
 
 }  // namespace maquette

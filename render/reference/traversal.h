@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 
 #include "render/reference/path_scene.h"
@@ -30,8 +31,23 @@ void build_hierarchy(PathScene* scene);
 
 /// Nearest surface that stops the ray; panes do. `chance` decides about blended surfaces.
 bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit);
-/// Share of light per channel that comes through along a straight line: panes and blended surfaces take some, all else
-/// everything.
+/// What a shadow ray passed. Its panes are reckoned later, once they have come from memory.
+struct Passage {
+  static constexpr std::uint32_t kMostPanes = 8;  ///< that wait
+  struct Pane {
+    std::uint32_t triangle;
+    glm::vec2 barycentric;
+  };
+  glm::vec3 transmittance;  ///< without the panes that wait
+  std::uint32_t pane_count;
+  std::array<Pane, kMostPanes> panes;
+};
+/// Whether anything may come through; `passage` is only worth something then.
+bool find_passage(const PathScene& scene, const Ray& ray, Passage* passage);
+/// Share of light per channel that comes through along `direction`, panes included.
+glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const Passage& passage);
+/// Both at once: share of light per channel that comes through along a straight line: panes and blended surfaces take
+/// some, all else everything.
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray);
 /// Whether nothing at all is in between, not even a pane.
 bool is_clear(const PathScene& scene, const Ray& ray);

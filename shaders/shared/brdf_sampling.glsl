@@ -101,27 +101,46 @@ MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
   return brdf_sample_in_cell(wo, choice, theta_cell, fetch_phi_cell(elevation, choice.theta.k, choice.p));
 }
 
-// Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.
-MAQUETTE_FN float brdf_sample_pdf(vec3 wo, vec3 wi) {
+// Where the half vector of two directions lies among the cells of wo: 1 - cos(theta_h) and phi_h from the plane of view
+// and normal, in [0, pi]; the length of wi + wo.
+struct HalfVectorPlace {
+  float t;
+  float phi;
+  float length_sum;
+};
+
+MAQUETTE_FN HalfVectorPlace half_vector_place(vec3 wo, vec3 wi) {
+  HalfVectorPlace place;
   vec3 sum = wi + wo;
-  float length_sum = sqrt(dot(sum, sum));
+  place.length_sum = sqrt(dot(sum, sum));
   float xy = sum.x * sum.x + sum.y * sum.y;
   // 1 - z / |H| without cancellation.
-  float t = xy / max(length_sum * (length_sum + sum.z), 1e-30f);
+  place.t = xy / max(place.length_sum * (place.length_sum + sum.z), 1e-30f);
   float c = sum.x * wo.x + sum.y * wo.y;
   float s = abs(sum.x * wo.y - sum.y * wo.x);
-  float phi = c < 0.0f ? 3.1415926536f - merl_atan(s, -c) : merl_atan(s, c);
+  place.phi = c < 0.0f ? 3.1415926536f - merl_atan(s, -c) : merl_atan(s, c);
+  return place;
+}
+
+// Density over solid angle (1/sr) of wi where its half vector lies in theta cell k; 0 below the horizon.
+MAQUETTE_FN float density_in_cell(vec3 wo, vec3 wi, HalfVectorPlace place, int k, vec2 theta_cell, vec2 phi_cell) {
+  float density = half_vector_density(k, theta_cell, phi_cell);
+  // wo . h = |H| / 2.
+  return wi.z > 0.0f && wo.z > 0.0f && place.length_sum > 0.0f ? density / (2.0f * place.length_sum) : 0.0f;
+}
+
+// Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.
+MAQUETTE_FN float brdf_sample_pdf(vec3 wo, vec3 wi) {
+  HalfVectorPlace place = half_vector_place(wo, wi);
   int elevation = brdf_elevation(wo);
   int k = 0;
   for (int i = 64; i > 0; i /= 2) {
     int next = k + i;
-    k = next < kBrdfThetaCells && fetch_theta_cell(elevation, min(next, kBrdfThetaCells - 1)).x <= t ? next : k;
+    k = next < kBrdfThetaCells && fetch_theta_cell(elevation, min(next, kBrdfThetaCells - 1)).x <= place.t ? next : k;
   }
   int p = 0;
   for (int i = kBrdfPhiCells / 2; i > 0; i /= 2) {
-    p = fetch_phi_cell(elevation, k, p + i).x <= phi ? p + i : p;
+    p = fetch_phi_cell(elevation, k, p + i).x <= place.phi ? p + i : p;
   }
-  float density = half_vector_density(k, fetch_theta_cell(elevation, k), fetch_phi_cell(elevation, k, p));
-  // wo . h = |H| / 2.
-  return wi.z > 0.0f && wo.z > 0.0f && length_sum > 0.0f ? density / (2.0f * length_sum) : 0.0f;
+  return density_in_cell(wo, wi, place, k, fetch_theta_cell(elevation, k), fetch_phi_cell(elevation, k, p));
 }

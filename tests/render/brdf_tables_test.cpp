@@ -249,6 +249,26 @@ TEST(Sampler, ChiSquareOfANarrowLobeAndAMirrorOverCells) {
   }
 }
 
+TEST(Sampler, CellsAreTheLastThatHaveBegun) {
+  const BrdfTables tables = compute_brdf_tables(lobe(0.05, 0.02f));
+  const auto expect_last = [](const glm::vec2* cells, int count, const auto& find) {
+    const auto last = [&](float at) {
+      int k = 0;
+      while (k + 1 < count && cells[k + 1].x <= at) ++k;
+      return k;
+    };
+    for (int k = 0; k < count; ++k)
+      for (float at : {cells[k].x, std::nextafter(cells[k].x, -1.0f), 0.5f * (cells[k].x + cells[k].y), cells[k].y})
+        ASSERT_EQ(find(cells, at), last(at)) << k << " " << at;
+  };
+  for (int elevation = 0; elevation < kElevationCount; ++elevation) {
+    const int row = elevation * kThetaCellCount;
+    expect_last(tables.theta_cells.data() + row, kThetaCellCount, shared::find_theta_cell);
+    for (int k = 0; k < kThetaCellCount; ++k)
+      expect_last(tables.phi_cells.data() + (row + k) * kPhiCellCount, kPhiCellCount, shared::find_phi_cell);
+  }
+}
+
 TEST(Sampler, DensityOfASampleIsTheDensityAskedLater) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);

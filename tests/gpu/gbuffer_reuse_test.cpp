@@ -254,7 +254,9 @@ TEST_F(KeptGbuffer, KeepsPanesThatShowWhatDrawnOnesShow) {
     anew.settings.set("shading.reuse", false);
     const FrameStats full = renderer_.render(anew);
     const Image drawn = renderer_.read_radiance();
-    if (kept) EXPECT_GT(stats.gpu_bytes.at("glass"), full.gpu_bytes.at("glass"));
+    if (kept) {
+      EXPECT_GT(stats.gpu_bytes.at("glass"), full.gpu_bytes.at("glass"));
+    }
     double apart = 0.0;
     for (std::size_t i = 0; i < drawn.data.size(); ++i)
       apart = std::max(apart, std::abs(static_cast<double>(picture.data[i]) - drawn.data[i]) / (1.0 + drawn.data[i]));

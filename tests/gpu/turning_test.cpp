@@ -332,7 +332,8 @@ TEST(TileOrder, IsThatOfTheTilesAlone) {
   std::vector<unsigned> tiles(100);
   std::iota(tiles.begin(), tiles.end(), 0u);
   const std::vector<unsigned> ordered = ordered_tiles(tiles);
-  EXPECT_NEAR(std::count_if(ordered.begin(), ordered.begin() + 50, [](unsigned tile) { return tile < 50u; }), 25, 8);
+  const auto low = std::count_if(ordered.begin(), ordered.begin() + 50, [](unsigned tile) { return tile < 50u; });
+  EXPECT_NEAR(static_cast<double>(low), 25.0, 8.0);
 }
 
 TEST_F(Turning, ABrightMirrorImageIsSampledForWhatItIs) {

@@ -252,7 +252,9 @@ TEST(EnvironmentImportance, ExtremesAreSound) {
                4096.0;
     }
     EXPECT_NEAR(drawn / (1e-3 / scale * extreme.luminance_integral), 1.0, 0.01);
-    if (scale > 1e-33) EXPECT_NEAR(sum / extreme.luminance_integral, 1.0, 0.01);
+    if (scale > 1e-33) {
+      EXPECT_NEAR(sum / extreme.luminance_integral, 1.0, 0.01);
+    }
     for (const float nu : extreme.bandwidth) ASSERT_TRUE(std::isfinite(nu) && nu >= 0.0f);
   }
 }

@@ -56,8 +56,9 @@ TEST(Fresnel, PaneKeepsItsDigitsFromGrazingToNormalIncidence) {
       transmitted += 0.5L * q * q * t / (1.0L - r * r * t * t);
     }
     const glm::vec2 pane = shared::fresnel_pane(c, n, inside);
-    ASSERT_NEAR(pane.y, transmitted, 4e-6L * transmitted) << c << " " << n << " " << inside;
-    ASSERT_NEAR(pane.x, reflected, 4e-6L * reflected + 1e-7L) << c << " " << n << " " << inside;
+    const auto passed = static_cast<double>(transmitted), mirrored = static_cast<double>(reflected);
+    ASSERT_NEAR(pane.y, passed, 4e-6 * passed) << c << " " << n << " " << inside;
+    ASSERT_NEAR(pane.x, mirrored, 4e-6 * mirrored + 1e-7) << c << " " << n << " " << inside;
   }
   EXPECT_NEAR(shared::fresnel_pane(0.3f, 1.0f, 0.5f).y, 0.5f, 1e-6f);
   EXPECT_TRUE(std::isfinite(shared::fresnel_pane(0.0f, 1.0f, 0.0f).y));

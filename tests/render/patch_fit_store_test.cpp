@@ -19,7 +19,7 @@ PatchFitPart wavy_part(std::uint64_t hash, int side) {
     p.normals[i] = glm::normalize(glm::vec3(-0.5f * std::cos(5.0f * at.x) * std::cos(4.0f * at.y),
                                             0.4f * std::sin(5.0f * at.x) * std::sin(4.0f * at.y), 1.0f));
   }
-  return {.hash = hash, .positions = p.positions, .normals = p.normals, .uvs = {}, .indices = p.indices};
+  return {.hash = hash, .positions = p.positions, .normals = p.normals, .uvs = {}, .indices = p.indices, .cage = {}};
 }
 
 TEST(PatchFitStore, GivesWhatTheFitGives) {

@@ -10,10 +10,10 @@
 
 namespace maquette {
 
-/// A BrdfTable in words with a shared exponent (shared/rgb9e5.glsl, bias by the table's largest value): an entry's
-/// channels err by at most 1 / 512 of its largest one, down to 2^-31 of the table's largest; below, by 2^-39 of that.
-/// Entries lie in bricks of 2 x 2 x 4 (theta_h, theta_d, phi_d), one line of memory each, so that interpolation reads
-/// 2.8 lines in the mean, mostly of one page, where rows of floats are 4.8 lines of two to four pages.
+/// A BrdfTable in eight bytes an entry, three mantissas of 16 bits and their exponent: channels err by at most 2^-16 of
+/// the entry's largest one, and by 2^-127 of 1/sr. Entries lie in bricks of 2 x 2 x 2 (theta_h, theta_d, phi_d), one
+/// line of memory each, so that interpolation reads 3.4 lines in the mean, mostly of one page, where rows of floats are
+/// 4.8 lines of two to four pages.
 class PackedBrdf {
  public:
   PackedBrdf() = default;
@@ -24,12 +24,16 @@ class PackedBrdf {
   glm::vec3 look_up(const shared::MerlCell& cell) const;
 
  private:
-  struct alignas(64) Brick {
-    std::array<std::uint32_t, 16> words;
+  /// Mantissas of red and green, of blue and float's exponent of their unit; the first of each pair in the low half.
+  struct Entry {
+    std::uint32_t red_green = 0, blue_exponent = 0;
   };
-  std::array<const std::uint32_t*, 8> corners_of(const shared::MerlCell& cell) const;
+  struct alignas(64) Brick {
+    std::array<Entry, 8> entries;
+  };
+  static Entry pack(const glm::vec3& f);
+  std::array<const Entry*, 8> corners_of(const shared::MerlCell& cell) const;
   std::vector<Brick> bricks_;
-  int bias_ = 0;
 };
 
 }  // namespace maquette

@@ -83,7 +83,7 @@ Texture Texture::make_2d(const std::string& label, GLenum internal_format, int w
   for (int level = 0; level < levels; ++level)
     texture.bytes_ += texel_bytes(internal_format) * static_cast<std::size_t>(std::max(1, width >> level)) *
                       static_cast<std::size_t>(std::max(1, height >> level));
-  texture.set_filter(GL_NEAREST, GL_NEAREST);
+  texture.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);  // fetches of other levels are undefined without
   texture.set_wrap(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   return texture;
 }
@@ -101,7 +101,7 @@ Texture Texture::make_2d_array(const std::string& label, GLenum internal_format,
   texture.format_ = internal_format;
   texture.bytes_ = texel_bytes(internal_format) * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                    static_cast<std::size_t>(layers);
-  texture.set_filter(GL_NEAREST, GL_NEAREST);
+  texture.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);  // fetches of other levels are undefined without
   texture.set_wrap(GL_CLAMP_TO_EDGE, GL_CLAMP_TO_EDGE);
   return texture;
 }

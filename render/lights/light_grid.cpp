@@ -151,7 +151,7 @@ struct Emitter {
   glm::dvec3 centre{0.0}, normal{0.0};
   double radius = 0.0, intensity = 0.0;  ///< m; cd along the normal, lux of a distant light
   double inverse_power = 1.0;            ///< of the share of all power
-  bool distant = false, everywhere = false;
+  bool distant = false, everywhere = false, triangle = false;
 };
 
 struct Ball {
@@ -177,8 +177,8 @@ Emitter emitter_of(const LightRecord& light, double power) {
   e.radius = 0.5 * box.diagonal();
   e.normal = normal_of(light);
   e.everywhere = e.normal == glm::dvec3(0.0);
-  if (light.kind == shared::kLightTriangle)
-    e.intensity *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
+  e.triangle = light.kind == shared::kLightTriangle;
+  if (e.triangle) e.intensity *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
   return e;
 }
 
@@ -282,9 +282,11 @@ void fill_cell(const Tree& tree, const std::vector<Emitter>& emitters, const Box
   const Ball near{glm::clamp(0.5 * (lights.low + lights.high), cell.low, cell.high), kNear * extent};
   thread_local CellSums sums;
   sums.resize(emitters.size() + 1);
+  double of_triangles = 0.0;
   for (std::size_t k = 0; k < emitters.size(); ++k) {
     const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
     sums.lux[k + 1] = sums.lux[k] + lux;
+    of_triangles += emitters[k].triangle ? lux : 0.0;
     sums.second[k + 1] = sums.second[k] + lux * lux * emitters[k].inverse_power;
     sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
   }
@@ -296,6 +298,7 @@ void fill_cell(const Tree& tree, const std::vector<Emitter>& emitters, const Box
     if (k < row.size()) grid->cumulative[i * stride + k] = row[k];
   }
   grid->lux[i] = static_cast<float>(std::min(sums.lux.back(), 1e30));
+  grid->lux_of_triangles[i] = static_cast<float>(std::min(of_triangles, 1e30));
 }
 
 }  // namespace
@@ -336,6 +339,7 @@ LightGrid build_light_grid(const LightList& list) {
   grid.cut.assign(count * stride, 0u);
   if (tree.roots.empty()) return grid;
   grid.lux.assign(count, 0.0f);
+  grid.lux_of_triangles.assign(count, 0.0f);
   std::vector<Emitter> emitters;
   for (std::size_t i = 0; i < grid.lights.size(); ++i) emitters.push_back(emitter_of(grid.lights[i], powers[i]));
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { fill_cell(tree, emitters, box, i, &grid); });
@@ -356,6 +360,7 @@ std::size_t light_cell(const LightGrid& grid, const glm::vec3& position) {
 
 LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::uint32_t place) {
   const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
+  u = std::min(u, 0x1.fffffep-1f);  // sums of floats round up to 1, where entries beyond the cut's end are
   const auto sums = grid.cumulative.begin() + static_cast<std::ptrdiff_t>(row);
   const auto k = static_cast<std::size_t>(std::upper_bound(sums, sums + (grid.stride - 1), u) - sums);
   const float share = grid.cumulative[row + k] - (k > 0 ? grid.cumulative[row + k - 1] : 0.0f);

@@ -34,6 +34,7 @@ struct LightGrid {
   std::vector<float> cumulative;         ///< [cell z][y][x][stride], 1 beyond the cut's end
   std::vector<std::uint32_t> cut;        ///< [cell z][y][x][stride] node of each entry, the last one's beyond the end
   std::vector<float> lux;  ///< [cell] what all lights together may bring there, to a surface that faces each
+  std::vector<float> lux_of_triangles;  ///< [cell] of that, what can be seen in a mirror
 };
 LightGrid build_light_grid(const LightList& list);
 

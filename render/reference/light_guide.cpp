@@ -161,7 +161,8 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
       grid_(grid),
       leaves_(partition.leaf_count()),
       records_(static_cast<std::size_t>(kCells) * kLeaves),
-      shares_(kCells) {
+      shares_(kCells),
+      openness_(kCells) {
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const std::size_t i = LeafShares::place_of(leaf);
     const glm::vec4 axis = partition.axis_and_extent(leaf);
@@ -222,14 +223,17 @@ void LightGuide::learn() {
 /// The best density for one part of a sum is its root mean square.
 void LightGuide::learn_cell(std::uint32_t cell) {
   std::array<float, EnvironmentPartition::kMostLeaves> weights{};
-  float sum = 0.0f;
+  float sum = 0.0f, openness = 0.0f;
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const std::uint64_t record = records_[at(cell, leaf)].load(std::memory_order_relaxed);
-    const float rays = static_cast<float>(record & 0xffffffffu) + kPriorRays;
-    const float square = static_cast<float>(record >> 32) / static_cast<float>(kMostUseful) + kPriorUseful;
-    weights[static_cast<std::size_t>(leaf)] = partition_.probability(leaf) * std::sqrt(square / rays);
+    const float rays = static_cast<float>(record & 0xffffffffu);
+    const float square = static_cast<float>(record >> 32) / static_cast<float>(kMostUseful);
+    openness += rays > 0.0f ? partition_.probability(leaf) * square / rays : 0.0f;
+    weights[static_cast<std::size_t>(leaf)] =
+        partition_.probability(leaf) * std::sqrt((square + kPriorUseful) / (rays + kPriorRays));
     sum += weights[static_cast<std::size_t>(leaf)];
   }
+  openness_[cell] = openness;
   float largest = 0.0f;
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const float plain = partition_.probability(leaf);

@@ -86,6 +86,8 @@ class LightGuide {
     const auto* shares = reinterpret_cast<const char*>(&shares_[cell]);
     for (std::size_t line = 0; line < sizeof(CellShares); line += 64) __builtin_prefetch(shares + line);
   }
+  /// Share of the environment's light that is known to reach a cell; 0 where nothing is known.
+  float openness(std::uint32_t cell) const { return openness_[cell]; }
   /// What a surface of unit `normal` (in the map's frame) draws by.
   void look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
   /// Mean cosine over a leaf at a surface of unit `normal` (in the map's frame).
@@ -124,6 +126,7 @@ class LightGuide {
     std::array<std::uint16_t, kLeaves> units;
   };
   std::vector<CellShares> shares_;
+  std::vector<float> openness_;  ///< [cell]
   struct Leaves {
     alignas(32) std::array<float, kLeaves> x, y, z, extent, slope;
   };

@@ -57,6 +57,10 @@ class EnvironmentLight {
   bool black() const { return environment_.black; }
   /// Mean over all directions that a surface may face, nothing in between.
   float mean_lux() const { return mean_lux_; }
+  /// Of that, what is known to arrive in a cell of the guide.
+  float known_lux(std::uint32_t cell) const {
+    return cell != LightGuide::kNoCell ? mean_lux_ * guide_->openness(cell) : 0.0f;
+  }
 
  private:
   LightDraw draw_at(const EnvironmentPoint& drawn, int leaf) const;

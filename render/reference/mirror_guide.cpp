@@ -67,7 +67,7 @@ void MirrorGuide::learn(std::size_t count) {
 
 float MirrorGuide::share_of_lamps(std::size_t cell) const {
   if (scene_.lights.lights.empty()) return 0.0f;
-  const float lux = scene_.lights.lux[cell], sky = environment_.mean_lux();
+  const float lux = scene_.lights.lux_of_triangles[cell], sky = environment_.mean_lux();
   return environment_.black() ? 1.0f : std::max(kLeastShare, std::min(lux / (lux + sky), 1.0f - kLeastShare));
 }
 

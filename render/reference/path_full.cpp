@@ -25,7 +25,8 @@ constexpr int kMostSplits = 6;            ///< panes in a row that send a camera
 /// Shadow rays to the environment at the first surface, the second and later ones. What the second sends is shared by a
 /// tile, so that most is left to gain at the first.
 constexpr std::array<std::uint32_t, 3> kShadowRays{5, 3, 2};
-/// Shadow rays to lamps: one a surface where they may outshine the sky, as seldom as this where they are dim beside it.
+/// Shadow rays to lamps: one a surface where they may outshine what is known to arrive of the sky, as seldom as this
+/// where they are dim beside it.
 constexpr float kLeastLampRays = 0.25f;
 constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(), kShadowRays.end());
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
@@ -103,7 +104,7 @@ class FullPath {
     if (!scene_.lights.lights.empty()) {
       lamp_cell_ = light_cell(scene_.lights, p.position);
       prefetch_cell(scene_.lights, lamp_cell_);
-      const float lux = scene_.lights.lux[lamp_cell_], sky = environment_.mean_lux();
+      const float lux = scene_.lights.lux[lamp_cell_], sky = environment_.known_lux(cell_);
       lamp_rays_ = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
       has_lamp_ = lamp_rays_ >= 1.0f || sampler_.single(dimension(kChance)) < lamp_rays_;
     }

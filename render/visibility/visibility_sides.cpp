@@ -43,7 +43,7 @@ struct Map {
 
 /// Rows of cells below the horizon that are given values: normals between vertices lean from the vertices' own.
 constexpr int kRowsBelow = 3;
-constexpr float kRow_rad = 0.22f;
+constexpr float kRowHeight = 0.22f;  ///< cosine
 
 /// `heights`: cosines between the cells' directions and the normal of the side at hand.
 Cells extended(const Map& map, const Cells& open, const std::array<float, kCells>& heights) {
@@ -53,10 +53,11 @@ Cells extended(const Map& map, const Cells& open, const std::array<float, kCells
     side[b] = known[b] && open[b];
   }
   for (int row = 1; row <= kRowsBelow; ++row) {
+    const Cells above = known;  // not what this row was given: that would run along the horizon
     for (std::size_t b = 0; b < kCells; ++b) {
-      if (known[b] || heights[b] < -kRow_rad * static_cast<float>(row)) continue;
+      if (known[b] || heights[b] < -kRowHeight * static_cast<float>(row)) continue;
       for (const std::uint8_t n : map.neighbours[b]) {
-        if (!known[n]) continue;
+        if (!above[n]) continue;
         known[b] = true;
         side[b] = side[n];
         break;

@@ -20,15 +20,12 @@ MAQUETTE_FN vec2 octahedral_from_direction(vec3 d) {
   return vec2(u * 0.5f + 0.5f, v * 0.5f + 0.5f);
 }
 
-// Direction of a point of the square, of any length above 0: where the sign of a cosine is all that is asked for.
-MAQUETTE_FN vec3 unscaled_from_octahedral(vec2 uv) {
+// Unit direction of a point of the square.
+MAQUETTE_FN vec3 direction_from_octahedral(vec2 uv) {
   float u = uv.x * 2.0f - 1.0f;
   float v = uv.y * 2.0f - 1.0f;
   float y = 1.0f - abs(u) - abs(v);
   float x = y < 0.0f ? octahedral_fold(u, v) : u;
   float z = y < 0.0f ? octahedral_fold(v, u) : v;
-  return vec3(x, y, z);
+  return normalize(vec3(x, y, z));
 }
-
-// The same, unit.
-MAQUETTE_FN vec3 direction_from_octahedral(vec2 uv) { return normalize(unscaled_from_octahedral(uv)); }

@@ -95,7 +95,6 @@ TEST(Glass, SolidSlabFollowsFresnelWithAllItsBounces) {
   }
 }
 
-/// Closed glass that absorbs nothing is not seen in a furnace, total reflection inside included.
 /// Thin panes above each other, more than a ray keeps waiting, each of which takes the same.
 TEST(Glass, ShadowRaysLoseAtEveryPaneOfAStack) {
   const auto through = [](int count, const Material& last) {
@@ -121,6 +120,7 @@ TEST(Glass, ShadowRaysLoseAtEveryPaneOfAStack) {
   }
 }
 
+/// Closed glass that absorbs nothing is not seen in a furnace, total reflection inside included.
 TEST(Glass, SolidBodiesVanishInAFurnace) {
   const auto sky = half_sky(1.0, 1.0);
   for (const float ior : {1.1f, 1.52f, 2.4f}) {

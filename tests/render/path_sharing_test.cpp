@@ -176,6 +176,18 @@ Scene halved_floor(const glm::vec3& walls, const glm::vec3& left, const glm::vec
   return scene;
 }
 
+/// A glowing sheet that is dim beside the sky is asked for by some of the paths alone, and met by others by chance;
+/// single radiances ask for it always.
+TEST(PathSharing, LampsThatAreDimBesideTheSky) {
+  Scene scene = room();
+  Material glowing;
+  glowing.emissive = glm::vec3(0.1f, 0.3f, 0.1f);
+  glowing.double_sided = true;
+  const int lamp = add_material(&scene, glowing);
+  add(&scene, wall_piece({-0.5f, -0.95f, -0.2f}, {1.0f, 0.0f, 0.0f}, {0.0f, 0.3f, 0.2f}, lamp));
+  expect_same(scene, 8192, 0.1);
+}
+
 /// A path that brings nothing to its own pixel may bring something to others.
 TEST(PathSharing, PureColoursBesideEachOther) {
   expect_same(halved_floor({0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, glm::vec3(1.0f)), 1024, 0.1);

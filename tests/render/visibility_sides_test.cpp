@@ -82,6 +82,28 @@ TEST_F(VisibilitySidesTest, TheOtherSideIsNotSeen) {
   EXPECT_GT(near_horizon, 5000);
 }
 
+/// On a floor, whose horizon runs through the middles of cells, and one that leans a little: half of the sky is open
+/// above, and the same half below, up to its edges.
+TEST_F(VisibilitySidesTest, AFloorsHorizonKeepsItsPlace) {
+  for (const glm::vec3& n : {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::normalize(glm::vec3(0.02f, 1.0f, -0.01f))}) {
+    VisibilityBits bits{};
+    for (int b = 0; b < 256; ++b) {
+      const glm::vec3 cell = shared::visibility_cell_direction({b % 16, b / 16});
+      if (glm::dot(cell, n) > 0.0f && cell.x > 0.0f) bits[static_cast<std::size_t>(b >> 5)] |= 1u << (b & 31);
+    }
+    const VisibilitySides sides = visibility_sides({bits}, {n})[0];
+    for (int i = 0; i < 64; ++i) {
+      const float azimuth = (static_cast<float>(i) + 0.5f) * 6.2831853f / 64.0f;
+      if (std::abs(std::cos(azimuth)) < 0.5f) continue;  // an edge of the open part is near
+      for (const float elevation : {0.05f, 0.0f, -0.05f, -0.1f}) {
+        const glm::vec3 d(std::cos(azimuth), elevation * n.y, std::sin(azimuth));
+        EXPECT_NEAR(value_towards(sides, 0, glm::normalize(d)), std::cos(azimuth) > 0.0f ? 1.0f : 0.0f, 1e-6)
+            << n.x << " " << azimuth << " " << elevation;
+      }
+    }
+  }
+}
+
 /// Below the horizon stands what is seen close by above it.
 TEST_F(VisibilitySidesTest, TheHorizonGoesOnBelow) {
   int tried = 0, wrong = 0;  // neighbours lie far apart at the map's corners

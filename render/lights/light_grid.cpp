@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/wide.h"
+
 namespace maquette {
 
 namespace {
@@ -145,15 +147,6 @@ Box box_of_cell(const LightGrid& grid, const glm::ivec3& cell, double layer_m) {
   return box;
 }
 
-/// What a light may bring to a ball, in lux: its intensity times the largest cosine at which it may be seen from there
-/// over the square of the distance, no nearer than the ball's radius. 0 where all of the ball is behind it.
-struct Emitter {
-  glm::dvec3 centre{0.0}, normal{0.0};
-  double radius = 0.0, intensity = 0.0;  ///< m; cd along the normal, lux of a distant light
-  double inverse_power = 1.0;            ///< of the share of all power
-  bool distant = false, everywhere = false, triangle = false;
-};
-
 struct Ball {
   glm::dvec3 centre{0.0};
   double radius = 0.0;
@@ -165,33 +158,70 @@ Ball ball_of(const Box& box) {
   return {0.5 * (box.low + box.high), 0.5 * box.diagonal()};
 }
 
-Emitter emitter_of(const LightRecord& light, double power) {
-  Emitter e;
-  e.inverse_power = 1.0 / power;
-  const glm::dvec3 c(light.color);
-  e.intensity = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
-  e.distant = light.kind == shared::kLightDirectional;
-  if (e.distant) return e;
-  const Box box = box_of(light);
-  e.centre = 0.5 * (box.low + box.high);
-  e.radius = 0.5 * box.diagonal();
-  e.normal = normal_of(light);
-  e.everywhere = e.normal == glm::dvec3(0.0);
-  e.triangle = light.kind == shared::kLightTriangle;
-  if (e.triangle) e.intensity *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
+/// What lights may bring to a ball, in lux: intensity times the largest cosine at which each may be seen from there
+/// over the square of the distance, no nearer than the ball's radius. 0 where all of the ball is behind it. In lanes of
+/// floats: lengths in units of the lights' extent, intensities of the largest one.
+struct Emitters {
+  glm::dvec3 origin{0.0};
+  double unit_m = 1.0, strongest = 0.0;  ///< m; cd
+  std::vector<float> x, y, z, radius, normal_x, normal_y, normal_z;
+  std::vector<float> everywhere;  ///< least cosine: 1 of what shines to all sides, else 0
+  std::vector<float> intensity;   ///< along the normal; 0 of distant lights
+  std::vector<double> distant_lux, inverse_power;
+  std::vector<char> triangle;
+};
+
+Emitters emitters_of(const std::vector<LightRecord>& lights, const std::vector<double>& powers, const Box& box) {
+  Emitters e;
+  if (box.diagonal() > 0.0) e.unit_m = box.diagonal();
+  if (box.low.x <= box.high.x) e.origin = 0.5 * (box.low + box.high);
+  std::vector<double> candelas;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const LightRecord& light = lights[i];
+    const bool distant = light.kind == shared::kLightDirectional, triangle = light.kind == shared::kLightTriangle;
+    const glm::dvec3 c(light.color);
+    double strength = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+    if (triangle) strength *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
+    const Box own = distant ? Box{e.origin, e.origin} : box_of(light);
+    const glm::vec3 centre((0.5 * (own.low + own.high) - e.origin) / e.unit_m), normal(normal_of(light));
+    e.x.push_back(centre.x);
+    e.y.push_back(centre.y);
+    e.z.push_back(centre.z);
+    e.radius.push_back(static_cast<float>(0.5 * own.diagonal() / e.unit_m));
+    e.normal_x.push_back(normal.x);
+    e.normal_y.push_back(normal.y);
+    e.normal_z.push_back(normal.z);
+    e.everywhere.push_back(normal == glm::vec3(0.0f) ? 1.0f : 0.0f);
+    e.distant_lux.push_back(distant ? strength : 0.0);
+    e.inverse_power.push_back(1.0 / powers[i]);
+    e.triangle.push_back(triangle ? 1 : 0);
+    candelas.push_back(distant ? 0.0 : strength);
+    e.strongest = std::max(e.strongest, candelas.back());
+  }
+  // The weakest stays above 0 wherever it is divided by a square.
+  for (const double cd : candelas)
+    e.intensity.push_back(cd > 0.0 ? static_cast<float>(std::max(cd / e.strongest, 1e-24)) : 0.0f);
   return e;
 }
 
-double importance(const Emitter& e, const Ball& ball) {
-  if (e.distant) return e.intensity;
-  const glm::dvec3 way = ball.centre - e.centre;
-  const double reach = ball.radius + e.radius, square = glm::dot(way, way) + reach * reach;
-  if (!(square > 0.0)) return e.intensity;  // all in one place
-  if (e.everywhere) return e.intensity / square;
-  const double height = glm::dot(e.normal, way) + reach;
-  if (!(height > 0.0)) return 0.0;
-  const double near = 1.0 / std::sqrt(square);
-  return e.intensity * std::min(height * near, 1.0) * near * near;
+/// `relative`: of each, in units of strongest / unit_m^2; nothing of distant ones.
+MAQUETTE_WIDE void bring(const Emitters& e, const Ball& ball, float* __restrict relative) {
+  const glm::vec3 at((ball.centre - e.origin) / e.unit_m);
+  const auto size = static_cast<float>(ball.radius / e.unit_m);
+  const float *x = e.x.data(), *y = e.y.data(), *z = e.z.data(), *radius = e.radius.data();
+  const float *nx = e.normal_x.data(), *ny = e.normal_y.data(), *nz = e.normal_z.data();
+  const float *everywhere = e.everywhere.data(), *intensity = e.intensity.data();
+  const std::size_t count = e.x.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const float dx = at.x - x[k], dy = at.y - y[k], dz = at.z - z[k], reach = size + radius[k];
+    const float sum = dx * dx + dy * dy + dz * dz + reach * reach;
+    const float square = sum > 0.0f ? sum : 1.0f;  // all in one place
+    // Rounding must not take away what is seen at a flat angle.
+    const float height = nx[k] * dx + ny[k] * dy + nz[k] * dz + reach * 1.00001f;
+    const float near = 1.0f / std::sqrt(square);
+    const float least = everywhere[k], cosine = std::max(std::min(height * near, 1.0f), least);
+    relative[k] = intensity[k] * cosine * (near * near);
+  }
 }
 
 /// A node of a cell's cut.
@@ -266,8 +296,7 @@ std::vector<double> weights_of(const Tree& tree, const std::vector<Entry>& cut) 
 }
 
 /// Row `i` of a grid whose cells are placed.
-void fill_cell(const Tree& tree, const std::vector<Emitter>& emitters, const Box& lights, std::size_t i,
-               LightGrid* grid) {
+void fill_cell(const Tree& tree, const Emitters& emitters, const Box& lights, std::size_t i, LightGrid* grid) {
   // The layer around goes on for a thousand times the lights' extent: what lies farther out sees them from there.
   constexpr double kForEver = 1000.0, kNear = 0.1;
   const auto columns = static_cast<std::size_t>(grid->cells.x), rows = static_cast<std::size_t>(grid->cells.y);
@@ -280,17 +309,25 @@ void fill_cell(const Tree& tree, const std::vector<Emitter>& emitters, const Box
   const bool outside =
       extent > 0.0 && (glm::any(glm::equal(at, glm::ivec3(0))) || glm::any(glm::equal(at, grid->cells - 1)));
   const Ball near{glm::clamp(0.5 * (lights.low + lights.high), cell.low, cell.high), kNear * extent};
+  const std::size_t count = emitters.intensity.size();
   thread_local CellSums sums;
-  sums.resize(emitters.size() + 1);
+  thread_local std::vector<float> to_all, to_near;
+  sums.resize(count + 1);
+  to_all.resize(count);
+  to_near.assign(count, 0.0f);
+  bring(emitters, all, to_all.data());
+  if (outside) bring(emitters, near, to_near.data());
+  const double unit = emitters.strongest / (emitters.unit_m * emitters.unit_m);
   double of_triangles = 0.0;
-  for (std::size_t k = 0; k < emitters.size(); ++k) {
-    const double lux = importance(emitters[k], all) + (outside ? importance(emitters[k], near) : 0.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double lux = (static_cast<double>(to_all[k]) + static_cast<double>(to_near[k])) * unit +
+                       (outside ? 2.0 : 1.0) * emitters.distant_lux[k];
     sums.lux[k + 1] = sums.lux[k] + lux;
-    of_triangles += emitters[k].triangle ? lux : 0.0;
-    sums.second[k + 1] = sums.second[k] + lux * lux * emitters[k].inverse_power;
+    of_triangles += emitters.triangle[k] != 0 ? lux : 0.0;
+    sums.second[k + 1] = sums.second[k] + lux * lux * emitters.inverse_power[k];
     sums.shining[k + 1] = sums.shining[k] + (lux > 0.0 ? 1 : 0);
   }
-  const std::size_t most = std::min<std::size_t>(LightGrid::kMaxNodes, emitters.size());
+  const std::size_t most = std::min<std::size_t>(LightGrid::kMaxNodes, count);
   const std::vector<Entry> cut = cut_for(tree, sums, most);
   const std::vector<float> row = cumulative_in_steps(weights_of(tree, cut));
   for (std::size_t k = 0; k < stride; ++k) {
@@ -340,8 +377,7 @@ LightGrid build_light_grid(const LightList& list) {
   if (tree.roots.empty()) return grid;
   grid.lux.assign(count, 0.0f);
   grid.lux_of_triangles.assign(count, 0.0f);
-  std::vector<Emitter> emitters;
-  for (std::size_t i = 0; i < grid.lights.size(); ++i) emitters.push_back(emitter_of(grid.lights[i], powers[i]));
+  const Emitters emitters = emitters_of(grid.lights, powers, box);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { fill_cell(tree, emitters, box, i, &grid); });
   return grid;
 }

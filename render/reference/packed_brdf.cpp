@@ -29,9 +29,9 @@ PackedBrdf::Entry PackedBrdf::pack(const glm::vec3& f) {
   if (!(largest > 0.0f)) return {};
   // A unit is a normal float.
   const int exponent = std::max(std::ilogb(largest) - 15, 1 - kFloatBias);
+  const double units = std::ldexp(1.0, -exponent);
   const auto mantissa = [&](float v) {
-    const double units = std::ldexp(static_cast<double>(std::max(v, 0.0f)), -exponent);
-    return static_cast<std::uint32_t>(std::min(std::lround(units), 65535L));
+    return static_cast<std::uint32_t>(std::min(static_cast<double>(std::max(v, 0.0f)) * units + 0.5, 65535.0));
   };
   return {mantissa(f.x) | mantissa(f.y) << 16, mantissa(f.z) | static_cast<std::uint32_t>(exponent + kFloatBias) << 16};
 }

@@ -52,7 +52,7 @@ class EnvironmentLight {
   LightDraw draw_in_leaf(int leaf, const glm::vec2& within) const;
   /// Radiance and pdf of what was drawn.
   void fill(LightDraw* draw, const LeafShares* shares = nullptr) const;
-  /// Tells the guide what became of a draw above the horizon: what came through.
+  /// Tells the guide what came through of a draw in `leaf` above the horizon.
   void record(int leaf, std::uint32_t cell, float useful) const;
   bool black() const { return environment_.black; }
   /// Mean over all directions that a surface may face, nothing in between.

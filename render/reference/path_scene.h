@@ -107,7 +107,7 @@ struct PathScene {
   std::vector<TracedTriangle> triangles;
   enum Mesh : std::size_t { kStops, kPanes, kAsks, kHidden };
   std::array<std::uint32_t, kHidden + 1> mesh_begin{};  ///< first triangle of each mesh
-  std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of the list, kNoTriangle: none; may be empty
+  std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of `lights`, kNoTriangle: none; may be empty
   TextureAtlas atlas;
   LightGrid lights;
   std::vector<std::uint32_t> light_triangles;  ///< [light] its triangle; kNoTriangle: none

@@ -199,7 +199,7 @@ glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
 
 bool is_clear(const PathScene& scene, const Ray& ray) {
   Passage passage;
-  return passes(scene, ray, RayKind::link, &passage) && passage.transmittance != glm::vec3(0.0f);
+  return passes(scene, ray, RayKind::link, &passage);
 }
 
 }  // namespace maquette

@@ -23,6 +23,36 @@ float value_towards(const VisibilitySides& sides, std::size_t side, const glm::v
   return glm::dot(shared::visibility_shares(corner.fraction), shared::visibility_bits(word, place.shift));
 }
 
+/// What a side's cells hold, cell by cell: for those below the horizon, in three rows, the nearest neighbour known
+/// before.
+std::array<bool, 256> obvious_side(const VisibilityBits& bits, const glm::vec3& n) {
+  std::array<glm::vec3, 256> direction;
+  std::array<bool, 256> known{}, side{};
+  for (int b = 0; b < 256; ++b) {
+    const auto i = static_cast<std::size_t>(b);
+    direction[i] = shared::visibility_cell_direction({b % 16, b / 16});
+    known[i] = glm::dot(n, direction[i]) > 0.0f;
+    side[i] = known[i] && is_open(bits, {b % 16, b / 16});
+  }
+  for (int row = 1; row <= 3; ++row) {
+    const std::array<bool, 256> before = known;
+    for (int b = 0; b < 256; ++b) {
+      const auto i = static_cast<std::size_t>(b);
+      if (before[i] || glm::dot(n, direction[i]) < -0.22f * static_cast<float>(row)) continue;
+      float nearest = -2.0f;
+      for (int k = 0; k < 9; ++k) {
+        const glm::ivec2 cell = shared::visibility_wrap({b % 16 + k % 3 - 1, b / 16 + k / 3 - 1});
+        const auto j = static_cast<std::size_t>(cell.y * 16 + cell.x);
+        if (k == 4 || !before[j] || glm::dot(direction[i], direction[j]) <= nearest) continue;
+        nearest = glm::dot(direction[i], direction[j]);
+        known[i] = true;
+        side[i] = side[j];
+      }
+    }
+  }
+  return side;
+}
+
 class VisibilitySidesTest : public ::testing::Test {
  protected:
   std::mt19937 random_{3};
@@ -36,6 +66,33 @@ class VisibilitySidesTest : public ::testing::Test {
     return bits;
   }
 };
+
+/// Every bit that shaders may read, of random masks and planes, some along the axes.
+TEST_F(VisibilitySidesTest, HoldWhatIsFoundCellByCell) {
+  for (int trial = 0; trial < 3000; ++trial) {
+    glm::vec3 n = direction();
+    if (trial % 3 == 0) {
+      n = glm::vec3(0.0f);
+      n[trial % 9 / 3] = trial % 2 ? 1.0f : -1.0f;
+    }
+    const VisibilityBits bits = random_bits();
+    const VisibilitySides sides = visibility_sides({bits}, {n})[0];
+    for (const std::size_t side : {0u, 1u}) {
+      const std::array<bool, 256> expected = obvious_side(bits, side == 0 ? n : -n);
+      for (int y = -1; y < 16; ++y)
+        for (int x = -1; x < 16; ++x) {
+          const shared::VisibilityPlace place = shared::visibility_place({x, y});
+          const glm::vec4 found =
+              shared::visibility_bits(sides[side].at(static_cast<std::size_t>(place.word)), place.shift);
+          for (int k = 0; k < 4; ++k) {
+            const glm::ivec2 cell = shared::visibility_wrap({x + (k & 1), y + (k >> 1)});
+            ASSERT_EQ(found[k] > 0.5f, expected[static_cast<std::size_t>(cell.y * 16 + cell.x)])
+                << trial << " " << side << " " << x << " " << y << " " << k;
+          }
+        }
+    }
+  }
+}
 
 /// Far above the horizon both sides read the map itself, folds and corners included.
 TEST_F(VisibilitySidesTest, AboveTheHorizonStandsTheMap) {

@@ -43,6 +43,7 @@ struct FrameTargets {
   GlName<FramebufferTraits> framebuffer;
   Texture triangle, depth_buffer, surface, depth, guide, texture_nu;
   Texture weights;  ///< of upsampling (shaders/bandwidth/fill.comp)
+  Texture open;     ///< of the sky, towards mirror directions (shaders/bandwidth/open.comp)
   /// Light by way of other surfaces at each point, of the bakes with even and odd numbers; made when first needed.
   Texture indirect[2];
   Texture energy, bend, curvature, pyramid;

@@ -352,6 +352,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
   const bool keeps_points = s.keeps_points(request, plan, accumulate);
   const bool painted = std::find(s.repainted.begin(), s.repainted.end(), true) != s.repainted.end();
   const bool repaints = keeps_points && (painted || !accumulate);
+  if (painted && !repaints) s.open_found = false;
   if (!accumulate || !kept || repaints || (s.drawn_epoch != s.epoch && !keeps_points) || !(s.last_request == request))
     s.accumulated = 0;
   s.drawn_points.reset();  // until the frame is there
@@ -428,7 +429,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
     stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.curvature.bytes() + t.weights.bytes() +
-                                   t.pyramid.bytes() + s.near_terms.bytes();
+                                   t.open.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();
   if (s.visibility.ready()) stats.gpu_bytes["visibility"] = s.visibility.bytes();

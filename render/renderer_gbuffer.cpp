@@ -152,6 +152,7 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   drawn_sky.reset();
   keeps_surfaces = false;
   weights_levels = -1;
+  open_found = false;
   kept_panes.reset();
   for (auto& drawn : indirect_drawn) drawn.reset();
   FrameTargets& t = *targets;

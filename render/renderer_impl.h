@@ -214,6 +214,7 @@ struct Renderer::Impl {
   std::optional<SurfaceKey> drawn_surfaces;        ///< what the G-buffer in `targets` shows; empty: nothing yet
   bool keeps_surfaces = false;                     ///< the G-buffer is that of an earlier frame
   int weights_levels = -1;                         ///< that the weights of upsampling were found for; -1: none
+  bool open_found = false;                         ///< what the masks leave open (find_open) holds
   std::optional<IndirectDrawn> indirect_drawn[2];  ///< what FrameTargets::indirect holds
   bool points_hold_mean = false;                   ///< the points of the last frame are those of the mean of all frames
   bool composes_in_picture = false;  ///< the frame at hand, and not in the grid that the picture is filtered from
@@ -228,6 +229,7 @@ struct Renderer::Impl {
   void recount_tables();
   const Material& material_of_item(std::size_t item) const;
   bool shows_both_sides(std::size_t item) const;
+  void take_visibility();
   /// Starts or uploads the bake that the plan wants; while there is none, the plan says so instead.
   void update_visibility(FramePlan* plan);
   /// The same for light by way of other surfaces; needs the visibility bake first.
@@ -272,13 +274,15 @@ struct Renderer::Impl {
   void predict(const FramePlan& plan, const PredictedPart& part, PassTimer* timer);
   /// Mode bandwidth where pictures do not accumulate: two rounds of samples, and what is left of earlier frames.
   void shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer);
-  void schedule_band(std::size_t band, const Turn& turn, unsigned* counters);
+  void schedule_band(const FramePlan& plan, std::size_t band, const Turn& turn, unsigned* counters);
   /// Items `first` to `first + count` of a list of schedule_band.
   void shade_items(const FramePlan& plan, int list, const Turn& turn, bool looks_back, unsigned first, unsigned count);
   /// The sun's light at the points of a list, where the environment has one.
   void shade_sun(const FramePlan& plan, int list, const Turn& turn, unsigned points);
   void shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer);
   void bind_lists();
+  /// What baked masks leave open at the points, for passes that mark; where it is known, of repainted tiles alone.
+  void find_open(const FramePlan& plan, bool repaints);
   void shade(const FramePlan& plan, int chunk, const MarkRule& rule, PassTimer* timer);
   void shade_band(const FramePlan& plan, std::size_t band, int chunk, const MarkRule& rule, PassTimer* timer);
   /// Shades the items of both lists (as long as `counters` says) and gathers them into the bound radiance.

@@ -41,10 +41,15 @@ ShaderVariant bandwidth_variant(const FramePlan& plan, bool first_only, bool coa
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-ShaderVariant mark_variant(bool bandwidth, bool refine, bool textures, bool repainted) {
+const ShaderVariant kOpen{"bandwidth/open.comp", "", {{"VISIBILITY", "1"}}};
+
+ShaderVariant mark_variant(bool bandwidth, bool refine, bool textures, bool repainted, bool masks) {
   ShaderVariant variant{"bandwidth/mark.comp",
                         "",
-                        {{"BANDWIDTH", flag(bandwidth)}, {"REFINE", flag(refine)}, {"TEXTURES", flag(textures)}}};
+                        {{"BANDWIDTH", flag(bandwidth)},
+                         {"REFINE", flag(refine)},
+                         {"TEXTURES", flag(textures)},
+                         {"VISIBILITY", flag(masks && bandwidth && !refine)}}};
   if (repainted) variant.defines.emplace_back("REPAINTED", "1");
   return variant;
 }
@@ -151,8 +156,9 @@ std::vector<ShaderVariant> all_shader_variants() {
         for (const bool first_only : {false, true})
           if (j < 2) variants.push_back(bandwidth_variant(plan, first_only, coarse));
     }
-    variants.push_back(mark_variant(k, false, false, false));
-    variants.push_back(mark_variant(true, true, k, false));
+    variants.push_back(mark_variant(k, false, false, false, false));
+    variants.push_back(mark_variant(true, false, false, k, true));
+    variants.push_back(mark_variant(true, true, k, false, false));
     for (int j = 0; j < 2; ++j) variants.push_back(gather_variant(k, j));
     variants.push_back(indirect_variant_of(k));
     variants.push_back(classify_variant(k));
@@ -168,9 +174,10 @@ std::vector<ShaderVariant> all_shader_variants() {
         "glass/tiles.comp", "octree/trace_rays.comp", "shading/arguments.comp", "shading/slots.comp",
         "splitsum/shade.comp", "sg/shade.comp"})
     variants.push_back({path, "", {}});
+  variants.push_back(kOpen);
   variants.push_back(compose_variant(2, false, 0, false, false));
   variants.push_back(listed(compose_variant(4, false, 0, false, false)));
-  variants.push_back(mark_variant(true, false, false, true));
+  variants.push_back(mark_variant(true, false, false, true, false));
   for (const std::vector<ShaderVariant>& more :
        {glass_shader_variants(), reflection_shader_variants(), turning_shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
@@ -238,9 +245,25 @@ void Renderer::Impl::bind_lists() {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, targets->counters.get());
 }
 
+void Renderer::Impl::find_open(const FramePlan& plan, bool repaints) {
+  if (plan.visibility != "baked") {
+    open_found = false;
+    return;
+  }
+  const FrameTargets& t = *targets;
+  if (!open_found || repaints) {
+    glBindTextureUnit(0, t.triangle.get());
+    glBindImageTexture(0, t.open.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
+    dispatch_tiles(programs.get(kOpen), open_found ? t.repainted_tiles : t.surface_tiles, 6);
+    open_found = true;
+  }
+  glBindTextureUnit(65, t.open.get());
+}
+
 void Renderer::Impl::shade(const FramePlan& plan, int chunk, const MarkRule& rule, PassTimer* timer) {
   shaded_points = shading_samples = 0;
   if (!rule.repainted) visible_points = 0;
+  if (plan.mode == "bandwidth" && !rule.refine) find_open(plan, rule.repainted);
   for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
     shade_band(plan, band, chunk, rule, timer);
 }
@@ -251,8 +274,8 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   bind_lists();
   const bool bandwidth = plan.mode == "bandwidth";
   const std::optional<RefineRates>& refine = rule.refine;
-  const Program& mark =
-      programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures(), rule.repainted));
+  const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures(),
+                                                  rule.repainted, plan.visibility == "baked"));
   const TileList& tiles = rule.repainted ? t.repainted_tiles : t.surface_tiles;
   mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);

@@ -84,7 +84,9 @@ ShaderVariant reflected_resolve_variant(bool textures, bool colors) {
 }
 
 ShaderVariant reflected_mark_variant() {
-  return {"bandwidth/mark.comp", "", {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}, {"TEXTURES", "0"}}};
+  return {"bandwidth/mark.comp",
+          "",
+          {{"REFLECTED", "1"}, {"BANDWIDTH", "0"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", "0"}}};
 }
 
 ShaderVariant reflected_compose_variant(bool layers, bool glossy) {

@@ -107,10 +107,16 @@ std::vector<Passage> Renderer::Impl::passages() const {
   return passages;
 }
 
+void Renderer::Impl::take_visibility() {
+  if (!visibility.update(buffers->geometry(), transmitting_items(), passages(), geometry_epoch)) return;
+  ++epoch;
+  open_found = false;
+}
+
 void Renderer::Impl::update_visibility(FramePlan* plan) {
   if (plan->visibility != "baked") return;
   const bool empty = buffers->geometry().positions.empty();
-  if (!empty && visibility.update(buffers->geometry(), transmitting_items(), passages(), geometry_epoch)) ++epoch;
+  if (!empty) take_visibility();
   if (visibility.ready()) return;
   plan->visibility = "none";
   std::erase_if(plan->passes, [](const PlannedPass& pass) { return pass.name == "visibility"; });
@@ -254,7 +260,7 @@ bool Renderer::finish_background_work(const FrameRequest& request) {
   if (plan.visibility != "baked" || s.buffers->geometry().positions.empty()) return true;
   s.update_visibility(&plan);
   s.visibility.wait();
-  if (s.visibility.update(s.buffers->geometry(), s.transmitting_items(), s.passages(), s.geometry_epoch)) ++s.epoch;
+  s.take_visibility();
   if (plan.indirect != "baked" || !s.visibility.ready()) return s.visibility.ready();
   for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it
     FramePlan wanted = plan;

@@ -26,8 +26,11 @@ constexpr float kFarTooMuch = 0.75f, kMostGrowth = 1.25f;
 /// among which they choose.
 constexpr int kSunSamples = 2, kSunsSamples = 16;
 
-const ShaderVariant kMarks{
-    "bandwidth/mark.comp", "", {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"MARKS_ONLY", "1"}}};
+ShaderVariant turned_mark_variant(bool masks) {
+  return {"bandwidth/mark.comp",
+          "",
+          {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", flag(masks)}, {"MARKS_ONLY", "1"}}};
+}
 const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
 
 ShaderVariant turned_gather_variant(int round, bool textures, bool sun) {
@@ -121,15 +124,15 @@ ShaderVariant sun_variant(const FramePlan& plan, bool measured) {
 }
 
 std::vector<ShaderVariant> turning_shader_variants() {
-  std::vector<ShaderVariant> variants{kMarks, kSchedule};
+  std::vector<ShaderVariant> variants{turned_mark_variant(false), turned_mark_variant(true), kSchedule};
   for (int k = 0; k < 8; ++k) variants.push_back(turned_gather_variant(k / 4, k & 2, k & 1));
   return variants;
 }
 
-void Renderer::Impl::schedule_band(std::size_t band, const Turn& turn, unsigned* counters) {
+void Renderer::Impl::schedule_band(const FramePlan& plan, std::size_t band, const Turn& turn, unsigned* counters) {
   FrameTargets& t = *targets;
   bind_lists();
-  const Program& mark = programs.get(kMarks);
+  const Program& mark = programs.get(turned_mark_variant(plan.visibility == "baked"));
   mark.set("u_item_capacity", t.item_capacity);
   mark.set("u_sample_scale", 1.0f);
   t.counters.clear_to_zero();
@@ -206,7 +209,7 @@ void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t ban
   FrameTargets& t = *targets;
   const auto capacity = static_cast<unsigned>(t.item_capacity);
   unsigned counters[16];
-  schedule_band(band, turn, counters);
+  schedule_band(plan, band, turn, counters);
   TurnCounters listed;
   history->counters.read(0, sizeof listed, &listed);
   continued_points += listed.continued;
@@ -244,6 +247,7 @@ void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t ban
 
 void Renderer::Impl::shade_scheduled(const FramePlan& plan, const Turn& turn, PassTimer* timer) {
   shaded_points = shading_samples = continued_points = 0;
+  find_open(plan, false);
   for (std::size_t band = 0; band < targets->surface_tiles.counts.size(); ++band)
     shade_scheduled_band(plan, band, turn, timer);
   environment->bind();

@@ -4,6 +4,7 @@ struct Guide {
   vec3 normal;
   int material;
   float reach_m;
+  float open;  // of the sky in the mirror direction, where a shader looks for it: open.comp
   bool valid;
 };
 
@@ -18,6 +19,7 @@ Guide load_guide(ivec2 pixel) {
   g.normal = guide_normal(packed_guide.y);
   g.material = int(packed_guide.y >> 24u);
   g.reach_m = depth * u_frame.forward.w;
+  g.open = 1.0;
   return g;
 }
 

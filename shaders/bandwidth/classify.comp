@@ -5,6 +5,7 @@ layout(local_size_x = 64) in;
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
 #include "shared/bandwidth.glsl"
+#include "bandwidth/broad.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
 struct List {
@@ -14,17 +15,6 @@ layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
 layout(std430, binding = 2) writeonly buffer MeasuredPixels { uint b_measured[]; };
 layout(std430, binding = 4) writeonly buffer AnalyticPixels { uint b_analytic[]; };
 layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;
-
-/// Cycles/rad up to which a lobe is broad: no more than a third of a cycle over 8 degrees. The library's leathers, fabrics, matte plastics and
-/// rubbers lie below (at most 2.3), satin wood, paints and metals above.
-const float kBroad = 2.5;
-
-bool is_broad(uvec4 surface, uint flags, bool measured) {
-  float roughness = float(surface.z & 255u) * (1.0 / 255.0);
-  bool coated = ((surface.z >> 8u) & 255u) != 0u;
-  return measured ? unpackHalf2x16(flags).y <= kBroad
-                  : bandwidth_ggx(max(roughness * roughness, 1e-3)) <= kBroad && !coated;
-}
 
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;

@@ -21,6 +21,9 @@ layout(binding = 20) uniform sampler2D t_axes;     // w: nu_theta, cycles/rad
 layout(binding = 21) uniform sampler2D t_pyramid;  // level 0: quads
 #include "bandwidth/bilateral.glsl"
 #endif
+#if VISIBILITY
+layout(binding = 65) uniform sampler2D t_open;  // of open.comp
+#endif
 #if REFINE
 layout(binding = 0, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible, 3 in plain quads
 #define o_marks io_marks
@@ -121,29 +124,48 @@ int quads_carry(ivec2 corner, float mean_radiance) {
 /// was min(nu_L, nu_rho), a fifth higher.
 const float kBentError = 0.124;
 
+/// The same by how far what a lobe sees is open there, off the value between its neighbours: masks that turn over within a few pixels, at strips and
+/// bevels, are kinks that no band tells of. Relative, and where little is open of so much.
+const float kUncoveredError = 0.15, kLeastOpen = 0.2;
+
 /// What the weights of the points around may lack where they count alike: none is below a half.
 const float kUnlike = 0.5;
 
+vec4 normal_and_open(Guide g) { return vec4(g.normal, g.open); }
+
 /// First bit: the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
 /// edge, interpolation is off by the slope of the light over directions, 2 pi nu_theta at most for a light like 1 + cos, times how far the
-/// normal is off, however dense the points are.
-/// `normals`: of `count` points, in a sum weighted like `sum`. Within a pixel one of two serves: an edge there asks for the points of the other
-/// surface, and half a pixel from a point of its own a smooth one hardly changes.
+/// normal is off, however dense the points are. So does what is open.
+/// `around`: normals and what is open of `count` points, in a sum weighted like `sum`. Within a pixel one of two serves: an edge there asks for the
+/// points of the other surface, and half a pixel from a point of its own a smooth one hardly changes. `weights`: of both errors.
 /// Second bit: the points around count alike, so that the finest level need not look at them again (quads.comp).
-int agrees(Guide center, vec3 normals, float sum, float count, int level, float bend) {
+int agrees(Guide center, vec4 around, float sum, float count, int level, vec2 weights) {
   float least = level < findMSB(u_frame.size.z) && count == 2.0 ? 0.4 : 0.55 * count;
-  bool agree = sum > least && length(normals / sum - center.normal) * bend <= kBentError;
+  vec4 between = around / sum;
+  bool agree = sum > least && length(between.xyz - center.normal) * weights.x <= kBentError;
+#if VISIBILITY
+  agree = agree && abs(between.w - center.open) * weights.y <= kUncoveredError * max(max(between.w, center.open), kLeastOpen);
+#endif
   return (agree ? 1 : 0) | (sum >= count - kUnlike ? 2 : 0);
 }
 
-/// Factor of how far a normal is off, in a quad of predictions.
-float bend_weight(ivec2 quad, vec4 predicted, float mean_radiance) {
-  float slope = 2.0 * kPi * texelFetch(t_axes, quad, 0).w, quality = u_frame.quality.x;
-  return slope * error_weight(predicted.y, mean_radiance) * quality * quality;
+/// Of a quad's errors of normals and of what is open.
+vec2 error_weights(ivec2 quad, float mean_radiance) {
+  float quality = u_frame.quality.x, weight = error_weight(texelFetch(t_pyramid, quad, 0).y, mean_radiance) * quality * quality;
+  return weight * vec2(2.0 * kPi * texelFetch(t_axes, quad, 0).w, 1.0);
 }
 
-int neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
-  vec3 normals = vec3(0.0);
+Guide load_guide_or_none(ivec2 pixel) {
+  Guide g = load_guide(min(pixel, u_frame.size.xy - 1));
+  g.valid = g.valid && all(lessThan(pixel, u_frame.size.xy));
+#if VISIBILITY
+  g.open = texelFetch(t_open, min(pixel, u_frame.size.xy - 1), 0).x;
+#endif
+  return g;
+}
+
+int neighbours_agree(Guide center, ivec2 pixel, int level, vec2 weights) {
+  vec4 around = vec4(0.0);
   int s = 1 << level;
   ivec2 odd = (pixel >> level) & 1;
   ivec2 lower = pixel - odd * s;
@@ -153,51 +175,45 @@ int neighbours_agree(Guide center, ivec2 pixel, int level, float bend) {
     if (any(greaterThan(o, odd))) continue;
     ivec2 q = lower + 2 * o * s;
     if (any(greaterThanEqual(q, u_frame.size.xy))) continue;
-    Guide neighbour = load_guide(q);
+    Guide neighbour = load_guide_or_none(q);
     float weight = bilateral_weight(center, neighbour, float(s));
-    normals += weight * neighbour.normal;
+    around += weight * normal_and_open(neighbour);
     sum += weight;
   }
-  return agrees(center, normals, sum, float((1 + odd.x) * (1 + odd.y)), level, bend);
+  return agrees(center, around, sum, float((1 + odd.x) * (1 + odd.y)), level, weights);
 }
 
 /// The same between points of one row, column or square that were loaded before.
-int agrees_between(Guide center, Guide first, Guide last, int level, float bend) {
+int agrees_between(Guide center, Guide first, Guide last, int level, vec2 weights) {
   float step = float(1 << level), w0 = bilateral_weight(center, first, step), w1 = bilateral_weight(center, last, step);
-  return agrees(center, w0 * first.normal + w1 * last.normal, w0 + w1, 2.0, level, bend);
+  return agrees(center, w0 * normal_and_open(first) + w1 * normal_and_open(last), w0 + w1, 2.0, level, weights);
 }
 
-int agrees_amid(Guide center, Guide near, Guide right, Guide below, Guide far, int level, float bend) {
+int agrees_amid(Guide center, Guide near, Guide right, Guide below, Guide far, int level, vec2 weights) {
   float step = float(1 << level), w0 = bilateral_weight(center, near, step), w1 = bilateral_weight(center, right, step);
   float w2 = bilateral_weight(center, below, step), w3 = bilateral_weight(center, far, step);
-  vec3 normals = w0 * near.normal + w1 * right.normal + w2 * below.normal + w3 * far.normal;
-  return agrees(center, normals, w0 + w1 + w2 + w3, 4.0, level, bend);
-}
-
-Guide load_guide_or_none(ivec2 pixel) {
-  Guide g = load_guide(min(pixel, u_frame.size.xy - 1));
-  g.valid = g.valid && all(lessThan(pixel, u_frame.size.xy));
-  return g;
+  vec4 around = w0 * normal_and_open(near) + w1 * normal_and_open(right) + w2 * normal_and_open(below) + w3 * normal_and_open(far);
+  return agrees(center, around, w0 + w1 + w2 + w3, 4.0, level, weights);
 }
 
 /// Of a quad's points the three that enter at the finest level and lie between the same four coarser ones: a bit each, the first one's left out, and
 /// bit 16 where all three count those alike.
-int finest_agree(ivec2 pixel, Guide near, Guide right, Guide below, Guide far, float bend) {
+int finest_agree(ivec2 pixel, Guide near, Guide right, Guide below, Guide far, vec2 weights) {
   Guide beside = load_guide_or_none(pixel + ivec2(1, 0)), under = load_guide_or_none(pixel + ivec2(0, 1)), amid = load_guide_or_none(pixel + 1);
-  int x = agrees_between(beside, near, right, 0, bend), y = agrees_between(under, near, below, 0, bend);
-  int both = agrees_amid(amid, near, right, below, far, 0, bend);
+  int x = agrees_between(beside, near, right, 0, weights), y = agrees_between(under, near, below, 0, weights);
+  int both = agrees_amid(amid, near, right, below, far, 0, weights);
   return (x & 1) << 1 | (y & 1) << 2 | (both & 1) << 3 | (x & y & both & 2) << 15;
 }
 
 /// For the points of a block of 4 x 4, whose neighbours overlap: four bits a quad; from bit 16 on one a quad where the finest level's count alike.
-int block_agrees(ivec2 corner, vec4 bend) {
+int block_agrees(ivec2 corner, vec2 weights[4]) {
   Guide a = load_guide_or_none(corner), b = load_guide_or_none(corner + ivec2(2, 0)), c = load_guide_or_none(corner + ivec2(4, 0));
   Guide d = load_guide_or_none(corner + ivec2(0, 2)), e = load_guide_or_none(corner + 2), f = load_guide_or_none(corner + ivec2(4, 2));
   Guide g = load_guide_or_none(corner + ivec2(0, 4)), h = load_guide_or_none(corner + ivec2(2, 4)), i = load_guide_or_none(corner + 4);
-  ivec4 quads = ivec4(finest_agree(corner, a, b, d, e, bend.x), finest_agree(corner + ivec2(2, 0), b, c, e, f, bend.y),
-                      finest_agree(corner + ivec2(0, 2), d, e, g, h, bend.z), finest_agree(corner + 2, e, f, h, i, bend.w));
-  quads |= 1 & ivec4(neighbours_agree(a, corner, level_entered(corner.x, corner.y, u_frame.size.w), bend.x), agrees_between(b, a, c, 1, bend.y),
-                     agrees_between(d, a, g, 1, bend.z), agrees_amid(e, a, c, g, i, 1, bend.w));
+  ivec4 quads = ivec4(finest_agree(corner, a, b, d, e, weights[0]), finest_agree(corner + ivec2(2, 0), b, c, e, f, weights[1]),
+                      finest_agree(corner + ivec2(0, 2), d, e, g, h, weights[2]), finest_agree(corner + 2, e, f, h, i, weights[3]));
+  quads |= 1 & ivec4(neighbours_agree(a, corner, level_entered(corner.x, corner.y, u_frame.size.w), weights[0]), agrees_between(b, a, c, 1, weights[1]),
+                     agrees_between(d, a, g, 1, weights[2]), agrees_amid(e, a, c, g, i, 1, weights[3]));
   ivec4 points = (quads & 15) << ivec4(0, 4, 8, 12), alike = (quads & 65536) << ivec4(0, 1, 2, 3);
   ivec2 sum = points.xy + points.zw + alike.xy + alike.zw;
   return sum.x + sum.y;
@@ -314,12 +330,12 @@ void main() {
     if (!block_carries(corner, l, mean_radiance)) break;
     block_level = l;
   }
-  vec4 bends;
+  vec2 weights[4];
   for (int quad = 0; quad < 4; ++quad) {
     ivec2 at = corner / 2 + ivec2(quad & 1, quad >> 1);
-    bends[quad] = bend_weight(at, texelFetch(t_pyramid, at, 0), mean_radiance);
+    weights[quad] = error_weights(at, mean_radiance);
   }
-  agree = block_agrees(corner, bends);
+  agree = block_agrees(corner, weights);
 #endif
   for (int quad = 0; quad < 4; ++quad) {
     ivec2 first_of_quad = corner + 2 * ivec2(quad & 1, quad >> 1);

@@ -36,6 +36,7 @@ int run_compare(const CommandLine& line) {
   const std::string& output = line.options.output;
   if (!output.empty()) {
     picture_format(output);
+    check_replaces_none("--output", output, line.files);
     check_writable("--output", output);
   }
   const Image image = load_hdr_image(path);

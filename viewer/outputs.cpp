@@ -36,6 +36,25 @@ void check_writable(const std::string& option, const std::string& path) {
   std::remove(probe.c_str());
 }
 
+std::vector<std::string> input_files(const SceneOptions& options) {
+  std::vector<std::string> files{options.scene, options.environment, options.reference};
+  for (const auto& [name, source] : options.materials) files.push_back(source);
+  return files;
+}
+
+void check_replaces_none(const std::string& option, const std::string& path, const std::vector<std::string>& others) {
+  const auto is_file = [](const std::string& name) {
+    return !name.empty() && name != "-" && !name.starts_with("builtin:");
+  };
+  if (!is_file(path)) return;
+  std::error_code error;  // what cannot be resolved is no file that could be lost
+  const std::filesystem::path own = std::filesystem::weakly_canonical(path, error);
+  for (const std::string& other : others)
+    if (is_file(other) && std::filesystem::weakly_canonical(other, error) == own && !own.empty())
+      throw UsageError(option + " " + path,
+                       "it would replace " + other + ", which this command reads or writes; choose another name");
+}
+
 void prepare_folder(const std::string& option, const std::string& folder) {
   const std::string where = option + " " + folder;
   std::error_code error;

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "viewer/options.h"
+
 namespace maquette {
 
 enum class PictureFormat { exr, png };
@@ -13,6 +15,13 @@ PictureFormat picture_format(const std::string& path);
 /// Throws Error when a file cannot be written at `path`, found out by making one beside it and removing it again:
 /// called before the work, so that minutes of it are not lost. "-" is standard output.
 void check_writable(const std::string& option, const std::string& path);
+
+/// What the options name to be read, built-in things among them.
+std::vector<std::string> input_files(const SceneOptions& options);
+
+/// Throws UsageError where `path` is one of `others`: what the command reads, and what else it writes. Names that are
+/// no file (empty, "-", built in) are none of them.
+void check_replaces_none(const std::string& option, const std::string& path, const std::vector<std::string>& others);
 
 /// Makes `folder` where it is not there yet. Throws Error when it cannot be made or written into.
 void prepare_folder(const std::string& option, const std::string& folder);

@@ -29,6 +29,10 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 void check_outputs(const SceneOptions& options) {
+  std::vector<std::string> others = input_files(options);
+  check_replaces_none("--output", options.output, others);
+  others.push_back(options.output);
+  check_replaces_none("--stats", options.stats, others);
   if (!options.output.empty()) {
     picture_format(options.output);
     check_writable("--output", options.output);

@@ -70,6 +70,13 @@ TEST(Compare, AnswersForBadPictures) {
       run_maquette({"compare", folder.file("a.exr"), folder.file("a.exr"), "-o", folder.file("no/d.png")});
   EXPECT_EQ(folderless.exit_code, 1);
   EXPECT_EQ(run_maquette({"compare", folder.file("a.exr"), folder.file("a.exr"), "-o", "d.jpg"}).exit_code, 2);
+  // The difference may not replace what it is the difference of, by whatever name.
+  const std::string before = read_text(folder.file("a.exr"));
+  const ProgramResult replacing =
+      run_maquette({"compare", folder.file("black.exr"), folder.file("a.exr"), "-o", folder.file("./a.exr")});
+  EXPECT_EQ(replacing.exit_code, 2);
+  EXPECT_NE(replacing.error.find("would replace"), std::string::npos) << replacing.error;
+  EXPECT_EQ(read_text(folder.file("a.exr")), before);
 }
 
 }  // namespace

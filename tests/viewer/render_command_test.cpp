@@ -96,6 +96,23 @@ TEST(Render, PassesAndResourcesAreInTheVocabulary) {
   }
 }
 
+TEST(Render, OutputsReplaceNothingThatIsReadOrWrittenBeside) {
+  const TemporaryFolder folder;
+  save_exr(folder.file("sky.exr"), Image(8, 4, 3, 1.0f));
+  const std::string sky = folder.file("sky.exr"), before = read_text(sky), picture = folder.file("a.png");
+  const auto answer = [&](const std::string& output, const std::string& stats) {
+    return run_maquette({"render", "builtin:sphere", "--env", sky, "--size", "8x8", "-o", output, "--stats", stats});
+  };
+  for (const auto& [output, stats] :
+       {std::pair{sky, folder.file("s.json")}, {picture, sky}, {picture, folder.file("./a.png")}}) {
+    const ProgramResult result = answer(output, stats);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.error.find("would replace"), std::string::npos) << result.error;
+  }
+  EXPECT_EQ(read_text(sky), before);
+  EXPECT_EQ(answer(picture, folder.file("s.json")).exit_code, 0);
+}
+
 TEST(Render, APictureOfOnePixel) {
   const TemporaryFolder folder;
   const ProgramResult result =

@@ -291,7 +291,7 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
   int spacing = min(level, enters);
   // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; a quarter of them everywhere, so
   // that a light the prediction missed costs at most a factor of two.
-  float samples = float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(spacing) * u_sample_scale;
+  float samples = float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share_of_view(spacing) * u_sample_scale;
   uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
   return uvec3(1u, uint(spacing), items);
 #else

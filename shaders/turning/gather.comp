@@ -56,7 +56,7 @@ const float kFarMore = 6.0;
 /// Neyman's count for the deviation that was measured; 0 where that is not far from what was taken. They replace what was taken, which
 /// decided on them.
 uint more_items(float variance, int level, float taken, float mean_deviation) {
-  float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share(level) * u_sample_scale;
+  float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share_of_view(level) * u_sample_scale;
   return wanted > kFarMore * taken ? uint(clamp(wanted * exp2(float(-more_size_log2())), 1.0, kMostMore)) : 0u;
 }
 

@@ -86,7 +86,7 @@ Plan plan_point(float wanted, float have, float nu) {
 float wanted_samples(ivec2 pixel, int level, float mean_deviation) {
   float predicted = texelFetch(t_pyramid, pixel / 2, 0).z;
   float relative = mean_deviation > 0.0 ? predicted / mean_deviation : 1.0;
-  return float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share(level) * u_sample_scale * kWorth;
+  return float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share_of_view(level) * u_sample_scale * kWorth;
 }
 
 float samples_so_far(ivec2 pixel) {

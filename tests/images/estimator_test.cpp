@@ -287,6 +287,19 @@ TEST_F(Estimator, EveryPointIsShadedInTheEnd) {
   EXPECT_EQ(shaded_share(), 1.0);
 }
 
+TEST_F(Estimator, LargerPicturesTakeNoMoreSamplesForTheSameBlocks) {
+  // Twice as wide and high, the same part of the view is blocks of the next level: four times the pixels of each, so
+  // that as many samples leave as much error. In proportion to the block's side alone they took twice as many.
+  show("builtin:matte-white", "builtin:studio");
+  const auto samples_of = [&](int side) {
+    const FrameStats stats = renderer_.render(request("bandwidth", 64, 5, side), false);
+    return static_cast<double>(stats.shading_samples) / static_cast<double>(stats.shaded_pixels);
+  };
+  const double small = samples_of(480), large = samples_of(960);  // of 640 x 360 pixels, and four times as many
+  RecordProperty("growth", std::to_string(large / small));
+  EXPECT_LT(large, small);
+}
+
 TEST_F(Estimator, SamplesGoWhereTheSpreadIs) {
   // The sun's mirror image deviates a thousand times as much as the rest: measured, it takes the samples.
   show("builtin:metal-chrome");

@@ -118,9 +118,50 @@ void write_file_atomically(const std::string& path, std::span<const std::byte> b
   });
 }
 
-void write_atomically(const std::string& path, const std::function<void(const std::string&)>& write) {
+bool is_written_through(const std::string& path) {
   std::error_code code;
-  if (path.empty()) throw Error("", "no output file named", "give a file name");
+  const fs::file_status status = fs::status(path, code);
+  return fs::exists(status) && !fs::is_directory(status) &&
+         (!fs::is_regular_file(status) || path.starts_with("/dev/") || path.starts_with("/proc/"));
+}
+
+std::string link_target(const std::string& path) {
+  std::error_code code;
+  fs::path target = path;
+  for (int i = 0; i < 40 && fs::is_symlink(target, code); ++i) {  // as many as Linux follows
+    const fs::path next = fs::read_symlink(target, code);
+    if (code) break;
+    target = target.parent_path() / next;  // an absolute one replaces it
+  }
+  return target.string();
+}
+
+namespace {
+
+/// Makes the file elsewhere and copies its bytes into what is there: a pipe or a device cannot be renamed over.
+void write_through(const std::string& path, const std::function<void(const std::string&)>& write) {
+  const std::string temporary = temporary_path((fs::temp_directory_path() / fs::path(path).filename()).string());
+  try {
+    write(temporary);
+    const std::vector<std::byte> bytes = read_file(temporary);
+    std::ofstream stream(path, std::ios::binary | std::ios::app);
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) throw Error(path, std::string("cannot be written (") + std::strerror(errno) + ")", "name a file");
+  } catch (...) {
+    remove_quietly(temporary);
+    throw;
+  }
+  remove_quietly(temporary);
+}
+
+}  // namespace
+
+void write_atomically(const std::string& named, const std::function<void(const std::string&)>& write) {
+  std::error_code code;
+  if (named.empty()) throw Error("", "no output file named", "give a file name");
+  if (is_written_through(named)) return write_through(named, write);
+  const std::string path = link_target(named);
   if (fs::is_directory(path, code)) throw Error(path, "is a folder, not a file", "give a file name in it");
   const fs::path parent = fs::path(path).parent_path();
   if (!parent.empty() && !fs::is_directory(parent, code)) {

@@ -21,7 +21,14 @@ std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes 
 /// Throws Error (unwritable folder, full disk) and removes the temporary.
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes);
 
-/// Calls `write(temporary_path)` and renames the temporary to `path`; removes it when `write` throws.
+/// True for what is there and no regular file to be replaced (a pipe, a device), and for names in /dev and /proc.
+bool is_written_through(const std::string& path);
+
+/// The file that a chain of symbolic links ends in, there or not; `path` itself where it is no link.
+std::string link_target(const std::string& path);
+
+/// Calls `write(temporary_path)` and renames the temporary to what `path` names, links followed; removes it when
+/// `write` throws. What is_written_through gets the bytes instead.
 void write_atomically(const std::string& path, const std::function<void(const std::string&)>& write);
 
 /// 64-bit content hash (xxHash3), chained by `seed`.

@@ -26,7 +26,12 @@ void check_writable(const std::string& option, const std::string& path) {
   const std::string where = option + " " + path;
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) throw Error(where, "this is a folder", "give a file name");
-  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (is_written_through(path)) {
+    if (access(path.c_str(), W_OK) != 0)
+      throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another place");
+    return;
+  }
+  const std::filesystem::path folder = std::filesystem::absolute(link_target(path)).parent_path();
   if (!std::filesystem::is_directory(folder, error))
     throw Error(where, "there is no folder " + folder.string(), "make it first");
   std::string probe = (folder / ".maquette-XXXXXX").string();

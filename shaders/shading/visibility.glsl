@@ -20,6 +20,9 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
                   texelFetch(t_indices, 3 * triangle + 2).x);
   vec3 p0 = texelFetch(t_vertices, 4 * v.x).xyz;
   vec3 e1 = texelFetch(t_vertices, 4 * v.y).xyz - p0, e2 = texelFetch(t_vertices, 4 * v.z).xyz - p0, d = position - p0;
+  // In units of the longer edge, so that its fourth power is none of metres: triangles of 1e-8 m are as good as others.
+  float unit = inversesqrt(max(max(dot(e1, e1), dot(e2, e2)), 1e-36));
+  e1 *= unit, e2 *= unit, d *= unit;
   float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), f = dot(d, e1), g = dot(d, e2);
   float inverse = 1.0 / max(a * c - b * b, 1e-30);
   vec2 w = clamp(vec2(c * f - b * g, a * g - b * f) * inverse, 0.0, 1.0);

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "render/gl/context.h"
+#include "render/metrics.h"
 #include "render/renderer.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
@@ -57,6 +59,40 @@ TEST_P(ExtremeSizes, OnePixelAndThinPicturesAreSound) {
     const float* middle = &image.data[static_cast<std::size_t>(4 * (height / 2 * width + width / 2))];
     EXPECT_EQ(middle[3], 1.0f) << width << " x " << height;
     EXPECT_GT(middle[1], 0.0f) << width << " x " << height;
+  }
+}
+
+class SceneSizes : public ExtremeSizes {};
+INSTANTIATE_TEST_SUITE_P(Modes, SceneSizes, ::testing::Values("uniform", "bandwidth"),
+                         [](const auto& mode) { return mode.param; });
+
+TEST_P(SceneSizes, BakedVisibilityDoesNotKnowThem) {
+  // An open box of triangles as fine as a car's: 1.5 cm, and 1.5e-8 m where the scene is that small.
+  const auto picture = [&](float scale) {
+    Scene scene = test::box_scene(5, 128, test::matte(glm::vec3(0.5f)));
+    for (const int root : scene.roots) {
+      glm::mat4& local = scene.nodes[static_cast<std::size_t>(root)].local;
+      local = glm::mat4(glm::mat3(scale)) * local;
+    }
+    Renderer renderer;
+    renderer.set_scene(std::make_shared<Scene>(std::move(scene)));
+    renderer.set_environment(test::constant_sky(1.0f));
+    FrameRequest request;
+    request.mode = GetParam();
+    request.width = 64;
+    request.height = 40;
+    request.samples = 64;
+    request.camera = {.eye = glm::vec3(0.6f, 0.8f, 0.9f) * scale, .target = glm::vec3(-0.2f, -0.8f, -0.4f) * scale};
+    request.settings.set_from_text("shading.visibility", "baked");
+    request.settings.set_from_text("shading.indirect", "none");
+    EXPECT_TRUE(renderer.finish_background_work(request));
+    renderer.render(request);
+    return renderer.read_radiance();
+  };
+  const Image one = picture(1.0f);
+  for (const float scale : {1e-6f, 1e6f}) {
+    const double error = compare_images(picture(scale), one).relative_rmse.value();
+    EXPECT_LT(error, 0.02) << scale;
   }
 }
 

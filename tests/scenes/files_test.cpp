@@ -1,6 +1,8 @@
 #include "scenes/files.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -82,6 +84,35 @@ TEST_F(FilesTest, TemporaryKeepsTheExtension) {
     EXPECT_EQ(fs::path(temporary).extension(), ".exr");
     std::ofstream(temporary) << "x";
   });
+}
+
+TEST_F(FilesTest, LinksStayAndTheirTargetIsReplaced) {
+  for (const char* target : {"real", "not yet there"}) {
+    if (target == std::string("real")) write_file_atomically(path("real"), bytes_of("old"));
+    fs::remove(path("link"));
+    fs::create_symlink(target, path("link"));
+    write_file_atomically(path("link"), bytes_of("new"));
+    EXPECT_TRUE(fs::is_symlink(path("link")));
+    EXPECT_EQ(read_file(path(target)), bytes_of("new"));
+  }
+  EXPECT_EQ(entry_count(), 3u);
+}
+
+TEST_F(FilesTest, PipesAndDevicesAreWrittenIntoAndStay) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_file_atomically(path("pipe"), bytes_of("through"));
+  char got[16] = {};
+  EXPECT_EQ(::read(reader, got, sizeof got), 7);
+  ::close(reader);
+  EXPECT_STREQ(got, "through");
+  EXPECT_TRUE(fs::is_fifo(path("pipe")));
+  write_file_atomically("/dev/null", bytes_of("x"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_THROW(write_file_atomically("/dev/full", bytes_of("x")), Error);
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  EXPECT_EQ(entry_count(), 1u);
 }
 
 TEST_F(FilesTest, HashDependsOnContentAndSeed) {

@@ -165,7 +165,12 @@ std::vector<OptionDeclaration> light_and_material_options() {
           "--material", "NAME=FILE",
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
           "builtin:glass; `maquette inspect library` lists the library",
-          [](O* o, const std::string& t) { o->materials.push_back(parse_pair(t, "--material", "NAME=FILE")); }, true),
+          [](O* o, const std::string& t) {
+            o->materials.push_back(parse_pair(t, "--material", "NAME=FILE"));
+            if (o->materials.back().second.empty())
+              throw UsageError("--material", "\"" + t + "\" names no FILE; leave the option out to keep the material");
+          },
+          true),
       bake_option(plan_option(
           shared("--variant", "NAME", "variant of the scene", [](O* o, const std::string& t) { o->variant = t; }))),
   };

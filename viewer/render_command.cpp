@@ -132,6 +132,16 @@ std::string time_text(const RenderReport& report, const std::string& mode, bool 
   return text;
 }
 
+/// What the line that a picture leaves says of its error.
+std::string error_text(const RenderReport& report, const SceneOptions& options, bool reached) {
+  char text[96] = "";
+  if (report.error && report.error->relative_rmse)
+    std::snprintf(text, sizeof text, ", relative RMSE %.3g %%", 100.0 * *report.error->relative_rmse);
+  std::string result = text;
+  if (options.target_error && !reached) result += ", --target-error not reached";
+  return result;
+}
+
 std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
   std::map<std::string, std::string> attributes = {
       {"maquette.scene", options.scene},
@@ -206,8 +216,9 @@ int run_render(const CommandLine& line) {
     write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,
                   request);
     if (options.stats != "-")
-      std::printf("%s: %dx%d, mode %s, %s\n", options.output.c_str(), request.width, request.height,
-                  request.mode.c_str(), time_text(report, request.mode, accumulates).c_str());
+      std::printf("%s: %dx%d, mode %s, %s%s\n", options.output.c_str(), request.width, request.height,
+                  request.mode.c_str(), time_text(report, request.mode, accumulates).c_str(),
+                  error_text(report, options, reached).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
   if (!reached && !options.time_s)

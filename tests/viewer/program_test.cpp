@@ -45,6 +45,9 @@ TEST(Program, UsageErrorsExitWithTwoAndOneLine) {
   expect_failure({"render", "-o", "x.png", "sky.HDR"}, 2, "--env sky.HDR");
   expect_failure({"render", "-o", "x.png", "red.binary"}, 2, "--material NAME=red.binary");
   expect_failure({"render", "-o", "x.png", ""}, 2, "one of its arguments is empty");
+  expect_failure({"render", "-o", "x.png", "--material", "Sphere="}, 2, "names no FILE");
+  expect_failure({"view", "--frames", "3"}, 2, "add --screenshot");
+  expect_failure({"view", "--screenshot", "window.txt"}, 2, "must end in .png");
   expect_failure({"bake", "octre"}, 2, "did you mean octree?");
   expect_failure({"help", "rendr"}, 2, "did you mean render?");
 }

@@ -146,6 +146,11 @@ TEST(Render, ReferenceAddsTheError) {
   const ProgramResult compare = run_maquette({"compare", folder.file("a.exr"), folder.file("reference.exr"), "--json"});
   ASSERT_EQ(compare.exit_code, 0) << compare.error;
   EXPECT_EQ(Json::parse(compare.out), other["error"]);
+  const ProgramResult told = run_maquette(render_words(
+      folder.file("b.exr"), {"--reference", folder.file("reference.exr"), "--target-error", "1e-6", "--time", "0.1"}));
+  ASSERT_EQ(told.exit_code, 0) << told.error;
+  EXPECT_NE(told.out.find("relative RMSE"), std::string::npos) << told.out;
+  EXPECT_NE(told.out.find("not reached"), std::string::npos) << told.out;
   const ProgramResult size = run_maquette({"render", "builtin:sphere", "--size", "8x8", "-o", folder.file("b.exr"),
                                            "--reference", folder.file("reference.exr")});
   EXPECT_EQ(size.exit_code, 1);

@@ -13,12 +13,16 @@ namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kMaxSide = 1024;
 constexpr int kTaskCount = 4;  ///< partial sums of the finest level, one a task
 
 /// Adds rows [begin, end) of the environment, each texel in split x split parts, to the cells that they fall in.
 void splat(const Environment& environment, int begin, int end, int split, int side, std::vector<glm::dvec4>& sums) {
   const int width = environment.width * split, height = environment.height * split;
+  std::vector<glm::vec2> around(static_cast<std::size_t>(width));  // sine and cosine of the longitude
+  for (int x = 0; x < width; ++x) {
+    const auto longitude = static_cast<float>(kPi - 2.0 * kPi * (x + 0.5) / width);
+    around[static_cast<std::size_t>(x)] = {std::sin(longitude), std::cos(longitude)};
+  }
   for (int y = begin * split; y < end * split; ++y) {
     const double theta = kPi * (y + 0.5) / height;
     const double solid_angle = 2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height));
@@ -26,9 +30,8 @@ void splat(const Environment& environment, int begin, int end, int split, int si
     const glm::vec3* row =
         &environment.rgb[static_cast<std::size_t>(y / split) * static_cast<std::size_t>(environment.width)];
     for (int x = 0; x < width; ++x) {
-      const auto longitude = static_cast<float>(kPi - 2.0 * kPi * (x + 0.5) / width);
-      const glm::vec2 uv = shared::octahedral_from_direction(
-          {std::sin(longitude) * sin_theta, cos_theta, std::cos(longitude) * sin_theta});
+      const glm::vec2& turn = around[static_cast<std::size_t>(x)];
+      const glm::vec2 uv = shared::octahedral_from_direction({turn.x * sin_theta, cos_theta, turn.y * sin_theta});
       const int cx = std::min(static_cast<int>(uv.x * static_cast<float>(side)), side - 1);
       const int cy = std::min(static_cast<int>(uv.y * static_cast<float>(side)), side - 1);
       sums[static_cast<std::size_t>(cy * side + cx)] += solid_angle * glm::dvec4(glm::dvec3(row[x / split]), 1.0);
@@ -38,12 +41,14 @@ void splat(const Environment& environment, int begin, int end, int split, int si
 
 }  // namespace
 
-OctahedralPyramid::OctahedralPyramid(const Environment& environment) {
+OctahedralPyramid::OctahedralPyramid(const Environment& environment, int most_cells) {
   Level finest;
   // Cells of about the texels' solid angle, so that hardly a cell stays without one.
   finest.side = std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(environment.width / 2, 16)))),
-                           16, kMaxSide);
-  const int split = std::max(2, 4 * finest.side / std::max(1, environment.width));
+                           16, most_cells);
+  // Parts of texels are a quarter of a cell or less; many texels a cell are parts enough.
+  const int split =
+      environment.width >= 8 * finest.side ? 1 : std::max(2, 4 * finest.side / std::max(1, environment.width));
   const auto count = static_cast<std::size_t>(finest.side) * static_cast<std::size_t>(finest.side);
   std::vector<std::vector<glm::dvec4>> partial(kTaskCount, std::vector<glm::dvec4>(count, glm::dvec4(0.0)));
   tbb::parallel_for(0, kTaskCount, [&](int task) {

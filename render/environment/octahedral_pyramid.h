@@ -11,7 +11,10 @@ namespace maquette {
 /// kept by every level.
 class OctahedralPyramid {
  public:
-  explicit OctahedralPyramid(const Environment& environment);
+  static constexpr int kMostCells = 1024;  ///< along a side
+  /// `most_cells`: along a side of the finest level, a power of two from 16 to kMostCells; whoever looks up wide lobes
+  /// alone needs few.
+  explicit OctahedralPyramid(const Environment& environment, int most_cells = kMostCells);
   /// Mean radiance around a unit direction over about `solid_angle_sr`: bilinear, between two levels.
   glm::vec3 lookup(const glm::vec3& direction, float solid_angle_sr) const;
 

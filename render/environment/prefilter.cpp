@@ -209,7 +209,8 @@ Image prefilter_diffuse(const Environment& environment) {
   const float parameters[1] = {0.0f};
   return through_cache("prefilter-diffuse", environment, parameters, [&] {
     const auto kernel = [](double theta) { return std::cos(theta); };
-    return std::vector<Image>{convolve(OctahedralPyramid(environment), sample_lobe(kernel, kPi / 2.0), 32)};
+    // Each sample averages over 2 pi / kSampleCount sr or more: 43 cells of so few.
+    return std::vector<Image>{convolve(OctahedralPyramid(environment, 128), sample_lobe(kernel, kPi / 2.0), 32)};
   })[0];
 }
 

@@ -159,6 +159,9 @@ Image Renderer::read_debug_view(const std::string& name) const {
     throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
   if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
+  if (view->from == ViewSource::marks && find_lookup_mode(impl_->last_plan.mode))
+    throw Error("--view", "'" + name + "' is a view of samples, of which mode " + impl_->last_plan.mode + " takes none",
+                "choose --mode bandwidth or uniform");
   if (view->from == ViewSource::reflection && view->channel == 1) return impl_->read_ghost();
   if (view->from == ViewSource::reflection) return impl_->read_reflection(-1);
   if (view->from == ViewSource::doubt) return impl_->read_reflection(2);

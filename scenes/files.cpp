@@ -20,13 +20,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Beside `path`, same extension, unlike any other process's or thread's.
+/// Beside `path`, same extension, unlike any other process's or thread's; no longer than a name may be.
 std::string temporary_path(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   const fs::path target(path);
   char marker[64];
   std::snprintf(marker, sizeof marker, ".partial-%ld-%u", static_cast<long>(::getpid()), counter++);
-  std::string name = target.stem().string();
+  std::string name = target.stem().string().substr(0, 64);
   name.insert(0, 1, '.').append(marker).append(target.extension().string());
   return (target.parent_path() / name).string();
 }

@@ -103,7 +103,8 @@ std::vector<std::byte> base64_decode(const std::string& where, std::string_view 
 
 Container split_container(const std::string& path, Bytes file, Warnings* warnings) {
   Container container;
-  if (file.size() < 4) throw Error(path, "is not a glTF file (" + std::to_string(file.size()) + " bytes)");
+  if (file.size() < 4)
+    throw Error(path, "is not a glTF file (" + std::to_string(file.size()) + " bytes)", "name a .gltf or .glb file");
   if (read_u32(file, 0) != kGlbMagic) {
     container.json = as_text(file);
     return container;

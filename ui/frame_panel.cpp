@@ -62,14 +62,14 @@ void draw_timings(Ui& ui) {
     bar_row(pass.name, pass.ms, total, text);
   }
   ImGui::Spacing();
-  value_row("Visible pixels", thousands(stats.visible_pixels));
+  value_row("Visible points", thousands(stats.visible_pixels));
   std::string shaded = thousands(stats.shaded_pixels);
   if (stats.visible_pixels > 0) {
     std::snprintf(text, sizeof(text), "  (%.1f %%)",
                   100.0 * static_cast<double>(stats.shaded_pixels) / static_cast<double>(stats.visible_pixels));
     shaded += text;
   }
-  value_row("Shaded pixels", shaded);
+  value_row("Shaded points", shaded);
   value_row("Shading samples", thousands(stats.shading_samples));
   value_row("Frames averaged", std::to_string(stats.accumulated_frames));
   for (const auto& [name, value] : stats.technique) {

@@ -94,7 +94,8 @@ bool append_graphics(Json* report, Json* problems) {
       problems->push_back("graphics: a software renderer (" + device.renderer + "): everything works, slowly");
     return true;
   } catch (const Error& error) {
-    (*report)["graphics"] = error.what();
+    const std::string message = error.what(), key = "graphics: ";
+    (*report)["graphics"] = message.starts_with(key) ? message.substr(key.size()) : message;
     problems->push_back(std::string("nothing can be drawn: ") + error.what());
     return false;
   }

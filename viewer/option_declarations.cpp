@@ -20,7 +20,7 @@ double parse_number(const std::string& text, const std::string& what) {
   const char* end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end || !std::isfinite(value))
-    throw UsageError(what, "\"" + text + "\" is not a number");
+    throw UsageError(what, "\"" + text + "\" is not a number", "write one as 0.5 or 1e-3");
   return value;
 }
 

@@ -25,6 +25,8 @@ void check_writable(const std::string& option, const std::string& path) {
   if (path == "-") return;
   const std::string where = option + " " + path;
   std::error_code error;
+  if (access(path.c_str(), F_OK) != 0 && errno == ENAMETOOLONG)
+    throw Error(where, "this name is too long", "choose a shorter one");
   if (std::filesystem::is_directory(path, error)) throw Error(where, "this is a folder", "give a file name");
   if (is_written_through(path)) {
     if (access(path.c_str(), W_OK) != 0)

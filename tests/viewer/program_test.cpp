@@ -119,6 +119,22 @@ TEST(Program, UnwritableOutputIsFoundBeforeTheWork) {
   EXPECT_EQ(folder.names(), Words{"folder.png"});
 }
 
+TEST(Program, ViewsThatAModeLacksAreNamed) {
+  const TemporaryFolder folder;
+  expect_failure(small_render(folder, "a.png", {"--mode", "splitsum", "--view", "samples"}), 1, "takes none");
+  expect_failure(small_render(folder, "a.png", {"--mode", "uniform", "--view", "bandwidth"}), 1, "mode bandwidth");
+  EXPECT_EQ(run_maquette(small_render(folder, "b.png", {"--mode", "uniform", "--view", "samples"})).exit_code, 0);
+  EXPECT_EQ(folder.names(), Words{"b.png"});
+}
+
+TEST(Program, NamesMayBeAsLongAsTheSystemTakes) {
+  const TemporaryFolder folder;
+  expect_failure(small_render(folder, std::string(252, 'a') + ".png"), 1, "this name is too long");
+  const std::string longest = std::string(251, 'a') + ".png";
+  EXPECT_EQ(run_maquette(small_render(folder, longest)).exit_code, 0);
+  EXPECT_EQ(folder.names(), Words{longest});
+}
+
 TEST(Program, ADriverBelow45IsNamed) {
   const TemporaryFolder folder;
   for (const char* version : {"3.3", "4.3"}) {
@@ -126,6 +142,7 @@ TEST(Program, ADriverBelow45IsNamed) {
     const ProgramResult probe = run_maquette({"doctor"}, environment);
     if (probe.exit_code == 0) GTEST_SKIP() << "this driver does not heed MESA_GL_VERSION_OVERRIDE";
     EXPECT_TRUE(contains(probe.out, "nothing can be drawn"));
+    EXPECT_TRUE(contains(probe.out, "\ngraphics: OpenGL")) << probe.out;
     expect_failure(small_render(folder, "a.png"), 1, "4.5", environment);
   }
   EXPECT_TRUE(folder.names().empty());

@@ -161,7 +161,6 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
       grid_(grid),
       leaves_(partition.leaf_count()),
       records_(static_cast<std::size_t>(kCells) * kLeaves),
-      shares_(kCells),
       openness_(kCells) {
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const std::size_t i = LeafShares::place_of(leaf);
@@ -176,9 +175,9 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
     inverse_plain_[static_cast<std::size_t>(leaf)] = plain > 0.0f ? 1.0f / plain : 0.0f;
   }
   prefer_large_pages(records_);
+  resize_in_large_pages(&shares_, kCells);
   learn_cell(0);  // nothing yet: all cells alike
   std::fill(shares_.begin() + 1, shares_.end(), shares_[0]);
-  prefer_large_pages(shares_);
 }
 
 float LightGuide::facing(int leaf, const glm::vec3& normal) const {

@@ -20,7 +20,7 @@ constexpr int of_theta_h(int i) { return i / 2 * (kThetaDBricks * kPhiDBricks * 
 constexpr int of_theta_d(int i) { return i / 2 * (kPhiDBricks * 8) + i % 2 * 2; }
 constexpr int of_phi_d(int i) { return i / 2 * 8 + i % 2; }
 
-constexpr int kFloatBias = 127;  ///< of a float's exponent
+constexpr int kFloatBias = 127, kDoubleBias = 1023;  ///< of exponents
 
 }  // namespace
 
@@ -28,15 +28,17 @@ PackedBrdf::Entry PackedBrdf::pack(const glm::vec3& f) {
   const float largest = std::max({f.x, f.y, f.z});
   if (!(largest > 0.0f)) return {};
   // A unit is a normal float.
-  const int exponent = std::max(std::ilogb(largest) - 15, 1 - kFloatBias);
-  const double units = std::ldexp(1.0, -exponent);
+  const int exponent =
+      std::max(static_cast<int>(std::bit_cast<std::uint32_t>(largest) >> 23) - kFloatBias - 15, 1 - kFloatBias);
+  const auto units = std::bit_cast<double>(static_cast<std::uint64_t>(kDoubleBias - exponent) << 52);  // 2^-exponent
   const auto mantissa = [&](float v) {
     return static_cast<std::uint32_t>(std::min(static_cast<double>(std::max(v, 0.0f)) * units + 0.5, 65535.0));
   };
   return {mantissa(f.x) | mantissa(f.y) << 16, mantissa(f.z) | static_cast<std::uint32_t>(exponent + kFloatBias) << 16};
 }
 
-PackedBrdf::PackedBrdf(const BrdfTable& table) : bricks_(table.rgb.size() / 8) {
+PackedBrdf::PackedBrdf(const BrdfTable& table) {
+  resize_in_large_pages(&bricks_, table.rgb.size() / 8);
   tbb::parallel_for(0, kThetaHCount, [&](int h) {
     for (int d = 0; d < kThetaDCount; ++d)
       for (int phi = 0; phi < kPhiDCount; ++phi) {
@@ -45,7 +47,6 @@ PackedBrdf::PackedBrdf(const BrdfTable& table) : bricks_(table.rgb.size() / 8) {
             pack(table.rgb[static_cast<std::size_t>(shared::merl_index(h, d, phi))]);
       }
   });
-  prefer_large_pages(bricks_);
 }
 
 /// Upper corners of phi_d come second, of theta_d third and of theta_h last.

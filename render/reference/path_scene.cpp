@@ -119,11 +119,10 @@ void gather_triangles(const PathSceneInput& input, PathScene* scene) {
     scene->mesh_begin[mesh] = static_cast<std::uint32_t>(order.size());
     order.insert(order.end(), assignment.meshes[mesh].begin(), assignment.meshes[mesh].end());
   }
-  scene->triangles.resize(order.size());
+  resize_in_large_pages(&scene->triangles, order.size());
   tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
     scene->triangles[i] = traced_triangle(scene->geometry, order[i], assignment.materials[order[i]]);
   });
-  prefer_large_pages(scene->triangles);
 }
 
 /// A list's triangles are the geometry's.
@@ -162,13 +161,12 @@ TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
   TracedEnvironment e;
   e.tables = load_environment_tables(*source);
   e.black = !(e.tables.luminance_integral > 0.0);
-  e.texels.resize(source->rgb.size());
+  resize_in_large_pages(&e.texels, source->rgb.size());
   e.bright.resize(e.texels.size());
   for (std::size_t i = 0; i < e.texels.size(); ++i) {
     e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);
     e.bright[i] = e.tables.density[i] > kBright;
   }
-  prefer_large_pages(e.texels);
   e.partition = std::make_unique<const EnvironmentPartition>(e.tables);
   e.source = std::move(source);
   return e;

@@ -33,7 +33,8 @@ void PresampledEnvironment::prepare(std::uint32_t paths) {
 }
 
 PresampledEnvironment::Set PresampledEnvironment::draw_set(int side) const {
-  Set set{side, std::vector<PresampledDirection>(static_cast<std::size_t>(leaves_ * side * side))};
+  Set set{side, {}};
+  resize_in_large_pages(&set.samples, static_cast<std::size_t>(leaves_ * side * side));
   const std::uint32_t seed = mix_seed(seed_, static_cast<std::uint32_t>(sets_.size()));
   tbb::parallel_for(0, leaves_ * side, [&](int line) {
     for (int column = 0; column < side; ++column) {
@@ -46,7 +47,6 @@ PresampledEnvironment::Set PresampledEnvironment::draw_set(int side) const {
       set.samples[static_cast<std::size_t>(index)] = {draw.direction, draw.pdf, draw.radiance};
     }
   });
-  prefer_large_pages(set.samples);
   return set;
 }
 

@@ -18,5 +18,16 @@ TEST(LargePages, KeepsWhatIsInThem) {
   }
 }
 
+TEST(LargePages, NewOnesAreEmptyAndHoldWhatIsWritten) {
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{1} << 18, std::size_t{5} << 20}) {
+    std::vector<std::uint32_t> values;
+    resize_in_large_pages(&values, size);
+    ASSERT_EQ(values.size(), size);
+    for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(values[i], 0u);
+    std::iota(values.begin(), values.end(), 7u);
+    for (std::size_t i = 0; i < size; ++i) ASSERT_EQ(values[i], 7u + i);
+  }
+}
+
 }  // namespace
 }  // namespace maquette

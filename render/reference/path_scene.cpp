@@ -1,9 +1,11 @@
 #include "render/reference/path_scene.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 
 #include "render/environment/texel_cell.h"
 #include "render/large_pages.h"
@@ -15,20 +17,27 @@ namespace maquette {
 
 namespace {
 
-std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source, MeasuredLibrary* library) {
-  std::shared_ptr<const MeasuredMaterial>& entry = (*library)[source];
-  if (!entry) {
-    auto material = std::make_shared<MeasuredMaterial>();
-    const BrdfTable table = load_brdf(source);
-    material->values = PackedBrdf(table);
-    material->tables = load_brdf_tables(table);
-    entry = std::move(material);
-  }
-  return entry;
+std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source) {
+  auto material = std::make_shared<MeasuredMaterial>();
+  const BrdfTable table = load_brdf(source);
+  material->values = PackedBrdf(table);
+  material->tables = load_brdf_tables(table);
+  return material;
+}
+
+/// Beside each other: much of one is reading.
+void load_measured(const std::vector<Material>& materials, MeasuredLibrary* library) {
+  std::set<std::string> missing;
+  for (const Material& m : materials)
+    if (!m.measured.empty() && !library->contains(m.measured)) missing.insert(m.measured);
+  const std::vector<std::string> sources(missing.begin(), missing.end());
+  std::vector<std::shared_ptr<const MeasuredMaterial>> loaded(sources.size());
+  tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { loaded[i] = load_measured(sources[i]); });
+  for (std::size_t i = 0; i < sources.size(); ++i) (*library)[sources[i]] = std::move(loaded[i]);
 }
 
 TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, std::size_t index,
-                             MeasuredLibrary* library) {
+                             const MeasuredLibrary& library) {
   TracedMaterial m;
   m.values = values;
   m.textures.fill(-1);
@@ -36,7 +45,7 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
     if (texture_of(values, static_cast<TextureRole>(k))) m.textures[k] = atlas.of_material[index][k];
     m.textured |= m.textures[k] >= 0;
   }
-  if (!values.measured.empty()) m.measured = load_measured(values.measured, library);
+  if (!values.measured.empty()) m.measured = library.at(values.measured);
   m.pane = pane_share(values);
   m.solid = m.pane > 0.0f && values.thickness > 0.0f;
   m.rough = m.pane > 0.0f && values.roughness * values.roughness > shared::kMinAlpha;
@@ -219,15 +228,17 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
   auto scene = std::make_shared<PathScene>();
   MeasuredLibrary own;
   MeasuredLibrary* library = input.library ? input.library : &own;
-  scene->geometry = input.geometry ? *input.geometry : flatten(input.scene);
-  scene->atlas = build_texture_atlas(input.scene);
-  for (std::size_t i = 0; i < input.scene.materials.size(); ++i)
-    scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, library));
-  scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), library));
-  gather_triangles(input, scene.get());
-  gather_lights(input, scene.get());
-  scene->environment = make_environment(input.environment);
-  build_hierarchy(scene.get());
+  const auto surfaces = [&] {
+    scene->geometry = input.geometry ? *input.geometry : flatten(input.scene);
+    scene->atlas = build_texture_atlas(input.scene);
+    load_measured(input.scene.materials, library);
+    for (std::size_t i = 0; i < input.scene.materials.size(); ++i)
+      scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, *library));
+    scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), *library));
+    gather_triangles(input, scene.get());
+    tbb::parallel_invoke([&] { gather_lights(input, scene.get()); }, [&] { build_hierarchy(scene.get()); });
+  };
+  tbb::parallel_invoke(surfaces, [&] { scene->environment = make_environment(input.environment); });
   return scene;
 }
 

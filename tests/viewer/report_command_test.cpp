@@ -7,7 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "scenes/scene.h"
 #include "test_paths.h"
+#include "tests/support/test_scenes.h"
 #include "tests/viewer/run_program.h"
 
 namespace maquette {
@@ -84,6 +86,30 @@ TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
   EXPECT_NE(full.error.find("maquette: "), std::string::npos) << full.error;
   EXPECT_EQ(Json::parse(read_text(folder.file("report.json")))["points"][0], first["points"][0]);
   EXPECT_GE(Json::parse(read_text(folder.file("progress.json")))["points"].size(), points);
+}
+
+TEST(ReportCommand, WhatCannotBeReflectedIsLeftOut) {
+  const TemporaryFolder folder;
+  Scene scene = test::sphere_of(test::white_lambert());
+  Material glass;
+  glass.name = "glass";
+  glass.glass = true;
+  glass.transmission = 1.0f;
+  scene.materials.push_back(glass);
+  const int material = static_cast<int>(scene.materials.size()) - 1;
+  for (int i = 0; i < 17; ++i)  // one more than are drawn at once
+    test::add(&scene,
+              test::make_grid({-1, -1, 2.0f + 0.01f * static_cast<float>(i)}, {2, 0, 0}, {0, 2, 0}, 1, material),
+              "pane " + std::to_string(i));
+  save_glb(folder.file("panes.glb"), scene);
+  Words words = report_words(folder.file("report"), "8");
+  words[1] = folder.file("panes.glb");
+  words.erase(words.begin() + 2, words.begin() + 4);  // its materials stay
+  const ProgramResult result = run_maquette(words);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json json = Json::parse(read_text(folder.file("report/report.json")));
+  EXPECT_FALSE(json["points"].empty());
+  EXPECT_NE(json["not_measured"].dump().find("17 reflectors are more than"), std::string::npos) << json["not_measured"];
 }
 
 TEST(ReportCommand, BadFoldersAreNamedBeforeAnyWork) {

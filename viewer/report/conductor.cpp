@@ -121,9 +121,15 @@ void Conductor::make_reflection_reference(std::size_t camera, Report* report) {
   const auto raytraced = std::find_if(techniques_.begin(), techniques_.end(),
                                       [](const SweptTechnique& t) { return t.name == kReflectionReference; });
   if (raytraced == techniques_.end() || StopSignal::asked()) return;
-  std::optional<Judge> judge = obtain_reflection_reference(studio_, folder_, cameras_[camera], *raytraced);
+  std::optional<Judge> judge;
+  std::string why = "no reflector is in view";
+  try {
+    judge = obtain_reflection_reference(studio_, folder_, cameras_[camera], *raytraced);
+  } catch (const Error& error) {
+    why = error.what();  // more reflectors than are drawn at once; the modes go on
+  }
   if (!judge) {
-    report->skipped.push_back("reflections, camera " + cameras_[camera].name + ": no reflector is in view");
+    report->skipped.push_back("reflections, camera " + cameras_[camera].name + ": " + why);
     return;
   }
   say_("reference of " + cameras_[camera].name + ", " + scope_name(Scope::reflection));
@@ -226,10 +232,10 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
   const SweptTechnique& technique = techniques_[ladder->technique];
   const QualityStep& quality = technique.steps[static_cast<std::size_t>(step)];
   const FrameRequest frame = request(*ladder, quality);
-  studio_->renderer().finish_background_work(frame);
   const FrameRequest warm = ladder->last_ms < 300.0 ? frame : request(*ladder, technique.steps.front());
   Measurement measurement;
   try {
+    studio_->renderer().finish_background_work(frame);
     measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
   } catch (const Error& error) {
     // What only drawing shows, such as a mirror that no patches fit. The others go on.

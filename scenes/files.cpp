@@ -26,8 +26,9 @@ std::string temporary_path(const std::string& path) {
   const fs::path target(path);
   char marker[64];
   std::snprintf(marker, sizeof marker, ".partial-%ld-%u", static_cast<long>(::getpid()), counter++);
-  std::string name = target.stem().string().substr(0, 64);
-  name.insert(0, 1, '.').append(marker).append(target.extension().string());
+  constexpr std::size_t kMost = 64;  // of the name, and of its extension
+  std::string name = target.stem().string().substr(0, kMost);
+  name.insert(0, 1, '.').append(marker).append(target.extension().string().substr(0, kMost));
   return (target.parent_path() / name).string();
 }
 

@@ -46,7 +46,7 @@ OctahedralPyramid::OctahedralPyramid(const Environment& environment, int most_ce
   // Cells of about the texels' solid angle, so that hardly a cell stays without one.
   finest.side = std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(environment.width / 2, 16)))),
                            16, most_cells);
-  // Parts of texels are a quarter of a cell or less; many texels a cell are parts enough.
+  // The equator crosses 2 sides of cells: parts are half a cell at most, and texels of a quarter need no parts.
   const int split =
       environment.width >= 8 * finest.side ? 1 : std::max(2, 4 * finest.side / std::max(1, environment.width));
   const auto count = static_cast<std::size_t>(finest.side) * static_cast<std::size_t>(finest.side);

@@ -21,7 +21,9 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kSampleCount = 192;
 /// Samples average over this many times their share of the lobe, so that neighbours overlap and leave no pattern.
 constexpr double kOverlap = 2.0;
-constexpr int kCacheVersion = 1;
+constexpr int kCacheVersion = 2;
+/// Cells along a side: each sample of a cosine lobe averages over 2 pi / kSampleCount sr or more, 43 of these.
+constexpr int kDiffuseCells = 128;
 
 /// A point of the lobe around +Z and the solid angle that it stands for.
 struct LobeSample {
@@ -209,8 +211,8 @@ Image prefilter_diffuse(const Environment& environment) {
   const float parameters[1] = {0.0f};
   return through_cache("prefilter-diffuse", environment, parameters, [&] {
     const auto kernel = [](double theta) { return std::cos(theta); };
-    // Each sample averages over 2 pi / kSampleCount sr or more: 43 cells of so few.
-    return std::vector<Image>{convolve(OctahedralPyramid(environment, 128), sample_lobe(kernel, kPi / 2.0), 32)};
+    return std::vector<Image>{
+        convolve(OctahedralPyramid(environment, kDiffuseCells), sample_lobe(kernel, kPi / 2.0), 32)};
   })[0];
 }
 

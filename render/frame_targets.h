@@ -46,7 +46,7 @@ struct FrameTargets {
   Texture open;     ///< of the sky, towards mirror directions (shaders/bandwidth/open.comp)
   /// Light by way of other surfaces at each point, of the bakes with even and odd numbers; made when first needed.
   Texture indirect[2];
-  Texture energy, bend, curvature, pyramid;
+  Texture energy, bend, axes, pyramid;
   Texture marks, radiance, picture;
   Buffer counters, items[2], points[2], partial[2];
   Texture partial_view[2];

@@ -428,7 +428,7 @@ FrameStats Renderer::render(const FrameRequest& request, bool accumulate) {
                                t.radiance.bytes() + t.picture.bytes() + t.indirect[0].bytes() + t.indirect[1].bytes() +
                                2 * (t.items[0].bytes() + t.points[0].bytes() + t.partial[0].bytes());
   if (bandwidth)
-    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.curvature.bytes() + t.weights.bytes() +
+    stats.gpu_bytes["bandwidth"] = t.energy.bytes() + t.bend.bytes() + t.axes.bytes() + t.weights.bytes() +
                                    t.open.bytes() + t.pyramid.bytes() + s.near_terms.bytes();
   if (s.progressive) stats.gpu_bytes["accumulation"] = s.progressive->bytes();
   if (s.history) stats.gpu_bytes["accumulation"] += s.history->bytes();

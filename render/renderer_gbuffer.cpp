@@ -163,7 +163,7 @@ void Renderer::Impl::draw_gbuffer(const FramePlan& plan, PassTimer* timer) {
   dispatch_tiles(programs.get(resolve_variant(buffers->has_textures(), plan.texture_bandwidth, buffers->has_colors())),
                  t.surface_tiles, 6);
   if (t.bandwidth) {
-    glBindImageTexture(0, t.bend.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(0, t.bend.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
     dispatch_tiles(programs.get({"gbuffer/curvature.comp", "", {}}), t.surface_tiles, 4);
   }
   timer->end("gbuffer");

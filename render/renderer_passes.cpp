@@ -63,7 +63,7 @@ enum class FillStep {
   kept   ///< weights were found before
 };
 
-ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, FillStep step) {
+ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, FillStep step, bool middle) {
   return {"bandwidth/fill.comp",
           "",
           {{"TEXTURES", flag(textures)},
@@ -71,12 +71,13 @@ ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, Fill
            {"TILES", flag(tiles)},
            {"OWN", flag(own)},
            {"FIND", flag(step == FillStep::find)},
-           {"KEPT", flag(step == FillStep::kept)}}};
+           {"KEPT", flag(step == FillStep::kept)},
+           {"MIDDLE", flag(middle)}}};
 }
 
 /// The finest level with several points a pixel, by listed quads.
 ShaderVariant fill_quads_variant(bool textures, bool own) {
-  ShaderVariant variant = fill_variant(textures, false, false, own, FillStep::once);
+  ShaderVariant variant = fill_variant(textures, false, false, own, FillStep::once, false);
   variant.defines.emplace_back("QUADS", "1");
   return variant;
 }
@@ -126,7 +127,8 @@ std::vector<ShaderVariant> all_shader_variants() {
     for (const FillStep step : {FillStep::once, FillStep::find, FillStep::kept})
       for (int j = 0; j < 6; ++j)
         if (step != FillStep::find || (k == 0 && (j & 1) == 0))
-          variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step));
+          for (const bool middle : {false, true})
+            variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step, middle));
     for (int j = 0; j < 12; ++j)
       for (const bool glossy : {false, true})
         for (const int stage : {k, 2 * k + 1}) {
@@ -217,7 +219,7 @@ void Renderer::Impl::predict(const FramePlan& plan, const PredictedPart& part, P
   if (plan.texture_bandwidth) glBindTextureUnit(20, t.texture_nu.get());
   glBindTextureUnit(31, t.bend.get());
   glBindImageTexture(0, t.pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, t.curvature.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
+  glBindImageTexture(1, t.axes.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
   const bool coarse = t.whole_blocks();
   if (coarse) glBindImageTexture(2, t.pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(programs.get(bandwidth_variant(plan, first_only, coarse)), part.tiles, 2, {}, part.share);
@@ -282,7 +284,7 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const bool accumulate = bandwidth && progressive;
   if (bandwidth) {
     mark.set("u_scouts", accumulate ? scout_share() : 0.0f);
-    glBindTextureUnit(20, t.curvature.get());
+    glBindTextureUnit(20, t.axes.get());
   }
   if (refine) {
     glBindImageTexture(1, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -358,10 +360,10 @@ void Renderer::Impl::dispatch_quads(const Program& program, const QuadList& list
 
 void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   FrameTargets& t = *targets;
-  glBindTextureUnit(21, t.curvature.get());
+  glBindTextureUnit(21, t.axes.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(2, t.weights.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
+  glBindImageTexture(2, t.weights.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
   if (own) {
     glBindTextureUnit(18, progressive->mean.get());
     glBindTextureUnit(19, progressive->deviation.get());
@@ -372,12 +374,11 @@ void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   const auto over_points = [&](FillStep step) {
     for (int level = levels - 1; level >= (t.side > 1 ? 1 : 0); --level) {
       const bool by_tiles = level <= kLastTileLevel, find = step == FillStep::find;
-      const Program& program =
-          programs.get(fill_variant(!find && buffers->has_textures(), level > 0, by_tiles, !find && own, step));
-      program.set("u_level", level);
       const int side = 1 << level;
       for (int middle = 0; middle < 2; ++middle) {
-        program.set("u_middle", middle);
+        const Program& program = programs.get(
+            fill_variant(!find && buffers->has_textures(), level > 0, by_tiles, !find && own, step, middle == 1));
+        program.set("u_level", level);
         const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
         if (by_tiles)
           dispatch_tiles(program, find ? t.surface_tiles : tiles, 2 * (2 - level) + 1 - middle);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/bandwidth_shared.h"
 #include "render/false_color.h"
 #include "render/renderer_impl.h"
 #include "render/tonemap.h"
@@ -36,7 +37,22 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 
 struct ViewSource {
   const char* name;
-  enum { marks, borrowed, quads, axes, depth, surface, reflection, effort, doubt, distance, skipped, glossy } from;
+  enum {
+    marks,
+    borrowed,
+    quads,
+    bend,
+    axes,
+    footprint,
+    depth,
+    surface,
+    reflection,
+    effort,
+    doubt,
+    distance,
+    skipped,
+    glossy
+  } from;
   int channel;
 };
 constexpr ViewSource kViews[] = {
@@ -46,8 +62,10 @@ constexpr ViewSource kViews[] = {
     {"borrowed", ViewSource::borrowed, 0},
     {"bandwidth", ViewSource::quads, 0},
     {"variance", ViewSource::quads, 2},
-    {"curvature", ViewSource::axes, 2},
+    {"curvature", ViewSource::bend, 0},
     {"angular_bandwidth", ViewSource::axes, 3},
+    {"footprint_stretch", ViewSource::footprint, 0},
+    {"footprint_angle", ViewSource::footprint, 1},
     {"depth", ViewSource::depth, 0},
     {"normal", ViewSource::surface, 0},
     {"base_color", ViewSource::surface, 1},
@@ -61,6 +79,20 @@ constexpr ViewSource kViews[] = {
     {"rays_skipped", ViewSource::skipped, 0},
     {"glossy", ViewSource::glossy, 0},
 };
+
+/// How far the footprint of a shaded point is longer than wide, and along which direction: degrees from 0 to 180 from
+/// the screen's right towards its top; 0 where it is round. Arguments: of screen_bandwidth.
+glm::vec2 footprint(float nu_x, float nu_y, float correlation) {
+  const double x = nu_x, y = nu_y, cross = static_cast<double>(correlation) * x * y;
+  const double middle = 0.5 * (x * x + y * y), spread = std::hypot(0.5 * (x * x - y * y), cross);
+  if (middle <= 0.0) return {1.0f, 0.0f};
+  constexpr double kLeast = 1e-6;  // of the wider axis, squared: half floats hold no more
+  const double stretch = std::sqrt((middle + spread) / std::max(middle - spread, kLeast * (middle + spread)));
+  if (spread <= kLeast * middle) return {static_cast<float>(stretch), 0.0f};
+  // Of the smaller eigenvalue; rows run downwards.
+  const double angle = glm::degrees(0.5 * std::atan2(2.0 * cross, y * y - x * x));
+  return {static_cast<float>(stretch), static_cast<float>(angle < 0.0 ? angle + 180.0 : angle)};
+}
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
 Image at_mean_grey(Image values) {
@@ -157,7 +189,9 @@ Image Renderer::read_debug_view(const std::string& name) const {
       std::find_if(std::begin(kViews), std::end(kViews), [&](const ViewSource& v) { return name == v.name; });
   if (view == std::end(kViews))
     throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, debug_view_names()));
-  if ((view->from == ViewSource::quads || view->from == ViewSource::axes) && !t.bandwidth)
+  const bool of_bandwidth = view->from == ViewSource::quads || view->from == ViewSource::bend ||
+                            view->from == ViewSource::axes || view->from == ViewSource::footprint;
+  if (of_bandwidth && !t.bandwidth)
     throw Error("--view", "'" + name + "' exists in mode bandwidth only", "add --mode bandwidth");
   if (view->from == ViewSource::marks && find_lookup_mode(impl_->last_plan.mode))
     throw Error("--view", "'" + name + "' is a view of samples, of which mode " + impl_->last_plan.mode + " takes none",
@@ -208,13 +242,22 @@ Image Renderer::read_debug_view(const std::string& name) const {
       };
       return glm::vec3(part(0), part(8), part(16));
     });
+  } else if (view->from == ViewSource::bend) {
+    const auto quads = read_texture<std::uint32_t>(t.bend, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
+    const auto qw = static_cast<std::size_t>(t.bend.width());
+    each([&](int x, int y) {
+      const std::uint32_t* q = &quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2))];
+      const shared::ScreenBend bend = shared::unpack_bend({q[0], q[1], q[2], q[3]});
+      return glm::vec3(std::max(bend.turn.x / bend.step_m.x, bend.turn.y / bend.step_m.y));
+    });
   } else {
-    const Texture& source = view->from == ViewSource::quads ? t.pyramid : t.curvature;
+    const Texture& source = view->from == ViewSource::quads ? t.pyramid : t.axes;
     const auto quads = read_texture<float>(source, GL_RGBA, GL_FLOAT, 4);
     const auto qw = static_cast<std::size_t>(source.width());
     each([&](int x, int y) {
-      const float v = quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2)) +
-                            static_cast<std::size_t>(view->channel)];
+      const float* q = &quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2))];
+      if (view->from == ViewSource::footprint) return glm::vec3(footprint(q[0], q[1], q[2])[view->channel]);
+      const float v = q[view->channel];
       return glm::vec3(view->channel == 2 && view->from == ViewSource::quads ? v * v : v);
     });
   }

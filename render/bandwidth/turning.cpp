@@ -137,7 +137,7 @@ void Renderer::Impl::schedule_band(const FramePlan& plan, std::size_t band, cons
   mark.set("u_sample_scale", 1.0f);
   t.counters.clear_to_zero();
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
-  glBindTextureUnit(20, t.curvature.get());
+  glBindTextureUnit(20, t.axes.get());
   dispatch_tiles(mark, t.surface_tiles, 2, band, renewed_share(turn));
   const Program& schedule = programs.get(kSchedule);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);

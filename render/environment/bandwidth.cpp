@@ -8,12 +8,8 @@
 #include <numbers>
 #include <set>
 
+#include "render/bandwidth_shared.h"
 #include "render/environment/wavelet_bandwidth.h"
-
-namespace maquette::shared {
-using namespace glm;
-#include "shared/bandwidth.glsl"
-}  // namespace maquette::shared
 
 namespace maquette {
 namespace {

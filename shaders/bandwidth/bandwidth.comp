@@ -5,9 +5,10 @@ layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/bandwidth.glsl"
+#include "shared/screen_bend.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 31) uniform sampler2D t_bend;    // along the screen axes: curvature (1/m), metres a pixel; x, then y
+layout(binding = 31) uniform usampler2D t_bend;   // of shared/screen_bend.glsl
 layout(binding = 18) uniform sampler2D t_energy;  // predict.comp
 #if TEXTURE_BANDWIDTH
 layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
@@ -16,7 +17,7 @@ layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
 layout(binding = 28) uniform sampler2D t_near;
 #endif
 layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
-layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), curvature (1/m), nu_theta (cycles/rad)
+layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), their correlation (screen_bandwidth), nu_theta (cycles/rad)
 #if COARSE
 layout(binding = 2, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
 #endif
@@ -49,8 +50,7 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   count = max(count, 1e-6);
   // Terms carry the balance weights for the prediction's own counts; n Var(sum of terms / n) is free of them.
   float deviation = sqrt(max(pool.sums.z / count, 0.0) * float(PREDICTION_SAMPLES));
-  vec4 bend = texelFetch(t_bend, quad, 0);
-  vec2 kx = bend.xy, ky = bend.zw;
+  ScreenBend bend = unpack_bend(texelFetch(t_bend, quad, 0));
   float nu_surface = 0.0, light = 0.0;
 #if NEAR
   // Masks and near lights vary over the surface.
@@ -69,10 +69,9 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
 #endif
   float scale = max(u_frame.environment.z, 1e-12);
   float angle = u_frame.forward.w;
-  vec2 nu = vec2(bandwidth_one_bounce(nu_theta, kx.x, nu_surface, angle, kx.y),
-                 bandwidth_one_bounce(nu_theta, ky.x, nu_surface, angle, ky.y));
+  vec3 nu = screen_bandwidth(bend, nu_theta, nu_surface, angle);
   // Half floats end at 65504, and infinity would turn the weights of upsampling into NaN.
-  imageStore(o_curvature, quad, min(vec4(nu, max(kx.x, ky.x), nu_theta), vec4(65000.0)));
+  imageStore(o_curvature, quad, min(vec4(nu, nu_theta), vec4(65000.0)));
   return vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0);
 }
 

@@ -1,8 +1,8 @@
 // Bilateral upsampling, one level, in two dispatches: first the points between two coarser ones in a row or column, then those
 // in the middle of four, from the ones just filled. Along an axis four points carry a cubic (weights -1 9 9 -1 over 16, Deslauriers and
 // Dubuc 1989) where all lie on one smooth surface; else, and at the finest level (CUBIC 0: three quarters of the points, and what is
-// left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes are mixed, the one
-// along which the picture varies less counting more: an anisotropic kernel.
+// left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes and both diagonals
+// are mixed, those along which the picture varies less counting more: an anisotropic kernel, turned as the footprint is stretched.
 // QUADS: the finest level with several points a pixel, of listed quads alone, bilaterally from the two or four coarser points around.
 // OWN: while nothing moves. Points that were shaded are interpolated too; their own mean and the interpolated value are weighted by what the
 // frames before told of both, and how far they are apart tells the next frame.
@@ -12,9 +12,11 @@ layout(local_size_x = 64) in;
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
-layout(binding = 21) uniform sampler2D t_axes;  // nu_x, nu_y
+layout(binding = 21) uniform sampler2D t_axes;  // of screen_bandwidth
 layout(binding = 23) uniform usampler2D t_marks;
 #include "bandwidth/bilateral.glsl"
+#include "shared/bandwidth.glsl"
+#include "shared/screen_bend.glsl"
 layout(binding = 0, rgba32f) uniform image2D io_radiance;
 #if OWN
 #include "shared/interpolation.glsl"
@@ -29,7 +31,6 @@ const float kLeastWeight = 1.1;
 #include "bandwidth/quads.glsl"
 #endif
 uniform int u_level;
-uniform int u_middle;  // 0: between two, 1: in the middle of four
 
 #if TEXTURES && OWN
 layout(binding = 8) uniform usampler2D t_surface;
@@ -37,20 +38,20 @@ layout(binding = 8) uniform usampler2D t_surface;
 #include "bandwidth/base_factor.glsl"
 #endif
 
-// Weights depend on what is seen alone. KEPT: they come from an image, four halves a point, of the two nearest points along x (or along the
-// only axis) and along y, both kCubic where a cubic serves. FIND: they are found for all points, and nothing else is done.
+// Weights depend on what is seen alone. KEPT: they come from an image, two halves for each of kAxes (or for the only axis), of the two nearest
+// points, both kCubic where a cubic serves. FIND: they are found for all points, and nothing else is done.
 #if KEPT || FIND
-layout(binding = 2, rg32ui) uniform uimage2D io_weights;
+layout(binding = 2, rgba32ui) uniform uimage2D io_weights;
 #endif
 const float kCubic = 64.0;
 
 uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
-  float weights[4];
+  float weights[4], step_px = float(s) * length(vec2(axis));
   for (int k = 1 - CUBIC; k < 3 + CUBIC; ++k) {
     ivec2 q = pixel + (2 * k - 3) * s * axis;
     bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, u_frame.size.xy));
     q = clamp(q, ivec2(0), u_frame.size.xy - 1);
-    weights[k] = inside ? bilateral_weight(center, load_guide(q), float(s) * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
+    weights[k] = inside ? bilateral_weight(center, load_guide(q), step_px * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
     if (weights[k] > 0.0) weights[k] = max(weights[k], 1e-4);  // half floats begin there
   }
   vec2 w = vec2(weights[1], weights[2]);
@@ -102,27 +103,36 @@ vec4 along(ivec2 pixel, ivec2 axis, uint packed_weights) {
   return vec4((before * w.x + after * w.y) / max(sum, 1e-12), sum);
 }
 
+#if MIDDLE
+const ivec2 kAxes[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
+#endif
+
 void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
 #if KEPT
-  uvec2 weights = imageLoad(io_weights, pixel).xy;
+  uvec4 weights = imageLoad(io_weights, pixel);
 #else
   Guide center = load_guide(pixel);
-  uvec2 weights = uvec2(find_weights(center, pixel, u_middle == 0 ? odd : ivec2(1, 0), s), 0u);
-  if (u_middle == 1) weights.y = find_weights(center, pixel, ivec2(0, 1), s);
+  uvec4 weights = uvec4(0u);
+#if MIDDLE
+  for (int k = 0; k < 4; ++k) weights[k] = find_weights(center, pixel, kAxes[k], s);
+#else
+  weights.x = find_weights(center, pixel, odd, s);
+#endif
 #endif
 #if FIND
-  imageStore(io_weights, pixel, uvec4(weights, 0u, 0u));
-#else
-  vec4 value;
-  if (u_middle == 0) {
-    value = along(pixel, s * odd, weights.x);
-  } else {
-    vec2 nu = texelFetch(t_axes, pixel / 2, 0).xy + 1e-4;
-    vec4 x = along(pixel, ivec2(s, 0), weights.x), y = along(pixel, ivec2(0, s), weights.y);
-    vec2 w = vec2(nu.y * nu.y * x.w, nu.x * nu.x * y.w) + 1e-20;
-    value = vec4((x.rgb * w.x + y.rgb * w.y) / (w.x + w.y), x.w + y.w);
+  imageStore(io_weights, pixel, weights);
+#elif MIDDLE
+  vec4 share = axis_shares(texelFetch(t_axes, pixel / 2, 0).xyz, CUBIC == 1), value = vec4(0.0);
+  float sum = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    vec4 v = along(pixel, s * kAxes[k], weights[k]);
+    float w = share[k] * v.w + 1e-20;
+    value += vec4(v.rgb * w, 0.5 * v.w);
+    sum += w;
   }
-  store_filled(pixel, mark, value);
+  store_filled(pixel, mark, vec4(value.rgb / sum, value.w));
+#else
+  store_filled(pixel, mark, along(pixel, s * odd, weights.x));
 #endif
 }
 
@@ -138,12 +148,17 @@ void main() {
     around[k].valid = around[k].valid && all(lessThan(q, u_frame.size.xy));
     radiance[k] = radiance_at(q);
   }
+  // In the middle both axes come to the mean of all four, and each diagonal to that of its two.
+  vec4 share = axis_shares(texelFetch(t_axes, first / 2, 0).xyz, false);
+  vec2 turned = 0.5 * (share.x + share.y) + share.zw;
+  turned *= 2.0 / (turned.x + turned.y);
   for (int j = 1; j < 4; ++j) {
     ivec2 pixel = first + ivec2(j & 1, j >> 1);
     Guide center = load_guide(pixel);
     vec4 value = vec4(0.0);
     for (int k = 0; k < 4; ++k) {
       float weight = (k & ~j) == 0 ? bilateral_weight(center, around[k], 1.0) : 0.0;
+      weight *= j < 3 ? 1.0 : k == 0 || k == 3 ? turned.x : turned.y;
       value += weight > 0.0 ? weight * vec4(radiance[k], 1.0) : vec4(0.0);
     }
     value.rgb /= max(value.w, 1e-12);
@@ -165,14 +180,14 @@ void main() {
   int count = cells.x * cells.y;
 #endif
   bool second = id >= count;
-  if (id >= (u_middle == 0 ? 2 * count : count)) return;
+  if (id >= (MIDDLE == 1 ? count : 2 * count)) return;
   id = second ? id - count : id;
 #if TILES
   ivec2 cell = (tile_of(id, shift) << side_log2) + ivec2(id & ((1 << side_log2) - 1), (id & ((1 << shift) - 1)) >> side_log2);
 #else
   ivec2 cell = ivec2(id % cells.x, id / cells.x);
 #endif
-  ivec2 odd = u_middle == 1 ? ivec2(1, 1) : (second ? ivec2(0, 1) : ivec2(1, 0));
+  ivec2 odd = MIDDLE == 1 ? ivec2(1, 1) : (second ? ivec2(0, 1) : ivec2(1, 0));
   ivec2 pixel = (2 * cell + odd) * s;
   if (any(greaterThanEqual(pixel, u_frame.size.xy))) return;
   uvec4 mark = texelFetch(t_marks, pixel, 0);

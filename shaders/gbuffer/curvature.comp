@@ -5,9 +5,11 @@ layout(local_size_x = 64) in;
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
+#include "shared/bandwidth.glsl"
+#include "shared/screen_bend.glsl"
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_bend;  // curvature (1/m), metres a pixel along x; the same along y
+layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_bend;  // of shared/screen_bend.glsl
 
 struct Sample {
   vec3 position, normal;
@@ -32,23 +34,26 @@ bool same_surface(Sample a, Sample b, float reach_m) {
          dot(a.normal, b.normal) > 0.5;
 }
 
-/// Curvature and footprint of one pixel along a screen axis, from the smoother of both sides.
-vec2 along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
+/// What one pixel along a screen axis does to position and normal, from the smoother of both sides.
+struct Along {
+  vec3 step_m, turn;
+};
+
+Along along_axis(Sample c, ivec2 pixel, ivec2 axis, vec3 axis_in_world, float pixel_m) {
   float cos_view = max(dot(c.normal, -normalize(c.position)), 0.02);
   float tangent_m = pixel_m / cos_view;
-  vec2 best = vec2(0.0, tangent_m);
+  Along best = Along(axis_in_world * tangent_m, vec3(0.0));
   float best_turn = 1e30;
   for (int side = -1; side <= 1; side += 2) {
     ivec2 q = pixel + side * axis;
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
     Sample s = load_sample(q);
     if (!same_surface(c, s, 4.0 * tangent_m)) continue;
-    float step_m = max(length(s.position - c.position), 1e-12);
     // The chord between unit normals keeps its digits where the arc cosine of their product loses them.
-    float turn = length(s.normal - c.normal);
-    if (turn < best_turn) {
-      best_turn = turn;
-      best = vec2(turn / step_m, step_m);
+    vec3 turn = s.normal - c.normal;
+    if (length(turn) < best_turn) {
+      best_turn = length(turn);
+      best = Along(float(side) * (s.position - c.position), float(side) * turn);
     }
   }
   return best;
@@ -64,11 +69,12 @@ void main() {
     if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
   }
   if (pixel.x < 0) {
-    imageStore(o_bend, quad, vec4(0.0));
-  }
-  if (pixel.x >= 0) {
+    imageStore(o_bend, quad, uvec4(0u));
+  } else {
     Sample c = load_sample(pixel);
     float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
-    imageStore(o_bend, quad, vec4(along_axis(c, pixel, ivec2(1, 0), pixel_m), along_axis(c, pixel, ivec2(0, 1), pixel_m)));
+    Along x = along_axis(c, pixel, ivec2(1, 0), normalize(u_frame.right.xyz), pixel_m);
+    Along y = along_axis(c, pixel, ivec2(0, 1), -normalize(u_frame.up.xyz), pixel_m);
+    imageStore(o_bend, quad, pack_bend(x.step_m, y.step_m, x.turn, y.turn));
   }
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -107,8 +108,9 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   const Texture depth = texture_of(GL_R32F, GL_RED, GL_FLOAT, w, h, in.depth);
   const Texture energy = texture_of(GL_RGBA32F, GL_RGBA, GL_FLOAT, in.quads_x, in.quads_y, in.energy);
   const Texture near = texture_of(GL_RGBA32F, GL_RGBA, GL_FLOAT, in.quads_x, in.quads_y, in.near);
-  const std::vector<glm::vec4> flat(in.energy.size(), glm::vec4(0.0f, kFootprint, 0.0f, kFootprint));
-  const Texture bend = texture_of(GL_RGBA32F, GL_RGBA, GL_FLOAT, in.quads_x, in.quads_y, flat);
+  const unsigned footprint = std::bit_cast<unsigned>(kFootprint);
+  const std::vector<glm::uvec4> flat(in.energy.size(), glm::uvec4(footprint, footprint, 0u, 0u));
+  const Texture bend = texture_of(GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, in.quads_x, in.quads_y, flat);
   const Texture pyramid = Texture::make_2d("pyramid", GL_RGBA32F, in.quads_x, in.quads_y, 2);
   const Texture axes = Texture::make_2d("axes", GL_RGBA16F, in.quads_x, in.quads_y);
 

@@ -1,0 +1,297 @@
+// The kernel of upsampling (shaders/bandwidth/fill.comp) tap by tap in double, and what it is for: what varies across a
+// diagonal only.
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "render/bandwidth_shared.h"
+#include "render/environment/directions_shared.h"
+#include "render/frame_constants.h"
+#include "render/gl/context.h"
+#include "render/gl/objects.h"
+#include "render/renderer.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+constexpr int kWidth = 72, kHeight = 52;
+constexpr float kPixelAngle = 0.01f;
+
+std::size_t at(int x, int y) { return static_cast<std::size_t>(y * kWidth + x); }
+
+/// A picture to fill: one ray a pixel from the eye at the origin along -z.
+struct Grid {
+  std::vector<glm::uvec2> guide{static_cast<std::size_t>(kWidth * kHeight)};
+  std::vector<glm::u8vec4> marks{static_cast<std::size_t>(kWidth * kHeight), glm::u8vec4(0, 0, 0, 1)};
+  std::vector<glm::vec4> radiance{static_cast<std::size_t>(kWidth * kHeight)};
+  std::vector<glm::vec4> axes{static_cast<std::size_t>(kWidth * kHeight / 4)};
+  FrameConstants constants{};
+
+  Grid() {
+    constants.size = glm::ivec4(kWidth, kHeight, 1, 4);
+    constants.forward = glm::vec4(0.0f, 0.0f, -1.0f, kPixelAngle);
+    constants.right = glm::vec4(0.5f * kPixelAngle * kWidth, 0.0f, 0.0f, 0.0f);
+    constants.up = glm::vec4(0.0f, 0.5f * kPixelAngle * kHeight, 0.0f, 0.0f);
+  }
+  void set_surface(int x, int y, float depth, const glm::vec3& normal, unsigned material) {
+    const glm::vec2 oct = shared::octahedral_from_direction(normal);
+    guide[at(x, y)] = {std::bit_cast<unsigned>(depth), static_cast<unsigned>(oct.x * 4095.0f + 0.5f) |
+                                                           static_cast<unsigned>(oct.y * 4095.0f + 0.5f) << 12u |
+                                                           material << 24u};
+  }
+  glm::dvec3 ray(int x, int y) const {
+    return {kPixelAngle * (x + 0.5 - 0.5 * kWidth), -kPixelAngle * (y + 0.5 - 0.5 * kHeight), -1.0};
+  }
+};
+
+/// fill.comp over the whole grid, one level; `middle` as its define.
+std::vector<glm::vec4> filled(const Grid& grid, int level, bool middle) {
+  const auto texture = [](GLenum internal, GLenum format, GLenum type, int w, int h, const auto& values) {
+    Texture t = Texture::make_2d("test", internal, w, h);
+    t.upload(0, w, h, format, type, values.data());
+    return t;
+  };
+  const Buffer block("frame", sizeof grid.constants, &grid.constants);
+  const Texture guide = texture(GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, kWidth, kHeight, grid.guide);
+  const Texture marks = texture(GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, kWidth, kHeight, grid.marks);
+  const Texture radiance = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kWidth, kHeight, grid.radiance);
+  const Texture axes = texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, kWidth / 2, kHeight / 2, grid.axes);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block.get());
+  glBindTextureUnit(21, axes.get());
+  glBindTextureUnit(23, marks.get());
+  glBindTextureUnit(26, guide.get());
+  glBindImageTexture(0, radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  const Program program = Program::compute("bandwidth/fill.comp", {{"TEXTURES", "0"},
+                                                                   {"CUBIC", level > 0 ? "1" : "0"},
+                                                                   {"TILES", "0"},
+                                                                   {"OWN", "0"},
+                                                                   {"FIND", "0"},
+                                                                   {"KEPT", "0"},
+                                                                   {"MIDDLE", middle ? "1" : "0"}});
+  glProgramUniform1i(program.get(), program.location("u_level"), level);
+  glUseProgram(program.get());
+  glDispatchCompute(static_cast<GLuint>((kWidth * kHeight + 63) / 64), 1, 1);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  std::vector<glm::vec4> values(grid.radiance.size());
+  glGetTextureImage(radiance.get(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(values.size() * sizeof(glm::vec4)),
+                    values.data());
+  return values;
+}
+
+/// The same for one point, by the definition.
+class TapByTap {
+ public:
+  TapByTap(const Grid& grid, const std::vector<glm::vec4>& before, int level)
+      : grid_(grid), before_(before), level_(level) {}
+
+  glm::dvec3 between(int x, int y, int dx, int dy) const { return along(x, y, dx, dy).value; }
+
+  glm::dvec3 middle(int x, int y) const {
+    const glm::vec4 m = grid_.axes[static_cast<std::size_t>(y / 2 * (kWidth / 2) + x / 2)];
+    const double nx = m.x, ny = m.y, both = nx * nx + ny * ny + 2e-8, cross = 2.0 * static_cast<double>(m.z) * nx * ny;
+    const double steps[] = {(nx * nx + 1e-8) / both, (ny * ny + 1e-8) / both, 1.0 + cross / both, 1.0 - cross / both};
+    constexpr int kDirections[4][2] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}};
+    glm::dvec3 sum(0.0);
+    double weights = 1e-300;
+    for (int k = 0; k < 4; ++k) {
+      const Along a = along(x, y, kDirections[k][0], kDirections[k][1]);
+      const double w = a.weight * std::pow(std::max(steps[k], 0.15), level_ > 0 ? -4.0 : -2.0);
+      sum += w * a.value;
+      weights += w;
+    }
+    return sum / weights;
+  }
+
+ private:
+  struct Along {
+    glm::dvec3 value{0.0};
+    double weight = 0.0;
+  };
+
+  glm::dvec3 value(int x, int y) const {
+    return glm::dvec3(before_[at(std::clamp(x, 0, kWidth - 1), std::clamp(y, 0, kHeight - 1))]);
+  }
+
+  double weight(int x, int y, int qx, int qy, double step) const {
+    if (qx < 0 || qy < 0 || qx >= kWidth || qy >= kHeight) return 0.0;
+    const glm::uvec2 a = grid_.guide[at(x, y)], b = grid_.guide[at(qx, qy)];
+    const double da = std::bit_cast<float>(a.x), db = std::bit_cast<float>(b.x);
+    if (db <= 0.0 || a.y >> 24u != b.y >> 24u) return 0.0;
+    const auto normal = [](unsigned w) {
+      return glm::dvec3(shared::direction_from_octahedral(
+          glm::vec2(static_cast<float>(w & 4095u), static_cast<float>(w >> 12u & 4095u)) / 4095.0f));
+    };
+    const glm::dvec3 na = normal(a.y), nb = normal(b.y), d = db * grid_.ray(qx, qy) - da * grid_.ray(x, y);
+    const double off =
+        std::max(std::abs(glm::dot(d, na)), std::abs(glm::dot(d, nb))) / (da * static_cast<double>(kPixelAngle) * step);
+    return std::max(std::exp2(-1.5 * off * off - 6.0 * glm::dot(na - nb, na - nb)), 1e-4);
+  }
+
+  Along along(int x, int y, int dx, int dy) const {
+    const int s = 1 << level_;
+    const double length = std::hypot(dx, dy) * s;
+    double w[4];
+    glm::dvec3 v[4];
+    for (int k = 0; k < 4; ++k) {
+      const int steps = (2 * k - 3) * s;
+      w[k] = weight(x, y, x + steps * dx, y + steps * dy, length * (k == 0 || k == 3 ? 3.0 : 1.0));
+      v[k] = value(x + steps * dx, y + steps * dy);
+    }
+    if (level_ > 0 && std::min(std::min(w[0], w[1]), std::min(w[2], w[3])) > 0.4) {
+      const glm::dvec3 low = glm::min(glm::min(v[0], v[1]), glm::min(v[2], v[3]));
+      return {glm::max((9.0 * (v[1] + v[2]) - v[0] - v[3]) / 16.0, 0.5 * low), 2.0};
+    }
+    return {(w[1] * v[1] + w[2] * v[2]) / std::max(w[1] + w[2], 1e-12), w[1] + w[2]};
+  }
+
+  const Grid& grid_;
+  const std::vector<glm::vec4>& before_;
+  int level_;
+};
+
+/// Every point that one dispatch fills.
+void each_filled(int level, bool middle, const std::function<void(int x, int y, int dx, int dy)>& visit) {
+  const int s = 1 << level;
+  for (int y = 0; y < kHeight; y += s)
+    for (int x = 0; x < kWidth; x += s) {
+      const int odd_x = (x >> level) & 1, odd_y = (y >> level) & 1;
+      if (middle ? odd_x + odd_y == 2 : odd_x + odd_y == 1) visit(x, y, odd_x, odd_y);
+    }
+}
+
+TEST(Upsampling, AgreesWithTapByTap) {
+  const GlContext context = GlContext::create_headless();
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  Grid grid;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      // Two materials, holes of sky, steps of depth and normals that tilt from point to point.
+      const float depth = unit(random) < 0.03f ? 0.0f : 1.0f + (x > 40 ? 0.02f : 0.0f) + 0.004f * unit(random);
+      const glm::vec3 normal =
+          glm::normalize(glm::vec3(0.5f * unit(random) - 0.25f, 0.5f * unit(random) - 0.25f, 1.0f));
+      grid.set_surface(x, y, depth, normal, y > 30 && x < 30 ? 2u : 1u);
+      grid.radiance[at(x, y)] = glm::vec4(std::exp(3.0f * unit(random)), unit(random), 1e4f * unit(random), 1.0f);
+      if (unit(random) < 0.2f) grid.marks[at(x, y)].x = 1;  // shaded: stays as it is
+      if (depth <= 0.0f) grid.marks[at(x, y)] = glm::u8vec4(0);
+    }
+  for (glm::vec4& m : grid.axes)
+    m = glm::vec4(std::exp(-6.0f * unit(random)), std::exp(-6.0f * unit(random)), 2.0f * unit(random) - 1.0f, 0.0f);
+  for (const int level : {0, 1, 2})
+    for (const bool middle : {false, true}) {
+      const std::vector<glm::vec4> found = filled(grid, level, middle);
+      const TapByTap expected(grid, grid.radiance, level);
+      int count = 0;
+      each_filled(level, middle, [&](int x, int y, int dx, int dy) {
+        if (grid.marks[at(x, y)].w == 0 || grid.marks[at(x, y)].x != 0) {
+          EXPECT_EQ(found[at(x, y)], grid.radiance[at(x, y)]);
+          return;
+        }
+        ++count;
+        const glm::dvec3 e = middle ? expected.middle(x, y) : expected.between(x, y, dx, dy);
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(found[at(x, y)][c], e[c], 2e-3 * std::abs(e[c]) + 1e-4)
+              << "level " << level << ", " << x << ", " << y;
+      });
+      EXPECT_GT(count, 100 >> (2 * level));
+    }
+}
+
+/// Steep waves across either diagonal: what the coarser points hold along it is exact, between two in a row nothing is.
+TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
+  const GlContext context = GlContext::create_headless();
+  for (const int level : {0, 1})
+    for (const int sign : {1, -1}) {
+      const auto wave = [&](int x, int y) { return 2.0 + std::cos(2.2 * (x - sign * y) / (1 << level)); };
+      Grid grid;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          grid.set_surface(x, y, 1.0f, glm::vec3(0.0f, 0.0f, 1.0f), 1u);
+          // Finer points hold what the first dispatch makes of a wave that it cannot see.
+          const bool coarse = (x >> level) % 2 == 0 && (y >> level) % 2 == 0;
+          grid.radiance[at(x, y)] = glm::vec4(coarse ? static_cast<float>(wave(x, y)) : 2.0f);
+        }
+      const auto error = [&](float correlation) {
+        for (glm::vec4& m : grid.axes) m = glm::vec4(0.1f, 0.1f, correlation, 0.0f);
+        const std::vector<glm::vec4> found = filled(grid, level, true);
+        double square = 0.0;
+        int count = 0;
+        each_filled(level, true, [&](int x, int y, int, int) {
+          if (x < 8 || y < 8 || x >= kWidth - 8 || y >= kHeight - 8) return;
+          square += std::pow(static_cast<double>(found[at(x, y)].x) - wave(x, y), 2);
+          ++count;
+        });
+        return std::sqrt(square / count);
+      };
+      const auto along = static_cast<float>(-sign);  // (nu_x, -+ nu_y): no cycles along the diagonal
+      EXPECT_LT(error(along), 0.12) << level;
+      EXPECT_GT(error(0.0f), 0.5) << level;
+      EXPECT_GT(error(-along), error(0.0f)) << level;
+    }
+}
+
+/// A cylinder about the eye's axis of sight, its own axis turned by `angle_deg` from the screen's right towards its
+/// top.
+Scene turned_cylinder(double angle_deg) {
+  constexpr int kSides = 256;
+  const double c = std::cos(glm::radians(angle_deg)), s = std::sin(glm::radians(angle_deg));
+  Primitive p;
+  p.material = 0;
+  for (int k = 0; k <= kSides; ++k) {
+    const double t = glm::pi<double>() * (static_cast<double>(k) / kSides - 0.5);
+    for (const double along : {-4.0, 4.0}) {
+      const glm::dvec3 n(-s * std::sin(t), c * std::sin(t), std::cos(t));
+      p.positions.emplace_back(glm::dvec3(c * along, s * along, 0.0) + 0.5 * n);
+      p.normals.emplace_back(n);
+    }
+  }
+  for (std::uint32_t k = 0; k < 2 * kSides; k += 2)
+    p.indices.insert(p.indices.end(), {k, k + 1, k + 2, k + 1, k + 3, k + 2});
+  Scene scene;
+  scene.materials.push_back(test::matte(glm::vec3(0.8f)));
+  test::add(&scene, std::move(p));
+  return scene;
+}
+
+/// From the raster on: which way the footprint lies is found on screen.
+TEST(Upsampling, TheFootprintLiesAlongACylinderWhicheverWayItIsTurned) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_environment(test::sky_with_lamp(glm::vec3(1.0f), glm::vec3(8.0f)));
+  for (const double angle : {0.0, 20.0, 45.0, 80.0, 110.0, 135.0, 170.0}) {
+    renderer.set_scene(std::make_shared<Scene>(turned_cylinder(angle)));
+    FrameRequest request;
+    request.width = request.height = 96;
+    request.mode = "bandwidth";
+    request.camera.eye = {0.0f, 0.0f, 4.0f};
+    request.camera.fov_y_rad = 0.3f;
+    renderer.render(request);
+    const Image angles = renderer.read_debug_view("footprint_angle"),
+                stretch = renderer.read_debug_view("footprint_stretch");
+    std::vector<double> off, stretched;
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) {
+        if (angles.at(x, y, 3) <= 0.0f) continue;
+        const double d = std::abs(static_cast<double>(angles.at(x, y, 0)) - angle);
+        off.push_back(std::min(d, 180.0 - d));
+        stretched.push_back(stretch.at(x, y, 0));
+      }
+    ASSERT_GT(off.size(), 2000u);
+    const auto median = [](std::vector<double>* v) {
+      std::nth_element(v->begin(), v->begin() + static_cast<std::ptrdiff_t>(v->size() / 2), v->end());
+      return (*v)[v->size() / 2];
+    };
+    EXPECT_LT(median(&off), 4.0) << angle;
+    EXPECT_GT(median(&stretched), 3.0) << angle;
+  }
+}
+
+}  // namespace
+}  // namespace maquette

@@ -63,21 +63,28 @@ enum class FillStep {
   kept   ///< weights were found before
 };
 
-ShaderVariant fill_variant(bool textures, bool cubic, bool tiles, bool own, FillStep step, bool middle) {
+struct FillRule {
+  bool textures = false, own = false;
+  bool cubic = false, tiles = false;  ///< of levels above the finest, of levels within a tile
+  FillStep step = FillStep::once;
+  bool middle = false;  ///< of four points, else between two
+};
+
+ShaderVariant fill_variant(const FillRule& rule) {
   return {"bandwidth/fill.comp",
           "",
-          {{"TEXTURES", flag(textures)},
-           {"CUBIC", flag(cubic)},
-           {"TILES", flag(tiles)},
-           {"OWN", flag(own)},
-           {"FIND", flag(step == FillStep::find)},
-           {"KEPT", flag(step == FillStep::kept)},
-           {"MIDDLE", flag(middle)}}};
+          {{"TEXTURES", flag(rule.textures)},
+           {"CUBIC", flag(rule.cubic)},
+           {"TILES", flag(rule.tiles)},
+           {"OWN", flag(rule.own)},
+           {"FIND", flag(rule.step == FillStep::find)},
+           {"KEPT", flag(rule.step == FillStep::kept)},
+           {"MIDDLE", flag(rule.middle)}}};
 }
 
 /// The finest level with several points a pixel, by listed quads.
 ShaderVariant fill_quads_variant(bool textures, bool own) {
-  ShaderVariant variant = fill_variant(textures, false, false, own, FillStep::once, false);
+  ShaderVariant variant = fill_variant({.textures = textures, .own = own});
   variant.defines.emplace_back("QUADS", "1");
   return variant;
 }
@@ -128,7 +135,12 @@ std::vector<ShaderVariant> all_shader_variants() {
       for (int j = 0; j < 6; ++j)
         if (step != FillStep::find || (k == 0 && (j & 1) == 0))
           for (const bool middle : {false, true})
-            variants.push_back(fill_variant(k, j / 2 > 0, j / 2 < 2, j & 1, step, middle));
+            variants.push_back(fill_variant({.textures = k == 1,
+                                             .own = (j & 1) != 0,
+                                             .cubic = j / 2 > 0,
+                                             .tiles = j / 2 < 2,
+                                             .step = step,
+                                             .middle = middle}));
     for (int j = 0; j < 12; ++j)
       for (const bool glossy : {false, true})
         for (const int stage : {k, 2 * k + 1}) {
@@ -363,7 +375,7 @@ void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
   glBindTextureUnit(21, t.axes.get());
   glBindTextureUnit(23, t.marks.get());
   glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(2, t.weights.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32UI);
+  glBindImageTexture(2, t.weights.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
   if (own) {
     glBindTextureUnit(18, progressive->mean.get());
     glBindTextureUnit(19, progressive->deviation.get());
@@ -376,8 +388,12 @@ void Renderer::Impl::fill(bool own, const TileList& tiles, PassTimer* timer) {
       const bool by_tiles = level <= kLastTileLevel, find = step == FillStep::find;
       const int side = 1 << level;
       for (int middle = 0; middle < 2; ++middle) {
-        const Program& program = programs.get(
-            fill_variant(!find && buffers->has_textures(), level > 0, by_tiles, !find && own, step, middle == 1));
+        const Program& program = programs.get(fill_variant({.textures = !find && buffers->has_textures(),
+                                                            .own = !find && own,
+                                                            .cubic = level > 0,
+                                                            .tiles = by_tiles,
+                                                            .step = step,
+                                                            .middle = middle == 1}));
         program.set("u_level", level);
         const int cells = groups(t.grid_width(), 2 * side) * groups(t.grid_height(), 2 * side);
         if (by_tiles)

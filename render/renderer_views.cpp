@@ -86,7 +86,7 @@ glm::vec2 footprint(float nu_x, float nu_y, float correlation) {
   const double x = nu_x, y = nu_y, cross = static_cast<double>(correlation) * x * y;
   const double middle = 0.5 * (x * x + y * y), spread = std::hypot(0.5 * (x * x - y * y), cross);
   if (middle <= 0.0) return {1.0f, 0.0f};
-  constexpr double kLeast = 1e-6;  // of the wider axis, squared: half floats hold no more
+  constexpr double kLeast = 2.5e-4;  // of the wider axis, squared: the correlation is a half float
   const double stretch = std::sqrt((middle + spread) / std::max(middle - spread, kLeast * (middle + spread)));
   if (spread <= kLeast * middle) return {static_cast<float>(stretch), 0.0f};
   // Of the smaller eigenvalue; rows run downwards.

@@ -1,5 +1,5 @@
 // Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
-// pixel along both screen axes. One invocation takes a block of 2 x 2 quads, whose 5 x 5 windows share most of what they read.
+// pixel along both screen axes, with the correlation that turns them. One invocation takes a block of 2 x 2 quads, whose 5 x 5 windows share most of what they read.
 // FIRST_ONLY: only the first quad of every other block is predicted (classify.comp).
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
@@ -17,7 +17,7 @@ layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
 layout(binding = 28) uniform sampler2D t_near;
 #endif
 layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
-layout(binding = 1, rgba16f) uniform writeonly image2D o_curvature;  // nu_x, nu_y (cycles/px), their correlation (screen_bandwidth), nu_theta (cycles/rad)
+layout(binding = 1, rgba16f) uniform writeonly image2D o_axes;  // nu_x, nu_y (cycles/px), their correlation (screen_bandwidth), nu_theta (cycles/rad)
 #if COARSE
 layout(binding = 2, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
 #endif
@@ -71,7 +71,7 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   float angle = u_frame.forward.w;
   vec3 nu = screen_bandwidth(bend, nu_theta, nu_surface, angle);
   // Half floats end at 65504, and infinity would turn the weights of upsampling into NaN.
-  imageStore(o_curvature, quad, min(vec4(nu, nu_theta), vec4(65000.0)));
+  imageStore(o_axes, quad, min(vec4(nu, nu_theta), vec4(65000.0)));
   return vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0);
 }
 
@@ -123,7 +123,7 @@ void main() {
     if (pixels[k].x >= 0)
       v = find_bandwidth(quad, pixels[k], pools[k]);
     else
-      imageStore(o_curvature, quad, vec4(0.0));
+      imageStore(o_axes, quad, vec4(0.0));
     imageStore(o_bandwidth, quad, v);
     coarse = vec4(max(coarse.x, v.x), coarse.yz + v.yz, coarse.w + v.w);
   }

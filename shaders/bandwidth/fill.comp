@@ -38,12 +38,22 @@ layout(binding = 8) uniform usampler2D t_surface;
 #include "bandwidth/base_factor.glsl"
 #endif
 
-// Weights depend on what is seen alone. KEPT: they come from an image, two halves for each of kAxes (or for the only axis), of the two nearest
-// points, both kCubic where a cubic serves. FIND: they are found for all points, and nothing else is done.
+// Weights depend on what is seen alone. KEPT: they come from an image, 16 bits for each of kAxes (or for the only axis), of the two nearest
+// points (square roots, 8 bits each: small ones count as well), or that a cubic serves. FIND: they are found for all points, and nothing else is done.
 #if KEPT || FIND
-layout(binding = 2, rgba32ui) uniform uimage2D io_weights;
+layout(binding = 2, rg32ui) uniform uimage2D io_weights;
 #endif
-const float kCubic = 64.0;
+const uint kCubic = 0xffffu;  // no weight is coded so
+const float kWeightSteps = 254.0;
+
+uint pack_weights(vec2 weights) {
+  uvec2 code = uvec2(sqrt(min(weights, vec2(1.0))) * kWeightSteps + 0.5);
+  return code.x | (code.y << 8u);
+}
+vec2 unpack_weights(uint packed_weights) {
+  vec2 root = vec2(packed_weights & 255u, packed_weights >> 8u) * (1.0 / kWeightSteps);
+  return root * root;
+}
 
 uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
   float weights[4], step_px = float(s) * length(vec2(axis));
@@ -52,16 +62,15 @@ uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
     bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, u_frame.size.xy));
     q = clamp(q, ivec2(0), u_frame.size.xy - 1);
     weights[k] = inside ? bilateral_weight(center, load_guide(q), step_px * (k == 0 || k == 3 ? 3.0 : 1.0)) : 0.0;
-    if (weights[k] > 0.0) weights[k] = max(weights[k], 1e-4);  // half floats begin there
+    if (weights[k] > 0.0) weights[k] = max(weights[k], 1e-4);
   }
-  vec2 w = vec2(weights[1], weights[2]);
 #if CUBIC
-  if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) w = vec2(kCubic);
+  if (min(min(weights[0], weights[3]), min(weights[1], weights[2])) > 0.4) return kCubic;
 #endif
-  return packHalf2x16(w);
+  return pack_weights(vec2(weights[1], weights[2]));
 }
 
-/// `value`: interpolated, and the weight of the neighbours.
+/// `value`: interpolated, and how much neighbours on the same surface there are, whichever way the kernel is turned.
 void store_filled(ivec2 pixel, uvec4 mark, vec4 value) {
 #if OWN
   if (mark.x != 0u) {
@@ -88,19 +97,21 @@ vec3 radiance_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_f
 
 /// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
 vec4 along(ivec2 pixel, ivec2 axis, uint packed_weights) {
-  vec2 w = unpackHalf2x16(packed_weights);
   vec3 before = radiance_at(pixel - axis), after = radiance_at(pixel + axis);
 #if CUBIC
   vec3 first = radiance_at(pixel - 3 * axis), last = radiance_at(pixel + 3 * axis);
-  if (w.x >= kCubic) {
+  if (packed_weights == kCubic) {
     vec3 cubic = (9.0 * (before + after) - first - last) * 0.0625;
     // Noise must not ring below the neighbours' range.
     vec3 low = min(min(first, last), min(before, after));
     return vec4(max(cubic, low * 0.5), 2.0);
   }
 #endif
+  vec2 w = unpack_weights(packed_weights);
+  // What nothing was written to may hold anything.
   float sum = w.x + w.y;
-  return vec4((before * w.x + after * w.y) / max(sum, 1e-12), sum);
+  vec3 both = (w.x > 0.0 ? before * w.x : vec3(0.0)) + (w.y > 0.0 ? after * w.y : vec3(0.0));
+  return vec4(both / max(sum, 1e-12), sum);
 }
 
 #if MIDDLE
@@ -109,7 +120,8 @@ const ivec2 kAxes[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, 
 
 void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
 #if KEPT
-  uvec4 weights = imageLoad(io_weights, pixel);
+  uvec2 kept = imageLoad(io_weights, pixel).xy;
+  uvec4 weights = uvec4(kept & 65535u, kept >> 16u).xzyw;
 #else
   Guide center = load_guide(pixel);
   uvec4 weights = uvec4(0u);
@@ -120,17 +132,17 @@ void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
 #endif
 #endif
 #if FIND
-  imageStore(io_weights, pixel, weights);
+  imageStore(io_weights, pixel, uvec4(weights.x | (weights.y << 16u), weights.z | (weights.w << 16u), 0u, 0u));
 #elif MIDDLE
   vec4 share = axis_shares(texelFetch(t_axes, pixel / 2, 0).xyz, CUBIC == 1), value = vec4(0.0);
-  float sum = 0.0;
+  vec4 evidence;
   for (int k = 0; k < 4; ++k) {
     vec4 v = along(pixel, s * kAxes[k], weights[k]);
     float w = share[k] * v.w + 1e-20;
-    value += vec4(v.rgb * w, 0.5 * v.w);
-    sum += w;
+    value += vec4(v.rgb * w, w);
+    evidence[k] = v.w;
   }
-  store_filled(pixel, mark, vec4(value.rgb / sum, value.w));
+  store_filled(pixel, mark, vec4(value.rgb / value.w, max(evidence.x + evidence.y, evidence.z + evidence.w)));
 #else
   store_filled(pixel, mark, along(pixel, s * odd, weights.x));
 #endif
@@ -156,12 +168,14 @@ void main() {
     ivec2 pixel = first + ivec2(j & 1, j >> 1);
     Guide center = load_guide(pixel);
     vec4 value = vec4(0.0);
+    float evidence = 0.0;
     for (int k = 0; k < 4; ++k) {
       float weight = (k & ~j) == 0 ? bilateral_weight(center, around[k], 1.0) : 0.0;
+      evidence += weight;
       weight *= j < 3 ? 1.0 : k == 0 || k == 3 ? turned.x : turned.y;
       value += weight > 0.0 ? weight * vec4(radiance[k], 1.0) : vec4(0.0);
     }
-    value.rgb /= max(value.w, 1e-12);
+    value = vec4(value.rgb / max(value.w, 1e-12), evidence);
     uvec4 mark = texelFetch(t_marks, pixel, 0);
     if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) store_filled(pixel, mark, value);
   }

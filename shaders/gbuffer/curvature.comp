@@ -39,10 +39,14 @@ struct Along {
   vec3 step_m, turn;
 };
 
-Along along_axis(Sample c, ivec2 pixel, ivec2 axis, vec3 axis_in_world, float pixel_m) {
-  float cos_view = max(dot(c.normal, -normalize(c.position)), 0.02);
-  float tangent_m = pixel_m / cos_view;
-  Along best = Along(axis_in_world * tangent_m, vec3(0.0));
+const float kLeastCosine = 0.02;  // of grazing views
+
+Along along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
+  float tangent_m = pixel_m / max(dot(c.normal, -normalize(c.position)), kLeastCosine);
+  // Without a neighbour: on the tangent plane.
+  vec3 ray = ray_through(vec2(pixel + axis) + 0.5);
+  float along_ray = dot(c.position, c.normal) / min(dot(ray, c.normal), -kLeastCosine * length(ray));
+  Along best = Along(ray * along_ray - c.position, vec3(0.0));
   float best_turn = 1e30;
   for (int side = -1; side <= 1; side += 2) {
     ivec2 q = pixel + side * axis;
@@ -73,8 +77,7 @@ void main() {
   } else {
     Sample c = load_sample(pixel);
     float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
-    Along x = along_axis(c, pixel, ivec2(1, 0), normalize(u_frame.right.xyz), pixel_m);
-    Along y = along_axis(c, pixel, ivec2(0, 1), -normalize(u_frame.up.xyz), pixel_m);
+    Along x = along_axis(c, pixel, ivec2(1, 0), pixel_m), y = along_axis(c, pixel, ivec2(0, 1), pixel_m);
     imageStore(o_bend, quad, pack_bend(x.step_m, y.step_m, x.turn, y.turn));
   }
 }

@@ -1,5 +1,7 @@
 // The local bandwidth of a surface along any direction of the screen: from what one pixel to the right and one down do to its position and
 // normal, through the operators of shared/bandwidth.glsl, to how much interpolation along each direction counts.
+// Source: Bagher et al. 2012, Sec. 4 (the operators; filled by an anisotropic Gaussian). Differs: any direction of the screen, by a quadratic form
+// that has both axes and both diagonals in common with them (docs/numerics.md, "What is filled").
 // Common subset of GLSL and C++ with GLM (render/bandwidth_shared.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
@@ -13,13 +15,17 @@ struct ScreenBend {
   float turn_cosine;
 };
 
-MAQUETTE_FN float cosine_between(vec3 a, vec3 b, float lengths) { return lengths > 0.0f ? clamp(dot(a, b) / lengths, -1.0f, 1.0f) : 0.0f; }
+/// 0 where one of them has no length.
+MAQUETTE_FN float cosine_between(vec3 a, vec3 b) {
+  float lengths = length(a) * length(b);
+  return lengths > 0.0f ? clamp(dot(a, b) / lengths, -1.0f, 1.0f) : 0.0f;
+}
 
 /// In four words: steps as floats (scenes of 1e-6 m), turns as halves, cosines as snorm 16.
 MAQUETTE_FN uvec4 pack_bend(vec3 step_x_m, vec3 step_y_m, vec3 turn_x, vec3 turn_y) {
   vec2 step_m = max(vec2(length(step_x_m), length(step_y_m)), vec2(1e-12f));
   vec2 turn = vec2(length(turn_x), length(turn_y));
-  vec2 cosines = vec2(cosine_between(step_x_m / step_m.x, step_y_m / step_m.y, 1.0f), cosine_between(turn_x, turn_y, turn.x * turn.y));
+  vec2 cosines = vec2(cosine_between(step_x_m / step_m.x, step_y_m / step_m.y), cosine_between(turn_x, turn_y));
   return uvec4(floatBitsToUint(step_m.x), floatBitsToUint(step_m.y), packHalf2x16(turn), packSnorm2x16(cosines));
 }
 
@@ -45,15 +51,17 @@ MAQUETTE_FN vec3 screen_bandwidth(ScreenBend bend, float nu_theta, float nu_surf
   for (int k = 0; k < 4; ++k) {
     float sign = k == 2 ? 1.0f : -1.0f;
     float step_m = k == 0 ? bend.step_m.x : k == 1 ? bend.step_m.y : diagonal_length(bend.step_m, bend.step_cosine, sign);
+    step_m = max(step_m, 1e-12f);
     float turn = k == 0 ? bend.turn.x : k == 1 ? bend.turn.y : diagonal_length(bend.turn, bend.turn_cosine, sign);
     float angle = k < 2 ? pixel_angle : 1.4142136f * pixel_angle;
-    cycles[k] = bandwidth_one_bounce(nu_theta, turn / max(step_m, 1e-12f), nu_surface, angle, step_m);
+    cycles[k] = bandwidth_one_bounce(nu_theta, turn / step_m, nu_surface, angle, step_m);
   }
   float correlation = (cycles[2] + cycles[3]) * (cycles[2] - cycles[3]) / max(4.0f * cycles[0] * cycles[1], 1e-20f);
   return vec3(cycles[0], cycles[1], clamp(correlation, -1.0f, 1.0f));
 }
 
 /// Steps below this share of what both axes have together, squared, count no more: what is left there is noise, which fewer points leave more of.
+/// By error of a turned cylinder (docs/tried.md).
 const float kLeastSquaredStep = 0.15f;
 
 /// How much interpolation between the points around counts along x, y, (1, 1) and (1, -1): as 1 / its squared error, which is the step in cycles to the

@@ -32,6 +32,27 @@ TileList FrameTargets::make_tile_list() const {
   return list;
 }
 
+namespace {
+
+void make_item_lists(FrameTargets* t) {
+  const auto items = static_cast<std::size_t>(t->item_capacity);
+  for (int k = 0; k < 2; ++k) {
+    t->items[k] = Buffer("work items", items * 8);
+    t->partial[k] = Buffer("partial sums", items * 16);
+    t->partial_view[k] = Texture::make_buffer("partial sums", GL_RGBA32F, t->partial[k]);
+  }
+}
+
+}  // namespace
+
+bool FrameTargets::grow_lists(unsigned wanted) {
+  const auto capacity = static_cast<unsigned>(item_capacity), most = static_cast<unsigned>(most_items);
+  if (wanted <= capacity || capacity >= most) return false;
+  item_capacity = static_cast<int>(std::min(most, std::max(wanted + wanted / 4, 2 * capacity)));
+  make_item_lists(this);
+  return true;
+}
+
 FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth, bool texture_bandwidth) {
   GLint max_size = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
@@ -77,7 +98,11 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   t.band_rows = std::clamp(kBandPoints / w / 32 * 32, 32, (h + 31) / 32 * 32);
   const int band_points = w * std::min(t.band_rows, h);
   // The reflected picture is shaded by four rows at least.
-  t.item_capacity = bandwidth ? std::max(10 * band_points, 4096) : std::max(band_points, 4 * kMostReflectedItems * w);
+  t.most_items = bandwidth ? std::max(10 * band_points, 4096) : std::max(band_points, 4 * kMostReflectedItems * w);
+  // Frames of the default counts ask for less than two a point; the prediction lists quads there (classify.comp).
+  const int quad_count = ((w + 1) / 2) * ((h + 1) / 2);
+  t.most_items = std::max(t.most_items, quad_count);
+  t.item_capacity = bandwidth ? std::min(t.most_items, std::max({2 * band_points, quad_count, 4096})) : t.most_items;
   const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
   t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
   for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) *list = t.make_tile_list();
@@ -88,13 +113,8 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
     t.quad_counts = Buffer("quad counts", 2 * sizeof(unsigned));
   }
   t.counters = Buffer("counters", 2 * 8 * sizeof(unsigned));
-  for (int k = 0; k < 2; ++k) {
-    const auto items = static_cast<std::size_t>(t.item_capacity);
-    t.items[k] = Buffer("work items", items * 8);
-    t.points[k] = Buffer("shaded points", static_cast<std::size_t>(band_points) * 16);
-    t.partial[k] = Buffer("partial sums", items * 16);
-    t.partial_view[k] = Texture::make_buffer("partial sums", GL_RGBA32F, t.partial[k]);
-  }
+  for (Buffer& points : t.points) points = Buffer("shaded points", static_cast<std::size_t>(band_points) * 16);
+  make_item_lists(&t);
   return t;
 }
 

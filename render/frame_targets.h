@@ -34,7 +34,8 @@ struct QuadList {
 struct FrameTargets {
   int width = 0, height = 0, side = 0;
   bool bandwidth = false, texture_bandwidth = false;
-  int item_capacity = 0;  ///< work items of each list
+  int item_capacity = 0;  ///< work items of each list; grows with what frames ask for
+  int most_items = 0;     ///< that a list may grow to
   int band_rows = 0;      ///< grid rows shaded at a time, a multiple of 32: bounds the lists for huge pictures
   TileList surface_tiles, sky_tiles, repainted_tiles;
   Buffer tile_counts;                 ///< of both lists, by band
@@ -57,6 +58,9 @@ struct FrameTargets {
   bool whole_blocks() const { return energy.width() % 2 == 0 && energy.height() % 2 == 0; }
   /// Entries of a band in the lists of tiles.
   int band_tiles() const { return (grid_width() + kTile - 1) / kTile * (band_rows / kTile); }
+  /// Room for so many work items in each list, and some more; what they held is gone. False when they have it already,
+  /// or may not grow.
+  bool grow_lists(unsigned items);
   /// An empty list with room for all tiles.
   TileList make_tile_list() const;
   static constexpr int kTile = 8;

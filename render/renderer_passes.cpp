@@ -291,7 +291,6 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   const Program& mark = programs.get(mark_variant(bandwidth, refine.has_value(), refine && buffers->has_textures(),
                                                   rule.repainted, plan.visibility == "baked"));
   const TileList& tiles = rule.repainted ? t.repainted_tiles : t.surface_tiles;
-  mark.set("u_item_capacity", t.item_capacity);
   glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   const bool accumulate = bandwidth && progressive;
   if (bandwidth) {
@@ -305,14 +304,20 @@ void Renderer::Impl::shade_band(const FramePlan& plan, std::size_t band, int chu
   }
   unsigned counters[16];
   // Counts average to the base count over the picture; a band that needs far more than its share gets what fits.
-  for (float scale = 1.0f; scale > 1e-3f; scale *= 0.5f) {
+  for (float scale = 1.0f; scale > 1e-3f;) {
     t.counters.clear_to_zero();
+    mark.set("u_item_capacity", t.item_capacity);
     mark.set("u_sample_scale", scale);
     dispatch_tiles(mark, tiles, 2, band);
     t.counters.read(0, sizeof(counters), counters);
-    const auto capacity = static_cast<unsigned>(t.item_capacity);
-    const unsigned limit = refine ? std::min(capacity, refine->most_items) : capacity;
-    if (counters[0] <= limit && counters[8] <= limit) break;
+    const auto most = static_cast<unsigned>(t.most_items);
+    const unsigned wanted = std::max(counters[0], counters[8]);
+    if (wanted > (refine ? std::min(most, refine->most_items) : most))
+      scale *= 0.5f;
+    else if (t.grow_lists(wanted))
+      bind_lists();
+    else
+      break;
   }
   timer->end("mark");
   if (!rule.repainted) visible_points += counters[6];

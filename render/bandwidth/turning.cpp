@@ -144,7 +144,6 @@ void Renderer::Impl::schedule_band(const FramePlan& plan, std::size_t band, cons
   glBindTextureUnit(18, history->mean.get());
   glBindTextureUnit(19, history->renewed.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history->counters.get());
-  schedule.set("u_item_capacity", t.item_capacity);
   schedule.set("u_turn_rad", std::abs(turn.angle_rad));
   schedule.set("u_frame_number", static_cast<int>(turn.frame));
   // A band that needs far more than its share gets what fits; what costs far more than its budget is asked for anew.
@@ -152,6 +151,7 @@ void Renderer::Impl::schedule_band(const FramePlan& plan, std::size_t band, cons
   for (float scale = history->sample_scale; scale > 1e-3f;) {
     t.counters.clear_to_zero();
     history->counters.clear_to_zero();
+    schedule.set("u_item_capacity", t.item_capacity);
     schedule.set("u_sample_scale", scale);
     dispatch_tiles(schedule, t.surface_tiles, 2, band);
     t.counters.read(0, 16 * sizeof(unsigned), counters);
@@ -163,9 +163,11 @@ void Renderer::Impl::schedule_band(const FramePlan& plan, std::size_t band, cons
                         fewest * (static_cast<double>(listed.small_items[0]) + listed.small_items[1])};
     const float next = budgeted_scale(scale, cost, constants.sampling.x, fewest);
     history->sample_scale = std::min(next, scale * kMostGrowth);
-    const auto capacity = static_cast<unsigned>(t.item_capacity);
-    if (counters[0] > capacity || counters[8] > capacity) {
+    const unsigned wanted = std::max(counters[0], counters[8]);
+    if (wanted > static_cast<unsigned>(t.most_items)) {
       scale *= 0.5f;
+    } else if (t.grow_lists(wanted)) {
+      bind_lists();
     } else if (next < kFarTooMuch * scale && !asked_anew) {
       asked_anew = true;
       scale = next;
@@ -207,9 +209,9 @@ void Renderer::Impl::shade_sun(const FramePlan& plan, int list, const Turn& turn
 
 void Renderer::Impl::shade_scheduled_band(const FramePlan& plan, std::size_t band, const Turn& turn, PassTimer* timer) {
   FrameTargets& t = *targets;
-  const auto capacity = static_cast<unsigned>(t.item_capacity);
   unsigned counters[16];
   schedule_band(plan, band, turn, counters);
+  const auto capacity = static_cast<unsigned>(t.item_capacity);
   TurnCounters listed;
   history->counters.read(0, sizeof listed, &listed);
   continued_points += listed.continued;

@@ -153,5 +153,31 @@ TEST_F(LargePicture, SixteenThousandTexelEnvironmentKeepsItsEnergy) {
   EXPECT_TRUE(is_sound(image));
 }
 
+/// Lists of work are as large as frames have asked for.
+TEST(WorkLists, GrowWithoutLosingASample) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(load_scene("builtin:sphere")));
+  renderer.set_environment(std::make_shared<Environment>(load_environment("builtin:studio")));
+  FrameRequest request;
+  request.camera.eye = {0.0f, 0.0f, 3.0f};
+  request.camera.fov_y_rad = 0.3f;
+  request.width = request.height = 64;
+  request.settings.set_from_text("bandwidth.max_level", "0");
+  request.settings.set_from_text("shading.reuse", "false");
+  request.samples = 4;
+  const std::size_t before = renderer.render(request).gpu_bytes.at("shading");
+  request.samples = 1024;
+  const FrameStats grown = renderer.render(request);
+  const Image first = renderer.read_radiance();
+  EXPECT_GT(grown.gpu_bytes.at("shading"), before);
+  EXPECT_GT(static_cast<double>(grown.shading_samples), 0.8 * 1024.0 * 64.0 * 64.0);
+  const FrameStats again = renderer.render(request);
+  EXPECT_EQ(again.shading_samples, grown.shading_samples);
+  EXPECT_EQ(again.gpu_bytes.at("shading"), grown.gpu_bytes.at("shading"));
+  EXPECT_EQ(renderer.read_radiance().data, first.data);
+  expect_no_gl_errors();
+}
+
 }  // namespace
 }  // namespace maquette

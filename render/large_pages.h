@@ -1,29 +1,16 @@
 #pragma once
 
-#include <cstddef>
-#include <vector>
+#include <string>
 
 namespace maquette {
 
-/// Asks the system to keep memory that is filled and read at random in large pages (2 MiB), whose addresses it finds
-/// sooner. A hint: where the system has none, or memory has no room for them, nothing happens.
-void prefer_large_pages(const void* data, std::size_t bytes);
+/// Value of GLIBC_TUNABLES by which malloc asks the system for large pages (2 MiB), `now` being what it is (null: not
+/// set). Empty where the user has decided already (any glibc.malloc.hugetlb).
+std::string tunables_with_large_pages(const char* now);
 
-template <typename T>
-void prefer_large_pages(const std::vector<T>& values) {
-  prefer_large_pages(values.data(), values.size() * sizeof(T));
-}
-
-/// Allows large pages before anything is there: memory that is touched for the first time comes in them, which is
-/// sooner than many small ones, and than large ones made of them afterwards.
-void allow_large_pages(const void* data, std::size_t bytes);
-
-/// `values` must be empty.
-template <typename T>
-void resize_in_large_pages(std::vector<T>* values, std::size_t count) {
-  values->reserve(count);
-  allow_large_pages(values->data(), count * sizeof(T));
-  values->resize(count);
-}
+/// Begins the program anew, once, with memory in large pages: the C library reads that at the start of a process only.
+/// What is touched for the first time then comes in hundreds of pages instead of a hundred thousand. Call it before
+/// anything else; where it cannot be done the program just goes on.
+void restart_in_large_pages(char** argv);
 
 }  // namespace maquette

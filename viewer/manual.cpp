@@ -94,6 +94,9 @@ Section file_section() {
           {{"MAQUETTE_CACHE",
             "folder of derived tables, kept by content; empty: none are kept. Without it "
             "$XDG_CACHE_HOME/maquette or ~/.cache/maquette. It can be removed at any time"},
+           {"GLIBC_TUNABLES",
+            "the program begins once more with glibc.malloc.hugetlb=1 added to it, so that memory comes in large "
+            "pages; glibc.malloc.hugetlb=0 keeps it from doing so, as debuggers may want"},
            {".exr", "linear Rec.709 in stored units times --env-scale, alpha 0 where only the sky is seen"},
            {".png", "opaque; exposure, then the tone mapper, then the mean over the samples of a pixel, then sRGB"},
            {"--stats", "one JSON object; docs/vocabulary.md says what its names mean"}}};

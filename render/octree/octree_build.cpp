@@ -11,7 +11,6 @@
 #include <mutex>
 #include <span>
 
-#include "render/large_pages.h"
 #include "render/octree/octree_clip.h"
 #include "render/octree/octree_triangles.h"
 #include "scenes/error.h"
@@ -559,8 +558,6 @@ Octree assemble_octree(const OctreeBricks& bricks) {
       for (std::uint32_t k = 0; k < filled[b]->counts[level - brick_level]; ++k, ++next[b])
         add(filled[b]->masks[next[b]], filled[b]->words[next[b]]);
   }
-  prefer_large_pages(octree.words);
-  prefer_large_pages(octree.planes);
   return octree;
 }
 

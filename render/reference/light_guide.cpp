@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/large_pages.h"
 #include "render/low_discrepancy.h"
 
 namespace maquette {
@@ -174,8 +173,7 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
     const float plain = partition.probability(leaf);
     inverse_plain_[static_cast<std::size_t>(leaf)] = plain > 0.0f ? 1.0f / plain : 0.0f;
   }
-  prefer_large_pages(records_);
-  resize_in_large_pages(&shares_, kCells);
+  shares_.resize(kCells);
   learn_cell(0);  // nothing yet: all cells alike
   std::fill(shares_.begin() + 1, shares_.end(), shares_[0]);
 }

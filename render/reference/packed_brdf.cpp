@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 
-#include "render/large_pages.h"
 
 namespace maquette {
 
@@ -38,7 +37,7 @@ PackedBrdf::Entry PackedBrdf::pack(const glm::vec3& f) {
 }
 
 PackedBrdf::PackedBrdf(const BrdfTable& table) {
-  resize_in_large_pages(&bricks_, table.rgb.size() / 8);
+  bricks_.resize(table.rgb.size() / 8);
   tbb::parallel_for(0, kThetaHCount, [&](int h) {
     for (int d = 0; d < kThetaDCount; ++d)
       for (int phi = 0; phi < kPhiDCount; ++phi) {

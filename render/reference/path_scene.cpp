@@ -8,7 +8,6 @@
 #include <set>
 
 #include "render/environment/texel_cell.h"
-#include "render/large_pages.h"
 #include "render/material_overrides.h"
 #include "render/reference/traversal.h"
 #include "scenes/error.h"
@@ -128,7 +127,7 @@ void gather_triangles(const PathSceneInput& input, PathScene* scene) {
     scene->mesh_begin[mesh] = static_cast<std::uint32_t>(order.size());
     order.insert(order.end(), assignment.meshes[mesh].begin(), assignment.meshes[mesh].end());
   }
-  resize_in_large_pages(&scene->triangles, order.size());
+  scene->triangles.resize(order.size());
   tbb::parallel_for(std::size_t{0}, order.size(), [&](std::size_t i) {
     scene->triangles[i] = traced_triangle(scene->geometry, order[i], assignment.materials[order[i]]);
   });
@@ -170,7 +169,7 @@ TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
   TracedEnvironment e;
   e.tables = load_environment_tables(*source);
   e.black = !(e.tables.luminance_integral > 0.0);
-  resize_in_large_pages(&e.texels, source->rgb.size());
+  e.texels.resize(source->rgb.size());
   e.bright.resize(e.texels.size());
   for (std::size_t i = 0; i < e.texels.size(); ++i) {
     e.texels[i] = glm::vec4(source->rgb[i], e.tables.density[i]);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "render/large_pages.h"
 #include "render/low_discrepancy.h"
 
 namespace maquette {
@@ -33,8 +32,7 @@ void PresampledEnvironment::prepare(std::uint32_t paths) {
 }
 
 PresampledEnvironment::Set PresampledEnvironment::draw_set(int side) const {
-  Set set{side, {}};
-  resize_in_large_pages(&set.samples, static_cast<std::size_t>(leaves_ * side * side));
+  Set set{side, std::vector<PresampledDirection>(static_cast<std::size_t>(leaves_ * side * side))};
   const std::uint32_t seed = mix_seed(seed_, static_cast<std::uint32_t>(sets_.size()));
   tbb::parallel_for(0, leaves_ * side, [&](int line) {
     for (int column = 0; column < side; ++column) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "render/large_pages.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "tests/benchmarks/stage.h"
@@ -146,6 +147,7 @@ int run(int argc, char** argv) {
 }  // namespace maquette::bench
 
 int main(int argc, char** argv) {
+  maquette::restart_in_large_pages(argv);
   try {
     return maquette::bench::run(argc, argv);
   } catch (const maquette::UsageError& error) {

@@ -36,8 +36,12 @@ namespace {
 
 void make_item_lists(FrameTargets* t) {
   const auto items = static_cast<std::size_t>(t->item_capacity);
+  // The prediction lists its quads there (classify.comp): those of a tile, with several points a pixel one in four.
+  const auto tiles = static_cast<std::size_t>((t->grid_width() + FrameTargets::kTile - 1) / FrameTargets::kTile) *
+                     static_cast<std::size_t>((t->grid_height() + FrameTargets::kTile - 1) / FrameTargets::kTile);
+  const std::size_t quads = t->bandwidth ? tiles * (t->side > 1 ? 4 : 16) : 0;
   for (int k = 0; k < 2; ++k) {
-    t->items[k] = Buffer("work items", items * 8);
+    t->items[k] = Buffer("work items", std::max(items, quads) * 8);
     t->partial[k] = Buffer("partial sums", items * 16);
     t->partial_view[k] = Texture::make_buffer("partial sums", GL_RGBA32F, t->partial[k]);
   }
@@ -97,12 +101,10 @@ FrameTargets make_frame_targets(int width, int height, int side, bool bandwidth,
   const int kBandPoints = bandwidth ? 1 << 19 : 1 << 20;
   t.band_rows = std::clamp(kBandPoints / w / 32 * 32, 32, (h + 31) / 32 * 32);
   const int band_points = w * std::min(t.band_rows, h);
-  // The reflected picture is shaded by four rows at least.
-  t.most_items = bandwidth ? std::max(10 * band_points, 4096) : std::max(band_points, 4 * kMostReflectedItems * w);
-  // Frames of the default counts ask for less than two a point; the prediction lists quads there (classify.comp).
-  const int quad_count = ((w + 1) / 2) * ((h + 1) / 2);
-  t.most_items = std::max(t.most_items, quad_count);
-  t.item_capacity = bandwidth ? std::min(t.most_items, std::max({2 * band_points, quad_count, 4096})) : t.most_items;
+  // The reflected picture is shaded by four rows at least. Frames of mode bandwidth's default counts ask for less than
+  // two a point.
+  t.item_capacity = std::max({(bandwidth ? 2 : 1) * band_points, 4 * kMostReflectedItems * w, 4096});
+  t.most_items = std::max(bandwidth ? 10 * band_points : 0, t.item_capacity);
   const auto bands = static_cast<std::size_t>((h + t.band_rows - 1) / t.band_rows);
   t.tile_counts = Buffer("tile counts", bands * 2 * sizeof(unsigned));
   for (TileList* list : {&t.surface_tiles, &t.sky_tiles, &t.repainted_tiles}) *list = t.make_tile_list();

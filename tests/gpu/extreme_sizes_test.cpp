@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "render/frame_targets.h"
 #include "render/gl/context.h"
 #include "render/metrics.h"
 #include "render/renderer.h"
@@ -151,6 +152,20 @@ TEST_F(LargePicture, SixteenThousandTexelEnvironmentKeepsItsEnergy) {
   EXPECT_NEAR(sum / static_cast<double>(sky->rgb.size()), 1.0 + 1048575.0 / (16384.0 * 8192.0), 1e-4);
   const Image image = draw_sphere("bandwidth", 64, 64, sky);
   EXPECT_TRUE(is_sound(image));
+}
+
+TEST(WorkLists, HoldWhatEveryPassNeedsAtLeast) {
+  const GlContext context = GlContext::create_headless();
+  for (const auto& [width, height] : {std::pair{1, 1}, {7680, 1}, {640, 360}, {301, 977}})
+    for (const int side : {1, 2})
+      for (const bool bandwidth : {false, true}) {
+        const FrameTargets t = make_frame_targets(width, height, side, bandwidth, false);
+        EXPECT_GE(t.item_capacity, 4 * kMostReflectedItems * t.grid_width()) << "four rows of what is reflected";
+        EXPECT_GE(t.most_items, t.item_capacity);
+        EXPECT_LE(t.most_items, (1 << 27) / 16) << "a storage buffer";
+        const int quads = bandwidth ? t.energy.width() * t.energy.height() / (side > 1 ? 4 : 1) : 0;
+        EXPECT_GE(t.items[1].bytes(), static_cast<std::size_t>(8 * std::max(quads, t.item_capacity)));
+      }
 }
 
 /// Lists of work are as large as frames have asked for.

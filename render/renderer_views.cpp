@@ -1,6 +1,8 @@
 // What a frame shows on screen: the tone mapped picture, or an intermediate of it as false colours.
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "render/bandwidth_shared.h"
 #include "render/false_color.h"
@@ -92,6 +94,68 @@ glm::vec2 footprint(float nu_x, float nu_y, float correlation) {
   // Of the smaller eigenvalue; rows run downwards.
   const double angle = glm::degrees(0.5 * std::atan2(2.0 * cross, y * y - x * x));
   return {static_cast<float>(stretch), static_cast<float>(angle < 0.0 ? angle + 180.0 : angle)};
+}
+
+/// What a view shows at a grid point.
+using PointValue = std::function<glm::vec3(int x, int y)>;
+
+template <typename T>
+PointValue value_of_points(const FrameTargets& t, std::vector<T> values) {
+  return [w = t.grid_width(), values = std::move(values)](int x, int y) {
+    return glm::vec3(static_cast<float>(values[static_cast<std::size_t>(y * w + x)]));
+  };
+}
+
+/// Of images of four channels: `value` gets those of the point, or of its quad.
+template <typename T, typename Value>
+PointValue value_of_texels(const Texture& source, GLenum format, GLenum type, int points_a_side, Value value) {
+  return [w = source.width(), texels = read_texture<T>(source, format, type, 4), points_a_side, value](int x, int y) {
+    return value(&texels[4 * static_cast<std::size_t>(y / points_a_side * w + x / points_a_side)]);
+  };
+}
+
+glm::vec3 surface_value(const std::uint32_t* g, int channel) {
+  if (channel == 0) return decode_normal(g[0]);
+  if (channel == 2) return glm::vec3(static_cast<float>(g[2] >> 16));
+  const auto part = [&](int shift) {
+    const float v = static_cast<float>(g[1] >> shift & 255u) / 255.0f;
+    return v * v;
+  };
+  return {part(0), part(8), part(16)};
+}
+
+/// Of the views of a frame's own images.
+PointValue value_of(const FrameTargets& t, const ViewSource& view) {
+  const int channel = view.channel;
+  switch (view.from) {
+    case ViewSource::depth:
+      return value_of_points(t, read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1));
+    case ViewSource::marks:
+      return value_of_texels<std::uint8_t>(t.marks, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, 1,
+                                           [channel](const std::uint8_t* mark) {
+                                             const float v = mark[channel];
+                                             return glm::vec3(channel == 2 && v > 0.0f ? std::exp2(v) : v);
+                                           });
+    case ViewSource::surface:
+      return value_of_texels<std::uint32_t>(t.surface, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 1,
+                                            [channel](const std::uint32_t* g) { return surface_value(g, channel); });
+    case ViewSource::bend:
+      return value_of_texels<std::uint32_t>(t.bend, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 2, [](const std::uint32_t* q) {
+        const shared::ScreenBend bend = shared::unpack_bend({q[0], q[1], q[2], q[3]});
+        return glm::vec3(std::max(bend.turn.x / bend.step_m.x, bend.turn.y / bend.step_m.y));
+      });
+    case ViewSource::footprint:
+      return value_of_texels<float>(t.axes, GL_RGBA, GL_FLOAT, 2, [channel](const float* q) {
+        return glm::vec3(footprint(q[0], q[1], q[2])[channel]);
+      });
+    case ViewSource::quads:
+      return value_of_texels<float>(t.pyramid, GL_RGBA, GL_FLOAT, 2, [channel](const float* q) {
+        return glm::vec3(channel == 2 ? q[2] * q[2] : q[channel]);
+      });
+    default:
+      return value_of_texels<float>(t.axes, GL_RGBA, GL_FLOAT, 2,
+                                    [channel](const float* q) { return glm::vec3(q[channel]); });
+  }
 }
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.
@@ -203,64 +267,17 @@ Image Renderer::read_debug_view(const std::string& name) const {
   if (view->from == ViewSource::distance) return impl_->read_reflected_distances();
   if (view->from == ViewSource::skipped) return impl_->read_skipped();
   if (view->from == ViewSource::glossy) return impl_->read_glossy();
-  const int w = t.grid_width(), h = t.grid_height();
-  Image image(w, h, 4);
+  const PointValue value =
+      view->from == ViewSource::borrowed ? value_of_points<float>(t, impl_->borrowed_shares()) : value_of(t, *view);
   const std::vector<float> depth = read_texture<float>(t.depth, GL_RED, GL_FLOAT, 1);
-  const auto each = [&](auto&& value) {
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        if (depth[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] <= 0.0f)
-          continue;
-        const glm::vec3 v = value(x, y);
-        for (int c = 0; c < 3; ++c) image.at(x, y, c) = v[c];
-        image.at(x, y, 3) = 1.0f;
-      }
-  };
-  const auto at = [w](int x, int y) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
-  };
-  if (view->from == ViewSource::depth) {
-    each([&](int x, int y) { return glm::vec3(depth[at(x, y)]); });
-  } else if (view->from == ViewSource::marks) {
-    const auto marks = read_texture<std::uint8_t>(t.marks, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, 4);
-    each([&](int x, int y) {
-      const float v = marks[4 * at(x, y) + static_cast<std::size_t>(view->channel)];
-      return glm::vec3(view->channel == 2 && v > 0.0f ? std::exp2(v) : v);
-    });
-  } else if (view->from == ViewSource::borrowed) {
-    const std::vector<float> share = impl_->borrowed_shares();
-    each([&](int x, int y) { return glm::vec3(share[at(x, y)]); });
-  } else if (view->from == ViewSource::surface) {
-    const auto surface = read_texture<std::uint32_t>(t.surface, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
-    each([&](int x, int y) {
-      const std::uint32_t* g = &surface[4 * at(x, y)];
-      if (view->channel == 0) return decode_normal(g[0]);
-      if (view->channel == 2) return glm::vec3(static_cast<float>(g[2] >> 16));
-      const auto part = [&](int shift) {
-        const float v = static_cast<float>(g[1] >> shift & 255u) / 255.0f;
-        return v * v;
-      };
-      return glm::vec3(part(0), part(8), part(16));
-    });
-  } else if (view->from == ViewSource::bend) {
-    const auto quads = read_texture<std::uint32_t>(t.bend, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
-    const auto qw = static_cast<std::size_t>(t.bend.width());
-    each([&](int x, int y) {
-      const std::uint32_t* q = &quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2))];
-      const shared::ScreenBend bend = shared::unpack_bend({q[0], q[1], q[2], q[3]});
-      return glm::vec3(std::max(bend.turn.x / bend.step_m.x, bend.turn.y / bend.step_m.y));
-    });
-  } else {
-    const Texture& source = view->from == ViewSource::quads ? t.pyramid : t.axes;
-    const auto quads = read_texture<float>(source, GL_RGBA, GL_FLOAT, 4);
-    const auto qw = static_cast<std::size_t>(source.width());
-    each([&](int x, int y) {
-      const float* q = &quads[4 * (static_cast<std::size_t>(y / 2) * qw + static_cast<std::size_t>(x / 2))];
-      if (view->from == ViewSource::footprint) return glm::vec3(footprint(q[0], q[1], q[2])[view->channel]);
-      const float v = q[view->channel];
-      return glm::vec3(view->channel == 2 && view->from == ViewSource::quads ? v * v : v);
-    });
-  }
+  Image image(t.grid_width(), t.grid_height(), 4);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      if (depth[static_cast<std::size_t>(y * image.width + x)] <= 0.0f) continue;
+      const glm::vec3 v = value(x, y);
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = v[c];
+      image.at(x, y, 3) = 1.0f;
+    }
   return image;
 }
 

@@ -10,6 +10,7 @@
 #include "render/environment/texel_cell.h"
 #include "render/material_overrides.h"
 #include "render/reference/traversal.h"
+#include "render/reference/triangle_pairs.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -120,8 +121,31 @@ TracedTriangle traced_triangle(const FlatGeometry& geometry, std::uint32_t sourc
   return t;
 }
 
+/// Below this share of triangles in pairs the fourth corners take more memory than the pairs save.
+constexpr double kLeastPaired = 0.5;
+
+/// Orders the triangles of the meshes by pairs, where there are enough of them.
+void pair_meshes(std::array<std::vector<std::uint32_t>, PathScene::kHidden + 1>* meshes, PathScene* scene) {
+  std::vector<std::uint32_t> turned = scene->geometry.indices;
+  std::array<TrianglePairs, PathScene::kHidden> pairs;
+  double count = 0.0, paired = 0.0;
+  for (std::size_t mesh = 0; mesh < PathScene::kHidden; ++mesh) {
+    pairs[mesh] = pair_triangles((*meshes)[mesh], scene->geometry.positions, turned);
+    count += static_cast<double>((*meshes)[mesh].size());
+    paired += 2.0 * pairs[mesh].pair_count;
+  }
+  scene->quads = paired > kLeastPaired * count;
+  if (!scene->quads) return;
+  scene->geometry.indices = std::move(turned);
+  for (std::size_t mesh = 0; mesh < PathScene::kHidden; ++mesh) {
+    scene->pair_count[mesh] = pairs[mesh].pair_count;
+    (*meshes)[mesh] = std::move(pairs[mesh].order);
+  }
+}
+
 void gather_triangles(const PathSceneInput& input, PathScene* scene) {
-  const Assignment assignment = assign_triangles(input, scene);
+  Assignment assignment = assign_triangles(input, scene);
+  pair_meshes(&assignment.meshes, scene);
   std::vector<std::uint32_t> order;
   for (std::size_t mesh = 0; mesh < assignment.meshes.size(); ++mesh) {
     scene->mesh_begin[mesh] = static_cast<std::uint32_t>(order.size());

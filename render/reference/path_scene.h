@@ -107,6 +107,9 @@ struct PathScene {
   std::vector<TracedTriangle> triangles;
   enum Mesh : std::size_t { kStops, kPanes, kAsks, kHidden };
   std::array<std::uint32_t, kHidden + 1> mesh_begin{};  ///< first triangle of each mesh
+  /// Of each mesh: so many pairs of triangles come first, which the ray tracer takes as quads (triangle_pairs.h).
+  std::array<std::uint32_t, kHidden> pair_count{};
+  bool quads = false;  ///< the ray tracer's primitives: what is no pair is a quad with one half; false: triangles
   std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of `lights`, kNoTriangle: none; may be empty
   TextureAtlas atlas;
   LightGrid lights;

@@ -1,5 +1,6 @@
 #include "render/reference/traversal.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 
@@ -23,31 +24,43 @@ struct RayContext {
 
 bool all_taken(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
 
+/// A hit of the ray tracer's primitives.
+struct MeshHit {
+  unsigned mesh, primitive;
+  float u, v;
+};
+
+/// The triangle of a hit: the second half of a quad runs from its third corner, v2, to v3 and v1.
+/// Source: Embree's manual, RTC_GEOMETRY_TYPE_QUAD.
+RayHit triangle_of(const PathScene& scene, const MeshHit& h) {
+  const std::uint32_t pairs = scene.pair_count[h.mesh], begin = scene.mesh_begin[h.mesh];
+  if (h.primitive >= pairs) return {0.0f, begin + pairs + h.primitive, {h.u, h.v}};
+  const std::uint32_t first = begin + 2 * h.primitive;
+  if (h.u + h.v <= 1.0f) return {0.0f, first, {h.u, h.v}};
+  return {0.0f, first + 1, {1.0f - h.u, 1.0f - h.v}};
+}
+
 struct Candidate {
   std::uint32_t triangle;
   glm::vec2 barycentric;
   glm::vec3 direction;
-  glm::vec3 geometric;
 };
 
 Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments* args) {
-  Candidate c;
-  const unsigned mesh = RTCHitN_geomID(args->hit, args->N, 0);
-  c.triangle = scene.mesh_begin[mesh] + RTCHitN_primID(args->hit, args->N, 0);
-  c.barycentric = {RTCHitN_u(args->hit, args->N, 0), RTCHitN_v(args->hit, args->N, 0)};
-  c.direction = {RTCRayN_dir_x(args->ray, args->N, 0), RTCRayN_dir_y(args->ray, args->N, 0),
-                 RTCRayN_dir_z(args->ray, args->N, 0)};
-  c.geometric = {RTCHitN_Ng_x(args->hit, args->N, 0), RTCHitN_Ng_y(args->hit, args->N, 0),
-                 RTCHitN_Ng_z(args->hit, args->N, 0)};
-  return c;
+  const RayHit hit = triangle_of(scene, {RTCHitN_geomID(args->hit, args->N, 0), RTCHitN_primID(args->hit, args->N, 0),
+                                         RTCHitN_u(args->hit, args->N, 0), RTCHitN_v(args->hit, args->N, 0)});
+  return {hit.triangle,
+          hit.barycentric,
+          {RTCRayN_dir_x(args->ray, args->N, 0), RTCRayN_dir_y(args->ray, args->N, 0),
+           RTCRayN_dir_z(args->ray, args->N, 0)}};
 }
 
 /// Of every mesh, for camera rays only (through the context).
 void cull_backs(const RTCFilterFunctionNArguments* args) {
   const auto* context = reinterpret_cast<const RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
-  const bool single_sided = (context->scene->triangles[c.triangle].material & kBothSides) == 0;
-  if (single_sided && glm::dot(c.geometric, c.direction) > 0.0f) args->valid[0] = 0;
+  const TracedTriangle& t = context->scene->triangles[c.triangle];
+  if ((t.material & kBothSides) == 0 && glm::dot(t.geometric, c.direction) > 0.0f) args->valid[0] = 0;
 }
 
 /// Of the mesh that asks: whether a ray that looks for the nearest surface stops there.
@@ -100,19 +113,37 @@ void take_share(const RTCFilterFunctionNArguments* args) {
   if (!all_taken(left)) args->valid[0] = 0;
 }
 
+/// Corners of the ray tracer's primitives.
+void write_corners(const PathScene& scene, std::size_t mesh, std::uint32_t* out) {
+  const std::uint32_t begin = scene.mesh_begin[mesh], end = scene.mesh_begin[mesh + 1];
+  const std::uint32_t alone = begin + 2 * scene.pair_count[mesh];
+  for (std::uint32_t t = begin; t < alone; t += 2, out += 4) {
+    const std::uint32_t *first = scene.corners(t), *second = scene.corners(t + 1);
+    out[0] = first[0];
+    out[1] = first[1];
+    out[2] = second[0];
+    out[3] = first[2];
+  }
+  for (std::uint32_t t = alone; t < end; ++t) {
+    out = std::copy_n(scene.corners(t), 3, out);
+    if (scene.quads) *out++ = scene.corners(t)[2];
+  }
+}
+
 void add_mesh(PathScene* scene, std::size_t mesh) {
-  const std::uint32_t begin = scene->mesh_begin[mesh], end = scene->mesh_begin[mesh + 1];
-  if (begin == end) return;
-  RTCGeometry handle = rtcNewGeometry(scene->device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  const std::uint32_t count = scene->mesh_begin[mesh + 1] - scene->mesh_begin[mesh] - scene->pair_count[mesh];
+  if (count == 0) return;
+  RTCGeometry handle =
+      rtcNewGeometry(scene->device.get(), scene->quads ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
   const auto& positions = scene->geometry.positions;
   auto* vertices = static_cast<float*>(
       rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, positions.size()));
-  auto* indices = static_cast<std::uint32_t*>(
-      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, end - begin));
-  if (vertices && indices) {
+  auto* corners = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(handle, RTC_BUFFER_TYPE_INDEX, 0, scene->quads ? RTC_FORMAT_UINT4 : RTC_FORMAT_UINT3,
+                              scene->quads ? 16 : 12, count));
+  if (vertices && corners) {
     std::memcpy(vertices, positions.data(), positions.size() * 12);
-    for (std::uint32_t i = begin; i < end; ++i)
-      std::memcpy(indices + 3 * std::size_t{i - begin}, scene->corners(i), 12);
+    write_corners(*scene, mesh, corners);
     if (mesh == PathScene::kPanes) rtcSetGeometryOccludedFilterFunction(handle, pass_pane);
     if (mesh == PathScene::kAsks) {
       rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
@@ -154,9 +185,8 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene.embree.get(), &context.base, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
   hit->distance = query.ray.tfar;
-  hit->triangle = scene.mesh_begin[query.hit.geomID] + query.hit.primID;
-  hit->barycentric = {query.hit.u, query.hit.v};
   return true;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "render/low_discrepancy.h"
+#include "render/wide.h"
 
 namespace maquette {
 
@@ -184,13 +185,13 @@ float LightGuide::facing(int leaf, const glm::vec3& normal) const {
                      axes_.slope[i]);
 }
 
-void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
-  const std::uint16_t* known = shares_[cell].units.data();
+MAQUETTE_WIDE void LightGuide::add_up(const CellShares& known, const Leaves& axes, const glm::vec3& normal,
+                                      LeafShares* shares) {
   const float x = normal.x, y = normal.y, z = normal.z;
   alignas(32) std::array<float, kLeaves> sums;  // of its own, so that the loop is known to write to nothing it reads
   for (std::size_t i = 0; i < kLeaves; ++i)
-    sums[i] = static_cast<float>(known[i]) *
-              mean_facing(axes_.x[i] * x + axes_.y[i] * y + axes_.z[i] * z, axes_.extent[i], axes_.slope[i]);
+    sums[i] = static_cast<float>(known.units[i]) *
+              mean_facing(axes.x[i] * x + axes.y[i] * y + axes.z[i] * z, axes.extent[i], axes.slope[i]);
   constexpr std::size_t kBlocks = LeafShares::kBlocks;
   for (std::size_t i = kBlocks; i < kLeaves; i += kBlocks)
     for (std::size_t block = 0; block < kBlocks; ++block) sums[i + block] += sums[i - kBlocks + block];
@@ -200,6 +201,10 @@ void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* s
     sum += sums[kLeaves - kBlocks + block];
     shares->ends[block] = sum;
   }
+}
+
+void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
+  add_up(shares_[cell], axes_, normal, shares);
 }
 
 void LightGuide::record(std::uint32_t cell, int leaf, float useful) {

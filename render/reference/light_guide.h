@@ -130,6 +130,7 @@ class LightGuide {
   struct Leaves {
     alignas(32) std::array<float, kLeaves> x, y, z, extent, slope;
   };
+  static void add_up(const CellShares& known, const Leaves& axes, const glm::vec3& normal, LeafShares* shares);
   Leaves axes_{};                               ///< at LeafShares::place_of
   std::array<float, kLeaves> inverse_plain_{};  ///< [leaf] 0 where there is no light
 };

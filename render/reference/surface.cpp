@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace maquette {
 
@@ -13,11 +15,15 @@ namespace {
 /// which subtracts coordinates of the same size.
 constexpr float kPositionError = 16.0f * 0x1p-24f;
 
-/// std::nextafter of a finite number, which is a call: its neighbour upwards or downwards.
-float next_float(float value, bool upwards) {
+/// std::nextafter of a finite number, upwards (step 1), downwards (-1) or not at all (0), without calls and branches.
+float next_float(float value, std::int32_t step) {
   const auto bits = std::bit_cast<std::int32_t>(value);
-  if (value == 0.0f) return std::bit_cast<float>(upwards ? 1 : static_cast<std::int32_t>(0x80000001u));
-  return std::bit_cast<float>(bits + ((bits >= 0) == upwards ? 1 : -1));
+  // Floats are in the order of these whole numbers, both zeros the same one.
+  const std::int32_t sign = bits >> 31;
+  const std::int32_t next = (((bits & 0x7fffffff) ^ sign) - sign) + step;
+  const std::int32_t next_sign = next >> 31;
+  return std::bit_cast<float>(((next ^ next_sign) - next_sign) |
+                              (next_sign & std::numeric_limits<std::int32_t>::min()));
 }
 
 /// Corner values of one triangle, and their interpolation.
@@ -223,9 +229,8 @@ glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm:
 
 glm::vec3 offset_from_surface(const glm::vec3& position, const glm::vec3& error, const glm::vec3& normal) {
   const glm::vec3 moved = position + normal * glm::dot(glm::abs(normal), error);
-  glm::vec3 result = moved;
-  for (int c = 0; c < 3; ++c)
-    if (normal[c] != 0.0f) result[c] = next_float(moved[c], normal[c] > 0.0f);
+  glm::vec3 result;
+  for (int c = 0; c < 3; ++c) result[c] = next_float(moved[c], (normal[c] > 0.0f ? 1 : 0) - (normal[c] < 0.0f ? 1 : 0));
   return result;
 }
 

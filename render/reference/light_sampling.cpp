@@ -94,6 +94,12 @@ void EnvironmentLight::record(int leaf, std::uint32_t cell, float useful) const 
   if (cell != LightGuide::kNoCell && guide_->learning()) guide_->record(cell, leaf, useful);
 }
 
+void prefetch_scene_light(const PathScene& scene, const LightPick& pick) {
+  __builtin_prefetch(&scene.lights.lights[pick.index]);
+  if (const std::uint32_t triangle = scene.light_triangles[pick.index]; triangle != kNoTriangle)
+    __builtin_prefetch(&scene.triangles[triangle].material);
+}
+
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,
                            bool mean_emission) {
   const LightRecord& light = scene.lights.lights[pick.index];

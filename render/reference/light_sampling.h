@@ -71,6 +71,8 @@ class EnvironmentLight {
   const PresampledEnvironment* samples_;
 };
 
+/// Asks for what draw_scene_light reads.
+void prefetch_scene_light(const PathScene& scene, const LightPick& pick);
 /// A point of a light that was chosen, by area. `mean_emission`: a textured triangle shines with its mean (as the
 /// direct modes have it), else as its texture says there.
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,

@@ -6,18 +6,11 @@
 #include <bit>
 #include <cmath>
 
-
 namespace maquette {
 
 namespace {
 
-constexpr int kThetaDBricks = kThetaDCount / 2, kPhiDBricks = kPhiDCount / 2;
 static_assert(kThetaHCount % 2 == 0 && kThetaDCount % 2 == 0 && kPhiDCount % 2 == 0);
-
-/// Places of an entry are sums of one for each axis: (brick, in the brick).
-constexpr int of_theta_h(int i) { return i / 2 * (kThetaDBricks * kPhiDBricks * 8) + i % 2 * 4; }
-constexpr int of_theta_d(int i) { return i / 2 * (kPhiDBricks * 8) + i % 2 * 2; }
-constexpr int of_phi_d(int i) { return i / 2 * 8 + i % 2; }
 
 constexpr int kFloatBias = 127, kDoubleBias = 1023;  ///< of exponents
 
@@ -48,32 +41,23 @@ PackedBrdf::PackedBrdf(const BrdfTable& table) {
   });
 }
 
-/// Upper corners of phi_d come second, of theta_d third and of theta_h last.
-std::array<const PackedBrdf::Entry*, 8> PackedBrdf::corners_of(const shared::MerlCell& cell) const {
+void PackedBrdf::prefetch(const Place& place) const {
   const Entry* entries = bricks_.front().entries.data();
-  const int h[2] = {of_theta_h(cell.lower.x), of_theta_h(cell.upper.x)};
-  const int d[2] = {of_theta_d(cell.lower.y), of_theta_d(cell.upper.y)};
-  const int phi[2] = {of_phi_d(cell.lower.z), of_phi_d(cell.upper.z)};
-  std::array<const Entry*, 8> corners;
-  for (std::size_t i = 0; i < 8; ++i) corners[i] = entries + h[i / 4] + d[i / 2 % 2] + phi[i % 2];
-  return corners;
+  for (std::size_t i = 0; i < 8; ++i) __builtin_prefetch(entries + place.entry(i));
 }
 
-void PackedBrdf::prefetch(const shared::MerlCell& cell) const {
-  for (const Entry* corner : corners_of(cell)) __builtin_prefetch(corner);
-}
-
-glm::vec3 PackedBrdf::look_up(const shared::MerlCell& cell) const {
-  const std::array<const Entry*, 8> corners = corners_of(cell);
-  const glm::vec3 &f = cell.fraction, g = glm::vec3(1.0f) - f;
+glm::vec3 PackedBrdf::look_up(const Place& place) const {
+  const Entry* entries = bricks_.front().entries.data();
+  const glm::vec3 &f = place.fraction, g = glm::vec3(1.0f) - f;
   const float low = g.x * g.y, middle = g.x * f.y, high = f.x * g.y, highest = f.x * f.y;
   alignas(32) const float weights[8] = {low * g.z,  low * f.z,  middle * g.z,  middle * f.z,
                                         high * g.z, high * f.z, highest * g.z, highest * f.z};
   // In lanes, with signed numbers, which convert sooner.
   alignas(32) std::int32_t first[8], second[8];
   for (std::size_t i = 0; i < 8; ++i) {
-    first[i] = static_cast<std::int32_t>(corners[i]->red_green);
-    second[i] = static_cast<std::int32_t>(corners[i]->blue_exponent);
+    const Entry& entry = entries[place.entry(i)];
+    first[i] = static_cast<std::int32_t>(entry.red_green);
+    second[i] = static_cast<std::int32_t>(entry.blue_exponent);
   }
   alignas(32) float red[8], green[8], blue[8];
   for (std::size_t i = 0; i < 8; ++i) {

@@ -98,16 +98,9 @@ class FullPath {
     const SurfacePoint& p = *at_;
     shadow_rays_ = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
     polarisation_ = {};
-    find_cells(p);
-    origin_ = offset_from_surface(p.position, p.error, p.normal);
-    has_lamp_ = false;
-    if (!scene_.lights.lights.empty()) {
-      lamp_cell_ = light_cell(scene_.lights, p.position);
-      prefetch_cell(scene_.lights, lamp_cell_);
-      const float lux = scene_.lights.lux[lamp_cell_], sky = environment_.known_lux(cell_);
-      lamp_rays_ = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
-      has_lamp_ = lamp_rays_ >= 1.0f || sampler_.single(dimension(kChance)) < lamp_rays_;
-    }
+    find_place(p);
+    has_lamp_ = place().lamp_rays >= 1.0f ||
+                (place().lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < place().lamp_rays);
     draw_numbers();
     scattering_ = choose_scattering(p, numbers_[kMostShadowRays]);
   }
@@ -116,16 +109,15 @@ class FullPath {
   void choose() {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *at_;
-    choose_environment(p);
-    lamp_ = LightDraw();
     if (has_lamp_) {
       const std::uint32_t choice = dimension(kLightChoice);
-      const LightPick pick = choose_light(scene_.lights, lamp_cell_, sampler_.single(choice), sampler_.word(choice));
-      lamp_ = draw_scene_light(scene_, p.position, pick, sampler_.pair(dimension(kLight)), false);
+      picked_ = choose_light(scene_.lights, place().lamp_cell, sampler_.single(choice), sampler_.word(choice));
+      prefetch_scene_light(scene_, picked_);
     }
+    choose_environment(p);
     ask_mirrors(p);
     drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
-    if (drawn_.pdf > 0.0f) query_ = prepare_brdf(p, drawn_.wi);
+    query_.wi = drawn_.wi;
   }
 
   /// Shadow rays.
@@ -143,12 +135,14 @@ class FullPath {
       if (light.above) useful[k] = 0.0f;
     }
     const std::size_t of_sky = arrived_;
-    if (lamp_.pdf > 0.0f) {
-      arriving_[arrived_].draw = lamp_;
-      arriving_[arrived_].rays = lamp_rays_;
+    LightDraw lamp;
+    if (has_lamp_) lamp = draw_scene_light(scene_, at_->position, picked_, sampler_.pair(dimension(kLight)), false);
+    if (lamp.pdf > 0.0f) {
+      arriving_[arrived_].draw = lamp;
+      arriving_[arrived_].rays = place().lamp_rays;
       arrived_ += trace_light(*at_, &arriving_[arrived_]) ? 1 : 0;
     }
-    // Panes, cells and lessons of all rays beside each other: what one reads comes while another is reckoned.
+    // Panes and lessons of all rays beside each other: what one reads comes while another is reckoned.
     std::size_t kept = 0;
     for (std::size_t i = 0; i < arrived_; ++i) {
       ArrivingLight& light = arriving_[i];
@@ -159,9 +153,15 @@ class FullPath {
       ++kept;
     }
     arrived_ = kept;
-    for (std::size_t i = 0; i < arrived_; ++i) arriving_[i].query = prepare_scattering(*at_, arriving_[i].query.wi);
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, cell_, useful[k]);
+      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, place().cell, useful[k]);
+  }
+
+  /// Entries and cells of tables, beside those of other paths.
+  void ask_tables(QueryBatch* batch) {
+    if (step_ != Step::scatter) return;
+    for (std::size_t i = 0; i < arrived_; ++i) batch->add(*at_, &arriving_[i].query);
+    if (drawn_.pdf > 0.0f) batch->add(*at_, &query_);
   }
 
   /// Light that arrives straight, then on in a new direction.
@@ -242,14 +242,14 @@ class FullPath {
     steady_ = glm::vec3(0.0f);
     if (bounce_ == 0 && vertex_ == 0 && max_bounces_ > 0 && shares_first(p)) {
       link_.from = &p;
-      link_.origin = origin_;
+      link_.origin = place().origin;
       link_.weight = weight_;
-      link_.mirror_cell = mirror_cell_;
+      link_.mirror_cell = place().mirror_cell;
       link_.mirror_share = mirror_share_;
       link_.direction = p.to_world(drawn_.wi);
       link_.pdf = drawn_.pdf;
     } else if (bounce_ == 1 && link_.reached) {
-      link_.end = origin_;
+      link_.end = place().origin;
       steady_ = steady_brdf(p);
     }
   }
@@ -261,7 +261,7 @@ class FullPath {
     if (p.material->values.unlit) add(p.base_color);
     if (p.emission == glm::vec3(0.0f)) return;
     const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_, p.position) : 0.0f;
-    add(p.emission * share_of(lamp_rays_ * other));
+    add(p.emission * share_of(place().lamp_rays * other));
   }
 
   /// Mirrors or lets pass; false where this path treats the pane as a surface (its share that is none).
@@ -317,32 +317,67 @@ class FullPath {
     shared_weight_ = (steady_ + shared_weight_ * f) * scale;
     steady_ = glm::vec3(0.0f);
     if (!survives()) return false;
-    ray_ = {origin_, direction};
+    ray_ = {place().origin, direction};
     pdf_ = drawn_.pdf;
     scattered_at_ = from_ = p.position;
     ++bounce_;
     return true;
   }
 
+  /// Where a surface is: the same for all paths that shade it while the guides learn nothing.
+  struct Place {
+    glm::vec3 position{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface that it is of
+    glm::vec3 origin{0.0f};                           ///< of rays that leave there
+    std::uint32_t cell = LightGuide::kNoCell;         ///< of the guide
+    std::uint32_t mirror_cell = 0;
+    std::size_t lamp_cell = 0;  ///< of the grid of lights
+    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps
+    bool looked = false;
+    LeafShares shares;  ///< of the guide, once looked
+  };
+
+  /// Paths of one pixel come one after the other: most begin where the one before did.
+  void find_place(const SurfacePoint& p) {
+    const bool first = branches_ == 1 && bounce_ == 0 && vertex_ == 0;
+    place_ = first ? 0 : 1;
+    Place& place = places_[place_];
+    if (first && p.position == place.position && p.normal == place.normal && p.n == place.n) return;
+    place.position = p.position;
+    place.normal = p.normal;
+    place.n = p.n;
+    place.looked = false;
+    place.origin = offset_from_surface(p.position, p.error, p.normal);
+    find_cells(p, &place);
+    place.lamp_rays = 0.0f;
+    if (scene_.lights.lights.empty()) return;
+    place.lamp_cell = light_cell(scene_.lights, p.position);
+    prefetch_cell(scene_.lights, place.lamp_cell);
+    const float lux = scene_.lights.lux[place.lamp_cell], sky = environment_.known_lux(place.cell);
+    place.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
+  }
+
+  const Place& place() const { return places_[place_]; }
+
   /// Both guides have the same grid of places.
-  void find_cells(const SurfacePoint& p) {
-    cell_ = environment_.cell_of(p.position, p.n);
-    environment_.prefetch(cell_);
+  void find_cells(const SurfacePoint& p, Place* place) const {
+    place->cell = environment_.cell_of(p.position, p.n);
+    environment_.prefetch(place->cell);
     if (!mirrors_) return;
-    mirror_cell_ = cell_ != LightGuide::kNoCell ? cell_ : mirrors_->cell_of(p.position, p.n);
-    mirrors_->prefetch(mirror_cell_);
+    place->mirror_cell = place->cell != LightGuide::kNoCell ? place->cell : mirrors_->cell_of(p.position, p.n);
+    mirrors_->prefetch(place->mirror_cell);
   }
 
   /// How many scattered rays look for mirrored lamps: of what scatters widely, where some were seen.
   void ask_mirrors(const SurfacePoint& p) {
     mirror_share_ = 0.0f;
     if (!mirrors_) return;
-    if (mirrors_->knows(mirror_cell_)) mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
+    if (mirrors_->knows(place().mirror_cell))
+      mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
   }
 
   /// Density of what draw_direction draws, given the BRDF's own.
   float mixed_pdf(float own, const glm::vec3& direction) const {
-    return mirrors_ ? mirrors_->mixed_pdf(own, mirror_cell_, mirror_share_, direction) : own;
+    return mirrors_ ? mirrors_->mixed_pdf(own, place().mirror_cell, mirror_share_, direction) : own;
   }
 
   DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
@@ -350,14 +385,14 @@ class FullPath {
     if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice);
     DrawnDirection s;
     if (sampler_.single(dimension(kGuide)) < mirror_share_) {
-      s.wi = p.to_local(mirrors_->sample(mirror_cell_, choice.u));
+      s.wi = p.to_local(mirrors_->sample(place().mirror_cell, choice.u));
       if (s.wi.z <= 0.0f) return s;
       s.pdf = scattering_pdf(p, s.wi);
     } else {
       s = draw_scattering(p, choice);
       if (!(s.pdf > 0.0f)) return s;
     }
-    const float guide = mirror_share_ * mirrors_->pdf(mirror_cell_, p.to_world(s.wi));
+    const float guide = mirror_share_ * mirrors_->pdf(place().mirror_cell, p.to_world(s.wi));
     s.pdf = (1.0f - mirror_share_) * s.pdf + guide;
     guided_ = s.pdf > 0.0f ? guide / s.pdf : 0.0f;
     return s;
@@ -388,11 +423,13 @@ class FullPath {
 
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    if (cell_ != LightGuide::kNoCell) environment_.look(cell_, p.n, &shares_);
+    Place& place = places_[place_];
+    if (place.cell != LightGuide::kNoCell && !place.looked) environment_.look(place.cell, p.n, &place.shares);
+    place.looked = true;
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      choices_[k] = environment_.choose(numbers_[k], cell_, shares(), sampler_.index);
+      choices_[k] = environment_.choose(numbers_[k], place.cell, shares(), sampler_.index);
   }
-  const LeafShares* shares() const { return cell_ != LightGuide::kNoCell ? &shares_ : nullptr; }
+  const LeafShares* shares() const { return place().cell != LightGuide::kNoCell ? &place().shares : nullptr; }
 
   /// One of `rays` shadow rays of the same kind.
   struct ArrivingLight {
@@ -413,7 +450,7 @@ class FullPath {
     const glm::vec3 wi = p.to_local(draw.direction);
     if (wi.z <= 0.0f) return false;
     light->above = true;
-    Ray ray{origin_, draw.direction, 0.0f, draw.distance};
+    Ray ray{place().origin, draw.direction, 0.0f, draw.distance};
     // Short of a near light by the rounding of its distance and of the direction.
     if (draw.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
@@ -459,19 +496,15 @@ class FullPath {
   glm::vec3 scattered_at_{0.0f};
   glm::vec3 from_{0.0f};  ///< of the ray, on the surface itself
   // Of the surface where it is:
-  glm::vec3 origin_{0.0f};                    ///< of rays that leave there
-  std::uint32_t cell_ = LightGuide::kNoCell;  ///< of the guide
-  LeafShares shares_;                         ///< of the guide
+  std::array<Place, 2> places_;  ///< of the camera ray's first surface; of any other
+  std::size_t place_ = 1;        ///< which of them
   std::uint32_t shadow_rays_ = 0;
   PathSampler::Pairs numbers_;
   std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
   bool has_lamp_ = false;
-  std::size_t lamp_cell_ = 0;  ///< of the grid of lights
-  float lamp_rays_ = 1.0f;     ///< mean number of shadow rays to lamps
-  LightDraw lamp_;
+  LightPick picked_;  ///< lamp
   std::array<ArrivingLight, kMostShadowRays + 1> arriving_;
   std::size_t arrived_ = 0;
-  std::uint32_t mirror_cell_ = 0;
   float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws
   float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction
   ScatteringChoice scattering_;
@@ -495,16 +528,19 @@ void PathGroup::follow(std::span<PathTask> tasks) {
     const auto beside = [&](std::size_t k) { return k < tasks.size() && tasks[k].tile == tasks[i].tile; };
     paths_[i].begin(*tasks[i].ray, tasks[i].sampler, tasks[i].tile > 0 && (beside(i - 1) || beside(i + 1)));
   }
-  const auto all = [&](void (FullPath::*step)()) {
-    for (std::size_t i = 0; i < count; ++i) (under_way[i]->*step)();
+  const auto all = [&](const auto& step) {
+    for (std::size_t i = 0; i < count; ++i) step(*under_way[i]);
   };
+  QueryBatch batch;
   while (count > 0) {
-    all(&FullPath::trace);
-    all(&FullPath::meet);
-    all(&FullPath::look);
-    all(&FullPath::choose);
-    all(&FullPath::ask_lights);
-    all(&FullPath::scatter);
+    all([](FullPath& path) { path.trace(); });
+    all([](FullPath& path) { path.meet(); });
+    all([](FullPath& path) { path.look(); });
+    all([](FullPath& path) { path.choose(); });
+    all([](FullPath& path) { path.ask_lights(); });
+    all([&](FullPath& path) { path.ask_tables(&batch); });
+    batch.complete();
+    all([](FullPath& path) { path.scatter(); });
     const auto end = std::remove_if(under_way.begin(), under_way.begin() + static_cast<std::ptrdiff_t>(count),
                                     [](const FullPath* path) { return path->ended(); });
     count = static_cast<std::size_t>(end - under_way.begin());

@@ -12,14 +12,18 @@ LobeChoice choose_lobe(const glm::vec3& weights, float u) {
 
 namespace {
 
-void place_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
-  shared::BrdfSampler sampler(measured.tables);
-  const int row = sampler.brdf_elevation(wo) * kThetaCellCount;
-  query->half = sampler.half_vector_place(wo, query->wi);
+/// Asks for what density_of reads; `half` is set.
+void place_density(const MeasuredMaterial& measured, int elevation, ScatteringQuery* query) {
+  const int row = elevation * kThetaCellCount;
   query->theta_cell = shared::find_theta_cell(measured.tables.theta_cells.data() + row, query->half.t);
   query->theta = measured.tables.theta_cells.data() + row + query->theta_cell;
   query->phis = measured.tables.phi_cells.data() + (row + query->theta_cell) * kPhiCellCount;
   for (int p : {0, kPhiCellCount / 2, kPhiCellCount - 1}) __builtin_prefetch(query->phis + p);
+}
+void place_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
+  shared::BrdfSampler sampler(measured.tables);
+  query->half = sampler.half_vector_place(wo, query->wi);
+  place_density(measured, sampler.brdf_elevation(wo), query);
 }
 
 float density_of(const MeasuredMaterial& measured, const glm::vec3& wo, const ScatteringQuery& query) {
@@ -33,8 +37,8 @@ float density_of(const MeasuredMaterial& measured, const glm::vec3& wo, const Sc
 BrdfQuery prepare_brdf(const SurfacePoint& p, const glm::vec3& wi) {
   BrdfQuery query{wi, {}};
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
-    query.cell = shared::merl_cell(shared::merl_coordinates(wi, p.wo));
-    measured->values.prefetch(query.cell);
+    query.place = PackedBrdf::place_of(shared::merl_cell(shared::merl_coordinates(wi, p.wo)));
+    measured->values.prefetch(query.place);
   }
   return query;
 }
@@ -45,9 +49,32 @@ ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   return query;
 }
 
+void QueryBatch::add(const SurfacePoint& p, BrdfQuery* query, ScatteringQuery* density) {
+  const MeasuredMaterial* measured = p.material->measured.get();
+  if (!measured) return;
+  lanes_.wi.set(count_, query->wi);
+  lanes_.wo.set(count_, p.wo);
+  waiting_[count_++] = {measured, query, density};
+  if (count_ == BrdfLanes::kCount) complete();
+}
+
+void QueryBatch::complete() {
+  if (count_ == 0) return;
+  lanes_.compute();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Waiting& w = waiting_[i];
+    w.query->place = lanes_.place(i);
+    w.measured->values.prefetch(w.query->place);
+    if (!w.density) continue;
+    w.density->half = {lanes_.t[i], lanes_.phi[i], lanes_.length_sum[i]};
+    place_density(*w.measured, lanes_.elevation[i], w.density);
+  }
+  count_ = 0;
+}
+
 glm::vec3 evaluate_brdf(const SurfacePoint& p, const BrdfQuery& query) {
   if (const MeasuredMaterial* measured = p.material->measured.get())
-    return measured->values.look_up(query.cell) * p.tint;
+    return measured->values.look_up(query.place) * p.tint;
   return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
 }
 

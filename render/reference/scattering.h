@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+
+#include "render/reference/brdf_lanes.h"
 #include "render/reference/surface.h"
 
 namespace maquette {
@@ -14,7 +17,7 @@ Scattering evaluate_scattering(const SurfacePoint& point, const glm::vec3& wi);
 /// A direction above the horizon whose entries of a measured table are on their way from memory.
 struct BrdfQuery {
   glm::vec3 wi{0.0f};
-  shared::MerlCell cell{};
+  PackedBrdf::Place place{};
 };
 BrdfQuery prepare_brdf(const SurfacePoint& point, const glm::vec3& wi);
 glm::vec3 evaluate_brdf(const SurfacePoint& point, const BrdfQuery& query);
@@ -26,6 +29,27 @@ struct ScatteringQuery : BrdfQuery {
 };
 ScatteringQuery prepare_scattering(const SurfacePoint& point, const glm::vec3& wi);
 Scattering evaluate_scattering(const SurfacePoint& point, const ScatteringQuery& query);
+
+/// Prepares many queries, of any points, side by side: what prepare_brdf and prepare_scattering make of them.
+class QueryBatch {
+ public:
+  /// Queries whose wi is set; they and the points have to last until the batch is complete.
+  void add(const SurfacePoint& point, BrdfQuery* query) { add(point, query, nullptr); }
+  void add(const SurfacePoint& point, ScatteringQuery* query) { add(point, query, query); }
+  void complete();
+
+ private:
+  struct Waiting {
+    const MeasuredMaterial* measured;
+    BrdfQuery* query;
+    ScatteringQuery* density;  ///< null: of the BRDF alone
+  };
+  void add(const SurfacePoint& point, BrdfQuery* query, ScatteringQuery* density);
+
+  std::array<Waiting, BrdfLanes::kCount> waiting_{};
+  std::size_t count_ = 0;
+  BrdfLanes lanes_;
+};
 /// The density alone.
 float scattering_pdf(const SurfacePoint& point, const glm::vec3& wi);
 /// What two numbers in [0, 1) mean at a point, with what drawing and densities there read on its way from memory.

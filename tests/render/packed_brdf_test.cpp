@@ -56,7 +56,7 @@ TEST(PackedBrdf, EveryEntryIsWhereInterpolationLooksForIt) {
     for (int d = 0; d < kThetaDCount; ++d)
       for (int phi = 0; phi < kPhiDCount; ++phi) {
         const shared::MerlCell cell = shared::merl_cell(glm::vec3(h, d, phi));
-        const glm::vec3 value = packed.look_up(cell);
+        const glm::vec3 value = packed.look_up(PackedBrdf::place_of(cell));
         ASSERT_EQ(glm::dvec3(value), entry(table, h, d, phi)) << h << " " << d << " " << phi;
       }
 }
@@ -76,7 +76,7 @@ TEST(PackedBrdf, ErrsByTheRoundingOfItsEntriesAlone) {
     for (int i = 0; i < 200000; ++i) {
       const shared::MerlCell cell = random_cell(&random);
       const Exact exact = interpolate(table, cell);
-      const glm::dvec3 error = glm::abs(glm::dvec3(packed.look_up(cell)) - exact.value);
+      const glm::dvec3 error = glm::abs(glm::dvec3(packed.look_up(PackedBrdf::place_of(cell))) - exact.value);
       // The rounding of eight floats beside the entries' own.
       ASSERT_LE(largest(error), exact.bound * (1.0 + 1e-1)) << most;
     }
@@ -95,7 +95,7 @@ TEST(PackedBrdf, RoundingDoesNotShiftTheMean) {
       const shared::MerlCell cell = random_cell(&random);
       const glm::dvec3 exact = interpolate(table, cell).value;
       const double scale = std::max(largest(exact), most * 0x1p-31);
-      const glm::dvec3 error = (glm::dvec3(packed.look_up(cell)) - exact) / scale;
+      const glm::dvec3 error = (glm::dvec3(packed.look_up(PackedBrdf::place_of(cell))) - exact) / scale;
       sum += error;
       exact_sum += exact / scale;
       square += error * error;
@@ -114,7 +114,7 @@ TEST(PackedBrdf, EndsOfTheRange) {
     table.rgb[static_cast<std::size_t>(shared::merl_index(static_cast<int>(10 * i), 5, 7))] = glm::vec3(ends[i]);
   const PackedBrdf packed(table);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const float value = packed.look_up(shared::merl_cell(glm::vec3(10 * i, 5, 7))).x;
+    const float value = packed.look_up(PackedBrdf::place_of(shared::merl_cell(glm::vec3(10 * i, 5, 7)))).x;
     EXPECT_TRUE(std::isfinite(value)) << i;
     EXPECT_NEAR(value, ends[i], static_cast<double>(ends[i]) * 0x1p-16 + 0x1p-127) << i;
   }
@@ -123,7 +123,7 @@ TEST(PackedBrdf, EndsOfTheRange) {
 TEST(PackedBrdf, BlackStaysBlack) {
   const PackedBrdf packed(empty_table());
   std::mt19937 random(3);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(packed.look_up(random_cell(&random)), glm::vec3(0.0f));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(packed.look_up(PackedBrdf::place_of(random_cell(&random))), glm::vec3(0.0f));
 }
 
 }  // namespace

@@ -1,0 +1,39 @@
+#include "render/reference/brdf_lanes.h"
+
+#include "render/materials/brdf_sampler.h"
+#include "render/wide.h"
+
+namespace maquette {
+
+MAQUETTE_WIDE void BrdfLanes::compute() {
+  static const BrdfTables kNoTables;
+  shared::BrdfSampler sampler(kNoTables);  // of its formulas alone
+  BrdfLanes out;                           // of its own, so that the loop is known to write to nothing it reads
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const glm::vec3 in(wi.x[i], wi.y[i], wi.z[i]), view(wo.x[i], wo.y[i], wo.z[i]);
+    const PackedBrdf::Place place = PackedBrdf::place_of(shared::merl_cell(shared::merl_coordinates(in, view)));
+    for (std::size_t k = 0; k < 2; ++k) {
+      out.theta_h[k][i] = place.theta_h[k];
+      out.theta_d[k][i] = place.theta_d[k];
+      out.phi_d[k][i] = place.phi_d[k];
+    }
+    out.fraction[0][i] = place.fraction.x;
+    out.fraction[1][i] = place.fraction.y;
+    out.fraction[2][i] = place.fraction.z;
+    const auto half = sampler.half_vector_place(view, in);
+    out.t[i] = half.t;
+    out.phi[i] = half.phi;
+    out.length_sum[i] = half.length_sum;
+    out.elevation[i] = sampler.brdf_elevation(view);
+  }
+  theta_h = out.theta_h;
+  theta_d = out.theta_d;
+  phi_d = out.phi_d;
+  fraction = out.fraction;
+  t = out.t;
+  phi = out.phi;
+  length_sum = out.length_sum;
+  elevation = out.elevation;
+}
+
+}  // namespace maquette

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <random>
 #include <type_traits>
@@ -12,6 +11,7 @@
 #include "render/octree/octree_buffers.h"
 #include "render/octree/octree_shared.h"
 #include "render/octree/octree_worker.h"
+#include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/octree_rays.h"
 
@@ -34,23 +34,12 @@ class EmbreeRays {
  public:
   explicit EmbreeRays(const OctreeJob& job)
       : device_(rtcNewDevice(nullptr), &rtcReleaseDevice), scene_(nullptr, &rtcReleaseScene) {
-    scene_.reset(rtcNewScene(device_.get()));
-    rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);
     std::vector<std::uint32_t> indices;
     for (std::size_t i = 0; i < job.geometry.items.size(); ++i) {
       const auto begin = job.geometry.indices.begin() + job.geometry.items[i].first_index;
       if (!job.transmits[i]) indices.insert(indices.end(), begin, begin + job.geometry.items[i].index_count);
     }
-    RTCGeometry mesh = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-    const auto& p = job.geometry.positions;
-    std::memcpy(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, p.size()), p.data(),
-                12 * p.size());
-    std::memcpy(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, indices.size() / 3),
-                indices.data(), 4 * indices.size());
-    rtcCommitGeometry(mesh);
-    rtcAttachGeometry(scene_.get(), mesh);
-    rtcReleaseGeometry(mesh);
-    rtcCommitScene(scene_.get());
+    scene_.reset(build_embree_triangles(device_.get(), job.geometry.positions, indices));
     rtcInitIntersectContext(&context_);
   }
   /// Distance, or -1. `normal` may be null.

@@ -15,6 +15,7 @@
 #include "render/reference/reference.h"
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
+#include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/cornell.h"
 #include "tests/support/sphere_quadrature.h"
@@ -32,23 +33,12 @@ void keep(Figures* figures, Figure figure) {
 
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease>;
 
-/// The same surfaces as Embree takes any mesh: triangles.
+/// The same surfaces, triangle by triangle.
 EmbreeScene build_triangles(const PathScene& scene) {
-  EmbreeScene out(rtcNewScene(scene.device.get()));
-  rtcSetSceneFlags(out.get(), RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry mesh = rtcNewGeometry(scene.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-  const auto& positions = scene.geometry.positions;
-  const std::size_t count = scene.mesh_begin[PathScene::kHidden];
-  rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0, 12,
-                             positions.size());
-  auto* corners =
-      static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, count));
-  for (std::uint32_t i = 0; i < count; ++i) corners = std::copy_n(scene.corners(i), 3, corners);
-  rtcCommitGeometry(mesh);
-  rtcAttachGeometry(out.get(), mesh);
-  rtcReleaseGeometry(mesh);
-  rtcCommitScene(out.get());
-  return out;
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t i = 0; i < scene.mesh_begin[PathScene::kHidden]; ++i)
+    indices.insert(indices.end(), scene.corners(i), scene.corners(i) + 3);
+  return EmbreeScene(build_embree_triangles(scene.device.get(), scene.geometry.positions, indices));
 }
 
 /// Rays as Embree takes them one by one: no filters, no shading.

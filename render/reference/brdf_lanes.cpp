@@ -8,7 +8,7 @@ namespace maquette {
 MAQUETTE_WIDE void BrdfLanes::compute() {
   static const BrdfTables kNoTables;
   shared::BrdfSampler sampler(kNoTables);  // of its formulas alone
-  BrdfLanes out;                           // of its own, so that the loop is known to write to nothing it reads
+  Places out;                              // of its own, so that the loop is known to write to nothing it reads
   for (std::size_t i = 0; i < kCount; ++i) {
     const glm::vec3 in(wi.x[i], wi.y[i], wi.z[i]), view(wo.x[i], wo.y[i], wo.z[i]);
     const PackedBrdf::Place place = PackedBrdf::place_of(shared::merl_cell(shared::merl_coordinates(in, view)));
@@ -26,14 +26,7 @@ MAQUETTE_WIDE void BrdfLanes::compute() {
     out.length_sum[i] = half.length_sum;
     out.elevation[i] = sampler.brdf_elevation(view);
   }
-  theta_h = out.theta_h;
-  theta_d = out.theta_d;
-  phi_d = out.phi_d;
-  fraction = out.fraction;
-  t = out.t;
-  phi = out.phi;
-  length_sum = out.length_sum;
-  elevation = out.elevation;
+  places = out;
 }
 
 }  // namespace maquette

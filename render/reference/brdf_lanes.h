@@ -16,8 +16,8 @@ struct BrdfLanes {
   using Lanes = std::array<T, kCount>;
 
   /// Local, unit.
-  struct Directions {
-    alignas(32) Lanes<float> x{}, y{}, z{};
+  struct alignas(32) Directions {
+    Lanes<float> x{}, y{}, z{};
     void set(std::size_t lane, const glm::vec3& d) {
       x[lane] = d.x;
       y[lane] = d.y;
@@ -26,19 +26,24 @@ struct BrdfLanes {
   };
   Directions wi, wo;
 
-  /// PackedBrdf::place_of(merl_cell(merl_coordinates(wi, wo))).
-  alignas(32) std::array<Lanes<std::int32_t>, 2> theta_h, theta_d, phi_d;
-  alignas(32) std::array<Lanes<float>, 3> fraction;
-  /// half_vector_place(wo, wi), brdf_elevation(wo) (shared/brdf_sampling.glsl).
-  alignas(32) Lanes<float> t, phi, length_sum;
-  alignas(32) Lanes<std::int32_t> elevation;
+  struct alignas(32) Places {
+    /// PackedBrdf::place_of(merl_cell(merl_coordinates(wi, wo))).
+    std::array<Lanes<std::int32_t>, 2> theta_h, theta_d, phi_d;
+    std::array<Lanes<float>, 3> fraction;
+    /// half_vector_place(wo, wi), brdf_elevation(wo) (shared/brdf_sampling.glsl).
+    Lanes<float> t, phi, length_sum;
+    Lanes<std::int32_t> elevation;
+  };
+  Places places;
 
+  /// Fills `places`.
   void compute();
   PackedBrdf::Place place(std::size_t lane) const {
-    return {{theta_h[0][lane], theta_h[1][lane]},
-            {theta_d[0][lane], theta_d[1][lane]},
-            {phi_d[0][lane], phi_d[1][lane]},
-            {fraction[0][lane], fraction[1][lane], fraction[2][lane]}};
+    const Places& p = places;
+    return {{p.theta_h[0][lane], p.theta_h[1][lane]},
+            {p.theta_d[0][lane], p.theta_d[1][lane]},
+            {p.phi_d[0][lane], p.phi_d[1][lane]},
+            {p.fraction[0][lane], p.fraction[1][lane], p.fraction[2][lane]}};
   }
 };
 

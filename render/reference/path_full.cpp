@@ -326,9 +326,9 @@ class FullPath {
 
   /// Where a surface is: the same for all paths that shade it while the guides learn nothing.
   struct Place {
-    glm::vec3 position{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface that it is of
-    glm::vec3 origin{0.0f};                           ///< of rays that leave there
-    std::uint32_t cell = LightGuide::kNoCell;         ///< of the guide
+    glm::vec3 position{0.0f}, error{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface that it is of
+    glm::vec3 origin{0.0f};                                        ///< of rays that leave there
+    std::uint32_t cell = LightGuide::kNoCell;                      ///< of the guide
     std::uint32_t mirror_cell = 0;
     std::size_t lamp_cell = 0;  ///< of the grid of lights
     float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps
@@ -341,8 +341,10 @@ class FullPath {
     const bool first = branches_ == 1 && bounce_ == 0 && vertex_ == 0;
     place_ = first ? 0 : 1;
     Place& place = places_[place_];
-    if (first && p.position == place.position && p.normal == place.normal && p.n == place.n) return;
+    if (first && p.position == place.position && p.error == place.error && p.normal == place.normal && p.n == place.n)
+      return;
     place.position = p.position;
+    place.error = p.error;
     place.normal = p.normal;
     place.n = p.n;
     place.looked = false;

@@ -66,8 +66,8 @@ void QueryBatch::complete() {
     w.query->place = lanes_.place(i);
     w.measured->values.prefetch(w.query->place);
     if (!w.density) continue;
-    w.density->half = {lanes_.t[i], lanes_.phi[i], lanes_.length_sum[i]};
-    place_density(*w.measured, lanes_.elevation[i], w.density);
+    w.density->half = {lanes_.places.t[i], lanes_.places.phi[i], lanes_.places.length_sum[i]};
+    place_density(*w.measured, lanes_.places.elevation[i], w.density);
   }
   count_ = 0;
 }

@@ -45,10 +45,10 @@ TEST(BrdfLanes, AreTheSharedFormulas) {
       for (std::size_t corner = 0; corner < 8; ++corner) ASSERT_EQ(place.entry(corner), alone.entry(corner));
       ASSERT_EQ(place.fraction, alone.fraction);
       const auto half = sampler.half_vector_place(wo[i], wi[i]);
-      ASSERT_EQ(lanes.t[i], half.t);
-      ASSERT_EQ(lanes.phi[i], half.phi);
-      ASSERT_EQ(lanes.length_sum[i], half.length_sum);
-      ASSERT_EQ(lanes.elevation[i], sampler.brdf_elevation(wo[i]));
+      ASSERT_EQ(lanes.places.t[i], half.t);
+      ASSERT_EQ(lanes.places.phi[i], half.phi);
+      ASSERT_EQ(lanes.places.length_sum[i], half.length_sum);
+      ASSERT_EQ(lanes.places.elevation[i], sampler.brdf_elevation(wo[i]));
     }
   }
 }

@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <set>
 
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"

@@ -210,7 +210,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
 
 FlatGeometry flatten(const Scene& scene) {
   std::vector<Primitive> patches;
-  for (const BezierPatch& patch : scene.patches) patches.push_back(tessellate_patch(patch, patch_side(patch)));
+  for (const BezierPatch& patch : scene.patches) patches.push_back(tessellate_patch(patch, patch_sides(patch)));
   std::vector<Instance> instances = collect_instances(scene, patches);
 
   std::size_t vertex_count = 0, index_count = 0;

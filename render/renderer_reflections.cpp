@@ -374,7 +374,8 @@ void Renderer::Impl::draw_panes(ReflectionTargets* t) {
             ? nullptr
             : coarsest_level(patch->second, glm::vec3(constants.eye),
                              kPaneTolerance_px * constants.forward.w * static_cast<float>(t->divisor));
-    program.set("u_quads", level ? static_cast<int>(quads_of_side(item)) : 0);
+    const PatchSides sides = level ? sides_of_patch(buffers->geometry(), item) : PatchSides{0, 0};
+    glUniform2i(program.location("u_quads"), sides.u, sides.v);
     draw_level(i, level);
   }
   glBindVertexArray(0);

@@ -56,12 +56,13 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 
 }  // namespace
 
-int patch_side(const BezierPatch& patch) {
+PatchSides patch_sides(const BezierPatch& patch) {
   constexpr double kAngle_rad = 0.006;
   constexpr int kLines = 4, kSteps = 16, kLeast = 16, kMost = 128;
-  double most_rad = 0.0;
-  for (int line = 0; line <= kLines; ++line) {
-    for (const bool along_u : {true, false}) {
+  // The most that lines of one direction turn, by their normals or by themselves.
+  const auto side = [&](bool along_u) {
+    double most_rad = 0.0;
+    for (int line = 0; line <= kLines; ++line) {
       double normals_rad = 0.0, tangents_rad = 0.0;
       glm::dvec3 last_normal{0.0}, last_tangent{0.0};
       for (int step = 0; step <= kSteps; ++step) {
@@ -76,27 +77,28 @@ int patch_side(const BezierPatch& patch) {
       }
       most_rad = std::max({most_rad, normals_rad, tangents_rad});
     }
-  }
-  return std::clamp(static_cast<int>(std::ceil(most_rad / kAngle_rad)), kLeast, kMost);
+    return std::clamp(static_cast<int>(std::ceil(most_rad / kAngle_rad)), kLeast, kMost);
+  };
+  return {side(true), side(false)};
 }
 
-Primitive tessellate_patch(const BezierPatch& patch, int n) {
-  n = std::max(n, 1);
+Primitive tessellate_patch(const BezierPatch& patch, const PatchSides& sides) {
+  const int columns = std::max(sides.u, 1), rows = std::max(sides.v, 1);
   Primitive out;
   out.material = patch.material;
-  for (int row = 0; row <= n; ++row) {
-    for (int column = 0; column <= n; ++column) {
-      const double u = static_cast<double>(column) / n, v = static_cast<double>(row) / n;
+  for (int row = 0; row <= rows; ++row) {
+    for (int column = 0; column <= columns; ++column) {
+      const double u = static_cast<double>(column) / columns, v = static_cast<double>(row) / rows;
       const SurfacePoint point = evaluate(patch, u, v);
       out.positions.emplace_back(point.position);
       out.normals.emplace_back(normal_at(patch, u, v));
       out.uvs[0].emplace_back(u, v);
     }
   }
-  const auto side = static_cast<std::uint32_t>(n + 1);
-  for (std::uint32_t row = 0; row + 1 < side; ++row) {
-    for (std::uint32_t column = 0; column + 1 < side; ++column) {
-      const std::uint32_t a = row * side + column, b = a + 1, c = a + side, d = c + 1;
+  const auto width = static_cast<std::uint32_t>(columns), height = static_cast<std::uint32_t>(rows);
+  for (std::uint32_t row = 0; row < height; ++row) {
+    for (std::uint32_t column = 0; column < width; ++column) {
+      const std::uint32_t a = row * (width + 1) + column, b = a + 1, c = b + width, d = c + 1;
       out.indices.insert(out.indices.end(), {a, b, d, a, d, c});
     }
   }

@@ -33,10 +33,15 @@ void tessellate_cage(Mesh* mesh);
 int dent_cage(SubdivisionCage* cage, const glm::vec3& center, const glm::vec3& direction, float depth_m,
               float radius_m);
 
-/// Quads along a side of a patch, from 16 to 128, so that neighbouring normals and edges differ by 0.006 rad: coarser
-/// ones show along the outline of a pane, where the faces of single triangles change.
-int patch_side(const BezierPatch& patch);
-/// Regular n x n triangulation of a bicubic patch with exact normals.
-Primitive tessellate_patch(const BezierPatch& patch, int n);
+/// Quads along u and along v.
+struct PatchSides {
+  int u = 1, v = 1;
+};
+/// From 16 to 128 each, so that neighbouring normals and edges differ by 0.006 rad: coarser ones show along the outline
+/// of a pane, where the faces of single triangles change.
+PatchSides patch_sides(const BezierPatch& patch);
+/// Regular triangulation of a bicubic patch with exact normals.
+Primitive tessellate_patch(const BezierPatch& patch, const PatchSides& sides);
+inline Primitive tessellate_patch(const BezierPatch& patch, int n) { return tessellate_patch(patch, {n, n}); }
 
 }  // namespace maquette

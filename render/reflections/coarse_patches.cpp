@@ -14,17 +14,19 @@ constexpr std::uint32_t kCoarsestQuads = 16;
 class Grid {
  public:
   Grid(const FlatGeometry& geometry, const DrawItem& item)
-      : geometry_(geometry), first_(item.first_vertex), side_(quads_of_side(item)) {
+      : geometry_(geometry), first_(item.first_vertex), sides_(sides_of_patch(geometry, item)) {
     rewound_ = geometry.indices[item.first_index + 1] != first_ + 1;
   }
-  std::uint32_t side() const { return side_; }
-  std::uint32_t index(std::uint32_t row, std::uint32_t column) const { return first_ + row * (side_ + 1) + column; }
+  std::uint32_t columns() const { return static_cast<std::uint32_t>(sides_.u); }
+  std::uint32_t rows() const { return static_cast<std::uint32_t>(sides_.v); }
+  std::uint32_t index(std::uint32_t row, std::uint32_t column) const { return first_ + row * (columns() + 1) + column; }
   glm::vec3 at(std::uint32_t row, std::uint32_t column) const { return geometry_.positions[index(row, column)]; }
   bool rewound() const { return rewound_; }
 
  private:
   const FlatGeometry& geometry_;
-  std::uint32_t first_, side_;
+  std::uint32_t first_;
+  PatchSides sides_;
   bool rewound_;
 };
 
@@ -50,9 +52,9 @@ float deviation_of(const Grid& grid, const CoarseQuad& q) {
 
 template <typename Visit>
 void for_each_quad(const Grid& grid, std::uint32_t quads, const Visit& visit) {
-  for (std::uint32_t row = 0; row < grid.side(); row += quads)
-    for (std::uint32_t column = 0; column < grid.side(); column += quads)
-      visit(CoarseQuad{row, column, std::min(row + quads, grid.side()), std::min(column + quads, grid.side())});
+  for (std::uint32_t row = 0; row < grid.rows(); row += quads)
+    for (std::uint32_t column = 0; column < grid.columns(); column += quads)
+      visit(CoarseQuad{row, column, std::min(row + quads, grid.rows()), std::min(column + quads, grid.columns())});
 }
 
 CoarsePatch::Level make_level(const Grid& grid, std::uint32_t quads, std::vector<std::uint32_t>* indices) {
@@ -74,8 +76,11 @@ CoarsePatch::Level make_level(const Grid& grid, std::uint32_t quads, std::vector
 
 }  // namespace
 
-std::uint32_t quads_of_side(const DrawItem& patch) {
-  return static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(patch.vertex_count)))) - 1;
+PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch) {
+  // The first quad's two triangles reach to the second vertex of the second row, however they are wound.
+  const std::uint32_t* first = geometry.indices.data() + patch.first_index;
+  const auto columns = static_cast<int>(*std::max_element(first, first + 6) - patch.first_vertex) - 2;
+  return {columns, static_cast<int>(patch.vertex_count) / (columns + 1) - 1};
 }
 
 CoarsePatches make_coarse_patches(const FlatGeometry& geometry) {

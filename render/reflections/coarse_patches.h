@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/geometry.h"
+#include "scenes/subdivision.h"
 
 namespace maquette {
 
@@ -27,8 +28,8 @@ struct CoarsePatches {
   std::map<std::size_t, CoarsePatch> of_item;  ///< of all patches
 };
 
-/// Quads along either side of a patch's tessellation.
-std::uint32_t quads_of_side(const DrawItem& patch);
+/// Of a patch's tessellation.
+PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch);
 
 CoarsePatches make_coarse_patches(const FlatGeometry& geometry);
 

@@ -47,6 +47,20 @@ float distance_to_triangle(const glm::vec3& p, const glm::vec3& a, const glm::ve
   return glm::length(p - (a + ab * (vb / sum) + ac * (vc / sum)));
 }
 
+TEST(CoarsePatches, KnowTheTessellation) {
+  for (const glm::mat4& world : {kTurned, kMirrored}) {
+    const FlatGeometry g = curved_pane(world);
+    const PatchSides sides = sides_of_patch(g, g.items[0]);
+    EXPECT_NE(sides.u, sides.v);
+    EXPECT_EQ(static_cast<std::uint32_t>((sides.u + 1) * (sides.v + 1)), g.items[0].vertex_count);
+    EXPECT_EQ(static_cast<std::uint32_t>(6 * sides.u * sides.v), g.items[0].index_count);
+    // The last vertex of the first row, and the first of the second one.
+    const auto last = static_cast<std::size_t>(sides.u);
+    EXPECT_EQ(g.uv0[last], glm::vec2(1.0f, 0.0f));
+    EXPECT_EQ(g.uv0[last + 1], glm::vec2(0.0f, 1.0f / static_cast<float>(sides.v)));
+  }
+}
+
 TEST(CoarsePatches, NoVertexIsFartherThanTheLevelSays) {
   for (const glm::mat4& world : {kTurned, kMirrored}) {
     const FlatGeometry g = curved_pane(world);

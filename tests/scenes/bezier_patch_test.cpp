@@ -53,19 +53,57 @@ TEST(BezierPatch, MatchesDeCasteljau) {
 }
 
 TEST(BezierPatch, SidesFollowTheCurvature) {
-  EXPECT_EQ(patch_side(BezierPatch{}), 16);
-  for (std::uint32_t seed = 0; seed < 5; ++seed) EXPECT_EQ(patch_side(bumpy_patch(seed)), 128);
-  BezierPatch bent;  // by a turn of 0.3 rad from one edge to the other
+  const PatchSides plane = patch_sides(BezierPatch{});
+  EXPECT_EQ(plane.u, 16);
+  EXPECT_EQ(plane.v, 16);
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    const PatchSides sides = patch_sides(bumpy_patch(seed));
+    EXPECT_EQ(sides.u, 128);
+    EXPECT_EQ(sides.v, 128);
+  }
+}
+
+/// By a turn of 0.3 rad from one edge to the other, and straight across: as many quads as each direction needs.
+TEST(BezierPatch, EachSideHasItsOwnCount) {
+  BezierPatch bent, other;  // along u, along v
   for (std::size_t i = 0; i < 16; ++i) {
     const auto u = static_cast<float>(i % 4) / 3.0f;
     bent.points[i] = glm::vec3(u, 0.15f * u * u, -static_cast<float>(i / 4));
+    other.points[i % 4 * 4 + i / 4] = bent.points[i];
   }
-  const int side = patch_side(bent);
-  const Primitive mesh = tessellate_patch(bent, side);
-  for (std::size_t i = 0; i + 1 < static_cast<std::size_t>(side); ++i)
-    EXPECT_LT(std::acos(std::min(glm::dot(mesh.normals[i], mesh.normals[i + 1]), 1.0f)), 0.008f);
-  EXPECT_GT(side, 16);
-  EXPECT_LT(side, 128);
+  const PatchSides sides = patch_sides(bent), turned = patch_sides(other);
+  EXPECT_GT(sides.u, 16);
+  EXPECT_LT(sides.u, 128);
+  EXPECT_EQ(sides.v, 16);
+  EXPECT_EQ(turned.u, sides.v);
+  EXPECT_EQ(turned.v, sides.u);
+  const Primitive mesh = tessellate_patch(bent, sides);
+  const auto columns = static_cast<std::size_t>(sides.u), rows = static_cast<std::size_t>(sides.v);
+  ASSERT_EQ(mesh.positions.size(), (columns + 1) * (rows + 1));
+  ASSERT_EQ(mesh.indices.size(), columns * rows * 6);
+  const auto turn = [&](std::size_t a, std::size_t b) {
+    return std::acos(std::min(glm::dot(mesh.normals[a], mesh.normals[b]), 1.0f));
+  };
+  for (std::size_t i = 0; i + columns + 1 < mesh.normals.size(); ++i) {
+    EXPECT_LT(turn(i, i + columns + 1), 0.008f);
+    if (i % (columns + 1) < columns) {
+      EXPECT_LT(turn(i, i + 1), 0.008f);
+    }
+  }
+  // Every corner is the patch's own point, and every triangle joins neighbours of the grid.
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const double u = static_cast<double>(i % (columns + 1)) / static_cast<double>(columns);
+    const double v = static_cast<double>(i / (columns + 1)) / static_cast<double>(rows);
+    EXPECT_LT(glm::length(glm::dvec3(mesh.positions[i]) - point_of(bent, u, v)), 1e-6);
+    EXPECT_EQ(mesh.uvs[0][i], glm::vec2(u, v));
+  }
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const std::size_t low = std::min({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]});
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t step = mesh.indices[i + k] - low;
+      EXPECT_TRUE(step <= 1 || step == columns + 1 || step == columns + 2) << step;
+    }
+  }
 }
 
 TEST(BezierPatch, TrianglesFaceAlongTheNormals) {

@@ -28,7 +28,7 @@ constexpr std::array<std::uint32_t, 3> kShadowRays{5, 3, 2};
 constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(), kShadowRays.end());
 /// Shadow rays to lamps: one a surface where they may outshine what is known to arrive of the sky, as seldom as this
 /// where they are dim beside it.
-constexpr float kLeastLampRays = 0.25f;
+constexpr float kLeastLampRays = 0.125f;
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
 /// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
 /// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.

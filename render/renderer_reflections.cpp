@@ -374,7 +374,7 @@ void Renderer::Impl::draw_panes(ReflectionTargets* t) {
             ? nullptr
             : coarsest_level(patch->second, glm::vec3(constants.eye),
                              kPaneTolerance_px * constants.forward.w * static_cast<float>(t->divisor));
-    const PatchSides sides = level ? sides_of_patch(buffers->geometry(), item) : PatchSides{0, 0};
+    const PatchSides sides = level ? patch->second.sides : PatchSides{0, 0};
     glUniform2i(program.location("u_quads"), sides.u, sides.v);
     draw_level(i, level);
   }

@@ -1,7 +1,6 @@
 #include "render/reflections/coarse_patches.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace maquette {
@@ -10,6 +9,13 @@ namespace {
 
 constexpr std::uint32_t kCoarsestQuads = 16;
 
+PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch) {
+  // The first quad's two triangles reach to the second vertex of the second row, however they are wound.
+  const std::uint32_t* first = geometry.indices.data() + patch.first_index;
+  const auto columns = static_cast<int>(*std::max_element(first, first + 6) - patch.first_vertex) - 2;
+  return {columns, static_cast<int>(patch.vertex_count) / (columns + 1) - 1};
+}
+
 /// The vertices of a patch, row by row.
 class Grid {
  public:
@@ -17,6 +23,7 @@ class Grid {
       : geometry_(geometry), first_(item.first_vertex), sides_(sides_of_patch(geometry, item)) {
     rewound_ = geometry.indices[item.first_index + 1] != first_ + 1;
   }
+  const PatchSides& sides() const { return sides_; }
   std::uint32_t columns() const { return static_cast<std::uint32_t>(sides_.u); }
   std::uint32_t rows() const { return static_cast<std::uint32_t>(sides_.v); }
   std::uint32_t index(std::uint32_t row, std::uint32_t column) const { return first_ + row * (columns() + 1) + column; }
@@ -76,13 +83,6 @@ CoarsePatch::Level make_level(const Grid& grid, std::uint32_t quads, std::vector
 
 }  // namespace
 
-PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch) {
-  // The first quad's two triangles reach to the second vertex of the second row, however they are wound.
-  const std::uint32_t* first = geometry.indices.data() + patch.first_index;
-  const auto columns = static_cast<int>(*std::max_element(first, first + 6) - patch.first_vertex) - 2;
-  return {columns, static_cast<int>(patch.vertex_count) / (columns + 1) - 1};
-}
-
 CoarsePatches make_coarse_patches(const FlatGeometry& geometry) {
   CoarsePatches patches;
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
@@ -90,6 +90,7 @@ CoarsePatches make_coarse_patches(const FlatGeometry& geometry) {
     if (item.patch < 0 || item.index_count == 0) continue;
     const Grid grid(geometry, item);
     CoarsePatch& patch = patches.of_item[i];
+    patch.sides = grid.sides();
     for (std::uint32_t quads = 2; quads <= kCoarsestQuads; quads *= 2)
       patch.levels.push_back(make_level(grid, quads, &patches.indices));
     // In a triangle no point is farther from a corner than the longest edge.

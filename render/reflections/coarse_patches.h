@@ -18,6 +18,7 @@ struct CoarsePatch {
     float deviation_m = 0.0f;                        ///< of a vertex from the coarse triangles, at its own parameters
     std::uint32_t first_index = 0, index_count = 0;  ///< in CoarsePatches::indices
   };
+  PatchSides sides;                ///< of the patch's own triangles
   std::vector<Level> levels;       ///< from fine to coarse
   std::vector<glm::vec3> corners;  ///< of the coarsest quads, m
   float reach_m = 0.0f;            ///< farther than this from the nearest corner is no point of the patch
@@ -27,9 +28,6 @@ struct CoarsePatches {
   std::vector<std::uint32_t> indices;          ///< of the geometry's vertices, wound as its triangles
   std::map<std::size_t, CoarsePatch> of_item;  ///< of all patches
 };
-
-/// Of a patch's tessellation.
-PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch);
 
 CoarsePatches make_coarse_patches(const FlatGeometry& geometry);
 

@@ -50,7 +50,7 @@ float distance_to_triangle(const glm::vec3& p, const glm::vec3& a, const glm::ve
 TEST(CoarsePatches, KnowTheTessellation) {
   for (const glm::mat4& world : {kTurned, kMirrored}) {
     const FlatGeometry g = curved_pane(world);
-    const PatchSides sides = sides_of_patch(g, g.items[0]);
+    const PatchSides sides = make_coarse_patches(g).of_item.at(0).sides;
     EXPECT_NE(sides.u, sides.v);
     EXPECT_EQ(static_cast<std::uint32_t>((sides.u + 1) * (sides.v + 1)), g.items[0].vertex_count);
     EXPECT_EQ(static_cast<std::uint32_t>(6 * sides.u * sides.v), g.items[0].index_count);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/lights/triangle_view.h"
 #include "render/reference/presampled_environment.h"
 #include "render/reference/surface.h"
 
@@ -11,6 +12,9 @@ namespace maquette {
 namespace {
 
 constexpr float kEndless = 3.4e38f;
+
+/// 1/sr, within float's range.
+float density_of(const TriangleView& view) { return static_cast<float>(1.0 / std::max(view.solid_angle(), 1e-30)); }
 
 }  // namespace
 
@@ -103,37 +107,35 @@ void prefetch_scene_light(const PathScene& scene, const LightPick& pick) {
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,
                            bool mean_emission) {
   const LightRecord& light = scene.lights.lights[pick.index];
-  const shared::LightSample s = shared::light_sample(light, position, u);
   LightDraw draw;
-  draw.direction = s.wi;
-  draw.distance = s.distance_m;
   draw.has_extent = light.kind == shared::kLightTriangle;
   if (!draw.has_extent) {
+    const shared::LightSample s = shared::light_sample(light, position, u);
+    draw.direction = s.wi;
+    draw.distance = s.distance_m;
     draw.radiance = s.radiance;
     draw.pdf = pick.probability;
     return draw;
   }
-  if (!(s.pdf > 0.0f)) return draw;
-  draw.pdf = pick.probability * s.pdf;
+  const TriangleView view(light, position);
+  if (!(view.solid_angle() > 0.0)) return draw;
+  const TriangleView::Sample s = view.sample(u);
+  draw.direction = s.wi;
+  draw.distance = s.distance_m;
+  draw.pdf = pick.probability * density_of(view);
   draw.radiance = light.color;
   const std::uint32_t triangle = scene.light_triangles[pick.index];
   if (!mean_emission && scene.material_of(triangle).texture(TextureRole::emissive) >= 0)
-    draw.radiance = emission_at(scene, triangle, shared::light_triangle_uv(u));
+    draw.radiance = emission_at(scene, triangle, s.uv);
   return draw;
 }
 
-float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from, const glm::vec3& to) {
+float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from) {
   if (scene.triangle_light.empty() || scene.triangle_light[triangle] == kNoTriangle) return 0.0f;
   const std::uint32_t index = scene.triangle_light[triangle];
-  const LightRecord& light = scene.lights.lights[index];
-  // As light_sample_triangle: lengths scaled, because squares of small ones leave float's range.
-  const float scale = std::max(shared::light_largest(light.direction), shared::light_largest(light.edge2));
-  const glm::vec3 doubled = glm::cross(light.direction / scale, light.edge2 / scale);
-  const glm::vec3 way = (to - from) / scale;
-  const float square = glm::dot(way, way);
-  const float facing = std::abs(glm::dot(doubled, way)) / std::sqrt(std::max(square, 1e-30f));
-  if (!(facing > 0.0f)) return 0.0f;
-  return light_probability(scene.lights, light_cell(scene.lights, from), index) * 2.0f * square / facing;
+  const TriangleView view(scene.lights.lights[index], from);
+  if (!(view.solid_angle() > 0.0)) return 0.0f;
+  return light_probability(scene.lights, light_cell(scene.lights, from), index) * density_of(view);
 }
 
 }  // namespace maquette

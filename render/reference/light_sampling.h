@@ -73,12 +73,12 @@ class EnvironmentLight {
 
 /// Asks for what draw_scene_light reads.
 void prefetch_scene_light(const PathScene& scene, const LightPick& pick);
-/// A point of a light that was chosen, by area. `mean_emission`: a textured triangle shines with its mean (as the
-/// direct modes have it), else as its texture says there.
+/// A point of a light that was chosen, by solid angle. `mean_emission`: a textured triangle shines with its mean (as
+/// the direct modes have it), else as its texture says there.
 LightDraw draw_scene_light(const PathScene& scene, const glm::vec3& position, const LightPick& pick, const glm::vec2& u,
                            bool mean_emission);
-/// Density with which choose_light and draw_scene_light give the direction from `from` to a point on an emissive
-/// triangle; 0 where it is in no list.
-float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from, const glm::vec3& to);
+/// Density with which choose_light and draw_scene_light give a direction from `from` to an emissive triangle: the same
+/// for all its points, 0 where it is in no list.
+float scene_light_pdf(const PathScene& scene, std::uint32_t triangle, const glm::vec3& from);
 
 }  // namespace maquette

@@ -260,7 +260,7 @@ class FullPath {
   void add_emission(const SurfacePoint& p) {
     if (p.material->values.unlit) add(p.base_color);
     if (p.emission == glm::vec3(0.0f)) return;
-    const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_, p.position) : 0.0f;
+    const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_) : 0.0f;
     add(p.emission * share_of(place().lamp_rays * other));
   }
 

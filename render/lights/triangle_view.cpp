@@ -1,0 +1,51 @@
+#include "render/lights/triangle_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace maquette {
+
+/// Source of the solid angle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", Eq. 8. The product
+/// of the unit vectors is taken of the edges, as those to the corners of a small triangle agree in most digits.
+TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
+  const glm::dvec3 edge_b(light.direction), edge_c(light.edge2);
+  const glm::dvec3 to_a = glm::dvec3(light.position) - glm::dvec3(point);
+  const glm::dvec3 to_b = to_a + edge_b, to_c = to_a + edge_c;
+  distances_m_ = {glm::length(to_a), glm::length(to_b), glm::length(to_c)};
+  const double product = distances_m_.x * distances_m_.y * distances_m_.z;
+  const double away = glm::dot(glm::cross(edge_b, edge_c), to_a);  // negative in front
+  const bool both_sides = light.range_m > 0.0f;
+  if (!(product > 0.0) || !(both_sides ? std::abs(away) > 0.0 : away < 0.0)) return;
+  a_ = to_a / distances_m_.x;
+  b_ = to_b / distances_m_.y;
+  c_ = to_c / distances_m_.z;
+  volume_ = std::abs(away) / product;
+  half_sr_ = std::atan2(volume_, 1.0 + glm::dot(a_, b_) + glm::dot(b_, c_) + glm::dot(c_, a_));
+}
+
+/// u.x moves a corner along the edge from a to c, so that what is left beside b has that share of the solid angle; u.y
+/// is a height along the arc from b to there. Directions come as weights of those to the corners, none of them
+/// negative.
+TriangleView::Sample TriangleView::sample(const glm::vec2& u) const {
+  const double ab = glm::dot(a_, b_), bc = glm::dot(b_, c_), ca = glm::dot(c_, a_);
+  // Half way from a to the moved corner lies p a + q c, of any length.
+  const double part = static_cast<double>(u.x) * half_sr_, sine = std::sin(part);
+  const double p = std::max(volume_ * std::cos(part) - (bc + ca) * sine, 0.0), q = (1.0 + ab) * sine;
+  const double square = p * p + q * q + 2.0 * p * q * ca;
+  double of_a = 1.0, of_c = 0.0;
+  if (square > 0.0) {
+    of_a = std::max((p - q) * (p + q) / square, 0.0);
+    of_c = std::max(2.0 * q * (p + q * ca) / square, 0.0);
+  }
+  const double cosine = std::clamp(of_a * ab + of_c * bc, -1.0, 1.0);
+  const double height = 1.0 - static_cast<double>(u.y) * (1.0 - cosine);
+  const double along = std::sqrt(static_cast<double>(u.y) * (1.0 + height) / std::max(1.0 + cosine, 1e-15));
+  const glm::dvec3 weights(along * of_a, std::max(height - along * cosine, 0.0), along * of_c);
+  const glm::dvec3 wi = a_ * weights.x + b_ * weights.y + c_ * weights.z;
+  // A corner's weight over its distance is its share of the point where the direction meets the triangle.
+  const glm::dvec3 shares = weights / distances_m_;
+  const double sum = shares.x + shares.y + shares.z, length = glm::length(wi);
+  return {glm::vec3(wi / length), static_cast<float>(length / sum), glm::vec2(shares.y / sum, shares.z / sum)};
+}
+
+}  // namespace maquette

@@ -5,6 +5,13 @@
 
 namespace maquette {
 
+namespace {
+
+/// Rounding of a point of a surface over its largest coordinate: twice SurfacePoint::error, for all three at once.
+constexpr double kPointError = 2.0 * 16.0 * 0x1p-24;
+
+}  // namespace
+
 /// Source of the solid angle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", Eq. 8. The product
 /// of the unit vectors is taken of the edges, as those to the corners of a small triangle agree in most digits.
 TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
@@ -13,9 +20,13 @@ TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
   const glm::dvec3 to_b = to_a + edge_b, to_c = to_a + edge_c;
   distances_m_ = {glm::length(to_a), glm::length(to_b), glm::length(to_c)};
   const double product = distances_m_.x * distances_m_.y * distances_m_.z;
-  const double away = glm::dot(glm::cross(edge_b, edge_c), to_a);  // negative in front
+  const glm::dvec3 doubled = glm::cross(edge_b, edge_c);
+  const double away = glm::dot(doubled, to_a);  // negative in front
   const bool both_sides = light.range_m > 0.0f;
   if (!(product > 0.0) || !(both_sides ? std::abs(away) > 0.0 : away < 0.0)) return;
+  // A lamp's own points lie in its plane but for rounding, and do not see it.
+  const double rounding = kPointError * static_cast<double>(shared::light_largest(point));
+  if (std::abs(away) <= rounding * glm::length(doubled)) return;
   a_ = to_a / distances_m_.x;
   b_ = to_b / distances_m_.y;
   c_ = to_c / distances_m_.z;

@@ -17,7 +17,7 @@ class TriangleView {
   /// `light`: of kind kLightTriangle. `point`: m.
   TriangleView(const LightRecord& light, const glm::vec3& point);
 
-  /// sr; 0 where the triangle shines away from the point.
+  /// sr; 0 where the triangle shines away from the point, and in its plane as far as the point's rounding tells.
   double solid_angle() const { return 2.0 * half_sr_; }
 
   struct Sample {

@@ -148,5 +148,21 @@ TEST(TriangleView, ShinesToOneSideUnlessBothAreAskedFor) {
   EXPECT_EQ(TriangleView(triangle(a, a, a, true), {0.2f, 0.0f, 0.2f}).solid_angle(), 0.0);  // a point
 }
 
+/// Rounded, they lie on either side of it, and would see a hemisphere full of its light.
+TEST(TriangleView, ItsOwnPointsDoNotSeeIt) {
+  std::mt19937 random(test::test_seed(13));
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  const auto vector = [&] { return glm::vec3(unit(random), unit(random), unit(random)) * 2.0f - 1.0f; };
+  for (int trial = 0; trial < 2000; ++trial) {
+    const glm::vec3 a = 3.0f * vector(), b = a + vector(), c = a + vector();
+    const LightRecord light = triangle(a, b, c, true);
+    const float u = unit(random), v = unit(random) * (1.0f - u);
+    const glm::vec3 point = a * (1.0f - u - v) + b * u + c * v;
+    ASSERT_EQ(TriangleView(light, point).solid_angle(), 0.0) << trial;
+    const glm::vec3 normal = glm::normalize(glm::cross(light.direction, light.edge2));
+    ASSERT_GT(TriangleView(light, point + 1e-4f * normal).solid_angle(), 0.0) << trial;
+  }
+}
+
 }  // namespace
 }  // namespace maquette

@@ -7,8 +7,9 @@ namespace maquette {
 
 namespace {
 
-/// Rounding of a point of a surface over its largest coordinate: twice SurfacePoint::error, for all three at once.
-constexpr double kPointError = 2.0 * 16.0 * 0x1p-24;
+/// Rounding of each coordinate of a triangle's point, over the corners' largest: seven half units for the sum over them
+/// (Pharr et al. 2023, "Physically Based Rendering", 4th ed., Sec. 6.8.5), two for the edges.
+constexpr double kPointError = 9.0 * 0x1p-24;
 
 }  // namespace
 
@@ -24,9 +25,10 @@ TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
   const double away = glm::dot(doubled, to_a);  // negative in front
   const bool both_sides = light.range_m > 0.0f;
   if (!(product > 0.0) || !(both_sides ? std::abs(away) > 0.0 : away < 0.0)) return;
-  // A lamp's own points lie in its plane but for rounding, and do not see it.
-  const double rounding = kPointError * static_cast<double>(shared::light_largest(point));
-  if (std::abs(away) <= rounding * glm::length(doubled)) return;
+  // A lamp's own points lie in its plane but for rounding, and do not see it; nor do those of a face on its back.
+  const glm::dvec3 corner(light.position);
+  const glm::dvec3 largest = glm::max(glm::abs(corner), glm::max(glm::abs(corner + edge_b), glm::abs(corner + edge_c)));
+  if (std::abs(away) <= kPointError * glm::dot(glm::abs(doubled), largest)) return;
   a_ = to_a / distances_m_.x;
   b_ = to_b / distances_m_.y;
   c_ = to_c / distances_m_.z;

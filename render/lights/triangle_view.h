@@ -7,8 +7,8 @@
 namespace maquette {
 
 /// An emissive triangle as a point sees it: what draws directions towards it evenly over its solid angle, so that no
-/// sample brings more than a hemisphere full of its light however near it is. Samples by area (light_sample) cost a
-/// third of the time and have no such bound. In double: seen from a hundred-thousandth of its size the corners lie on
+/// sample brings more than a hemisphere full of its light however near it is; samples by area (light_sample) have no
+/// such bound. In double: seen from a hundred-thousandth of its size the corners lie on
 /// the horizon, and what is between them is a difference of their directions that floats do not hold.
 /// Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; without its angles: Peters 2021, "BRDF Importance
 /// Sampling for Polygonal Lights", Sec. 3.2.
@@ -17,7 +17,8 @@ class TriangleView {
   /// `light`: of kind kLightTriangle. `point`: m.
   TriangleView(const LightRecord& light, const glm::vec3& point);
 
-  /// sr; 0 where the triangle shines away from the point, and in its plane as far as the point's rounding tells.
+  /// sr; 0 where the triangle shines away from the point, and in its plane, as far as the rounding of its
+  /// own points tells.
   double solid_angle() const { return 2.0 * half_sr_; }
 
   struct Sample {

@@ -121,12 +121,15 @@ bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOpti
   }
 }
 
-std::string time_text(const RenderReport& report, const std::string& mode, bool accumulates) {
+std::string time_text(const RenderReport& report, const FrameRequest& request, bool accumulates) {
   const FrameStats& last = report.frames.back();
   char text[64];
-  if (accumulates)
-    std::snprintf(text, sizeof text, "%d %s in %.1f s", last.accumulated_frames,
-                  mode == "reference" ? "paths a pixel" : "frames", report.total_s);
+  if (accumulates && request.mode == "reference")
+    std::snprintf(text, sizeof text, "%.3g paths a pixel in %.1f s",
+                  static_cast<double>(last.shading_samples) / (static_cast<double>(request.width) * request.height),
+                  report.total_s);
+  else if (accumulates)
+    std::snprintf(text, sizeof text, "%d frames in %.1f s", last.accumulated_frames, report.total_s);
   else
     std::snprintf(text, sizeof text, "%.1f ms a frame", last.frame_ms);
   return text;
@@ -217,7 +220,7 @@ int run_render(const CommandLine& line) {
                   request);
     if (options.stats != "-")
       std::printf("%s: %dx%d, mode %s, %s%s\n", options.output.c_str(), request.width, request.height,
-                  request.mode.c_str(), time_text(report, request.mode, accumulates).c_str(),
+                  request.mode.c_str(), time_text(report, request, accumulates).c_str(),
                   error_text(report, options, reached).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));

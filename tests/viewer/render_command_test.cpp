@@ -157,6 +157,20 @@ TEST(Render, ReferenceAddsTheError) {
   EXPECT_NE(size.error.find("40x24"), std::string::npos) << size.error;
 }
 
+/// Frames of mode reference take several paths each.
+TEST(Render, TimeOfTheReferenceIsToldInPaths) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_maquette(
+      render_words(folder.file("a.exr"), {"--stats", folder.file("s.json"), "--mode", "reference", "--time", "0.3"}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Json stats = Json::parse(read_text(folder.file("s.json")));
+  const std::string told = "mode reference, ";
+  const std::size_t at = result.out.find(told);
+  ASSERT_NE(at, std::string::npos) << result.out;
+  const double paths = stats["technique"]["paths"].get<double>() / (40.0 * 24.0);
+  EXPECT_NEAR(std::stod(result.out.substr(at + told.size())), paths, 0.01 * paths) << result.out;
+}
+
 TEST(Render, TimeAveragesFramesAndTellsTheErrorLeft) {
   const TemporaryFolder folder;
   const Json stats = run_with_stats(folder, {"--time", "0.5", "--mode", "uniform"});

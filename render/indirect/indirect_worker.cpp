@@ -101,7 +101,7 @@ std::optional<IndirectBake> unpack(const std::vector<std::byte>& bytes, std::siz
   bake.sides = header.sides;
   bake.bias = header.bias;
   bake.vertices.resize(count);
-  if (count > 0) std::memcpy(&bake.vertices.front().x, bytes.data() + sizeof header, count * sizeof(glm::uvec4));
+  if (count > 0) std::memcpy(bake.vertices.data(), bytes.data() + sizeof header, count * sizeof(glm::uvec4));
   return bake;
 }
 

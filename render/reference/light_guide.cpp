@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
-#include <numeric>
 
 #include "render/low_discrepancy.h"
 #include "render/wide.h"
@@ -51,24 +49,6 @@ inline float mean_facing(float cosine, float extent, float slope) {
   const float above = (bounded < extent ? bounded : extent) + extent;
   const float mean = above * above * slope;
   return mean > cosine ? mean : cosine;
-}
-
-/// Of eight numbers, in one register: sums stored one by one would have to leave for the cache before they can be read
-/// together.
-inline void write_running_sums(const float* numbers, float* sums) {
-  static_assert(LeafShares::kBlocks == 8);
-#if defined(__GNUC__)
-  using Eight = float __attribute__((vector_size(32)));
-  Eight sum;
-  const Eight zero{};
-  std::memcpy(&sum, numbers, sizeof sum);
-  sum += __builtin_shufflevector(sum, zero, 8, 0, 1, 2, 3, 4, 5, 6);
-  sum += __builtin_shufflevector(sum, zero, 8, 8, 0, 1, 2, 3, 4, 5);
-  sum += __builtin_shufflevector(sum, zero, 8, 8, 8, 8, 0, 1, 2, 3);
-  std::memcpy(sums, &sum, sizeof sum);
-#else
-  std::partial_sum(numbers, numbers + LeafShares::kBlocks, sums);
-#endif
 }
 
 /// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
@@ -156,9 +136,24 @@ glm::vec4 EnvironmentPartition::axis_and_extent(int leaf) const {
   return {axis, extent};
 }
 
-LeafShares::Choice LeafShares::last_with_light(int leaf) const {
+int LeafShares::choose(float* u) const {
+  float along = *u * ends[kBlocks - 1];
+  int block = 0, within = 0;  // all are compared: no branch to predict
+  for (int b = 0; b + 1 < kBlocks; ++b) block += ends[static_cast<std::size_t>(b)] <= along ? 1 : 0;
+  along -= block == 0 ? 0.0f : ends[static_cast<std::size_t>(block - 1)];
+  const float* sums = cumulative.data() + block;
+  for (int i = 0; i + 1 < kBlock; ++i) within += sums[i * kBlocks] <= along ? 1 : 0;
+  const float before = within == 0 ? 0.0f : sums[(within - 1) * kBlocks];
+  const float width = sums[within * kBlocks] - before;
+  int leaf = block * kBlock + within;
+  if (width > 0.0f) {
+    *u = std::clamp((along - before) / width, 0.0f, 0x1.fffffep-1f);
+    return leaf;
+  }
+  // Rounded past the last leaf with light.
   while (leaf > 0 && !(probability(leaf) > 0.0f)) --leaf;
-  return {leaf, kLast, probability(leaf)};
+  *u = 0x1.fffffep-1f;
+  return leaf;
 }
 
 LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid)
@@ -200,10 +195,12 @@ MAQUETTE_WIDE void LightGuide::add_up(const CellShares& known, const Leaves& axe
   constexpr std::size_t kBlocks = LeafShares::kBlocks;
   for (std::size_t i = kBlocks; i < kLeaves; i += kBlocks)
     for (std::size_t block = 0; block < kBlocks; ++block) sums[i + block] += sums[i - kBlocks + block];
-  std::fill_n(shares->cumulative.begin(), kBlocks, 0.0f);
-  std::copy(sums.begin(), sums.end(), shares->cumulative.begin() + kBlocks);
-  shares->begins[0] = 0.0f;
-  write_running_sums(&sums[kLeaves - kBlocks], &shares->begins[1]);
+  shares->cumulative = sums;
+  float sum = 0.0f;
+  for (std::size_t block = 0; block < kBlocks; ++block) {
+    sum += sums[kLeaves - kBlocks + block];
+    shares->ends[block] = sum;
+  }
 }
 
 void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {

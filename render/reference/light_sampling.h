@@ -1,7 +1,6 @@
 #pragma once
 
 #include "render/reference/light_guide.h"
-#include "render/reference/path_sampler.h"
 #include "render/reference/path_scene.h"
 
 namespace maquette {
@@ -46,12 +45,9 @@ class EnvironmentLight {
     int leaf = -1;
     glm::vec2 within{0.0f};
     const PresampledDirection* sample = nullptr;
-    float gain = 1.0f;  ///< of the leaf's density
   };
-  /// One for each of `count` pairs of numbers.
-  void choose(const PathSampler::Pairs& numbers, std::size_t count, std::uint32_t cell, const LeafShares* shares,
-              std::uint32_t path, Choice* choices) const;
-  void take(const Choice& choice, LightDraw* draw) const;
+  Choice choose(const glm::vec2& u, std::uint32_t cell, const LeafShares* shares, std::uint32_t path) const;
+  LightDraw take(const Choice& choice, const LeafShares* shares) const;
   /// Direction and distance of a point of a leaf; `within` as `draw`'s numbers.
   LightDraw draw_in_leaf(int leaf, const glm::vec2& within) const;
   /// Radiance and pdf of what was drawn.

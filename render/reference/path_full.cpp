@@ -128,7 +128,7 @@ class FullPath {
     useful.fill(-1.0f);  // not sent
     for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
       ArrivingLight& light = arriving_[arrived_];
-      environment_.take(choices_[k], &light.draw);
+      light.draw = environment_.take(choices_[k], shares());
       light.rays = static_cast<float>(shadow_rays_);
       light.choice = k;
       arrived_ += trace_light(*at_, &light) ? 1 : 0;
@@ -428,7 +428,8 @@ class FullPath {
     Place& place = places_[place_];
     if (place.cell != LightGuide::kNoCell && !place.looked) environment_.look(place.cell, p.n, &place.shares);
     place.looked = true;
-    environment_.choose(numbers_, shadow_rays_, place.cell, shares(), sampler_.index, choices_.data());
+    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
+      choices_[k] = environment_.choose(numbers_[k], place.cell, shares(), sampler_.index);
   }
   const LeafShares* shares() const { return place().cell != LightGuide::kNoCell ? &place().shares : nullptr; }
 

@@ -87,7 +87,8 @@ std::vector<int> import_cameras(Document* document, Scene* scene) {
   for (std::size_t i = 0; i < document->model.cameras.size(); ++i) {
     const Json& json = element_json(*document, "cameras", i);
     const std::string where = element("cameras", i);
-    if (json["type"] != "perspective" || !json.contains("perspective")) {
+    const Json& type = json["type"];
+    if (!type.is_string() || type.get_ref<const std::string&>() != "perspective" || !json.contains("perspective")) {
       document->warnings.add("only perspective cameras are read", where);
       map.push_back(-1);
       continue;

@@ -27,13 +27,13 @@ constexpr double kPeakOctaves = 0.2;
 
 void filter(const std::array<float, 4>& taps, const float* signal, std::size_t n, std::size_t dilation,
             std::size_t step, float* result) {
-  std::size_t i = 0;
-  const std::size_t inside = n - 3 * dilation;  // from here on the taps wrap
-  for (; i * step < inside; ++i) {
+  const std::size_t inside = (n - 3 * dilation + step - 1) / step;  // from here on the taps wrap
+#pragma omp simd
+  for (std::size_t i = 0; i < inside; ++i) {
     const float* s = signal + i * step;
     result[i] = taps[0] * s[0] + taps[1] * s[dilation] + taps[2] * s[2 * dilation] + taps[3] * s[3 * dilation];
   }
-  for (; i * step < n; ++i) {
+  for (std::size_t i = inside; i * step < n; ++i) {
     float sum = 0.0f;
     for (std::size_t k = 0; k < 4; ++k) sum += taps[k] * signal[(i * step + k * dilation) % n];
     result[i] = sum;

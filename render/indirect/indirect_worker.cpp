@@ -101,7 +101,8 @@ std::optional<IndirectBake> unpack(const std::vector<std::byte>& bytes, std::siz
   bake.sides = header.sides;
   bake.bias = header.bias;
   bake.vertices.resize(count);
-  if (count > 0) std::memcpy(bake.vertices.data(), bytes.data() + sizeof header, count * sizeof(glm::uvec4));
+  if (count > 0)
+    std::memcpy(static_cast<void*>(bake.vertices.data()), bytes.data() + sizeof header, count * sizeof(glm::uvec4));
   return bake;
 }
 

@@ -38,7 +38,8 @@ class LightBuffers {
     const std::size_t lights = texels.size();
     texels[2].w = static_cast<float>(lights);
     texels.resize(lights + 4 * grid.lights.size());
-    std::memcpy(&texels[lights], grid.lights.data(), grid.lights.size() * sizeof(LightRecord));
+    std::memcpy(static_cast<void*>(texels.data() + lights), grid.lights.data(),
+                grid.lights.size() * sizeof(LightRecord));
     return texels;
   }
   int count_ = 0;

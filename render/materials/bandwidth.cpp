@@ -74,9 +74,11 @@ void LocalSpectrum::add(std::span<const float> samples) {
     // A fine level ends inside the signal: its last filters would straddle the end, so they continue it flat.
     c[cells] = c[cells - 1];
     c[cells + 1] = level.whole ? c[cells - 2] : c[cells - 1];
+    double* power = level.power.data();
+#pragma omp simd
     for (std::size_t i = 0; i < cells; ++i) {
       const float detail = kH3 * c[i - 1] - kH2 * c[i] + kH1 * c[i + 1] - kH0 * c[i + 2];
-      level.power[i] += 0.5 * static_cast<double>(detail) * static_cast<double>(detail);
+      power[i] += 0.5 * static_cast<double>(detail) * static_cast<double>(detail);
     }
     finer_.assign(c, c + cells);
   }

@@ -139,7 +139,7 @@ GgxFit fit_ggx(const BrdfTable& brdf) {
   if (brdf.hash != 0) {
     const auto bytes = cache_load(kKind, kVersion, brdf.hash);
     if (bytes && bytes->size() == sizeof fit) {
-      std::memcpy(&fit, bytes->data(), sizeof fit);
+      std::memcpy(static_cast<void*>(&fit), bytes->data(), sizeof fit);
       return fit;
     }
   }

@@ -20,15 +20,19 @@ Plane convolve(const Plane& plane, const Kernel& across, const Kernel& down) {
     for (std::size_t i = 0; i < padded.size(); ++i)
       padded[i] = in[static_cast<std::size_t>(index_in(static_cast<int>(i) - rx, w))];
     float* out = &rows.data[static_cast<std::size_t>(y) * stride];
-    for (std::size_t k = 0; k < across.size(); ++k)
-      for (std::size_t x = 0; x < stride; ++x) out[x] += across[k] * padded[x + k];
+    for (std::size_t k = 0; k < across.size(); ++k) {
+      const float *from = padded.data() + k, weight = across[k];
+#pragma omp simd
+      for (std::size_t x = 0; x < stride; ++x) out[x] += weight * from[x];
+    }
   }
   for (int y = 0; y < h; ++y) {
     float* out = &result.data[static_cast<std::size_t>(y) * stride];
     for (std::size_t k = 0; k < down.size(); ++k) {
       const auto row = static_cast<std::size_t>(index_in(y + static_cast<int>(k) - ry, h));
-      const float* in = &rows.data[row * stride];
-      for (std::size_t x = 0; x < stride; ++x) out[x] += down[k] * in[x];
+      const float *from = &rows.data[row * stride], weight = down[k];
+#pragma omp simd
+      for (std::size_t x = 0; x < stride; ++x) out[x] += weight * from[x];
     }
   }
   return result;

@@ -315,7 +315,7 @@ void append(const std::vector<T>& values, std::vector<std::byte>* bytes) {
 template <typename T>
 const std::byte* take(const std::byte* bytes, std::size_t count, std::vector<T>* values) {
   values->resize(count);
-  if (count > 0) std::memcpy(values->data(), bytes, count * sizeof(T));
+  if (count > 0) std::memcpy(static_cast<void*>(values->data()), bytes, count * sizeof(T));
   return bytes + count * sizeof(T);
 }
 

@@ -167,7 +167,7 @@ Figures measure_outlines(Stage& stage) {
   // edge counts: behind it may be the sky.
   const auto cell_px = [&](const Image& distance_m, glm::ivec2 at) {
     double nearest_m = std::numeric_limits<double>::max();
-    for (const glm::ivec2 p : {at, at + glm::ivec2(1, 0), at + glm::ivec2(0, 1)}) {
+    for (const glm::ivec2& p : {at, at + glm::ivec2(1, 0), at + glm::ivec2(0, 1)}) {
       const auto m = static_cast<double>(distance_m.at(p.x, p.y, 0));
       if (m > 0.0) nearest_m = std::min(nearest_m, m);
     }

@@ -140,23 +140,6 @@ TEST(Extremes, SunOfAMillionTimesTheSky) {
 }
 
 /// A million paths into one pixel. The tracer's own sums against what one float would hold.
-struct Pair {
-  double x, y;
-};
-
-/// What float leaves of two doubles; not inlined, so that the compiler cannot do it beforehand.
-[[gnu::noinline]] Pair left_by_float(const Pair& v) {
-  const float x = static_cast<float>(v.x), y = static_cast<float>(v.y);
-  return {v.x - static_cast<double>(x), v.y - static_cast<double>(y)};
-}
-
-TEST(Extremes, TheCompilerRoundsToFloat) {
-  // 0.1 and 0.2 lie this far from the nearest floats.
-  const Pair left = left_by_float({0.1, 0.2});
-  EXPECT_NEAR(left.x, -1.4901161e-9, 1e-15);
-  EXPECT_NEAR(left.y, -2.9802322e-9, 1e-15);
-}
-
 TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   const auto scene =
       trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), matte(glm::vec3(1.0f / 3.0f))), constant_sky(0.1f));

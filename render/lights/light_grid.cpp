@@ -212,6 +212,7 @@ MAQUETTE_WIDE void bring(const Emitters& e, const Ball& ball, float* __restrict 
   const float *nx = e.normal_x.data(), *ny = e.normal_y.data(), *nz = e.normal_z.data();
   const float *everywhere = e.everywhere.data(), *intensity = e.intensity.data();
   const std::size_t count = e.x.size();
+#pragma omp simd
   for (std::size_t k = 0; k < count; ++k) {
     const float dx = at.x - x[k], dy = at.y - y[k], dz = at.z - z[k], reach = size + radius[k];
     const float sum = dx * dx + dy * dy + dz * dz + reach * reach;
@@ -353,6 +354,7 @@ LightGrid build_light_grid(const LightList& list) {
   for (std::size_t i = 0; i < cdf.size(); ++i) {
     grid.lights[i].selection_pdf = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0f);
     grid.lights[i].cdf = cdf[i];
+    grid.running_power.push_back(cdf[i]);
   }
   Box box;
   for (const TreeNode& node : tree.nodes) {
@@ -403,10 +405,12 @@ LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::ui
   const LightNode& node = grid.nodes[grid.cut[row + k]];
   const auto steps = static_cast<std::uint64_t>(node.share * 0x1p24f);
   const float power = node.before + static_cast<float>((place * steps) >> 32) * 0x1p-24f;
-  const auto first = grid.lights.begin() + node.first;
-  const auto light = std::upper_bound(first, first + (node.count - 1), power,
-                                      [](float value, const LightRecord& l) { return value < l.cdf; });
-  return {static_cast<std::size_t>(light - grid.lights.begin()), share * (light->selection_pdf / node.share)};
+  const auto first = grid.running_power.begin() + node.first;
+  const auto index =
+      static_cast<std::size_t>(std::upper_bound(first, first + (node.count - 1), power) - grid.running_power.begin());
+  // The light itself is not read: it is far away.
+  const float own = grid.running_power[index] - (index > 0 ? grid.running_power[index - 1] : 0.0f);
+  return {index, share * (own / node.share)};
 }
 
 float light_probability(const LightGrid& grid, std::size_t cell, std::size_t index) {

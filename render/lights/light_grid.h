@@ -26,6 +26,7 @@ struct LightNode {
 struct LightGrid {
   static constexpr int kMaxNodes = 64;   ///< of a cut; a multiple of 4
   std::vector<LightRecord> lights;       ///< selection_pdf by power, cdf their running sum, steps of 2^-24
+  std::vector<float> running_power;      ///< [light] its cdf, close together for those who search
   std::vector<int> order;                ///< [light] its place in the list that the grid was made from
   std::vector<LightNode> nodes;          ///< of the tree
   glm::vec3 low{0.0f}, cell_size{1.0f};  ///< of the inner cells, m
@@ -41,10 +42,11 @@ LightGrid build_light_grid(const LightList& list);
 /// The cell that holds a point, in m.
 std::size_t light_cell(const LightGrid& grid, const glm::vec3& position);
 
-/// Fetches what choosing in a cell reads, ahead of time.
-inline void prefetch_cell(const LightGrid& grid, std::size_t cell) {
+/// Fetches what choosing in a cell and its lux read, ahead of time.
+[[gnu::always_inline]] inline void prefetch_cell(const LightGrid& grid, std::size_t cell) {
   constexpr std::size_t kLine = 16;  // entries
   const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
+  __builtin_prefetch(&grid.lux[cell]);
   for (std::size_t k = 0; k < static_cast<std::size_t>(grid.stride); k += kLine) {
     __builtin_prefetch(&grid.cumulative[row + k]);
     __builtin_prefetch(&grid.cut[row + k]);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "render/low_discrepancy.h"
@@ -136,24 +137,9 @@ glm::vec4 EnvironmentPartition::axis_and_extent(int leaf) const {
   return {axis, extent};
 }
 
-int LeafShares::choose(float* u) const {
-  float along = *u * ends[kBlocks - 1];
-  int block = 0, within = 0;  // all are compared: no branch to predict
-  for (int b = 0; b + 1 < kBlocks; ++b) block += ends[static_cast<std::size_t>(b)] <= along ? 1 : 0;
-  along -= block == 0 ? 0.0f : ends[static_cast<std::size_t>(block - 1)];
-  const float* sums = cumulative.data() + block;
-  for (int i = 0; i + 1 < kBlock; ++i) within += sums[i * kBlocks] <= along ? 1 : 0;
-  const float before = within == 0 ? 0.0f : sums[(within - 1) * kBlocks];
-  const float width = sums[within * kBlocks] - before;
-  int leaf = block * kBlock + within;
-  if (width > 0.0f) {
-    *u = std::clamp((along - before) / width, 0.0f, 0x1.fffffep-1f);
-    return leaf;
-  }
-  // Rounded past the last leaf with light.
+LeafShares::Choice LeafShares::last_with_light(int leaf) const {
   while (leaf > 0 && !(probability(leaf) > 0.0f)) --leaf;
-  *u = 0x1.fffffep-1f;
-  return leaf;
+  return {leaf, kLast, probability(leaf)};
 }
 
 LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid)
@@ -192,15 +178,24 @@ MAQUETTE_WIDE void LightGuide::add_up(const CellShares& known, const Leaves& axe
   for (std::size_t i = 0; i < kLeaves; ++i)
     sums[i] = static_cast<float>(known.units[i]) *
               mean_facing(axes.x[i] * x + axes.y[i] * y + axes.z[i] * z, axes.extent[i], axes.slope[i]);
-  constexpr std::size_t kBlocks = LeafShares::kBlocks;
-  for (std::size_t i = kBlocks; i < kLeaves; i += kBlocks)
-    for (std::size_t block = 0; block < kBlocks; ++block) sums[i + block] += sums[i - kBlocks + block];
-  shares->cumulative = sums;
-  float sum = 0.0f;
-  for (std::size_t block = 0; block < kBlocks; ++block) {
-    sum += sums[kLeaves - kBlocks + block];
-    shares->ends[block] = sum;
+  // A row of sums stays in one register: stored one by one they would have to leave for the cache before they can be
+  // read together.
+  using Row = float __attribute__((vector_size(32)));
+  static_assert(sizeof(Row) == LeafShares::kBlocks * sizeof(float));
+  Row sum{};
+  for (std::size_t i = 0; i < kLeaves; i += LeafShares::kBlocks) {
+    std::memcpy(&shares->cumulative[i], &sum, sizeof sum);
+    Row row;
+    std::memcpy(&row, &sums[i], sizeof row);
+    sum += row;
   }
+  std::memcpy(&shares->cumulative[kLeaves], &sum, sizeof sum);
+  const Row zero{};
+  sum += __builtin_shufflevector(sum, zero, 8, 0, 1, 2, 3, 4, 5, 6);
+  sum += __builtin_shufflevector(sum, zero, 8, 8, 0, 1, 2, 3, 4, 5);
+  sum += __builtin_shufflevector(sum, zero, 8, 8, 8, 8, 0, 1, 2, 3);
+  shares->begins[0] = 0.0f;
+  std::memcpy(&shares->begins[1], &sum, sizeof sum);
 }
 
 void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {

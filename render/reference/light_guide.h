@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -52,16 +53,39 @@ struct LeafShares {
   static constexpr std::size_t place_of(int leaf) {
     return static_cast<std::size_t>(leaf % kBlock * kBlocks + leaf / kBlock);
   }
-  alignas(32) std::array<float, EnvironmentPartition::kMostLeaves> cumulative;  ///< in the block, inclusive
-  alignas(32) std::array<float, kBlocks> ends;                                  ///< of the blocks, the last: the sum
-
-  /// `u` in [0, 1) picks the leaf and is stretched over it again.
-  int choose(float* u) const;
+  /// Of the leaves before this one in its block; a row more for the sums of whole blocks.
+  alignas(32) std::array<float, EnvironmentPartition::kMostLeaves + kBlocks> cumulative;
+  alignas(32) std::array<float, kBlocks + 1> begins;  ///< of the blocks; the last: the sum of all
+  float sum() const { return begins[kBlocks]; }
   float probability(int leaf) const {
     const std::size_t at = place_of(leaf);
-    const float before = leaf % kBlock == 0 ? 0.0f : cumulative[at - kBlocks];
-    return (cumulative[at] - before) / ends[kBlocks - 1];
+    return (cumulative[at + kBlocks] - cumulative[at]) / sum();
   }
+
+  struct Choice {
+    int leaf;
+    float within;       ///< the number, stretched over the leaf again, in [0, 1)
+    float probability;  ///< of the leaf
+  };
+  /// `u` in [0, 1) picks the leaf. All are compared, and what is before the first is 0: no jump to guess wrong.
+  Choice choose(float u) const {
+    float along = u * sum();
+    int block = 0, row = 0;
+    for (std::size_t b = 1; b < kBlocks; ++b) block += begins[b] <= along ? 1 : 0;
+    along -= begins[static_cast<std::size_t>(block)];
+    const float* sums = cumulative.data() + block;
+    for (int i = 1; i < kBlock; ++i) row += sums[i * kBlocks] <= along ? 1 : 0;
+    const float before = sums[row * kBlocks], width = sums[(row + 1) * kBlocks] - before;
+    const int leaf = block * kBlock + row;
+    if (!(width > 0.0f)) return last_with_light(leaf);
+    const float within = (along - before) / width;
+    return {leaf, within > 0.0f ? std::min(within, kLast) : 0.0f, width / sum()};
+  }
+
+ private:
+  static constexpr float kLast = 0x1.fffffep-1f;  ///< below 1
+  /// Rounded past it.
+  Choice last_with_light(int leaf) const;
 };
 
 /// Learns while a picture is traced which parts of the environment light which parts of the scene, so that shadow rays
@@ -81,10 +105,12 @@ class LightGuide {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
     return grid_.cell_of(position, normal);
   }
-  /// Fetches what look reads, ahead of time.
-  void prefetch(std::uint32_t cell) const {
+  /// Fetches what look and openness read, ahead of time. In line at once: of a function that does nothing but fetch GCC
+  /// drops the calls, as without effect.
+  [[gnu::always_inline]] void prefetch(std::uint32_t cell) const {
     const auto* shares = reinterpret_cast<const char*>(&shares_[cell]);
     for (std::size_t line = 0; line < sizeof(CellShares); line += 64) __builtin_prefetch(shares + line);
+    __builtin_prefetch(&openness_[cell]);
   }
   /// Share of the environment's light that is known to reach a cell; 0 where nothing is known.
   float openness(std::uint32_t cell) const { return openness_[cell]; }
@@ -95,6 +121,10 @@ class LightGuide {
   /// Probability of the leaf over its plain one.
   float gain(const LeafShares& shares, int leaf) const {
     return shares.probability(leaf) * inverse_plain_[static_cast<std::size_t>(leaf)];
+  }
+  /// The same where the leaf's probability is known.
+  float gain(const LeafShares::Choice& choice) const {
+    return choice.probability * inverse_plain_[static_cast<std::size_t>(choice.leaf)];
   }
   /// Whether records still matter: places have seen enough after some passes.
   bool learning() const { return lessons_ < kLessons; }

@@ -62,29 +62,37 @@ LightDraw EnvironmentLight::draw_at(const EnvironmentPoint& drawn, int leaf) con
   return draw;
 }
 
-EnvironmentLight::Choice EnvironmentLight::choose(const glm::vec2& u, std::uint32_t cell, const LeafShares* shares,
-                                                  std::uint32_t path) const {
-  Choice choice;
-  choice.within = u;
-  if (!shares) return choice;
-  choice.leaf = shares->choose(&choice.within.x);
-  if (guide_->learning()) guide_->prefetch_record(cell, choice.leaf);
-  if (samples_ && PresampledEnvironment::serves(path)) {
-    choice.sample = &samples_->at(path, choice.leaf, choice.within);
+void EnvironmentLight::choose(const PathSampler::Pairs& numbers, std::uint32_t cell, const LeafShares* shares,
+                              std::uint32_t path, std::span<Choice> choices) const {
+  const bool records = shares && guide_->learning();
+  const bool sampled = shares && samples_ && PresampledEnvironment::serves(path);
+  for (std::size_t k = 0; k < choices.size(); ++k) {
+    Choice& choice = choices[k];
+    choice = {.within = numbers[k]};
+    if (!shares) continue;
+    const LeafShares::Choice chosen = shares->choose(choice.within.x);
+    choice.leaf = chosen.leaf;
+    choice.within.x = chosen.within;
+    choice.gain = guide_->gain(chosen);
+    if (records) guide_->prefetch_record(cell, chosen.leaf);
+    if (!sampled) continue;
+    choice.sample = &samples_->at(path, chosen.leaf, choice.within);
     __builtin_prefetch(choice.sample);
   }
-  return choice;
 }
 
-LightDraw EnvironmentLight::take(const Choice& choice, const LeafShares* shares) const {
-  if (!choice.sample) return choice.leaf < 0 ? draw(choice.within) : draw_in_leaf(choice.leaf, choice.within);
-  LightDraw draw;
-  draw.distance = kEndless;
-  draw.leaf = choice.leaf;
-  draw.direction = choice.sample->direction;
-  draw.radiance = choice.sample->radiance;
-  draw.pdf = choice.sample->density * guide_->gain(*shares, choice.leaf);
-  return draw;
+void EnvironmentLight::take(const Choice& choice, LightDraw* out) const {
+  if (!choice.sample) {
+    *out = choice.leaf < 0 ? draw(choice.within) : draw_in_leaf(choice.leaf, choice.within);
+    return;
+  }
+  out->direction = choice.sample->direction;
+  out->distance = kEndless;
+  out->radiance = choice.sample->radiance;
+  out->pdf = choice.sample->density * choice.gain;
+  out->has_extent = true;
+  out->texel = -1;
+  out->leaf = choice.leaf;
 }
 
 void EnvironmentLight::fill(LightDraw* draw, const LeafShares* shares) const {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <span>
+
 #include "render/reference/light_guide.h"
+#include "render/reference/path_sampler.h"
 #include "render/reference/path_scene.h"
 
 namespace maquette {
@@ -30,7 +33,7 @@ class EnvironmentLight {
   /// Where the guide keeps what it knows of this place; LightGuide::kNoCell without a guide.
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const;
   /// Fetches what drawing in this cell reads, ahead of time.
-  void prefetch(std::uint32_t cell) const {
+  [[gnu::always_inline]] void prefetch(std::uint32_t cell) const {
     if (cell != LightGuide::kNoCell) guide_->prefetch(cell);
   }
   /// What a surface of unit `normal` (world) in this cell draws by. Not without a guide.
@@ -45,9 +48,12 @@ class EnvironmentLight {
     int leaf = -1;
     glm::vec2 within{0.0f};
     const PresampledDirection* sample = nullptr;
+    float gain = 1.0f;  ///< of the leaf's density
   };
-  Choice choose(const glm::vec2& u, std::uint32_t cell, const LeafShares* shares, std::uint32_t path) const;
-  LightDraw take(const Choice& choice, const LeafShares* shares) const;
+  /// As many as there are `choices`, by the first of `numbers`.
+  void choose(const PathSampler::Pairs& numbers, std::uint32_t cell, const LeafShares* shares, std::uint32_t path,
+              std::span<Choice> choices) const;
+  void take(const Choice& choice, LightDraw* draw) const;
   /// Direction and distance of a point of a leaf; `within` as `draw`'s numbers.
   LightDraw draw_in_leaf(int leaf, const glm::vec2& within) const;
   /// Radiance and pdf of what was drawn.

@@ -10,6 +10,7 @@ namespace maquette {
 
 namespace {
 
+static_assert(std::endian::native == std::endian::little);
 static_assert(kThetaHCount % 2 == 0 && kThetaDCount % 2 == 0 && kPhiDCount % 2 == 0);
 
 constexpr int kFloatBias = 127, kDoubleBias = 1023;  ///< of exponents
@@ -50,24 +51,24 @@ glm::vec3 PackedBrdf::look_up(const Place& place) const {
   const Entry* entries = bricks_.front().entries.data();
   const glm::vec3 &f = place.fraction, g = glm::vec3(1.0f) - f;
   const float low = g.x * g.y, middle = g.x * f.y, high = f.x * g.y, highest = f.x * f.y;
-  alignas(32) const float weights[8] = {low * g.z,  low * f.z,  middle * g.z,  middle * f.z,
-                                        high * g.z, high * f.z, highest * g.z, highest * f.z};
-  // In lanes, with signed numbers, which convert sooner.
-  alignas(32) std::int32_t first[8], second[8];
+  const float weights[8] = {low * g.z,  low * f.z,  middle * g.z,  middle * f.z,
+                            high * g.z, high * f.z, highest * g.z, highest * f.z};
+  // Channels beside each other in one register, with the exponent as an idle fourth: numbers that were stored one by
+  // one would have to leave for the cache before they can be read together.
+  using Longs = std::uint64_t __attribute__((vector_size(16)));
+  using Halves = std::uint16_t __attribute__((vector_size(16)));
+  using Wholes = std::int32_t __attribute__((vector_size(16)));
+  using Floats = float __attribute__((vector_size(16)));
+  Floats sums[2] = {};
   for (std::size_t i = 0; i < 8; ++i) {
-    const Entry& entry = entries[place.entry(i)];
-    first[i] = static_cast<std::int32_t>(entry.red_green);
-    second[i] = static_cast<std::int32_t>(entry.blue_exponent);
+    const auto bits = std::bit_cast<std::uint64_t>(entries[place.entry(i)]);
+    const Halves halves = std::bit_cast<Halves>(Longs{bits, 0});
+    const auto wholes = std::bit_cast<Wholes>(__builtin_shufflevector(halves, Halves{}, 0, 8, 1, 9, 2, 10, 3, 11));
+    const float scale = std::bit_cast<float>(static_cast<std::uint32_t>(bits >> 48) << 23) * weights[i];
+    sums[i % 2] += __builtin_convertvector(wholes, Floats) * scale;
   }
-  alignas(32) float red[8], green[8], blue[8];
-  for (std::size_t i = 0; i < 8; ++i) {
-    const float scale = std::bit_cast<float>((second[i] >> 16) << 23) * weights[i];
-    red[i] = static_cast<float>(first[i] & 65535) * scale;
-    green[i] = static_cast<float>(first[i] >> 16 & 65535) * scale;
-    blue[i] = static_cast<float>(second[i] & 65535) * scale;
-  }
-  const auto sum = [](const float* v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); };
-  return {sum(red), sum(green), sum(blue)};
+  const Floats sum = sums[0] + sums[1];
+  return {sum[0], sum[1], sum[2]};
 }
 
 }  // namespace maquette

@@ -29,6 +29,7 @@ constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(),
 /// Shadow rays to lamps: one a surface where they may outshine what is known to arrive of the sky, as seldom as this
 /// where they are dim beside it.
 constexpr float kLeastLampRays = 0.125f;
+constexpr float kNotWeighed = -1.0f;
 /// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
 /// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
 /// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.
@@ -79,7 +80,7 @@ class FullPath {
 
   void meet() {
     if (step_ != Step::meet) return;
-    met_ = resolve_surface(scene_, ray_, hit_, {});
+    resolve_surface(scene_, ray_, hit_, {}, &met_);
     at_ = &met_;
     ++vertex_;
     if ((met_.material->bends() && pass_bending(met_)) || (met_.material->clear() > 0.0f && pass_pane(met_))) {
@@ -99,8 +100,6 @@ class FullPath {
     shadow_rays_ = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
     polarisation_ = {};
     find_place(p);
-    has_lamp_ = place().lamp_rays >= 1.0f ||
-                (place().lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < place().lamp_rays);
     draw_numbers();
     scattering_ = choose_scattering(p, numbers_[kMostShadowRays]);
   }
@@ -109,13 +108,14 @@ class FullPath {
   void choose() {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *at_;
+    ask_mirrors(p);
+    weigh_lamps();
     if (has_lamp_) {
       const std::uint32_t choice = dimension(kLightChoice);
       picked_ = choose_light(scene_.lights, place().lamp_cell, sampler_.single(choice), sampler_.word(choice));
       prefetch_scene_light(scene_, picked_);
     }
     choose_environment(p);
-    ask_mirrors(p);
     drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
     query_.wi = drawn_.wi;
   }
@@ -128,7 +128,7 @@ class FullPath {
     useful.fill(-1.0f);  // not sent
     for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
       ArrivingLight& light = arriving_[arrived_];
-      light.draw = environment_.take(choices_[k], shares());
+      environment_.take(choices_[k], &light.draw);
       light.rays = static_cast<float>(shadow_rays_);
       light.choice = k;
       arrived_ += trace_light(*at_, &light) ? 1 : 0;
@@ -296,7 +296,7 @@ class FullPath {
     u /= m.pane;
     if (m.solid && !p.front) scale(glm::exp(-m.absorption * glm::length(p.position - from_)));
     if (vertex_ > 0) add_emission(p);
-    const float roughness = m.rough ? p.analytic.alpha : 0.0f;
+    const float roughness = m.rough && !m.measured ? p.analytic.alpha : 0.0f;
     const BentRay bent = bend_at_glass(p, glm::normalize(ray_.direction), roughness,
                                        sampler_.pair(dimension(kDirection)), u, &polarisation_);
     scale(bent.weight);
@@ -331,7 +331,7 @@ class FullPath {
     std::uint32_t cell = LightGuide::kNoCell;                      ///< of the guide
     std::uint32_t mirror_cell = 0;
     std::size_t lamp_cell = 0;  ///< of the grid of lights
-    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps
+    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps, or kNotWeighed
     bool looked = false;
     LeafShares shares;  ///< of the guide, once looked
   };
@@ -352,10 +352,20 @@ class FullPath {
     find_cells(p, &place);
     place.lamp_rays = 0.0f;
     if (scene_.lights.lights.empty()) return;
+    place.lamp_rays = kNotWeighed;
     place.lamp_cell = light_cell(scene_.lights, p.position);
     prefetch_cell(scene_.lights, place.lamp_cell);
-    const float lux = scene_.lights.lux[place.lamp_cell], sky = environment_.known_lux(place.cell);
-    place.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
+  }
+
+  /// How many shadow rays lamps get there in the mean, and whether this path sends one.
+  void weigh_lamps() {
+    Place& place = places_[place_];
+    if (place.lamp_rays == kNotWeighed) {
+      const float lux = scene_.lights.lux[place.lamp_cell], sky = environment_.known_lux(place.cell);
+      place.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
+    }
+    has_lamp_ =
+        place.lamp_rays >= 1.0f || (place.lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < place.lamp_rays);
   }
 
   const Place& place() const { return places_[place_]; }
@@ -372,9 +382,9 @@ class FullPath {
   /// How many scattered rays look for mirrored lamps: of what scatters widely, where some were seen.
   void ask_mirrors(const SurfacePoint& p) {
     mirror_share_ = 0.0f;
-    if (!mirrors_) return;
-    if (mirrors_->knows(place().mirror_cell))
-      mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
+    if (!mirrors_ || !mirrors_->knows(place().mirror_cell)) return;
+    mirrors_->prefetch_entries(place().mirror_cell);
+    mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
   }
 
   /// Density of what draw_direction draws, given the BRDF's own.
@@ -428,8 +438,7 @@ class FullPath {
     Place& place = places_[place_];
     if (place.cell != LightGuide::kNoCell && !place.looked) environment_.look(place.cell, p.n, &place.shares);
     place.looked = true;
-    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      choices_[k] = environment_.choose(numbers_[k], place.cell, shares(), sampler_.index);
+    environment_.choose(numbers_, place.cell, shares(), sampler_.index, std::span(choices_).first(shadow_rays_));
   }
   const LeafShares* shares() const { return place().cell != LightGuide::kNoCell ? &place().shares : nullptr; }
 

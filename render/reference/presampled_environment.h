@@ -42,9 +42,8 @@ class PresampledEnvironment {
   const PresampledDirection& at(std::uint32_t path, int leaf, const glm::vec2& within) const {
     const Set& set = sets_[path / kPathsASet];
     const auto side = static_cast<float>(set.side);
-    const auto column = static_cast<std::size_t>(within.x * side), row = static_cast<std::size_t>(within.y * side);
-    const auto strata = static_cast<std::size_t>(set.side);
-    return set.samples[(static_cast<std::size_t>(leaf) * strata + row) * strata + column];
+    const int column = static_cast<int>(within.x * side), row = static_cast<int>(within.y * side);
+    return set.samples[static_cast<std::size_t>((leaf * set.side + row) * set.side + column)];
   }
 
  private:

@@ -106,7 +106,7 @@ void fill_material(const TracedMaterial& m, const Factors& f, SurfacePoint* p) {
   p->base_color = f.base_color;
   const Material& v = m.values;
   if (m.measured) {
-    if (v.tint_measured) p->tint = f.base_color;
+    p->tint = v.tint_measured ? f.base_color : glm::vec3(1.0f);
     return;
   }
   p->analytic = shared::make_analytic(f.base_color, f.metallic, f.roughness, v.ior, v.specular, v.specular_color,
@@ -133,11 +133,12 @@ glm::vec3 plain_color(const PathScene& scene, const TracedMaterial& m, const Cor
 
 }  // namespace
 
-SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options) {
+void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options,
+                     SurfacePoint* out) {
   const Corners c = corners_of(scene, hit.triangle, hit.barycentric);
   const TracedTriangle& corner = scene.triangles[hit.triangle];
   const auto& [p0, p1, p2] = corner.positions;
-  SurfacePoint p;
+  SurfacePoint& p = *out;
   p.triangle = hit.triangle;
   p.material = &scene.material_of(hit.triangle);
   p.position = p0 * c.b0 + p1 * c.b1 + p2 * c.b2;
@@ -173,7 +174,6 @@ SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHi
   const bool shines = p.front || (corner.material & kBothSides) != 0;
   p.emission = shines ? f.emission : glm::vec3(0.0f);
   fill_material(m, f, &p);
-  return p;
 }
 
 PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {

@@ -31,6 +31,7 @@ struct SurfacePoint {
   glm::vec3 base_color{1.0f};
   glm::vec3 emission{0.0f};  ///< cd/m2 towards wo
   glm::vec3 tint{1.0f};      ///< of a measured table
+  // Without one:
   shared::AnalyticMaterial analytic{};
   glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
 
@@ -43,7 +44,16 @@ struct SurfaceOptions {
   bool occlusion_texture = false;                 ///< direct transport only: full transport has real occlusion
 };
 
-SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options);
+/// In place: of `out`, what the material has no use for (the tint, or the analytic material and its lobes) stays as it
+/// is.
+void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options,
+                     SurfacePoint* out);
+inline SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit,
+                                    const SurfaceOptions& options) {
+  SurfacePoint point;
+  resolve_surface(scene, ray, hit, options, &point);
+  return point;
+}
 
 /// Share of light per channel that goes straight through a pane at a hit; `view`: unit, to either side.
 glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,

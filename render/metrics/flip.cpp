@@ -205,11 +205,7 @@ Image flip_hdr_map(const Image& image, const Image& reference, double pixels_per
     const auto shown = [scale](float v) { return film(std::clamp(v * scale, 0.0f, 1e4f)); };
     const Image one = difference(see(planes_of(image, shown), filters), see(planes_of(reference, shown), filters));
     const std::lock_guard lock(mutex);
-    float* worst = map.data.data();
-    const float* here = one.data.data();
-    const std::size_t count = map.data.size();
-#pragma omp simd
-    for (std::size_t k = 0; k < count; ++k) worst[k] = std::max(worst[k], here[k]);
+    for (std::size_t k = 0; k < map.data.size(); ++k) map.data[k] = std::max(map.data[k], one.data[k]);
   });
   return map;
 }

@@ -38,7 +38,7 @@ void draw_meter(Ui& ui) {
   const auto choice = [&](const char* label, ErrorView::Show show, const char* name) {
     if (ImGui::RadioButton(label, view.show == show)) view.show = show;
     mark_item(ui, name);
-    tooltip("Heat: where the error is. Wiper: the mode at the left, the reference at the right");
+    tooltip("Heat: where the error is. Wiper: the mode at the left, the reference at the right; drag its line");
   };
   choice("picture", ErrorView::Show::picture, "error/picture");
   ImGui::SameLine();

@@ -14,6 +14,7 @@ constexpr float kOrbitRate_rad = 0.008f;
 constexpr float kLookRate_rad = 0.0035f;
 constexpr float kLightRate_deg = 0.35f;
 constexpr float kFastFactor = 4.0f;
+constexpr float kWiperReach = 7.0f;  // units to each side of the line
 
 float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
 
@@ -25,6 +26,11 @@ Renderer::Pick pick_middle(const Rect& picture, const PictureInput::Pick& pick) 
 void set_pivot(CameraView* camera, const Renderer::Pick& middle) {
   if (!middle.hit) return;
   set_target_distance(camera, glm::dot(middle.position - camera->eye, glm::normalize(camera->target - camera->eye)));
+}
+
+bool on_wiper(const ErrorView& view, const Rect& picture, float x) {
+  return view.open && view.show == ErrorView::Show::wiper &&
+         std::abs(x - (picture.x + view.wiper * picture.width)) <= kWiperReach;
 }
 
 }  // namespace
@@ -73,6 +79,8 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     pivot_ = pick_middle(picture, pick);
   } else if (event.button == 0 && event.ctrl) {
     drag_ = Drag::light;
+  } else if (event.button == 0 && on_wiper(state.error_view, picture, event.x)) {
+    drag_ = Drag::wiper;
   } else if (event.button == 0 && state.tool == Tool::dent) {
     const Renderer::Pick hit = pick(event.x, event.y);
     if (!session->begin_dent(hit)) return;
@@ -117,6 +125,9 @@ void PictureInput::move(const PointerEvent& event, const Rect& picture, WindowSe
       break;
     case Drag::dent:
       session->drag_dent(dent_depth(*session), state.dent_radius_m);
+      break;
+    case Drag::wiper:
+      state.error_view.wiper = std::clamp((event.x - picture.x) / std::max(picture.width, 1.0f), 0.0f, 1.0f);
       break;
     case Drag::none:
       break;

@@ -18,7 +18,7 @@ struct PointerEvent {
   bool shift = false, ctrl = false;  ///< of presses
 };
 
-/// The mouse over the picture: cameras, light, selection, dents.
+/// The mouse over the picture: cameras, light, selection, dents, the wiper.
 class PictureInput {
  public:
   /// `pick`: what is at a point of the picture rectangle.
@@ -31,7 +31,7 @@ class PictureInput {
   bool dragging() const { return drag_ != Drag::none; }
 
  private:
-  enum class Drag { none, orbit, pan, look, light, dent };
+  enum class Drag { none, orbit, pan, look, light, dent, wiper };
   void click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit);
   void press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick);
   void move(const PointerEvent& event, const Rect& picture, WindowSession* session);

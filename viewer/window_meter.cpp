@@ -239,7 +239,10 @@ void WindowMeter::draw_overlay(const WindowSession& session, const Rect& picture
   const float x = std::clamp(picture.x + view.wiper * picture.width, low.x, high.x);
   const float u = (x - low.x) / std::max(high.x - low.x, 1.0f);
   list->AddImage(texture_id(truth_), {x, low.y}, high, {u, 0.0f}, {1.0f, 1.0f});
+  const float middle = picture.y + 0.5f * picture.height;
   list->AddLine({x, picture.y}, {x, picture.y + picture.height}, IM_COL32(255, 255, 255, 200), 2.0f);
+  // To be dragged by.
+  list->AddRectFilled({x - 5.0f, middle - 18.0f}, {x + 5.0f, middle + 18.0f}, IM_COL32(255, 255, 255, 230), 5.0f);
   const float y = picture.y + picture.height - 1.6f * ImGui::GetFontSize();
   const auto label = [&](float at, const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());

@@ -195,6 +195,17 @@ TEST_F(Window, TheErrorTabShowsAFigureAndWhereItIs) {
   EXPECT_TRUE(
       desktop_->wait_until([&](const ScreenPicture& p) { return difference(plain, p, middle) < kSeen; }, kPatience_s))
       << "and goes";
+  const float line = picture.x + 0.5f * picture.width, way = 0.2f * picture.width;
+  const Rect between{line + 8.0f, middle.y, way - 16.0f, middle.height};
+  desktop_->click(controls.item("error/wiper"));
+  EXPECT_TRUE(wait_for_change(plain, between)) << "the reference lies at the right of the wiper";
+  desktop_->move(line + 2.0f, picture.y + 20.0f);
+  desktop_->input({"mousedown", "1"});
+  desktop_->move(line + way, picture.y + 60.0f);
+  desktop_->input({"mouseup", "1"});
+  EXPECT_TRUE(
+      desktop_->wait_until([&](const ScreenPicture& p) { return difference(plain, p, between) < kSeen; }, kPatience_s))
+      << "its line is dragged to the right, and the camera stays";
   desktop_->input({"key", "ctrl+q"});
   EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
   EXPECT_EQ(desktop_->errors(), "");

@@ -8,22 +8,22 @@
 #include <vector>
 
 namespace maquette {
-namespace {
 
-struct Pair {
+struct LeftByFloat {
   double x, y;
 };
-
-/// What float leaves of two doubles; not inlined, so that the compiler cannot do it beforehand.
-[[gnu::noinline]] Pair left_by_float(const Pair& v) {
+/// What float leaves of two doubles. Neither inlined nor for this file alone: the compiler cannot do it beforehand.
+[[gnu::noinline]] LeftByFloat left_by_float(const LeftByFloat& v) {
   const float x = static_cast<float>(v.x), y = static_cast<float>(v.y);
   return {v.x - static_cast<double>(x), v.y - static_cast<double>(y)};
 }
 
-/// GCC 12.2 at -O3, vectoriser of neighbouring operations.
+namespace {
+
+/// GCC 12.2 from -O2 on, vectoriser of neighbouring operations.
 TEST(Compiler, RoundsToFloat) {
   // 0.1 and 0.2 lie this far from the nearest floats.
-  const Pair left = left_by_float({0.1, 0.2});
+  const LeftByFloat left = left_by_float({0.1, 0.2});
   EXPECT_NEAR(left.x, -1.4901161e-9, 1e-15);
   EXPECT_NEAR(left.y, -2.9802322e-9, 1e-15);
 }

@@ -129,7 +129,9 @@ class LightGuide {
   /// Whether records still matter: places have seen enough after some passes.
   bool learning() const { return lessons_ < kLessons; }
   /// Fetches what record writes, ahead of time.
-  void prefetch_record(std::uint32_t cell, int leaf) const { __builtin_prefetch(&records_[at(cell, leaf)], 1); }
+  [[gnu::always_inline]] void prefetch_record(std::uint32_t cell, int leaf) const {
+    __builtin_prefetch(&records_[at(cell, leaf)], 1);
+  }
   /// One shadow ray: `useful` is its transmittance, in [0, 1]. Not its cosine: the directions that a lesson saw would
   /// be preferred where they are drawn again. Thread-safe.
   void record(std::uint32_t cell, int leaf, float useful);

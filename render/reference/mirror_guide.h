@@ -28,12 +28,12 @@ class MirrorGuide {
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
     return grid_.cell_of(position, normal);
   }
-  /// Fetches what knows reads, ahead of time.
-  void prefetch(std::uint32_t cell) const { __builtin_prefetch(&starts_[cell]); }
+  /// Fetches what knows reads, ahead of time. In line at once, as LightGuide::prefetch.
+  [[gnu::always_inline]] void prefetch(std::uint32_t cell) const { __builtin_prefetch(&starts_[cell]); }
   /// Whether any light arrived in this cell.
   bool knows(std::uint32_t cell) const { return starts_[cell + 1] > starts_[cell]; }
   /// Fetches what sample and pdf read first in a cell that it knows, ahead of time.
-  void prefetch_entries(std::uint32_t cell) const {
+  [[gnu::always_inline]] void prefetch_entries(std::uint32_t cell) const {
     __builtin_prefetch(&entries_[(starts_[cell] + starts_[cell + 1]) / 2]);
   }
   /// World direction towards a pane, in a cell that it knows.

@@ -1,4 +1,4 @@
-// Where compilers were seen to err with the options that we build with (CMakeLists.txt says which we leave out for it).
+// Where a compiler was seen to err; CMakeLists.txt leaves out the optimisations that did.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,7 +68,8 @@ class CompilerMoves : public testing::Test {
   }
   static std::size_t index_of(const Vector& v) { return static_cast<std::size_t>(v.x) / 4; }
 
-  /// `move(first, last, middle, ranks)` on the elements and on their indices; `ranks`: [index] to sort by.
+  /// `move(all, middle, rank)` on the elements and on their indices; `middle`: a place among them, `rank(v)`: of one, 0
+  /// to 7.
   template <typename Move>
   void compare(const Move& move) {
     for (int round = 0; round < 2000; ++round) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
@@ -13,7 +13,7 @@ namespace maquette {
 const std::vector<SettingDeclaration>& setting_declarations() {
   static const std::vector<SettingDeclaration> kDeclarations = [] {
     std::vector<SettingDeclaration> all;
-    for (const TechniqueInfo& technique : techniques())
+    for (const Technique& technique : builtin_registry().techniques)
       all.insert(all.end(), technique.settings.begin(), technique.settings.end());
     return all;
   }();
@@ -30,7 +30,7 @@ namespace {
 
 const SettingDeclaration& require_setting(std::string_view name) {
   if (const SettingDeclaration* declaration = find_setting(name)) return *declaration;
-  for (const LaterName& later : later_settings()) {
+  for (const LaterName& later : builtin_registry().later_settings) {
     if (later.name == name)
       throw Error(later.name, "this setting (" + later.help + ") is not available in this version", "leave it out");
   }

@@ -1,5 +1,5 @@
 // Shading mode, its settings as declared, resolution and debug views.
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {

@@ -3,11 +3,23 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "render/registry.h"
+#include "render/bake/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
+
+namespace {
+
+std::string bake_names() {
+  std::vector<std::string> names, later;
+  for (const BakeCommand& command : bake_commands()) names.push_back(command.name);
+  for (const LaterName& mode : later_modes()) later.push_back(mode.name);
+  return join(names) + (later.empty() ? "" : " (" + join(later, " and ") + " arrive with a later version)");
+}
+
+}  // namespace
 
 const std::vector<CommandDeclaration>& command_declarations() {
   static const std::vector<CommandDeclaration> kCommands = {
@@ -15,9 +27,8 @@ const std::vector<CommandDeclaration>& command_declarations() {
        ""},
       {"render", "[SCENE]", 0, 1, "one frame without a window, to .exr or .png", ""},
       {"bake", "KIND [SCENE]", 1, 2,
-       "precomputes what a technique needs: octree (slf and prt arrive with a later version); resumes where it was "
-       "stopped, "
-       "and builds only what has changed",
+       "precomputes what a technique needs: " + bake_names() +
+           "; resumes where it was stopped, and builds only what has changed",
        ""},
       {"play", "PATH.json [SCENE]", 0, 2, "a recorded camera path, frame by frame", "use render for single frames"},
       {"report", "[SCENE]", 0, 1,

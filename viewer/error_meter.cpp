@@ -110,82 +110,45 @@ std::optional<MeteredError> meter_error(const Image& picture, const GridReferenc
   return result;
 }
 
-ErrorMeter::ErrorMeter() : thread_([this](const std::stop_token& quit) { work(quit); }) {}
-
-ErrorMeter::~ErrorMeter() { cancel(); }
-
 bool ErrorMeter::watch(const View& view, const SceneMaker& make_scene) {
   if (watched_ && *watched_ == view) return false;
   watched_ = view;
-  const std::lock_guard lock(mutex_);
-  job_.request_stop();
-  job_ = std::stop_source();
   newest_.reset();
   problem_.clear();
-  ordered_ = view;
-  make_scene_ = make_scene;
-  wake_.notify_all();
+  worker_.submit({view, make_scene});
   return true;
 }
 
 void ErrorMeter::cancel() {
   if (!watched_) return;
   watched_.reset();
-  const std::lock_guard lock(mutex_);
-  job_.request_stop();
-  ordered_.reset();
   newest_.reset();
   ++version_;
+  worker_.cancel();
 }
 
-std::shared_ptr<const GridReference> ErrorMeter::newest(std::uint64_t* version) const {
-  const std::lock_guard lock(mutex_);
+std::shared_ptr<const GridReference> ErrorMeter::newest(std::uint64_t* version) {
+  try {
+    if (std::optional<GridReference> reference = worker_.take()) {
+      newest_ = std::make_shared<const GridReference>(std::move(*reference));
+      ++version_;
+    }
+  } catch (const std::exception& error) {
+    problem_ = error.what();
+  }
   *version = version_;
   return newest_;
 }
 
-std::string ErrorMeter::problem() const {
-  const std::lock_guard lock(mutex_);
-  return problem_;
-}
-
-void ErrorMeter::publish(GridReference reference, const std::stop_token& stop) {
-  auto shared = std::make_shared<const GridReference>(std::move(reference));
-  const std::lock_guard lock(mutex_);
-  if (stop.stop_requested()) return;
-  newest_ = std::move(shared);
-  ++version_;
-}
-
-void ErrorMeter::work(const std::stop_token& quit) {
-  while (!quit.stop_requested()) {
-    View view;
-    SceneMaker make_scene;
-    std::stop_token stop;
-    {
-      std::unique_lock lock(mutex_);
-      if (!wake_.wait(lock, quit, [this] { return ordered_.has_value(); })) return;
-      view = *std::exchange(ordered_, std::nullopt);
-      make_scene = std::move(make_scene_);
-      stop = job_.get_token();
-    }
-    try {
-      if (!scene_ || scene_revision_ != view.scene_revision) {
-        scene_.reset();
-        scene_ = make_scene();
-        scene_revision_ = view.scene_revision;
-      }
-      trace(view, scene_, stop);
-    } catch (const std::exception& error) {
-      const std::lock_guard lock(mutex_);
-      problem_ = error.what();
-    }
+void ErrorMeter::trace(const Job& job, const BackgroundTask<GridReference>& task) {
+  const View& view = job.view;
+  if (!scene_ || scene_revision_ != view.scene_revision) {
+    scene_.reset();
+    scene_ = job.make_scene();
+    scene_revision_ = view.scene_revision;
   }
-}
-
-void ErrorMeter::trace(const View& view, const std::shared_ptr<const PathScene>& scene, const std::stop_token& stop) {
   tbb::task_arena few(few_cores());
-  for (std::size_t level = 0; level < std::size(kColumns) && !stop.stop_requested(); ++level) {
+  for (std::size_t level = 0; level < std::size(kColumns) && !task.cancel; ++level) {
     const PixelGrid grid = choose_grid(view.width, view.height, kColumns[level]);
     PictureRequest request;
     request.camera = grid_camera(view.camera, grid, view.height);
@@ -194,14 +157,14 @@ void ErrorMeter::trace(const View& view, const std::shared_ptr<const PathScene>&
     request.footprint = 1.0f / static_cast<float>(grid.factor);
     request.paths = view.paths;
     request.seed = kSeeds[0];
-    ReferencePicture first(scene, request);
+    ReferencePicture first(scene_, request);
     request.seed = kSeeds[1];
-    ReferencePicture second(scene, request);
-    for (int count = 1; first.samples() < kPathsOfLevel[level] && !stop.stop_requested(); count = first.samples()) {
+    ReferencePicture second(scene_, request);
+    for (int count = 1; first.samples() < kPathsOfLevel[level] && !task.cancel; count = first.samples()) {
       bool whole = false;
-      few.execute([&] { whole = first.add(count, stop) && second.add(count, stop); });
+      few.execute([&] { whole = first.add(count, task.stop) && second.add(count, task.stop); });
       if (!whole) return;
-      publish({grid, {first.mean(), second.mean()}, first.samples() + second.samples()}, stop);
+      task.publish({grid, {first.mean(), second.mean()}, first.samples() + second.samples()});
     }
     if (grid.factor == 1) return;
   }

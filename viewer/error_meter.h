@@ -1,15 +1,12 @@
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <stop_token>
 #include <string>
-#include <thread>
 
+#include "render/background_worker.h"
 #include "render/camera.h"
 #include "render/reference/reference.h"
 #include "scenes/image.h"
@@ -60,10 +57,11 @@ class ErrorMeter {
     bool operator==(const View&) const;
   };
 
-  ErrorMeter();
-  ~ErrorMeter();
-  ErrorMeter(const ErrorMeter&) = delete;
-  ErrorMeter& operator=(const ErrorMeter&) = delete;
+  ErrorMeter()
+      : worker_([this](const Job& job, const BackgroundTask<GridReference>& task) {
+          trace(job, task);
+          return std::nullopt;
+        }) {}
 
   /// Begins with a view and says so, unless it is at it already. `make_scene` runs on the thread when the scene's
   /// revision is a new one.
@@ -71,28 +69,26 @@ class ErrorMeter {
   /// Ends the work at once; results are forgotten. Does not wait.
   void cancel();
   /// The newest result of the view being watched; `version` grows with each.
-  std::shared_ptr<const GridReference> newest(std::uint64_t* version) const;
-  /// What went wrong on the thread; empty: nothing.
-  std::string problem() const;
+  std::shared_ptr<const GridReference> newest(std::uint64_t* version);
+  /// What went wrong, when `newest` was asked last; empty: nothing.
+  const std::string& problem() const { return problem_; }
   bool watching() const { return watched_.has_value(); }
 
  private:
-  void work(const std::stop_token& quit);
-  void trace(const View& view, const std::shared_ptr<const PathScene>& scene, const std::stop_token& stop);
-  void publish(GridReference reference, const std::stop_token& stop);
+  struct Job {
+    View view;
+    SceneMaker make_scene;
+  };
+  void trace(const Job& job, const BackgroundTask<GridReference>& task);
 
   std::optional<View> watched_;
-  mutable std::mutex mutex_;
-  std::condition_variable_any wake_;
-  std::optional<View> ordered_;
-  SceneMaker make_scene_;
-  std::stop_source job_;
   std::shared_ptr<const GridReference> newest_;
   std::uint64_t version_ = 0;
   std::string problem_;
-  std::shared_ptr<const PathScene> scene_;  ///< of the thread
+  // Of the worker's thread alone:
+  std::shared_ptr<const PathScene> scene_;
   std::uint64_t scene_revision_ = 0;
-  std::jthread thread_;  ///< last: stops before what it uses goes
+  BackgroundWorker<Job, GridReference> worker_;  // last: it uses all of the above
 };
 
 }  // namespace maquette

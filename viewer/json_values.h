@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "render/metrics.h"
-#include "render/plan.h"
+#include "render/frame/plan.h"
 
 namespace maquette {
 

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"

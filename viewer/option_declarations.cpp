@@ -1,7 +1,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "render/renderer.h"
 #include "scenes/environment.h"
 #include "scenes/error.h"

@@ -100,22 +100,22 @@ std::vector<std::uint8_t> draw_brdf_ball(const BrdfTable& table, int side) {
 }
 
 void Swatches::update() {
-  if (!worker_.joinable()) {
-    worker_ = std::jthread([this](const std::stop_token& stop) {
-      for (const BuiltinBrdf& brdf : builtin_brdfs()) {
-        if (stop.stop_requested()) return;
-        Ball ball{"builtin:" + brdf.name, draw_brdf_ball(make_builtin_brdf(brdf.name), kSide)};
-        const std::lock_guard lock(mutex_);
-        ready_.push_back(std::move(ball));
-      }
-    });
+  if (!worker_) {
+    worker_ = std::make_unique<Worker>(
+        [](std::monostate, const BackgroundTask<std::vector<Ball>>& task) -> std::optional<std::vector<Ball>> {
+          std::vector<Ball> balls;
+          for (const BuiltinBrdf& brdf : builtin_brdfs()) {
+            if (task.cancel) return std::nullopt;
+            balls.push_back({"builtin:" + brdf.name, draw_brdf_ball(make_builtin_brdf(brdf.name), kSide)});
+            task.publish(balls);
+          }
+          return std::nullopt;
+        });
+    worker_->submit({});
   }
-  std::vector<Ball> ready;
-  {
-    const std::lock_guard lock(mutex_);
-    ready.swap(ready_);
-  }
-  for (const Ball& ball : ready) {
+  const std::vector<Ball> balls = worker_->take().value_or(std::vector<Ball>());
+  for (std::size_t i = owners_.size(); i < balls.size(); ++i) {
+    const Ball& ball = balls[i];
     Texture texture = Texture::make_2d("swatch", GL_RGBA8, kSide, kSide);
     texture.set_filter(GL_LINEAR, GL_LINEAR);
     texture.upload(0, kSide, kSide, GL_RGBA, GL_UNSIGNED_BYTE, ball.rgba.data());

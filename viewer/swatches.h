@@ -1,11 +1,12 @@
 #pragma once
 
 #include <map>
-#include <mutex>
+#include <memory>
 #include <string>
-#include <thread>
+#include <variant>
 #include <vector>
 
+#include "render/background_worker.h"
 #include "render/gl/objects.h"
 #include "scenes/brdf.h"
 
@@ -28,11 +29,10 @@ class Swatches {
     std::string source;
     std::vector<std::uint8_t> rgba;
   };
+  using Worker = BackgroundWorker<std::monostate, std::vector<Ball>>;
   std::map<std::string, unsigned> textures_;
-  std::vector<Texture> owners_;
-  std::mutex mutex_;
-  std::vector<Ball> ready_;
-  std::jthread worker_;  ///< last: stops before what it writes to goes
+  std::vector<Texture> owners_;  ///< as many as balls were taken over
+  std::unique_ptr<Worker> worker_;
 };
 
 }  // namespace maquette

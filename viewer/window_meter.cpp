@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "render/false_color.h"
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 
 namespace maquette {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo bandwidth_technique();
+Technique bandwidth_technique();
 
 }  // namespace maquette

@@ -28,6 +28,12 @@ std::optional<PatchFits> run_patch_fit_job(const PatchFitJob& job, const std::at
   return fits;
 }
 
+Baked<PatchFits> PatchFitKind::run(const PatchFitJob& job, const Baked<PatchFits>&, const BakeTask<PatchFits>& task) {
+  std::optional<PatchFits> fits = run_patch_fit_job(job, task.cancel, task.progress);
+  if (!fits) return {};
+  return {std::make_shared<const PatchFits>(std::move(*fits)), true};
+}
+
 void PatchFitStore::want(const std::vector<std::uint64_t>& hashes,
                          const std::function<PatchFitPart(std::size_t)>& make_part) {
   std::erase_if(fits_, [&](const auto& fit) { return std::ranges::find(hashes, fit.first) == hashes.end(); });
@@ -38,21 +44,18 @@ void PatchFitStore::want(const std::vector<std::uint64_t>& hashes,
     missing.push_back(hashes[i]);
     places.push_back(i);
   }
-  if (missing == asked_) return;
-  cancel();
-  if (missing.empty()) return;
-  PatchFitJob job;
-  for (const std::size_t i : places) job.push_back(make_part(i));
-  if (!worker_) worker_ = std::make_unique<BackgroundWorker<PatchFitJob, PatchFits>>(run_patch_fit_job);
-  worker_->submit(std::move(job));
-  asked_ = std::move(missing);
+  if (missing.empty()) return cancel();
+  require(std::move(missing), [&] {
+    PatchFitJob job;
+    for (const std::size_t i : places) job.push_back(make_part(i));
+    return job;
+  });
 }
 
 bool PatchFitStore::update() {
-  std::optional<PatchFits> done = worker_ ? worker_->take() : std::nullopt;
+  const std::shared_ptr<const PatchFits> done = take();
   if (!done) return false;
-  fits_.merge(*done);
-  asked_.clear();
+  fits_.insert(done->begin(), done->end());
   return true;
 }
 
@@ -61,10 +64,11 @@ std::shared_ptr<const PatchFit> PatchFitStore::find(std::uint64_t hash) const {
   return found == fits_.end() ? nullptr : found->second;
 }
 
-void PatchFitStore::cancel() {
-  if (asked_.empty()) return;
-  worker_->cancel();
-  asked_.clear();
+std::size_t PatchFitStore::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& [hash, fit] : fits_)
+    sum += fit->patches.size() * sizeof(FittedPatch) + fit->triangles.size() * sizeof(FittedTriangle);
+  return sum;
 }
 
 }  // namespace maquette

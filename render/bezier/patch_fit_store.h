@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/background_worker.h"
+#include "render/bake/bake_runner.h"
 #include "render/bezier/patch_fit.h"
 
 namespace maquette {
@@ -30,9 +30,16 @@ using PatchFits = std::map<std::uint64_t, std::shared_ptr<const PatchFit>>;  ///
 std::optional<PatchFits> run_patch_fit_job(const PatchFitJob& job, const std::atomic<bool>& cancel,
                                            const std::function<void(double)>& progress);
 
-/// The fits that a scene's reflectors need, and the worker that makes them.
-class PatchFitStore {
+class PatchFitKind : public BakeKind<PatchFitJob, PatchFits> {
  public:
+  Baked<PatchFits> run(const PatchFitJob&, const Baked<PatchFits>&, const BakeTask<PatchFits>&) override;
+};
+
+/// The fits that a scene's reflectors need.
+class PatchFitStore final : public KeyedBake<std::vector<std::uint64_t>, PatchFitJob, PatchFits> {
+ public:
+  PatchFitStore() : KeyedBake(std::make_shared<PatchFitKind>()) {}
+  const char* name() const override { return "patch_fit"; }
   /// Keeps the fits of these hashes alone, and starts those that are missing; what works on others is cancelled.
   /// `make_part`: of the hash at an index.
   void want(const std::vector<std::uint64_t>& hashes, const std::function<PatchFitPart(std::size_t)>& make_part);
@@ -40,18 +47,11 @@ class PatchFitStore {
   bool update();
   /// Null while it is not there.
   std::shared_ptr<const PatchFit> find(std::uint64_t hash) const;
-  /// Nobody waits for what is in work.
-  void cancel();
-  bool busy() const { return worker_ && worker_->busy(); }
-  double progress() const { return worker_ ? worker_->progress() : 0.0; }
-  void wait() {
-    if (worker_) worker_->wait();
-  }
+  bool ready() const override { return !fits_.empty(); }
+  std::size_t bytes() const override;
 
  private:
-  std::unique_ptr<BackgroundWorker<PatchFitJob, PatchFits>> worker_;
   PatchFits fits_;
-  std::vector<std::uint64_t> asked_;  ///< of the worker
 };
 
 }  // namespace maquette

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "render/bezier/reflector_patch.h"
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
 #include "render/reflections/clusters.h"
 
 namespace maquette {

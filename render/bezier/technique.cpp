@@ -1,11 +1,12 @@
 #include "render/bezier/technique.h"
 
+#include "render/bezier/projection.h"
 #include "render/reflections/technique.h"
 
 namespace maquette {
 
-TechniqueInfo bezier_technique() {
-  TechniqueInfo info;
+Technique bezier_technique() {
+  Technique info;
   info.name = "bezier";
   info.kind = TechniqueKind::reflector;
   info.help = "vertices projected into Bezier patches by Fermat's principle, edges bent by subdivision";
@@ -38,11 +39,16 @@ TechniqueInfo bezier_technique() {
   info.quality_steps = resolution_steps();
   info.quality_steps.push_back(
       {.settings = {{"reflections.resolution", std::string("full")}, {"bezier.tolerance", 0.125}}});
-  info.add_passes = [](const SceneFacts&, const Settings& settings, const ViewInfo&, FramePlan* plan) {
-    const bool points = settings.get_string("bezier.draw") == "points";
+  info.can = {.needs_patches = true, .keeps_hits = true};
+  info.make_reflector = make_bezier_reflections;
+  info.shader_variants = bezier_shader_variants;
+  info.add_passes = [](const PlanInput& in, ShadingPlan*, FramePlan* plan) {
+    const bool points = in.settings.get_string("bezier.draw") == "points";
     plan->passes.push_back(
         {"projection", points ? "vertices that may be seen in a patch, drawn as points"
-                              : "the scene's triangles that may be seen in a patch, projected into it"});
+                              : "the scene's triangles that may be seen in a patch, projected into it",
+         {"rays"}, {"hits"}});
+    add_resolve_pass(plan);
     if (points) plan->left_out.push_back({"resolve", "points are drawn: nothing lies between vertices"});
   };
   return info;

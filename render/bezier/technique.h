@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo bezier_technique();
+Technique bezier_technique();
 
 }  // namespace maquette

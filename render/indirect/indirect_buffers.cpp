@@ -26,7 +26,6 @@ bool differ_by_turn(const IndirectSky& a, const IndirectSky& b) {
 }  // namespace
 
 bool IndirectBuffers::update(const IndirectJob& job) {
-  if (!worker_) worker_ = std::make_unique<IndirectWorker>();
   const bool same_scene = asked_input_ == job.input && asked_visibility_ == job.visibility;
   const bool turns = same_scene && asked_ && differ_by_turn(*asked_, job.sky);
   const float turn_rad = turns ? turn_between(*asked_, job.sky) : 0.0f;
@@ -37,16 +36,16 @@ bool IndirectBuffers::update(const IndirectJob& job) {
   const std::uint32_t before = serial_;
   take_result();
   if (!turns)
-    submit(asked_->rotation_rad, IndirectBounces::all);
+    submit_sky(asked_->rotation_rad, IndirectBounces::all);
   else if (turn_rad == 0.0f)
     settle();
-  else if (!worker_->busy())
+  else if (!BakeRunner::busy())
     follow(turn_rad);
   return serial_ != before;
 }
 
 void IndirectBuffers::take_result() {
-  std::optional<IndirectWorker::Result> result = worker_->take();
+  const std::shared_ptr<const IndirectResult> result = take();
   if (!result) return;
   // A first bake traces rays for seconds: it says nothing about those of a light that turns.
   if (result->bounces == IndirectBounces::step) latency_ = std::min(frames_, kSlowest);
@@ -70,7 +69,7 @@ void IndirectBuffers::follow(float turn_rad) {
   const int every = (1 + kRest) * latency_;
   if (frames_ < every) return;
   if (std::abs(turn_rad) > kLeap_rad) {
-    submit(asked_->rotation_rad, IndirectBounces::step);
+    submit_sky(asked_->rotation_rad, IndirectBounces::step);
     return;
   }
   // Where the light stands when the bake after this one is done: until then the picture lies between both.
@@ -79,29 +78,29 @@ void IndirectBuffers::follow(float turn_rad) {
   goal.rotation_rad += ahead_rad;
   const float left_rad = submitted_ ? turn_between(*submitted_, goal) : ahead_rad;
   if (std::abs(left_rad) < kKeySpacing_rad) return;
-  submit(goal.rotation_rad, IndirectBounces::step);
+  submit_sky(goal.rotation_rad, IndirectBounces::step);
 }
 
 void IndirectBuffers::settle() {
   if (submitted_ != asked_ || submitted_bounces_ == IndirectBounces::step)
-    submit(asked_->rotation_rad, IndirectBounces::all);
-  else if (prepares_ && current() && prepared_ != asked_input_ && !worker_->busy())
-    submit(asked_->rotation_rad, IndirectBounces::none);
+    submit_sky(asked_->rotation_rad, IndirectBounces::all);
+  else if (prepares_ && current() && prepared_ != asked_input_ && !BakeRunner::busy())
+    submit_sky(asked_->rotation_rad, IndirectBounces::none);
 }
 
-void IndirectBuffers::submit(float rotation_rad, IndirectBounces bounces) {
+void IndirectBuffers::submit_sky(float rotation_rad, IndirectBounces bounces) {
   submitted_ = asked_;
   submitted_->rotation_rad = rotation_rad;
   submitted_bounces_ = bounces;
   frames_ = 0;
   if (bounces != IndirectBounces::all) prepared_ = asked_input_;
-  worker_->submit({asked_input_, asked_visibility_, *submitted_, bounces});
+  submit({asked_input_, asked_visibility_, *submitted_, bounces});
 }
 
 void IndirectBuffers::wait() {
-  if (!worker_ || !asked_) return;
+  if (!asked_) return;
   settle();
-  worker_->wait();
+  BakeRunner::wait();
 }
 
 bool IndirectBuffers::current() const {
@@ -122,12 +121,11 @@ std::size_t IndirectBuffers::bytes() const {
 }
 
 void IndirectBuffers::clear() {
-  if (worker_) worker_->cancel();
+  cancel();
   keys_.clear();
   asked_input_.reset();
   asked_visibility_.reset();
   asked_.reset();
-  submitted_.reset();
 }
 
 }  // namespace maquette

@@ -5,8 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "render/bake/bake_runner.h"
 #include "render/gl/objects.h"
-#include "render/indirect/indirect_worker.h"
+#include "render/indirect/indirect_kind.h"
 
 namespace maquette {
 
@@ -21,41 +22,45 @@ struct IndirectKey {
   std::uint32_t serial = 0;  ///< of the bake
 };
 
-/// The baked indirect light of one scene on the GPU, and the worker that makes it. While the light turns, bakes are
+/// The baked indirect light of one scene on the GPU. While the light turns, bakes are
 /// made for where it is going to stand, and the picture lies between two of them: with masks of 0.22 rad, light that
 /// comes by way of other surfaces changes as smoothly.
-class IndirectBuffers {
+class IndirectBuffers final : public BakeRunner<IndirectJob, IndirectResult> {
  public:
+  IndirectBuffers() : BakeRunner(std::make_shared<IndirectKind>(), IndirectKind::spares) {}
+  const char* name() const override { return "indirect"; }
   /// Starts a bake where `job` differs from the last one, and uploads one that is done; until then the old ones stay,
   /// lit as they were. True when there is another key than before. Throws what made a bake fail, once.
   bool update(const IndirectJob& job);
-  void wait();   ///< until the very light that `update` was given is done; the next `update` uploads it
+  void wait() override;  ///< until the very light that `update` was given is done
+  void cancel() override {
+    BakeRunner::cancel();
+    submitted_.reset();
+  }
   void clear();  ///< forgets the bake: another scene
   /// The input of the last bake asked for; a new one is made only when something has changed.
   const std::shared_ptr<const IndirectInput>& input() const { return asked_input_; }
 
-  bool ready() const { return !keys_.empty(); }
+  bool ready() const override { return !keys_.empty(); }
   /// What is drawn is all the light of the sky that was asked for last.
   bool current() const;
-  bool busy() const {
-    return (ready() && !current()) || (worker_ && worker_->busy() && submitted_bounces_ != IndirectBounces::none);
+  bool busy() const override {
+    return (ready() && !current()) || (BakeRunner::busy() && submitted_bounces_ != IndirectBounces::none);
   }
   /// Whether rays are traced as soon as there is time, so that a light that starts to turn need not wait for them: the
   /// cache on disk knows the answer for one light, and not them.
   void set_prepares(bool prepares) { prepares_ = prepares; }
-  double progress() const { return worker_ ? worker_->progress() : 0.0; }
   /// The one or two that the sky asked for last lies between, the earlier one first, and the weight of the last.
   const std::vector<IndirectKey>& keys() const { return keys_; }
   float blend() const;
-  std::size_t bytes() const;
+  std::size_t bytes() const override;
 
  private:
-  void submit(float rotation_rad, IndirectBounces bounces);
+  void submit_sky(float rotation_rad, IndirectBounces bounces);
   void follow(float turn_rad);
   void settle();  ///< asks for all the light of the sky as it stands
   void take_result();
 
-  std::unique_ptr<IndirectWorker> worker_;
   std::shared_ptr<const IndirectInput> asked_input_;
   std::shared_ptr<const VisibilityBake> asked_visibility_;
   std::optional<IndirectSky> asked_;

@@ -19,15 +19,12 @@ bool OctreeState::operator==(const OctreeState& o) const {
 }
 
 bool OctreeStore::update(const OctreeState& state, const std::function<OctreeJob()>& make_job) {
-  if (!worker_) worker_ = std::make_unique<OctreeWorker>();
-  if (!asked_ || !(*asked_ == state)) {
+  require(state, [&] {
     OctreeJob job = make_job();
     job.before = bricks_;
-    worker_->submit(std::move(job));
-    asked_ = state;
-    return false;
-  }
-  auto result = worker_->take();
+    return job;
+  });
+  const std::shared_ptr<const OctreeResult> result = take();
   if (!result) return false;
   bricks_ = result->bricks;
   buffers_.reset();  // both at once may not fit
@@ -37,46 +34,49 @@ bool OctreeStore::update(const OctreeState& state, const std::function<OctreeJob
   leaf_counts_ = {finest, octree.empty() ? 0 : octree.leaf_count() - finest};
   levels_.depth = octree.depth;
   levels_.level_begin = octree.level_begin;
-  cell_buffers_.reset();
+  cells_.release();
   return true;
 }
 
 bool OctreeStore::update_cells(const std::vector<std::uint64_t>& content,
                                const std::function<CellBrdfJob()>& make_job) {
-  if (content.empty() || !bricks_) {
-    const bool changed = cell_buffers_.has_value();
-    cell_buffers_.reset();
-    cell_worker_.reset();
-    cells_asked_for_.reset();
-    return changed;
-  }
-  if (!cell_worker_) cell_worker_ = std::make_unique<CellBrdfWorker>();
-  if (cells_asked_for_ != bricks_ || cells_content_ != content) {
-    CellBrdfJob job = make_job();
-    job.bricks = bricks_;
-    job.before = brdfs_;
-    cell_worker_->submit(std::move(job));
-    cells_asked_for_ = bricks_;
-    cells_content_ = content;
-    const bool changed = cell_buffers_.has_value();
-    cell_buffers_.reset();
-    return changed;
-  }
-  auto result = cell_worker_->take();
-  if (!result) return false;
-  brdfs_ = std::make_shared<const CellBrdfs>(std::move(*result));
-  cell_buffers_.emplace(index_cell_brdfs(*brdfs_, *bricks_, levels_), brdfs_->pca);
-  return true;
+  if (!content.empty() && bricks_) return cells_.update({bricks_, content}, levels_, make_job);
+  cells_.cancel();
+  return cells_.release();
 }
 
 void OctreeStore::clear() {
-  worker_.reset();
-  cell_worker_.reset();
-  brdfs_.reset();
-  cells_asked_for_.reset();
-  cell_buffers_.reset();
+  cancel();
+  cells_.clear();
   bricks_.reset();
-  asked_.reset();
+  buffers_.reset();
+}
+
+bool CellBrdfStore::update(const CellBrdfState& state, const Octree& levels,
+                           const std::function<CellBrdfJob()>& make_job) {
+  const bool started = require(state, [&] {
+    CellBrdfJob job = make_job();
+    job.bricks = state.bricks;
+    job.before = brdfs_;
+    return job;
+  });
+  const bool released = started && release();
+  const std::shared_ptr<const CellBrdfs> brdfs = take();
+  if (!brdfs) return released;
+  brdfs_ = brdfs;
+  buffers_.emplace(index_cell_brdfs(*brdfs_, *state.bricks, levels), brdfs_->pca);
+  return true;
+}
+
+bool CellBrdfStore::release() {
+  const bool drawn = ready();
+  buffers_.reset();
+  return drawn;
+}
+
+void CellBrdfStore::clear() {
+  cancel();
+  brdfs_.reset();
   buffers_.reset();
 }
 

@@ -3,10 +3,11 @@
 #include <memory>
 #include <optional>
 
+#include "render/bake/bake_runner.h"
 #include "render/octree/cell_brdf_buffers.h"
-#include "render/octree/cell_brdf_worker.h"
+#include "render/octree/cell_brdf_kind.h"
 #include "render/octree/octree_buffers.h"
-#include "render/octree/octree_worker.h"
+#include "render/octree/octree_kind.h"
 
 namespace maquette {
 
@@ -21,9 +22,37 @@ struct OctreeState {
   bool operator==(const OctreeState&) const;
 };
 
-/// The octree of one scene on the GPU, and the worker that builds it.
-class OctreeStore {
+/// What decides whether the BRDFs of an octree's cells are still those of the scene.
+struct CellBrdfState {
+  std::shared_ptr<const OctreeBricks> bricks;
+  std::vector<std::uint64_t> content;  ///< of all materials
+  bool operator==(const CellBrdfState&) const = default;
+};
+
+/// The BRDFs of an octree's cells on the GPU.
+class CellBrdfStore final : public KeyedBake<CellBrdfState, CellBrdfJob, CellBrdfs> {
  public:
+  CellBrdfStore() : KeyedBake(std::make_shared<CellBrdfKind>()) {}
+  const char* name() const override { return "cell_brdfs"; }
+  /// As OctreeStore::update_cells. `levels`: of the octree, without its nodes.
+  bool update(const CellBrdfState& state, const Octree& levels, const std::function<CellBrdfJob()>& make_job);
+  /// They are not drawn with any more; what may be reused stays. True when they were.
+  bool release();
+  void clear();
+  bool ready() const override { return buffers_.has_value(); }
+  const CellBrdfBuffers* buffers() const { return buffers_ ? &*buffers_ : nullptr; }
+  std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
+
+ private:
+  std::shared_ptr<const CellBrdfs> brdfs_;
+  std::optional<CellBrdfBuffers> buffers_;
+};
+
+/// The octree of one scene on the GPU, and the BRDFs of its cells.
+class OctreeStore final : public KeyedBake<OctreeState, OctreeJob, OctreeResult> {
+ public:
+  OctreeStore() : KeyedBake(std::make_shared<OctreeKind>()) {}
+  const char* name() const override { return "octree"; }
   /// Starts a build when `state` differs from the last one's, and uploads one that is done; until then the old one
   /// stays. `make_job` fills everything but `before`. True when what is drawn has changed. Throws what made a build
   /// fail, once.
@@ -32,36 +61,31 @@ class OctreeStore {
   /// BRDFs of other materials, or of another octree, are dropped at once. `make_job` fills everything but `bricks` and
   /// `before`.
   bool update_cells(const std::vector<std::uint64_t>& content, const std::function<CellBrdfJob()>& make_job);
-  const CellBrdfBuffers* cells() const { return cell_buffers_ ? &*cell_buffers_ : nullptr; }
-  bool cells_busy() const { return cell_worker_ && cell_worker_->busy(); }
-  double cells_progress() const { return cell_worker_ ? cell_worker_->progress() : 0.0; }
-  std::size_t cell_bytes() const { return cell_buffers_ ? cell_buffers_->bytes() : 0; }
-  void wait() {
-    if (worker_) worker_->wait();
-    if (cell_worker_) cell_worker_->wait();
+  const CellBrdfStore& cell_bake() const { return cells_; }
+  CellBrdfStore& cell_bake() { return cells_; }
+  const CellBrdfBuffers* cells() const { return cells_.buffers(); }
+  bool cells_busy() const { return cells_.busy(); }
+  double cells_progress() const { return cells_.progress(); }
+  std::size_t cell_bytes() const { return cells_.bytes(); }
+  /// For the BRDFs of its cells too.
+  void wait() override {
+    KeyedBake::wait();
+    cells_.wait();
   }
   /// Leaves of the finest level and of coarser ones.
   std::pair<std::size_t, std::size_t> leaf_counts() const { return leaf_counts_; }
   /// Another scene, or nothing needs it any more.
   void clear();
-  bool ready() const { return buffers_.has_value(); }
-  bool busy() const { return worker_ && worker_->busy(); }
-  double progress() const { return worker_ ? worker_->progress() : 0.0; }
+  bool ready() const override { return buffers_.has_value(); }
   const OctreeBuffers& buffers() const { return *buffers_; }
-  std::size_t bytes() const { return buffers_ ? buffers_->bytes() : 0; }
+  std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 
  private:
-  std::unique_ptr<OctreeWorker> worker_;
   std::shared_ptr<const OctreeBricks> bricks_;
-  std::optional<OctreeState> asked_;
   std::optional<OctreeBuffers> buffers_;
   Octree levels_;  ///< without its nodes
   std::pair<std::size_t, std::size_t> leaf_counts_{0, 0};
-  std::unique_ptr<CellBrdfWorker> cell_worker_;
-  std::shared_ptr<const CellBrdfs> brdfs_;
-  std::shared_ptr<const OctreeBricks> cells_asked_for_;
-  std::vector<std::uint64_t> cells_content_;
-  std::optional<CellBrdfBuffers> cell_buffers_;
+  CellBrdfStore cells_;
 };
 
 }  // namespace maquette

@@ -4,13 +4,20 @@
 #include <array>
 #include <cassert>
 
+#include "render/gl/dispatch.h"
 #include "render/octree/octree_buffers.h"
 
 namespace maquette {
 
 namespace {
 
-int groups(int count, int size) { return (count + size - 1) / size; }
+ShaderVariant octree_reflect_variant(bool cells, bool glossy) {
+  return {"octree/reflect.comp", "", {{"CELLS", flag(cells)}, {"GLOSSY", flag(glossy)}}};
+}
+
+ShaderVariant shade_cells_variant(bool traced) {
+  return {"octree/shade_cells.comp", "", {{"VISIBILITY", traced ? "2" : "0"}}};
+}
 
 class OctreeReflections : public ReflectorTechnique {
  public:
@@ -51,9 +58,9 @@ class OctreeReflections : public ReflectorTechnique {
     frame.octree->set_uniforms(program);
     program.set("u_layer_count", static_cast<int>(layer_count_));
     program.set("u_samples", samples);
-    const int count = groups(static_cast<int>(layer_count_), 64), row = std::min(count, 65535);
+    const int count = group_count(static_cast<int>(layer_count_), 64), row = std::min(count, 65535);
     glUseProgram(program.get());
-    glDispatchCompute(static_cast<GLuint>(row), static_cast<GLuint>(groups(count, row)), 1);
+    glDispatchCompute(static_cast<GLuint>(row), static_cast<GLuint>(group_count(count, row)), 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
     return true;
   }
@@ -106,12 +113,10 @@ class OctreeReflections : public ReflectorTechnique {
 
 }  // namespace
 
-ShaderVariant octree_reflect_variant(bool cells, bool glossy) {
-  return {"octree/reflect.comp", "", {{"CELLS", flag(cells)}, {"GLOSSY", flag(glossy)}}};
-}
-
-ShaderVariant shade_cells_variant(bool traced) {
-  return {"octree/shade_cells.comp", "", {{"VISIBILITY", traced ? "2" : "0"}}};
+std::vector<ShaderVariant> octree_reflection_shader_variants() {
+  std::vector<ShaderVariant> variants{shade_cells_variant(false), shade_cells_variant(true)};
+  for (int k = 0; k < 4; ++k) variants.push_back(octree_reflect_variant(k & 1, k & 2));
+  return variants;
 }
 
 std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(false); }

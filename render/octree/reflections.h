@@ -8,7 +8,6 @@ namespace maquette {
 std::unique_ptr<ReflectorTechnique> make_octree_reflections();
 /// The same for the rays of glossy opaque surfaces (shaders/reflections/glossy_rays.comp).
 std::unique_ptr<ReflectorTechnique> make_glossy_reflections();
-ShaderVariant octree_reflect_variant(bool cells, bool glossy);
-ShaderVariant shade_cells_variant(bool traced);
+std::vector<ShaderVariant> octree_reflection_shader_variants();
 
 }  // namespace maquette

@@ -1,12 +1,13 @@
 #include "render/octree/technique.h"
 
 #include "render/octree/octree.h"
+#include "render/octree/reflections.h"
 
 namespace maquette {
 
 /// Traced visibility shares the octree and its settings.
-TechniqueInfo octree_technique() {
-  TechniqueInfo info;
+Technique octree_technique() {
+  Technique info;
   info.name = "octree";
   info.kind = TechniqueKind::reflector;
   info.help =
@@ -49,12 +50,16 @@ TechniqueInfo octree_technique() {
        .default_value = std::string(),
        .help = "folder of `maquette bake octree`; empty: the cache"},
   };
+  info.can = {.needs_octree = true, .mirrors_glossy = true, .skips_rays = true, .skips_cheap_rays = true};
+  info.make_reflector = make_octree_reflections;
+  info.shader_variants = octree_reflection_shader_variants;
   info.quality_steps = {{.settings = {{"octree.depth", 7}, {"reflections.resolution", std::string("quarter")}}},
                         {.settings = {{"octree.depth", 8}, {"reflections.resolution", std::string("half")}}},
                         {.settings = {{"octree.depth", 9}, {"reflections.resolution", std::string("half")}}},
                         {.settings = {{"octree.depth", 9}, {"reflections.resolution", std::string("full")}}}};
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
-    plan->passes.push_back({"rays", "the mirrored ray of every pixel of a reflector, through the octree"});
+  info.add_passes = [](const PlanInput&, ShadingPlan*, FramePlan* plan) {
+    plan->passes.push_back(
+        {"rays", "the mirrored ray of every pixel of a reflector, through the octree", {"rays"}, {"hits"}});
   };
   return info;
 }

@@ -1,11 +1,11 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 #include "render/settings.h"
 
 namespace maquette {
 
-TechniqueInfo octree_technique();
+Technique octree_technique();
 
 /// Levels by which cells of much detail may be finer than `octree.depth`; 0 where cells have BRDFs, which are as coarse
 /// as the depth says.

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo raytraced_technique();
+Technique raytraced_technique();
 
 }  // namespace maquette

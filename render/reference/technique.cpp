@@ -1,12 +1,13 @@
 #include "render/reference/technique.h"
 
+#include "render/reference/mode.h"
+
 namespace maquette {
 
-TechniqueInfo reference_technique() {
-  TechniqueInfo info;
+Technique reference_technique() {
+  Technique info;
   info.name = "reference";
   info.help = "progressive path tracing on the processor: what the other modes are judged by";
-  info.default_samples = 64;
   info.settings = {
       {.name = "reference.samples",
        .default_value = 64,
@@ -32,19 +33,25 @@ TechniqueInfo reference_technique() {
   };
   for (int samples = 1; samples <= 1024; samples *= 4) info.quality_steps.push_back({.samples = samples});
   info.restricted_settings = {{"reference.transport", std::string("direct")}};
-  info.add_passes = [](const SceneFacts& facts, const Settings& settings, const ViewInfo&, FramePlan* plan) {
-    const bool full = settings.get_string("reference.transport") == "full";
-    plan->passes.push_back({"trace", std::to_string(facts.triangle_count) + " triangles, paths through every pixel, " +
-                                         (full ? "all light paths" : "direct light without shadows")});
+  info.can = {.samples = true, .shadows = false, .indirect = false, .lights = true, .traces_picture = true};
+  info.samples_setting = "reference.samples";
+  info.make_picture_mode = make_reference_mode;
+  info.add_passes = [](const PlanInput& in, ShadingPlan* shading, FramePlan* plan) {
+    const bool full = in.settings.get_string("reference.transport") == "full";
+    plan->passes.push_back({"trace",
+                            std::to_string(in.facts.triangle_count) + " triangles, paths through every pixel, " +
+                                (full ? "all light paths" : "direct light without shadows"),
+                            {},
+                            {"picture"}});
     for (const char* word : {"raster", "gbuffer", "shade"}) plan->left_out.push_back({word, "rays find what is seen"});
-    plan->left_out.push_back({"bandwidth", "mode reference predicts nothing"});
+    plan->left_out.push_back({"bandwidth", "mode " + shading->mode + " predicts nothing"});
     plan->left_out.push_back({"upsample", "every pixel is traced"});
     if (full)
-      plan->passes.push_back({"visibility", "every ray finds its own shadows"});
+      plan->features.push_back({"visibility", "every ray finds its own shadows"});
     else
       plan->left_out.push_back({"visibility", "reference.transport is direct"});
     if (full)
-      plan->passes.push_back({"indirect", "paths go on from surface to surface"});
+      plan->features.push_back({"indirect", "paths go on from surface to surface"});
     else
       plan->left_out.push_back({"indirect", "reference.transport is direct"});
   };

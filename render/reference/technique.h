@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo reference_technique();
+Technique reference_technique();
 
 }  // namespace maquette

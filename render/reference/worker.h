@@ -1,12 +1,9 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
-#include <exception>
-#include <mutex>
 #include <optional>
-#include <thread>
 
+#include "render/background_worker.h"
 #include "render/reference/reference.h"
 
 namespace maquette {
@@ -30,33 +27,25 @@ class ReferenceWorker {
     ReferenceCounts counts;
   };
 
-  ReferenceWorker();
-  ~ReferenceWorker();  ///< cancels and waits
-  ReferenceWorker(const ReferenceWorker&) = delete;
-  ReferenceWorker& operator=(const ReferenceWorker&) = delete;
+  ReferenceWorker()
+      : worker_([this](const Job& job, const BackgroundTask<News>& task) {
+          trace(job, task);
+          return std::nullopt;
+        }) {}
 
   /// Starts `job`; one that is still running is cancelled and its pictures never shown. Does not wait.
   void submit(Job job);
   /// The newest picture, once; waits for one as long as `patience` while there is work. Rethrows what made a job fail,
   /// once.
-  std::optional<News> take(std::chrono::milliseconds patience);
+  std::optional<News> take(std::chrono::milliseconds patience) { return worker_.take(patience); }
 
  private:
-  void run(const std::stop_token& stop);
-  void trace(const Job& job, const std::stop_token& stop);
-  void publish(News news, const std::stop_token& stop);
+  void trace(const Job& job, const BackgroundTask<News>& task);
 
-  std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::optional<Job> next_;
-  std::optional<News> news_;
-  std::exception_ptr failed_;
-  std::stop_source job_stop_;
-  bool working_ = false;
-  // Of the thread alone:
+  // Of the worker's thread alone:
   std::shared_ptr<const PathScene> scene_;
   MeasuredLibrary library_;
-  std::jthread thread_;  // last: it uses all of the above
+  BackgroundWorker<Job, News> worker_;  // last: it uses all of the above
 };
 
 }  // namespace maquette

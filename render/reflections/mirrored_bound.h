@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
 #include "render/raytraced/ray_scene.h"
 #include "render/reflections/clusters.h"
 #include "render/reflections/lobe_bound.h"

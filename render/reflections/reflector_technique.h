@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
+#include "render/frame/pass_timer.h"
+#include "render/gl/program_cache.h"
 #include "render/octree/cell_brdf_buffers.h"
 #include "render/octree/octree_buffers.h"
-#include "render/pass_timer.h"
-#include "render/program_cache.h"
 #include "render/reflections/reflectors.h"
 #include "render/reflections/targets.h"
 #include "render/scene_buffers.h"
@@ -40,7 +40,7 @@ struct ReflectionFrame {
   const SceneBuffers* buffers = nullptr;
   const std::vector<Reflector>* reflectors = nullptr;
   const std::vector<bool>* occluding = nullptr;    ///< by item: drawn and opaque, so that mirrored rays end there
-  std::uint32_t geometry_epoch = 0;                ///< raised by every change of geometry or of what occludes
+  std::uint32_t geometry_epoch = 0;                ///< revision of the geometry
   const OctreeBuffers* octree = nullptr;           ///< bound; null unless the plan has one
   const CellBrdfBuffers* cells = nullptr;          ///< of its cells; null unless the plan has them
   const std::vector<GhostReach>* ghost = nullptr;  ///< by reflector; null where the rays are those of the front
@@ -61,7 +61,7 @@ class ReflectorTechnique {
   /// too, and says so by resolves(): the triangle is then one near by, for what is baked per vertex.
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
-  /// Whether it writes `targets->doubt`: there are pixels that it does not vouch for.
+  /// Whether it writes `targets->doubt`: its confidence is low at some pixels.
   virtual bool doubts() const { return false; }
   /// Shades what lies before the hits and lets a share of them through; true when there is such, for the composition
   /// (unit 48, storage 13). `traced`: shadow rays through the octree; `samples` of the environment for each.
@@ -71,13 +71,5 @@ class ReflectorTechnique {
   /// Counters of the frame just traced.
   virtual void add_counters(std::map<std::string, double>*) const {}
 };
-
-struct ReflectorTechniqueInfo {
-  std::string name;
-  std::function<std::unique_ptr<ReflectorTechnique>()> make;
-};
-
-/// The entry of a reflector technique; every registered one has one.
-const ReflectorTechniqueInfo& find_reflector_implementation(const std::string& name);
 
 }  // namespace maquette

@@ -8,10 +8,9 @@ ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int d
   t.width = (grid_width + divisor - 1) / divisor;
   t.height = (grid_height + divisor - 1) / divisor;
   const int w = t.width, h = t.height;
-  constexpr int kTile = FrameTargets::kTile;
-  t.tiles.dealt = true;
-  t.tiles.tiles = Buffer("reflected tiles", static_cast<std::size_t>((w + kTile - 1) / kTile) *
-                                                static_cast<std::size_t>((h + kTile - 1) / kTile) * 4);
+  t.tiles.interleaved = true;
+  t.tiles.tiles = Buffer("reflected tiles", static_cast<std::size_t>((w + kTileSide - 1) / kTileSide) *
+                                                static_cast<std::size_t>((h + kTileSide - 1) / kTileSide) * 4);
   t.pane = Texture::make_2d("panes", GL_RG32UI, w, h);
   t.pane_depth = Texture::make_2d("pane depth buffer", GL_DEPTH_COMPONENT32F, w, h);
   GLuint framebuffer = 0;
@@ -37,7 +36,7 @@ std::size_t reflection_bytes(const ReflectionTargets& t) {
   std::size_t sum = 0;
   for (const Texture* texture :
        {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort, &t.focus, &t.doubt, &t.surface,
-        &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean})
+        &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean, &t.layer_depth})
     sum += texture->bytes();
   return sum + t.tiles.tiles.bytes();
 }

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "render/frame_targets.h"
+#include "render/gbuffer/tiles.h"
 #include "render/gl/objects.h"
 
 namespace maquette {
@@ -27,6 +27,7 @@ struct ReflectionTargets {
                    ///< surface, rad: half of its lobe lies within
   Texture doubt;   ///< R8UI: 1 where the technique does not vouch for what it shows; cleared before it
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
+  Texture layer_depth;            ///< depth where the hit is of one layer, 0 elsewhere; made on demand
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
   Texture mean;                   ///< RGBA32F, of glossy surfaces: their radiance over frames; made on demand
 };

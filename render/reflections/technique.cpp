@@ -2,8 +2,8 @@
 
 namespace maquette {
 
-TechniqueInfo reflections_technique() {
-  TechniqueInfo info;
+Technique reflections_technique() {
+  Technique info;
   info.name = "reflections";
   info.kind = TechniqueKind::shared;
   info.help = "what the reflector techniques share";
@@ -45,7 +45,13 @@ TechniqueInfo reflections_technique() {
            "in pictures for the eye a mirrored ray is not followed where what it may bring at most is this share of "
            "what is seen through the pane; 0: all are followed. Never in EXR files and reports"},
   };
+  info.has_effect = [](const Technique&, const Technique* reflector, const Settings&) { return reflector != nullptr; };
   return info;
+}
+
+void add_resolve_pass(FramePlan* plan) {
+  plan->passes.push_back({"reflected gbuffer", "normal, texture coordinates and material of what the mirrored rays hit",
+                          {"hits"}, {"hits"}});
 }
 
 std::vector<QualityStep> resolution_steps() {

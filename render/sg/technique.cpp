@@ -1,23 +1,17 @@
 #include "render/sg/technique.h"
 
+#include "render/prefilter/lookup_mode.h"
+#include "render/sg/tables.h"
+
 namespace maquette {
 
-TechniqueInfo sg_technique() {
-  TechniqueInfo info;
-  info.name = "sg";
-  info.help = "spherical Gaussian fits per channel of every material";
-  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
-    if (settings.get_string("shading.visibility") == "baked")
-      return "mode sg knows no visibility (shading.visibility=baked); use mode bandwidth or uniform";
-    return std::nullopt;
-  };
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
-    plan->passes.push_back({"prefilter", "the environment filtered for each lobe sharpness, once"});
-    plan->passes.push_back({"shade", "every visible pixel, by lookups"});
-    plan->left_out.push_back({"bandwidth", "mode sg predicts nothing"});
-    plan->left_out.push_back({"sampling", "lookups take no samples: --samples has no effect"});
-  };
-  return info;
+Technique sg_technique() {
+  constexpr const char* kShader = "sg/shade.comp";
+  Technique technique =
+      lookup_technique("sg", "spherical Gaussian fits per channel of every material", "lobe sharpness");
+  technique.make_mode = [] { return make_lookup_mode(kShader, make_sg_tables); };
+  technique.shader_variants = [] { return lookup_shader_variants(kShader); };
+  return technique;
 }
 
 }  // namespace maquette

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo sg_technique();
+Technique sg_technique();
 
 }  // namespace maquette

@@ -3,8 +3,8 @@
 namespace maquette {
 
 /// What the modes that integrate the environment share: `uniform` and `bandwidth`.
-TechniqueInfo shading_technique() {
-  TechniqueInfo info;
+Technique shading_technique() {
+  Technique info;
   info.name = "shading";
   info.kind = TechniqueKind::shared;
   info.help = "what uniform and bandwidth share";

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo splitsum_technique();
+Technique splitsum_technique();
 
 }  // namespace maquette

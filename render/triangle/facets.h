@@ -3,7 +3,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
 #include "render/reflections/clusters.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/triangle/triangle_mirror.h"

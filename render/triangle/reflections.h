@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/program_cache.h"
+#include "render/gl/program_cache.h"
 #include "render/reflections/reflector_technique.h"
 
 namespace maquette {

@@ -1,9 +1,13 @@
 #include "render/triangle/technique.h"
 
+#include "render/reflections/nearest_hits.h"
+#include "render/reflections/technique.h"
+#include "render/triangle/reflections.h"
+
 namespace maquette {
 
-TechniqueInfo triangle_technique() {
-  TechniqueInfo info;
+Technique triangle_technique() {
+  Technique info;
   info.name = "triangle";
   info.kind = TechniqueKind::reflector;
   info.help =
@@ -15,12 +19,15 @@ TechniqueInfo triangle_technique() {
        .max = 32,
        .help = "a patch becomes this many quads a side; the picture is the same, the time is not"},
   };
-  info.quality_steps = {{.settings = {{"reflections.resolution", std::string("quarter")}}},
-                        {.settings = {{"reflections.resolution", std::string("half")}}},
-                        {.settings = {{"reflections.resolution", std::string("full")}}}};
-  info.add_passes = [](const SceneFacts&, const Settings&, const ViewInfo&, FramePlan* plan) {
+  info.can.keeps_hits = true;
+  info.make_reflector = make_triangle_reflections;
+  info.shader_variants = triangle_shader_variants;
+  info.quality_steps = resolution_steps();
+  info.add_passes = [](const PlanInput&, ShadingPlan*, FramePlan* plan) {
     plan->passes.push_back(
-        {"projection", "the scene's triangles that may be seen in a triangle of a reflector, projected into it"});
+        {"projection", "the scene's triangles that may be seen in a triangle of a reflector, projected into it", {"rays"},
+         {"hits"}});
+    add_resolve_pass(plan);
   };
   return info;
 }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo triangle_technique();
+Technique triangle_technique();
 
 }  // namespace maquette

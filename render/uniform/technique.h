@@ -1,9 +1,9 @@
 #pragma once
 
-#include "render/registry.h"
+#include "render/technique/technique.h"
 
 namespace maquette {
 
-TechniqueInfo uniform_technique();
+Technique uniform_technique();
 
 }  // namespace maquette

@@ -10,14 +10,12 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <type_traits>
 
 #include "render/fresnel_shared.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_shared.h"
 #include "scenes/error.h"
-#include "scenes/files.h"
 
 namespace maquette {
 
@@ -28,7 +26,6 @@ constexpr int kPacket = 16;  // a 4 x 4 block of cells: rays of one origin withi
 /// Rays keep at least this above the tangent plane (sine of the elevation).
 constexpr float kMinElevation = 0.01f;
 constexpr std::size_t kPointsPerTask = 16;
-constexpr int kCacheVersion = 3;
 static_assert(kVisibilitySide == shared::kVisibilityCells);
 
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
@@ -105,11 +102,10 @@ CellRay make_ray(const VisibilityPoint& at, const glm::vec3& w) {
   return ray;
 }
 
-/// Sixteen rays of one origin. Those that are not set are zero: where Embree has its assertions on and traces eight at
-/// once, it looks at them too.
+/// Sixteen rays of one origin.
 struct Packet {
-  alignas(64) int valid[kPacket] = {};
-  RTCRay16 rays = {};
+  alignas(64) int valid[kPacket];
+  RTCRay16 rays;
   void set(int i, const CellRay& ray) {
     valid[i] = -1;
     rays.org_x[i] = ray.origin.x;
@@ -210,6 +206,7 @@ glm::vec2 trace_transmittance(RTCScene scene, const VisibilityPoint& at, const V
       if (((bits[b >> 5] >> (b & 31u)) & 1u) && glm::dot(normal, cells.direction[b]) > 0.0f) open[count++] = b;
     if (count == 0) continue;
     Packet packet;
+    std::fill(std::begin(packet.valid), std::end(packet.valid), 0);
     PassingContext context;
     rtcInitIntersectContext(&context.base);
     float weight[kPacket] = {};
@@ -287,59 +284,6 @@ Traced trace_points(const VisibilityPoints& points, const Panes& panes, const st
   return traced;
 }
 
-template <typename T>
-std::uint64_t chain_hash(const std::vector<T>& values, std::uint64_t seed) {
-  return content_hash(std::as_bytes(std::span(values)), seed);
-}
-
-/// Everything that decides the result.
-std::uint64_t visibility_key(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                             const std::vector<Passage>& passages) {
-  std::vector<std::uint32_t> items;
-  for (std::size_t i = 0; i < geometry.items.size(); ++i) {
-    const DrawItem& item = geometry.items[i];
-    items.insert(items.end(), {item.first_index, item.index_count, i < transmits.size() && transmits[i] ? 1u : 0u});
-  }
-  std::uint64_t key = chain_hash(passages, chain_hash(items, geometry.positions.size()));
-  key = chain_hash(geometry.positions, key);
-  key = chain_hash(geometry.normals, key);
-  return chain_hash(geometry.indices, key);
-}
-
-template <typename T>
-void append(const std::vector<T>& values, std::vector<std::byte>* bytes) {
-  const auto raw = std::as_bytes(std::span(values));
-  bytes->insert(bytes->end(), raw.begin(), raw.end());
-}
-
-template <typename T>
-const std::byte* take(const std::byte* bytes, std::size_t count, std::vector<T>* values) {
-  values->resize(count);
-  if (count > 0) std::memcpy(static_cast<void*>(values->data()), bytes, count * sizeof(T));
-  return bytes + count * sizeof(T);
-}
-
-/// All arrays one after the other; nothing when the size does not fit this geometry.
-std::optional<VisibilityBake> unpack(const std::vector<std::byte>& bytes, std::size_t vertex_count) {
-  if (bytes.size() != vertex_count * (sizeof(VisibilityBits) + sizeof(float) + sizeof(glm::vec2))) return std::nullopt;
-  VisibilityBake bake;
-  take(take(take(bytes.data(), vertex_count, &bake.vertices), vertex_count, &bake.bandwidth), vertex_count,
-       &bake.transmittance);
-  for (float value : bake.bandwidth)
-    if (!(value >= 0.0f) || !std::isfinite(value)) return std::nullopt;
-  for (const glm::vec2& value : bake.transmittance)
-    if (!(value.x >= 0.0f && value.x <= 1.0f && value.y >= 0.0f && value.y <= 1.0f)) return std::nullopt;
-  return bake;
-}
-
-std::vector<std::byte> pack(const VisibilityBake& bake) {
-  std::vector<std::byte> bytes;
-  append(bake.vertices, &bytes);
-  append(bake.bandwidth, &bytes);
-  append(bake.transmittance, &bytes);
-  return bytes;
-}
-
 }  // namespace
 
 std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
@@ -366,21 +310,6 @@ std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, cons
   }
   if (cancel) return std::nullopt;
   if (progress) progress(1.0);
-  return bake;
-}
-
-std::optional<VisibilityBake> load_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                                              const std::vector<Passage>& passages, const std::atomic<bool>& cancel,
-                                              const std::function<void(double)>& progress) {
-  const std::uint64_t key = visibility_key(geometry, transmits, passages);
-  if (const auto bytes = cache_load("visibility", kCacheVersion, key)) {
-    if (auto bake = unpack(*bytes, geometry.positions.size())) {
-      if (progress) progress(1.0);
-      return bake;
-    }
-  }
-  auto bake = bake_visibility(geometry, transmits, passages, cancel, progress);
-  if (bake) cache_store("visibility", kCacheVersion, key, pack(*bake));
   return bake;
 }
 

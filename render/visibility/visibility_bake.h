@@ -43,9 +43,5 @@ struct Passage {
 std::optional<VisibilityBake> bake_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
                                               const std::vector<Passage>& passages, const std::atomic<bool>& cancel,
                                               const std::function<void(double)>& progress = {});
-/// Same through the disk cache, by content.
-std::optional<VisibilityBake> load_visibility(const FlatGeometry& geometry, const std::vector<bool>& transmits,
-                                              const std::vector<Passage>& passages, const std::atomic<bool>& cancel,
-                                              const std::function<void(double)>& progress = {});
 
 }  // namespace maquette

@@ -11,11 +11,11 @@ layout(local_size_x = 64) in;
 #else
 vec3 through_panes(ivec2 pixel, vec3 behind) { return behind; }
 #endif
-layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = 0) uniform usampler2D t_triangle;  // number + 1, 0 for the sky
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 
 void main() {
   ivec2 pixel = tile_point();
-  if (pixel.x >= 0 && texelFetch(t_depth, pixel, 0).x <= 0.0)
+  if (pixel.x >= 0 && texelFetch(t_triangle, pixel, 0).x == 0u)
     imageStore(o_radiance, pixel, vec4(through_panes(pixel, sky_radiance(pixel)), 0.0));
 }

@@ -1,4 +1,4 @@
-// Constants of one frame; std140, the same struct in GLSL and in C++ (render/frame_constants.h asserts the offsets).
+// Constants of one frame; std140, the same struct in GLSL and in C++ (render/frame/frame_constants.h asserts the offsets).
 // A pixel's ray is forward + ndc_x * right + ndc_y * up (right and up scaled by the field of view), so that the
 // parameter along it is the depth along the viewing axis.
 struct FrameConstants {

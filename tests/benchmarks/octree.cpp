@@ -9,8 +9,8 @@
 #include <type_traits>
 
 #include "render/octree/octree_buffers.h"
+#include "render/octree/octree_kind.h"
 #include "render/octree/octree_shared.h"
-#include "render/octree/octree_worker.h"
 #include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/octree_rays.h"

@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "render/metrics.h"
-#include "render/octree/octree_worker.h"
-#include "render/registry.h"
+#include "render/octree/octree_kind.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"

@@ -8,8 +8,8 @@
 #include "render/gl/context.h"
 #include "render/octree/octree_buffers.h"
 #include "render/octree/octree_build.h"
+#include "render/octree/octree_kind.h"
 #include "render/octree/octree_shared.h"
-#include "render/octree/octree_worker.h"
 #include "render/renderer.h"
 #include "tests/support/octree_rays.h"
 #include "tests/support/test_scenes.h"
@@ -157,8 +157,8 @@ TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   EXPECT_LT(corners, 250);
 }
 
-/// While the camera of a window looks away for a moment the octree stays, in a single picture it does not, and a user who
-/// turns to another technique has the memory back at once.
+/// While the camera of a window looks away for a moment the octree stays, in a single picture it does not, and a user
+/// who turns to another technique has the memory back at once.
 TEST(OctreeReflections, StayWhileTheCameraLooksAway) {
   const GlContext context = GlContext::create_headless();
   for (const bool interactive : {true, false}) {

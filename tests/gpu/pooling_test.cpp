@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 

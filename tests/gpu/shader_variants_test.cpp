@@ -3,7 +3,7 @@
 #include <set>
 
 #include "render/gl/context.h"
-#include "render/program_cache.h"
+#include "render/gl/program_cache.h"
 
 namespace maquette {
 namespace {

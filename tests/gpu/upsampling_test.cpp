@@ -15,7 +15,7 @@
 
 #include "render/bandwidth_shared.h"
 #include "render/environment/directions_shared.h"
-#include "render/frame_constants.h"
+#include "render/frame/frame_constants.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 #include "render/renderer.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/octree/cell_brdf_worker.h"
+#include "render/octree/cell_brdf_kind.h"
 #include "render/octree/octree_interest.h"
 #include "scenes/bake_file.h"
 #include "scenes/error.h"

@@ -5,9 +5,10 @@
 #include <numbers>
 #include <random>
 
+#include "render/bake/bake_runner.h"
+#include "render/indirect/indirect_kind.h"
 #include "render/indirect/indirect_light.h"
 #include "render/indirect/indirect_shared.h"
-#include "render/indirect/indirect_worker.h"
 #include "render/visibility/visibility_shared.h"
 #include "tests/support/test_scenes.h"
 
@@ -335,9 +336,9 @@ TEST(IndirectShared, PackingKeepsMeanAndGradient) {
   EXPECT_EQ(shared::unpack_indirect(glm::uvec4(0u), 5).mean, glm::vec3(0.0f));
 }
 
-TEST(IndirectWorker, ASkyThatTurnsIsSeenAndOldSurfacesAreNot) {
+TEST(IndirectKind, ASkyThatTurnsIsSeenAndOldSurfacesAreNot) {
   const Baked b = bake(corner(), 1 << 16), other = bake(bowl(0.5f), 1 << 16);
-  IndirectWorker worker;
+  BakeWorker<IndirectJob, IndirectResult> worker(std::make_shared<IndirectKind>(), IndirectKind::spares);
   const auto sky = sun_at(kPi / 2, 0.5);
   worker.submit({b.input, b.visibility, {sky, 0.0f, 1.0f}});
   worker.wait();
@@ -348,14 +349,14 @@ TEST(IndirectWorker, ASkyThatTurnsIsSeenAndOldSurfacesAreNot) {
   worker.wait();
   auto last = worker.take();
   ASSERT_TRUE(last);
-  EXPECT_EQ(last->sky.rotation_rad, 0.1f * 3.0f);
-  EXPECT_NE(last->bake.vertices, first->bake.vertices);
+  EXPECT_EQ(last->value->sky.rotation_rad, 0.1f * 3.0f);
+  EXPECT_NE(last->value->bake.vertices, first->value->bake.vertices);
   worker.submit({b.input, b.visibility, {sky, 0.5f, 1.0f}});
   worker.submit({other.input, other.visibility, {sky, 0.5f, 1.0f}});
   worker.wait();
   last = worker.take();
   ASSERT_TRUE(last);
-  EXPECT_EQ(last->input, other.input);
+  EXPECT_EQ(last->value->input, other.input);
   worker.submit({b.input, b.visibility, {sky, 0.6f, 1.0f}});
   worker.cancel();
   worker.wait();

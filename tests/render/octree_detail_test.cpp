@@ -5,8 +5,8 @@
 #include <random>
 
 #include "render/octree/octree_clip.h"
+#include "render/octree/octree_kind.h"
 #include "render/octree/octree_shared.h"
-#include "render/octree/octree_worker.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "render/octree/octree_worker.h"
+#include "render/octree/octree_kind.h"
 #include "scenes/bake_file.h"
 #include "scenes/error.h"
 #include "tests/scenes/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "render/plan.h"
+#include "render/frame/plan.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "render/enclosure.h"
 #include "render/reflections/reflectors.h"
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "test_paths.h"
 #include "tests/support/test_scenes.h"

@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "scenes/error.h"
 
 namespace maquette {

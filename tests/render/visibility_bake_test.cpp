@@ -12,6 +12,7 @@
 #include <random>
 
 #include "render/fresnel_shared.h"
+#include "render/visibility/visibility_kind.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_shared.h"
 #include "render/visibility/visibility_sides.h"
@@ -456,7 +457,10 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   std::vector<bool> transmits(g.items.size(), false);
   std::vector<Passage> passages(g.items.size());
   const auto load = [&](int* calls) {
-    return load_visibility(g, transmits, passages, kRun, [calls](double) { ++*calls; });
+    VisibilityKind kind;
+    const VisibilityJob job{g, transmits, passages};
+    const auto made = make_bake(kind, job, {kRun, [calls](double) { ++*calls; }, {}});
+    return made.value ? made.value->bake : nullptr;
   };
   int baked = 0;
   int cached = 0;

@@ -139,7 +139,8 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
   meter.cancel();
   view.scene_revision = 1;
   meter.watch(view, []() -> std::shared_ptr<const PathScene> { throw std::runtime_error("no scene"); });
-  for (int i = 0; i < 3000 && meter.problem().empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 3000 && !meter.newest(&version) && meter.problem().empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(meter.problem(), "no scene");
 }
 

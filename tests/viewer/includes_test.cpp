@@ -45,7 +45,7 @@ std::vector<std::string> upward_includes(std::istream& text, const std::string& 
 
 TEST(Includes, TheRuleSeesAnUpwardInclude) {
   std::istringstream text("#include \"scenes/scene.h\"\n#include \"render/plan.h\"\n");
-  EXPECT_EQ(upward_includes(text, "scenes"), std::vector<std::string>{"render/plan.h"});
+  EXPECT_EQ(upward_includes(text, "scenes"), std::vector<std::string>{"render/frame/plan.h"});
 }
 
 TEST(Includes, PointDownwardsOnly) {

@@ -8,8 +8,8 @@
 #include "render/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "viewer/interrupt.h"
 #include "viewer/report/measure.h"
-#include "viewer/report/stop_signal.h"
 #include "viewer/session.h"
 
 namespace maquette::report {
@@ -64,10 +64,10 @@ void Conductor::run(Report* report) {
   std::vector<Ladder> ladders = make_ladders();
   std::size_t most = 0;
   for (const SweptTechnique& technique : techniques_) most = std::max(most, technique.steps.size());
-  for (int step = 0; step < static_cast<int>(most) && !StopSignal::asked(); ++step)
+  for (int step = 0; step < static_cast<int>(most) && !InterruptGuard::asked(); ++step)
     for (Ladder& ladder : ladders)
-      if (!ladder.over && !StopSignal::asked()) climb(&ladder, step, report);
-  report->interrupted = StopSignal::asked();
+      if (!ladder.over && !InterruptGuard::asked()) climb(&ladder, step, report);
+  report->interrupted = InterruptGuard::asked();
   report->seconds = elapsed_s();
 }
 
@@ -101,7 +101,7 @@ void Conductor::make_references(Report* report) {
   const double share = kReferenceShare * studio_->options().budget_s / static_cast<double>(cameras_.size());
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     for (const Scope scope : {Scope::estimator, Scope::model}) {
-      if (StopSignal::asked()) return;
+      if (InterruptGuard::asked()) return;
       const ReferenceOrder order{cameras_[c], scope, share * (scope == Scope::model ? kFullShare : 1.0 - kFullShare)};
       Judge judge = obtain_reference(studio_, journal_, folder_, order);
       say_("reference of " + cameras_[c].name + ", " + scope_name(scope) + ": noise " + percent(judge.entry.noise));
@@ -120,7 +120,7 @@ void Conductor::make_references(Report* report) {
 void Conductor::make_reflection_reference(std::size_t camera, Report* report) {
   const auto raytraced = std::find_if(techniques_.begin(), techniques_.end(),
                                       [](const SweptTechnique& t) { return t.name == kReflectionReference; });
-  if (raytraced == techniques_.end() || StopSignal::asked()) return;
+  if (raytraced == techniques_.end() || InterruptGuard::asked()) return;
   std::optional<Judge> judge;
   std::string why = "no reflector is in view";
   try {

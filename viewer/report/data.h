@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "render/metrics.h"
-#include "render/plan.h"
+#include "render/frame/plan.h"
 
 /// What a report holds, as plain values: measured by measure.h, written by write_data.h, charts.h and page.h.
 namespace maquette::report {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "scenes/image_io.h"
-#include "viewer/report/stop_signal.h"
+#include "viewer/interrupt.h"
 
 namespace maquette::report {
 
@@ -63,12 +63,12 @@ Judge trace(Studio* studio, const ReferenceOrder& order, const FrameRequest& fra
                                 ReferencePicture(studio->path_scene(), picture_request(frame, order.scope, kSeeds[1]))};
   std::stop_source stop;
   const auto watch = [&](double) {
-    if (StopSignal::asked()) stop.request_stop();
+    if (InterruptGuard::asked()) stop.request_stop();
   };
   const Clock::time_point begin = Clock::now();
   Judge judge;
   int wanted = kFirstPaths;
-  for (int count = kFirstPaths; !StopSignal::asked(); count = halves[0].samples()) {
+  for (int count = kFirstPaths; !InterruptGuard::asked(); count = halves[0].samples()) {
     for (ReferencePicture& half : halves) half.add(count, stop.get_token(), watch);
     judge.entry.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
     judge.entry.samples = halves[0].samples() + halves[1].samples();
@@ -139,7 +139,7 @@ Judge obtain_reference(Studio* studio, Journal* journal, const std::string& fold
   judge.entry.camera = order.camera.name;
   judge.entry.scope = order.scope;
   judge.entry.file = half_file(id, 0);
-  if (StopSignal::asked()) return judge;  // half done: not to be taken for a reference later
+  if (InterruptGuard::asked()) return judge;  // half done: not to be taken for a reference later
   std::filesystem::create_directories(folder + "/references");
   for (int h = 0; h < 2; ++h)
     save_exr(path(h), judge.halves[h],

@@ -8,12 +8,12 @@
 #include "viewer/budget_curve.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/interrupt.h"
 #include "viewer/outputs.h"
 #include "viewer/report/charts.h"
 #include "viewer/report/conductor.h"
 #include "viewer/report/machine.h"
 #include "viewer/report/page.h"
-#include "viewer/report/stop_signal.h"
 #include "viewer/report/write_data.h"
 
 namespace maquette {
@@ -91,7 +91,7 @@ int run_report(const CommandLine& line) {
   const SceneOptions& options = line.options;
   const std::string& folder = options.output;
   prepare_folder("--output", folder);
-  const StopSignal stop;
+  const InterruptGuard stop;
   Report report;
   report.scene = options.scene;
   report.environment = options.environment;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/registry.h"
+#include "render/technique/registry.h"
 #include "render/renderer.h"
 #include "viewer/options.h"
 #include "viewer/report/data.h"

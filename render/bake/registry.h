@@ -1,0 +1,42 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "render/settings.h"
+#include "scenes/scene.h"
+
+namespace maquette {
+
+/// What `maquette bake` is asked for.
+struct BakeRequest {
+  const Scene& scene;
+  int variant = -1;
+  const Settings& settings;
+  std::map<std::string, std::string> materials;  ///< replaced: name to source
+  std::string folder;                            ///< empty: where a render of these settings looks
+};
+
+struct BakeControl {
+  const std::atomic<bool>& cancel;
+  std::function<void(const std::string& what, double share)> progress;  ///< in [0, 1]
+  std::function<void(const std::string& line)> report;                  ///< what was made, for the user
+};
+
+/// A bake that can be made by command, before a render needs it.
+struct BakeCommand {
+  std::string name;
+  std::string help;
+  /// Throws Error, also when it was cancelled; what is done by then is kept, and the same request resumes it.
+  std::function<void(const BakeRequest&, const BakeControl&)> run;
+};
+
+/// Adding one is one line in registry.cpp.
+const std::vector<BakeCommand>& bake_commands();
+/// Throws UsageError for an unknown name ("did you mean ...") and Error for one that arrives with a later version.
+const BakeCommand& find_bake_command(const std::string& name);
+
+}  // namespace maquette

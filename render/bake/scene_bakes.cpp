@@ -1,0 +1,173 @@
+#include "render/bake/scene_bakes.h"
+
+#include "render/octree/octree_file.h"
+#include "render/octree/octree_interest.h"
+#include "render/octree/technique.h"
+
+namespace maquette {
+
+namespace {
+
+/// So many frames of a window an octree stays that nothing in view goes through: to read it again takes a third of a
+/// second, in which nothing is mirrored.
+constexpr int kFramesWithoutOctree = 200;
+
+bool any_layer_has_indirect(const FramePlan& plan) {
+  for (const ShadingPlan& layer : plan.layers)
+    if (layer.indirect == "baked") return true;
+  return false;
+}
+
+OctreeState octree_state(const SceneState& scene, const Settings& settings) {
+  OctreeState state;
+  state.geometry_epoch = scene.revisions().geometry;
+  state.transmits = scene.transmitting_items();
+  for (std::size_t i = 0; i < scene.geometry().items.size(); ++i)
+    state.materials.push_back(scene.buffers().material(i));
+  state.depth = settings.get_int("octree.depth");
+  state.detail = octree_detail(settings);
+  state.interest = find_interest(settings.get_string("octree.interest"), scene.scene(), scene.geometry());
+  state.path = octree_file_path(settings.get_string("octree.bake"), scene.scene().name, state.depth);
+  return state;
+}
+
+}  // namespace
+
+void SceneBakes::set_interactive(bool interactive) {
+  interactive_ = interactive;
+  indirect_.set_prepares(interactive);
+}
+
+void SceneBakes::clear() {
+  visibility_.clear();
+  indirect_.clear();
+  indirect_of_.reset();
+  octree_.clear();
+}
+
+void SceneBakes::update_visibility(const SceneState& scene) {
+  if (scene.geometry().positions.empty()) return;
+  if (visibility_.update(scene.geometry(), scene.transmitting_items(), scene.passages(), scene.revisions().geometry))
+    ++visibility_revision_;
+}
+
+std::shared_ptr<const IndirectInput> SceneBakes::make_indirect_input(const SceneState& scene, int variant) const {
+  auto input = std::make_shared<IndirectInput>();
+  input->scene = scene.edited_scene();
+  input->geometry = std::make_shared<FlatGeometry>(scene.geometry());
+  input->variant = variant;
+  input->transmits = scene.transmitting_items();
+  const std::vector<Material>& materials = scene.effective_materials();
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    const int slot = materials[i].measured.empty() ? -1 : scene.slots()[i];
+    input->measured_albedo.push_back(slot < 0 ? std::vector<glm::vec3>() : scene.materials().albedo(slot));
+    input->measured_hash.push_back(slot < 0 ? 0 : scene.materials().hash(slot));
+  }
+  return input;
+}
+
+void SceneBakes::update_indirect(const SceneState& scene, const FrameRequest& request) {
+  if (!visibility_.ready()) return;
+  const Key now = Key::of(scene.revisions().bounces(), request.variant);
+  IndirectJob job;
+  job.input = indirect_of_ != now || !indirect_.input() ? make_indirect_input(scene, request.variant)
+                                                        : indirect_.input();
+  indirect_of_ = now;
+  job.visibility = visibility_.bake();
+  job.sky = {scene.environment().shared_environment(), request.env_rotation_rad, request.env_scale};
+  if (indirect_.update(job)) ++indirect_revision_;
+}
+
+OctreeJob SceneBakes::make_octree_job(const SceneState& scene, const OctreeState& state,
+                                      const std::string& folder) const {
+  OctreeJob job;
+  job.geometry = scene.geometry();
+  job.materials = state.materials;
+  job.transmits = state.transmits;
+  job.paint = std::make_shared<const OctreePaint>(scene.scene(), scene.effective_materials());
+  job.options.depth = state.depth;
+  job.options.detail = state.detail;
+  job.options.interest = state.interest;
+  job.path = state.path;
+  job.scene = scene.scene().name;
+  job.must_load = !folder.empty();
+  return job;
+}
+
+void SceneBakes::update_octree(const SceneState& scene, const FrameRequest& request) {
+  frames_without_octree_ = 0;
+  const OctreeState state = octree_state(scene, request.settings);
+  const std::string& folder = request.settings.get_string("octree.bake");
+  if (octree_.update(state, [&] { return make_octree_job(scene, state, folder); })) ++octree_revision_;
+}
+
+void SceneBakes::update_cells(const SceneState& scene, const FrameRequest& request, bool wanted) {
+  if (!octree_.ready()) return;
+  const auto make_job = [&] {
+    CellBrdfJob job;
+    job.octree = make_octree_job(scene, octree_state(scene, request.settings),
+                                 request.settings.get_string("octree.bake"));
+    job.materials = scene.effective_materials();
+    return job;
+  };
+  const auto contents =
+      wanted ? cell_material_contents(scene.effective_materials()) : std::vector<std::uint64_t>();
+  if (octree_.update_cells(contents, make_job)) ++octree_revision_;
+}
+
+bool SceneBakes::release_octree(bool may_return) {
+  const bool keeps = interactive_ && may_return && (octree_.ready() || octree_.busy()) &&
+                     ++frames_without_octree_ <= kFramesWithoutOctree;
+  if (!keeps) octree_.clear();
+  return keeps;
+}
+
+void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const {
+  status->has_geometry = !scene.geometry().positions.empty();
+  if (wanted.any_layer_is_shadowed_by("baked")) status->visibility = {visibility_.ready(), visibility_.progress()};
+  if (any_layer_has_indirect(wanted)) status->indirect = {indirect_.ready(), indirect_.progress()};
+  if (wanted.octree) status->octree = {octree_.ready(), octree_.progress()};
+  if (wanted.cell_brdfs && octree_.ready())
+    status->cell_brdfs = {octree_.cells() != nullptr, octree_.cells_progress()};
+}
+
+bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request) {
+  if (wanted.octree) {
+    for (int round = 0; round < 3; ++round) {  // starts it, takes it over and starts the cells' BRDFs, takes them over
+      update_octree(scene, request);
+      update_cells(scene, request, wanted.cell_brdfs);
+      octree_.wait();
+    }
+    update_cells(scene, request, wanted.cell_brdfs);
+  }
+  if (!wanted.any_layer_is_shadowed_by("baked") || scene.geometry().positions.empty()) return true;
+  update_visibility(scene);
+  visibility_.wait();
+  update_visibility(scene);
+  if (!any_layer_has_indirect(wanted) || !visibility_.ready()) return visibility_.ready();
+  for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it over
+    update_indirect(scene, request);
+    indirect_.wait();
+  }
+  return indirect_.current();
+}
+
+void SceneBakes::bind() const {
+  if (visibility_.ready()) visibility_.bind();
+  if (octree_.ready()) octree_.buffers().bind();
+}
+
+void SceneBakes::add_bytes(std::map<std::string, std::size_t>* bytes) const {
+  if (visibility_.ready()) (*bytes)["visibility"] = visibility_.bytes();
+  if (indirect_.ready()) (*bytes)["indirect"] = indirect_.bytes();
+  if (octree_.ready()) (*bytes)["octree"] = octree_.bytes();
+  if (octree_.cells()) (*bytes)["cell_brdfs"] = octree_.cell_bytes();
+}
+
+void SceneBakes::add_counters(std::map<std::string, double>* counters) const {
+  if (!octree_.ready()) return;
+  (*counters)["octree_fine_cells"] = static_cast<double>(octree_.leaf_counts().first);
+  (*counters)["octree_coarse_cells"] = static_cast<double>(octree_.leaf_counts().second);
+}
+
+}  // namespace maquette

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/frame/key.h"
+#include "render/frame/plan.h"
+#include "render/frame/request.h"
+#include "render/indirect/indirect_buffers.h"
+#include "render/octree/octree_store.h"
+#include "render/scene_state/scene_state.h"
+#include "render/visibility/visibility_buffers.h"
+
+namespace maquette {
+
+/// The bakes that frames of a scene draw with, and what starts, takes over and drops them as plans ask for them.
+class SceneBakes {
+ public:
+  /// In a window: bakes prepare for a light that may rotate, and an octree stays while nothing goes through it for a
+  /// moment.
+  void set_interactive(bool interactive);
+  /// Forgets all: another scene.
+  void clear();
+
+  void update_visibility(const SceneState& scene);
+  /// Needs the bake of visibility; does nothing before it is there.
+  void update_indirect(const SceneState& scene, const FrameRequest& request);
+  void update_octree(const SceneState& scene, const FrameRequest& request);
+  void update_cells(const SceneState& scene, const FrameRequest& request, bool wanted);
+  /// Nothing in view goes through the octree: it is dropped, or kept for some frames where `may_return`. True when it is
+  /// kept.
+  bool release_octree(bool may_return);
+
+  /// Says in `status` what of `wanted` is there.
+  void report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const;
+  /// Starts what `wanted` needs and waits until it is there. False when something could not be made.
+  bool finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request);
+
+  const VisibilityBuffers& visibility() const { return visibility_; }
+  const IndirectBuffers& indirect() const { return indirect_; }
+  const OctreeStore& octree() const { return octree_; }
+  std::uint32_t visibility_revision() const { return visibility_revision_; }
+  std::uint32_t octree_revision() const { return octree_revision_; }
+  std::uint32_t indirect_revision() const { return indirect_revision_; }
+  /// Of all that points depend on besides indirect light.
+  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_); }
+  Key all() const { return Key::of(without_indirect(), indirect_revision_); }
+
+  void bind() const;
+  void add_bytes(std::map<std::string, std::size_t>* bytes) const;
+  void add_counters(std::map<std::string, double>* counters) const;
+
+ private:
+  OctreeJob make_octree_job(const SceneState& scene, const OctreeState& state, const std::string& folder) const;
+  std::shared_ptr<const IndirectInput> make_indirect_input(const SceneState& scene, int variant) const;
+
+  bool interactive_ = false;
+  VisibilityBuffers visibility_;
+  IndirectBuffers indirect_;
+  std::optional<Key> indirect_of_;  ///< what the input of indirect light was made of
+  OctreeStore octree_;
+  int frames_without_octree_ = 0;  ///< since a plan wanted it
+  std::uint32_t visibility_revision_ = 0, indirect_revision_ = 0, octree_revision_ = 0;  ///< grow with what is drawn
+};
+
+}  // namespace maquette

@@ -1,0 +1,32 @@
+#include "render/frame/constants.h"
+
+#include <cmath>
+
+#include "render/camera.h"
+
+namespace maquette {
+
+FrameConstants make_frame_constants(const SceneState& scene, const FrameRequest& request, const GridSize& size) {
+  const CameraFrame camera = make_camera_frame(request.camera, request.width, request.height, scene.bounds());
+  const EnvironmentBuffers& environment = scene.environment();
+  FrameConstants c{};
+  c.clip_from_world = clip_from_world(camera);
+  c.eye = glm::vec4(camera.eye, 0.0f);
+  c.forward = glm::vec4(camera.forward, 2.0f * camera.tan_y / static_cast<float>(request.height * size.side));
+  c.right = glm::vec4(camera.right * camera.tan_x, 0.0f);
+  c.up = glm::vec4(camera.up * camera.tan_y, 0.0f);
+  c.environment = glm::vec4(std::cos(request.env_rotation_rad), std::sin(request.env_rotation_rad), request.env_scale,
+                            static_cast<float>(environment.tables().luminance_integral));
+  c.size = glm::ivec4(size.grid_width(), size.grid_height(), size.side, 0);
+  c.sampling = glm::ivec4(1, 2, 0, static_cast<int>(request.seed));
+  c.environment_size = glm::ivec4(environment.environment().width, environment.environment().height,
+                                  environment.bias(), EnvironmentBuffers::kListLength);
+  const PackedSky& sky = environment.sky();
+  c.sky_nodes = glm::ivec4(sky.columns, sky.spans, sky.last_row, sky.offset > 0.0f ? 1 : 0);
+  c.bandwidth_size = glm::ivec4(environment.tables().bandwidth_width, environment.tables().bandwidth_height,
+                                scene.lights() ? scene.lights()->count() : 0, 0);
+  c.quality = glm::vec4(1.0f, 1.0f, 0.0f, environment.sun_luminance());
+  return c;
+}
+
+}  // namespace maquette

@@ -1,0 +1,422 @@
+#include "render/frame/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "render/bezier/patch_fit.h"
+#include "render/technique/registry.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+/// What the decisions below share.
+struct Planning {
+  const PlanInput& in;
+  const Technique* reflector;  ///< that was asked for; null: off
+  FramePlan* plan;
+
+  void add(PlannedPass pass) const { plan->passes.push_back(std::move(pass)); }
+  void feature(const std::string& name, const std::string& reason) const { plan->features.push_back({name, reason}); }
+  void leave_out(const std::string& what, const std::string& why) const {
+    const bool known = std::any_of(plan->left_out.begin(), plan->left_out.end(),
+                                   [&](const LeftOut& left_out) { return left_out.what == what; });
+    if (!known) plan->left_out.push_back({what, why});
+  }
+};
+
+/// In whole percent, rounded down: 100 % means done.
+std::string percent_done(double progress) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0f %%", std::floor(100.0 * progress));
+  return text;
+}
+
+std::string not_ready(const std::string& what, const BakeStatus& bake) {
+  return what + " not " + (what == "it is" ? "built" : "ready") + " yet: " + percent_done(bake.progress);
+}
+
+// --- shadows, indirect light, lights of a layer ---
+
+void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* shading) {
+  if (mode.can.traces_picture) return;  // its own rays; add_passes says so
+  const std::string& asked = p.in.settings.get_string("shading.visibility");
+  if (!mode.can.shadows) return p.leave_out("visibility", "mode " + mode.name + " knows none");
+  if (asked == "traced") {
+    if (!p.in.status.octree.ready) return p.leave_out("visibility", "its octree is not built yet");
+    shading->visibility = "traced";
+    return p.feature("visibility", "shading.visibility is traced: the samples' rays go through the octree");
+  }
+  if (asked == "baked" || (asked == "auto" && p.in.facts.enclosed)) {
+    if (!p.in.status.has_geometry) return p.leave_out("visibility", "nothing is there to occlude");
+    if (!p.in.status.visibility.ready)
+      return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility));
+    shading->visibility = "baked";
+    return p.feature("visibility", asked == "baked"
+                                       ? "shading.visibility is baked"
+                                       : "the scene closes the eye in: without it light comes through the roof");
+  }
+  p.leave_out("visibility", asked == "none" ? "shading.visibility is none" : "the scene does not close the eye in");
+}
+
+/// Whether the settings want baked shadows, ready or not.
+bool wants_baked(const Planning& p, const Technique& mode) {
+  const std::string& asked = p.in.settings.get_string("shading.visibility");
+  return mode.can.shadows && (asked == "baked" || (asked == "auto" && p.in.facts.enclosed));
+}
+
+/// Indirect light fills what the sky's shadows leave black; without shadows there is nothing to fill.
+void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shading) {
+  if (mode.can.traces_picture) return;
+  std::string why;
+  if (!mode.can.indirect)
+    why = "mode " + mode.name + " knows none";
+  else if (p.in.settings.get_string("shading.indirect") == "none")
+    why = "shading.indirect is none";
+  else if (p.in.settings.get_string("shading.visibility") == "traced")
+    why = "it goes with baked shadows, and shading.visibility is traced";
+  else if (!wants_baked(p, mode))
+    why = "nothing shadows the sky, so there is nothing that it would fill";
+  else if (shading->visibility != "baked")
+    why = "it waits for the bake of visibility";
+  else if (!p.in.status.indirect.ready)
+    why = not_ready("its bake is", p.in.status.indirect);
+  if (why.empty())
+    shading->indirect = "baked";
+  else
+    p.leave_out("indirect", why);
+}
+
+void decide_lights(const Planning& p, const Technique& mode, ShadingPlan* shading) {
+  const bool shines = p.in.facts.has_punctual_lights || p.in.facts.has_emissive_meshes;
+  if (!shines) return p.leave_out("lights", "the scene has no lights and nothing that glows");
+  if (!mode.can.lights) return p.leave_out("lights", "mode " + mode.name + " knows the environment only");
+  if (!p.in.status.lights_count) return p.leave_out("lights", "what glows is too dim to count");
+  shading->lights = true;
+  p.feature("lights",
+            p.in.facts.has_emissive_meshes ? "emissive surfaces light the scene" : "the scene has lights of its own");
+}
+
+// --- reflections ---
+
+void decide_reflections(const Planning& p, bool traces_picture) {
+  const ViewInfo& view = p.in.view;
+  const int reflectors = view.reflectors >= 0 ? view.reflectors : p.in.facts.reflector_count;
+  const int seen = view.reflectors_in_view >= 0 ? view.reflectors_in_view : reflectors;
+  if (!p.in.status.fitting.empty() && p.reflector && !traces_picture)
+    p.leave_out("patch_fit", "patches are being fitted to " + p.in.status.fitting + ": " +
+                                 percent_done(p.in.status.fit_progress));
+  if (!p.reflector) return p.leave_out("reflections", "--reflections off");
+  if (traces_picture)
+    return p.leave_out("reflections", "mode " + p.plan->layers[0].mode + " follows the mirrored paths itself");
+  if (p.in.status.all_fitting) return p.leave_out("reflections", "their patches are not fitted yet");
+  if (reflectors == 0)
+    return p.leave_out("reflections",
+                       "the scene marks no reflector and has no pane of glass; name a mirror with --reflector");
+  if (seen == 0) return p.leave_out("reflections", "no reflector is in view");
+  if (p.reflector->can.needs_octree && !p.in.status.octree.ready)
+    return p.leave_out("reflections", "their octree is not built yet");
+  p.plan->reflections = p.reflector->name;
+  p.feature("reflections", std::to_string(seen) + " of " + std::to_string(reflectors) +
+                               " reflectors may be seen, technique " + p.reflector->name);
+}
+
+/// Mirrored light of other surfaces takes the place of what is baked of it, and fills what shadows leave black.
+std::string why_not_glossy(const Planning& p, const Technique& mode) {
+  const Settings& settings = p.in.settings;
+  const double roughness = settings.get_double("octree.glossy");
+  const int in_view = p.in.view.glossy_in_view;
+  const ShadingPlan& shading = p.plan->layers.front();
+  const std::string& asked = settings.get_string("shading.visibility");
+  const bool any = in_view >= 0 ? in_view > 0
+                                : roughness > 0.0 && static_cast<double>(p.in.facts.least_roughness) <= roughness;
+  if (mode.can.traces_picture) return "mode " + mode.name + " follows the mirrored paths itself";
+  if (!p.reflector || !p.reflector->can.mirrors_glossy)
+    return "only a reflector technique with cells in an octree has cells for them";
+  if (roughness == 0.0 && in_view <= 0) return "octree.glossy is 0, and no such part is named with --reflector";
+  if (!mode.can.shadows)
+    return "mode " + mode.name + " knows no shadows, so the sky shines where surfaces would be mirrored";
+  if (settings.get_string("shading.indirect") == "none") return "shading.indirect is none";
+  if (asked != "traced" && !wants_baked(p, mode))
+    return "nothing shadows the sky, so it shines where surfaces would be mirrored";
+  if (!any) return "no opaque surface in view is as smooth as octree.glossy asks";
+  if (!p.in.status.octree.ready) return "its octree is not built yet";
+  if (shading.visibility == "none") return "it waits for the bake of visibility";
+  if (shading.visibility == "baked" && shading.indirect != "baked") return "it waits for the bake of indirect light";
+  return {};
+}
+
+void decide_glossy(const Planning& p, const Technique& mode) {
+  const std::string why = why_not_glossy(p, mode);
+  if (!why.empty()) return p.leave_out("glossy", why);
+  p.plan->glossy = true;
+}
+
+void decide_octree(const Planning& p) {
+  const bool traced = p.plan->any_layer_is_shadowed_by("traced");
+  const bool reflected = !p.plan->reflections.empty() && p.reflector->can.needs_octree;
+  p.plan->octree = traced || reflected || p.plan->glossy;
+  if (traced)
+    p.feature("octree", "shading.visibility is traced");
+  else if (reflected)
+    p.feature("octree", "the reflectors' rays go through it");
+  else if (p.plan->glossy)
+    p.feature("octree", "the mirrored rays of glossy surfaces go through it");
+  else if (!p.in.status.octree.ready)
+    p.leave_out("octree", not_ready("it is", p.in.status.octree));
+  else if (p.in.status.keeps_octree)
+    p.leave_out("octree", "nothing in view goes through it; kept for some frames more");
+  else
+    p.leave_out("octree", "neither shading.visibility=traced nor a reflector technique asks for one");
+  if ((!reflected && !p.plan->glossy) || p.in.settings.get_string("octree.brdf") == "none") return;
+  if (!p.in.status.cell_brdfs.ready)
+    return p.leave_out("cell_brdfs", "their bake is not ready yet: " + percent_done(p.in.status.cell_brdfs.progress));
+  p.plan->cell_brdfs = true;
+  p.feature("cell_brdfs", "octree.brdf is " + p.in.settings.get_string("octree.brdf"));
+}
+
+/// What the fits are worth, for those who look at the plan.
+void note_fits(const Planning& p) {
+  if (p.plan->reflections.empty() || !p.reflector->can.needs_patches) return;
+  const auto joined = [](const std::vector<std::string>& lines) {
+    std::string all;
+    for (const std::string& line : lines) all += (all.empty() ? "" : ", ") + line;
+    return all;
+  };
+  const std::string good = joined(p.in.status.fitted), bad = joined(p.in.status.misfitted);
+  char tolerance[16];
+  std::snprintf(tolerance, sizeof tolerance, "%.2g mm", 1e3 * kFitTolerance_m);
+  if (!good.empty()) p.feature("patch_fit", "curved meshes get bicubic patches: " + good);
+  if (!bad.empty())
+    p.feature("patch_fit", std::string("patches miss these by more than ") + tolerance + ": " + bad +
+                               "; where a pixel's own ray is far from theirs it is hatched, and another reflector "
+                               "technique shows it");
+}
+
+// --- passes ---
+
+void add_surface_passes(const Planning& p) {
+  p.add({"raster", std::to_string(p.in.facts.triangle_count) + " triangles: only their numbers and depth", {},
+         {"triangles"}});
+  const bool parts = p.plan->layers.size() > 1;
+  for (std::size_t k = 0; k < p.plan->layers.size(); ++k) {
+    const ShadingPlan& shading = p.plan->layers[k];
+    p.add({"gbuffer",
+           "normals, texture coordinates and curvature of what is visible" +
+               (parts ? ", of the parts that mode " + shading.mode + " shades" : std::string()),
+           {"triangles"},
+           {"surfaces"},
+           static_cast<int>(k)});
+  }
+}
+
+void add_reflection_passes(const Planning& p) {
+  if (p.plan->reflections.empty()) return;
+  p.add({"panes", "the reflectors in view and the mirrored ray of each of their pixels", {"surfaces"}, {"rays"}});
+  if (p.in.status.follows_all_rays.empty())
+    p.add({"skip", "mirrored rays that bring less than reflections.skip of what is seen through the pane",
+           {"rays", "radiance"}, {"rays"}});
+  else
+    p.leave_out("skip", p.in.status.follows_all_rays);
+  p.reflector->add_passes(p.in, nullptr, p.plan);
+  p.add({"reflected shade", "what the mirrored rays hit, by the mode of the part that is hit", {"hits"},
+         {"reflections"}});
+}
+
+void add_picture_passes(const Planning& p, bool averages_points) {
+  const bool several = p.in.view.msaa > 1, parts = p.plan->layers.size() > 1;
+  const bool first = p.in.status.accumulated == 0;
+  p.add({"compose", "emission, indirect light and the sky where nothing is hit", {"surfaces", "radiance"},
+         {"picture"}});
+  add_reflection_passes(p);
+  if (p.plan->glass)
+    p.add({"glass", "panes and blended surfaces, back to front", {"triangles", "picture", "reflections"}, {"picture"}});
+  else
+    p.leave_out("glass", "no material transmits or blends");
+  const bool averages_over_panes = p.plan->glass && !averages_points && !first;
+  if (several || parts || averages_over_panes)
+    p.add({"filter",
+           several ? "the mean over a pixel's samples" : "the mean with the frames before",
+           {"picture"},
+           {"picture"}});
+  if (several)
+    p.feature("multisampling", std::to_string(p.in.view.msaa) + " samples a pixel were asked for");
+  else
+    p.leave_out("multisampling", "one sample a pixel was asked for");
+}
+
+void note_absent_features(const Planning& p) {
+  const SceneFacts& facts = p.in.facts;
+  if (!facts.has_normal_maps) p.leave_out("normal_maps", "no material has one");
+  if (!facts.has_mask) p.leave_out("alpha_mask", "no material is cut out");
+  if (facts.measured_count == 0) p.leave_out("measured_materials", "every material is analytic");
+  if (!facts.has_sheen) p.leave_out("sheen", "no material without a table has it");
+  if (!facts.has_clearcoat) p.leave_out("clearcoat", "no material without a table has it");
+  if (!facts.has_subdivision) p.leave_out("subdivision", "no mesh has a control cage");
+}
+
+// --- the whole ---
+
+void check_request(const SceneFacts& facts, const Settings& settings, const ViewInfo& view,
+                   const std::vector<const Technique*>& used, const Registry& registry) {
+  if (view.width < 1 || view.height < 1)
+    throw UsageError("--size", "a picture needs at least one pixel, not " + std::to_string(view.width) + "x" +
+                                   std::to_string(view.height));
+  if (view.msaa != 1 && view.msaa != 4 && view.msaa != 16)
+    throw UsageError("--msaa", std::to_string(view.msaa) + " samples a pixel are not offered", "use 1, 4 or 16");
+  for (const Technique& technique : registry.techniques) {
+    const bool asked = technique.kind == TechniqueKind::shared ||
+                       std::find(used.begin(), used.end(), &technique) != used.end();
+    if (!asked || !technique.check) continue;
+    if (const std::optional<std::string> why = technique.check(facts, settings)) throw Error("", *why);
+  }
+}
+
+/// The default mode's layer first, then one for each other mode that a part has.
+std::vector<ShadingPlan> make_layers(const std::string& mode, const ViewInfo& view, const SceneFacts& facts,
+                                     const Registry& registry) {
+  std::vector<ShadingPlan> layers(1);
+  layers[0].mode = mode;
+  for (const PartMode& part : view.part_modes) {
+    const Technique& technique = registry.find_mode(part.mode, "--mode-of");
+    if (technique.can.traces_picture || registry.find_mode(mode).can.traces_picture)
+      throw UsageError("--mode-of " + part.node + "=" + part.mode,
+                       "mode " + (technique.can.traces_picture ? part.mode : mode) + " draws whole pictures",
+                       "use it for all of the scene, without --mode-of");
+    if (part.mode == mode) continue;
+    auto layer = std::find_if(layers.begin(), layers.end(), [&](const ShadingPlan& l) { return l.mode == part.mode; });
+    if (layer == layers.end()) {
+      layers.emplace_back().mode = part.mode;
+      layer = std::prev(layers.end());
+    }
+    layer->nodes.push_back(part.node);
+  }
+  for (ShadingPlan& layer : layers) {
+    layer.sheen = facts.has_sheen;
+    layer.clearcoat = facts.has_clearcoat;
+  }
+  return layers;
+}
+
+void note_parts(const Planning& p) {
+  for (const ShadingPlan& layer : p.plan->layers) {
+    std::string nodes;
+    for (const std::string& node : layer.nodes) nodes += (nodes.empty() ? "'" : ", '") + node + "'";
+    if (!nodes.empty()) p.feature("parts", "mode " + layer.mode + " shades " + nodes + " and what is below");
+  }
+}
+
+/// A whole picture by a mode's own rays.
+void plan_traced_picture(const Planning& p, const Technique& mode) {
+  decide_reflections(p, true);
+  mode.add_passes(p.in, &p.plan->layers[0], p.plan);
+  decide_lights(p, mode, &p.plan->layers[0]);
+  decide_glossy(p, mode);
+  p.plan->glass = p.in.facts.has_glass;
+  if (p.plan->glass)
+    p.feature("glass", "panes mirror and let pass what rays find");
+  else
+    p.leave_out("glass", "no material transmits or blends");
+  if (p.in.view.msaa > 1)
+    p.feature("multisampling", std::to_string(p.in.view.msaa) + " samples a pixel were asked for");
+  else
+    p.leave_out("multisampling", "one sample a pixel was asked for");
+  decide_octree(p);
+}
+
+void plan_layers(const Planning& p, const Registry& registry) {
+  std::vector<ShadingPlan>& layers = p.plan->layers;
+  for (ShadingPlan& layer : layers) {
+    const Technique& mode = registry.find_mode(layer.mode);
+    decide_visibility(p, mode, &layer);
+    decide_indirect(p, mode, &layer);
+    decide_lights(p, mode, &layer);
+  }
+  decide_reflections(p, false);
+  p.plan->glass = p.in.facts.has_glass || (!p.plan->reflections.empty() && p.in.view.mirrors);
+  decide_glossy(p, registry.find_mode(layers[0].mode));
+  decide_octree(p);
+  note_fits(p);
+  note_parts(p);
+  add_surface_passes(p);
+  bool averages_points = true;
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    const Technique& mode = registry.find_mode(layers[k].mode);
+    averages_points = averages_points && mode.can.averages_points;
+    const std::size_t first = p.plan->passes.size();
+    mode.add_passes(p.in, &layers[k], p.plan);
+    if (layers[k].indirect == "baked")
+      p.add({"indirect", "what sees no sky is lit by other surfaces: baked per vertex, all bounces", {"surfaces"},
+             {"indirect light"}});
+    for (std::size_t i = first; i < p.plan->passes.size(); ++i) p.plan->passes[i].layer = static_cast<int>(k);
+  }
+  if (p.plan->glossy) {
+    const int in_view = p.in.view.glossy_in_view;
+    p.add({"glossy", (in_view >= 0 ? std::to_string(in_view) + " glossy" : std::string("glossy")) +
+                         " opaque surfaces may be seen: what they mirror of others is traced, " +
+                         p.in.settings.get_string("reflections.resolution") + " resolution",
+           {"surfaces"},
+           {"glossy light"}});
+  }
+  add_picture_passes(p, averages_points);
+}
+
+FramePlan decide(const PlanInput& input, const std::string& mode_name, const Registry& registry) {
+  const Technique& mode = registry.find_mode(mode_name);
+  const Technique* reflector = registry.find_reflector(input.view.reflections);
+  FramePlan plan;
+  plan.msaa = input.view.msaa;
+  plan.layers = make_layers(mode_name, input.view, input.facts, registry);
+  std::vector<const Technique*> used{reflector};
+  for (const ShadingPlan& layer : plan.layers) used.push_back(&registry.find_mode(layer.mode));
+  check_request(input.facts, input.settings, input.view, used, registry);
+  const Planning planning{input, reflector, &plan};
+  if (mode.can.traces_picture)
+    plan_traced_picture(planning, mode);
+  else
+    plan_layers(planning, registry);
+  note_absent_features(planning);
+  // A word is either in or out.
+  std::erase_if(plan.left_out, [&](const LeftOut& left_out) {
+    const auto has = [&](const auto& entry) { return entry.name == left_out.what; };
+    return std::any_of(plan.features.begin(), plan.features.end(), has) ||
+           std::any_of(plan.passes.begin(), plan.passes.end(), has);
+  });
+  return plan;
+}
+
+/// What is brought up to date for a frame that has all it wants.
+std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registry& registry) {
+  std::vector<PlannedPass> steps;
+  const auto any_layer = [&](const auto& has) {
+    return std::any_of(wanted.layers.begin(), wanted.layers.end(), has);
+  };
+  if (registry.find_mode(wanted.layers[0].mode).can.traces_picture) return steps;
+  if (any_layer([](const ShadingPlan& l) { return l.lights; }))
+    steps.push_back({"list_lights", "lights and emissive surfaces are chosen from lists", {}, {"light lists"}});
+  if (wanted.any_layer_is_shadowed_by("baked"))
+    steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
+  if (any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; }))
+    steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
+  if (wanted.octree) steps.push_back({"build_octree", "rays go through it", {}, {"octree"}});
+  if (wanted.cell_brdfs) steps.push_back({"bake_cells", "BRDFs of the octree's cells", {"octree"}, {"cell_brdfs"}});
+  return steps;
+}
+
+}  // namespace
+
+bool FramePlan::any_layer_is_shadowed_by(const std::string& visibility) const {
+  return std::any_of(layers.begin(), layers.end(), [&](const ShadingPlan& l) { return l.visibility == visibility; });
+}
+
+FramePlan plan(const SceneFacts& facts, const std::string& mode, const Settings& settings, const ViewInfo& view,
+               const FrameStatus& status, const Registry& registry) {
+  const FrameStatus all_ready;
+  FramePlan plan = decide({facts, settings, view, status}, mode, registry);
+  plan.preparations = preparations_for(decide({facts, settings, view, all_ready}, mode, registry), registry);
+  return plan;
+}
+
+}  // namespace maquette

@@ -1,0 +1,80 @@
+#include "render/gbuffer/raster.h"
+
+#include <string>
+
+#include "render/camera.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+void Raster::fit(const GridSize& size) {
+  if (size == size_ && triangle_) return;
+  const int w = size.grid_width(), h = size.grid_height();
+  GLint max_size = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &max_size);
+  if (w > max_size || h > max_size)
+    throw Error("--size",
+                std::to_string(size.width) + "x" + std::to_string(size.height) + " with " +
+                    std::to_string(size.side * size.side) + " samples a pixel exceeds this driver's largest image (" +
+                    std::to_string(max_size) + ")",
+                "ask for a smaller picture or fewer samples a pixel");
+  size_ = size;
+  triangle_ = Texture::make_2d("triangle", GL_R32UI, w, h);
+  depth_buffer_ = Texture::make_2d("depth buffer", GL_DEPTH_COMPONENT32F, w, h);
+  GLuint framebuffer = 0;
+  glCreateFramebuffers(1, &framebuffer);
+  framebuffer_ = GlName<FramebufferTraits>(framebuffer);
+  glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, triangle_.get(), 0);
+  glNamedFramebufferTexture(framebuffer, GL_DEPTH_ATTACHMENT, depth_buffer_.get(), 0);
+  ++revision_;
+}
+
+ShaderVariant Raster::variant(bool alpha_mask) {
+  return {"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(alpha_mask)}}};
+}
+
+void Raster::begin() const {
+  const GLuint framebuffer = framebuffer_.get();
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, size_.grid_width(), size_.grid_height());
+  const GLuint no_triangle[4] = {0, 0, 0, 0};
+  const float far_depth = 0.0f;
+  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, no_triangle);
+  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
+  glCullFace(GL_BACK);
+}
+
+void Raster::draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program,
+                       std::size_t i, bool masked) const {
+  const SceneBuffers& buffers = scene.buffers();
+  const DrawItem& item = scene.geometry().items[i];
+  const Material& m = scene.material_of_item(i);
+  const bool is_masked = m.alpha_mode == AlphaMode::mask && m.base_color_texture;
+  if (!buffers.visible(i) || scene.is_transparent(i) || is_masked != masked) return;
+  if (!may_be_seen(constants.clip_from_world, buffers.bounds(i))) return;
+  glBindVertexArray(buffers.vertex_array());
+  scene.shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+  program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
+  if (masked) {
+    program.set("u_texture", buffers.base_color_texture(static_cast<std::size_t>(buffers.material(i))));
+    program.set("u_alpha", m.base_color.a);
+    program.set("u_cutoff", m.alpha_cutoff);
+  }
+  glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
+                 reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
+}
+
+void Raster::end() {
+  glBindVertexArray(0);
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  ++revision_;
+}
+
+}  // namespace maquette

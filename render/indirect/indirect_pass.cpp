@@ -1,0 +1,76 @@
+#include "render/indirect/indirect_pass.h"
+
+namespace maquette {
+
+namespace {
+
+ShaderVariant indirect_variant(bool measured) { return {"shading/indirect.comp", "", {{"MEASURED", flag(measured)}}}; }
+
+}  // namespace
+
+ShaderVariant reflected_indirect_variant(bool measured) {
+  return {"shading/indirect.comp", "", {{"REFLECTED", "1"}, {"MEASURED", flag(measured)}}};
+}
+
+std::vector<ShaderVariant> IndirectPass::shader_variants() {
+  return {indirect_variant(false), indirect_variant(true), reflected_indirect_variant(false),
+          reflected_indirect_variant(true)};
+}
+
+void bind_indirect(const Program& program, const SceneState& scene, const IndirectKey& key) {
+  program.set("u_bias", key.bias);
+  program.set("u_back", key.sides == 2 ? static_cast<int>(scene.geometry().positions.size()) : 0);
+  glBindTextureUnit(45, key.view.get());
+}
+
+const IndirectKey& nearest_bake(const IndirectBuffers& indirect) {
+  return indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front();
+}
+
+IndirectPass::Drawn IndirectPass::drawn_of(const LayerContext& layer, const IndirectKey& key) {
+  const Revisions& revisions = layer.frame.scene.revisions();
+  return {Key::of(revisions.without_tables(), layer.frame.bakes.without_indirect(), layer.surfaces.revision()),
+          revisions.tables, key.serial};
+}
+
+bool IndirectPass::is_current(const LayerContext& layer) const {
+  for (const IndirectKey& key : layer.frame.bakes.indirect().keys())
+    if (drawn_[key.serial & 1u] != drawn_of(layer, key)) return false;
+  return true;
+}
+
+void IndirectPass::run(const LayerContext& layer, const TileList* changed) {
+  const FrameContext& frame = layer.frame;
+  for (const IndirectKey& key : frame.bakes.indirect().keys()) {
+    const std::size_t k = key.serial & 1u;
+    if (!light_[k]) {
+      light_[k] = Texture::make_2d("indirect light", GL_RGBA32F, frame.size().grid_width(), frame.size().grid_height());
+      drawn_[k].reset();
+    }
+    const Drawn now = drawn_of(layer, key);
+    if (drawn_[k] == now) continue;
+    const bool but_for_tables = drawn_[k] && drawn_[k]->points == now.points && drawn_[k]->serial == now.serial;
+    drawn_[k] = now;
+    const Program& program = frame.programs.get(indirect_variant(frame.scene.facts().measured_count > 0));
+    bind_indirect(program, frame.scene, key);
+    glBindTextureUnit(0, layer.surfaces.triangle().get());
+    glBindImageTexture(0, light_[k].get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    dispatch_tiles(program, but_for_tables && changed ? *changed : layer.surfaces.tiles(), kPerPoint);
+  }
+}
+
+std::size_t IndirectPass::bind(const FrameContext& frame) const {
+  const std::vector<IndirectKey>& keys = frame.bakes.indirect().keys();
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    glBindTextureUnit(static_cast<GLuint>(18 + k), light_[keys[k].serial & 1u].get());
+  return keys.size();
+}
+
+void IndirectPass::clear() {
+  for (std::size_t k = 0; k < 2; ++k) {
+    light_[k] = Texture();
+    drawn_[k].reset();
+  }
+}
+
+}  // namespace maquette

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/bake/registry.h"
+
+namespace maquette {
+
+/// `maquette bake octree`: the octree, and the BRDFs of its cells where `octree.brdf` asks for them.
+BakeCommand octree_bake_command();
+
+}  // namespace maquette

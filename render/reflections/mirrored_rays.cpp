@@ -1,0 +1,177 @@
+#include "render/reflections/mirrored_rays.h"
+
+#include <algorithm>
+
+#include "render/indirect/indirect_pass.h"
+#include "render/shading/work_lists.h"
+
+namespace maquette {
+
+namespace {
+
+ShaderVariant list_tiles_variant(bool rays) { return {"reflections/list_tiles.comp", "", {{"RAYS", flag(rays)}}}; }
+
+ShaderVariant resolve_variant(bool textures, bool colors) {
+  return {
+      "gbuffer/resolve.comp",
+      "",
+      {{"REFLECTED", "1"}, {"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", "0"}, {"VERTEX_COLORS", flag(colors)}}};
+}
+
+ShaderVariant compose_variant(bool layers, bool glossy) {
+  return {"shading/compose.comp",
+          "",
+          {{"REFLECTED", "1"},
+           {"STAGE", "1"},
+           {"TEXTURES", "0"},
+           {"INDIRECT", "0"},
+           {"PANES", "0"},
+           {"LAYERS", flag(layers)},
+           {"GLOSSY", flag(glossy)}}};
+}
+
+}  // namespace
+
+int reflection_divisor(const Settings& settings) {
+  const std::string& resolution = settings.get_string("reflections.resolution");
+  return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
+}
+
+std::vector<ShaderVariant> MirroredRays::shader_variants() {
+  std::vector<ShaderVariant> variants{list_tiles_variant(false), list_tiles_variant(true)};
+  for (int k = 0; k < 4; ++k) {
+    variants.push_back(resolve_variant(k & 1, k & 2));
+    variants.push_back(compose_variant(k & 1, k & 2));
+  }
+  return variants;
+}
+
+void MirroredRays::fit(const GridSize& grid, int divisor) {
+  const int width = grid.grid_width(), height = grid.grid_height();
+  if (targets_ && targets_->divisor == divisor && targets_->width == group_count(width, divisor) &&
+      targets_->height == group_count(height, divisor))
+    return;
+  targets_.emplace(make_reflection_targets(width, height, divisor));
+}
+
+void MirroredRays::bind_constants(const MirroredScene& scene) {
+  const FrameContext& frame = scene.frame;
+  const ReflectionTargets& t = *targets_;
+  constants_ = frame.constants;
+  constants_.size = glm::ivec4(t.width, t.height, 1, 0);
+  constants_.forward.w = frame.constants.forward.w * static_cast<float>(t.divisor);
+  const int samples = frame.request.settings.get_int("reflections.samples");
+  constants_.sampling = glm::ivec4(samples, std::max(samples / kMostReflectedItems, 2),
+                                   (frame.accumulated + 1) * samples, frame.constants.sampling.w ^ 0x5bd1e995);
+  if (!block_) block_ = Buffer("reflection constants", sizeof(FrameConstants));
+  block_.update(0, sizeof constants_, &constants_);
+  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block_.get());
+  glBindBufferBase(GL_UNIFORM_BUFFER, 1, scene.reflectors.block().get());
+}
+
+void MirroredRays::list_tiles(ProgramCache* programs, bool rays) {
+  ReflectionTargets& t = *targets_;
+  if (!tile_count_) tile_count_ = Buffer("reflected tile count", sizeof(unsigned));
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, tile_count_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.tiles.tiles.get());
+  tile_count_.clear_to_zero();
+  dispatch_list(programs->get(list_tiles_variant(rays)), group_count(t.width, kTileSide) * group_count(t.height, kTileSide));
+  unsigned count = 0;
+  tile_count_.read(0, sizeof count, &count);
+  t.tiles.counts.assign(1, static_cast<int>(count));
+}
+
+ReflectionFrame MirroredRays::reflection_frame(const MirroredScene& scene, const FollowRule& rule,
+                                               const std::vector<bool>& occluding) {
+  const FrameContext& frame = scene.frame;
+  const OctreeStore& octree = frame.bakes.octree();
+  return {&constants_,
+          &frame.scene.buffers(),
+          &scene.reflectors.all(),
+          &occluding,
+          frame.scene.revisions().geometry,
+          octree.ready() ? &octree.buffers() : nullptr,
+          octree.cells(),
+          rule.ghost,
+          rule.fits,
+          &frame.request.settings,
+          &*targets_,
+          &frame.programs,
+          &frame.timer(),
+          [this](const Program& program) { dispatch_tiles(program, targets_->tiles, kPerPoint); }};
+}
+
+void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
+  const ReflectionTargets& t = *targets_;
+  glBindTextureUnit(49, t.ray_origin.get());
+  glBindTextureUnit(50, t.ray_direction.get());
+  const std::vector<bool> occluding = scene.frame.scene.occluding_items();
+  const ReflectionFrame frame = reflection_frame(scene, rule, occluding);
+  if (!rule.keeps_hits) find_hits(scene, rule, frame);
+  glBindTextureUnit(0, t.triangle.get());
+  glBindTextureUnit(8, t.surface.get());
+  glBindTextureUnit(9, t.depth.get());
+  shade_hits(scene, rule);
+  complete(scene, rule, frame);
+}
+
+void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
+  ReflectionTargets& t = *targets_;
+  list_tiles(&scene.frame.programs, true);
+  const float none = 0.0f;
+  glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, &none);
+  rule.technique.trace(frame);
+  if (rule.technique.resolves()) return;
+  const SceneBuffers& buffers = scene.frame.scene.buffers();
+  glBindTextureUnit(0, t.triangle.get());
+  glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+  dispatch_tiles(scene.frame.programs.get(resolve_variant(buffers.has_textures(), buffers.has_colors())), t.tiles,
+                 kPerPoint);
+  scene.frame.timer().end("reflected gbuffer");
+}
+
+void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule) {
+  ReflectionTargets& t = *targets_;
+  const FrameContext& frame = scene.frame;
+  int panes = 0;
+  const std::vector<Reflector>& reflectors = scene.reflectors.all();
+  for (std::size_t k = 0; !rule.glossy && k < reflectors.size(); ++k) panes |= reflectors[k].mirror ? 0 : 1 << k;
+  for (const DrawnLayer& layer : scene.layers) {
+    const ShadingPlan& plan = layer.context.plan;
+    if (scene.parts.several()) {
+      scene.parts.split_hits(t.triangle, t.depth, layer.context.index, &t.layer_depth, &frame.programs);
+      glBindTextureUnit(9, t.layer_depth.get());
+    }
+    layer.mode.shade_hits({frame, plan, t, panes});
+    if (plan.indirect != "baked") continue;
+    frame.timer().end("reflected shade");
+    glBindTextureUnit(0, t.triangle.get());
+    glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    const Program& program = frame.programs.get(reflected_indirect_variant(frame.scene.facts().measured_count > 0));
+    bind_indirect(program, frame.scene, nearest_bake(frame.bakes.indirect()));
+    dispatch_tiles(program, t.tiles, kPerPoint);
+  }
+  glBindTextureUnit(0, t.triangle.get());
+  glBindTextureUnit(9, t.depth.get());
+}
+
+void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
+  ReflectionTargets& t = *targets_;
+  const DrawnLayer& first = scene.layers.front();
+  const int samples = first.mode.samples_of_cells();
+  const bool layers = rule.technique.shade_layers(
+      frame, first.context.plan.visibility == "traced",
+      samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
+  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy));
+  if (rule.glossy) {
+    program.set("u_blend", rule.blend);
+    glBindImageTexture(1, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  }
+  dispatch_tiles(program, t.tiles, kPerPoint);
+  scene.frame.timer().end("reflected shade");
+}
+
+}  // namespace maquette

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "render/parts/parts.h"
+#include "render/reflections/reflector_set.h"
+#include "render/reflections/reflector_technique.h"
+#include "render/reflections/targets.h"
+#include "render/shading/layer.h"
+
+namespace maquette {
+
+/// Points of the grid along one side of a pixel of the reflected picture.
+int reflection_divisor(const Settings& settings);
+
+/// The frame's layers, and what is handed to all that mirrors them.
+struct MirroredScene {
+  const FrameContext& frame;
+  const std::vector<DrawnLayer>& layers;
+  const Parts& parts;
+  ReflectorSet& reflectors;
+  const Texture& depth;  ///< R32F, of all layers, m along the viewing axis
+  std::function<void(int)> bind_layer;  ///< binds again what shaders of a layer read
+};
+
+/// How the hits of one image of mirrored rays are found and shaded.
+struct FollowRule {
+  ReflectorTechnique& technique;
+  bool keeps_hits = false;  ///< those of the frame before hold: they are only shaded anew
+  bool glossy = false;      ///< rays of opaque surfaces: they name materials, not reflectors
+  float blend = 1.0f;       ///< of glossy ones: weight of this frame in the mean
+  const std::vector<GhostReach>* ghost = nullptr;  ///< see ReflectionFrame
+  const std::vector<FitReach>* fits = nullptr;
+};
+
+/// One image of mirrored rays, from rays to radiance: a technique finds what they hit, and the modes of the parts that
+/// are hit shade it.
+class MirroredRays {
+ public:
+  /// Makes the images anew where they are not of the grid's size.
+  void fit(const GridSize& grid, int divisor);
+  void clear() { targets_.reset(); }
+  bool has_images() const { return targets_.has_value(); }
+  ReflectionTargets& targets() { return *targets_; }
+  const ReflectionTargets& targets() const { return *targets_; }
+  std::size_t bytes() const { return targets_ ? reflection_bytes(*targets_) : 0; }
+  /// Binds the frame block at the size of this image, and the reflectors.
+  void bind_constants(const MirroredScene& scene);
+  const FrameConstants& constants() const { return constants_; }
+  /// Lists the tiles that show a reflector, or that have rays.
+  void list_tiles(ProgramCache* programs, bool rays);
+  /// From rays to radiance.
+  void follow(const MirroredScene& scene, const FollowRule& rule);
+  static std::vector<ShaderVariant> shader_variants();
+
+ private:
+  ReflectionFrame reflection_frame(const MirroredScene& scene, const FollowRule& rule,
+                                   const std::vector<bool>& occluding);
+  void find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
+  void shade_hits(const MirroredScene& scene, const FollowRule& rule);
+  void complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
+
+  std::optional<ReflectionTargets> targets_;
+  FrameConstants constants_{};
+  Buffer block_, tile_count_;
+};
+
+}  // namespace maquette

@@ -1,0 +1,101 @@
+#include "render/scene_state/facts.h"
+
+#include <algorithm>
+
+#include "render/enclosure.h"
+#include "render/reflections/reflectors.h"
+
+namespace maquette {
+
+namespace {
+
+bool has_texture(const Material& material) {
+  for (const TextureRef* texture :
+       {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
+        &material.occlusion_texture, &material.emissive_texture, &material.clearcoat_texture,
+        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture, &material.transmission_texture,
+        &material.specular_texture, &material.specular_color_texture, &material.sheen_color_texture,
+        &material.sheen_roughness_texture}) {
+    if (*texture) return true;
+  }
+  return false;
+}
+
+bool is_emissive(const Material& material) { return material.emissive != glm::vec3(0.0f); }
+
+/// Marks the materials that something visible uses; the last entry stands for glTF's default material.
+std::vector<bool> used_materials(const Scene& scene, int variant) {
+  std::vector<bool> used(scene.materials.size() + 1, false);
+  const auto mark = [&](int material) {
+    const bool named = material >= 0 && material < static_cast<int>(scene.materials.size());
+    used[named ? static_cast<std::size_t>(material) : scene.materials.size()] = true;
+  };
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    if (node.mesh >= 0) {
+      for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+        mark(material_of(primitive, variant));
+    }
+    if (node.patch >= 0) mark(scene.patches[static_cast<std::size_t>(node.patch)].material);
+  }
+  return used;
+}
+
+/// Of find_reflectors without names, before it is known which materials mirror.
+int count_reflectors(const Scene& scene, int variant) {
+  const bool marks = marks_reflectors(scene);
+  const auto counts = [&](const Node& node, int material) {
+    const bool named = material >= 0 && material < static_cast<int>(scene.materials.size());
+    return reflects_unnamed(scene, node, marks, named && scene.materials[static_cast<std::size_t>(material)].glass);
+  };
+  int count = 0;
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    if (node.patch >= 0) count += counts(node, scene.patches[static_cast<std::size_t>(node.patch)].material);
+    if (node.mesh < 0) continue;
+    for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
+      count += counts(node, material_of(primitive, variant));
+  }
+  return count;
+}
+
+}  // namespace
+
+float least_roughness(const Material& material) {
+  const float base = material.metallic_roughness_texture ? 0.0f : material.roughness;
+  return material.clearcoat > 0.0f ? std::min(base, material.clearcoat_roughness) : base;
+}
+
+SceneFacts compute_facts(const Scene& scene, int variant) {
+  SceneFacts facts;
+  facts.triangle_count = count_triangles(scene);
+  const std::vector<bool> used = used_materials(scene, variant);
+  const Material default_material;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const Material& material = i < scene.materials.size() ? scene.materials[i] : default_material;
+    ++facts.material_count;
+    ++(material.measured.empty() ? facts.analytic_count : facts.measured_count);
+    facts.has_textures |= has_texture(material);
+    facts.has_normal_maps |=
+        static_cast<bool>(material.normal_texture) || static_cast<bool>(material.clearcoat_normal_texture);
+    facts.has_mask |= material.alpha_mode == AlphaMode::mask;
+    facts.has_glass |= material.glass || material.alpha_mode == AlphaMode::blend;
+    facts.has_sheen |= material.measured.empty() && material.sheen_color != glm::vec3(0.0f);
+    facts.has_clearcoat |= material.measured.empty() && material.clearcoat > 0.0f;
+    facts.has_emissive_meshes |= is_emissive(material);
+    if (!material.glass && material.alpha_mode != AlphaMode::blend)
+      facts.least_roughness =
+          std::min(facts.least_roughness, material.measured.empty() ? least_roughness(material) : 0.0f);
+  }
+  facts.reflector_count = count_reflectors(scene, variant);
+  for (const Node& node : scene.nodes) {
+    if (!node.visible) continue;
+    facts.has_punctual_lights |= node.light >= 0;
+    facts.has_subdivision |= node.mesh >= 0 && scene.meshes[static_cast<std::size_t>(node.mesh)].cage != nullptr;
+  }
+  facts.enclosed = is_enclosed(scene, variant);
+  return facts;
+}
+
+}  // namespace maquette

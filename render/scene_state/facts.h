@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+
+#include "scenes/scene.h"
+
+namespace maquette {
+
+/// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
+struct SceneFacts {
+  std::size_t triangle_count = 0;
+  int material_count = 0;
+  int measured_count = 0;
+  int analytic_count = 0;
+  bool has_textures = false;
+  bool has_normal_maps = false;
+  bool has_mask = false;
+  bool has_glass = false;
+  bool has_sheen = false;  ///< of materials without a table, as the next
+  bool has_clearcoat = false;
+  bool has_punctual_lights = false;
+  bool has_emissive_meshes = false;
+  bool has_subdivision = false;
+  float least_roughness = 1e30f;  ///< of the opaque materials' lobes; 0: of a measured table, which may have any
+  int reflector_count = 0;        ///< surfaces that the scene marks, or its panes when it marks none
+  bool enclosed = false;          ///< the eye region is closed in (decides shading.visibility = auto)
+};
+/// Of the narrowest lobe of a material without a table; 0 where a texture may say anything.
+float least_roughness(const Material& material);
+SceneFacts compute_facts(const Scene& scene, int variant);
+
+}  // namespace maquette

@@ -1,0 +1,231 @@
+#include "render/scene_state/scene_state.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "render/material_overrides.h"
+#include "scenes/error.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+void SceneState::require_scene() const {
+  if (!scene_ || !buffers_) throw Error("renderer", "no scene has been set");
+}
+
+void SceneState::set_scene(std::shared_ptr<const Scene> scene) {
+  SceneBuffers buffers(*scene);
+  scene_ = std::move(scene);
+  buffers_.emplace(std::move(buffers));
+  facts_variant_ = kNone;
+  buffers_variant_ = -1;
+  overrides_.clear();
+  effective_ = scene_->materials;
+  upload_materials();
+  ++revisions_.geometry;
+  ++revisions_.occlusion;
+  ++revisions_.surfaces;
+  ++revisions_.lights;
+}
+
+void SceneState::set_environment(std::shared_ptr<const Environment> environment) {
+  environment_.emplace(std::move(environment));
+  if (buffers_) upload_materials();
+  ++revisions_.sky;
+}
+
+void SceneState::set_material(const std::string& material_name, const std::string& source) {
+  require_scene();
+  std::vector<std::string> names{"*"};
+  for (const Material& m : scene_->materials) names.push_back(m.name);
+  if (std::find(names.begin(), names.end(), material_name) == names.end())
+    throw UsageError("--material", "the scene has no material '" + material_name + "'",
+                     did_you_mean(material_name, names));
+  std::map<std::string, std::string> sources = overrides_;
+  if (material_name == "*") sources.clear();
+  if (source.empty())
+    sources.erase(material_name);
+  else
+    sources[material_name] = source;
+  if (!source.empty() && source != "builtin:glass") materials_.slot_of(source);  // throws before anything changes
+  overrides_ = std::move(sources);
+  effective_ = override_materials(scene_->materials, overrides_);
+  const std::uint32_t surfaces = revisions_.surfaces;
+  upload_materials();
+  if (revisions_.surfaces != surfaces) {
+    facts_variant_ = kNone;
+    ++revisions_.lights;
+  } else {
+    recount_tables();
+    ++revisions_.tables;
+  }
+}
+
+void SceneState::upload_materials() {
+  swapped_.resize(effective_.size() + 1, false);
+  const std::vector<int> before = std::exchange(slots_, {});
+  std::vector<float> shares, limits;
+  const float environment_sr = environment_ ? environment_->effective_sr() : 12.566f;
+  for (const Material& m : effective_) {
+    const int slot = m.measured.empty() ? -1 : materials_.slot_of(m.measured);
+    slots_.push_back(slot);
+    limits.push_back(slot < 0 ? 0.0f : materials_.bandwidth_limit(slot));
+    if (slot >= 0) {
+      shares.push_back(materials_.brdf_share(slot, environment_sr));
+    } else {
+      const float gloss = std::clamp(1.0f - m.roughness, 0.0f, 1.0f);
+      shares.push_back(std::clamp(0.375f + 0.375f * gloss * std::max(m.metallic, m.clearcoat), 0.25f, 0.875f));
+    }
+  }
+  slots_.push_back(-1);
+  shares.push_back(0.5f);
+  limits.push_back(0.0f);
+  for (std::size_t i = 0; i < slots_.size(); ++i)
+    if (i >= before.size() || slots_[i] != before[i]) swapped_[i] = true;
+  if (buffers_->update_materials(effective_, slots_, shares, limits, swapped_)) ++revisions_.surfaces;
+}
+
+bool SceneState::tables_swapped() const { return std::find(swapped_.begin(), swapped_.end(), true) != swapped_.end(); }
+
+void SceneState::mark_tables_drawn() { swapped_.assign(swapped_.size(), false); }
+
+void SceneState::update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals) {
+  require_scene();
+  buffers_->update_mesh(*scene_, mesh, positions, normals);
+  for (std::size_t i = 0; i < geometry().items.size(); ++i) {
+    const bool shines = material_of_item(i).emissive != glm::vec3(0.0f);
+    if (shines && geometry().items[i].mesh == mesh) {
+      ++revisions_.lights;
+      facts_variant_ = kNone;
+      break;
+    }
+  }
+  ++revisions_.geometry;
+  ++revisions_.occlusion;
+  ++revisions_.surfaces;
+}
+
+void SceneState::set_node_visible(int node, bool visible) {
+  require_scene();
+  buffers_->set_node_visible(node, visible);
+  facts_variant_ = kNone;
+  ++revisions_.occlusion;
+  ++revisions_.surfaces;
+  ++revisions_.lights;
+}
+
+void SceneState::update(int variant) {
+  if (facts_variant_ == variant) return;
+  if (buffers_variant_ != variant) {
+    buffers_->update_variant(*scene_, variant);
+    buffers_variant_ = variant;
+    ++revisions_.surfaces;
+    ++revisions_.lights;
+  }
+  facts_ = compute_facts(edited_scene(), variant);
+  facts_variant_ = variant;
+}
+
+void SceneState::update_lights(bool wanted) {
+  if (!wanted) {
+    lights_.reset();
+    lights_listed_.reset();
+    return;
+  }
+  if (lights_listed_ == revisions_.lights) return;
+  lights_.reset();
+  lights_listed_ = revisions_.lights;
+  const LightList list = build_light_list(edited_scene(), geometry(), buffers_variant_);
+  if (!list.lights.empty()) lights_.emplace(list);
+}
+
+void SceneState::recount_tables() {
+  std::vector<bool> used(effective_.size() + 1, false);
+  for (std::size_t i = 0; i < geometry().items.size(); ++i)
+    if (buffers_->visible(i)) used[static_cast<std::size_t>(buffers_->material(i))] = true;
+  facts_.measured_count = facts_.analytic_count = 0;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    const bool measured = i < effective_.size() && !effective_[i].measured.empty();
+    if (used[i]) ++(measured ? facts_.measured_count : facts_.analytic_count);
+  }
+}
+
+const Material& SceneState::material_of_item(std::size_t item) const {
+  static const Material kDefault;
+  const auto index = static_cast<std::size_t>(buffers_->material(item));
+  return index < effective_.size() ? effective_[index] : kDefault;
+}
+
+bool SceneState::shows_both_sides(std::size_t item) const {
+  return material_of_item(item).double_sided || geometry().items[item].patch >= 0;
+}
+
+bool SceneState::is_transparent(std::size_t item) const {
+  const Material& m = material_of_item(item);
+  return m.glass || m.alpha_mode == AlphaMode::blend;
+}
+
+std::vector<bool> SceneState::transmitting_items() const {
+  std::vector<bool> transmits;
+  for (std::size_t i = 0; i < geometry().items.size(); ++i)
+    transmits.push_back(is_transparent(i) || !buffers_->visible(i));
+  return transmits;
+}
+
+std::vector<bool> SceneState::occluding_items() const {
+  std::vector<bool> occluding = transmitting_items();
+  occluding.flip();
+  return occluding;
+}
+
+std::vector<Passage> SceneState::passages() const {
+  std::vector<Passage> passages;
+  for (std::size_t i = 0; i < geometry().items.size(); ++i) {
+    const Material& m = material_of_item(i);
+    const float inside = (m.base_color.r + m.base_color.g + m.base_color.b) / 3.0f;
+    if (!buffers_->visible(i))
+      passages.emplace_back();
+    else if (const float share = pane_share(m); share > 0.0f)
+      passages.push_back({share, std::max(m.ior, 1.0f), std::clamp(inside, 0.0f, 1.0f)});
+    else
+      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - m.base_color.a : 1.0f, 1.0f, 1.0f});
+  }
+  return passages;
+}
+
+Scene SceneState::edited_scene() const {
+  Scene edited = *scene_;
+  edited.materials = effective_;
+  for (std::size_t i = 0; i < geometry().items.size(); ++i) {
+    const int node = geometry().items[i].node;
+    if (node >= 0) edited.nodes[static_cast<std::size_t>(node)].visible = buffers_->visible(i);
+  }
+  return edited;
+}
+
+Bounds SceneState::bounds() const {
+  Bounds all;
+  for (std::size_t i = 0; i < geometry().items.size(); ++i) {
+    all.min = glm::min(all.min, buffers_->bounds(i).min);
+    all.max = glm::max(all.max, buffers_->bounds(i).max);
+  }
+  return all;
+}
+
+void SceneState::bind() const {
+  buffers_->bind_materials();
+  environment_->bind();
+  if (materials_.count() > 0) materials_.bind();
+  if (lights_) lights_->bind();
+  buffers_->bind_geometry();
+}
+
+void SceneState::add_bytes(std::map<std::string, std::size_t>* bytes) const {
+  (*bytes)["geometry"] = buffers_->geometry_bytes();
+  if (buffers_->has_textures()) (*bytes)["textures"] = buffers_->texture_bytes();
+  if (materials_.count() > 0) (*bytes)["materials"] = materials_.bytes();
+  (*bytes)["environment"] = environment_->bytes();
+  if (lights_) (*bytes)["lights"] = lights_->bytes();
+}
+
+}  // namespace maquette

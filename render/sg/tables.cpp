@@ -1,0 +1,82 @@
+#include "render/sg/tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/environment/prefilter.h"
+#include "render/prefilter/prefiltered_maps.h"
+#include "render/prefilter/reflectance_tables.h"
+#include "render/sg/fit.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kMostSgLevels = 14;  // sharpness 2, 4, ... 2^14, then the sky itself
+constexpr int kTableSize = 64;
+constexpr std::size_t kFitTexels = 7 + kAlbedoCount;
+
+/// The irradiance map comes first, then the ladder, then the unfiltered sky. Lobes narrower than half a texel of the
+/// sky do not filter it.
+std::vector<Image> make_maps(const Environment& environment) {
+  const double finest = std::log2(std::max(environment.width, 8) / std::numbers::pi) * 2.0;
+  const int levels = std::clamp(static_cast<int>(finest), 1, kMostSgLevels);
+  std::vector<float> sharpness;
+  for (int i = 1; i <= levels; ++i) sharpness.push_back(std::exp2(static_cast<float>(i)));
+  std::vector<Image> maps = {prefilter_diffuse(environment)};
+  for (Image& map : prefilter_sg(environment, sharpness)) maps.push_back(std::move(map));
+  maps.push_back(std::move(prefilter_ggx(environment, 2)[0]));
+  return maps;
+}
+
+class SgTables : public LookupTables {
+ public:
+  explicit SgTables(const Environment& environment)
+      : maps_("SG maps", make_maps(environment)),
+        reflectance_(upload_table("reflectance", reflectance_table(kTableSize))),
+        albedo_(upload_table("SG albedo", sg_albedo_table(kTableSize))) {}
+
+  void update(MaterialStore& materials) override {
+    if (materials.count() == fitted_) return;
+    for (std::size_t slot = fitted_; slot < materials.count(); ++slot) {
+      const SgFit& fit = materials.sg(static_cast<int>(slot));
+      const SgEnergy energy = fit_energy(fit, materials.albedo(static_cast<int>(slot)));
+      fit_texels_.emplace_back(energy.diffuse, 0.0f);
+      for (const SgFit::Lobe& lobe : fit.lobes) {
+        fit_texels_.emplace_back(lobe.amplitude, 0.0f);
+        fit_texels_.emplace_back(lobe.sharpness, 0.0f);
+      }
+      fit_texels_.resize(slot * kFitTexels + 7, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+      for (const glm::vec3& factor : energy.view_factor) fit_texels_.emplace_back(factor, 0.0f);
+    }
+    fits_ = Buffer::from("SG fits", fit_texels_);
+    fit_view_ = Texture::make_buffer("SG fits", GL_RGBA32F, fits_);
+    fitted_ = materials.count();
+  }
+
+  void bind() const override {
+    maps_.bind(40);
+    glBindTextureUnit(41, reflectance_.get());
+    if (fit_view_) glBindTextureUnit(42, fit_view_.get());
+    glBindTextureUnit(43, albedo_.get());
+  }
+
+  std::size_t bytes() const override { return maps_.bytes() + reflectance_.bytes() + albedo_.bytes() + fits_.bytes(); }
+
+ private:
+  PrefilteredMaps maps_;
+  Texture reflectance_, albedo_;
+  std::vector<glm::vec4> fit_texels_;
+  Buffer fits_;
+  Texture fit_view_;
+  std::size_t fitted_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<LookupTables> make_sg_tables(const Environment& environment) {
+  return std::make_unique<SgTables>(environment);
+}
+
+}  // namespace maquette

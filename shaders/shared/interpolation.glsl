@@ -38,7 +38,7 @@ MAQUETTE_FN float interpolation_items(float kappa) {
 /// `kappa` of one point, whose own mean and interpolated value were `residual` apart (squared; below 0: not known). What holds around it need
 /// not hold for a point that stands out: `residual` less its noise is what the point itself says of kappa, and half of `residual` is believed.
 /// What is borrowed then falls with the distance. Source: Efron and Morris 1972, "Limiting the risk of Bayes and empirical Bayes estimators",
-/// which limits it. The half is by error in four scenes (docs/numerics.md).
+/// which limits it. The half is by error in four scenes (docs/numerics/accumulation-and-reuse.md).
 MAQUETTE_FN float point_kappa(float kappa, float items, float residual, float item_variance) {
   if (residual <= 0.0f || item_variance <= 0.0f) return kappa;  // a deviation of 0 is one that nobody has looked for
   return max(kappa, min(residual / (2.0f * item_variance), kNeverInterpolate) - noise_fall(items));

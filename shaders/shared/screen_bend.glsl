@@ -1,7 +1,7 @@
 // The local bandwidth of a surface along any direction of the screen: from what one pixel to the right and one down do to its position and
 // normal, through the operators of shared/bandwidth.glsl, to how much interpolation along each direction counts.
 // Source: Bagher et al. 2012, Sec. 4 (the operators; filled by an anisotropic Gaussian). Differs: any direction of the screen, by a quadratic form
-// that has both axes and both diagonals in common with them (docs/numerics.md, "What is filled").
+// that has both axes and both diagonals in common with them (docs/numerics/bandwidth.md, "How they are filled").
 // Common subset of GLSL and C++ with GLM (render/bandwidth_shared.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN

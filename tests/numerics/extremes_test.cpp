@@ -1,4 +1,4 @@
-// Extreme scales, shapes, angles, lights and counts; the figures are in docs/numerics.md.
+// Extreme scales, shapes, angles, lights and counts; the figures are in docs/numerics/extremes.md.
 #include <gtest/gtest.h>
 
 #include <cmath>

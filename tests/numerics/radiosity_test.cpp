@@ -54,7 +54,7 @@ TEST(Radiosity, ClosedFurnaceIsTheGeometricSeries) {
   EXPECT_NEAR(e.x / (kPi * emission / (1.0 - rho)), 1.0, 2e-3);
 }
 
-/// The judge's own error on the Cornell box, as docs/numerics.md states it.
+/// The judge's own error on the Cornell box, as docs/numerics/path-tracer.md states it.
 TEST(Radiosity, CornellBoxIsConverged) {
   const auto triangles = cornell_triangles();
   const double coarse_edge = std::getenv("MAQUETTE_TEST_EFFORT") ? 0.7 : 1.0;  // m

@@ -165,8 +165,8 @@ double albedo(const analytic::AnalyticMaterial& m, double cos_o) {
 
 /// Metals keep within what they receive. glTF mixes the Lambert lobe with (1 - F(h)), which does not know that grazing
 /// light is nearly all reflected above it: a white dielectric gives back more than it receives towards the horizon.
-/// That is the specification's own formula; docs/numerics.md states how much, and this test holds it there. Sheen is
-/// added on top without the albedo scaling that its extension recommends.
+/// That is the specification's own formula; docs/numerics/materials.md states how much, and this test holds it there.
+/// Sheen is added on top without the albedo scaling that its extension recommends.
 TEST(Energy, AnalyticLobesReflectNoMoreThanTheyReceive) {
   for (const Lobe& lobe : lobes()) {
     double towards_horizon = 0.0, elsewhere = 0.0;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kSide = 16;
 constexpr double kEnclosedShare = 0.5;
-/// Below this share of front faces among all that is seen, the eye is inside a solid. Models of cars show many backs
-/// from inside.
+/// The eye is inside a solid when fewer than this share of the visible faces are front faces. Models of cars show many
+/// back faces to an eye inside them.
 constexpr double kFrontShare = 0.1;
 
 /// Nearest hit per direction of a cube around the eye.
@@ -28,8 +28,8 @@ struct Triangle {
   bool double_sided;
 };
 
-/// Direction of the cell (column, row) of `face`: axis face / 2, positive for even faces; not normalised (largest part
-/// 1).
+/// Direction of the cell (column, row) of `face`: axis face / 2, positive for even faces; scaled so that the largest
+/// component is 1.
 glm::vec3 cell_direction(int face, float column, float row) {
   const float u = 2.0f * column / static_cast<float>(kSide) - 1.0f;
   const float v = 2.0f * row / static_cast<float>(kSide) - 1.0f;
@@ -45,7 +45,8 @@ struct CellRange {
   int end[2] = {kSide, kSide};
 };
 
-/// Cells of `face` whose centre may see the triangle with bounds `low`, `high`; empty when it lies outside the face.
+/// Cells of `face` whose centre ray may hit the triangle with bounds `low`, `high`; empty when it lies outside the
+/// face.
 CellRange cell_range(const Triangle& triangle, const glm::vec3& low, const glm::vec3& high, int face) {
   constexpr CellRange kNone{{0, 0}, {0, 0}};
   CellRange range;
@@ -56,9 +57,9 @@ CellRange cell_range(const Triangle& triangle, const glm::vec3& low, const glm::
   if (farthest <= 0.0f) return kNone;
   for (int k = 0; k < 2; ++k) {
     const int side = (axis + 1 + k) % 3;
-    if (low[side] > farthest || high[side] < -farthest) return kNone;  // beside the face's pyramid
+    if (low[side] > farthest || high[side] < -farthest) return kNone;  // outside the pyramid of the face
   }
-  if (nearest <= 0.0f) return range;  // crosses the plane of the eye: every cell may see it
+  if (nearest <= 0.0f) return range;  // crosses the plane of the eye: every cell may hit it
   for (int k = 0; k < 2; ++k) {
     float first = std::numeric_limits<float>::max(), last = -first;
     for (const glm::vec3& p : triangle.corners) {
@@ -75,8 +76,8 @@ CellRange cell_range(const Triangle& triangle, const glm::vec3& low, const glm::
   return range;
 }
 
-/// Keeps the nearest hit of every direction that meets the triangle: d is inside when it lies on the same side of the
-/// three planes through the eye and an edge.
+/// Updates the nearest hit of every direction that meets the triangle: a direction is inside when it lies on the same
+/// side of the three planes through the eye and an edge.
 void cover(const Triangle& triangle, Coverage* coverage) {
   const auto& [a, b, c] = triangle.corners;
   const glm::vec3 normal = glm::cross(b - a, c - a);
@@ -126,7 +127,7 @@ void cover(const Primitive& primitive, const Material& material, const glm::mat4
   }
 }
 
-/// The patch as its 3 x 3 control quads: close enough to say what it covers.
+/// The 3 x 3 quads of the patch's control net, accurate enough for coverage.
 Primitive control_net(const BezierPatch& patch) {
   Primitive net;
   net.positions.assign(patch.points.begin(), patch.points.end());

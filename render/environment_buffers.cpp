@@ -9,7 +9,7 @@ namespace maquette {
 
 namespace {
 
-/// 1 / integral of p^2, p the density proportional to luminance: how much of the sphere the light comes from.
+/// 1 / integral of p^2, p the density proportional to luminance: the effective solid angle of the light.
 float effective_solid_angle(const Environment& e, double integral) {
   if (integral <= 0.0) return 12.566f;
   double sum = 0.0;
@@ -26,7 +26,7 @@ float effective_solid_angle(const Environment& e, double integral) {
   return static_cast<float>(1.0 / std::max(sum, 1e-9));
 }
 
-/// [cell][kSeenBandwidthCount + 1]: as each lobe sees it, then nu_L itself, so that one read fetches both.
+/// [cell][kSeenBandwidthCount + 1]: bandwidth through each lobe, then nu_L itself, so that one fetch reads both.
 std::vector<float> cell_bandwidths(const EnvironmentTables& tables) {
   std::vector<float> values;
   values.reserve(tables.bandwidth.size() + tables.seen_bandwidth.size());
@@ -47,7 +47,7 @@ EnvironmentBuffers::EnvironmentBuffers(std::shared_ptr<const Environment> enviro
   sky_ = pack_sky(*environment_, bias_, 1);
   words_ = Buffer::from("environment", sky_.words);
   word_view_ = Texture::make_buffer("environment", GL_R32UI, words_);
-  if (const int refinement = sky_refinement(*environment_, kMostNodes); refinement > 1) {
+  if (const int refinement = sky_refinement(*environment_, kMaxNodes); refinement > 1) {
     sky_ = pack_sky(*environment_, bias_, refinement);
     nodes_ = Buffer::from("environment nodes", sky_.words);
     node_view_ = Texture::make_buffer("environment nodes", GL_R32UI, nodes_);
@@ -73,7 +73,7 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   b.rest_integral = tables.luminance_integral;
   std::vector<EnvironmentSample> rest = sample_environment(*sun.rest, tables, pack_sky(*sun.rest, bias, 1), 0,
                                                            static_cast<std::size_t>(EnvironmentBuffers::kListLength));
-  rest.resize(EnvironmentBuffers::kListLength);  // of a black rest: worth nothing
+  rest.resize(EnvironmentBuffers::kListLength);  // all zero when the rest is black
   b.sun_list = Buffer::from("sun samples", sun.samples);
   b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
   b.rest_list = Buffer::from("light samples without the sun", rest);

@@ -8,10 +8,10 @@
 
 namespace maquette {
 
-/// Lists of light samples for frames that draw the sun apart from the rest of the sky.
+/// Lists of light samples for frames that sample the sun apart from the rest of the sky.
 struct SunBuffers {
   static constexpr int kListLength = 4096;  ///< a power of two
-  float least_luminance = 0.0f;             ///< of the sun's texels
+  float least_luminance = 0.0f;             ///< see Sun::least_luminance
   bool compact = true;
   double sun_sr = 0.0, rest_integral = 0.0;
   Buffer sun_list, rest_list;
@@ -20,14 +20,14 @@ struct SunBuffers {
   std::size_t bytes() const { return sun_list.bytes() + rest_list.bytes(); }
 };
 
-/// One environment on the GPU: packed radiance, a list of light samples, local bandwidth. Rotation is the shaders'
-/// business.
+/// One environment on the GPU: packed radiance, a list of light samples, local bandwidth. The shaders apply the
+/// rotation.
 class EnvironmentBuffers {
  public:
-  static constexpr std::size_t kMostNodes = 1u << 22;  ///< of the finer grid that estimators read, 4 bytes each
-  static constexpr int kListLength = 65536;            ///< light samples, a power of two
+  static constexpr std::size_t kMaxNodes = 1u << 22;  ///< of the finer grid that estimators read, 4 bytes each
+  static constexpr int kListLength = 65536;           ///< light samples, a power of two
   explicit EnvironmentBuffers(std::shared_ptr<const Environment> environment);
-  /// Draws the light samples anew (progressive rendering asks when it has used the list up).
+  /// Replaces the light samples by new ones, when progressive rendering has used up the list.
   void resample(std::uint32_t seed);
   void bind() const;  ///< units 14, 15, 17 and 64
   const PackedSky& sky() const { return sky_; }
@@ -37,7 +37,7 @@ class EnvironmentBuffers {
   const EnvironmentTables& tables() const { return tables_; }
   float sun_luminance() const { return sun_luminance_; }  ///< mean_sun_luminance
   float effective_sr() const { return effective_sr_; }
-  /// Null where the environment has no sun. Made when first asked for: 20 ms a million texels.
+  /// Null when the environment has no sun. Created on first use: 20 ms a million texels.
   const SunBuffers* sun();
   std::size_t bytes() const {
     return words_.bytes() + nodes_.bytes() + list_.bytes() + bandwidth_.bytes() + (sun_ ? sun_->bytes() : 0);
@@ -48,7 +48,7 @@ class EnvironmentBuffers {
   EnvironmentTables tables_;
   int bias_ = 0;
   float effective_sr_ = 12.56f, sun_luminance_ = 0.0f;
-  PackedSky sky_;  ///< what estimators choose nodes of
+  PackedSky sky_;  ///< nodes for the estimators
   Buffer words_, nodes_, list_, bandwidth_;
   Texture word_view_, node_view_, list_view_, bandwidth_view_;
   bool sun_sought_ = false;

@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-/// Where one item comes from and where it goes.
+/// Source and destination of one item.
 struct Instance {
   const Primitive* source = nullptr;
   glm::mat4 world_from_node{1.0f};
@@ -35,7 +35,7 @@ glm::dvec3 any_tangent(const glm::dvec3& n) {
   return {1.0 + sign * n.x * n.x * a, sign * n.x * n.y * a, -sign * n.x};
 }
 
-/// Fills the ranges of one instance in the shared arrays; ranges of different instances never overlap.
+/// Writes one instance into its ranges of the shared arrays; ranges of different instances never overlap.
 class InstanceWriter {
  public:
   InstanceWriter(const Instance& instance, FlatGeometry* out)
@@ -75,7 +75,7 @@ class InstanceWriter {
     }
   }
 
-  /// Cofactors, not the inverse transpose: they exist for a flattening scale too.
+  /// Cofactor matrix instead of the inverse transpose: it exists for a singular scale too.
   glm::dmat3 normal_matrix() const {
     const glm::dmat3& m = linear_;
     const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
@@ -128,7 +128,7 @@ class InstanceWriter {
       const double area = s.x * r.y - r.x * s.y;
       if (area == 0.0) return;
       const glm::dvec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
-      const double sign = area < 0.0 ? -1.0 : 1.0;  // the length stays in, as a weight by area in space
+      const double sign = area < 0.0 ? -1.0 : 1.0;  // the length is kept as an area weight in world space
       for (int corner = 0; corner < 3; ++corner) {
         along_u[t[corner] - item_.first_vertex] += sign * (e1 * r.y - e2 * s.y);
         along_v[t[corner] - item_.first_vertex] += sign * (e2 * s.x - e1 * r.x);
@@ -145,9 +145,9 @@ class InstanceWriter {
     const glm::dvec3 normal(out_.normals[vertex(i)]);
     const glm::dvec3 unit = normalize_or(tangent, glm::dvec3(0.0));
     const glm::dvec3 across = unit - glm::dot(unit, normal) * normal;
-    constexpr double kParallel = 1e-6;  // a tangent along the normal says nothing
-    const glm::dvec3 sound = glm::length(across) > kParallel ? glm::normalize(across) : any_tangent(normal);
-    out_.tangents[vertex(i)] = glm::vec4(glm::vec3(sound), static_cast<float>(handedness));
+    constexpr double kParallel = 1e-6;  // a tangent along the normal is useless
+    const glm::dvec3 direction = glm::length(across) > kParallel ? glm::normalize(across) : any_tangent(normal);
+    out_.tangents[vertex(i)] = glm::vec4(glm::vec3(direction), static_cast<float>(handedness));
   }
 
   template <typename Visit>

@@ -18,9 +18,9 @@ struct DrawItem {
   std::uint32_t first_vertex = 0, vertex_count = 0;
 };
 
-/// All visible instances in world space, one shared index buffer (indices are absolute). Attribute arrays have the
-/// length of `positions`; missing normals are area-weighted, missing tangents come from UV 0 (or any frame without
-/// UVs).
+/// All visible instances in world space with one shared index buffer (absolute indices). Attribute arrays have the
+/// length of `positions`; missing normals are area-weighted means, missing tangents come from UV 0 (or any frame
+/// without UVs).
 struct FlatGeometry {
   std::vector<glm::vec3> positions;  ///< metres
   std::vector<glm::vec3> normals;    ///< unit
@@ -31,7 +31,7 @@ struct FlatGeometry {
   std::vector<DrawItem> items;
 };
 
-/// Flattens `scene`; patches become as many quads as their curvature asks for. Triangles that mirror (negative
+/// Flattens `scene`; patches are tessellated by their curvature. Triangles of a mirroring transform (negative
 /// determinant) are rewound.
 FlatGeometry flatten(const Scene& scene);
 

@@ -4,13 +4,13 @@
 
 namespace maquette {
 
-/// Value of GLIBC_TUNABLES by which malloc asks the system for large pages (2 MiB), `now` being what it is (null: not
-/// set). Empty where the user has decided already (any glibc.malloc.hugetlb).
+/// Value of GLIBC_TUNABLES that makes malloc request large pages (2 MiB); `now`: its current value (null: not set).
+/// Empty when the user has set glibc.malloc.hugetlb.
 std::string tunables_with_large_pages(const char* now);
 
-/// Begins the program anew, once, with memory in large pages: the C library reads that at the start of a process only.
-/// What is touched for the first time then comes in hundreds of pages instead of a hundred thousand. Call it before
-/// anything else; where it cannot be done the program just goes on.
+/// Restarts the program once with memory in large pages: the C library reads the setting only at the start of a
+/// process. Page faults on new memory then number hundreds instead of hundreds of thousands. Call it first in main; if
+/// a restart is not possible the program continues.
 void restart_in_large_pages(char** argv);
 
 }  // namespace maquette

@@ -14,7 +14,7 @@ namespace maquette {
 
 namespace {
 
-/// Up to this many rows or columns the eigenvectors are found exactly.
+/// Up to this many rows or columns the eigenvectors are computed exactly.
 constexpr Eigen::Index kExactSide = 1024;
 constexpr Eigen::Index kOversampling = 8;
 constexpr int kPowerRounds = 4;
@@ -42,7 +42,7 @@ Eigen::MatrixXf leading_vectors(const Eigen::MatrixXf& x, Eigen::Index count, st
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((small * small.transpose()).cast<double>());
     return left * solver.eigenvectors().rightCols(count).rowwise().reverse().cast<float>();
   }
-  // The smaller of both Gram matrices, in double: eigenvalues are squares of what counts.
+  // The smaller of the two Gram matrices, in double, because the eigenvalues are squares.
   const Eigen::MatrixXd wide = x.cast<double>();
   if (x.rows() <= x.cols()) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(wide * wide.transpose());
@@ -68,7 +68,7 @@ double squared_error(const Eigen::VectorXf& centred, const Eigen::MatrixXf& basi
 }
 
 /// Source: Arthur and Vassilvitskii 2007, "k-means++", Sec. 2.2.
-std::vector<int> spread_seeds(const Eigen::MatrixXf& scaled, int count, std::mt19937* random) {
+std::vector<int> seed_clusters(const Eigen::MatrixXf& scaled, int count, std::mt19937* random) {
   const auto samples = static_cast<int>(scaled.cols());
   std::vector<int> seeds{static_cast<int>((*random)() % static_cast<unsigned>(samples))};
   Eigen::VectorXd nearest = Eigen::VectorXd::Constant(samples, std::numeric_limits<double>::infinity());
@@ -76,7 +76,7 @@ std::vector<int> spread_seeds(const Eigen::MatrixXf& scaled, int count, std::mt1
     nearest = nearest.cwiseMin(
         (scaled.colwise() - scaled.col(seeds.back())).colwise().squaredNorm().transpose().cast<double>());
     const double total = nearest.sum();
-    if (!(total > 0.0)) break;  // fewer different vectors than clusters
+    if (!(total > 0.0)) break;  // fewer distinct vectors than clusters
     double pick = std::uniform_real_distribution<double>(0.0, total)(*random);
     int chosen = 0;
     while (chosen < samples - 1 && (pick -= nearest[chosen]) > 0.0) ++chosen;
@@ -108,7 +108,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
   const auto count = static_cast<std::size_t>(samples.cols());
   std::mt19937 random(options.seed);
   const std::vector<int> seeds =
-      spread_seeds(scaled, std::clamp(options.clusters, 1, static_cast<int>(samples.cols())), &random);
+      seed_clusters(scaled, std::clamp(options.clusters, 1, static_cast<int>(samples.cols())), &random);
   for (int s : seeds) pca.clusters_.push_back({scaled.col(s), Eigen::MatrixXf(scaled.rows(), 0)});
   std::vector<int> owner(count, 0);
   std::vector<double> errors(count, 0.0);
@@ -134,7 +134,7 @@ LocalPca LocalPca::fit(const Eigen::MatrixXf& samples, const Eigen::VectorXf& me
     for (std::size_t i = 0; i < count; ++i) members[static_cast<std::size_t>(owner[i])].push_back(static_cast<int>(i));
     for (auto& m : members) {
       if (!m.empty()) continue;
-      // A cluster that nothing chose starts again at the vector that is served worst.
+      // An empty cluster restarts at the vector with the largest error.
       const auto worst = static_cast<std::size_t>(std::max_element(errors.begin(), errors.end()) - errors.begin());
       m.push_back(static_cast<int>(worst));
       errors[worst] = 0.0;
@@ -157,7 +157,7 @@ LocalPca LocalPca::restore(const Eigen::VectorXf& measure, const Eigen::MatrixXf
   for (Eigen::Index k = 0; k < means.cols(); ++k) {
     Cluster cluster{pca.roots_.cwiseProduct(means.col(k)),
                     pca.roots_.asDiagonal() * components.middleCols(k * count, count)};
-    // Columns that the fit did not need are kept as 0.
+    // Columns that the fit did not need are filled with 0.
     Eigen::Index used = count;
     while (used > 0 && cluster.basis.col(used - 1).squaredNorm() < 0.5f) --used;
     cluster.basis.conservativeResize(Eigen::NoChange, used);
@@ -195,7 +195,7 @@ std::vector<LocalPcaCode> LocalPca::encode_all(const Eigen::MatrixXf& x) const {
     for (std::size_t i = 0; i < codes.size(); ++i) {
       const auto column = products.col(static_cast<Eigen::Index>(i)).segment(at, 1 + count);
       const Eigen::VectorXf weights = column.tail(count) - of_mean;
-      // |x - m|^2 less what the components take; |x|^2 is the same for all.
+      // |x - m|^2 minus what the components explain; |x|^2 is the same for all clusters.
       const double e = mean2 - 2.0 * static_cast<double>(column[0]) - static_cast<double>(weights.squaredNorm());
       if (e >= best[i]) continue;
       best[i] = e;

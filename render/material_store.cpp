@@ -24,7 +24,7 @@ std::vector<std::uint32_t> pack(const BrdfTable& brdf) {
   return words;
 }
 
-/// A larger buffer with the old content.
+/// A larger buffer with the contents of `old`.
 Buffer grow(const std::string& label, const Buffer& old, std::size_t bytes) {
   Buffer buffer(label, bytes);
   if (old) glCopyNamedBufferSubData(old.get(), buffer.get(), 0, 0, static_cast<GLsizeiptr>(old.bytes()));
@@ -87,7 +87,7 @@ int MaterialStore::slot_of(const std::string& source) {
   bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
   const std::vector<BrdfLobe> rows = compute_lobes(brdf, tables);
   const float roughness = mirror_roughness(rows);
-  std::vector<glm::vec4> lobes;  // as shaders/shading/lobes.glsl reads them
+  std::vector<glm::vec4> lobes;  // layout of shaders/shading/lobes.glsl
   for (std::size_t i = 0; i < rows.size(); ++i) {
     lobes.emplace_back(tables.albedo[i], roughness);
     lobes.emplace_back(rows[i].direction, 0.0f);
@@ -109,7 +109,7 @@ int MaterialStore::slot_of(const std::string& source) {
 float MaterialStore::brdf_share(int slot, float environment_sr) const {
   const float lobe = std::sqrt(entries_[static_cast<std::size_t>(slot)].lobe_sr);
   const float light = std::sqrt(std::max(environment_sr, 1e-6f));
-  // A narrow lobe must also see the dim sky beside a sun that dominates the density: never below half there.
+  // A sun may dominate the density of the lights; at least half of the samples of a narrow lobe follow the BRDF.
   return std::clamp(light / (light + lobe), lobe < 0.15f ? 0.5f : 0.2f, 0.75f);
 }
 

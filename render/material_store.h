@@ -10,25 +10,24 @@
 
 namespace maquette {
 
-/// Measured tables on the GPU, one slot each; a table that was loaded once stays, so that swapping back costs nothing.
+/// Measured tables on the GPU, one slot each; a loaded table stays, so that switching back costs nothing.
 class MaterialStore {
  public:
-  /// Slot of a BRDF source (`builtin:NAME` or a path), loading it if it is new. Throws Error and keeps the others.
+  /// Slot of a BRDF source (`builtin:NAME` or a path); loads it if it is new. Throws Error and keeps the others.
   int slot_of(const std::string& source);
-  /// Share of BRDF samples that balances a table's lobe against lights that cover `environment_sr` (effective solid
-  /// angle).
+  /// Share of BRDF samples that balances a table's lobe against lights of effective solid angle `environment_sr`.
   float brdf_share(int slot, float environment_sr) const;
   /// The largest local bandwidth of a table, cycles/rad.
   float bandwidth_limit(int slot) const { return entries_[static_cast<std::size_t>(slot)].bandwidth_limit; }
   /// mirror_roughness of a table.
   float roughness(int slot) const { return entries_[static_cast<std::size_t>(slot)].roughness; }
-  /// Fitted when first asked for, from the table as the GPU has it: no file is read again.
+  /// Fitted on first use, from the table on the GPU: the file is not read again.
   const GgxFit& ggx(int slot);
   const SgFit& sg(int slot);
   const LobeBound& lobe_bound(int slot);
   /// BrdfTables::albedo of a slot.
   const std::vector<glm::vec3>& albedo(int slot) const { return entries_[static_cast<std::size_t>(slot)].albedo; }
-  /// Of the filled table; key of everything derived from it.
+  /// Hash of the filled table; cache key of everything derived from it.
   std::uint64_t hash(int slot) const { return entries_[static_cast<std::size_t>(slot)].hash; }
   void bind() const;  ///< units 10 to 13, 16 and 44
   std::size_t bytes() const {
@@ -41,7 +40,7 @@ class MaterialStore {
     std::string source;
     float lobe_sr = 1.0f;  ///< effective solid angle of the lobe at 35 degrees
     float bandwidth_limit = 0.0f;
-    float roughness = 1.0f;  ///< of what mirrors
+    float roughness = 1.0f;  ///< roughness of the mirroring part
     GgxFit ggx;
     SgFit sg;
     LobeBound bound;

@@ -42,8 +42,8 @@ bool is_counted(const Image& reference, int x, int y) {
   return reference.channels <= 3 || reference.at(x, y, 3) >= 1.0f;
 }
 
-/// Both pictures, black in both where one is broken, so that no filter carries that into what is compared. The sky
-/// stays: a viewer sees it beside the surfaces.
+/// Both pictures, set to black in both where one is invalid, so that no filter carries the fault into compared pixels.
+/// The sky is kept, because a viewer sees it beside the surfaces.
 struct Cleaned {
   Image image, reference;
   std::vector<std::size_t> compared;  ///< pixel indices
@@ -70,7 +70,7 @@ double mean_over(const Image& map, const std::vector<std::size_t>& pixels) {
   return sum / static_cast<double>(pixels.size());
 }
 
-/// Back from the display encoding to the light that the display shows. Source: IEC 61966-2-1.
+/// Inverse of the display encoding. Source: IEC 61966-2-1.
 float light_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 void add_notes(const Image& reference, ErrorFigures* f) {

@@ -128,7 +128,7 @@ void SceneBuffers::build_textures(const Scene& scene) {
 
 bool SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                                     const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
-                                    const std::vector<bool>& repainted) {
+                                    const std::vector<bool>& table_swapped) {
   constexpr std::uint32_t kNone = 0xffffffffu;
   base_color_textures_.clear();
   std::vector<glm::uvec4> words, surface_words;
@@ -139,7 +139,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
   const Material default_material;
   for (std::size_t i = 0; i <= materials.size(); ++i) {
     const Material& m = i < materials.size() ? materials[i] : default_material;
-    // A measured material without tint does not read them; a material may have lost its own (builtin:glass).
+    // Not read by a measured material without tint; `builtin:glass` may have removed a material's own textures.
     std::array<std::uint32_t, kTextureRoles> textures;
     textures.fill(kNone);
     for (std::size_t k = 0; k < kTextureRoles && i < textures_.size(); ++k)
@@ -154,7 +154,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     for (std::uint32_t role = 0; role < 6; ++role)
       if (textures[role] != kNone) list[used++] = textures[role] | role << 16;
     const std::uint32_t flags = (slot >= 0 ? 1u : 0u) | (slot >= 0 && m.tint_measured ? 2u : 0u) | (m.unlit ? 4u : 0u) |
-                                (m.double_sided ? 8u : 0u) | (repainted[i] ? 16u : 0u);
+                                (m.double_sided ? 8u : 0u) | (table_swapped[i] ? 16u : 0u);
     words.push_back(bits(m.base_color.r, m.base_color.g, m.base_color.b, m.alpha_cutoff));
     words.push_back(bits(m.metallic, m.roughness, m.normal_scale, m.occlusion_strength));
     words.push_back(bits(m.emissive.r, m.emissive.g, m.emissive.b, m.ior));
@@ -165,7 +165,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
                        static_cast<std::uint32_t>(std::max(slot, 0)), std::bit_cast<std::uint32_t>(brdf_shares[i]),
                        list[5]);
     words.emplace_back(list[0], list[1], list[2], list[3]);
-    // All of a record but which table is measured, and what draw_gbuffer asks of the material itself.
+    // The whole record except the measured table, and what draw_gbuffer reads from the material itself.
     surface_words.insert(surface_words.end(), words.end() - 8, words.end());
     surface_words.end()[-2] = glm::uvec4(flags & ~(1u | 16u), 0u, 0u, list[5]);
     surface_words.emplace_back(static_cast<std::uint32_t>(m.alpha_mode), m.glass ? 1u : 0u,

@@ -11,21 +11,20 @@
 
 namespace maquette {
 
-/// GPU copy of a scene's geometry, materials and textures. Textures of what the shaders read are listed in
-/// material_table.glsl.
+/// GPU copy of a scene's geometry, materials and textures. material_table.glsl lists the textures that shaders read.
 class SceneBuffers {
  public:
   explicit SceneBuffers(const Scene& scene);
 
   /// Writes the material records; `brdf_slots[i]` is the measured table of material i or -1, `brdf_shares[i]` its share
-  /// of BRDF samples, `bandwidth_limits[i]` the table's largest bandwidth in cycles/rad. The last entry of each stands
-  /// for glTF's default material. True when something changed that the G-buffer holds or that decides what is drawn
-  /// into it: another measured table for a material does not.
+  /// of BRDF samples, `bandwidth_limits[i]` the table's largest bandwidth in cycles/rad, `table_swapped[i]` whether its
+  /// table was exchanged. The last entry of each belongs to glTF's default material. Returns true when the G-buffer, or
+  /// the set of drawn surfaces, is affected: exchanging a material's measured table does not count.
   bool update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                         const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
-                        const std::vector<bool>& repainted);
+                        const std::vector<bool>& table_swapped);
   void update_variant(const Scene& scene, int variant);
-  /// New positions and normals (node space) of one mesh's primitive 0 in all its instances.
+  /// Updates the positions and normals (node space) of primitive 0 of one mesh in all its instances.
   void update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,
                    const std::vector<glm::vec3>& normals);
 
@@ -34,7 +33,7 @@ class SceneBuffers {
   const Bounds& bounds(std::size_t i) const { return bounds_[i]; }
   /// Material of item i under the current variant; materials.size() for the default one.
   int material(std::size_t i) const { return item_materials_[i]; }
-  /// Index of the base colour's texture of a material in the texture records, or -1.
+  /// Index of a material's base colour texture in the texture records, or -1.
   int base_color_texture(std::size_t material) const {
     return material < base_color_textures_.size() ? base_color_textures_[material] : -1;
   }
@@ -63,7 +62,7 @@ class SceneBuffers {
   std::vector<bool> visible_;
   bool has_colors_ = false;
   std::vector<int> base_color_textures_;
-  std::vector<glm::uvec4> surface_words_;  ///< what the G-buffer depends on in the material records
+  std::vector<glm::uvec4> surface_words_;  ///< the part of the material records that the G-buffer depends on
   GlName<VertexArrayTraits> vertex_array_;
   Buffer positions_, uvs_, indices_, vertices_, triangle_materials_, materials_, texels_, texture_records_,
       texture_bandwidth_;

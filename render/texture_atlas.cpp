@@ -9,7 +9,7 @@ namespace maquette {
 
 namespace {
 
-/// sRGB bytes to square roots of linear light, which the shaders decode with one product. Alpha stays.
+/// Converts sRGB bytes to square roots of linear light, which shaders decode with one multiplication. Alpha is kept.
 void recode_srgb(std::vector<std::uint32_t>* texels) {
   std::array<std::uint32_t, 256> code{};
   for (std::size_t i = 0; i < code.size(); ++i) {
@@ -54,10 +54,10 @@ int append_mips(const TextureImage& image, bool srgb, std::vector<std::uint32_t>
   return levels;
 }
 
-/// Code of shaders/shared/texture_filter.glsl.
+/// Codes of shaders/shared/texture_filter.glsl.
 int wrap_code(Wrap wrap) { return wrap == Wrap::repeat ? 0 : wrap == Wrap::mirrored_repeat ? 1 : 2; }
 
-/// Images in the atlas so far; one that is read both as colour and as data is stored twice.
+/// Images in the atlas so far; an image that is read both as colour and as data is stored twice.
 struct StoredImages {
   std::vector<int> offsets, levels;  // [2 * image + srgb]; offset -1: not yet
 };

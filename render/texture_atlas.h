@@ -10,16 +10,16 @@
 
 namespace maquette {
 
-/// What the shading modes read textures for; the order of shaders/shared/material_table.glsl (kRole...).
+/// The roles of textures in shading, in the order of shaders/shared/material_table.glsl (kRole...).
 enum class TextureRole { base_color, metallic_roughness, normal, emissive, occlusion, clearcoat };
 inline constexpr std::size_t kTextureRoles = 6;
 const TextureRef& texture_of(const Material& material, TextureRole role);
 
-/// All textures that shading reads, in the layout of shaders/shared/texture_filter.glsl. Knows no OpenGL.
+/// All textures that shading reads, in the layout of shaders/shared/texture_filter.glsl. Does not use OpenGL.
 struct TextureAtlas {
   std::vector<std::uint32_t> texels;  ///< RGBA8 with mip chains; sRGB images as square roots of linear light
   std::vector<glm::vec4> records;     ///< [texture][3]
-  std::vector<int> images;            ///< [texture]: of the scene
+  std::vector<int> images;            ///< [texture]: index of its image in the scene
   std::vector<std::array<int, kTextureRoles>> of_material;  ///< [material][role], -1: none
 };
 TextureAtlas build_texture_atlas(const Scene& scene);

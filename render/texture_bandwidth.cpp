@@ -11,7 +11,7 @@ namespace maquette {
 
 namespace {
 
-/// One level of the Daubechies-4 transform of n values `stride` apart, periodic: averages first, then details.
+/// One level of the Daubechies-4 transform of n periodic values with `stride`: averages first, then details.
 void daubechies4_step(float* values, std::size_t n, std::size_t stride) {
   constexpr float h0 = kDaubechies4[0], h1 = kDaubechies4[1], h2 = kDaubechies4[2], h3 = kDaubechies4[3];
   std::vector<float> out(n);
@@ -23,7 +23,7 @@ void daubechies4_step(float* values, std::size_t n, std::size_t stride) {
   for (std::size_t i = 0; i < n; ++i) values[i * stride] = out[i];
 }
 
-/// Luminance (stored encoding) resampled to n x n by box or nearest.
+/// Luminance (stored encoding) resampled to n x n by a box filter or nearest.
 std::vector<float> resample(const TextureImage& image, std::size_t n) {
   std::vector<float> out(n * n);
   const auto w = static_cast<std::size_t>(image.width), h = static_cast<std::size_t>(image.height);
@@ -52,8 +52,7 @@ std::vector<float> compute_texture_bandwidth(const TextureImage& image) {
   const auto largest = static_cast<unsigned>(std::max(image.width, image.height));
   const std::size_t n = std::clamp<std::size_t>(std::bit_floor(largest), 32, 512);
   std::vector<float> values = resample(image, n);
-  std::vector<std::array<double, 12>> energies(kSide *
-                                               kSide);  // per region: [0] mean and coarser, then finer and finer
+  std::vector<std::array<double, 12>> energies(kSide * kSide);  // per region: [0] mean and coarser, then finer levels
   std::size_t level_count = 0;
   for (std::size_t m = n; m > kSide; m /= 2) ++level_count;
   std::size_t level = level_count;
@@ -74,7 +73,7 @@ std::vector<float> compute_texture_bandwidth(const TextureImage& image) {
     double total = 0.0;
     for (double e : energies[r]) total += e;
     double below = energies[r][0];
-    // Details of level l (1 is the coarsest) live between half and all of kSide 2^(l - 1) cycles per unit.
+    // Details of level l (1 is the coarsest) cover half of kSide 2^(l - 1) cycles per unit up to all of it.
     for (std::size_t l = 1; l <= level_count && below < 0.95 * total; ++l) {
       const double part = std::min(1.0, (0.95 * total - below) / std::max(energies[r][l], 1e-30));
       const double top = static_cast<double>(kSide) * std::exp2(static_cast<double>(l) - 1.0);

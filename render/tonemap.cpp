@@ -64,7 +64,7 @@ LightSums sum_light(const Environment& environment) {
   return sums;
 }
 
-/// exp of the mean log luminance over the sphere, from at most about 32,768 texels; darkness counts as 1e-4 of `mean`.
+/// Log-average luminance over the sphere, from at most about 32,768 texels; black counts as 1e-4 of `mean`.
 double log_average(const Environment& environment, double mean) {
   const int step = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(environment.rgb.size()) / 32768.0)));
   double sum = 0.0, weights = 0.0;
@@ -91,7 +91,7 @@ double mean_luminance(const Environment& environment) { return sum_light(environ
 
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
   constexpr double kTarget = 0.1, kGlare = 0.3, kFloor = 0.004;  // of the display's linear range
-  constexpr float kMostStops = 2.0f;
+  constexpr float kMaxStops = 2.0f;
   if (radiance.channels < 3) return environment_ev;
   const double scale = std::exp2(static_cast<double>(environment_ev));
   double sum = 0.0;
@@ -111,7 +111,7 @@ float meter_exposure_ev(const Image& radiance, float environment_ev) {
   const double average = sum / static_cast<double>(count);
   const auto stops = static_cast<float>(average > std::log2(kGlare) ? std::log2(kGlare) - average
                                                                     : std::max(std::log2(kTarget) - average, 0.0));
-  return environment_ev + std::min(stops, kMostStops);
+  return environment_ev + std::min(stops, kMaxStops);
 }
 
 int tonemap_index(const std::string& name) {
@@ -150,7 +150,7 @@ Image tone_map(const Image& points, float exposure_ev, const std::string& tonema
 float suggest_exposure_ev(const Environment& environment) {
   const LightSums sums = sum_light(environment);
   if (!(sums.flux > 0.0)) return 0.0f;
-  // On a plane that faces the light: the vector irradiance for a sun, a quarter of the flux for an even sky.
+  // On a plane that faces the light: the vector irradiance for a sun, a quarter of the flux for a uniform sky.
   const double irradiance = std::max(glm::length(sums.vector), sums.flux / 4.0);
   const double lit_grey = kGrey * irradiance / kPi;
   const double exposure =

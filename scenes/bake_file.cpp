@@ -62,7 +62,7 @@ Imf::Header make_header(const BakeTable& table) {
   return header;
 }
 
-/// Columns of unequal length cannot come back as they were.
+/// Columns of unequal length could not be read back unchanged.
 [[maybe_unused]] bool is_even(const BakeTable& table) {
   const std::size_t length = length_of(table);
   return std::all_of(table.integers.begin(), table.integers.end(),
@@ -81,7 +81,7 @@ void insert_slice(Imf::FrameBuffer* buffer, Imf::PixelType type, const std::stri
 void write_parts(const std::string& path, const BakeFile& file) {
   std::vector<Imf::Header> headers;
   for (const BakeTable& table : file.tables) headers.push_back(make_header(table));
-  // Parts may differ in their data, not in what they display.
+  // Parts may differ in their data window, but must have the same display window.
   int tallest = 0;
   for (const Imf::Header& header : headers) tallest = std::max(tallest, header.dataWindow().max.y);
   for (Imf::Header& header : headers) header.displayWindow() = {{0, 0}, {static_cast<int>(kWidth) - 1, tallest}};

@@ -7,16 +7,16 @@
 
 namespace maquette {
 
-/// Columns of equal length: one named part of a bake file.
+/// One named part of a bake file: columns of equal length.
 struct BakeTable {
   std::string name;
   std::map<std::string, std::vector<std::uint32_t>> integers;
   std::map<std::string, std::vector<float>> floats;
 };
 
-/// What took time to compute, as multi-part OpenEXR: a part is a table, a channel a column, laid out in rows of 4096
-/// pixels and filled up with 0; any EXR viewer opens it. Attributes (provenance: what it was made from) and a checksum
-/// of all columns are text attributes of the first part.
+/// Results of long computations as multi-part OpenEXR: each part is a table, each channel a column, laid out in rows of
+/// 4096 pixels and padded with 0; any EXR viewer can open it. Attributes (provenance: the inputs of the computation)
+/// and a checksum of all columns are text attributes of the first part.
 struct BakeFile {
   std::map<std::string, std::string> attributes;
   std::vector<BakeTable> tables;
@@ -27,9 +27,9 @@ struct BakeFile {
   const std::vector<float>& floats(const std::string& path, const std::string& table, const std::string& column) const;
 };
 
-/// Written beside `path` and renamed. Throws Error.
+/// Writes to a temporary file beside `path` and renames it. Throws Error.
 void save_bake_file(const std::string& path, const BakeFile& file);
-/// Throws Error: no such file, no bake file, truncated, or a checksum that does not fit.
+/// Throws Error when the file is absent, truncated or no bake file, or when the checksum does not match.
 BakeFile load_bake_file(const std::string& path);
 
 }  // namespace maquette

@@ -36,10 +36,10 @@ SurfacePoint evaluate(const BezierPatch& patch, double u, double v) {
   return out;
 }
 
-/// Unit normal along dS/du x dS/dv. Where an edge of the patch is collapsed to a point the product vanishes: its limit
-/// is then taken from a point just inside.
+/// Unit normal along dS/du x dS/dv. Where an edge of the patch is collapsed to a point the product vanishes, and the
+/// limit is taken from a point just inside.
 glm::dvec3 normal_at(const BezierPatch& patch, double u, double v) {
-  constexpr double kDegenerate = 1e-9;  // of the product of the lengths: below, the direction is rounding
+  constexpr double kDegenerate = 1e-9;  // relative to the product of the lengths: smaller results are rounding noise
   constexpr double kInside = 1e-4;
   for (const double step : {0.0, kInside, 100.0 * kInside}) {
     const SurfacePoint p = evaluate(patch, u + step * (0.5 - u), v + step * (0.5 - v));
@@ -59,7 +59,7 @@ double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 PatchSides patch_sides(const BezierPatch& patch) {
   constexpr double kAngle_rad = 0.006;
   constexpr int kLines = 4, kSteps = 16, kLeast = 16, kMost = 128;
-  // The most that lines of one direction turn, by their normals or by themselves.
+  // Largest change of direction along the lines of one parameter, of the normals or of the lines themselves.
   const auto side = [&](bool along_u) {
     double most_rad = 0.0;
     for (int line = 0; line <= kLines; ++line) {

@@ -13,7 +13,7 @@ struct HalfAngles {
   double theta_h, theta_d, phi_d;
 };
 
-/// The definition: wi rotated into the frame whose z is the half vector.
+/// By definition: wi rotated into the frame whose z is the half vector.
 /// Source: Rusinkiewicz 1998, Sec. 2 (rotation by -phi_h about the normal, then by -theta_h about the binormal).
 HalfAngles half_angles(const glm::dvec3& wi, const glm::dvec3& wo) {
   const glm::dvec3 sum = wi + wo;
@@ -25,7 +25,7 @@ HalfAngles half_angles(const glm::dvec3& wi, const glm::dvec3& wo) {
   const double sin_phi = sin_h > 0.0 ? h.y / sin_h : 0.0;
   const glm::dvec3 tangent(cos_phi * h.z, sin_phi * h.z, -sin_h);
   const glm::dvec3 binormal(-sin_phi, cos_phi, 0.0);
-  // Half of wi - wo is the part of wi across h, without cancellation.
+  // Half of wi - wo is the component of wi perpendicular to h, without cancellation.
   const glm::dvec3 across = 0.5 * (wi - wo);
   const double theta_d = std::atan2(glm::length(across), glm::dot(wi, h));
   double phi_d = std::atan2(glm::dot(across, binormal), glm::dot(across, tangent));

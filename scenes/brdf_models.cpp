@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kHalfPi = 0.5 * kPi;
-/// Cosines below this are held in the masking terms: the tabulated lobe of a mirror grows like 1 / cos^2 towards the
-/// horizon, where linear interpolation between bins of one degree would exceed the energy that came in.
+/// Lower limit of the cosines in the masking terms: the tabulated lobe of a mirror grows like 1 / cos^2 towards the
+/// horizon, where linear interpolation between bins of one degree would reflect more than the incident energy.
 constexpr double kLeastCosine = 0.035;
 constexpr int kHalfPhiD = kPhiDCount / 2;
 
@@ -54,11 +54,11 @@ glm::dvec3 rec709_from_xyz(const glm::dvec3& xyz) {
           0.0556434 * xyz.x - 0.2040259 * xyz.y + 1.0572252 * xyz.z};
 }
 
-/// A row of constant theta_h and theta_d, phi_d in [0, pi / 2], padded to whole vector registers.
+/// SIMD lanes: a row of constant theta_h and theta_d, phi_d in [0, pi / 2], padded to whole vector registers.
 constexpr int kLanes = 96;
 using Lanes = Eigen::Array<float, kLanes, 1>;
 
-/// Values over an interval, read with linear interpolation.
+/// Values over an interval, with linear interpolation.
 template <std::size_t kCount>
 struct Curve {
   std::array<glm::vec3, kCount> values;
@@ -70,12 +70,12 @@ struct Curve {
   }
 };
 
-/// Everything of a model that does not depend on the angles.
+/// The part of a model that does not depend on the angles.
 struct Prepared {
   const LayeredModel& model;
   bool coated;
   float index;
-  glm::vec3 diffuse;  ///< BRDF of the substrate as seen from outside, before the coat's transmission
+  glm::vec3 diffuse;  ///< BRDF of the substrate seen from outside, without the coat's transmission
   Curve<kFresnelCount> reflectance;
   Curve<65> tint;  ///< over the mean path factor 1 / cos, from 1 to longest_path
   float longest_path;
@@ -83,7 +83,7 @@ struct Prepared {
 
   explicit Prepared(const LayeredModel& m)
       : model(m), coated(m.coat_index > 0.0), index(coated ? static_cast<float>(m.coat_index) : 1.0f) {
-    // Light that the coat sends back down bounces again. Source: Saunderson 1942, Eq. 5; the internal diffuse
+    // Light that the coat reflects back down bounces again. Source: Saunderson 1942, Eq. 5; the internal diffuse
     // reflectance of the interface: Egan & Hilgeman 1973.
     const double n = coated ? m.coat_index : 1.0, inverse = 1.0 / n;
     const double internal = coated ? -1.440 * inverse * inverse + 0.710 * inverse + 0.668 + 0.0636 * n : 0.0;
@@ -104,7 +104,7 @@ struct Prepared {
   }
 };
 
-/// What depends on theta_h alone.
+/// The part that depends on theta_h alone.
 struct HalfAngle {
   double cosine, sine, coat = 0.0, sheen = 0.0;
   std::vector<double> brushed;  ///< distribution of each brushed lobe, 0 for others
@@ -128,7 +128,7 @@ Lanes masking_factor(const Lanes& cosine, double alpha) {
   return (cosine + (a2 + (1.0f - a2) * cosine.square()).sqrt()).inverse();
 }
 
-/// Cosine behind a smooth interface, and what it lets through (1 - Fresnel).
+/// Cosine after refraction at a smooth interface, and its transmittance (1 - Fresnel).
 Lanes refracted_cosine(const Lanes& cosine, float index) {
   return (1.0f - (1.0f - cosine.square()) / (index * index)).sqrt();
 }
@@ -138,7 +138,8 @@ Lanes transmission(const Lanes& outside, const Lanes& inside, float index) {
   return 1.0f - 0.5f * (s.square() + p.square());
 }
 
-/// Flakes seen through the coat (or bare): both directions refracted, then the facet model about their half vector.
+/// Flakes seen through the coat (or bare): both directions are refracted, then the facet model is evaluated about their
+/// half vector.
 void add_flakes(const Prepared& p, const HalfAngle& h, double cos_d, const Lanes& in_i, const Lanes& in_o,
                 glm::vec3* row) {
   const auto h_xy = static_cast<float>(2.0 * cos_d * h.sine / static_cast<double>(p.index));  // |(wi + wo)_xy| inside
@@ -232,7 +233,7 @@ FresnelCurve thin_film_curve(const ThinFilm& film) {
   FresnelCurve curve(kFresnelCount);
   glm::dvec3 white(0.0);
   for (int w = 0; w < kWavelengths; ++w) white += matching_functions(kFirst + w * kStep);
-  // Equal-energy light is white here: every channel is divided by what a perfect reflector gives.
+  // White is equal-energy light: every channel is divided by that of a perfect reflector.
   const glm::dvec3 white_rgb = rec709_from_xyz(white);
   for (int i = 0; i < kFresnelCount; ++i) {
     const double c = static_cast<double>(i) / (kFresnelCount - 1);
@@ -263,7 +264,7 @@ std::vector<glm::vec3> tabulate_model(const LayeredModel& model) {
       const double theta_d = (d + 0.5) / kThetaDCount * kHalfPi;
       glm::vec3* row = rgb.data() + (bin * kThetaDCount + d) * kPhiDCount;
       evaluate_row(prepared, h, std::cos(theta_d), std::sin(theta_d), cos_phi, row);
-      // phi_d and pi - phi_d exchange both directions.
+      // The entries at phi_d and pi - phi_d exchange the two directions.
       for (int p = 0; p < kHalfPhiD; ++p) row[kPhiDCount - 1 - p] = row[p];
     }
   });

@@ -16,7 +16,7 @@ inline constexpr int kFresnelCount = 257;
 double fresnel_dielectric(double cos_theta, double eta);
 /// Exact unpolarised reflectance of a conductor with complex index eta + i k. Source: Born & Wolf, Sec. 14.2.
 double fresnel_conductor(double cos_theta, double eta, double k);
-/// Per-channel conductor seen from a medium of index `outside`.
+/// Per-channel reflectance of a conductor in a medium of index `outside`.
 FresnelCurve conductor_curve(const glm::dvec3& eta, const glm::dvec3& k, double outside);
 
 /// A pigment flake: a thin film between two reflecting interfaces, the Airy sum, integrated over the spectrum to linear
@@ -25,33 +25,33 @@ FresnelCurve conductor_curve(const glm::dvec3& eta, const glm::dvec3& k, double 
 struct ThinFilm {
   double film_index = 1.4;
   double thickness_nm = 400.0;
-  double top_amplitude = 0.3;      ///< of the upper interface's reflected amplitude, real
-  double bottom_amplitude = -0.9;  ///< of the lower one; its sign is the phase step
-  double outside_index = 1.5;      ///< of the medium that the angle is measured in
+  double top_amplitude = 0.3;      ///< of the reflected amplitude at the upper interface, real
+  double bottom_amplitude = -0.9;  ///< at the lower interface; its sign is the phase shift
+  double outside_index = 1.5;      ///< of the medium in which the angle is measured
 };
 FresnelCurve thin_film_curve(const ThinFilm& film);
 
 /// Facets of one slope distribution. Walter et al. 2007 (GGX, Eq. 33; Smith masking, Eq. 34).
 struct FacetLobe {
   double alpha = 0.3;
-  double weight = 0.0;        ///< share of the area that these facets cover
+  double weight = 0.0;        ///< share of the area covered by these facets
   double alpha_across = 0.0;  ///< > 0: brushed along `alpha`, all azimuths of the brushing mixed; bare facets only
 };
 
-/// One paint or trim, from the top: an optional dielectric coat, metal or pigment flakes and a diffuse substrate under
-/// it, fibres.
+/// One paint or trim, from the top: an optional dielectric coat; under it metal or pigment flakes and a diffuse
+/// substrate; fibres.
 struct LayeredModel {
   glm::dvec3 diffuse{0.0};         ///< reflectance of the substrate
   double diffuse_sigma_rad = 0.0;  ///< Oren & Nayar 1994, Eq. 30, without interreflection
   double coat_index = 0.0;         ///< 0: no coat, facets are in air
   double coat_alpha = 0.012;
-  double coat_share = 1.0;  ///< of the coat's own reflection that is left by pores and grain
+  double coat_share = 1.0;  ///< share of the coat's own reflection that remains after pores and grain
   std::vector<FacetLobe> flakes;
-  FresnelCurve flake_reflectance;  ///< of all lobes; over the angle inside the coat
+  FresnelCurve flake_reflectance;  ///< of all lobes, over the angle inside the coat
   double flake_transmission =
-      0.0;  ///< share of the light on flakes that goes on to the ground (mica: most; metal: none)
-  /// Transmission of the pigment around the flakes for the way in and out along the normal (Beer-Lambert at other
-  /// angles).
+      0.0;  ///< share of the light on flakes that is transmitted to the ground (mica: most; metal: none)
+  /// Transmission of the pigment around the flakes for the path in and out along the normal (other angles:
+  /// Beer-Lambert).
   glm::dvec3 flake_tint{1.0};
   glm::dvec3 sheen{0.0};  ///< Estevez & Kulla 2017, Eq. 2, with the visibility of Neubelt & Pettineo 2013
   double sheen_roughness = 0.3;

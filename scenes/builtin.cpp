@@ -23,8 +23,8 @@ Scene build_sphere() {
 }
 
 Scene build_cornell() {
-  // Cornell University Program of Computer Graphics, measured box data, 1 unit = 1 cm, centred and mirrored to look
-  // along -Z.
+  // Measured data of the Cornell box (Cornell University Program of Computer Graphics), 1 unit = 1 cm, centred and
+  // mirrored so that the view is along -Z.
   SceneBuilder builder("builtin:cornell");
   const int white = builder.add_material(plain_material("White", {0.73f, 0.73f, 0.73f}, 0.0f, 1.0f));
   const int red = builder.add_material(plain_material("Red", {0.63f, 0.065f, 0.05f}, 0.0f, 1.0f));

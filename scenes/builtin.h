@@ -2,7 +2,7 @@
 
 #include "scenes/scene.h"
 
-/// The makers behind build_builtin_scene, one a scene. Internal to scenes/.
+/// Builders of the built-in scenes, one each. Internal to scenes/.
 namespace maquette::builtin {
 
 Scene build_sphere();

@@ -11,7 +11,7 @@ using namespace modelling;
 
 namespace {
 
-/// White marble with grey-brown veins that repeats at its edges.
+/// White marble with grey-brown veins; tileable.
 TextureImage make_marble(int side) {
   TextureImage image{"marble", side, side, {}};
   image.rgba.resize(static_cast<std::size_t>(side) * static_cast<std::size_t>(side) * 4);
@@ -20,7 +20,7 @@ TextureImage make_marble(int side) {
     for (int x = 0; x < side; ++x) {
       const double u = 3.0 * x / side, v = 3.0 * y / side;
       const double warp_u = u + 1.1 * tileable_fbm(u, v, 3, 5, 11u), warp_v = v + 1.1 * tileable_fbm(u, v, 3, 5, 23u);
-      // Veins are where warped noise changes sign, strong only in some places.
+      // Veins follow the zero crossings of warped noise, and are strong in some regions only.
       const double broad = std::abs(tileable_noise(warp_u, warp_v, 3, 5u));
       const double fine = std::abs(tileable_noise(2.0 * warp_u + 0.37, 2.0 * warp_v, 6, 7u));
       const double strength = smoother(-0.35, 0.35, tileable_noise(u + 0.5, v + 0.5, 3, 41u));
@@ -36,7 +36,7 @@ TextureImage make_marble(int side) {
   return image;
 }
 
-/// A ball on a turned foot, 1.16 m tall.
+/// A ball on a lathe-turned foot, 1.16 m tall.
 Primitive make_statue() {
   std::vector<Vec2> foot{{0.0, 0.0},   {0.40, 0.0},  {0.40, 0.06}, {0.34, 0.10}, {0.34, 0.13},
                          {0.20, 0.17}, {0.13, 0.26}, {0.19, 0.31}, {0.19, 0.34}, {0.10, 0.37}};

@@ -6,10 +6,10 @@
 /// drive.
 namespace maquette::builtin {
 
-/// Where the camera `driver` stands, and whom the mirrors serve: 63 cm above the R-point and a little behind it.
+/// Position of the camera `driver`, for which the mirrors are adjusted: 63 cm above the R-point and a little behind it.
 inline const modelling::Vec3 kDriverEye_m(0.37, 1.10, -0.30);
 
-/// Materials by purpose, indices into the scene; a variant swaps them.
+/// Materials by purpose, indices into the scene; variants exchange them.
 struct CockpitMaterials {
   int paint, paint_touring, paint_atelier;
   int seat, seat_touring, seat_atelier;
@@ -21,7 +21,7 @@ struct CockpitMaterials {
 };
 
 CockpitMaterials add_cockpit_materials(modelling::SceneBuilder* builder);
-/// Lets the three variants swap the material of the part that `node` shows, where it is one that varies.
+/// Gives the part of `node` its three variants of material, if its material is one that varies.
 void add_variants(modelling::SceneBuilder* builder, const CockpitMaterials& materials);
 
 void add_body(modelling::SceneBuilder* builder, const CockpitMaterials& materials);

@@ -27,8 +27,8 @@ Primitive symmetric(const Primitive& left) {
   return whole;
 }
 
-/// The same surface with vertices all along `line`: a field that turns there is cut in the right places then, though
-/// its band is narrower than the triangles.
+/// The same surface with additional vertices along `line`, so that a field whose gradient changes there is cut at the
+/// right positions even if its band is narrower than the triangles.
 Primitive scored(const Primitive& surface, const Field& line) {
   return merged({clip(surface, line), clip(surface, inverted(line))});
 }
@@ -111,8 +111,8 @@ Primitive pane(const Primitive& skin, const Field& outline, double overlap) {
 }
 
 BezierPatch make_windshield(int material) {
-  // The chart's bow is quadratic, and so are the sides, which follow the opening's 2 mm behind its edge: degree 2 x 4,
-  // of which a bicubic patch is off by less than 0.01 mm.
+  // The chart's bow is quadratic, and so are the sides, which follow the opening 2 mm behind its edge: degree 2 x 4,
+  // which a bicubic patch approximates within 0.01 mm.
   const PaneChart& chart = windshield_chart();
   const double s0 = -0.475, s1 = 0.385, bottom = 0.763, middle = 0.7042, top = 0.612;
   const auto side = [&](double v) {
@@ -173,10 +173,10 @@ void add_lamps(SceneBuilder* builder, const CockpitMaterials& m, const Primitive
     const Primitive bowl = revolve(
         round_corners({{0.0, -0.01}, {0.012, -0.008}, {0.021, 0.012}, {0.024, 0.012}, {0.024, -0.02}}, 0.003, 2, false),
         24);
-    const glm::dmat4 place = translation(r * std::sin(a), y, 1.25 + r * std::cos(a)) *
-                             rotation(a * 180.0 / kPi * 0.4, {0, 1, 0}) * rotation(90.0, {1, 0, 0});
-    add_pair(builder, "projector_" + std::to_string(i), transformed(flipped(bowl), place), m.chrome);
-    add_pair(builder, "projector_lens_" + std::to_string(i), transformed(make_sphere(0.013, 6), place), m.mirror);
+    const glm::dmat4 pose = translation(r * std::sin(a), y, 1.25 + r * std::cos(a)) *
+                            rotation(a * 180.0 / kPi * 0.4, {0, 1, 0}) * rotation(90.0, {1, 0, 0});
+    add_pair(builder, "projector_" + std::to_string(i), transformed(flipped(bowl), pose), m.chrome);
+    add_pair(builder, "projector_lens_" + std::to_string(i), transformed(make_sphere(0.013, 6), pose), m.mirror);
   }
   const Rim rim{0.003, 0.01, 2};
   const Primitive lamp = offset(scored(skin, tail_lamp_middle), -0.001);
@@ -216,7 +216,7 @@ void add_tail(SceneBuilder* builder, const CockpitMaterials& m, const Primitive&
            m.chrome);
 }
 
-/// Roof lining and pillar covers: the skin from inside, its edges turned out towards the panes.
+/// Roof lining and pillar covers: the skin from inside, with its edges bent outwards to the panes.
 Primitive make_lining(const Primitive& skin) {
   const Field cabin = [](const Vec3& p) {
     return std::max({belt_height(p.z) - 0.06 - p.y, canopy(p) - 0.02, -1.95 - p.z});
@@ -238,7 +238,7 @@ Primitive make_cowl(const Primitive& skin) {
   return symmetric(flipped(offset(clip(skin, region), -0.012)));
 }
 
-/// Panel between bonnet and windshield, which dives below the skin there.
+/// Panel between bonnet and windshield, lower than the skin there.
 Primitive make_scuttle(const Primitive& skin) {
   const Field region = [](const Vec3& p) {
     return std::max({windshield_outline(p) - 0.012, 0.008 - windshield_chart().height(p), 0.45 - p.z});
@@ -247,7 +247,7 @@ Primitive make_scuttle(const Primitive& skin) {
   return symmetric(clip(offset(skin, -0.0045), region, &lip));
 }
 
-/// Strips below the gaps between parts, so that these are dark lines from everywhere.
+/// Strips below the gaps between parts, so that the gaps are dark lines from all sides.
 Primitive make_seals(const Primitive& skin) {
   const Field openings = [](const Vec3& p) {
     return -std::min({head_lamp(p), tail_lamp(p), wheel_arches(p), windshield_outline(p), rear_glass_outline(p),
@@ -259,7 +259,7 @@ Primitive make_seals(const Primitive& skin) {
   return symmetric(offset(seals, -kSeal_m));
 }
 
-/// What closes the cabin towards the engine: without it the driver would see the road below the bonnet.
+/// Closes the cabin towards the engine: otherwise the driver would see the road below the bonnet.
 Primitive make_bulkhead() {
   const Primitive plane = make_quad({0.0, 0.2, 0.9}, {0.0, 0.85, 0.0}, {0.95, 0.0, 0.0}, 24);
   return symmetric(clip(plane, [](const Vec3& p) { return car_body(p) + 0.016; }));

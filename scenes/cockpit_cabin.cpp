@@ -29,8 +29,9 @@ Vec3 floor_pan(double u, double v) {
 }
 
 void add_rear_bench(SceneBuilder* builder, const CockpitMaterials& m) {
-  const auto pad = [&](const std::string& name, const Vec3& size, double radius, const glm::dmat4& place,
-                       int material) { builder->add_part(name, make_rounded_box(size, radius, 4), material, place); };
+  const auto pad = [&](const std::string& name, const Vec3& size, double radius, const glm::dmat4& pose, int material) {
+    builder->add_part(name, make_rounded_box(size, radius, 4), material, pose);
+  };
   pad("rear_cushion_left", {0.56, 0.16, 0.46}, 0.055, translation(0.315, 0.375, -1.02) * rotation(-8.0, {1, 0, 0}),
       m.seat);
   pad("rear_cushion_right", {0.56, 0.16, 0.46}, 0.055, translation(-0.315, 0.375, -1.02) * rotation(-8.0, {1, 0, 0}),
@@ -129,14 +130,14 @@ void add_door_trim(SceneBuilder* builder, const CockpitMaterials& m) {
            m.gunmetal);
 }
 
-/// A reflector in the plane z = 0 of `place`, facing +z; `size` in metres.
-BezierPatch flat_patch(const std::string& name, const glm::dmat4& place, const glm::dvec2& size, int material) {
+/// A reflector in the plane z = 0 of `pose`, facing +z; `size` in metres.
+BezierPatch flat_patch(const std::string& name, const glm::dmat4& pose, const glm::dvec2& size, int material) {
   BezierPatch patch;
   patch.name = name;
   patch.material = material;
   for (std::size_t i = 0; i < 16; ++i) {
     const glm::dvec2 at = size * (glm::dvec2(i % 4, i / 4) / 3.0 - 0.5);
-    patch.points[i] = glm::vec3(place * glm::dvec4(at, 0.0, 1.0));
+    patch.points[i] = glm::vec3(pose * glm::dvec4(at, 0.0, 1.0));
   }
   return patch;
 }

@@ -94,21 +94,21 @@ Vent make_vent(double width, double height) {
   return vent;
 }
 
-void add_vent(SceneBuilder* builder, const CockpitMaterials& m, const std::string& name, const glm::dmat4& place,
+void add_vent(SceneBuilder* builder, const CockpitMaterials& m, const std::string& name, const glm::dmat4& pose,
               double width, double height) {
   const Vent vent = make_vent(width, height);
-  builder->add_part(name + "_frame", transformed(vent.frame, place), m.chrome);
-  builder->add_part(name + "_inside", transformed(vent.inside, place), m.hard);
-  builder->add_part(name + "_slats", transformed(vent.slats, place), m.piano);
+  builder->add_part(name + "_frame", transformed(vent.frame, pose), m.chrome);
+  builder->add_part(name + "_inside", transformed(vent.inside, pose), m.hard);
+  builder->add_part(name + "_slats", transformed(vent.slats, pose), m.piano);
 }
 
 /// A display `size` wide and high in a thin dark housing; local frame: x right, y up, z towards the viewer.
-void add_display(SceneBuilder* builder, const std::string& name, const glm::dmat4& place, const Vec2& size, int screen,
+void add_display(SceneBuilder* builder, const std::string& name, const glm::dmat4& pose, const Vec2& size, int screen,
                  int housing) {
   builder->add_part(name + "_housing",
-                    transformed(make_rounded_box({size.x + 0.016, size.y + 0.016, 0.016}, 0.006, 2), place), housing);
+                    transformed(make_rounded_box({size.x + 0.016, size.y + 0.016, 0.016}, 0.006, 2), pose), housing);
   const Primitive picture = make_quad({-size.x / 2.0, -size.y / 2.0, 0.0086}, {size.x, 0, 0}, {0, size.y, 0}, 8);
-  builder->add_part(name, transformed(picture, place), screen);
+  builder->add_part(name, transformed(picture, pose), screen);
 }
 
 }  // namespace

@@ -88,18 +88,18 @@ Primitive make_pebble(const Vec3& size, double exponent, int n) {
 }
 
 void add_exterior_mirror(SceneBuilder* builder, const CockpitMaterials& m) {
-  const glm::dmat4 place = translation(0.962, 0.995, 0.310) * rotation(16.0, {0, 1, 0});
+  const glm::dmat4 pose = translation(0.962, 0.995, 0.310) * rotation(16.0, {0, 1, 0});
   const Field front = [](const Vec3& p) { return -0.040 - p.z; };
   const Rim rim{0.005, 0.010, 3};
   Primitive housing = clip(make_pebble({0.112, 0.070, 0.110}, 0.72, 18), front, &rim);
-  add_pair(builder, "mirror_housing", transformed(housing, place), m.paint);
+  add_pair(builder, "mirror_housing", transformed(housing, pose), m.paint);
   Primitive glass =
       extrude(round_corners({{-0.098, -0.056}, {0.098, -0.056}, {0.098, 0.056}, {-0.098, 0.056}}, 0.042, 8, true),
               0.004, 0.001, 1);
   add_pair(
       builder, "mirror_glass",
-      // Turned to what is behind the car, as the driver sees it.
-      transformed(glass, place * translation(0, 0, -0.046) * rotation(185.6, {0, 1, 0}) * rotation(-3.4, {1, 0, 0})),
+      // Rotated so that the driver sees the scene behind the car in it.
+      transformed(glass, pose * translation(0, 0, -0.046) * rotation(185.6, {0, 1, 0}) * rotation(-3.4, {1, 0, 0})),
       m.mirror);
   add_pair(builder, "mirror_foot",
            transformed(make_rounded_box({0.17, 0.026, 0.060}, 0.012, 2),

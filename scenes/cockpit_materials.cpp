@@ -10,7 +10,7 @@ using namespace modelling;
 
 namespace {
 
-/// `emissive` in cd/m2: displays at their daylight setting, lamps as bright as regulations ask for.
+/// `emissive` in cd/m2: displays at their daylight setting, lamps as required by regulations.
 Material emitter(const std::string& name, const glm::vec3& emissive) {
   Material material = plain_material(name, {0.02f, 0.02f, 0.02f}, 0.0f, 0.3f);
   material.emissive = emissive;

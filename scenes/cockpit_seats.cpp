@@ -24,21 +24,22 @@ struct SeatRing {
   double back;     ///< back face
 };
 
-/// Rings to cage points; `place(along, x, height)`. The sitting face runs towards +x for travel x (+x) = height.
+/// Converts rings to cage points; `to_point(along, x, height)`. The sitting face runs towards +x for travel x (+x) =
+/// height.
 std::vector<Vec3> seat_points(const std::vector<SeatRing>& rings,
-                              const std::function<Vec3(double, double, double)>& place) {
+                              const std::function<Vec3(double, double, double)>& to_point) {
   std::vector<Vec3> points;
   for (const SeatRing& r : rings) {
     for (int j = 0; j < 10; ++j) {
       const int k = j < 5 ? 4 - j : j - 5;
       const double side = j < 5 ? -1.0 : 1.0;
-      points.push_back(place(r.along, side * kAcross[k] * r.half, r.face + kBolster[k] * r.bolster));
+      points.push_back(to_point(r.along, side * kAcross[k] * r.half, r.face + kBolster[k] * r.bolster));
     }
     for (int j = 9; j >= 0; --j) {
       const int k = j < 5 ? 4 - j : j - 5;
       const double side = j < 5 ? -1.0 : 1.0;
       points.push_back(
-          place(r.along, side * kAcross[k] * r.half * 0.97, r.back + (k == 4 ? 0.3 * (r.face - r.back) : 0.0)));
+          to_point(r.along, side * kAcross[k] * r.half * 0.97, r.back + (k == 4 ? 0.3 * (r.face - r.back) : 0.0)));
     }
   }
   return points;

@@ -92,7 +92,8 @@ double lower_body(const Vec3& p) {
 double canopy(const Vec3& p) {
   const double ends =
       smooth_max(smooth_max(windshield_chart().height(p), canopy_roof(p), 0.10), rear_glass_chart().height(p), 0.10);
-  // Its floor rises where the rear glass goes on inside the boot: near the tail it would dent the skin.
+  // The floor rises behind the rear glass, whose surface continues inside the boot: near the tail it would dent the
+  // skin.
   const double floor = 0.86 + 0.12 * smoother(-1.7, -2.0, p.z);
   return std::max(smooth_max(ends, canopy_side(p), 0.11), floor - p.y);
 }
@@ -172,7 +173,7 @@ struct Ray {
   Vec3 direction;
 };
 
-/// Rays fan out of a spine in planes across the car, and turn with its ends.
+/// Rays fan out from a spine within planes across the car; these planes are rotated at the ends of the spine.
 Ray skin_ray(int station, int row) {
   // Up to the cant rail in steps of about 2 cm, over the roof in steps of 4 cm.
   const double elevation = row <= kFineRows

@@ -141,8 +141,8 @@ TextureImage make_center_image() {
 
 TextureImage make_asphalt_image() {
   return paint_image("asphalt", 512, 512, [](const Vec2& p) {
-    // Grains of 6 mm on a tile of 1.5 m, and stains so faint that their repetition is not seen. The mean is the albedo
-    // of the ground of the clear sky, so that the rim of the ground is not seen either.
+    // Grains of 6 mm on a tile of 1.5 m, and stains so faint that the tiling is invisible. The mean is the albedo of
+    // the ground of the clear sky, so that the border of the ground is invisible too.
     const double grain = tileable_noise(p.x / 2.0, p.y / 2.0, 256, 3u),
                  stain = tileable_fbm(p.x / 128.0, p.y / 128.0, 4, 3, 9u);
     const double shade = 0.40 + 0.035 * grain + 0.008 * stain;

@@ -8,7 +8,7 @@ namespace maquette::builtin {
 TextureImage make_cluster_image();
 /// Centre screen, 512 x 320: a street map with a side bar.
 TextureImage make_center_image();
-/// Asphalt that repeats at its edges, 256 x 256.
+/// Tileable asphalt, 256 x 256.
 TextureImage make_asphalt_image();
 
 }  // namespace maquette::builtin

@@ -95,8 +95,8 @@ Primitive make_housing(double z) {
   return housing;
 }
 
-/// Coordinate of a line of the ground at t in [0, 1]: evenly spaced under and around the car, where shadows have edges
-/// (visibility is found at the vertices), ever wider out to the rim.
+/// Coordinate of a grid line of the ground at t in [0, 1]: evenly spaced under and around the car, where shadows have
+/// edges (visibility is baked at the vertices), with growing distance outside.
 double ground_line_m(double t, double fine_half_m) {
   constexpr double kFineShare = 0.7, kHalf_m = 15.0;
   const double s = 2.0 * t - 1.0, outside = std::max(0.0, std::abs(s) - kFineShare) / (1.0 - kFineShare);
@@ -116,7 +116,7 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
       revolve(round_corners({{0.05, 0.0}, {0.175, 0.0}, {0.175, 0.020}, {0.08, 0.020}, {0.08, 0.036}, {0.0, 0.036}},
                             0.002, 1, false),
               48);
-  const auto place = [&](const Primitive& p) { return transformed(p, axle); };
+  const auto on_axle = [&](const Primitive& p) { return transformed(p, axle); };
   std::vector<int> parts;
   const char* corner[4] = {"front_left", "front_right", "rear_left", "rear_right"};
   const double track = 0.782;
@@ -127,11 +127,11 @@ void add_wheels(SceneBuilder* builder, const CockpitMaterials& m) {
         translation(right ? -track : track, kWheelRadius_m, z) * rotation(right ? 180.0 : 0.0, {0, 1, 0});
     const std::string suffix = std::string("_") + corner[i];
     if (i == 0) {
-      parts = {builder->add_part("tyre" + suffix, place(make_tyre()), m.rubber, at),
-               builder->add_part("rim" + suffix, place(make_rim_barrel()), m.gunmetal, at),
-               builder->add_part("spokes" + suffix, place(make_spokes()), m.brushed, at),
-               builder->add_part("hub_cap" + suffix, place(cap), m.piano, at),
-               builder->add_part("brake_disc" + suffix, place(disc), m.disc, at)};
+      parts = {builder->add_part("tyre" + suffix, on_axle(make_tyre()), m.rubber, at),
+               builder->add_part("rim" + suffix, on_axle(make_rim_barrel()), m.gunmetal, at),
+               builder->add_part("spokes" + suffix, on_axle(make_spokes()), m.brushed, at),
+               builder->add_part("hub_cap" + suffix, on_axle(cap), m.piano, at),
+               builder->add_part("brake_disc" + suffix, on_axle(disc), m.disc, at)};
     } else {
       const char* names[5] = {"tyre", "rim", "spokes", "hub_cap", "brake_disc"};
       for (std::size_t k = 0; k < 5; ++k) builder->add_instance(names[k] + suffix, parts[k], at);

@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kMaxWidth = 8192;
 constexpr int kMaxHeight = 4096;
-/// Larger values are taken for broken: the sun is 1.6e9 cd/m2, and squares must stay finite in float.
+/// Larger values are treated as invalid: the sun has 1.6e9 cd/m2, and squares must stay finite in float.
 constexpr float kMaxRadiance = 1e15f;
 
 std::size_t texel_index(const Environment& environment, int x, int y) {
@@ -31,8 +31,8 @@ bool is_valid(const glm::vec3& rgb) {
   return fine(rgb.x) && fine(rgb.y) && fine(rgb.z);
 }
 
-/// Rows of a file, averaged over area into a smaller map (or the same size) as they arrive.
-/// Broken texels have no weight; a texel that gets no weight at all is NaN, for repair_texels.
+/// Averages the rows of a file over area into a smaller map (or one of the same size) while they are read.
+/// Invalid texels have no weight; a texel without any weight becomes NaN, for repair_texels.
 class RowReducer {
  public:
   void begin(const HdrInfo& info) {
@@ -61,7 +61,7 @@ class RowReducer {
       add_narrow(first_row + r, &narrow[static_cast<std::size_t>(r) * static_cast<std::size_t>(width_)]);
   }
 
-  Environment take() {
+  Environment release() {
     Environment environment;
     environment.width = width_;
     environment.height = height_;
@@ -83,7 +83,7 @@ class RowReducer {
 
   /// Calls add(cell, share) for the one or two target cells that source cell `i` of `source_count` covers.
   template <class Add>
-  static void spread(int i, int source_count, int target_count, const Add& add) {
+  static void distribute(int i, int source_count, int target_count, const Add& add) {
     const double scale = static_cast<double>(target_count) / source_count;
     const double begin = i * scale;
     const double end = (i + 1) * scale;
@@ -97,12 +97,12 @@ class RowReducer {
     for (int x = 0; x < info_.width; ++x, row += info_.channels) {
       const glm::vec3 rgb(row[0], row[1], row[2]);
       if (!is_valid(rgb)) continue;
-      spread(x, info_.width, width_, [&](int cell, double share) { target[cell] += share * glm::dvec4(rgb, 1.0); });
+      distribute(x, info_.width, width_, [&](int cell, double share) { target[cell] += share * glm::dvec4(rgb, 1.0); });
     }
   }
 
   void add_narrow(int y, const glm::dvec4* row) {
-    spread(y, info_.height, height_, [&](int cell, double share) {
+    distribute(y, info_.height, height_, [&](int cell, double share) {
       if (cell != open_row_) finish_row(cell);
       for (int x = 0; x < width_; ++x) sums_[static_cast<std::size_t>(x)] += share * row[x];
     });
@@ -195,7 +195,7 @@ Environment load_environment(const std::string& source) {
     stream_hdr_image(
         source, [&](const HdrInfo& info) { reducer.begin(info); },
         [&](int first_row, int row_count, const float* values) { reducer.add(first_row, row_count, values); });
-    environment = reducer.take();
+    environment = reducer.release();
     environment.name = std::filesystem::path(source).filename().string();
   }
   finish(environment);

@@ -18,8 +18,8 @@ struct Environment {
   std::vector<std::string> warnings;  ///< repaired texels (NaN, inf, negative), downsampling of a huge map, ...
 };
 
-/// .hdr or .exr, or `builtin:clear-sky`, `builtin:studio`. Throws Error (unreadable, not an image, zero size).
-/// NaN, infinite or negative texels become the mean of their valid neighbours (0 without any) and are reported in
+/// Loads .hdr or .exr, or `builtin:clear-sky`, `builtin:studio`. Throws Error (unreadable, not an image, zero size).
+/// NaN, infinite or negative texels are replaced by the mean of their valid neighbours (0 without any) and reported in
 /// warnings.
 Environment load_environment(const std::string& source);
 std::vector<std::string> builtin_environment_names();
@@ -27,7 +27,7 @@ std::vector<std::string> builtin_environment_names();
 /// Unit direction of a point of the map; x in [0, width], y in [0, height], texel centres at half-integers.
 glm::dvec3 direction_from_latlong(double x, double y, int width, int height);
 glm::dvec2 latlong_from_direction(const glm::dvec3& direction, int width, int height);
-/// Bilinear between texel centres, longitude wraps, poles clamp. Double reference version.
+/// Bilinear between texel centres; longitude wraps, poles clamp. Reference version in double.
 glm::dvec3 evaluate_environment(const Environment& environment, const glm::dvec3& direction);
 
 }  // namespace maquette

@@ -117,7 +117,8 @@ double texel_solid_angle(int y) {
   return 2.0 * kPi / kWidth * (std::cos(kPi * y / kHeight) - std::cos(kPi * (y + 1) / kHeight));
 }
 
-/// Height of a far ridge above the horizon in radians: a few sines, so that it is the same everywhere and wraps.
+/// Height of a distant ridge above the horizon in radians: a sum of a few sines, so that it is deterministic and
+/// periodic.
 double ridge_rad(double longitude) {
   return radians(1.5 + 0.8 * std::sin(3.0 * longitude + 0.7) + 0.45 * std::sin(7.0 * longitude + 2.1) +
                  0.22 * std::sin(17.0 * longitude + 4.0) + 0.10 * std::sin(41.0 * longitude + 1.0));
@@ -125,7 +126,7 @@ double ridge_rad(double longitude) {
 
 // --- studio ----------------------------------------------------------------------------------------------------------
 
-/// A soft box: a rectangle in the room, brightest in the middle.
+/// A soft box: a rectangular light in the room, brightest in the middle.
 struct SoftBox {
   glm::dvec3 centre;  ///< m, seen from the origin
   glm::dvec3 half_u;  ///< m
@@ -151,7 +152,7 @@ const std::array<SoftBox, 7>& soft_boxes() {
   return kBoxes;
 }
 
-/// Share of the box's luminance seen along `direction`, 0 outside.
+/// The box's luminance along `direction` relative to its maximum, 0 outside.
 double soft_box_profile(const SoftBox& box, const glm::dvec3& direction) {
   const glm::dvec3 normal = glm::cross(box.half_u, box.half_v);
   const double denominator = glm::dot(direction, normal);
@@ -250,8 +251,8 @@ Environment make_clear_sky() {
     const double elevation = std::asin(std::clamp(d.y, -1.0, 1.0));
     const glm::dvec3 haze =
         elevation > radians(-20.0) ? sky.radiance(glm::normalize(glm::dvec3(d.x, 0.035, d.z))) : glm::dvec3(0.0);
-    // Aerial perspective: what is far takes the colour of the horizon. Edges fade over two texels: a longer lens
-    // would show the grid as stairs along the ridge.
+    // Aerial perspective: distant objects take the colour of the horizon. Edges fade over two texels: otherwise a long
+    // lens would show the grid as stairs along the ridge.
     constexpr double kFade_rad = 1.0 * kPi / kHeight;
     const glm::dvec3 plain = glm::mix(ground, haze, 0.45 * std::exp(std::min(elevation, 0.0) / radians(2.5)));
     const glm::dvec3 land = glm::mix(plain, glm::mix(ridge, haze, 0.5), smoothstep(-kFade_rad, kFade_rad, elevation));
@@ -260,7 +261,7 @@ Environment make_clear_sky() {
     const glm::dvec3 above = sky.radiance(glm::normalize(glm::dvec3(d.x, std::max(d.y, 0.0), d.z)));
     return glm::mix(land, above, smoothstep(edge - kFade_rad, edge + kFade_rad, elevation));
   });
-  // Normalised so that the grid holds the disc's energy exactly, whatever its coverage rounds to.
+  // Normalised so that the grid has exactly the disc's energy, whatever the rounding of its coverage.
   double covered = 0.0;
   std::vector<std::pair<std::size_t, double>> texels;
   const int sun_row = static_cast<int>(latlong_from_direction(sky.sun, kWidth, kHeight).y);

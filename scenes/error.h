@@ -5,8 +5,8 @@
 
 namespace maquette {
 
-/// A file, a user's input or a driver that is not good enough: one line that says where, what was
-/// expected and found, and what to do. Our own mistakes are assertions, never this.
+/// An unusable file, user input or driver: one line that says where, what was expected and found, and what to do. Never
+/// used for our own mistakes, which are assertions.
 class Error : public std::runtime_error {
  public:
   /// `where` is a path, an option or a key (may be empty); `what` names the fault; `remedy` what to do.
@@ -14,7 +14,7 @@ class Error : public std::runtime_error {
       : std::runtime_error((where.empty() ? "" : where + ": ") + what + (remedy.empty() ? "" : "; " + remedy)) {}
 };
 
-/// The call itself was wrong (unknown option, bad value): exit code 2 instead of 1.
+/// Wrong usage of the command line (unknown option, bad value): exit code 2 instead of 1.
 class UsageError : public Error {
  public:
   using Error::Error;

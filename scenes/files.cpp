@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Beside `path`, same extension, unlike any other process's or thread's; no longer than a name may be.
+/// Path beside `path` with the same extension, unique to process and thread, within the limit for names.
 std::string temporary_path(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   const fs::path target(path);
@@ -95,7 +95,7 @@ std::vector<std::byte> read_file(const std::string& path, std::size_t max_bytes)
     bytes.resize(static_cast<std::size_t>(stream.gcount()));
     return bytes;
   }
-  // A pipe or device: no size known beforehand.
+  // A pipe or device has no known size.
   char chunk[65536];
   while (stream.read(chunk, sizeof chunk), stream.gcount() > 0) {
     const auto* begin = reinterpret_cast<const std::byte*>(chunk);
@@ -129,17 +129,17 @@ bool is_written_through(const std::string& path) {
 std::string link_target(const std::string& path) {
   std::error_code code;
   fs::path target = path;
-  for (int i = 0; i < 40 && fs::is_symlink(target, code); ++i) {  // as many as Linux follows
+  for (int i = 0; i < 40 && fs::is_symlink(target, code); ++i) {  // the limit of Linux
     const fs::path next = fs::read_symlink(target, code);
     if (code) break;
-    target = target.parent_path() / next;  // an absolute one replaces it
+    target = target.parent_path() / next;  // an absolute target replaces the path
   }
   return target.string();
 }
 
 namespace {
 
-/// Makes the file elsewhere and copies its bytes into what is there: a pipe or a device cannot be renamed over.
+/// Writes to a temporary file and copies its bytes into the target: a pipe or a device cannot be replaced by renaming.
 void write_through(const std::string& path, const std::function<void(const std::string&)>& write) {
   const std::string temporary = temporary_path((fs::temp_directory_path() / fs::path(path).filename()).string());
   try {

@@ -9,9 +9,9 @@
 namespace maquette::gltf {
 namespace {
 
-/// The part of the file that tinygltf parses: structure only. Buffers and images are read by us (in place, in
-/// parallel), and extensions and extras stay JSON. Its reader insists on a buffer view for indices, which Draco
-/// primitives need not have.
+/// The part of the file that tinygltf parses: the structure. We read buffers and images ourselves (in place, in
+/// parallel), and extensions and extras stay JSON. tinygltf requires a buffer view for indices, which Draco primitives
+/// need not have.
 Json core_of(const Json& root) {
   Json core = Json::object();
   for (const char* key :

@@ -8,7 +8,7 @@ namespace maquette::gltf {
 namespace {
 
 constexpr const char* kRemedy = "the file is damaged; export it again";
-/// An accessor without a buffer view is zeros and costs the file nothing: bound what it may ask for.
+/// Limit for accessors without a buffer view: they consist of zeros, so that a small file could request any size.
 constexpr std::size_t kMaxZeroElements = std::size_t{1} << 24;
 
 struct Strided {
@@ -40,10 +40,10 @@ std::size_t component_bytes(int component_type) {
   }
 }
 
-/// Places `count` elements of `element_bytes` in a view. Arithmetic cannot overflow: all inputs are below 2^53 or
+/// Locates `count` elements of `element_bytes` in a view. The arithmetic cannot overflow: all inputs are below 2^53 or
 /// bounded.
-Strided place(const Document& document, const std::string& where, std::size_t view, std::size_t byte_offset,
-              std::size_t count, std::size_t element_bytes) {
+Strided locate_elements(const Document& document, const std::string& where, std::size_t view, std::size_t byte_offset,
+                        std::size_t count, std::size_t element_bytes) {
   const Bytes bytes = view_bytes(document, view);
   Strided out;
   out.stride = document.model.bufferViews[view].byteStride;
@@ -79,8 +79,8 @@ Strided resolve(const Document& document, std::size_t index, int components) {
                 kRemedy);
   Strided out;
   if (accessor.bufferView >= 0) {
-    out = place(document, where, static_cast<std::size_t>(accessor.bufferView), accessor.byteOffset, accessor.count,
-                size * static_cast<std::size_t>(components));
+    out = locate_elements(document, where, static_cast<std::size_t>(accessor.bufferView), accessor.byteOffset,
+                          accessor.count, size * static_cast<std::size_t>(components));
   } else if (accessor.count > kMaxZeroElements) {
     throw Error(where, "asks for " + std::to_string(accessor.count) + " elements without a bufferView", kRemedy);
   }
@@ -156,8 +156,8 @@ std::vector<std::uint32_t> to_integers(const std::string& where, const Strided& 
   return out;
 }
 
-/// Replaces elements as `accessors[index].sparse` says; `store(element, source, i)` puts the i-th sparse value in
-/// place.
+/// Replaces elements as specified by `accessors[index].sparse`; `store(element, source, i)` stores the i-th sparse
+/// value.
 template <typename Store>
 void apply_sparse(const Document& document, std::size_t index, const Strided& dense, const Store& store) {
   const auto& sparse = document.model.accessors[index].sparse;
@@ -169,12 +169,12 @@ void apply_sparse(const Document& document, std::size_t index, const Strided& de
   const auto index_offset = json["indices"].value("byteOffset", std::size_t{0});
   const auto value_offset = json["values"].value("byteOffset", std::size_t{0});
   if (index_bytes == 0) throw Error(where, "componentType of its indices is not one of glTF's", kRemedy);
-  Strided places =
-      place(document, where, static_cast<std::size_t>(sparse.indices.bufferView), index_offset, count, index_bytes);
+  Strided places = locate_elements(document, where, static_cast<std::size_t>(sparse.indices.bufferView), index_offset,
+                                   count, index_bytes);
   places.component_type = sparse.indices.componentType;
   const std::size_t bytes = component_bytes(dense.component_type) * static_cast<std::size_t>(dense.components);
   Strided values =
-      place(document, where, static_cast<std::size_t>(sparse.values.bufferView), value_offset, count, bytes);
+      locate_elements(document, where, static_cast<std::size_t>(sparse.values.bufferView), value_offset, count, bytes);
   values.component_type = dense.component_type;
   values.components = dense.components;
   values.normalized = dense.normalized;

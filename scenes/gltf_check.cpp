@@ -11,9 +11,9 @@
 namespace maquette::gltf {
 namespace {
 
-/// glTF files nest about ten deep; recursion of the parsers behind us must stay bounded.
+/// Largest nesting depth, so that the recursion of the parsers stays bounded; glTF files nest about ten deep.
 constexpr int kMaxNesting = 200;
-/// Exact integers of a double: counts and offsets above are damage.
+/// Largest integer that a double represents exactly: larger counts and offsets are invalid.
 constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 
 constexpr std::array<std::string_view, 13> kReadExtensions = {
@@ -112,7 +112,7 @@ constexpr Rule kRules[] = {
 
 constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
 
-/// Walks the rules over one document; `trail_` is where it stands, put into words only when something is wrong.
+/// Applies the rules to one document; `trail_` is the current position, formatted only for an error.
 class Checker {
  public:
   Checker(const std::string& path, const Json& root) : path_(path), root_(root) {}
@@ -261,7 +261,8 @@ void check_nesting(const std::string& path, std::string_view text) {
   }
 }
 
-/// Extensions used anywhere, also undeclared ones; `extras` are the author's own.
+/// Collects the extensions used anywhere, also undeclared ones; `extras` are skipped, because they belong to the
+/// author.
 void collect_extensions(const Json& value, std::set<std::string>* names) {
   if (value.is_array()) {
     for (const Json& item : value) collect_extensions(item, names);

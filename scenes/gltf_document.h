@@ -13,8 +13,8 @@
 
 namespace maquette::gltf {
 
-/// One opened file while it is imported. Core members come from `model`; extensions and extras, which tinygltf would
-/// need a build of its own for, from `root`. Both have been checked: indices are valid, members have their type.
+/// One opened file during its import. Core members come from `model`; extensions and extras, which tinygltf does not
+/// keep in our build, come from `root`. Both have been checked: indices are valid, members have their type.
 struct Document {
   std::string path;
   std::vector<std::byte> file;
@@ -31,26 +31,26 @@ Document open_document(const std::string& path);
 /// Bytes of a buffer view, checked against its buffer.
 Bytes view_bytes(const Document& document, std::size_t view);
 
-/// Accessors, converted to float: normalised integers mapped to [0, 1] or [-1, 1], sparse values put in place.
-/// Throws Error: wrong type, outside its view, absurd count.
+/// Accessors, converted to float: normalised integers are mapped to [0, 1] or [-1, 1], sparse values are inserted.
+/// Throws Error: wrong type, outside its view, too many elements.
 template <int N>
 std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor);
-/// VEC3 (alpha 1) or VEC4.
+/// Reads VEC3 (alpha 1) or VEC4.
 std::vector<glm::vec4> read_colors(const Document& document, std::size_t accessor);
-/// SCALAR of an unsigned integer type.
+/// Reads SCALAR of an unsigned integer type.
 std::vector<std::uint32_t> read_indices(const Document& document, std::size_t accessor);
 std::vector<float> read_scalars(const Document& document, std::size_t accessor);
 
-/// Decodes images in parallel; one that cannot be read stays empty and is warned of.
+/// Decodes images in parallel; an unreadable image stays empty and causes a warning.
 void import_images(Document* document, Scene* scene);
 /// Fills images, materials (textures included) and variants.
 void import_materials(Document* document, Scene* scene);
 /// Fills meshes, decoding primitives in parallel.
 void import_meshes(Document* document, Scene* scene);
-/// Fills nodes, roots, cameras, lights and patches; only what the default scene reaches.
+/// Fills nodes, roots, cameras, lights and patches; only what the default scene refers to.
 void import_nodes(Document* document, Scene* scene);
 
-/// What `extras.maquette` adds (docs/formats.md): control cages of meshes, Bezier patches, flags of nodes.
+/// Imports `extras.maquette` (docs/formats.md): control cages of meshes, Bezier patches, flags of nodes.
 void import_cages(const Document& document, Scene* scene);
 void import_patches(const Document& document, Scene* scene);
 void import_node_extras(const Json& json, const std::string& where, const Scene& scene, Node* node);
@@ -61,7 +61,7 @@ const Json* find_extension(const Json& element, const char* name);
 /// Element of a top-level array of the JSON.
 const Json& element_json(const Document& document, const char* array, std::size_t index);
 
-/// Optional members with a default. Throw Error(where, ...) for the wrong type or length.
+/// Optional members with a default. They throw Error(where, ...) for the wrong type or length.
 float read_number(const Json& object, const char* key, float fallback, const std::string& where);
 bool read_flag(const Json& object, const char* key, bool fallback, const std::string& where);
 std::string read_text(const Json& object, const char* key, const std::string& where);

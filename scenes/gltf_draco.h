@@ -22,7 +22,7 @@ struct DracoMesh {
 };
 
 /// Decodes one KHR_draco_mesh_compression stream; `attribute_ids` maps glTF names to Draco's unique ids.
-/// Throws Error(where, ...) for damaged data or attributes that are not in it.
+/// Throws Error(where, ...) for damaged data or missing attributes.
 DracoMesh decode_draco(const std::string& where, std::span<const std::byte> bytes,
                        const std::map<std::string, std::uint32_t>& attribute_ids);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr const char* kRemedy = "see docs/formats.md for the members of extras.maquette";
 
-/// Numbers given in place, or the index of an accessor.
+/// Reads numbers that are given directly or by the index of an accessor.
 class ArrayReader {
  public:
   ArrayReader(const Document& document, const Json& object, std::string where)
@@ -160,12 +160,12 @@ void import_patches(const Document& document, Scene* scene) {
 void import_node_extras(const Json& json, const std::string& where, const Scene& scene, Node* node) {
   const Json* extras = find_extras(json);
   if (extras == nullptr) return;
-  const std::string place = where + ".extras.maquette";
-  node->reflector = read_flag(*extras, "reflector", false, place);
-  node->visible = read_flag(*extras, "visible", true, place);
+  const std::string extras_path = where + ".extras.maquette";
+  node->reflector = read_flag(*extras, "reflector", false, extras_path);
+  node->visible = read_flag(*extras, "visible", true, extras_path);
   if (!extras->contains("bezier_patch")) return;
-  const std::size_t patch = read_natural(*extras, "bezier_patch", 0, place);
-  if (patch >= scene.patches.size()) throw Error(place + ".bezier_patch", "is out of range", kRemedy);
+  const std::size_t patch = read_natural(*extras, "bezier_patch", 0, extras_path);
+  if (patch >= scene.patches.size()) throw Error(extras_path + ".bezier_patch", "is out of range", kRemedy);
   node->patch = static_cast<int>(patch);
 }
 

@@ -13,7 +13,7 @@ namespace maquette::gltf {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
-/// Collects what a file asks for and is not supported: one line per kind, naming the first element and how many more.
+/// Collects warnings about unsupported features: one line per kind, naming the first element and the number of others.
 class Warnings {
  public:
   /// `what` is the kind and the text; `where` the element, e.g. `meshes[3].primitives[0]` (may be empty).
@@ -31,7 +31,7 @@ class Warnings {
   std::map<std::string, std::size_t> index_;
 };
 
-/// The two parts of a .glb, or the whole of a .gltf as `json` (`binary` is then empty). Views into the bytes given.
+/// The two parts of a .glb, or all of a .gltf as `json` (with an empty `binary`). Views into the given bytes.
 struct Container {
   std::string_view json;
   Bytes binary;
@@ -40,16 +40,16 @@ struct Container {
 /// Throws Error: wrong magic or version, truncated, chunks out of order.
 Container split_container(const std::string& path, Bytes file, Warnings* warnings);
 
-/// Parses and checks the JSON against the shape of glTF 2.0: types, required members, every index within its array,
-/// nesting depth. After this the readers need no further checks of structure. Throws Error naming the member.
+/// Parses the JSON and checks it against the schema of glTF 2.0: types, required members, indices, nesting depth. After
+/// this the readers need no further checks of structure. Throws Error naming the member.
 Json parse_checked(const std::string& path, std::string_view text);
 
-/// Throws Error for a required extension that is not read; warns once for each other extension that is not read.
+/// Throws Error for an unsupported required extension; warns once for each other unsupported extension.
 void check_extensions(const std::string& path, const Json& root, Warnings* warnings);
 
 /// Bytes of a `data:` URI (base64 or percent-encoded text). Throws Error.
 std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri);
-/// A relative URI as a path beside `path`.
+/// Path of a relative URI, resolved against `path`.
 std::string resolve_uri(const std::string& path, std::string_view uri);
 
 /// Text of an Error: `path: element`.

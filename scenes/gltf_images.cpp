@@ -12,7 +12,7 @@
 namespace maquette::gltf {
 namespace {
 
-/// Texels of one image; larger ones are damage or no texture of a car.
+/// Limit of the texels of one image; larger images are invalid or not meant for a car.
 constexpr std::int64_t kMaxTexels = std::int64_t{1} << 28;
 
 /// Encoded bytes of image `index`; external and data: URIs are stored in `owned`.

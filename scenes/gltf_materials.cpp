@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
 constexpr std::size_t kNearestFilter = 9728, kClampToEdge = 33071, kMirroredRepeat = 33648;
 
-/// Reads one material; keeps where it stands for error messages.
+/// Reads one material; keeps its position in the file for error messages.
 class MaterialReader {
  public:
   MaterialReader(Document* document, const Scene& scene, std::size_t index)
@@ -48,7 +48,7 @@ class MaterialReader {
   float number(const Json& object, const char* key, float fallback) const {
     return read_number(object, key, fallback, where_);
   }
-  /// A factor that the specification keeps in [0, 1]: outside is repaired and reported.
+  /// A factor that the specification limits to [0, 1]: other values are clamped and reported.
   float factor(const Json& object, const char* key, float fallback) {
     const float value = number(object, key, fallback);
     if (value < 0.0f || value > 1.0f) document_.warnings.add(std::string(key) + " outside 0..1 is clamped", name_);
@@ -57,9 +57,9 @@ class MaterialReader {
   template <int N>
   glm::vec<N, float> colour(const Json& object, const char* key, const glm::vec<N, float>& fallback) {
     const auto value = read_vector<N>(object, key, fallback, where_);
-    const auto sound = glm::max(value, glm::vec<N, float>(0.0f));
-    if (sound != value) document_.warnings.add(std::string(key) + " below 0 is clamped", name_);
-    return sound;
+    const auto clamped = glm::max(value, glm::vec<N, float>(0.0f));
+    if (clamped != value) document_.warnings.add(std::string(key) + " below 0 is clamped", name_);
+    return clamped;
   }
 
   std::size_t texture_index(const Json& info, const std::string& where) const {
@@ -87,7 +87,7 @@ class MaterialReader {
       return ref;
     }
     const auto image = source["source"].get<std::size_t>();
-    if (scene_.images[image].width == 0) return ref;  // could not be read: warned of with the image
+    if (scene_.images[image].width == 0) return ref;  // unreadable: the image has already been reported
     ref.image = static_cast<int>(image);
     if (source.contains("sampler")) {
       const Json& sampler = element_json(document_, "samplers", source["sampler"].get<std::size_t>());

@@ -86,7 +86,7 @@ class MaterialWriter {
     if (material.occlusion_texture)
       put_number(&(*out)["occlusionTexture"], "strength", material.occlusion_strength, 1.0f);
     put_texture(out, "emissiveTexture", material.emissive_texture);
-    // glTF keeps the factor within 0..1; a power of two divides without rounding.
+    // glTF limits the factor to 0..1; division by a power of two is exact.
     const float largest = std::max({material.emissive.r, material.emissive.g, material.emissive.b});
     const float strength = largest > 1.0f ? std::exp2(std::ceil(std::log2(largest))) : 1.0f;
     if (largest > 0.0f) (*out)["emissiveFactor"] = to_json(material.emissive / strength);

@@ -15,10 +15,10 @@ namespace {
 
 constexpr const char* kRemedy = "the file is damaged; export it again";
 constexpr const char* kDraco = "KHR_draco_mesh_compression";
-/// Beyond this, squares of lengths leave float's range; no car is a billion kilometres long.
+/// Above this, squares of lengths exceed float's range.
 constexpr float kMaxCoordinate_m = 1e12f;
 
-/// One primitive of one mesh, imported on its own.
+/// Import of one primitive of one mesh.
 struct Task {
   std::size_t mesh = 0, primitive = 0;
   std::size_t cost = 0;
@@ -177,7 +177,7 @@ std::size_t replace_non_finite(std::vector<Vector>* values, const Vector& by) {
   return count;
 }
 
-/// Drops triangles at vertices that are NaN, infinite or out of range, and moves those vertices onto a sound one.
+/// Removes triangles at vertices that are NaN, infinite or out of range, and moves those vertices to a valid one.
 void repair_positions(Task* task) {
   Primitive& primitive = task->out;
   std::vector<char> bad(primitive.positions.size(), 0);
@@ -192,12 +192,12 @@ void repair_positions(Task* task) {
     if (!bad[t[0]] && !bad[t[1]] && !bad[t[2]]) kept.insert(kept.end(), t, t + 3);
   }
   primitive.indices = std::move(kept);
-  const auto sound = std::find(bad.begin(), bad.end(), 0);
-  if (sound == bad.end()) {
+  const auto first_valid = std::find(bad.begin(), bad.end(), 0);
+  if (first_valid == bad.end()) {
     task->drawable = false;
     return;
   }
-  const glm::vec3 replacement = primitive.positions[static_cast<std::size_t>(sound - bad.begin())];
+  const glm::vec3 replacement = primitive.positions[static_cast<std::size_t>(first_valid - bad.begin())];
   for (std::size_t i = 0; i < bad.size(); ++i)
     if (bad[i]) primitive.positions[i] = replacement;
 }
@@ -225,7 +225,7 @@ void warn_of_attributes(const AttributeReader& reader, Task* task) {
     const std::string& name = it.key();
     const bool is_read = name == "POSITION" || name == "NORMAL" || name == "TANGENT" || name == "TEXCOORD_0" ||
                          name == "TEXCOORD_1" || name == "COLOR_0";
-    const bool of_skin = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");  // warned of with the skins
+    const bool of_skin = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");  // reported with the skins
     if (!is_read && !of_skin) task->warnings.add("the vertex attribute " + name + " is ignored", name_of(*task));
   }
   if (reader.json().contains("targets") && !reader.json()["targets"].empty())
@@ -286,7 +286,7 @@ std::size_t estimate_cost(const Document& document, const Json& primitive) {
   return position == primitive["attributes"].end() ? 0 : document.model.accessors[position->get<std::size_t>()].count;
 }
 
-/// Runs the most expensive tasks first, each on the next free thread: one large stream must not be last.
+/// Runs the most expensive tasks first, each on the next free thread, so that a large stream is not the last one.
 void run_in_parallel(const Document& document, std::vector<Task>* tasks) {
   std::vector<std::size_t> order(tasks->size());
   std::iota(order.begin(), order.end(), std::size_t{0});

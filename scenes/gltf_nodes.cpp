@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kRemedy = "the file is damaged; export it again";
 constexpr const char* kLights = "KHR_lights_punctual";
-/// Products of transforms beyond this leave float's range once points are squared.
+/// Above this, squares of transformed points exceed float's range.
 constexpr float kMaxTransform = 1e12f;
 
 glm::mat4 local_transform(Document* document, std::size_t index) {
@@ -32,7 +32,7 @@ glm::mat4 local_transform(Document* document, std::size_t index) {
   return glm::mat4(local);
 }
 
-/// Parents of all nodes. Throws for a node with two parents or that is its own ancestor.
+/// Parents of all nodes. Throws for a node that has two parents or is its own ancestor.
 std::vector<int> find_parents(const Document& document) {
   const auto& nodes = document.model.nodes;
   std::vector<int> parents(nodes.size(), -1);
@@ -45,7 +45,7 @@ std::vector<int> find_parents(const Document& document) {
       parent = static_cast<int>(i);
     }
   }
-  // With one parent each, whatever no root reaches goes round in a circle.
+  // With at most one parent each, nodes that no root reaches form a cycle.
   std::vector<char> reached(nodes.size(), 0);
   std::vector<int> stack;
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -81,7 +81,7 @@ std::vector<int> root_nodes(const Document& document, const std::vector<int>& pa
   return roots;
 }
 
-/// Camera index in the scene of each camera of the file, -1 for those that are not read.
+/// Index in the scene of each camera of the file, -1 for unsupported ones.
 std::vector<int> import_cameras(Document* document, Scene* scene) {
   std::vector<int> map;
   for (std::size_t i = 0; i < document->model.cameras.size(); ++i) {
@@ -127,9 +127,9 @@ PunctualLight import_light(const Json& json, const std::string& where) {
   if (light.kind == PunctualLight::Kind::spot && json.contains("spot")) {
     light.inner_cone_rad = read_number(json["spot"], "innerConeAngle", light.inner_cone_rad, where + ".spot");
     light.outer_cone_rad = read_number(json["spot"], "outerConeAngle", light.outer_cone_rad, where + ".spot");
-    const bool sound = light.inner_cone_rad >= 0.0f && light.inner_cone_rad < light.outer_cone_rad &&
+    const bool valid = light.inner_cone_rad >= 0.0f && light.inner_cone_rad < light.outer_cone_rad &&
                        light.outer_cone_rad <= glm::half_pi<float>() + 1e-6f;
-    if (!sound) throw Error(where + ".spot", "cone angles are not 0 <= inner < outer <= pi/2", kRemedy);
+    if (!valid) throw Error(where + ".spot", "cone angles are not 0 <= inner < outer <= pi/2", kRemedy);
   }
   return light;
 }
@@ -190,7 +190,7 @@ void import_nodes(Document* document, Scene* scene) {
   import_lights(*document, scene);
   const std::vector<int> parents = find_parents(*document);
 
-  // Only what the default scene reaches is kept, in the order of the file.
+  // Keeps only the nodes that the default scene reaches, in the order of the file.
   const std::vector<int> roots = root_nodes(*document, parents);
   std::vector<int> new_index(parents.size(), -1);
   std::vector<int> stack = roots;

@@ -26,7 +26,7 @@
 namespace maquette {
 namespace {
 
-constexpr int kStripRows = 256;  // the tallest block of lines that a compression uses (DWAB)
+constexpr int kStripRows = 256;  // the largest block of lines of any compression (DWAB)
 
 enum class Layout { rgb, luminance, luminance_chroma };
 
@@ -65,7 +65,7 @@ HdrInfo read_info(const std::string& path, const Imf::Header& header) {
   return {static_cast<int>(width), static_cast<int>(height), header.channels().findChannel("A") ? 4 : 3};
 }
 
-/// R, G, B (A) or Y as floats; Y fills all three colours.
+/// R, G, B (A) or Y as floats; Y is copied to all three channels.
 void stream_plain(const std::string& path, Imf::InputPart& part, Layout layout, const HdrInfo& info,
                   const HdrRows& rows) {
   const Imath::V2i origin = part.header().dataWindow().min;
@@ -98,7 +98,7 @@ void stream_plain(const std::string& path, Imf::InputPart& part, Layout layout, 
   }
 }
 
-/// Luminance and subsampled chroma through OpenEXR's own conversion, in half precision as they are stored.
+/// Luminance and subsampled chroma, converted by OpenEXR, in half precision as they are stored.
 void stream_chroma(const std::string& path, const HdrInfo& info, const HdrRows& rows) {
   Imf::RgbaInputFile file(path.c_str());
   const Imath::V2i origin = file.dataWindow().min;
@@ -154,7 +154,7 @@ void stream_exr(const std::string& path, const HdrBegin& begin, const HdrRows& r
 
 namespace {
 
-/// Names the image's channels, with `prefix` before each, in header and buffer.
+/// Declares the image's channels, each with `prefix`, in header and frame buffer.
 void add_channels(const std::string& prefix, const Image& image, Imf::Header* header, Imf::FrameBuffer* buffer) {
   assert(image.width > 0 && image.height > 0 && (image.channels == 1 || image.channels == 3 || image.channels == 4));
   assert(image.data.size() == image.index(0, image.height));

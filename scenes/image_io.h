@@ -14,14 +14,14 @@ Image load_hdr_image(const std::string& path);
 /// Further images of an EXR file by name: the layer `variance` has the channels variance.R, variance.G, variance.B.
 using ImageLayers = std::map<std::string, Image>;
 
-/// Writes a linear image as EXR, 32-bit float (alpha kept), beside the target and renamed.
+/// Writes a linear image as EXR, 32-bit float (alpha kept), to a temporary file that is then renamed.
 /// `attributes` become string attributes of the header; `layers` have the image's size. Throws Error and leaves no
 /// partial file.
 void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes = {},
               const ImageLayers& layers = {});
 
-/// Writes an already tone mapped image (display-encoded, 0..1) as 8-bit PNG, beside and renamed. Opaque: alpha says where
-/// the sky is seen, and the sky belongs to the picture.
+/// Writes a tone mapped image (display-encoded, 0..1) as 8-bit PNG, to a temporary file that is then renamed. Opaque:
+/// alpha is 0 where the sky is visible, and the sky belongs to the picture.
 void save_png(const std::string& path, const Image& image);
 
 }  // namespace maquette

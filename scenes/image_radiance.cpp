@@ -1,5 +1,5 @@
-// Radiance pictures (.hdr). Own reader: stb_image takes a truncated file for black rows and needs the whole map in
-// memory. Source: Ward 1991, "Real Pixels", Graphics Gems II; and the Radiance file format description (filefmts,
+// Radiance pictures (.hdr). Own reader, because stb_image reads a truncated file as black rows and needs the whole map
+// in memory. Source: Ward 1991, "Real Pixels", Graphics Gems II; and the Radiance file format description (filefmts,
 // "Picture File Format").
 #include <tbb/parallel_for.h>
 
@@ -30,7 +30,7 @@ Error damaged(const std::string& path, const std::string& what) {
 
 std::string_view next_line(const std::string& path, Bytes bytes, std::size_t& position) {
   const auto begin = bytes.begin() + static_cast<std::ptrdiff_t>(position);
-  // A header line longer than this is no header.
+  // Header lines are limited to this length.
   const auto limit = begin + std::min<std::ptrdiff_t>(4096, bytes.end() - begin);
   const auto end = std::find(begin, limit, std::uint8_t{'\n'});
   if (end == limit) throw damaged(path, "the Radiance header does not end");
@@ -38,7 +38,7 @@ std::string_view next_line(const std::string& path, Bytes bytes, std::size_t& po
   return {reinterpret_cast<const char*>(&*begin), static_cast<std::size_t>(end - begin)};
 }
 
-/// `-Y height +X width`, the only orientation in use.
+/// Parses `-Y height +X width`, the only supported orientation.
 HdrInfo parse_resolution(const std::string& path, std::string_view line) {
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   const auto number = [&](std::string_view prefix) {
@@ -75,9 +75,9 @@ bool has_new_encoding(Bytes bytes, std::size_t position, int width) {
          bytes[position + 1] == 2 && ((bytes[position + 2] << 8) | bytes[position + 3]) == width;
 }
 
-/// Walks one row that starts at `position`; writes it to `rgbe` ([4][width] planes when new, else interleaved) unless
-/// that is null. Returns the position after the row, or 0 when the data is damaged or ends.
-std::size_t walk_new_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
+/// Scans one row that starts at `position`, and writes it to `rgbe` ([4][width] planes for the new encoding, otherwise
+/// interleaved) unless that is null. Returns the position after the row, or 0 when the data is damaged or ends early.
+std::size_t scan_new_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
   position += 4;
   const std::size_t row_bytes = 4 * static_cast<std::size_t>(width);
   for (std::size_t plane_begin = 0; plane_begin < row_bytes; plane_begin += static_cast<std::size_t>(width)) {
@@ -98,7 +98,7 @@ std::size_t walk_new_row(Bytes bytes, std::size_t position, int width, std::uint
   return position;
 }
 
-std::size_t walk_old_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
+std::size_t scan_old_row(Bytes bytes, std::size_t position, int width, std::uint8_t* rgbe) {
   std::size_t x = 0;
   unsigned shift = 0;
   while (x < static_cast<std::size_t>(width)) {
@@ -106,7 +106,7 @@ std::size_t walk_old_row(Bytes bytes, std::size_t position, int width, std::uint
     const std::uint8_t* texel = bytes.data() + position;
     position += 4;
     if (texel[0] == 1 && texel[1] == 1 &&
-        texel[2] == 1) {  // a run of the texel before; repeated codes are its higher digits
+        texel[2] == 1) {  // repeats the previous texel; consecutive codes are the higher digits of the count
       const std::size_t count = shift < 24 ? static_cast<std::size_t>(texel[3]) << shift : 0;
       if (x == 0 || count > static_cast<std::size_t>(width) - x) return 0;
       for (std::size_t i = 0; rgbe && i < count; ++i) std::copy_n(rgbe + 4 * (x - 1), 4, rgbe + 4 * (x + i));
@@ -134,7 +134,7 @@ void decode_row(Bytes bytes, std::size_t position, int width, float* rgb) {
   const auto count = static_cast<std::size_t>(width);
   std::vector<std::uint8_t> rgbe(4 * count);
   const bool planar = has_new_encoding(bytes, position, width);
-  planar ? walk_new_row(bytes, position, width, rgbe.data()) : walk_old_row(bytes, position, width, rgbe.data());
+  planar ? scan_new_row(bytes, position, width, rgbe.data()) : scan_old_row(bytes, position, width, rgbe.data());
   const std::size_t texel_stride = planar ? 1 : 4;
   const std::size_t channel_stride = planar ? count : 1;
   for (std::size_t x = 0; x < count; ++x) {
@@ -152,12 +152,12 @@ void stream_radiance(const std::string& path, const HdrBegin& begin, const HdrRo
   std::size_t position = 0;
   const HdrInfo info = parse_header(path, bytes, position);
 
-  // Rows are found first (no room is taken for what the file does not have), then decoded on all cores.
+  // Rows are located first (so that nothing is allocated for missing data), then decoded on all cores.
   std::vector<std::size_t> row_begins;
   for (int y = 0; y < info.height; ++y) {
     row_begins.push_back(position);
-    position = has_new_encoding(bytes, position, info.width) ? walk_new_row(bytes, position, info.width, nullptr)
-                                                             : walk_old_row(bytes, position, info.width, nullptr);
+    position = has_new_encoding(bytes, position, info.width) ? scan_new_row(bytes, position, info.width, nullptr)
+                                                             : scan_old_row(bytes, position, info.width, nullptr);
     if (position == 0)
       throw damaged(path, "truncated or damaged: " + std::to_string(y) + " of " + std::to_string(info.height) +
                               " rows can be read");

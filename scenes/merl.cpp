@@ -27,8 +27,8 @@ struct SliceResult {
   bool empty_column[kPhiDCount] = {};
 };
 
-/// Decodes the theta_d x phi_d entries of one theta_h into `rgb` and fills every column (fixed phi_d) that has a
-/// measured value.
+/// Decodes the theta_d x phi_d entries of one theta_h into `rgb`, and fills the gaps of every column (fixed phi_d) that
+/// has a measured value.
 SliceResult decode_slice(const std::byte* planes, std::size_t theta_h, glm::vec3* rgb) {
   SliceResult result;
   std::vector<double> values(3 * kSlice);
@@ -82,7 +82,7 @@ void fill_empty_columns(const std::vector<SliceResult>& slices, std::vector<glm:
       for (int step = 1; step < kThetaHCount && source < 0; ++step) {
         source = usable(theta_h - step) ? theta_h - step : usable(theta_h + step) ? theta_h + step : -1;
       }
-      if (source < 0) continue;  // the whole phi_d plane is empty: filled from its neighbour below
+      if (source < 0) continue;  // the whole phi_d plane is empty: filled from another one below
       for (std::size_t theta_d = 0; theta_d < kThetaDCount; ++theta_d) {
         const std::size_t offset = theta_d * kPhiDCount + static_cast<std::size_t>(phi);
         rgb[static_cast<std::size_t>(theta_h) * kSlice + offset] =
@@ -90,7 +90,7 @@ void fill_empty_columns(const std::vector<SliceResult>& slices, std::vector<glm:
       }
     }
   });
-  // A phi_d without one measured value anywhere: the nearest phi_d, periodic.
+  // A phi_d without any measured value takes the nearest phi_d, periodically.
   const auto empty_plane = [&](int phi) { return rgb[static_cast<std::size_t>(phi)].x < 0.0f; };
   std::vector<int> source(kPhiDCount, -1);
   for (int phi = 0; phi < kPhiDCount; ++phi) {

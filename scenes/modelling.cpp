@@ -27,7 +27,7 @@ double smooth_max(double a, double b, double k) {
 
 double smooth_min(double a, double b, double k) { return -smooth_max(-a, -b, k); }
 
-Curve::Curve(std::initializer_list<Vec2> knots) : knots_(knots), bends_(knots.size(), 0.0) {
+Curve::Curve(std::initializer_list<Vec2> knots) : knots_(knots), second_derivatives_(knots.size(), 0.0) {
   // Thomas algorithm for the tridiagonal system of second derivatives with free ends.
   const std::size_t n = knots_.size();
   std::vector<double> upper(n, 0.0), right(n, 0.0);
@@ -38,7 +38,7 @@ Curve::Curve(std::initializer_list<Vec2> knots) : knots_(knots), bends_(knots.si
     upper[i] = h1 / pivot;
     right[i] = (6.0 * rise - h0 * right[i - 1]) / pivot;
   }
-  for (std::size_t i = n - 1; i-- > 1;) bends_[i] = right[i] - upper[i] * bends_[i + 1];
+  for (std::size_t i = n - 1; i-- > 1;) second_derivatives_[i] = right[i] - upper[i] * second_derivatives_[i + 1];
 }
 
 double Curve::operator()(double x) const {
@@ -47,10 +47,13 @@ double Curve::operator()(double x) const {
   while (i + 2 < n && x > knots_[i + 1].x) ++i;
   const Vec2 a = knots_[i], b = knots_[i + 1];
   const double h = b.x - a.x, secant = (b.y - a.y) / h;
-  if (x < a.x) return a.y + (x - a.x) * (secant - h * (2.0 * bends_[i] + bends_[i + 1]) / 6.0);
-  if (x > b.x) return b.y + (x - b.x) * (secant + h * (bends_[i] + 2.0 * bends_[i + 1]) / 6.0);
+  if (x < a.x)
+    return a.y + (x - a.x) * (secant - h * (2.0 * second_derivatives_[i] + second_derivatives_[i + 1]) / 6.0);
+  if (x > b.x)
+    return b.y + (x - b.x) * (secant + h * (second_derivatives_[i] + 2.0 * second_derivatives_[i + 1]) / 6.0);
   const double p = (b.x - x) / h, q = (x - a.x) / h;
-  return p * a.y + q * b.y + h * h / 6.0 * ((p * p * p - p) * bends_[i] + (q * q * q - q) * bends_[i + 1]);
+  return p * a.y + q * b.y +
+         h * h / 6.0 * ((p * p * p - p) * second_derivatives_[i] + (q * q * q - q) * second_derivatives_[i + 1]);
 }
 
 Vec3 b_spline(const std::vector<Vec3>& points, double t) {
@@ -167,7 +170,7 @@ Primitive make_rounded_box(const Vec3& size, double radius, int k) {
   const double r = std::min(radius, 0.499 * std::min({size.x, size.y, size.z}));
   const Vec3 core = 0.5 * size - Vec3(r);
   const Vec3 axes[6] = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  // Rows 0..k turn through one edge, then the flat, then k+1..2k+1 through the other.
+  // Rows 0..k form one rounded edge, then the flat, then k+1..2k+1 the other edge.
   const auto angle = [&](int i) {
     return i <= k ? (static_cast<double>(i) / k - 1.0) * kPi / 4.0 : (i - k - 1.0) / k * kPi / 4.0;
   };

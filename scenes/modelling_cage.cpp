@@ -37,8 +37,7 @@ SubdivisionCage make_ring_cage(const std::vector<Vec3>& points, int columns, int
   return cage;
 }
 
-int SceneBuilder::add_cage(const std::string& name, const SubdivisionCage& cage, int material,
-                           const glm::dmat4& place) {
+int SceneBuilder::add_cage(const std::string& name, const SubdivisionCage& cage, int material, const glm::dmat4& pose) {
   Mesh mesh;
   mesh.name = name;
   mesh.cage = std::make_shared<const SubdivisionCage>(cage);
@@ -49,7 +48,7 @@ int SceneBuilder::add_cage(const std::string& name, const SubdivisionCage& cage,
   Node node;
   node.name = name;
   node.mesh = static_cast<int>(scene_.meshes.size()) - 1;
-  node.local = glm::mat4(place);
+  node.local = glm::mat4(pose);
   return add_node(std::move(node));
 }
 

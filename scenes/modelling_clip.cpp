@@ -33,7 +33,7 @@ class Clipper {
     return static_cast<std::uint32_t>(kept_[i]);
   }
 
-  /// Vertex where the field vanishes on the edge from i (inside) to j (outside).
+  /// Vertex at the zero of the field on the edge from i (inside) to j (outside).
   std::uint32_t cross(std::uint32_t i, std::uint32_t j) {
     const std::uint64_t key = (std::uint64_t{std::min(i, j)} << 32) | std::max(i, j);
     const auto [entry, added] = crossings_.try_emplace(key, 0u);
@@ -68,7 +68,7 @@ class Clipper {
       add(keep(corner[0]), keep(corner[1]), keep(corner[2]));
       return;
     }
-    // Turn the odd corner to the front; the cut runs counter-clockwise with the kept side on its left.
+    // Rotates the corners so that the odd one is first; the cut runs counter-clockwise with the kept side on its left.
     int odd = 0;
     while ((values_[corner[odd]] < 0.0) != (inside == 1)) ++odd;
     const std::uint32_t o = corner[odd], n = corner[(odd + 1) % 3], p = corner[(odd + 2) % 3];

@@ -93,7 +93,7 @@ int SceneBuilder::add_image(const TextureImage& image) {
   return static_cast<int>(scene_.images.size()) - 1;
 }
 
-int SceneBuilder::add_part(const std::string& name, Primitive primitive, int material, const glm::dmat4& place) {
+int SceneBuilder::add_part(const std::string& name, Primitive primitive, int material, const glm::dmat4& pose) {
   Mesh mesh;
   mesh.name = name;
   primitive.material = material;
@@ -102,15 +102,15 @@ int SceneBuilder::add_part(const std::string& name, Primitive primitive, int mat
   Node node;
   node.name = name;
   node.mesh = static_cast<int>(scene_.meshes.size()) - 1;
-  node.local = glm::mat4(place);
+  node.local = glm::mat4(pose);
   return add_node(std::move(node));
 }
 
-int SceneBuilder::add_instance(const std::string& name, int node, const glm::dmat4& place) {
+int SceneBuilder::add_instance(const std::string& name, int node, const glm::dmat4& pose) {
   Node instance;
   instance.name = name;
   instance.mesh = scene_.nodes[static_cast<std::size_t>(node)].mesh;
-  instance.local = glm::mat4(place);
+  instance.local = glm::mat4(pose);
   return add_node(std::move(instance));
 }
 

@@ -23,7 +23,7 @@ struct TextureImage {
 
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
 
-/// One use of an image: which UV set, its KHR_texture_transform, its sampler. `image` < 0: no texture.
+/// One use of an image: UV set, KHR_texture_transform and sampler. `image` < 0: no texture.
 struct TextureRef {
   int image = -1;
   int uv_set = 0;
@@ -38,7 +38,7 @@ struct TextureRef {
 
 enum class AlphaMode { opaque, mask, blend };
 
-/// glTF 2.0 metallic-roughness material with the extensions that are read (see docs/formats.md).
+/// glTF 2.0 metallic-roughness material with the supported extensions (see docs/formats.md).
 /// Colours are linear. When `measured` is set, a tabulated BRDF replaces the analytic lobes.
 struct Material {
   std::string name;
@@ -56,8 +56,8 @@ struct Material {
   float clearcoat_roughness = 0.0f;
   float transmission = 0.0f;
   float ior = 1.5f;
-  /// Above 0 (KHR_materials_volume, m) what transmits is a closed solid: mode reference refracts in it, the other modes
-  /// take its faces for panes. Light in it is filtered by attenuation_color every attenuation_distance (m).
+  /// Above 0 (KHR_materials_volume, m) a transmissive surface bounds a closed solid: mode reference refracts in it, the
+  /// other modes treat its faces as panes. attenuation_color is the transmittance over attenuation_distance (m).
   float thickness = 0.0f;
   glm::vec3 attenuation_color{1.0f};
   float attenuation_distance = std::numeric_limits<float>::infinity();
@@ -80,8 +80,8 @@ struct Material {
   /// base_color and base_color_texture then tint the table only if `tint_measured` is set.
   std::string measured;
   bool tint_measured = false;
-  /// Glass (`builtin:glass`, or transmission > 0), a thin pane unless `thickness` says otherwise: transmits and does
-  /// not occlude in the direct modes.
+  /// Glass (`builtin:glass`, or transmission > 0), a thin pane unless `thickness` is set: transmits light and does not
+  /// occlude in the direct modes.
   bool glass = false;
 };
 
@@ -111,7 +111,8 @@ struct SubdivisionCage {
 struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
-  /// When set, primitives[0] is its limit surface (positions, exact limit normals), rebuilt after edits of the cage.
+  /// When set, primitives[0] is its limit surface (positions, exact limit normals), computed again after edits of the
+  /// cage.
   std::shared_ptr<const SubdivisionCage> cage;
 };
 
@@ -155,7 +156,7 @@ struct Node {
   bool visible = true;
 };
 
-/// Everything a file or a built-in scene gives: values only, no OpenGL. Indices refer to the vectors here.
+/// The contents of a scene file or a built-in scene: values only, no OpenGL. Indices refer to the vectors here.
 struct Scene {
   std::string name;  ///< path or builtin:NAME
   std::vector<Node> nodes;
@@ -167,7 +168,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   std::vector<std::string> variants;
-  std::vector<std::string> warnings;  ///< one line each: what the file asks for and is not supported
+  std::vector<std::string> warnings;  ///< one line per unsupported feature of the file
 };
 
 struct Bounds {
@@ -182,7 +183,7 @@ struct Bounds {
 std::vector<glm::mat4> compute_world_transforms(const Scene& scene);
 /// World bounds of all visible meshes and patches.
 Bounds compute_bounds(const Scene& scene);
-/// Number of triangles that would be drawn.
+/// Number of triangles that are drawn.
 std::size_t count_triangles(const Scene& scene);
 /// Material index of a primitive under a variant (-1: the file's default assignment).
 int material_of(const Primitive& primitive, int variant);

@@ -27,7 +27,7 @@ constexpr std::size_t kGrain = 512;  // vertices per parallel task: some ten mic
 }  // namespace
 
 std::unique_ptr<Far::TopologyRefiner> make_refiner(const SubdivisionCage& cage) {
-  static std::once_flag silenced;  // faults are reported by our own Error, not on the terminal
+  static std::once_flag silenced;  // our own Error reports faults, not the terminal
   std::call_once(silenced, [] {
     Far::SetErrorCallback([](Far::ErrorType, const char*) {});
     Far::SetWarningCallback([](const char*) {});
@@ -66,7 +66,7 @@ namespace {
 std::unique_ptr<Far::TopologyRefiner> refine_uniformly(const SubdivisionCage& cage) {
   std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(cage);
   Far::TopologyRefiner::UniformOptions refinement(cage.levels);
-  refinement.fullTopologyInLastLevel = true;  // the rings around its vertices
+  refinement.fullTopologyInLastLevel = true;  // includes the one-rings of the vertices
   refiner->RefineUniform(refinement);
   return refiner;
 }
@@ -78,7 +78,7 @@ struct Span {
   std::vector<int> edges, faces;
 };
 
-/// What Sdc::Scheme asks of a vertex. A span is presented as a boundary vertex of its own.
+/// The view of a vertex that Sdc::Scheme needs. A span is presented as a boundary vertex of its own.
 struct SpanNeighborhood {
   const Span& span;
   int GetNumEdges() const { return static_cast<int>(span.edges.size()); }
@@ -89,7 +89,7 @@ struct SpanNeighborhood {
   }
 };
 
-/// What Sdc::Scheme writes its weights to.
+/// Receives the weights of Sdc::Scheme.
 class SpanMask {
  public:
   using Weight = float;
@@ -133,7 +133,7 @@ struct SubdivisionEvaluator::Impl {
   /// Vertices of the last level -> limit surface: weights of position and the two tangents.
   std::vector<std::uint32_t> ring_begin, ring_index;
   std::vector<glm::vec3> ring_weight;
-  std::vector<char> regular;  ///< ring is a closed one of four quads: its nine points are a piece of a uniform B-spline
+  std::vector<char> regular;  ///< closed ring of four quads: its nine points are a piece of a uniform B-spline
   std::vector<std::uint32_t> indices;
   std::vector<glm::vec2> uvs;
   /// Neighbours of each vertex that is not regular, for its curvature.
@@ -161,7 +161,8 @@ struct SubdivisionEvaluator::Impl {
     Sdc::Scheme<Sdc::SCHEME_CATMARK> scheme;
     scheme.ComputeVertexLimitMask(neighborhood, position, along, across, span.rule);
     if (span.rule == Sdc::Crease::RULE_CORNER && span.faces.size() > 1) {
-      // Sdc spans the plane of a corner by its first two edges; across several faces the crease's tangents are meant.
+      // Sdc computes the plane of a corner from its first two edges; across several faces the tangents of a crease are
+      // needed.
       SpanMask unused;
       scheme.ComputeVertexLimitMask(neighborhood, unused, along, across, Sdc::Crease::RULE_CREASE);
     }
@@ -191,7 +192,7 @@ struct SubdivisionEvaluator::Impl {
     const auto is_sharp = [&](int i) {
       return level.IsEdgeBoundary(edges[i % edge_count]) || level.GetEdgeSharpness(edges[i % edge_count]) > 0.0f;
     };
-    int first = 0;  // a face that begins a span
+    int first = 0;  // a face at the beginning of a span
     if (split && edge_count == face_count)
       while (first < face_count && !is_sharp(first)) ++first;
     Span span;
@@ -275,7 +276,7 @@ struct SubdivisionEvaluator::Impl {
     });
   }
 
-  /// Where tangents vanish (control points that coincide), the mean of the triangles around a vertex.
+  /// Where tangents vanish (coincident control points), uses the mean of the triangles around a vertex.
   void repair_normals(const std::vector<glm::vec3>& positions, std::vector<glm::vec3>* normals) const {
     const glm::vec3 none(0.0f);
     if (std::find(normals->begin(), normals->end(), none) == normals->end()) return;
@@ -308,9 +309,9 @@ struct SubdivisionEvaluator::Impl {
                             glm::dot(dvv, n));
   }
 
-  /// Where no second derivative exists (extraordinary vertices) or the ring is open: the symmetric shape operator that
-  /// best turns steps to the neighbours into changes of the normal, in the least squares sense. Source: Rusinkiewicz
-  /// 2004, Estimating Curvatures and Their Derivatives on Triangle Meshes, Eq. 4 (over a ring).
+  /// For extraordinary vertices, which have no second derivative, and open rings: the symmetric shape operator that
+  /// best maps steps to the neighbours to changes of the normal (least squares). Source: Rusinkiewicz 2004, Estimating
+  /// Curvatures and Their Derivatives on Triangle Meshes, Eq. 4 (over a ring).
   float fitted_curvature(const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals,
                          std::size_t i) const {
     const glm::dvec3 n(normals[i]);
@@ -358,7 +359,7 @@ void SubdivisionEvaluator::evaluate(const std::vector<glm::vec3>& control_points
   normals->resize(count);
   Impl::for_ranges(count, [&](std::size_t i) {
     const Limit limit = impl_->limit_at(refined, i);
-    // In double: tangents of a millimetre-sized patch at 1e-6 scale still multiply to something.
+    // In double: the product of the tangents of a millimetre-sized patch at 1e-6 scale still does not underflow.
     const glm::dvec3 cross = glm::cross(glm::dvec3(limit.along), glm::dvec3(limit.across));
     const double length = glm::length(cross);
     (*positions)[i] = limit.position;

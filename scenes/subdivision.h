@@ -4,9 +4,9 @@
 
 namespace maquette {
 
-/// Catmull-Clark limit surface of a cage (OpenSubdiv): limit positions, limit normals, UVs and triangles
-/// after `cage.levels` uniform refinements; `curvatures` (1/m, larger principal magnitude) if asked for.
-/// The stencil tables are topology only: keep the evaluator to move control points each frame.
+/// Catmull-Clark limit surface of a cage (OpenSubdiv): limit positions, limit normals, UVs and triangles after
+/// `cage.levels` uniform refinements; `curvatures` (1/m, larger principal magnitude) on request. The stencil tables
+/// only depend on the topology: keep the evaluator to move control points each frame.
 class SubdivisionEvaluator {
  public:
   explicit SubdivisionEvaluator(const SubdivisionCage& cage);
@@ -29,16 +29,16 @@ class SubdivisionEvaluator {
 /// Fills mesh.primitives[0] geometry from mesh.cage.
 void tessellate_cage(Mesh* mesh);
 /// Moves every control point within `radius_m` of `center` along `direction` by depth_m * smooth falloff (C2, 1 at the
-/// centre, 0 at the radius). Returns how many moved. Used by the mouse and by `render --dent`.
+/// centre, 0 at the radius). Returns the number of points moved. Used by the mouse and by `render --dent`.
 int dent_cage(SubdivisionCage* cage, const glm::vec3& center, const glm::vec3& direction, float depth_m,
               float radius_m);
 
-/// Quads along u and along v.
+/// Number of quads along u and along v.
 struct PatchSides {
   int u = 1, v = 1;
 };
-/// From 16 to 128 each, so that neighbouring normals and edges differ by 0.006 rad: coarser ones show along the outline
-/// of a pane, where the faces of single triangles change.
+/// From 16 to 128 each, so that neighbouring normals and edges differ by 0.006 rad: fewer would be visible along the
+/// outline of a pane, where single triangles become front or back faces.
 PatchSides patch_sides(const BezierPatch& patch);
 /// Regular triangulation of a bicubic patch with exact normals.
 Primitive tessellate_patch(const BezierPatch& patch, const PatchSides& sides);

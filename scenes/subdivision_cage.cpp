@@ -12,7 +12,7 @@
 namespace maquette {
 namespace {
 
-/// Quads after refinement: more would take minutes and gigabytes.
+/// Limit of the quads after refinement: more would take minutes and gigabytes.
 constexpr double kMaxLimitQuads = 1 << 23;
 
 [[noreturn]] void fail(const std::string& what) { throw Error("subdivision cage", what, "repair the model"); }
@@ -80,7 +80,7 @@ void check_cage(const SubdivisionCage& cage) {
 }
 
 std::size_t count_limit_indices(const SubdivisionCage& cage) {
-  // The first refinement makes a quad of every corner, each further one four of a quad.
+  // The first refinement splits each face into a quad per corner, each further one a quad into four.
   return 6 * cage.face_indices.size() * (std::size_t{1} << 2 * (cage.levels - 1));
 }
 

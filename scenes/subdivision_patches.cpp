@@ -16,14 +16,14 @@ namespace {
 
 namespace Far = OpenSubdiv::Far;
 
-/// What OpenSubdiv's interpolation works on.
+/// The type that OpenSubdiv interpolates.
 struct Point {
   glm::dvec3 p{0.0};
   void Clear() { p = glm::dvec3(0.0); }
   void AddWithWeight(const Point& other, double weight) { p += weight * other.p; }
 };
 
-/// Vertices of all levels, and behind them the caps' own.
+/// Vertices of all levels, followed by the additional points of the caps.
 std::vector<Point> all_points(const Far::TopologyRefiner& refiner, const Far::PatchTable& table,
                               const std::vector<glm::vec3>& control) {
   std::vector<Point> points(static_cast<std::size_t>(refiner.GetNumVerticesTotal() + table.GetNumLocalPoints()));
@@ -41,13 +41,13 @@ std::vector<Point> all_points(const Far::TopologyRefiner& refiner, const Far::Pa
   return points;
 }
 
-/// A face's place in the domain that PatchMap knows.
+/// Position of a face in the domain of PatchMap.
 struct Quad {
   int face = 0;
   std::array<glm::dvec2, 4> corners{};
 };
 
-/// Of the uniformly refined faces, in their order: those of a face follow its corners (Far::TopologyLevel).
+/// The uniformly refined faces in their order: those of a face follow its corners (Far::TopologyLevel).
 std::vector<Quad> refined_quads(const SubdivisionCage& cage, const Far::PtexIndices& ptex) {
   const std::array<glm::dvec2, 4> unit{glm::dvec2(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}};
   const auto children = [](const Quad& q, std::vector<Quad>* out) {
@@ -78,7 +78,7 @@ std::vector<Quad> refined_quads(const SubdivisionCage& cage, const Far::PtexIndi
   return quads;
 }
 
-/// Bezier control values of the cubic with these values at 0, 1/3, 2/3 and 1.
+/// Bezier control values of the cubic that has these values at 0, 1/3, 2/3 and 1.
 std::array<glm::dvec3, 4> through(const std::array<glm::dvec3, 4>& f) {
   return {f[0], (-5.0 * f[0] + 18.0 * f[1] - 9.0 * f[2] + 2.0 * f[3]) / 6.0,
           (2.0 * f[0] - 9.0 * f[1] + 18.0 * f[2] - 5.0 * f[3]) / 6.0, f[3]};
@@ -97,11 +97,11 @@ LimitPatches make_limit_patches(const SubdivisionCage& cage, int isolation) {
   const std::vector<Point> points = all_points(*refiner, *table, cage.positions);
   const Far::PatchMap map(*table);
   LimitPatches out;
-  std::map<Far::Index, int> number;  // of the patches that are needed, by OpenSubdiv's
+  std::map<Far::Index, int> number;  // of the patches that are needed, by OpenSubdiv's index
   const auto add_patch = [&](const Far::PatchTable::PatchHandle& handle) {
     const Far::PatchParam param = table->GetPatchParam(handle);
     const Far::ConstIndexArray vertices = table->GetPatchVertices(handle);
-    // A bicubic polynomial is known from 4 x 4 of its points.
+    // A bicubic polynomial is determined by 4 x 4 of its points.
     const double size = param.GetParamFraction(), u0 = param.GetU() * size, v0 = param.GetV() * size;
     std::array<glm::dvec3, 16> rows, patch;
     for (std::size_t j = 0; j < 4; ++j) {

@@ -8,7 +8,7 @@
 
 namespace maquette {
 
-/// The cage's topology, not refined yet. Throws Error naming the fault when it is no surface.
+/// The cage's topology, without refinement. Throws Error naming the fault when it is no surface.
 std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> make_refiner(const SubdivisionCage& cage);
 
 }  // namespace maquette

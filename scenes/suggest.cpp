@@ -13,7 +13,7 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-/// Distance to the nearest of the words that `candidate` is made of (`leather` in `leather-black`).
+/// Distance to the nearest of the words of `candidate` (`leather` in `leather-black`).
 int word_distance(std::string_view name, const std::string& candidate) {
   int nearest = edit_distance(name, candidate);
   std::size_t begin = 0;

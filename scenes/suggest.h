@@ -8,10 +8,11 @@ namespace maquette {
 
 /// Levenshtein distance with neighbouring transpositions as one step, case ignored.
 int edit_distance(std::string_view a, std::string_view b);
-/// At most `count` of `names`, nearest first; only those a slip of the hand (or a missing part) away.
+/// At most `count` of `names`, nearest first; only those within a typing mistake, or with a missing part.
 std::vector<std::string> nearest_names(std::string_view name, const std::vector<std::string>& names,
                                        std::size_t count = 3);
-/// "did you mean a or b?" when something is near, else "known: a, b, c" (shortened after a dozen); empty without names.
+/// "did you mean a or b?" when a name is near, otherwise "known: a, b, c" (shortened after a dozen); empty without
+/// names.
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& names);
 /// "a, b, c".
 std::string join(const std::vector<std::string>& names, const std::string& separator = ", ");

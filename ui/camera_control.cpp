@@ -23,13 +23,13 @@ Basis basis_of(const CameraView& camera) {
   return basis;
 }
 
-/// `forward` turned by yaw and pitch, short of the poles of `camera.up`.
-glm::vec3 turned(const CameraView& camera, float yaw_rad, float pitch_rad) {
+/// `forward` rotated by yaw and pitch, short of the poles of `camera.up`.
+glm::vec3 rotated(const CameraView& camera, float yaw_rad, float pitch_rad) {
   const Basis basis = basis_of(camera);
   const glm::vec3 up = glm::normalize(camera.up);
   const float elevation = std::asin(std::clamp(glm::dot(basis.forward, up), -1.0f, 1.0f));
   const float limit = glm::half_pi<float>() - kPoleMargin_rad;
-  // A camera that starts beyond the limit may come back, not go further.
+  // A camera that starts beyond the limit may only move back.
   const float wanted = std::clamp(elevation + pitch_rad, std::min(-limit, elevation), std::max(limit, elevation));
   const glm::quat rotation = glm::angleAxis(yaw_rad, up) * glm::angleAxis(wanted - elevation, basis.right);
   return glm::normalize(rotation * basis.forward);
@@ -39,12 +39,12 @@ glm::vec3 turned(const CameraView& camera, float yaw_rad, float pitch_rad) {
 
 void orbit(CameraView* camera, float yaw_rad, float pitch_rad) {
   const float distance = glm::length(camera->target - camera->eye);
-  camera->eye = camera->target - distance * turned(*camera, yaw_rad, pitch_rad);
+  camera->eye = camera->target - distance * rotated(*camera, yaw_rad, pitch_rad);
 }
 
 void look_around(CameraView* camera, float yaw_rad, float pitch_rad) {
   const float distance = glm::length(camera->target - camera->eye);
-  camera->target = camera->eye + distance * turned(*camera, yaw_rad, pitch_rad);
+  camera->target = camera->eye + distance * rotated(*camera, yaw_rad, pitch_rad);
 }
 
 void pan(CameraView* camera, float dx_px, float dy_px, float height_px) {
@@ -59,7 +59,7 @@ void pan(CameraView* camera, float dx_px, float dy_px, float height_px) {
 void dolly(CameraView* camera, float steps) {
   const float factor = std::pow(0.9f, std::clamp(steps, -40.0f, 40.0f));
   const glm::vec3 eye = camera->target + factor * (camera->eye - camera->target);
-  // Not so near that float no longer tells eye and target apart.
+  // Not so near that eye and target become equal in float.
   const float distance = glm::length(eye - camera->target);
   if (distance > 1e-5f * glm::length(camera->target) && distance > 1e-15f) camera->eye = eye;
 }

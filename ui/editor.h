@@ -8,12 +8,12 @@
 
 namespace maquette {
 
-/// Where things ended up in this frame: for the mouse, and for tests.
+/// Positions of panels and controls in this frame, for the mouse and for tests.
 struct EditorFrame {
   Layout layout;
   std::map<std::string, Rect> windows;  ///< rectangles of the ImGui windows themselves
   std::map<std::string, Rect> items;    ///< some controls by name: `material/NAME`, `library/NAME`, `rotation`, ...
-  bool editing = false;                 ///< a control is held: the change is not finished
+  bool editing = false;                 ///< a control is held: the change is still in progress
   int hovered_material = -1;            ///< row of the materials list under the mouse
 };
 

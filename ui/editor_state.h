@@ -13,7 +13,7 @@
 #include "render/settings.h"
 #include "scenes/scene.h"
 
-/// What the window edits and shows, as plain values: panels read and change them, viewer/ carries them out.
+/// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
 
 /// What undo restores.
@@ -32,25 +32,25 @@ struct Edits {
 
 enum class Tool { camera, dent, reflect };
 
-/// What the error tab shows and asks for.
+/// Settings of the error tab.
 struct ErrorView {
   enum class Show { picture, heat, wiper };
-  bool open = false;      ///< the tab is in sight: only then is anything measured. Set by the panel in each frame
+  bool open = false;      ///< the tab is visible: only then is anything measured. Set by the panel in each frame
   bool all_light = true;  ///< against all light paths; else against unshadowed direct light
   Show show = Show::picture;
-  float wiper = 0.5f;   ///< share of the picture's width left of which the technique is shown
-  float budget = 0.1f;  ///< relative RMSE that the settings are to keep
+  float wiper = 0.5f;   ///< share of the picture's width, from the left, that shows the technique
+  float budget = 0.1f;  ///< largest relative RMSE for the proposed settings
 };
 
-/// News of the error meter.
+/// Results of the error meter.
 struct MeterFacts {
   bool has_error = false;
   double error = 0.0, low = 0.0, high = 0.0;  ///< relative RMSE and its 95 % interval
   int pixels = 0, paths = 0;                  ///< compared; traced through each
-  double seconds = 0.0;                       ///< from the rest of the camera to this figure
-  std::string status;                         ///< one line: what it does, or why it cannot
+  double seconds = 0.0;                       ///< from the camera's last move to this result
+  std::string status;                         ///< one line: what it does, or why it cannot measure
   std::string curve;                          ///< where the curve of the mode comes from; empty: there is none
-  std::string budget_answer;                  ///< what the budget asks for, or why it cannot be kept
+  std::string budget_answer;                  ///< the settings that keep the budget, or why none do
   bool can_apply = false;
   bool measuring_curve = false;
 };
@@ -63,13 +63,13 @@ struct EditorState {
   std::string reflections = "off";  ///< reflector technique
   Settings settings;
   int msaa = 1;        ///< samples a pixel
-  int still_msaa = 4;  ///< once the picture rests, if more
+  int still_msaa = 4;  ///< once nothing moves, if more
   float exposure_ev = 0.0f;
-  bool auto_exposure = true;  ///< found anew with each scene, environment and scene camera
+  bool auto_exposure = true;  ///< computed again for each scene, environment and scene camera
   std::string tonemap = "pbr-neutral";
   std::string debug_view;     ///< empty: the picture
   float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
-  float moving_scale = 0.0f;  ///< and while something does; 0: what keeps it fluid
+  float moving_scale = 0.0f;  ///< the same while something moves; 0: chosen for a fluid picture
   ErrorView error_view;
   Tool tool = Tool::camera;
   float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
@@ -97,13 +97,13 @@ struct Message {
   bool unread = true;  ///< shown in the strip below the picture until dismissed
 };
 
-/// Read-only news from the renderer and the session.
+/// Read-only results from the renderer and the session.
 struct EditorFacts {
   const Scene* scene = nullptr;
   const FrameStats* stats = nullptr;  ///< of the last frame, nullptr before the first
   std::vector<std::string> cameras;   ///< bookmarks, in order of the keys 1 to 9
   std::vector<BackgroundWork> background;
-  std::string loading;  ///< what is read at this moment; empty: nothing
+  std::string loading;  ///< what is being read; empty: nothing
   std::string device;
   std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones
   std::vector<std::string> brdf_files;
@@ -119,7 +119,7 @@ struct EditorFacts {
   bool converged = false;  ///< the accumulation limit is reached
 };
 
-/// What the panels ask to be done once.
+/// Actions that the panels request, each done once.
 struct EditorActions {
   std::string open_path;  ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
@@ -128,7 +128,7 @@ struct EditorActions {
   bool undo = false;
   bool dismiss_messages = false;
   bool measure_curve = false;  ///< of the present mode in the present view
-  bool apply_budget = false;   ///< sets the mode's samples to what the budget asks for
+  bool apply_budget = false;   ///< sets the mode's samples to those that keep the budget
 };
 
 }  // namespace maquette

@@ -1,4 +1,4 @@
-// How wrong the picture is, where, and which settings keep an error budget.
+// The error of the picture, its distribution, and settings that keep an error budget.
 #include <algorithm>
 #include <cstdio>
 
@@ -30,7 +30,8 @@ void draw_figure(const MeterFacts& meter) {
 void draw_meter(Ui& ui) {
   // Controls first: they stay where they are when figures come and go.
   ErrorView& view = ui.state.error_view;
-  row_label("Against", "All light: what the picture lacks of the truth. Direct light: what the mode claims to compute");
+  row_label("Against",
+            "All light: the error against all light paths. Direct light: the error of what the mode claims to compute");
   static const char* const kReferences[] = {"all light", "direct light"};
   int reference = view.all_light ? 0 : 1;
   if (ImGui::Combo("##against", &reference, kReferences, 2)) view.all_light = reference == 0;
@@ -58,7 +59,7 @@ void draw_budget(Ui& ui) {
   ErrorView& view = ui.state.error_view;
   const MeterFacts& meter = ui.facts.meter;
   float budget = 100.0f * view.budget;
-  row_label("Budget", "The relative RMSE that the mode's settings are to keep");
+  row_label("Budget", "The largest relative RMSE that the mode's settings may have");
   if (ImGui::SliderFloat("##budget", &budget, 0.5f, 200.0f, "%.1f %%", ImGuiSliderFlags_Logarithmic))
     view.budget = 0.01f * budget;
   if (ImGui::IsItemDeactivatedAfterEdit() && meter.can_apply) ui.actions.apply_budget = true;

@@ -1,4 +1,4 @@
-// What the frame cost, what it was made of and why, and what happened so far.
+// The cost of the frame, its plan with reasons, and the messages so far.
 #include <algorithm>
 #include <cstdio>
 

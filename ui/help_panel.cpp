@@ -25,7 +25,7 @@ const std::vector<Group>& groups() {
         {"F", "frame the scene"}}},
       {"Work",
        {{"Click", "choose surface, material"},
-        {"Ctrl+drag", "turn the light"},
+        {"Ctrl+drag", "rotate the light"},
         {"D", "dent tool on, off"},
         {"Drag (dent)", "down deeper, up to pull"},
         {"Wheel (dent)", "radius, button held"},

@@ -15,7 +15,7 @@ struct Rect {
 };
 bool overlap(const Rect& a, const Rect& b);
 
-/// Where the parts of the window are: fixed, side by side, nothing over anything else.
+/// Positions of the parts of the window: fixed, side by side, without overlap.
 struct Layout {
   Rect toolbar, left, right, strip, status, picture;
   bool left_shown = false, right_shown = false;
@@ -28,8 +28,8 @@ struct LayoutRequest {
   bool left_open = true, right_open = true;
   float strip_height = 0.0f;  ///< of unread messages, 0: none
 };
-/// The sides give way (right first) when the picture would get narrower than a third of the window. The picture is at
-/// least 1 x 1.
+/// The side panels shrink (right first) when the picture would get narrower than a third of the window. The picture is
+/// at least 1 x 1.
 Layout compute_layout(const LayoutRequest& request);
 
 }  // namespace maquette

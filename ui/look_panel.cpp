@@ -66,7 +66,7 @@ void draw_light(Ui& ui) {
   } else {
     mark_item(ui, "environment");
   }
-  row_label("Rotation", "Turns the light about the vertical; Ctrl and drag in the picture does it too");
+  row_label("Rotation", "Rotates the environment about the vertical; Ctrl and drag in the picture does it too");
   ImGui::SliderFloat("##rotation", &edits.env_rotation_deg, -180.0f, 180.0f, "%.1f\u00b0");
   mark_item(ui, "rotation");
   row_label("Intensity", "cd/m\u00b2 per stored unit of the environment");
@@ -100,7 +100,7 @@ void draw_dent(Ui& ui) {
   row_label("Depth", "Of a press without a drag; negative pulls out");
   if (ImGui::SliderFloat("##depth", &depth_cm, -20.0f, 20.0f, "%.1f cm")) ui.state.dent_depth_m = 0.01f * depth_cm;
   mark_item(ui, "dent depth");
-  row_label("Radius", "Of the surface that follows");
+  row_label("Radius", "Of the part of the surface that moves");
   if (ImGui::SliderFloat("##radius", &radius_cm, 1.0f, 200.0f, "%.0f cm", ImGuiSliderFlags_Logarithmic))
     ui.state.dent_radius_m = 0.01f * radius_cm;
   dim_text(ui.state.tool == Tool::dent ? "Press on a subdivision surface and drag down to push deeper, up to pull."

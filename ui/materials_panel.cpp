@@ -19,13 +19,13 @@ std::string source_label(const std::string& source) {
   return std::filesystem::path(source).stem().string();
 }
 
-/// What shades the material now.
+/// The present source of the material.
 std::string current_source(const Ui& ui, const Material& material) {
   const auto found = ui.state.edits.materials.find(material.name);
   return found != ui.state.edits.materials.end() ? found->second : material.measured;
 }
 
-/// A ball of the BRDF where its picture is ready, else a square of the colour.
+/// A ball with the BRDF if its picture is ready, else a square of the colour.
 void draw_swatch(const Ui& ui, const std::string& source, const glm::vec4& color, const ImVec2& at, float side) {
   ImDrawList* list = ImGui::GetWindowDrawList();
   if (ui.facts.swatches) {
@@ -42,7 +42,7 @@ void draw_swatch(const Ui& ui, const std::string& source, const glm::vec4& color
                       ImGui::ColorConvertFloat4ToU32(shown), scaled(3.0f));
 }
 
-/// One selectable row with a swatch, a name and a quiet remark at the right.
+/// One selectable row with a swatch, a name and a dimmed remark at the right.
 bool swatch_row(const Ui& ui, const std::string& label, const std::string& remark, const std::string& source,
                 const glm::vec4& color, bool selected) {
   const float height = scaled(26.0f);
@@ -87,7 +87,7 @@ void draw_material_list(Ui& ui) {
   }
 }
 
-void choose(Ui& ui, const Material& material, const std::string& source) {
+void assign_source(Ui& ui, const Material& material, const std::string& source) {
   if (source == material.measured || source.empty())
     ui.state.edits.materials.erase(material.name);
   else
@@ -98,7 +98,8 @@ void library_row(Ui& ui, const Material& material, const std::string& label, con
                  const std::string& help) {
   ImGui::PushID(source.c_str());
   const glm::vec4 color = source == "builtin:glass" ? glm::vec4(0.25f, 0.32f, 0.34f, 1.0f) : glm::vec4(0.18f);
-  if (swatch_row(ui, label, {}, source, color, current_source(ui, material) == source)) choose(ui, material, source);
+  if (swatch_row(ui, label, {}, source, color, current_source(ui, material) == source))
+    assign_source(ui, material, source);
   mark_item(ui, "library/" + source);
   tooltip(help);
   ImGui::PopID();

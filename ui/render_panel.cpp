@@ -50,7 +50,7 @@ void draw_reflections(Ui& ui) {
   ImGui::EndCombo();
 }
 
-/// Which parts reflect: clicked on in the picture, shown in the scene tree.
+/// Selection of the parts that reflect: by clicks in the picture; the scene tree shows them.
 void draw_reflector_picking(Ui& ui) {
   EditorState& state = ui.state;
   if (state.reflections == "off") {

@@ -16,7 +16,7 @@ const char* kind_of(const Scene& scene, const Node& node) {
   return "";
 }
 
-/// The patches that stand for the node as a mirror, with a colon before them.
+/// The patches that represent the node as a mirror, with a colon before them.
 std::string fit_of(const Ui& ui, int index) {
   if (!ui.facts.stats || !ui.facts.stats->fits.contains(index)) return "";
   return ": " + ui.facts.stats->fits.at(index);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kFontSize = 15.0f;
 
-/// Debian's fonts-dejavu-core first, then what other systems have.
+/// Debian's fonts-dejavu-core first, then the paths of other systems.
 const char* const kFontFiles[] = {
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
     "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",

@@ -8,12 +8,12 @@
 
 namespace maquette {
 
-/// Remembers the edits before each finished change: a drag of a slider is one step.
+/// Stores the edits before each finished change: a drag of a slider is one step.
 class UndoStack {
  public:
   static constexpr std::size_t kDepth = 200;
 
-  /// Call every frame. `busy`: a control or the mouse is held, the change goes on.
+  /// Call every frame. `busy`: a control or the mouse is held, the change continues.
   void observe(const Edits& edits, bool busy) {
     if (!settled_) settled_ = edits;
     if (busy || edits == *settled_) return;
@@ -34,7 +34,7 @@ class UndoStack {
     past_.clear();
     settled_ = edits;
   }
-  /// `edits` is what could be done of the last change: no step of its own.
+  /// `edits`: the part of the last change that could be applied; this is not a step of its own.
   void correct(const Edits& edits) {
     settled_ = edits;
     if (!past_.empty() && past_.back() == edits) past_.pop_back();

@@ -174,7 +174,7 @@ void setting_row(Ui& ui, const SettingDeclaration& declaration) {
     try {
       ui.state.settings.set(declaration.name, value);
     } catch (const Error&) {
-      // The control held a value out of range for a moment: the last good one stays.
+      // The control had a value out of range for a moment: the last valid one stays.
     }
   }
   tooltip(full_help(declaration));

@@ -11,7 +11,7 @@
 /// Pieces that the panels share. Internal to ui/.
 namespace maquette::panels {
 
-/// What every panel gets.
+/// Arguments of every panel.
 struct Ui {
   EditorState& state;
   const EditorFacts& facts;
@@ -23,16 +23,16 @@ struct Ui {
 float scaled(float units);
 extern const ImVec4 kDim, kAccent, kWarning, kError;
 
-/// Remembers the rectangle of the last item under a name.
+/// Records the rectangle of the last item under a name.
 void mark_item(Ui& ui, const std::string& name);
-/// Explains the last item when the mouse rests on it.
+/// Shows an explanation of the last item when the mouse rests on it.
 void tooltip(const std::string& text);
 /// "Name ......" on the left; the next control fills the rest of the row.
 void row_label(const char* label, const std::string& help = {});
 /// Small grey caps-free heading with a rule; true when open.
 bool section(const char* title, bool open = true);
 void dim_text(const std::string& text);
-/// A button that is lit while what it stands for is on; true when clicked.
+/// A button that is highlighted while its state is on; true when clicked.
 bool toggle_button(const char* label, bool on);
 /// `icon` where the font has it, else `text`.
 const char* glyph(const char* icon, const char* text);
@@ -44,7 +44,7 @@ bool search_box(const char* id, const char* hint, char* text, std::size_t size);
 bool contains(const std::string& text, const char* part);
 /// Combo over names; true when `value` changed.
 bool combo(const char* id, std::string* value, const std::vector<std::string>& names);
-/// Slider, combo or box made from the declaration, with its unit, help and a reset button where it was changed.
+/// Slider, combo or box made from the declaration, with its unit, its help, and a reset button if it was changed.
 void setting_row(Ui& ui, const SettingDeclaration& declaration);
 
 void draw_toolbar(Ui& ui);

@@ -8,11 +8,11 @@
 #include "scenes/environment.h"
 #include "scenes/scene.h"
 
-/// Measured error against samples of one mode, and what an error budget asks of it.
+/// Measured error against samples of one mode, and the samples for an error budget.
 namespace maquette {
 
 struct BudgetPoint {
-  int samples = 0;  ///< 0: the mode takes none
+  int samples = 0;  ///< 0: the mode does not sample
   double time_ms = 0.0;
   double error = 0.0;  ///< relative RMSE
 };
@@ -24,11 +24,11 @@ struct BudgetCurve {
 using BudgetCurves = std::map<std::string, BudgetCurve>;
 std::string curve_name(const std::string& mode, bool all_light);
 
-/// The fewest samples that keep the budget: log-log between the measured ones around it, at most to the last. Nothing
-/// when no measured point keeps it or the mode takes no samples; `why` then says so in one line.
+/// The fewest samples that keep the budget: interpolated log-log between measured points, not extrapolated. Nothing
+/// when no measured point keeps it or the mode does not sample; `why` then says so in one line.
 std::optional<BudgetPoint> choose_samples(const BudgetCurve& curve, double budget, std::string* why);
 
-/// Curves of a report are kept in the cache for the window, by the scene as it looks (its materials after overrides)
+/// Curves of a report are stored in the cache for the window. Their key: the scene with its materials after overrides,
 /// and its environment.
 std::uint64_t curves_key(const Scene& scene, const Environment& environment);
 void store_curves(std::uint64_t key, const BudgetCurves& curves);

@@ -34,7 +34,7 @@ const std::vector<CommandDeclaration>& command_declarations() {
       {"report", "[SCENE]", 0, 1,
        "error against run time of every technique: report.html, report.json, report.csv and charts in a folder; the "
        "same "
-       "command goes on where it stopped",
+       "command continues where it stopped",
        ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
       {"inspect", "FILE", 1, 1,
@@ -65,7 +65,7 @@ const CommandDeclaration& find_command(const std::string& name) {
                    scene ? "to see a scene: maquette view " + name : did_you_mean(name, names));
 }
 
-/// The error for an argument that the command does not take.
+/// The error for an argument that the command does not accept.
 UsageError unexpected(const std::string& argument, const CommandDeclaration& command) {
   if (!argument.starts_with('-')) {
     const std::string takes = command.arguments.empty() ? "no arguments" : command.arguments;
@@ -115,7 +115,7 @@ std::vector<GivenOption> collect(const std::vector<std::string>& arguments, cons
           ->allow_extra_args(false)
           ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
-  // CLI11 takes the arguments in reverse order.
+  // CLI11 expects the arguments in reverse order.
   std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());
   try {
     app.parse(reversed);
@@ -162,7 +162,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     line.command = "help";
   }
   const CommandDeclaration& command = find_command(line.command);
-  if (line.command == "report") {  // many pictures: small ones unless asked
+  if (line.command == "report") {  // many pictures: small by default
     line.options.width = 320;
     line.options.height = 180;
   }

@@ -8,7 +8,7 @@
 
 namespace maquette {
 
-/// What the command line says, checked as far as words and numbers go; files are opened later.
+/// The parsed command line. Names and numbers are checked; files are opened later.
 struct CommandLine {
   std::string command = "view";
   std::vector<std::string> files;  ///< positional arguments

@@ -53,7 +53,7 @@ std::string material_kind(const Material& material) {
   return text;
 }
 
-/// Bytes of GPU memory by kind, from the layouts of render/geometry.h and the tables.
+/// Bytes of GPU memory by kind, computed from the layouts of render/geometry.h and of the tables.
 Json memory_json(const Scene& scene) {
   std::size_t vertices = 0, indices = 0, texels = 0;
   for (const Node& node : scene.nodes) {

@@ -8,7 +8,7 @@
 
 namespace maquette {
 
-/// JSON has no infinity and no NaN: they become null, as what is absent does.
+/// JSON has no infinity and no NaN: they become null, like absent values.
 nlohmann::ordered_json number(double value);
 nlohmann::ordered_json number(const std::optional<double>& value);
 nlohmann::ordered_json plan_json(const FramePlan& plan);      ///< [{pass, reason}]

@@ -95,8 +95,8 @@ Section file_section() {
             "folder of derived tables, kept by content; empty: none are kept. Without it "
             "$XDG_CACHE_HOME/maquette or ~/.cache/maquette. It can be removed at any time"},
            {"GLIBC_TUNABLES",
-            "the program begins once more with glibc.malloc.hugetlb=1 added to it, so that memory comes in large "
-            "pages; glibc.malloc.hugetlb=0 keeps it from doing so, as debuggers may want"},
+            "the program restarts itself with glibc.malloc.hugetlb=1 added to it, so that memory comes in large "
+            "pages; glibc.malloc.hugetlb=0 prevents this, for example for debuggers"},
            {".exr", "linear Rec.709 in stored units times --env-scale, alpha 0 where only the sky is seen"},
            {".png", "opaque; exposure, then the tone mapper, then the mean over the samples of a pixel, then sRGB"},
            {"--stats", "one JSON object; docs/vocabulary.md says what its names mean"}}};
@@ -156,7 +156,7 @@ std::string section_text(const Section& section) {
   return text + "\n";
 }
 
-/// Makes a table cell: a bar would end it.
+/// Escapes text for a table cell, which a bar would end.
 std::string cell(const std::string& text) {
   std::string result;
   for (const char c : text) result += c == '|' ? std::string("\\|") : std::string(1, c);

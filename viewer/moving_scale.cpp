@@ -6,27 +6,27 @@ namespace maquette {
 
 namespace {
 constexpr float kScales[] = {1.0f, 0.7f, 0.5f, 0.35f, 0.25f};
-/// Going finer within one move needs to be well worth it, so that the picture does not flicker.
+/// Within a move the resolution rises only for a large gain, so that the picture does not flicker.
 constexpr double kFinerShare = 0.5;
 constexpr int kSlowFrames = 2;
 constexpr double kNewest = 0.5;  ///< weight of the newest frame in the smoothed cost
 }  // namespace
 
-float MovingScale::choose(Kind kind, double full_px, float most) {
+float MovingScale::next_scale(Kind kind, double full_px, float most) {
   Cost& c = cost(kind);
-  const bool goes_on = moving_ && kind_ == kind && scale_ <= most;
+  const bool same_move = moving_ && kind_ == kind && scale_ <= most;
   moving_ = true;
   kind_ = kind;
-  // Frames from nothing say little about those of a turning light: it begins at full size and is measured.
+  // Frames without reuse do not predict those of a rotating environment: it begins at full size and is measured.
   const double ms_per_px = c.ms_per_px > 0.0 || kind == Kind::light ? c.ms_per_px : still_ms_per_px_;
-  if (goes_on && c.slow < kSlowFrames) {
+  if (same_move && c.slow < kSlowFrames) {
     for (const float scale : kScales)
       if (scale <= most && scale > scale_ && ms_per_px * full_px * scale * scale <= kFinerShare * kFluid_ms)
         return scale_ = scale;
     return scale_;
   }
   c.slow = 0;
-  const float limit = goes_on ? std::min(most, 0.99f * scale_) : most;
+  const float limit = same_move ? std::min(most, 0.99f * scale_) : most;
   scale_ = std::min(most, kScales[4]);
   for (const float scale : kScales) {
     if (scale > limit || ms_per_px * full_px * scale * scale > kFluid_ms) continue;

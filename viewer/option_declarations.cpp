@@ -146,7 +146,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
   return {
       shared("--env", "FILE", "environment: .hdr, .exr or " + environment_choices() + " (builtin:clear-sky)",
              [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }),
-      shared("--env-rotation", "DEG", "turns the environment about +Y, from +Z towards +X",
+      shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",
              [](O* o, const std::string& t) {
                o->env_rotation_deg = static_cast<float>(parse_in(t, "--env-rotation", -36000.0, 36000.0));
              }),
@@ -206,12 +206,12 @@ std::vector<OptionDeclaration> quality_options() {
       plan_option(shared("--msaa", "N", "samples a pixel: 1, 4 or 16 (1: rays through pixel centres)", parse_msaa)),
       one_picture(shared(
           "--frames", "N",
-          "`render`: measures N frames after warm-up, each drawn from nothing (see shading.reuse), the time is their "
-          "median; `view`: frames before --screenshot",
+          "`render`: measures N frames after warm-up, each without results of earlier frames (see shading.reuse); the "
+          "time is their median; `view`: frames before --screenshot",
           [](O* o, const std::string& t) { o->frames = static_cast<int>(parse_count(t, "--frames", 1, 1000000)); })),
       render_only(
           "--target-error", "X",
-          "averages frames until the relative RMSE is X: against --reference, else as the frames themselves tell",
+          "averages frames until the relative RMSE is X: against --reference, else as estimated from the frames",
           [](O* o, const std::string& t) { o->target_error = parse_in(t, "--target-error", 1e-6, 10.0); }),
       render_only("--time", "S", "averages frames for S seconds (with --target-error: at most)",
                   [](O* o, const std::string& t) { o->time_s = parse_in(t, "--time", 1e-3, 86400.0); }),
@@ -274,7 +274,7 @@ std::vector<OptionDeclaration> output_options() {
                   [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
       {"--budget",
        "S",
-       "seconds for the whole report; what is left out for it is named (600)",
+       "seconds for the whole report; what does not fit is listed (600)",
        {"report"},
        [](CommandLine* line, const std::string& t) { line->options.budget_s = parse_in(t, "--budget", 5.0, 86400.0); }},
       {"--repeats",

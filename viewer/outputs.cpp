@@ -30,7 +30,7 @@ void check_writable(const std::string& option, const std::string& path) {
   if (std::filesystem::is_directory(path, error)) throw Error(where, "this is a folder", "give a file name");
   if (is_written_through(path)) {
     if (access(path.c_str(), W_OK) != 0)
-      throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another place");
+      throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another path");
     return;
   }
   const std::filesystem::path folder = std::filesystem::absolute(link_target(path)).parent_path();
@@ -38,7 +38,7 @@ void check_writable(const std::string& option, const std::string& path) {
     throw Error(where, "there is no folder " + folder.string(), "make it first");
   std::string probe = (folder / ".maquette-XXXXXX").string();
   const int file = mkstemp(probe.data());
-  if (file < 0) throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another place");
+  if (file < 0) throw Error(where, std::string("cannot be written: ") + std::strerror(errno), "choose another path");
   close(file);
   std::remove(probe.c_str());
 }
@@ -68,7 +68,7 @@ void prepare_folder(const std::string& option, const std::string& folder) {
   if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
     throw Error(where, "this is a file", "give the name of a folder");
   std::filesystem::create_directories(folder, error);
-  if (error) throw Error(where, "the folder cannot be made: " + error.message(), "choose another place");
+  if (error) throw Error(where, "the folder cannot be made: " + error.message(), "choose another path");
   check_writable(option, (std::filesystem::path(folder) / "a file").string());
 }
 

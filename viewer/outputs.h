@@ -12,8 +12,8 @@ enum class PictureFormat { exr, png };
 /// By the extension of `path`. Throws UsageError for any other.
 PictureFormat picture_format(const std::string& path);
 
-/// Throws Error when a file cannot be written at `path`, found out by making one beside it and removing it again:
-/// called before the work, so that minutes of it are not lost. "-" is standard output.
+/// Throws Error when a file cannot be written at `path`; tests this by creating and removing another file in its
+/// folder. Called before the work, so that no result is lost. "-" is standard output.
 void check_writable(const std::string& option, const std::string& path);
 
 /// What the options name to be read, built-in things among them.

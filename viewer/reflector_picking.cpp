@@ -12,9 +12,9 @@ namespace maquette {
 
 namespace {
 
-constexpr int kPatchSide = 24;  // quads: a click need not be more exact
+constexpr int kPatchSide = 24;  // quads; precise enough for a click
 
-/// By index, with what the edits give them instead of their own.
+/// Materials by index, with the replacements of the edits.
 class EditedMaterials {
  public:
   EditedMaterials(const Scene& scene, const Edits& edits)
@@ -81,7 +81,7 @@ int find_mirror(const Scene& scene, const Edits& edits, const glm::vec3& origin,
   float nearest = limit_m;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (!is_shown(scene, static_cast<int>(i), edits)) continue;
-    // In the node's own frame lengths along the ray are the same, as long as its direction is not made unit.
+    // Distances along the ray are the same in the node's frame, because its direction is not normalised there.
     const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(world[i]));
     const glm::vec3 from(node_from_world * glm::dvec4(glm::dvec3(origin), 1.0)),
         to(node_from_world * glm::dvec4(glm::dvec3(direction), 0.0));

@@ -20,7 +20,7 @@ namespace maquette {
 namespace {
 
 constexpr int kWarmUpFrames = 2;
-/// Of a long accumulation, the last ones are enough for a median.
+/// The last times of a long accumulation are enough for a median.
 constexpr std::size_t kKeptFrames = 1000;
 /// Without --time, --target-error gives up after this long.
 constexpr double kPatience_s = 600.0;
@@ -51,9 +51,9 @@ std::optional<Image> load_reference(const SceneOptions& options) {
   return reference;
 }
 
-/// Relative RMSE of a mean of n frames, told from the mean of its first n / 2: the two halves are independent, so the
-/// difference between the mean of all and that of a half has the variance of the mean of all. It does not see what all
-/// frames have in common (interpolation).
+/// Relative RMSE of a mean of n frames, estimated with the mean of its first n / 2: the two halves are independent, so
+/// the difference between the mean of all and that of a half has the variance of the mean of all. Errors that all
+/// frames have in common (interpolation) are not included.
 double estimate_error(const Image& all, const Image& half) {
   double sum = 0.0, luminance = 0.0;
   std::size_t count = 0;
@@ -74,8 +74,8 @@ double estimate_error(const Image& all, const Image& half) {
   return std::sqrt(sum / (3.0 * pixels)) / (luminance / pixels);
 }
 
-/// One frame, or with --frames the measured ones after warm-up: each drawn from nothing unless asked otherwise, so that
-/// the time is that of a picture and not of a picture seen before.
+/// One frame, or with --frames the measured ones after warm-up. By default each is drawn without results of earlier
+/// frames, so that its time is that of a new picture.
 void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options, RenderReport* report) {
   if (!request.settings.changed().contains("shading.reuse")) request.settings.set("shading.reuse", false);
   if (options.frames > 0)
@@ -85,7 +85,7 @@ void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions&
   report->total_s = seconds_since(start);
 }
 
-/// Averages frames until --time or --target-error. Returns whether the error asked for (if any) was reached.
+/// Averages frames until --time or --target-error. Returns whether the requested error (if any) was reached.
 bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options,
                        const std::optional<Image>& reference, RenderReport* report) {
   const double limit_s = options.time_s.value_or(kPatience_s);
@@ -100,7 +100,7 @@ bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOpti
     const int count = report->frames.back().accumulated_frames;
     const bool out_of_time = report->total_s >= limit_s;
     if (options.target_error && reference) {
-      // Reading the picture back costs: look about every tenth more frame.
+      // Reading the picture back is slow: it is checked whenever the number of frames has grown by about a tenth.
       if (count < next_check && !out_of_time) continue;
       next_check = count + std::max(1, count / 10);
       if (compare_images(renderer->read_radiance(), *reference).relative_rmse.value_or(INFINITY) <=
@@ -135,7 +135,7 @@ std::string time_text(const RenderReport& report, const FrameRequest& request, b
   return text;
 }
 
-/// What the line that a picture leaves says of its error.
+/// The part about the error in the line that is printed for a picture.
 std::string error_text(const RenderReport& report, const SceneOptions& options, bool reached) {
   char text[96] = "";
   if (report.error && report.error->relative_rmse)
@@ -156,7 +156,7 @@ std::map<std::string, std::string> provenance(const SceneOptions& options, const
   return attributes;
 }
 
-/// What a picture in EXR carries besides.
+/// Metadata of an EXR picture.
 ImageLayers layers_of(const Renderer& renderer, const SceneOptions& options) {
   ImageLayers layers;
   if (auto variance = renderer.read_variance(); variance && options.debug_view.empty())
@@ -191,8 +191,8 @@ int run_render(const CommandLine& line) {
   const std::shared_ptr<const Environment> environment = environment_job.get();
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const std::string& warning : environment->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  const std::string doubt = doubt_about_units(*scene, *environment, options.env_scale, "--env-scale");
-  if (!doubt.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), doubt.c_str());
+  const std::string warning = units_warning(*scene, *environment, options.env_scale, "--env-scale");
+  if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
 
   Renderer renderer;
   renderer.set_scene(scene);
@@ -202,7 +202,7 @@ int run_render(const CommandLine& line) {
   request.display =
       options.reference.empty() && (options.output.empty() || picture_format(options.output) == PictureFormat::png);
   const bool accumulates = options.time_s || options.target_error;
-  // Its frames cost little but their paths, and stop in time: a few paths each, that share the rays of the camera.
+  // A few paths in each frame, which share the camera's rays: frames have little overhead, and the loop stops in time.
   if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 8;
   renderer.finish_background_work(request);
 

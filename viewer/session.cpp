@@ -19,7 +19,7 @@ namespace {
 constexpr float kDegree = 0.017453292519943295f;
 constexpr float kDefaultFov = 40.0f * kDegree;
 
-/// Says by which option a file is given that is no scene.
+/// The error for a file that is not a scene: names the option for it.
 void check_is_scene(const std::string& path) {
   if (path.starts_with("builtin:")) return;
   const std::string extension = lower_extension(path);
@@ -45,7 +45,7 @@ CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& worl
   return view;
 }
 
-/// From the front (+Z), the right and above, so that the bounding sphere fits.
+/// A view from the front (+Z), the right and above that contains the bounding sphere.
 CameraView frame_scene(const Bounds& bounds, float aspect) {
   CameraView view;
   view.fov_y_rad = kDefaultFov;
@@ -58,7 +58,7 @@ CameraView frame_scene(const Bounds& bounds, float aspect) {
   return view;
 }
 
-/// Nearest vertex of a limit surface to the dent: where it is and its unit normal, in the world.
+/// The vertex of a limit surface nearest to the dent: its position and unit normal, in the world.
 struct Nearest {
   float distance_m = std::numeric_limits<float>::max();
   glm::vec3 normal{0.0f, 1.0f, 0.0f};
@@ -150,7 +150,7 @@ void press_dent(Scene* scene, const Dent& dent) {
   const std::vector<glm::mat4> world = compute_world_transforms(*scene);
   const Nearest nearest = nearest_surface(*scene, world, dent.center);
   int moved = 0;
-  std::vector<bool> done(scene->meshes.size(), false);  // a mesh with several instances is pressed once
+  std::vector<bool> done(scene->meshes.size(), false);  // a mesh with several instances is dented once
   for (std::size_t i = 0; i < scene->nodes.size(); ++i) {
     const Node& node = scene->nodes[i];
     if (!node.visible || node.mesh < 0 || done[static_cast<std::size_t>(node.mesh)]) continue;
@@ -192,8 +192,8 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   return scene;
 }
 
-std::string doubt_about_units(const Scene& scene, const Environment& environment, float env_scale,
-                              const std::string& remedy) {
+std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,
+                          const std::string& remedy) {
   constexpr double kStreetAtNight_cdm2 = 10.0, kHall_cdm2 = 500.0, kOutshines = 30.0;
   if (environment.name.starts_with("builtin:")) return {};
   double lamps = 0.0;

@@ -32,8 +32,8 @@ void press_dent(Scene* scene, const Dent& dent);
 
 /// A line for the user where the scene's own lamps outshine an environment that is no brighter than a street at night:
 /// most files are in units of their own. Empty otherwise. `remedy` is what to change, before the figure: "--env-scale".
-std::string doubt_about_units(const Scene& scene, const Environment& environment, float env_scale,
-                              const std::string& remedy);
+std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,
+                          const std::string& remedy);
 
 /// `--exposure`, or the one at which the environment looks right at once.
 float exposure_of(const SceneOptions& options, const Environment& environment);

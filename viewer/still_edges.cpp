@@ -4,21 +4,21 @@
 
 namespace maquette {
 
-int StillEdges::choose(const Turn& turn) {
-  if (turn.disturbed) smooth_ = false;
-  if (turn.changed) {
+int StillEdges::next_samples(const Input& input) {
+  if (input.disturbed) smooth_ = false;
+  if (input.changed) {
     refused_ = false;
     held_ = 0;
-    rest_begin_s_ = turn.now_s;
+    rest_begin_s_ = input.now_s;
   }
-  if (turn.still_samples <= turn.moving_samples) smooth_ = false;
-  if (!hidden(turn.frames)) held_ = 0;
-  const bool rests = turn.frames > 0 && turn.now_s - rest_begin_s_ > kRest_s;
-  if (!smooth_ && !refused_ && rests && turn.may_begin && turn.still_samples > turn.moving_samples) {
+  if (input.still_samples <= input.moving_samples) smooth_ = false;
+  if (!hidden(input.frames)) held_ = 0;
+  const bool rests = input.frames > 0 && input.now_s - rest_begin_s_ > kRest_s;
+  if (!smooth_ && !refused_ && rests && input.may_begin && input.still_samples > input.moving_samples) {
     smooth_ = true;
-    held_ = std::min(turn.frames, kMostHeld);
+    held_ = std::min(input.frames, kMostHeld);
   }
-  return smooth_ ? turn.still_samples : turn.moving_samples;
+  return smooth_ ? input.still_samples : input.moving_samples;
 }
 
 void StillEdges::refuse() {

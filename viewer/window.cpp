@@ -30,7 +30,7 @@ namespace {
 
 constexpr double kPollWait_s = 1.0 / 60.0;
 constexpr double kRestWait_s = 0.1;
-constexpr double kBusyMouse_s = 0.15;  // the picture waits so long for a mouse that moves over panels
+constexpr double kBusyMouse_s = 0.15;  // the picture waits for this time after the mouse has moved over panels
 
 /// The program while its window is open.
 class App {
@@ -100,13 +100,13 @@ class App {
     const int x = static_cast<int>(std::lround(rect.x * sx)), y = static_cast<int>(std::lround(rect.y * sy));
     const int w = std::max(static_cast<int>(std::lround(rect.width * sx)), 1);
     const int h = std::max(static_cast<int>(std::lround(rect.height * sy)), 1);
-    PictureTurn turn;
-    turn.width_px = w;
-    turn.height_px = h;
-    turn.panels_busy = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
-    turn.more_events = !inbox_->pointer.empty();
-    turn.now_s = now;
-    drew_ = picture_.update(&session_, turn);
+    PictureUpdate update;
+    update.width_px = w;
+    update.height_px = h;
+    update.panels_busy = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
+    update.more_events = !inbox_->pointer.empty();
+    update.now_s = now;
+    drew_ = picture_.update(&session_, update);
     if (drew_) ++drawn_frames_;
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, width, height);

@@ -14,12 +14,13 @@
 namespace maquette {
 
 std::vector<PointerEvent> Inbox::next_pointer_events() {
-  const auto turn = std::find_if(pointer.begin(), pointer.end(), [](const PointerEvent& event) {
+  const auto first_button = std::find_if(pointer.begin(), pointer.end(), [](const PointerEvent& event) {
     return event.kind == PointerEvent::Kind::press || event.kind == PointerEvent::Kind::release;
   });
-  // A press comes a frame after the move to it: tabs need to have been hovered before.
-  const bool move_first = turn != pointer.end() && turn != pointer.begin() && turn->kind == PointerEvent::Kind::press;
-  const auto end = turn == pointer.end() || move_first ? turn : turn + 1;
+  // A press comes one frame after the move to its position, because tabs must have been hovered before.
+  const bool move_first = first_button != pointer.end() && first_button != pointer.begin() &&
+                          first_button->kind == PointerEvent::Kind::press;
+  const auto end = first_button == pointer.end() || move_first ? first_button : first_button + 1;
   const std::vector<PointerEvent> events(pointer.begin(), end);
   pointer.erase(pointer.begin(), end);
   return events;
@@ -143,7 +144,7 @@ void ImGuiHost::begin_frame(const std::vector<PointerEvent>& events, const std::
   tapped_.clear();
   for (const KeyEvent& event : keys) {
     if (event.key < 0 || event.key >= IM_ARRAYSIZE(io.KeysDown)) continue;
-    io.KeysDown[event.key] = true;  // even when it is up again by now
+    io.KeysDown[event.key] = true;  // even if it has been released since
     tapped_.push_back(event.key);
   }
   ImGui::NewFrame();

@@ -16,17 +16,17 @@ struct KeyEvent {
   bool ctrl = false;
 };
 
-/// What the callbacks collect between two frames.
+/// Events that the callbacks collect between two frames.
 struct Inbox {
   std::vector<PointerEvent> pointer;
   std::vector<KeyEvent> keys;
   std::vector<std::string> dropped;
   double last_event_s = -1e9;
-  /// By the events so far: glfwGetCursorPos may be ahead of a press that waited.
+  /// After the events so far: glfwGetCursorPos may already be ahead of an earlier press.
   double x = 0.0, y = 0.0;
   bool cursor_known = false;
 
-  /// Up to the first press or release: two of them in one frame would be lost on the panels. The rest follows in the
+  /// Events up to the first press or release: the panels would miss two of them in one frame. The rest follows in the
   /// next frames.
   std::vector<PointerEvent> next_pointer_events();
 };
@@ -53,8 +53,8 @@ class ImGuiHost {
   ImGuiHost(const ImGuiHost&) = delete;
   ImGuiHost& operator=(const ImGuiHost&) = delete;
 
-  /// The back end asks where the mouse is now; at a few frames a second that is not where it was clicked. So ImGui gets
-  /// the events themselves.
+  /// Passes the events to ImGui. Its back end polls the present position of the mouse, which at a few frames a second
+  /// is not where it was clicked.
   void begin_frame(const std::vector<PointerEvent>& events, const std::vector<KeyEvent>& keys);
   void end_frame();
 

@@ -9,7 +9,7 @@ namespace maquette {
 
 namespace {
 
-constexpr float kClickSlop = 4.0f;  // units that a click may move
+constexpr float kClickSlop = 4.0f;  // units that the mouse may move during a click
 constexpr float kOrbitRate_rad = 0.008f;
 constexpr float kLookRate_rad = 0.0035f;
 constexpr float kLightRate_deg = 0.35f;
@@ -22,7 +22,7 @@ Renderer::Pick pick_middle(const Rect& picture, const PictureInput::Pick& pick) 
   return pick(picture.x + 0.5f * picture.width, picture.y + 0.5f * picture.height);
 }
 
-/// Orbit and dolly turn about and go to what the middle of the picture shows.
+/// Makes the surface in the middle of the picture the pivot of orbit and dolly.
 void set_pivot(CameraView* camera, const Renderer::Pick& middle) {
   if (!middle.hit) return;
   set_target_distance(camera, glm::dot(middle.position - camera->eye, glm::normalize(camera->target - camera->eye)));
@@ -85,7 +85,7 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     const Renderer::Pick hit = pick(event.x, event.y);
     if (!session->begin_dent(hit)) return;
     drag_ = Drag::dent;
-    // A drag over the whole height of the picture is worth half of what it shows at the surface.
+    // A drag over the whole height of the picture moves the surface by half of the visible height there.
     const float distance = glm::length(hit.position - state.camera.eye);
     dent_metres_per_unit_ = distance * std::tan(0.5f * state.camera.fov_y_rad) / std::max(picture.height, 1.0f);
     session->drag_dent(dent_depth(*session), state.dent_radius_m);
@@ -103,7 +103,7 @@ void PictureInput::move(const PointerEvent& event, const Rect& picture, WindowSe
   if (drag_ == Drag::none) return;
   const float dx = event.x - x_, dy = event.y - y_;
   if (!moved_ && std::hypot(event.x - press_x_, event.y - press_y_) < kClickSlop) return;
-  // Not at the press: a click must leave the camera, and the average, as they are.
+  // Not at the press: a click must not change the camera, which would restart the average.
   if (!moved_ && (drag_ == Drag::orbit || drag_ == Drag::pan)) set_pivot(&session->state.camera, pivot_);
   moved_ = true;
   x_ = event.x;

@@ -8,7 +8,7 @@
 
 namespace maquette {
 
-/// A mouse event in window coordinates, in the order they came: several may fall into one frame.
+/// A mouse event in window coordinates. Several, in order, may belong to one frame.
 struct PointerEvent {
   enum class Kind { press, release, move, wheel };
   Kind kind = Kind::move;
@@ -18,7 +18,7 @@ struct PointerEvent {
   bool shift = false, ctrl = false;  ///< of presses
 };
 
-/// The mouse over the picture: cameras, light, selection, dents, the wiper.
+/// Handles the mouse over the picture: cameras, light, selection, dents, the wiper.
 class PictureInput {
  public:
   /// `pick`: what is at a point of the picture rectangle.

@@ -15,7 +15,7 @@ namespace maquette {
 
 namespace {
 
-constexpr double kJudge_s = 0.4;          // between two looks at the picture: reading it back costs
+constexpr double kJudge_s = 0.4;          // between two measurements: reading the picture back is slow
 constexpr double kLongFrame_ms = 1500.0;  // the last frame of a measured curve
 constexpr float kHeatRange = 4.0f;        // the top of the scale, in mean errors
 
@@ -101,13 +101,13 @@ void WindowMeter::update(WindowSession* session, const WindowPicture& picture, d
   picture_height_ = view.height;
   std::uint64_t version = 0;
   std::shared_ptr<const GridReference> newest = meter_.newest(&version);
-  const bool news = version != version_ && newest;
-  if (news) {
+  const bool new_result = version != version_ && newest;
+  if (new_result) {
     reference_ = std::move(newest);
     version_ = version;
   }
   const bool better = picture.stats() && picture.stats()->accumulated_frames != judged_frames_;
-  if (reference_ && (news || better) && now_s - judged_s_ > kJudge_s) judge(session, picture, now_s);
+  if (reference_ && (new_result || better) && now_s - judged_s_ > kJudge_s) judge(session, picture, now_s);
   if (reference_ && curve_step_ >= 0) continue_curve(session, picture);
   update_textures(*session);
 }
@@ -161,7 +161,7 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
   else if (!reference_)
     facts->status = "The reference is being traced ...";
   else if (!error_)
-    facts->status = "No surface with light is in sight: there is nothing to compare.";
+    facts->status = "No lit surface is visible: there is nothing to compare.";
   if (error_) {
     facts->has_error = true;
     facts->error = error_->error;
@@ -241,7 +241,7 @@ void WindowMeter::draw_overlay(const WindowSession& session, const Rect& picture
   list->AddImage(texture_id(truth_), {x, low.y}, high, {u, 0.0f}, {1.0f, 1.0f});
   const float middle = picture.y + 0.5f * picture.height;
   list->AddLine({x, picture.y}, {x, picture.y + picture.height}, IM_COL32(255, 255, 255, 200), 2.0f);
-  // To be dragged by.
+  // The wiper's handle.
   list->AddRectFilled({x - 5.0f, middle - 18.0f}, {x + 5.0f, middle + 18.0f}, IM_COL32(255, 255, 255, 230), 5.0f);
   const float y = picture.y + picture.height - 1.6f * ImGui::GetFontSize();
   const auto label = [&](float at, const std::string& text) {

@@ -14,20 +14,20 @@
 
 namespace maquette {
 
-/// The error tab's part of the window: measures while the tab is in sight and nothing moves, draws heat map and wiper,
-/// finds the settings that keep a budget.
+/// The error tab's part of the window: measures while the tab is visible and nothing moves, draws heat map and wiper,
+/// computes the settings that keep a budget.
 class WindowMeter {
  public:
   void update(WindowSession* session, const WindowPicture& picture, double now_s);
   void fill_facts(const WindowSession& session, MeterFacts* facts) const;
   /// Over the picture, behind the panels: between ImGui::NewFrame and Render.
   void draw_overlay(const WindowSession& session, const Rect& picture);
-  /// Measures a curve of the present mode, one frame a turn, once there is a reference.
+  /// Measures a curve of the present mode, one frame in each iteration of the window's loop, once there is a reference.
   void measure_curve() { curve_step_ = 0; }
   void apply_budget(WindowSession* session) const;
 
  private:
-  /// What the thread that builds the scene finds beside: curves of an earlier report.
+  /// Also loaded by the thread that builds the scene: curves of an earlier report.
   struct Known {
     std::mutex mutex;
     BudgetCurves curves;

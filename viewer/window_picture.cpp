@@ -9,11 +9,11 @@
 namespace maquette {
 
 namespace {
-constexpr double kSettle_s = 0.3;  // the coarse picture stays so long after the last move
+constexpr double kSettle_s = 0.3;  // the picture stays coarse for this time after the last move
 constexpr std::size_t kHistory = 120;
 constexpr double kSmoothing = 0.15;
-// Edges are smoothed only where a frame takes less: the first frame with four times the samples is some three times as
-// long, and nothing interrupts it.
+// Edges are smoothed only when a frame takes less time than this: the first frame with four times the samples takes
+// about three times as long, and cannot be interrupted.
 constexpr double kQuickEnough_ms = 800.0;
 
 std::set<std::string> reflectors_of(const FrameRequest& request) {
@@ -21,41 +21,41 @@ std::set<std::string> reflectors_of(const FrameRequest& request) {
 }
 }  // namespace
 
-float WindowPicture::choose_moving_scale(const WindowSession& session, const PictureTurn& turn,
-                                         MovingScale::Kind kind) {
+float WindowPicture::next_moving_scale(const WindowSession& session, const PictureUpdate& input,
+                                       MovingScale::Kind kind) {
   const float most = session.state.still_scale;
   if (session.state.moving_scale > 0.0f) return std::min(session.state.moving_scale, most);
   if (!stats_) return most;
-  return moving_scale_.choose(kind, static_cast<double>(turn.width_px) * turn.height_px, most);
+  return moving_scale_.next_scale(kind, static_cast<double>(input.width_px) * input.height_px, most);
 }
 
-bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
-  const int width_px = turn.width_px, height_px = turn.height_px;
-  const double now_s = turn.now_s;
-  if (turn.more_events && stats_ && picture_.width() == width_px && picture_.height() == height_px) return false;
+bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
+  const int width_px = input.width_px, height_px = input.height_px;
+  const double now_s = input.now_s;
+  if (input.more_events && stats_ && picture_.width() == width_px && picture_.height() == height_px) return false;
   fit_aspect(&session->state.camera, static_cast<float>(width_px) / static_cast<float>(std::max(height_px, 1)));
   const FrameRequest wanted = session->make_frame_request(width_px, height_px);
   const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
-  // Of a picture at rest the renderer keeps what a swap leaves as it was.
-  const std::uint64_t paints = session->paint_revision() - last_paint_revision_;
-  const bool paint_alone = wanted == last_wanted_ && session->revision() - last_revision_ == paints;
-  // The first frame, a new window size and a swap of paint are no moves.
+  // After a swap of a material the renderer keeps the accumulated results of all other materials.
+  const std::uint64_t swaps = session->material_revision() - last_material_revision_;
+  const bool material_only = wanted == last_wanted_ && session->revision() - last_revision_ == swaps;
+  // The first frame, a new window size and a swap of a material are not moves.
   const bool moved =
-      changed && !paint_alone && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
-  FrameRequest turned = last_wanted_;
-  turned.env_rotation_rad = wanted.env_rotation_rad;
-  const bool light_alone = turned == wanted && session->revision() == last_revision_;
+      changed && !material_only && stats_ && wanted.width == last_wanted_.width && wanted.height == last_wanted_.height;
+  FrameRequest rotated = last_wanted_;
+  rotated.env_rotation_rad = wanted.env_rotation_rad;
+  const bool rotation_only = rotated == wanted && session->revision() == last_revision_;
   last_wanted_ = wanted;
   last_revision_ = session->revision();
-  last_paint_revision_ = session->paint_revision();
+  last_material_revision_ = session->material_revision();
   if (changed) failed_ = false;
   if (moved) last_change_s_ = now_s;
   const bool moving = now_s - last_change_s_ < kSettle_s;
-  // The first frame of a move goes on from nothing and does not count.
-  const bool begins = !moving_ || light_alone != (moving_kind_ == MovingScale::Kind::light);
+  // The first frame of a move has no history, and its cost is not representative.
+  const bool begins = !moving_ || rotation_only != (moving_kind_ == MovingScale::Kind::light);
   if (moving && moved) {
-    moving_kind_ = light_alone ? MovingScale::Kind::light : MovingScale::Kind::other;
-    last_moving_scale_ = choose_moving_scale(*session, turn, moving_kind_);
+    moving_kind_ = rotation_only ? MovingScale::Kind::light : MovingScale::Kind::other;
+    last_moving_scale_ = next_moving_scale(*session, input, moving_kind_);
   }
   if (!moving) moving_scale_.rest();
   moving_ = moving;
@@ -64,22 +64,22 @@ bool WindowPicture::update(WindowSession* session, const PictureTurn& turn) {
   request.width = std::max(static_cast<int>(std::lround(static_cast<float>(width_px) * scale)), 1);
   request.height = std::max(static_cast<int>(std::lround(static_cast<float>(height_px) * scale)), 1);
   const bool background = !session->renderer().background_work().empty();
-  const bool news = background_ && !background;  // what was computed beside is ready
+  const bool background_done = background_ && !background;
   background_ = background;
-  StillEdges::Turn edges;
+  StillEdges::Input edges;
   edges.moving_samples = wanted.msaa;
   edges.still_samples = session->state.still_msaa;
   edges.changed = changed;
-  edges.disturbed = moving_ || (changed && !paint_alone);
+  edges.disturbed = moving_ || (changed && !material_only);
   edges.may_begin = !background && !session->loading() && !session->state.error_view.open && !failed_ && stats_ &&
                     stats_->frame_ms < kQuickEnough_ms;
   edges.frames = stats_ ? stats_->accumulated_frames : 0;
   edges.now_s = now_s;
-  request.msaa = still_edges_.choose(edges);
-  const bool stale = changed || news || !(request == drawn_);
-  const bool due = stale ? !failed_ : !moving_ && !turn.panels_busy && !failed_ && !converged();
+  request.msaa = still_edges_.next_samples(edges);
+  const bool stale = changed || background_done || !(request == drawn_);
+  const bool due = stale ? !failed_ : !moving_ && !input.panels_busy && !failed_ && !converged();
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
-  if (due) draw(session, request, request == drawn_ && (!changed || paint_alone));
+  if (due) draw(session, request, request == drawn_ && (!changed || material_only));
   if (due && !failed_) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested(stats_->accumulated_frames > 1);
   const EditorState& state = session->state;
@@ -94,40 +94,40 @@ void WindowPicture::draw(WindowSession* session, const FrameRequest& request, bo
   try {
     stats_ = session->renderer().render(request, accumulate);
     drawn_ = request;
-    // Patches that are still being fitted may yet be refused.
+    // A request is not known to be valid while patches are being fitted: they may still be refused.
     const auto waits = [](const LeftOut& left_out) { return left_out.what == "patch_fit"; };
     if (std::ranges::none_of(stats_->plan.left_out, waits)) {
-      sound_ = request;
-      sound_->msaa = session->state.msaa;
+      last_valid_request_ = request;
+      last_valid_request_->msaa = session->state.msaa;
     }
     note_times();
   } catch (const Error& error) {
     if (still_edges_.smooth()) {
       still_edges_.refuse();
-      drawn_.msaa = request.msaa;  // what the renderer holds is no longer the picture in sight
+      drawn_.msaa = request.msaa;  // the renderer's picture is no longer the one on screen
       session->add_message(MessageLevel::note, std::string("edges stay as they are: ") + error.what());
       return;
     }
     failed_ = true;
     session->add_message(MessageLevel::error, error.what());
-    if (sound_) go_back(session);
+    if (last_valid_request_) restore_valid_state(session);
   }
 }
 
-/// A mode, a setting or a choice of reflectors that cannot draw this scene: back to what could.
-void WindowPicture::go_back(WindowSession* session) {
+/// After a mode, a setting or a set of reflectors that cannot draw this scene: restores the last valid ones.
+void WindowPicture::restore_valid_state(WindowSession* session) {
   EditorState& state = session->state;
-  state.mode = sound_->mode;
-  state.reflections = sound_->reflections;
-  state.settings = sound_->settings;
-  state.msaa = sound_->msaa;
-  state.edits.reflectors = reflectors_of(*sound_);
+  state.mode = last_valid_request_->mode;
+  state.reflections = last_valid_request_->reflections;
+  state.settings = last_valid_request_->settings;
+  state.msaa = last_valid_request_->msaa;
+  state.edits.reflectors = reflectors_of(*last_valid_request_);
 }
 
-/// `move`: the frame went on with a move, at the size of the frame before.
+/// `move`: the frame continued a move at the size of the frame before.
 void WindowPicture::note_cost(bool move) {
   const double px = static_cast<double>(drawn_.width) * drawn_.height;
-  if (still_edges_.smooth()) return;  // a move will not be drawn so
+  if (still_edges_.smooth()) return;  // moving frames are drawn with fewer samples
   if (move)
     moving_scale_.note(moving_kind_, stats_->frame_ms, px);
   else

@@ -51,17 +51,17 @@ WindowSession::WindowSession(const SceneOptions& options) {
   });
   ScenePointer scene = load_session_scene(options);
   state.edits.env_scale = options.env_scale;
-  take_scene(scene);
-  take_environment(environment.get(), options.environment);
+  use_scene(scene);
+  use_environment(environment.get(), options.environment);
   const FrameRequest request = make_request(*scene, options);
   if (options.eye || options.target)
     state.camera = request.camera;
   else
-    set_camera(choose_camera(*scene, options));  // fitted to the picture when its size is known
+    set_camera(choose_camera(*scene, options));  // WindowPicture adapts it to the picture's size
   state.mode = options.mode;
   state.settings = settings_of(options);
   state.msaa = options.msaa;
-  if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // so many frames, whatever the time
+  if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // the same frames however long they take
   state.tonemap = options.tonemap;
   state.debug_view = options.debug_view;
   state.edits.variant = request.variant;
@@ -81,7 +81,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   undo_.reset(state.edits);
 }
 
-void WindowSession::take_scene(ScenePointer scene) {
+void WindowSession::use_scene(ScenePointer scene) {
   renderer_.set_scene(scene);
   scene_ = std::move(scene);
   bounds_ = compute_bounds(*scene_);
@@ -104,7 +104,7 @@ void WindowSession::take_scene(ScenePointer scene) {
   ++revision_;
 }
 
-void WindowSession::take_environment(EnvironmentPointer environment, const std::string& source) {
+void WindowSession::use_environment(EnvironmentPointer environment, const std::string& source) {
   renderer_.set_environment(environment);
   environment_ = std::move(environment);
   suggested_ev_ = suggest_exposure_ev(*environment_);
@@ -121,8 +121,8 @@ void WindowSession::take_environment(EnvironmentPointer environment, const std::
 
 void WindowSession::warn_of_units() {
   if (!environment_) return;  // still being read
-  const std::string doubt = doubt_about_units(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
-  if (!doubt.empty()) add_message(MessageLevel::warning, environment_->name + ": " + doubt);
+  const std::string warning = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
+  if (!warning.empty()) add_message(MessageLevel::warning, environment_->name + ": " + warning);
 }
 
 float WindowSession::suggested_exposure() const {
@@ -171,7 +171,7 @@ void WindowSession::poll_files() {
   if (ready(environment_file_)) {
     const std::string wanted = state.edits.environment;
     try {
-      take_environment(environment_file_.get(), environment_source_);
+      use_environment(environment_file_.get(), environment_source_);
       if (wanted != environment_source_) state.edits.environment = wanted;
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
@@ -181,7 +181,7 @@ void WindowSession::poll_files() {
   }
   if (ready(scene_file_)) {
     try {
-      take_scene(scene_file_.get());
+      use_scene(scene_file_.get());
       set_camera(choose_camera(*scene_, SceneOptions()));
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
@@ -213,7 +213,7 @@ void WindowSession::apply_materials() {
         applied_.materials[name] = source;
       remember(&brdf_files_, source.empty() ? "builtin:" : source);
       ++revision_;
-      ++paint_revision_;
+      ++material_revision_;
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
       if (set)
@@ -323,7 +323,7 @@ void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Rend
   const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
   const glm::vec3 ray =
       glm::normalize(camera.forward + at.x * camera.tan_y * aspect * camera.right + at.y * camera.tan_y * camera.up);
-  // A mirror that is no reflector yet is itself what is opaque there.
+  // A mirror that is not a reflector yet is itself the opaque surface at this point.
   const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, eye) : 1e30f;
   const int node = find_mirror(*scene_, state.edits, eye, ray, limit_m);
   if (node < 0)
@@ -348,14 +348,14 @@ void WindowSession::go_to_camera(int index) {
   request_metering();
 }
 
-void WindowSession::meter_if_requested(bool goes_on) {
+void WindowSession::meter_if_requested(bool continued) {
   if (!metering_ || !state.auto_exposure) return;
   state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
-  // What is read from the cache may be done before the frame is that asked for it, and shows in the next one only.
-  metering_ = !goes_on || !renderer_.background_work().empty();
+  // A bake that is read from the cache may be finished before its frame is, and then shows only in the next frame.
+  metering_ = !continued || !renderer_.background_work().empty();
 }
 
-/// A camera of a file says nothing of how far what it looks at is: as far as the middle of the scene.
+/// A camera of a file has no target distance: that of the middle of the scene is used.
 void WindowSession::set_camera(const CameraView& camera) {
   state.camera = camera;
   const float distance = glm::dot(bounds_.center() - camera.eye, glm::normalize(camera.target - camera.eye));

@@ -17,8 +17,8 @@
 
 namespace maquette {
 
-/// What an open window works on: carries the edits out in the renderer, reads files in the background, remembers what
-/// undo needs. A change that fails becomes a message and is taken back; the last good state stays.
+/// The state of an open window: applies the edits to the renderer, reads files in the background, records the steps for
+/// undo. A change that fails becomes a message and is reverted; the last valid state stays.
 class WindowSession {
  public:
   /// Reads scene and environment; needs a current context. Throws Error: there is no good state yet to fall back to.
@@ -28,34 +28,34 @@ class WindowSession {
 
   /// A scene, an environment or a BRDF by its extension (or a built-in name); a BRDF goes to `material`.
   void open(const std::string& source, int material);
-  /// Takes finished files over and carries the edits out. `busy`: a control or the mouse is held.
+  /// Uses files that have been read, and applies the edits. `busy`: a control or the mouse is held.
   void update(bool busy);
   void undo();
   void go_to_camera(int index);
   void frame_scene(float aspect);
-  /// The exposure is to be found from the picture: when the next one that does not move is drawn, and again until
-  /// nothing is computed in the background any more and what was shows.
+  /// Requests that the exposure is computed from the picture: from the next one while nothing moves, and again until
+  /// the results of all background work are visible.
   void request_metering() { metering_ = true; }
-  /// `goes_on`: the picture is the one before with more samples; nothing that was computed beside came into it.
-  void meter_if_requested(bool goes_on);
+  /// `continued`: the picture is the previous one with more samples; no background result has been added to it.
+  void meter_if_requested(bool continued);
   void add_message(MessageLevel level, const std::string& text);
   void dismiss_messages();
 
-  /// Where a press with the dent tool begins; false (and a message) when there is nothing to dent.
+  /// Begins a press with the dent tool; false (and a message) when there is nothing to dent.
   bool begin_dent(const Renderer::Pick& pick);
   void drag_dent(float depth_m, float radius_m);
   void end_dent() { dent_.reset(); }
   void select(const Renderer::Pick& pick);
-  /// What mirrors at a point of the picture, -1 to 1 to the right and up, becomes a reflector or is one no more.
-  /// `pick`: what is opaque there.
+  /// Makes the pane or mirror at a point of the picture, -1 to 1 to the right and up, a reflector, or no longer one.
+  /// `pick`: the opaque surface there.
   void pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick);
 
   FrameRequest make_frame_request(int width, int height) const;
   Renderer& renderer() { return renderer_; }
-  /// Grows with every change that the picture shows besides the request.
+  /// Grows with every change of the picture that is not part of the request.
   std::uint64_t revision() const { return revision_; }
-  /// Of these, swaps of a material's paint.
-  std::uint64_t paint_revision() const { return paint_revision_; }
+  /// The number of these changes that replaced a material.
+  std::uint64_t material_revision() const { return material_revision_; }
   void fill_facts(EditorFacts* facts) const;
   bool loading() const { return scene_file_.valid() || environment_file_.valid(); }
   float scene_radius() const { return bounds_.radius(); }
@@ -72,8 +72,8 @@ class WindowSession {
   };
 
   float suggested_exposure() const;
-  void take_scene(ScenePointer scene);
-  void take_environment(EnvironmentPointer environment, const std::string& source);
+  void use_scene(ScenePointer scene);
+  void use_environment(EnvironmentPointer environment, const std::string& source);
   void warn_of_units();
   void set_camera(const CameraView& camera);
   void poll_files();
@@ -100,7 +100,7 @@ class WindowSession {
   std::optional<DentDrag> dent_;
   bool metering_ = true;
   std::uint32_t seed_ = 0;
-  std::uint64_t revision_ = 0, paint_revision_ = 0;
+  std::uint64_t revision_ = 0, material_revision_ = 0;
 };
 
 }  // namespace maquette

@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/bezier.glsl as C++, twice: the very lines that the GPU compiles, in float and in double.
+// shaders/shared/bezier.glsl compiled as C++, once in float and once in double. The GPU compiles the same source.
 #include <glm/glm.hpp>
 
 #ifndef MAQUETTE_FN

@@ -21,14 +21,15 @@ using bezier_double::bezier_jet;
 using bezier_double::bezier_position;
 using bezier_double::SurfaceJet;
 
-constexpr std::size_t kMostPatchesASheet = 32, kLeastTriangles = 16;
-constexpr std::size_t kMostPoints = 6000;  // in the equations; distances are measured at all
+constexpr std::size_t kMaxPatchesPerSheet = 32, kMinTriangles = 16;
+constexpr std::size_t kMaxPoints = 6000;  // of the equation system; the distances are measured at all vertices
 
-/// Vertices of a part in its own frame: middle 0, size 1, x and y along the smallest rectangle around their projection.
+/// Vertices of a part in a local frame: centred, scaled to size 1, x and y along the sides of the smallest rectangle
+/// around their projection.
 struct Cloud {
   std::vector<glm::dvec3> points;
   std::vector<glm::dvec3> normals;      ///< unit or 0, as many; none where the mesh has none
-  std::vector<std::uint32_t> vertices;  ///< of the mesh
+  std::vector<std::uint32_t> vertices;  ///< indices into the mesh
   glm::dvec3 origin{0.0};
   glm::dmat3 world_from_local{1.0};
   double scale = 1.0;
@@ -48,7 +49,7 @@ glm::dmat3 principal_axes(const std::vector<glm::dvec3>& points, double* flatnes
   return {axis(2), glm::cross(axis(0), axis(2)), axis(0)};
 }
 
-/// False for a part without area.
+/// Returns false for a part without area.
 bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                 std::span<const std::uint32_t> indices, Cloud* cloud) {
   cloud->vertices.assign(indices.begin(), indices.end());
@@ -68,10 +69,10 @@ bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3>
   for (glm::dvec3& p : cloud->points) p /= cloud->scale;
   glm::dmat3 axes = principal_axes(cloud->points, &flatness);
   if (flatness < 1e-10) return false;  // all on a line
-  constexpr int kTurns = 90;
+  constexpr int kAngles = 90;
   double least = 1e300, best = 0.0;
-  for (int k = 0; k < kTurns; ++k) {
-    const double angle = 0.5 * std::numbers::pi * k / kTurns, c = std::cos(angle), s = std::sin(angle);
+  for (int k = 0; k < kAngles; ++k) {
+    const double angle = 0.5 * std::numbers::pi * k / kAngles, c = std::cos(angle), s = std::sin(angle);
     glm::dvec2 low(1e300), high(-1e300);
     for (const glm::dvec3& p : cloud->points) {
       const glm::dvec2 q(glm::dot(p, c * axes[0] + s * axes[1]), glm::dot(p, c * axes[1] - s * axes[0]));
@@ -95,7 +96,7 @@ bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3>
 
 using Surface = bezier_double::BezierSurface;
 
-/// Nearest point of the patch, its parameters within `limit`, by Gauss-Newton from a start that is near.
+/// Parameters of the nearest point of the patch, each within `limit`, by Gauss-Newton. The start must be close.
 glm::dvec2 foot_point(const Surface& s, const glm::dvec3& p, glm::dvec2 x, double limit) {
   for (int k = 0; k < 4; ++k) {
     const SurfaceJet jet = bezier_jet(s, x);
@@ -110,7 +111,7 @@ glm::dvec2 foot_point(const Surface& s, const glm::dvec3& p, glm::dvec2 x, doubl
   return x;
 }
 
-using Row = std::array<double, 16>;  // what a linear form of the surface takes of each coefficient
+using Row = std::array<double, 16>;  // factors of the 16 coefficients in a linear form of the surface
 
 Row products(const std::array<double, 4>& x, const std::array<double, 4>& y) {
   Row out;
@@ -121,19 +122,19 @@ Row products(const std::array<double, 4>& x, const std::array<double, 4>& y) {
 std::array<double, 4> powers(double x) { return {1.0, x, x * x, x * x * x}; }
 std::array<double, 4> slopes(double x) { return {0.0, 1.0, 2.0 * x, 3.0 * x * x}; }
 
-/// Shares of the point distance, and of the bending that decides what the points leave open.
+/// Weight of the point distance, and of the smoothness term for what the points leave undetermined.
 struct Weights {
   double point = 1.0, bending = 1e-10;
 };
 
-/// The coefficients that minimise the distances along `normals` and, with a small share, all distances; and as far as
-/// `turn_weights` say so the slopes along the mesh's normals.
+/// Least squares: the coefficients that minimise the distances along `normals`, with a small weight all distances, and,
+/// with `normal_weights`, the deviation of the tangents from the plane of the mesh's normals.
 Surface solve(const Cloud& cloud, const std::vector<glm::dvec2>& feet, const std::vector<glm::dvec3>& normals,
-              const std::vector<double>& turn_weights, const Weights& weights) {
+              const std::vector<double>& normal_weights, const Weights& weights) {
   const std::vector<glm::dvec3>& points = cloud.points;
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(48, 48);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(48);
-  const std::size_t stride = 1 + points.size() / kMostPoints;
+  const std::size_t stride = 1 + points.size() / kMaxPoints;
   for (std::size_t n = 0; n < points.size(); n += stride) {
     const std::array<double, 4> x = powers(feet[n].x), y = powers(feet[n].y);
     const Row b = products(x, y), bx = products(slopes(feet[n].x), y), by = products(x, slopes(feet[n].y));
@@ -141,17 +142,17 @@ Surface solve(const Cloud& cloud, const std::vector<glm::dvec2>& feet, const std
     const Eigen::Matrix3d share =
         normal * normal.transpose() * (1.0 - weights.point) + weights.point * Eigen::Matrix3d::Identity();
     const Eigen::Vector3d target = share * p;
-    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
-    if (turn_weights[n] > 0.0) {
+    Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
+    if (normal_weights[n] > 0.0) {
       const Eigen::Vector3d m(cloud.normals[n].x, cloud.normals[n].y, cloud.normals[n].z);
-      turn = turn_weights[n] * m * m.transpose();
+      slope = normal_weights[n] * m * m.transpose();
     }
     for (int i = 0; i < 16; ++i) {
       const auto ki = static_cast<std::size_t>(i);
       right.segment<3>(3 * i) += b[ki] * target;
       for (int j = i; j < 16; ++j) {
         const auto kj = static_cast<std::size_t>(j);
-        matrix.block<3, 3>(3 * i, 3 * j) += b[ki] * b[kj] * share + (bx[ki] * bx[kj] + by[ki] * by[kj]) * turn;
+        matrix.block<3, 3>(3 * i, 3 * j) += b[ki] * b[kj] * share + (bx[ki] * bx[kj] + by[ki] * by[kj]) * slope;
       }
     }
   }
@@ -168,22 +169,22 @@ Surface solve(const Cloud& cloud, const std::vector<glm::dvec2>& feet, const std
 
 struct Distances {
   double largest = 0.0, sum2 = 0.0;
-  double misfit = 0.0;  ///< sum of the squares of distances and turned normals, each in its tolerance
+  double misfit = 0.0;  ///< sum of squared distances and squared normal angles, each divided by its tolerance
 };
 
-/// What turns a mirrored ray by more is sooner worth a patch of its own, rad.
-constexpr double kTurn_rad = 0.02;
-/// A vertex counts no more than so many tolerances: a few that are wrong decide nothing.
-constexpr double kMostMisfit = 30.0, kMostTurns = 3.0;
+/// Angle between the normals of mesh and patch above which another patch is preferred, rad.
+constexpr double kNormalTolerance_rad = 0.02;
+/// Limits of one vertex's errors, in tolerances, so that a few wrong vertices do not decide the fit.
+constexpr double kMaxDistanceError = 30.0, kMaxNormalError = 3.0;
 
-/// Between the mesh's normal and the surface's, whichever way both point; 0 where one is not known.
-double turn_of(const SurfaceJet& jet, const glm::dvec3& mesh) {
+/// Angle between the mesh's normal and the surface's, ignoring their orientation; 0 where one of them is undefined.
+double normal_angle(const SurfaceJet& jet, const glm::dvec3& mesh) {
   const glm::dvec3 n = glm::cross(jet.dx, jet.dy);
   const double along = std::abs(glm::dot(n, mesh)), across = glm::length(glm::cross(n, mesh));
   return across > 0.0 ? std::atan2(across, along) : 0.0;
 }
 
-/// Powers of 2 u - 1 to Bernstein: the inverse of make_reflector_patch.
+/// Converts powers of 2 u - 1 to Bernstein form: the inverse of make_reflector_patch.
 std::array<glm::dvec3, 16> control_points(const Surface& s) {
   const auto blossom = [](const std::array<glm::dvec3, 4>& c) -> std::array<glm::dvec3, 4> {
     return {c[0] - c[1] + c[2] - c[3], c[0] - c[1] / 3.0 - c[2] / 3.0 + c[3], c[0] + c[1] / 3.0 - c[2] / 3.0 - c[3],
@@ -199,8 +200,8 @@ std::array<glm::dvec3, 16> control_points(const Surface& s) {
   return out;
 }
 
-/// That all but one in fifty of the angles are within.
-double most_of(std::vector<double>* angles) {
+/// The 98th percentile of the angles.
+double percentile_98(std::vector<double>* angles) {
   if (angles->empty()) return 0.0;
   const auto most = angles->begin() + static_cast<std::ptrdiff_t>(angles->size() * 49 / 50);
   std::nth_element(angles->begin(), most, angles->end());
@@ -209,13 +210,13 @@ double most_of(std::vector<double>* angles) {
 
 struct LocalFit {
   Cloud cloud;
-  std::vector<std::size_t> triangles;  ///< of the part
+  std::vector<std::size_t> triangles;  ///< indices within the part
   Surface surface;
   std::vector<glm::dvec2> feet;
   Distances distances;  ///< m
 };
 
-/// So that the smallest is -1 and the largest 1.
+/// Rescales the parameters to [-1, 1].
 void normalise(std::vector<glm::dvec2>* feet) {
   glm::dvec2 low(1e300), high(-1e300);
   for (const glm::dvec2& x : *feet) {
@@ -225,27 +226,27 @@ void normalise(std::vector<glm::dvec2>* feet) {
   for (glm::dvec2& x : *feet) x = glm::clamp(2.0 * (x - low) / glm::max(high - low, 1e-12) - 1.0, -1.0, 1.0);
 }
 
-/// How close a fit is to be, in units of its cloud, and how long it may take.
-struct Aim {
+/// Required accuracy of a fit, in units of its cloud, and its largest number of iterations.
+struct FitLimits {
   double tolerance = 0.0;
   const std::function<bool()>* stop = nullptr;
-  int turns = 60;
+  int iterations = 60;
 };
 
-/// One patch through a cloud, from parameters in turns with the feet of its points.
-LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, const Aim& aim) {
+/// Fits one patch to a cloud; each iteration solves for the surface and then projects the points on it again.
+LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, const FitLimits& limits) {
   constexpr int kPatience = 8;
   constexpr double kBeyond = 1.05;  // the border of the patch may move outwards
-  const double tolerance = aim.tolerance;
+  const double tolerance = limits.tolerance;
   LocalFit best;
   normalise(&feet);
   std::vector<glm::dvec3> normals(feet.size(), glm::dvec3(0.0, 0.0, 1.0));
-  std::vector<double> turn_weights(feet.size(), 0.0);
+  std::vector<double> normal_weights(feet.size(), 0.0);
   Weights weights;
-  int since = 0;
-  for (int turn = 0; turn < aim.turns && since < kPatience; ++turn) {
-    if (turn > 0 && *aim.stop && (*aim.stop)()) break;
-    const Surface s = solve(cloud, feet, normals, turn_weights, weights);
+  int stalled = 0;
+  for (int iteration = 0; iteration < limits.iterations && stalled < kPatience; ++iteration) {
+    if (iteration > 0 && *limits.stop && (*limits.stop)()) break;
+    const Surface s = solve(cloud, feet, normals, normal_weights, weights);
     std::vector<glm::dvec2> inside = feet;
     Distances d;
     for (std::size_t n = 0; n < feet.size(); ++n) {
@@ -259,18 +260,20 @@ LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, const Aim& a
       d.sum2 += distance * distance;
       double angle = 0.0;
       if (!cloud.normals.empty()) {
-        angle = turn_of(jet, cloud.normals[n]);
-        // As much worth as the distance, each in its tolerance; normals that lie are taken no notice of (Cauchy
-        // weights).
-        const double slope = kTurn_rad * std::sqrt(glm::dot(jet.dx, jet.dx) + glm::dot(jet.dy, jet.dy) + 1e-12);
-        turn_weights[n] = tolerance * tolerance / (slope * slope) / (1.0 + std::pow(angle / (2.0 * kTurn_rad), 4.0));
+        angle = normal_angle(jet, cloud.normals[n]);
+        // Same weight as the distance, each divided by its tolerance. Cauchy-like weights suppress wrong normals.
+        const double slope =
+            kNormalTolerance_rad * std::sqrt(glm::dot(jet.dx, jet.dx) + glm::dot(jet.dy, jet.dy) + 1e-12);
+        normal_weights[n] =
+            tolerance * tolerance / (slope * slope) / (1.0 + std::pow(angle / (2.0 * kNormalTolerance_rad), 4.0));
       }
-      const double far = std::min(distance / tolerance, kMostMisfit), turned = std::min(angle / kTurn_rad, kMostTurns);
-      d.misfit += far * far + turned * turned;
+      const double distance_error = std::min(distance / tolerance, kMaxDistanceError),
+                   normal_error = std::min(angle / kNormalTolerance_rad, kMaxNormalError);
+      d.misfit += distance_error * distance_error + normal_error * normal_error;
     }
-    ++since;
-    if (turn == 0 || d.misfit < 0.9 * best.distances.misfit) since = 0;
-    if (turn == 0 || d.misfit < best.distances.misfit) {
+    ++stalled;
+    if (iteration == 0 || d.misfit < 0.9 * best.distances.misfit) stalled = 0;
+    if (iteration == 0 || d.misfit < best.distances.misfit) {
       best.surface = s;
       best.feet = inside;
       best.distances = d;
@@ -283,7 +286,7 @@ LocalFit fit_from(const Cloud& cloud, std::vector<glm::dvec2> feet, const Aim& a
   return best;
 }
 
-/// From the parameters of the rectangle, or from the texture coordinates where these serve better.
+/// Starts from the parameters of the rectangle, or from the texture coordinates where they fit better.
 LocalFit fit_cloud(Cloud cloud, std::span<const glm::vec2> uvs, const FitOptions& options) {
   std::vector<glm::dvec2> flat, textured;
   for (std::size_t n = 0; n < cloud.points.size(); ++n) {
@@ -291,10 +294,10 @@ LocalFit fit_cloud(Cloud cloud, std::span<const glm::vec2> uvs, const FitOptions
     if (!uvs.empty()) textured.emplace_back(uvs[cloud.vertices[n]]);
   }
   LocalFit best;
-  const Aim aim{options.tolerance_m / cloud.scale, &options.stop};
-  if (!textured.empty()) best = fit_from(cloud, std::move(textured), aim);
-  if (best.feet.empty() || !(best.distances.largest < 1e-2 * aim.tolerance)) {
-    LocalFit other = fit_from(cloud, std::move(flat), aim);
+  const FitLimits limits{options.tolerance_m / cloud.scale, &options.stop};
+  if (!textured.empty()) best = fit_from(cloud, std::move(textured), limits);
+  if (best.feet.empty() || !(best.distances.largest < 1e-2 * limits.tolerance)) {
+    LocalFit other = fit_from(cloud, std::move(flat), limits);
     if (best.feet.empty() || !(best.distances.misfit <= other.distances.misfit)) best = std::move(other);
   }
   best.distances.largest *= cloud.scale;
@@ -329,21 +332,22 @@ void add_normal_angles(const LocalFit& fit, std::span<const glm::vec3> normals, 
   }
 }
 
-/// Triangles that meet at an edge, whatever numbers its vertices have, and all but share a plane there, are of one
-/// sheet.
+/// Groups triangles into smooth sheets: two triangles belong to the same sheet when they share an edge (by position,
+/// not by index) and are nearly coplanar there.
 class Sheets {
  public:
   Sheets(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices) : parent_(indices.size() / 3) {
     constexpr double kCrease = 0.9;  // cosine
     std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    std::map<std::array<float, 3>, std::uint32_t> place;
+    std::map<std::array<float, 3>, std::uint32_t> point_numbers;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> edges;
     for (std::size_t t = 0; t < parent_.size(); ++t) {
       std::array<std::uint32_t, 3> v{};
       std::array<glm::dvec3, 3> p{};
       for (std::size_t k = 0; k < 3; ++k) {
         const glm::vec3& at = positions[indices[3 * t + k]];
-        v[k] = place.emplace(std::array{at.x, at.y, at.z}, static_cast<std::uint32_t>(place.size())).first->second;
+        v[k] = point_numbers.emplace(std::array{at.x, at.y, at.z}, static_cast<std::uint32_t>(point_numbers.size()))
+                   .first->second;
         p[k] = at;
       }
       normals_.push_back(glm::cross(p[1] - p[0], p[2] - p[0]));
@@ -351,7 +355,7 @@ class Sheets {
         const auto [edge, first] = edges.emplace(std::minmax(v[k], v[(k + 1) % 3]), t);
         if (first) continue;
         const glm::dvec3 &a = normals_[t], &b = normals_[edge->second];
-        // A sliver has no plane: it belongs to what it touches.
+        // A sliver has no reliable plane, so it joins its neighbour.
         const double sizes = glm::length(a) * glm::length(b);
         if (std::abs(glm::dot(a, b)) >= kCrease * sizes) parent_[root(t)] = root(edge->second);
       }
@@ -368,7 +372,7 @@ class Sheets {
   std::vector<glm::dvec3> normals_;
 };
 
-/// The sheets by their triangles' numbers, largest first.
+/// The sheets as lists of triangle indices, largest first.
 std::vector<std::vector<std::size_t>> find_sheets(std::span<const glm::vec3> positions,
                                                   std::span<const std::uint32_t> indices) {
   Sheets sheets(positions, indices);
@@ -388,7 +392,8 @@ std::vector<std::vector<std::size_t>> find_sheets(std::span<const glm::vec3> pos
 
 using Parts = std::array<std::vector<std::size_t>, 2>;
 
-/// The triangles in the order of their middles along an axis of the rectangle: a share of them, and the rest.
+/// Sorts the triangles by their centroids along an axis of the rectangle, and splits them in two: the first share, and
+/// the rest.
 Parts split(const Cloud& cloud, std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
             std::span<const std::size_t> triangles, int axis, double share) {
   std::vector<std::pair<double, std::size_t>> order;
@@ -410,7 +415,7 @@ struct Fitter {
   std::span<const glm::vec2> uvs;
   std::span<const std::uint32_t> indices;
   const FitOptions& options;
-  std::size_t all_triangles, served = 0;  ///< that have their patch
+  std::size_t all_triangles, done = 0;  ///< triangles that already have a patch
 
   bool cloud_of(const std::vector<std::size_t>& triangles, Cloud* cloud) const {
     std::vector<std::uint32_t> used;
@@ -419,10 +424,10 @@ struct Fitter {
     return make_cloud(positions, normals, used, cloud);
   }
 
-  /// Of a fit of a few turns through some of the vertices.
+  /// Error of a short trial fit through a subset of the vertices.
   double guess_misfit(const std::vector<std::size_t>& triangles) const {
     constexpr std::size_t kEnough = 300;
-    constexpr int kTurns = 6;
+    constexpr int kIterations = 6;
     Cloud cloud;
     if (!cloud_of(triangles, &cloud)) return 0.0;
     const std::size_t stride = 1 + cloud.points.size() / kEnough;
@@ -435,11 +440,11 @@ struct Fitter {
       feet.emplace_back(cloud.points[n]);
       if (!cloud.normals.empty()) thin.normals.push_back(cloud.normals[n]);
     }
-    const Aim aim{options.tolerance_m / cloud.scale, &options.stop, kTurns};
-    return fit_from(thin, std::move(feet), aim).distances.misfit * static_cast<double>(stride);
+    const FitLimits limits{options.tolerance_m / cloud.scale, &options.stop, kIterations};
+    return fit_from(thin, std::move(feet), limits).distances.misfit * static_cast<double>(stride);
   }
 
-  /// Where two patches promise most.
+  /// Split for which two patches have the smallest estimated error.
   Parts best_split(const Cloud& cloud, const std::vector<std::size_t>& triangles) const {
     constexpr std::array<double, 5> kShares{0.1, 0.3, 0.5, 0.7, 0.9};
     std::array<Parts, 2 * kShares.size()> tried;
@@ -448,14 +453,14 @@ struct Fitter {
     tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t k) {
       tried[k] = split(cloud, positions, indices, triangles, static_cast<int>(k / kShares.size()),
                        kShares[k % kShares.size()]);
-      if (tried[k][0].size() < kLeastTriangles || tried[k][1].size() < kLeastTriangles) return;
+      if (tried[k][0].size() < kMinTriangles || tried[k][1].size() < kMinTriangles) return;
       misfits[k] = guess_misfit(tried[k][0]) + guess_misfit(tried[k][1]);
     });
     const auto best = std::min_element(misfits.begin(), misfits.end());
     return *best < 1e300 ? tried[static_cast<std::size_t>(best - misfits.begin())] : Parts{};
   }
 
-  /// The patches of a part: one, or those of two parts of it.
+  /// The patches of a part: one, or those of its two halves.
   std::vector<LocalFit> fit(const std::vector<std::size_t>& triangles, std::size_t most) {
     Cloud cloud;
     if (!cloud_of(triangles, &cloud)) return {};
@@ -463,12 +468,12 @@ struct Fitter {
     one.push_back(fit_cloud(std::move(cloud), uvs, options));
     one[0].triangles = triangles;
     const double vertices = static_cast<double>(one[0].feet.size());
-    // Normals that are off are worth another patch where they are many.
+    // Many wrong normals justify another patch.
     const bool good = one[0].distances.largest <= options.tolerance_m && one[0].distances.misfit < vertices;
     const bool stopped = options.stop && options.stop();
-    if (good || stopped || most < 2 || triangles.size() < 2 * kLeastTriangles) {
-      served += triangles.size();
-      if (options.report) options.report(static_cast<double>(served) / static_cast<double>(all_triangles));
+    if (good || stopped || most < 2 || triangles.size() < 2 * kMinTriangles) {
+      done += triangles.size();
+      if (options.report) options.report(static_cast<double>(done) / static_cast<double>(all_triangles));
       return one;
     }
     std::vector<LocalFit> parts;
@@ -481,7 +486,7 @@ struct Fitter {
         parts.push_back(std::move(f));
       }
     }
-    // Noise stays however small the parts are: then one smooth patch is the better mirror.
+    // Noise does not shrink with the parts: in that case one smooth patch is the better mirror.
     const bool nearer = one[0].distances.largest > options.tolerance_m && sum2 < 0.5 * one[0].distances.sum2;
     const bool better = nearer || misfit < 0.5 * one[0].distances.misfit;
     return !parts.empty() && better ? std::move(parts) : std::move(one);
@@ -504,7 +509,7 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
   PatchFit out;
   out.triangles.resize(indices.size() / 3);
   std::vector<std::uint32_t> used;
-  std::vector<std::size_t> numbers;  // in `indices`, of the triangles in `used`
+  std::vector<std::size_t> numbers;  // of the triangles in `used`, as in `indices`
   for (std::size_t t = 0; t < out.triangles.size(); ++t) {
     const std::uint32_t* v = &indices[3 * t];
     if (!std::all_of(v, v + 3, [&](std::uint32_t k) { return is_finite(positions[k]); })) continue;
@@ -514,7 +519,7 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
   std::vector<LocalFit> fits;
   Fitter fitter{positions, normals, uvs, used, options, numbers.size()};
   for (const std::vector<std::size_t>& sheet : find_sheets(positions, used)) {
-    std::vector<LocalFit> some = fitter.fit(sheet, kMostPatchesASheet);
+    std::vector<LocalFit> some = fitter.fit(sheet, kMaxPatchesPerSheet);
     std::move(some.begin(), some.end(), std::back_inserter(fits));
   }
   if (fits.empty()) {
@@ -536,7 +541,7 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
     if (!normals.empty()) add_normal_angles(fit, normals, &angles);
   }
   out.rms_m = std::sqrt(sum2 / count);
-  out.normal_rad = most_of(&angles);
+  out.normal_rad = percentile_98(&angles);
   out.met = out.largest_m <= options.tolerance_m;
   return out;
 }
@@ -544,12 +549,12 @@ PatchFit fit_patches(std::span<const glm::vec3> positions, std::span<const glm::
 std::optional<PatchFit> limit_patches_of(const SubdivisionCage& cage, const glm::dmat4& world_from_node,
                                          std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
                                          std::span<const std::uint32_t> indices, double tolerance_m) {
-  constexpr std::size_t kMostLimitPatches = 96;
-  // Faces are rewound where the node mirrors: the second corner is the third.
+  constexpr std::size_t kMaxLimitPatches = 96;
+  // A mirroring node reverses the winding: the second and third corner change places.
   const bool mirrors = glm::determinant(glm::dmat3(world_from_node)) < 0.0;
   for (int isolation = 1; isolation <= std::min(cage.levels, 4); ++isolation) {
     const LimitPatches limit = make_limit_patches(cage, isolation);
-    if (limit.points.size() > kMostLimitPatches || limit.patch_of_triangle.size() != indices.size() / 3)
+    if (limit.points.size() > kMaxLimitPatches || limit.patch_of_triangle.size() != indices.size() / 3)
       return std::nullopt;
     PatchFit out;
     std::vector<ReflectorPatch> ready;
@@ -575,19 +580,19 @@ std::optional<PatchFit> limit_patches_of(const SubdivisionCage& cage, const glm:
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = indices[3 * t + k];
         const glm::dvec3 at = glm::dvec3(positions[v]) - patch.origin;
-        // A cap runs through its surface at a pace of its own.
+        // The parametrisation of a cap differs from that of the surface.
         if (!limit.exact[static_cast<std::size_t>(triangle.patch)])
           out.triangles.back().x[k] = foot_point(patch.exact, at, triangle.x[k], 1.0);
         const SurfaceJet jet = bezier_jet(patch.exact, out.triangles.back().x[k]);
         const double distance = glm::length(jet.p - at);
         fitted.largest_m = std::max(fitted.largest_m, distance);
         sum2 += distance * distance;
-        if (!normals.empty()) angles.push_back(turn_of(jet, glm::dvec3(normals[v])));
+        if (!normals.empty()) angles.push_back(normal_angle(jet, glm::dvec3(normals[v])));
       }
     }
     for (const FittedPatch& patch : out.patches) out.largest_m = std::max(out.largest_m, patch.largest_m);
     out.rms_m = std::sqrt(sum2 / static_cast<double>(std::max<std::size_t>(indices.size(), 1)));
-    out.normal_rad = most_of(&angles);
+    out.normal_rad = percentile_98(&angles);
     out.met = out.largest_m <= tolerance_m;
     if (out.met) return out;
   }

@@ -8,13 +8,14 @@ namespace maquette {
 
 namespace {
 
-/// Between its corners a quad bulges, and its rays leave the corners' cone. A quarter of its own extent, and of its
-/// turn, is more than car glass bends in a sixteenth of a pane.
+/// The surface bulges between the corners of a quad, and its rays leave the cone of the corner rays. The cone is
+/// widened by a quarter of the quad's size and of its change of direction, which is more than car glass needs when a
+/// pane is cut into 16 x 16 quads.
 constexpr float kSlack = 0.25f;
 
 using RayNode = bezier_double::BezierNode;
 
-/// False only when the quad lies outside the picture.
+/// Conservative: false only when the quad is certainly outside the picture.
 bool may_be_in_picture(const std::array<const RayNode*, 4>& corners, const glm::dvec3& origin,
                        const FrameConstants& frame) {
   glm::vec2 low(1e30f), high(-1e30f);

@@ -9,13 +9,13 @@
 
 namespace maquette {
 
-/// What the picture shows of a patch: culling keeps to it.
+/// The part of a patch that is visible in the picture, for culling.
 struct PatchView {
-  glm::vec4 window{-1.0f, -1.0f, 1.0f, 1.0f};  ///< lower and upper parameters that may be in the picture
-  std::vector<Beam> beams;                     ///< mirrored rays of each part that may be; none where it is out of view
+  glm::vec4 window{-1.0f, -1.0f, 1.0f, 1.0f};  ///< lower and upper parameters of the visible part
+  std::vector<Beam> beams;  ///< mirrored rays of each visible quad; empty when the patch is out of view
 };
 
-/// In `side` x `side` quads.
+/// Tests `side` x `side` quads.
 PatchView view_patch(const ReflectorPatch& patch, const FrameConstants& frame, int side = 16);
 
 }  // namespace maquette

@@ -19,11 +19,11 @@ namespace maquette {
 namespace {
 
 constexpr int kPieceCapacity = 1 << 18;  // 64 bytes each
-/// Edges as short as that on screen are straight, px.
+/// Edges up to this length on screen are drawn straight, px.
 constexpr float kShort_px = 3.0f;
 constexpr std::size_t kNodeTexels = 5;
 
-// Slots of the counters in shaders/bezier/*.comp.
+// Indices of the counters in shaders/bezier/*.comp.
 enum Counter {
   small,
   pieces_a,
@@ -34,7 +34,7 @@ enum Counter {
   uncertain,
   dropped,
   large,
-  doubtful,
+  uncertain_pixels,
   counter_count = 16
 };
 
@@ -42,7 +42,7 @@ const ShaderVariant kVertices{"bezier/vertices.comp", "", {}}, kClassify{"bezier
     kPieces{"bezier/pieces.comp", "", {{"GHOST", "0"}}}, kGhostPieces{"bezier/pieces.comp", "", {{"GHOST", "1"}}},
     kBounds{"bezier/bounds.comp", "", {}}, kPoints{"bezier/points.comp", "", {}};
 
-/// One side of one patch, as the eye of this frame sees it.
+/// One side of one patch for the eye of this frame.
 struct Part {
   int reflector = 0;
   int first_node = 0;
@@ -50,13 +50,13 @@ struct Part {
   glm::vec3 origin{0.0f};
   PatchView view;
   bezier_float::BezierSurface surface;
-  GhostReach ghost;  ///< or of a mesh's own rays from those of the patch that is fitted to it
-  /// What the part's rays, second ones included, may show more than those of its front.
-  float reach_m(const glm::vec3& center, float radius) const {
+  GhostReach ghost;  ///< bound of the difference between the rays that are traced and those of the patch
+  /// How far outside a sphere the traced rays may be when the patch's own rays touch the sphere.
+  float ghost_margin_m(const glm::vec3& center, float radius) const {
     return ghost.at(glm::length(center - origin) + radius + size_m);
   }
-  bool fitted = false;  ///< to a mesh
-  int number = 0;       ///< of its record in the shaders' block
+  bool fitted = false;  ///< the patch is fitted to a mesh
+  int number = 0;       ///< index of its record in the shaders' block
   PatchRecord record;
   float size_m = 0.0f;  ///< from its origin to its farthest point
 };
@@ -73,37 +73,37 @@ std::vector<glm::vec4> node_texels(const ReflectorNodes& nodes) {
   return texels;
 }
 
-/// What the image of a piece is larger by than that of its corners: its edges are within the tolerance of straight
-/// ones, what lies between them within twice as much.
+/// Enlargement of a piece's bounding box on screen: its edges are straight within the tolerance, its interior within
+/// twice the tolerance.
 float margin_px(float tolerance_px) { return 2.0f * tolerance_px + 0.25f; }
 
-/// Where the search begins for all of a cluster; std430 twin of the one in shaders/bezier/vertices.comp.
+/// Common start of the search for all vertices of a cluster; std430, as in shaders/bezier/vertices.comp.
 struct ClusterStart {
   glm::vec2 x{0.0f};
   float certified = 0.0f, unused = 0.0f;
-  glm::vec4 x_by_place{0.0f}, y_by_place{0.0f};
+  glm::vec4 x_by_position{0.0f}, y_by_position{0.0f};
   glm::vec4 middle{0.0f};  ///< world, m; radius, m
   glm::vec4 half_extent{0.0f};
 };
 
-/// A cluster that may be seen in a part.
+/// A cluster that may be visible in a part.
 struct Candidate {
   std::uint32_t cluster = 0;
   ClusterStart start;
 };
 
-/// Nothing when the window shows nothing of the cluster: its parameters, to the first order with half as much again,
-/// lie beside it, or all of it lies behind the surface.
+/// Nothing when the cluster is certainly invisible: its parameters, to first order plus a safety factor of 1.5, are
+/// outside the window, or all of it is behind the surface.
 std::optional<Candidate> find_candidate(const Part& part, const glm::vec3& eye_world, const ClusterSet& clusters,
                                         std::uint32_t number) {
   constexpr int kSteps = 10;
-  constexpr float kReach = 1.5f, kMargin = 0.02f;
+  constexpr float kSafety = 1.5f, kMargin = 0.02f;
   Cluster cluster = clusters.clusters[number];
-  const float more_m = part.reach_m(cluster.center, cluster.radius);
+  const float more_m = part.ghost_margin_m(cluster.center, cluster.radius);
   cluster.radius += more_m;
   cluster.half_extent += more_m;
   const glm::vec3 center = cluster.center - part.origin, eye = eye_world - part.origin;
-  const bezier_float::BezierStart start = choose_start(part.nodes, eye, center);
+  const bezier_float::BezierStart start = best_start(part.nodes, eye, center);
   bool certified = true;
   for (const bezier_float::BezierNode& node : part.nodes.nodes)
     certified = certified && bezier_float::is_before_focus(node, glm::length(center - node.position) + cluster.radius);
@@ -116,18 +116,18 @@ std::optional<Candidate> find_candidate(const Part& part, const glm::vec3& eye_w
   const bezier_float::ReflectionPoint r =
       reflect_from(part.surface, eye, center, start.x, bezier_float::kParameterLimit, kSteps);
   if (!r.converged) return out;
-  if (r.status == bezier_float::kReflectionBehind && r.height < -kReach * cluster.radius) return std::nullopt;
+  if (r.status == bezier_float::kReflectionBehind && r.height < -kSafety * cluster.radius) return std::nullopt;
   if (r.status > bezier_float::kReflectionOutside) return out;
   const bezier_float::ReflectionDerivative d = reflection_derivative(part.surface, eye, center, r.x);
-  const glm::vec2 reach =
-      kReach * glm::vec2(dot(abs(d.x), cluster.half_extent), dot(abs(d.y), cluster.half_extent)) + glm::vec2(kMargin);
+  const glm::vec2 extent =
+      kSafety * glm::vec2(dot(abs(d.x), cluster.half_extent), dot(abs(d.y), cluster.half_extent)) + glm::vec2(kMargin);
   const glm::vec4& window = part.view.window;
-  if (r.height > kReach * cluster.radius && (r.x.x - reach.x > window.z || r.x.x + reach.x < window.x ||
-                                             r.x.y - reach.y > window.w || r.x.y + reach.y < window.y))
+  if (r.height > kSafety * cluster.radius && (r.x.x - extent.x > window.z || r.x.x + extent.x < window.x ||
+                                              r.x.y - extent.y > window.w || r.x.y + extent.y < window.y))
     return std::nullopt;
   out.start.x = r.x;
-  out.start.x_by_place = glm::vec4(d.x, 0.0f);
-  out.start.y_by_place = glm::vec4(d.y, 0.0f);
+  out.start.x_by_position = glm::vec4(d.x, 0.0f);
+  out.start.y_by_position = glm::vec4(d.y, 0.0f);
   return out;
 }
 
@@ -139,12 +139,12 @@ class BezierReflections : public ReflectorTechnique {
     unsigned patches = 0;
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       if ((*frame.reflectors)[r].plane)
-        hits_.take_planar(frame, r, *clusters_);
+        hits_.find_nearest_planar(frame, r, *clusters_);
       else
         patches |= 1u << r;
     }
     for (const Part& part : find_parts(frame)) project(frame, part);
-    counts_[doubtful] = hits_.finish(frame, 0, patches);
+    counts_[uncertain_pixels] = hits_.finish(frame, 0, patches);
     frame.timer->end("projection");
   }
   bool doubts() const override { return true; }
@@ -161,7 +161,7 @@ class BezierReflections : public ReflectorTechnique {
     (*counters)["lost_vertices"] = counts_[lost];
     (*counters)["uncertain_vertices"] = counts_[uncertain];
     (*counters)["dropped_triangles"] = counts_[dropped];
-    (*counters)["uncertain_pixels"] = counts_[doubtful];
+    (*counters)["uncertain_pixels"] = counts_[uncertain_pixels];
   }
 
  private:
@@ -234,15 +234,15 @@ class BezierReflections : public ReflectorTechnique {
                   "correct its control points");
     Part part;
     part.ghost = frame.ghost ? (*frame.ghost)[number] : GhostReach{};
-    if (frame.ghost && part.ghost.offset_m == 0.0f) return;  // no pane, or not in the picture
+    if (frame.ghost && part.ghost.offset_m == 0.0f) return;  // no pane, or outside the picture
     part.view = view_patch(patch, *frame.constants);
-    // A second image is millimetres beside the first: by far less than that share of a pane.
+    // A second reflection is a few millimetres beside the first: far less than this margin.
     if (frame.ghost) part.view.window += 0.25f * glm::vec4(-1.0f, -1.0f, 1.0f, 1.0f);
     part.reflector = static_cast<int>(number);
     add_sides(frame, patch, reflector.points, part, parts);
   }
 
-  /// A curved mesh: the patches say where on screen a triangle may be seen, the pixels' own rays whether it is.
+  /// A curved mesh: its patches only limit where triangles are searched; hits are found with the pixels' own rays.
   void add_fitted(const ReflectionFrame& frame, std::size_t number, std::vector<Part>* parts) {
     constexpr float kBetweenPixels = 0.02f;  // parameters
     const Reflector& reflector = (*frame.reflectors)[number];
@@ -250,8 +250,8 @@ class BezierReflections : public ReflectorTechnique {
     const int side = std::max(4, static_cast<int>(16.0 / std::sqrt(static_cast<double>(patches.size()))));
     for (std::size_t k = 0; k < patches.size(); ++k) {
       const FitReach& seen = (*frame.fits)[static_cast<std::size_t>(reflector.first_patch) + k];
-      if (seen.most == glm::vec2(0.0f)) continue;  // by no pixel
-      // The part that is seen alone: what its surroundings do is no matter, least of all to the search.
+      if (seen.most == glm::vec2(0.0f)) continue;  // no pixel sees it
+      // Only the visible part of the patch, so that the search is not disturbed by the rest.
       const glm::dvec4 window(4.0f - seen.least - kBetweenPixels, seen.most - 4.0f + kBetweenPixels);
       const std::array<glm::dvec3, 16> points = part_of_patch(patches[k].points, window);
       const ReflectorPatch patch = make_reflector_patch(points);
@@ -271,7 +271,7 @@ class BezierReflections : public ReflectorTechnique {
     if (part.view.beams.empty()) return;
     for (ReflectorNodes& nodes : make_reflector_nodes(patch, glm::dvec3(frame.constants->eye) - patch.origin)) {
       Part side = part;
-      // Of a part of a mesh what lands beside it is seen in the others: it is not looked for again and again.
+      // A reflection beside this part belongs to another part of the mesh, so the careful search is not needed.
       if (part.fitted) nodes.careful = false;
       side.nodes = std::move(nodes);
       side.origin = glm::vec3(patch.origin);
@@ -306,16 +306,16 @@ class BezierReflections : public ReflectorTechnique {
     return values;
   }
 
-  /// The clusters that may be seen in the part.
+  /// The clusters that may be visible in the part.
   std::vector<Candidate> find_candidates(const ReflectionFrame& frame, const Part& part) const {
     const std::vector<Beam>& beams = part.view.beams;
     const auto may_be_reflected = [&](const glm::vec3& center, float radius) {
-      const float reach = radius + part.reach_m(center, radius);
-      return std::any_of(beams.begin(), beams.end(), [&](const Beam& b) { return may_meet(b, center, reach); });
+      const float bound = radius + part.ghost_margin_m(center, radius);
+      return std::any_of(beams.begin(), beams.end(), [&](const Beam& b) { return may_meet(b, center, bound); });
     };
     std::vector<std::uint32_t> numbers;
     for (std::size_t i = 0; i < clusters_->of_item.size(); ++i) {
-      if (i == (*frame.reflectors)[static_cast<std::size_t>(part.reflector)].item) continue;  // a mirror in itself
+      if (i == (*frame.reflectors)[static_cast<std::size_t>(part.reflector)].item) continue;  // itself
       const Bounds& bounds = frame.buffers->bounds(i);
       if (!(*frame.occluding)[i] || !may_be_reflected(bounds.center(), bounds.radius())) continue;
       for (std::size_t c = clusters_->of_item[i].begin; c < clusters_->of_item[i].end; ++c)
@@ -332,7 +332,7 @@ class BezierReflections : public ReflectorTechnique {
     return candidates;
   }
 
-  /// Leaves out what its box, projected, shows to be out of view, or behind what has been found.
+  /// Removes candidates whose projected box is outside the view or behind what has been found.
   void cull(const ReflectionFrame& frame, const Part& part, std::vector<Candidate>* candidates) {
     if (candidates->empty()) return;
     starts_.clear();
@@ -354,26 +354,26 @@ class BezierReflections : public ReflectorTechnique {
     candidates->resize(kept);
   }
 
-  /// What the last picture showed first, then what may still be seen beside and before it.
+  /// First the clusters that the last picture shows, then those that may still be visible beside or in front of them.
   void project(const ReflectionFrame& frame, const Part& part) {
     std::vector<Candidate> candidates = find_candidates(frame, part);
-    if (draws_points(frame)) {  // they cover nothing
-      take_clusters(frame, part, candidates);
+    if (draws_points(frame)) {  // points occlude nothing
+      project_clusters(frame, part, candidates);
       return;
     }
     const auto rest = std::stable_partition(candidates.begin(), candidates.end(),
                                             [&](const Candidate& c) { return hits_.seen_groups()[c.cluster] != 0; });
     if (rest != candidates.begin()) {
       hits_.bind_far(frame, static_cast<std::size_t>(part.reflector));
-      take_clusters(frame, part, {candidates.begin(), rest});
+      project_clusters(frame, part, {candidates.begin(), rest});
       candidates.erase(candidates.begin(), rest);
     }
     cull(frame, part, &candidates);
-    take_clusters(frame, part, candidates);
+    project_clusters(frame, part, candidates);
   }
 
-  void take_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates) {
-    hits_.take(
+  void project_clusters(const ReflectionFrame& frame, const Part& part, std::span<const Candidate> candidates) {
+    hits_.find_nearest(
         frame, candidates.size(),
         [&](std::size_t begin, std::size_t end) {
           offer_clusters(frame, part, candidates.subspan(begin, end - begin));
@@ -426,7 +426,7 @@ class BezierReflections : public ReflectorTechnique {
     return frame.settings->get_string("bezier.draw") == "points";
   }
 
-  /// The vertices of `vertex_list_` where they are seen.
+  /// Draws the vertices of `vertex_list_` as points.
   void draw_points(const ReflectionFrame& frame, const Part& part) {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_of_vertex_.get());
     hits_.bind_nearest();
@@ -477,7 +477,7 @@ class BezierReflections : public ReflectorTechnique {
 
   std::optional<ClusterSet> clusters_;
   std::uint32_t epoch_ = 0;
-  std::vector<std::uint32_t> listed_;  ///< of each vertex: the stamp of the last list that it is on
+  std::vector<std::uint32_t> listed_;  ///< [vertex] stamp of the last list that contains it
   std::uint32_t stamp_ = 0;
   std::vector<glm::uvec2> vertices_;  ///< vertex, start
   std::vector<std::uint32_t> triangles_;

@@ -5,7 +5,7 @@
 
 namespace maquette {
 
-/// Projects the scene into the patches among the reflectors and rasterises it there.
+/// Projects the scene into the patches of the reflectors and rasterises it there.
 std::unique_ptr<ReflectorTechnique> make_bezier_reflections();
 std::vector<ShaderVariant> bezier_shader_variants();
 

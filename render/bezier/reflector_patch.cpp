@@ -10,7 +10,7 @@ namespace {
 using bezier_double::bezier_jet;
 using bezier_double::SurfaceJet;
 
-/// Bernstein to powers of x = 2 u - 1.
+/// Converts Bernstein form to powers of x = 2 u - 1.
 std::array<glm::dvec3, 4> centred_powers(const std::array<glm::dvec3, 4>& b) {
   return {(b[0] + 3.0 * b[1] + 3.0 * b[2] + b[3]) / 8.0, 3.0 * (b[3] + b[2] - b[1] - b[0]) / 8.0,
           3.0 * (b[0] - b[1] - b[2] + b[3]) / 8.0, (b[3] - 3.0 * b[2] + 3.0 * b[1] - b[0]) / 8.0};
@@ -18,7 +18,7 @@ std::array<glm::dvec3, 4> centred_powers(const std::array<glm::dvec3, 4>& b) {
 
 glm::dvec2 grid_parameter(int i, int j, int side) { return {-1.0 + 2.0 * i / (side - 1), -1.0 + 2.0 * j / (side - 1)}; }
 
-/// Convex when every tangent plane of a grid has all grid points on one side, the same for all. 0 otherwise.
+/// Nonzero for a convex patch: all points of a grid lie on the same side of every tangent plane of the grid.
 double find_convex_side(const bezier_double::BezierSurface& s, double size) {
   constexpr int kGrid = 9;
   std::vector<SurfaceJet> jets;
@@ -58,7 +58,7 @@ ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points) {
     const std::array<glm::dvec3, 4> column = centred_powers({rows[0][i], rows[1][i], rows[2][i], rows[3][i]});
     for (std::size_t j = 0; j < 4; ++j) out.exact.c[4 * j + i] = column[j];
   }
-  out.origin = glm::dvec3(glm::vec3(out.exact.c[0]));  // a float: objects are moved by it without loss
+  out.origin = glm::dvec3(glm::vec3(out.exact.c[0]));  // a float value: objects are moved by it without rounding
   out.exact.c[0] -= out.origin;
   double size = 0.0;
   for (const glm::dvec3& p : points) size = std::max(size, glm::length(p - out.origin));
@@ -82,7 +82,7 @@ ReflectorPatch make_reflector_patch(const std::array<glm::dvec3, 16>& points) {
 
 std::array<glm::dvec3, 16> part_of_patch(const std::array<glm::dvec3, 16>& points, const glm::dvec4& within) {
   const auto cut = [](const std::array<glm::dvec3, 4>& b, double low, double high) {
-    // The polar form at (low, low, low), (low, low, high), ...: each argument one step of de Casteljau's.
+    // Blossom (polar form) at (low, low, low), (low, low, high), ...: one step of de Casteljau per argument.
     const auto polar = [&](double r, double s, double t) {
       const glm::dvec3 a0 = glm::mix(b[0], b[1], r), a1 = glm::mix(b[1], b[2], r), a2 = glm::mix(b[2], b[3], r);
       return glm::mix(glm::mix(a0, a1, s), glm::mix(a1, a2, s), t);
@@ -110,7 +110,7 @@ PatchRecord make_patch_record(const ReflectorPatch& patch) {
 }
 
 std::vector<ReflectorNodes> make_reflector_nodes(const ReflectorPatch& patch, const glm::dvec3& eye) {
-  constexpr double kEdgeOn = 0.1;  // cosine below which the surroundings of a node may show their back
+  constexpr double kEdgeOn = 0.1;  // cosine below which the neighbourhood of a node may be back-facing
   std::vector<ReflectorNodes> sides;
   std::vector<bezier_float::BezierNode> nodes;
   bool careful = false, seen[2] = {false, false};
@@ -140,7 +140,7 @@ std::vector<ReflectorNodes> make_reflector_nodes(const ReflectorPatch& patch, co
   return sides;
 }
 
-bezier_float::BezierStart choose_start(const ReflectorNodes& nodes, const glm::vec3& eye, const glm::vec3& p) {
+bezier_float::BezierStart best_start(const ReflectorNodes& nodes, const glm::vec3& eye, const glm::vec3& p) {
   bezier_float::BezierStart start = bezier_float::no_start(nodes.side);
   for (const bezier_float::BezierNode& node : nodes.nodes) start = consider_node(start, node, eye, p);
   start.certified |= nodes.unique;

@@ -20,11 +20,11 @@ constexpr std::size_t kMaxWidth = 4096;
 constexpr std::size_t kMaxCells = 256;
 constexpr float kClip = 64.0f;
 constexpr float kClipStep = 4.0f;    ///< ratio of neighbouring clip thresholds
-constexpr int kMaxClipCount = 10;    ///< a wider range of brightness gets wider steps
-constexpr double kTailShare = 0.05;  ///< 95 % of the energy is inside
+constexpr int kMaxClipCount = 10;    ///< a wider range of brightness uses larger steps
+constexpr double kTailShare = 0.05;  ///< 95 % of the energy is below the bandwidth
 constexpr double kTailContrast = 0.01;
-constexpr double kLeavesAlone = 8.0;  ///< a lobe of so many times the light's bandwidth takes 3 % of what is there
-constexpr double kMaxStretch = 4.0;   ///< largest 1 / sin(theta) that is undone
+constexpr double kUnaffectedRatio = 8.0;  ///< a lobe of so many times the light's bandwidth removes 3 % of the energy
+constexpr double kMaxStretch = 4.0;       ///< limit of the correction by 1 / sin(theta)
 
 /// Luminance, [height][width], width = 2 height = a power of two.
 struct Map {
@@ -35,7 +35,8 @@ struct Map {
 
 float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
-/// Luminance resampled to the working size: averages n x n bilinear points a texel, exact boxes for whole factors.
+/// Luminance resampled to the working size: each texel averages n x n bilinear points; exact box filter for integer
+/// factors.
 Map working_map(const Environment& environment) {
   Map map;
   const auto wanted = static_cast<std::size_t>(std::max(environment.width, 2 * environment.height));
@@ -79,7 +80,7 @@ Map working_map(const Environment& environment) {
   return map;
 }
 
-/// The grid of cells that bandwidth is found for.
+/// The grid of cells for which bandwidth is computed.
 struct Cells {
   std::size_t width = 0, height = 0;
   std::size_t side = 0;  ///< texels a cell side
@@ -161,7 +162,7 @@ void add_rows(const Map& map, int clip, Cells& cells) {
   });
 }
 
-/// Column x down to the south pole and column x + width / 2 up again are one great circle: periodic, no border.
+/// Column x down to the south pole and column x + width / 2 back up form one great circle: periodic, without a border.
 void add_columns(const Map& map, int clip, Cells& cells) {
   const float threshold = cells.thresholds[static_cast<std::size_t>(clip)];
   const auto levels = static_cast<std::size_t>(cells.level_count);
@@ -191,10 +192,11 @@ void add_columns(const Map& map, int clip, Cells& cells) {
   });
 }
 
-/// Spectra along one axis of a row of cells, and what each lobe leaves of them.
+/// Spectra along one axis for a row of cells, and the spectra that remain after filtering by each lobe.
 class AxisSpectra {
  public:
-  /// `negligible`: energies that count as nothing, one a cell; `cycles_per_rad`: of direction, of one cycle per sample.
+  /// `negligible`: energy up to which a spectrum counts as 0, one a cell; `cycles_per_rad`: angular frequency of one
+  /// cycle per sample.
   AxisSpectra(const LevelSpectrum& spectrum, const float* energies, const std::vector<double>& negligible,
               double cycles_per_rad)
       : spectrum_(spectrum), cycles_per_rad_(cycles_per_rad), bins_(spectrum.bin_count()), seen_(bins_) {
@@ -204,32 +206,33 @@ class AxisSpectra {
       for (std::size_t b = 0; b < bins_; ++b)
         kept_.push_back(
             static_cast<float>(lobe_energy(cycles_per_rad * LevelSpectrum::bin_frequency(b) / seen_through(k))));
-    kept_.insert(kept_.end(), bins_, 1.0f);  // a mirror
+    kept_.insert(kept_.end(), bins_, 1.0f);  // a mirror keeps everything
   }
-  /// Takes cell x as lobe k sees it, kSeenBandwidthCount for a mirror; returns its energy.
-  double see(std::size_t x, std::size_t k) {
+  /// Computes the spectrum of cell x filtered by lobe k (kSeenBandwidthCount: a mirror); returns its energy.
+  double apply_lobe(std::size_t x, std::size_t k) {
     double sum = 0.0;
     for (std::size_t b = 0; b < bins_; ++b)
       sum += static_cast<double>(seen_[b] = values_[x * bins_ + b] * kept_[k * bins_ + b]);
     return sum;
   }
-  /// Of what was seen last, cycles/rad.
+  /// Quantile of the spectrum of the last apply_lobe, cycles/rad.
   double quantile(double tail) const { return cycles_per_rad_ * spectrum_.quantile(seen_.data(), tail); }
 
  private:
-  /// Energy that a Gaussian lobe leaves at `nu` times its nu_rho, below which 95 % of its own lies: erf(1.386) = 0.95.
-  /// nu_rho is calibrated by such lobes (render/materials/bandwidth.cpp).
+  /// Share of the energy that a Gaussian lobe keeps at `nu` times its nu_rho. nu_rho is the frequency below which 95 %
+  /// of the lobe's own energy lies: erf(1.386) = 0.95. It is calibrated with such lobes
+  /// (render/materials/bandwidth.cpp).
   static double lobe_energy(double nu) { return std::exp(-1.386 * 1.386 * nu * nu); }
 
   const LevelSpectrum& spectrum_;
   double cycles_per_rad_;
   std::size_t bins_;
   std::vector<float> values_;  ///< [cell][bin]
-  std::vector<float> kept_;    ///< [lobe][bin] share of the energy
-  std::vector<float> seen_;    ///< [bin]
+  std::vector<float> kept_;    ///< [lobe][bin] share of the energy that the lobe keeps
+  std::vector<float> seen_;    ///< [bin] of the last apply_lobe
 };
 
-/// The bandwidths of the cells of row cy.
+/// Bandwidths of the cells of row cy.
 void find_row(const Cells& cells, const LevelSpectrum& spectrum, double samples_per_rad, std::size_t cy,
               EnvironmentTables& tables) {
   const double sin_theta = std::sin(kPi * (static_cast<double>(cy) + 0.5) / static_cast<double>(cells.height));
@@ -242,8 +245,8 @@ void find_row(const Cells& cells, const LevelSpectrum& spectrum, double samples_
   AxisSpectra column(spectrum, &cells.along_column[level], negligible, samples_per_rad);
   for (std::size_t x = 0; x < cells.width; ++x) {
     const auto seen_by = [&](std::size_t lobe) {
-      // Each axis's own sum misses what is constant along it: the larger one is nearer to the whole.
-      const double tail = kTailShare * std::max(row.see(x, lobe), column.see(x, lobe)) + negligible[x];
+      // The sum along one axis misses what is constant along it; the larger sum is closer to the total.
+      const double tail = kTailShare * std::max(row.apply_lobe(x, lobe), column.apply_lobe(x, lobe)) + negligible[x];
       return static_cast<float>(std::hypot(row.quantile(tail), column.quantile(tail)));
     };
     const float own = tables.bandwidth[first + x] = seen_by(kSeenBandwidthCount);
@@ -251,7 +254,8 @@ void find_row(const Cells& cells, const LevelSpectrum& spectrum, double samples_
     float* seen = &tables.seen_bandwidth[(first + x) * kSeenBandwidthCount];
     float narrower = own;
     for (std::size_t k = kSeenBandwidthCount; k-- > 0; seen[k] = narrower)
-      if (narrower > least && seen_through(k) < kLeavesAlone * own) narrower = std::clamp(seen_by(k), least, narrower);
+      if (narrower > least && seen_through(k) < kUnaffectedRatio * own)
+        narrower = std::clamp(seen_by(k), least, narrower);
   }
 }
 

@@ -57,9 +57,9 @@ EnvironmentTables compute_environment_tables(const Environment& environment) {
 
 EnvironmentTables load_environment_tables(const Environment& environment) {
   EnvironmentTables tables;
-  // The importance of a large map takes no longer to compute than to read.
+  // Computing the importance of a large map is as fast as reading it.
   compute_importance(environment, tables);
-  const bool cacheable = environment.hash != 0;  // 0: made in memory, not loaded
+  const bool cacheable = environment.hash != 0;  // 0: created in memory, not loaded from a file
   if (cacheable && read_cached_bandwidth(environment, tables)) return tables;
   compute_bandwidth(environment, tables);
   if (cacheable) store_bandwidth(environment, tables);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Importance and luminance of a texel, summed over the three rows that the cell's bilinear radiance uses.
+/// Importance and luminance of a texel, summed over the three rows that contribute to the cell's bilinear radiance.
 struct Weighted {
   double importance;
   double luminance;
@@ -22,7 +22,7 @@ Weighted weigh(const glm::vec3& rgb, double weight) {
   return {weight * (r + g + b) / 3.0, weight * (0.2126 * r + 0.7152 * g + 0.0722 * b)};
 }
 
-/// Cell integrals of one row; returns the luminance's sum.
+/// Integrals of the cells of one row; returns the sum of the luminance.
 double integrate_row(const Environment& environment, int y, std::vector<double>& cells) {
   const auto width = static_cast<std::size_t>(environment.width);
   const auto row = [&](int r) {
@@ -46,8 +46,8 @@ double integrate_row(const Environment& environment, int y, std::vector<double>&
   return luminance;
 }
 
-/// Running sums of `weights` over their total, first 0 and last 1; a straight ramp when there is nothing. They rise by
-/// a float's step at least wherever there is weight: dim texels beside a sun of 1e6 times the sky are still drawn.
+/// Normalised prefix sums of `weights`, from 0 to 1; linear when all weights are 0. Where there is weight they rise by
+/// at least one float step, so that dim texels beside a sun of 1e6 times the sky are still sampled.
 void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
   const auto count = weights.size();
   double sum = 0.0;
@@ -58,7 +58,7 @@ void write_cdf(const std::vector<double>& weights, double total, float* cdf) {
                                                 : static_cast<double>(i + 1) / static_cast<double>(count));
   }
   cdf[count] = 1.0f;
-  // Cells without weight after the last one with some: their entries are 1 too, whatever the division rounded to.
+  // Trailing cells without weight: their entries are exactly 1, whatever the division rounded to.
   if (total <= 0.0) return;
   std::size_t end = count;
   while (end > 0 && weights[end - 1] == 0.0) cdf[--end] = 1.0f;
@@ -81,7 +81,8 @@ double step_of(const float* cdf, std::size_t i) {
 }  // namespace
 
 RowWeights row_weights(int y, int width, int height) {
-  // 16-point midpoint rule a half cell: relative error below 1e-4 of a weight in the polar row, far less elsewhere.
+  // 16-point midpoint rule over half a cell: relative error below 1e-4 of a weight in the polar row, far less
+  // elsewhere.
   constexpr int kPoints = 16;
   const double row_rad = kPi / height;
   RowWeights weights;
@@ -120,7 +121,7 @@ void compute_importance(const Environment& environment, EnvironmentTables& table
     tables.luminance_integral += row_luminance[y];
   }
   write_cdf(row_sums, total, tables.marginal_cdf.data());
-  // What the rounded sums draw, not what they were rounded from: estimators divide by it.
+  // The density of the rounded prefix sums, because these are what is sampled.
   tbb::parallel_for(std::size_t{0}, height, [&](std::size_t y) {
     const double solid_angle = row_weights(static_cast<int>(y), environment.width, environment.height).solid_angle();
     const double scale = row_sums[y] > 0.0 ? step_of(tables.marginal_cdf.data(), y) / solid_angle : 0.0;

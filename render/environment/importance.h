@@ -4,9 +4,9 @@
 
 namespace maquette {
 
-/// Integral of the bilinear radiance over each texel's cell, for one row: sums texel rows y - 1, y, y + 1 with these
-/// weights, then columns with 1/8, 6/8, 1/8. Weights are sr per texel and exact for the bilinear reconstruction (poles
-/// clamp).
+/// Weights for the integral of the bilinear radiance over the cells of one row: texel rows y - 1, y, y + 1 are summed
+/// with these weights, then columns with 1/8, 6/8, 1/8. In sr per texel, exact for bilinear reconstruction (clamped at
+/// the poles).
 struct RowWeights {
   double above = 0.0, here = 0.0, below = 0.0;
   double solid_angle() const { return above + here + below; }

@@ -13,15 +13,15 @@ namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kTaskCount = 4;  ///< partial sums of the finest level, one a task
+constexpr int kTaskCount = 4;  ///< partial sums of the finest level, one per task
 
-/// Adds rows [begin, end) of the environment, each texel in split x split parts, to the cells that they fall in.
+/// Adds rows [begin, end) of the environment to the cells, each texel as split x split parts.
 void splat(const Environment& environment, int begin, int end, int split, int side, std::vector<glm::dvec4>& sums) {
   const int width = environment.width * split, height = environment.height * split;
-  std::vector<glm::vec2> around(static_cast<std::size_t>(width));  // sine and cosine of the longitude
+  std::vector<glm::vec2> headings(static_cast<std::size_t>(width));  // sine and cosine of the longitude
   for (int x = 0; x < width; ++x) {
     const auto longitude = static_cast<float>(kPi - 2.0 * kPi * (x + 0.5) / width);
-    around[static_cast<std::size_t>(x)] = {std::sin(longitude), std::cos(longitude)};
+    headings[static_cast<std::size_t>(x)] = {std::sin(longitude), std::cos(longitude)};
   }
   for (int y = begin * split; y < end * split; ++y) {
     const double theta = kPi * (y + 0.5) / height;
@@ -30,8 +30,8 @@ void splat(const Environment& environment, int begin, int end, int split, int si
     const glm::vec3* row =
         &environment.rgb[static_cast<std::size_t>(y / split) * static_cast<std::size_t>(environment.width)];
     for (int x = 0; x < width; ++x) {
-      const glm::vec2& turn = around[static_cast<std::size_t>(x)];
-      const glm::vec2 uv = shared::octahedral_from_direction({turn.x * sin_theta, cos_theta, turn.y * sin_theta});
+      const glm::vec2& heading = headings[static_cast<std::size_t>(x)];
+      const glm::vec2 uv = shared::octahedral_from_direction({heading.x * sin_theta, cos_theta, heading.y * sin_theta});
       const int cx = std::min(static_cast<int>(uv.x * static_cast<float>(side)), side - 1);
       const int cy = std::min(static_cast<int>(uv.y * static_cast<float>(side)), side - 1);
       sums[static_cast<std::size_t>(cy * side + cx)] += solid_angle * glm::dvec4(glm::dvec3(row[x / split]), 1.0);
@@ -41,12 +41,13 @@ void splat(const Environment& environment, int begin, int end, int split, int si
 
 }  // namespace
 
-OctahedralPyramid::OctahedralPyramid(const Environment& environment, int most_cells) {
+OctahedralPyramid::OctahedralPyramid(const Environment& environment, int max_side) {
   Level finest;
-  // Cells of about the texels' solid angle, so that hardly a cell stays without one.
+  // Cells of about the texels' solid angle, so that almost no cell stays empty.
   finest.side = std::clamp(static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(environment.width / 2, 16)))),
-                           16, most_cells);
-  // The equator crosses 2 sides of cells: parts are half a cell at most, and texels of a quarter need no parts.
+                           16, max_side);
+  // The equator crosses 2 sides of cells: parts are at most half a cell wide, and texels of a quarter cell need no
+  // split.
   const int split =
       environment.width >= 8 * finest.side ? 1 : std::max(2, 4 * finest.side / std::max(1, environment.width));
   const auto count = static_cast<std::size_t>(finest.side) * static_cast<std::size_t>(finest.side);
@@ -59,8 +60,8 @@ OctahedralPyramid::OctahedralPyramid(const Environment& environment, int most_ce
   for (std::size_t i = 0; i < count; ++i) {
     glm::dvec4 sum(0.0);
     for (const auto& part : partial) sum += part[i];
-    // Near a pole's fold a cell may get no part: it counts for nothing in the coarser levels and shows its direction's
-    // texel.
+    // Near the fold at a pole a cell may stay empty: it has no weight in the coarser levels and takes the radiance of
+    // the texel in its direction.
     if (sum.w > 0.0) {
       finest.cells[i] = glm::vec4(glm::vec3(glm::dvec3(sum) / sum.w), static_cast<float>(sum.w));
     } else {
@@ -96,7 +97,7 @@ glm::vec3 OctahedralPyramid::bilinear(const Level& level, const glm::vec2& uv) {
   const float x = uv.x * static_cast<float>(level.side) - 0.5f, y = uv.y * static_cast<float>(level.side) - 0.5f;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
   const int last = level.side - 1;
-  // Beyond an edge the map goes on where the edge is folded: mirrored along it.
+  // Beyond an edge the map continues mirrored along that edge.
   const auto cell = [&](int cx, int cy) {
     if (cx < 0 || cx > last) {
       cx = cx < 0 ? -1 - cx : 2 * last + 1 - cx;

@@ -6,16 +6,16 @@
 
 namespace maquette {
 
-/// Averages of an environment over ever larger cells of the octahedral map (shaders/shared/octahedral.glsl): cells of
-/// nearly equal and nearly round solid angle, poles included, which a latitude-longitude pyramid has not. Energy is
-/// kept by every level.
+/// Mip pyramid of an environment in the octahedral map (shaders/shared/octahedral.glsl). Unlike the texels of a
+/// latitude-longitude pyramid its cells have nearly equal solid angle and a nearly round shape, poles included. Every
+/// level conserves energy.
 class OctahedralPyramid {
  public:
-  static constexpr int kMostCells = 1024;  ///< along a side
-  /// `most_cells`: along a side of the finest level, a power of two from 16 to kMostCells; whoever looks up wide lobes
-  /// alone needs few.
-  explicit OctahedralPyramid(const Environment& environment, int most_cells = kMostCells);
-  /// Mean radiance around a unit direction over about `solid_angle_sr`: bilinear, between two levels.
+  static constexpr int kMaxSide = 1024;  ///< along a side
+  /// `max_side`: cells along a side of the finest level, a power of two from 16 to kMaxSide. Lookups of wide lobes
+  /// alone need few.
+  explicit OctahedralPyramid(const Environment& environment, int max_side = kMaxSide);
+  /// Mean radiance over about `solid_angle_sr` around a unit direction: bilinear, interpolated between two levels.
   glm::vec3 lookup(const glm::vec3& direction, float solid_angle_sr) const;
 
  private:

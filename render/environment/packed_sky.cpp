@@ -23,9 +23,9 @@ int sky_refinement(const Environment& environment, std::size_t most) {
 
 namespace {
 
-/// Packs values one after the other. What rounding took from one is given to the next, as far as that does no more than
-/// choose the next one's rounding (error diffusion: Floyd and Steinberg 1976): lamps keep their power, which equal
-/// roundings of a few nodes would shift.
+/// Packs values one after the other. The rounding error of one value is added to the next, as far as that changes no
+/// more than the rounding of the next value (error diffusion: Floyd and Steinberg 1976). This keeps the power of lamps,
+/// which equal roundings of a few nodes would shift.
 class DiffusingPacker {
  public:
   explicit DiffusingPacker(int bias) : bias_(bias) {}
@@ -59,7 +59,7 @@ PackedSky pack_sky(const Environment& environment, int bias, int refinement) {
   tbb::parallel_for(tbb::blocked_range<int>(0, sky.last_row + 1, 8), [&](const auto& rows) {
     std::vector<glm::vec3> row(from);
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      const int v = between ? y - refinement / 2 : y;  // parts below the first texel's centre
+      const int v = between ? y - refinement / 2 : y;  // sub-texels above the first texel's centre
       const int above = v < 0 ? 0 : v / refinement, part = v < 0 ? 0 : v % refinement;
       const float b = static_cast<float>(part) * step;
       const glm::vec3* upper = &environment.rgb[static_cast<std::size_t>(std::min(above, height - 1)) * from];

@@ -19,25 +19,26 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr int kSampleCount = 192;
-/// Samples average over this many times their share of the lobe, so that neighbours overlap and leave no pattern.
+/// Each sample averages over this multiple of its share of the lobe, so that neighbours overlap and leave no pattern.
 constexpr double kOverlap = 2.0;
 constexpr int kCacheVersion = 2;
-/// Cells along a side: each sample of a cosine lobe averages over 2 pi / kSampleCount sr or more, 43 of these.
+/// Cells along a side: each sample of a cosine lobe averages over at least 2 pi / kSampleCount sr, which is 43 of these
+/// cells.
 constexpr int kDiffuseCells = 128;
 
-/// A point of the lobe around +Z and the solid angle that it stands for.
+/// A direction of the lobe around +Z and the solid angle that it represents.
 struct LobeSample {
   glm::vec3 direction;
   float solid_angle_sr;
 };
 
-/// kSampleCount points of equal weight for a lobe of density `kernel(theta)` per solid angle (any scale) up to
-/// `theta_max`: even in the lobe's cumulated energy, golden angles around it. Filtered importance sampling: each is
-/// averaged over its share of the sphere. Source: Krivanek and Colbert 2008, "Real-time Shading with Filtered
+/// kSampleCount directions of equal weight for a lobe of density `kernel(theta)` per solid angle (any scale) up to
+/// `theta_max`: uniform in the lobe's cumulative energy, golden angles in azimuth. Filtered importance sampling: each
+/// averages over its share of the sphere. Source: Krivanek and Colbert 2008, "Real-time Shading with Filtered
 /// Importance Sampling".
 std::vector<LobeSample> sample_lobe(const std::function<double(double)>& kernel, double theta_max) {
   constexpr int kSteps = 8192;
-  // Steps grow quadratically: sharp lobes are resolved at their centre.
+  // Steps grow quadratically, to resolve the centre of sharp lobes.
   const auto theta_at = [&](double t) { return theta_max * t * t; };
   std::vector<double> cumulated(kSteps + 1, 0.0);
   for (int i = 0; i < kSteps; ++i) {
@@ -81,7 +82,7 @@ Image convolve(const OctahedralPyramid& pyramid, const std::vector<LobeSample>& 
   return image;
 }
 
-/// A power of two of about one texel per lobe width.
+/// Power of two with about one texel per lobe width.
 int map_width(double lobe_rad, int largest) {
   const double texels = std::min(2.0 * kPi / lobe_rad, 65536.0);
   return std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(texels))), 32, largest);
@@ -158,7 +159,7 @@ std::vector<Image> through_cache(const char* kind, const Environment& environmen
   return maps;
 }
 
-/// Lambda-free Smith masking of one direction. Source: Walter et al. 2007, Eq. 34.
+/// Smith masking of one direction in the form without Lambda. Source: Walter et al. 2007, Eq. 34.
 double smith_g1(double cosine, double alpha) {
   const double a2 = alpha * alpha;
   return 2.0 * cosine / (cosine + std::sqrt(a2 + (1.0 - a2) * cosine * cosine));
@@ -196,7 +197,7 @@ std::vector<Image> prefilter_sg(const Environment& environment, const std::vecto
     for (const float value : sharpness) {
       assert(value > 0.0f);
       const double lambda = static_cast<double>(value);
-      // Beyond 30 / sharpness of 1 - cos nothing is left.
+      // Beyond 1 - cos = 30 / sharpness the lobe is negligible.
       const double theta_max = std::acos(std::max(-1.0, 1.0 - 30.0 / lambda));
       const auto kernel = [lambda](double theta) {
         return std::exp(-2.0 * lambda * std::pow(std::sin(0.5 * theta), 2));
@@ -226,7 +227,7 @@ Image split_sum_table(int size) {
       const glm::dvec3 view(std::sqrt(1.0 - nv * nv), 0.0, nv);
       double scale = 0.0, bias = 0.0;
       for (int i = 0; i < kSamples; ++i) {
-        // Half vectors with density D cos(h): even in its cumulated energy, golden angles around.
+        // Half vectors with density D cos(h): uniform in the cumulative energy, golden angles in azimuth.
         const double u = (i + 0.5) / kSamples, phi = kPi * (3.0 - std::sqrt(5.0)) * i;
         const double cos_h = std::sqrt((1.0 - u) / (1.0 + (alpha * alpha - 1.0) * u)),
                      sin_h = std::sqrt(1.0 - cos_h * cos_h);

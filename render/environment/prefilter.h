@@ -7,10 +7,10 @@
 
 namespace maquette {
 
-/// Environments convolved with lobes that are symmetric about the direction of the lookup: what the prefiltered modes
-/// read. Every map is latitude-longitude like Environment (3 channels, twice as wide as high), normalised so that a
-/// constant sky stays as it is; no larger than its lobe needs. Deterministic, without noise, all cores, cached by
-/// content (not when Environment::hash is 0).
+/// Environments convolved with lobes that are symmetric about the lookup direction, for the prefiltered modes. Every
+/// map is latitude-longitude like Environment (3 channels, twice as wide as high), no larger than its lobe needs, and
+/// normalised so that a constant sky stays unchanged. Deterministic, without noise, parallel, cached by content (not
+/// when Environment::hash is 0).
 
 /// GGX at roughness r = i / (level_count - 1), alpha = r^2, one map a level. Level 0 is the environment itself, at most
 /// 1024 x 512; the others 256 x 128 down to 32 x 16. level_count >= 2.
@@ -21,7 +21,7 @@ std::vector<Image> prefilter_ggx(const Environment& environment, int level_count
 /// The normalised spherical Gaussian exp(sharpness (cos(angle) - 1)) for each sharpness > 0; at most 512 x 256.
 std::vector<Image> prefilter_sg(const Environment& environment, const std::vector<float>& sharpness);
 
-/// Irradiance over pi: what a white Lambertian surface of that normal shows. 32 x 16.
+/// Irradiance over pi: the radiance of a white Lambertian surface with that normal. 32 x 16.
 Image prefilter_diffuse(const Environment& environment);
 
 /// Split-sum table: channel 0 scales F0, channel 1 is added. [size rows: roughness (y + 0.5) / size][size: n.v = (x +

@@ -12,7 +12,7 @@ namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Solid angle of all suns together at most: four of 2 degrees.
+/// Limit of the solid angle of all suns together: four of 2 degrees diameter.
 constexpr double kLargestSun_sr = 0.004;
 
 struct SunTexel {
@@ -24,14 +24,14 @@ struct SunTexel {
 double luminance(const glm::vec3& c) { return static_cast<double>(shared::luminance(c)); }
 
 /// Integral of cos(latitude) over the tent around row y's centre, over the texels' extents: the tent's second moment
-/// takes 1/12 of the square of a row off.
+/// reduces it by 1/12 of the square of a row.
 double tent_cosine(double y, const Environment& e) {
   const double row = kPi / e.height, half = 0.5 * row;
   const double tent = std::pow(std::sin(half) / half, 2.0);  // transform of the tent at one cycle of the cosine
   return std::sin((y + 0.5) * row) * tent;
 }
 
-/// Place in a tent of half width 1, for u even in [0, 1].
+/// Position in a tent of half width 1, for u uniform in [0, 1].
 double warp_tent(double u) { return u < 0.5 ? std::sqrt(2.0 * u) - 1.0 : 1.0 - std::sqrt(2.0 - 2.0 * u); }
 
 EnvironmentSample sample_texel(const Environment& e, const SunTexel& texel, double integral, double u, double v) {
@@ -72,7 +72,7 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x) {
       const glm::vec3& c = environment.rgb[y * width + x];
-      // Most texels are far from it: packing them says nothing.
+      // Most texels are much darker: skip the packing.
       if (luminance(c) < 0.5 * sun_luminance) {
         brightest_other = std::max(brightest_other, luminance(c));
         continue;
@@ -85,7 +85,7 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
       }
       const double sr = texel_sr * tent_cosine(static_cast<double>(y), environment);
       solid_angle += sr;
-      // The map's end holds the outermost rows beyond their centres, where a tent is none.
+      // The outermost rows at the poles are constant beyond their centres: no tent.
       if (y == 0 || y + 1 == height || solid_angle > kLargestSun_sr) return std::nullopt;
       texels.push_back({x, y, packed, l * sr});
       power += l * sr;

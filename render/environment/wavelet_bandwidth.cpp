@@ -16,7 +16,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kBinsPerOctave = 4;
 constexpr int kIterations = 60;
 constexpr std::size_t kLanes = 8;
-/// Eight spectra side by side, said outright: compilers that may choose take the bins for the lanes and shuffle.
+/// Eight spectra side by side in explicit SIMD vectors: automatic vectorisation takes the bins as lanes and needs
+/// shuffles.
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 struct alignas(sizeof(Lanes)) Spectra {
   Lanes of;
@@ -94,7 +95,7 @@ float LevelEnergies::energy(int level, std::size_t begin, std::size_t side) cons
   const std::size_t spacing = spacing_[j];
   const std::size_t coefficient = std::size_t{2} << j;
   const std::size_t count = std::max(side, 2 * coefficient) / spacing;
-  // The coefficient at position p covers [p, p + 3 (coefficient / 2 ...)): its middle lies 1.5 coefficients after p.
+  // The coefficient at position p covers [p, p + 3 (coefficient / 2 ...)): its centre is 1.5 coefficients after p.
   const std::size_t middle = begin + side / 2 + 4 * signal_.size() - 3 * coefficient / 2;
   const std::size_t first = middle / spacing - count / 2;
   float sum = 0.0f;

@@ -5,8 +5,8 @@
 
 namespace maquette {
 
-/// Daubechies-4 wavelet transform of periodic signals, and what its energies say about local bandwidth.
-/// Levels count from 1, the finest: level j holds about [2^-(j+1), 2^-j] cycles per sample.
+/// Daubechies-4 wavelet transform of periodic signals, and the local bandwidth that its energies imply. Levels count
+/// from 1, the finest: level j covers about [2^-(j+1), 2^-j] cycles per sample.
 
 /// Daubechies-4 coefficients (low-pass first, then detail) of a periodic signal of length n at the positions 0, step, 2
 /// step, ...; the filter's four taps lie `dilation` samples apart (1: the ordinary filter; 2: for a signal sampled
@@ -17,8 +17,8 @@ void d4_detail(const float* signal, std::size_t n, std::size_t dilation, std::si
 
 /// Local energies per level of one periodic signal whose length is a power of two.
 ///
-/// The critically sampled transform is not shift-invariant: the squares of a tone's coefficients beat slowly along the
-/// signal. So the low-pass is kept twice and the detail four times as dense, for 2.5 times the work.
+/// The critically sampled transform is not shift-invariant: the squares of a tone's coefficients oscillate slowly along
+/// the signal. Therefore the low-pass is sampled twice and the detail four times as densely, for 2.5 times the work.
 class LevelEnergies {
  public:
   LevelEnergies(std::size_t n, int level_count);
@@ -38,36 +38,36 @@ class LevelEnergies {
 /// receives (index j - 1); the rest is in the low-pass.
 std::vector<double> d4_response(double frequency, int level_count);
 
-/// Turns energies per level into the frequency above which the spectrum holds an energy of `tail`.
+/// Converts energies per level into the frequency above which the spectrum has an energy of `tail`.
 ///
-/// A wavelet level is an octave with soft edges: a tone shows in two or three of them, and a quantile read off the
-/// levels directly would be up to 1.9 times too high. So the spectrum in quarter octaves is estimated first, by
-/// Richardson-Lucy iterations with the filters' known response. A tone still comes out as a peak of finite width, whose
-/// 95 % point lies 1.2 to 1.3 times too high; the result is lowered by a fixed fifth of an octave, which costs a flat
-/// spectrum a few per cent of its energy. Source: Richardson 1972, "Bayesian-Based Iterative Method of Image
+/// A wavelet level is an octave with soft edges: a tone appears in two or three of them, and a quantile taken from the
+/// levels directly would be up to 1.9 times too high. Therefore the spectrum is first estimated in quarter octaves, by
+/// Richardson-Lucy iterations with the filters' known response. A tone still becomes a peak of finite width, whose 95 %
+/// point is 1.2 to 1.3 times too high; the result is lowered by a constant fifth of an octave, at the cost of a few per
+/// cent of the energy of a flat spectrum. Source: Richardson 1972, "Bayesian-Based Iterative Method of Image
 /// Restoration".
 class LevelSpectrum {
  public:
   explicit LevelSpectrum(int level_count);
-  /// energies: [count][level_count], level 1 first, >= 0; negligible: [count], the whole energy up to which a spectrum
-  /// is 0; result: [count][bin_count()], the energy of each quarter octave, the highest first. About 1 microsecond
-  /// each.
+  /// energies: [count][level_count], level 1 first, >= 0; negligible: [count], total energy up to which a spectrum
+  /// counts as 0; result: [count][bin_count()], the energy of each quarter octave, highest frequency first. About 1
+  /// microsecond each.
   void spectra(const float* energies, const double* negligible, std::size_t count, float* result) const;
   std::size_t bin_count() const { return bin_count_; }
-  /// The middle of a bin, cycles per sample.
+  /// Centre of a bin, cycles per sample.
   static double bin_frequency(std::size_t bin);
-  /// Of one spectrum, [bin_count()], cycles per sample; 0 when the whole energy is at most the tail.
+  /// Quantile of one spectrum, [bin_count()], cycles per sample; 0 when the total energy is at most the tail.
   double quantile(const float* spectrum, double tail) const;
 
  private:
-  struct Group;  ///< a few spectra side by side, so that every loop runs over them
+  struct Group;  ///< a few spectra side by side: the lanes of every loop
   void estimate(Group& group) const;
 
   std::size_t level_count_;
   std::size_t bin_count_;
   std::vector<float> response_;  ///< [level][bin]
   std::vector<float> gain_;      ///< [bin]: sum over levels
-  /// [level] bins with a response worth counting: begin, end
+  /// [level] begin and end of the bins with a significant response
   std::vector<std::size_t> begin_, end_;
 };
 

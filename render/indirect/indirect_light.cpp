@@ -17,8 +17,8 @@ namespace {
 
 constexpr std::size_t kCells = std::size_t{kVisibilitySide} * kVisibilitySide;
 constexpr int kMaxBounces = 16;
-/// Bounces end when the last one changed no point's light by more than this share of the brightest mean.
-constexpr float kEnough = 1e-3f;
+/// Bounces end when the last one changed every point's light by less than this share of the brightest mean.
+constexpr float kConvergedShare = 1e-3f;
 constexpr int kSmoothingRounds = 2;
 
 float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
@@ -33,14 +33,14 @@ struct CellSum {
   double weight = 0.0;
 };
 
-/// Texels are taken together up to this angle, a ninth of a cell of the map.
+/// Angular size up to which texels are merged: a ninth of a cell of the map.
 constexpr double kBlock_rad = 0.025;
 
 int block_side(const Environment& e) {
   return std::max(1, static_cast<int>(kBlock_rad * e.width / (2.0 * std::numbers::pi)));
 }
 
-/// Light of `side` x `side` texels and where in the map its middle lies.
+/// Light of `side` x `side` texels and the position of its centre in the map.
 struct SkyBlock {
   glm::dvec3 irradiance{0.0};
   glm::dvec2 uv{0.0};   ///< weighted by light
@@ -80,7 +80,7 @@ void splat_block(const SkyBlock& block, const glm::vec3& d, double scale, std::a
   }
 }
 
-/// Rows of blocks `first` to `last`.
+/// Adds the rows of blocks `first` to `last`.
 void splat_rows(const IndirectSky& sky, int first, int last, std::array<CellSum, kCells>* sums) {
   const Environment& e = *sky.environment;
   const float cosine = std::cos(sky.rotation_rad), sine = std::sin(sky.rotation_rad);
@@ -95,11 +95,11 @@ void splat_rows(const IndirectSky& sky, int first, int last, std::array<CellSum,
   }
 }
 
-/// The sky's cells as numbers of one kind after the other, so that eight of them are summed at once.
+/// The sky's cells as a structure of arrays, for SIMD sums over eight cells.
 struct SkyLanes {
   static constexpr std::size_t kLanes = 8;
   std::array<float, kCells> red, green, blue, x, y, z;
-  std::array<std::uint8_t, kCells / kLanes> lit{};  ///< bits of the cells that shine
+  std::array<std::uint8_t, kCells / kLanes> lit{};  ///< one bit per cell that is not black
   explicit SkyLanes(const SkyCells& sky) {
     for (std::size_t b = 0; b < kCells; ++b) {
       red[b] = sky.irradiance[b].x, green[b] = sky.irradiance[b].y, blue[b] = sky.irradiance[b].z;
@@ -109,7 +109,7 @@ struct SkyLanes {
   }
 };
 
-/// 1 where the bit of a byte is set.
+/// 1 for each bit of a byte that is set, else 0.
 struct BitLanes {
   std::array<std::array<float, SkyLanes::kLanes>, 256> of{};
   constexpr BitLanes() {
@@ -123,7 +123,7 @@ struct TwoSided {
   glm::vec3 front{0.0f}, back{0.0f};
 };
 
-/// Direct irradiance of the sky on both sides of a point.
+/// Direct irradiance of the sky on the two sides of a point.
 TwoSided direct_irradiance(const VisibilityBits& bits, const glm::vec3& normal, const SkyLanes& sky) {
   constexpr std::size_t kLanes = SkyLanes::kLanes;
   std::array<float, kLanes> red{}, green{}, blue{}, red_back{}, green_back{}, blue_back{};
@@ -159,7 +159,7 @@ void for_slots(std::size_t count, const std::atomic<bool>& cancel, const Body& b
   });
 }
 
-/// Mean with the neighbours on the same smooth surface: what one pattern of rays misses, the next one sees.
+/// Averages with the neighbours on the same smooth surface, which have other ray patterns: this reduces the noise.
 void smooth(const IndirectLinks& links, std::vector<IndirectRadiance>* values, std::vector<IndirectRadiance>* spare,
             const std::atomic<bool>& cancel) {
   const std::size_t count = links.points.points.size();
@@ -180,7 +180,7 @@ void smooth(const IndirectLinks& links, std::vector<IndirectRadiance>* values, s
   values->swap(*spare);
 }
 
-/// What arrives at each slot when its targets send back their share of `irradiance`.
+/// Radiance that arrives at each slot when the targets of its rays reflect their `irradiance`.
 void gather(const IndirectLinks& links, const std::vector<glm::vec3>& irradiance,
             std::vector<IndirectRadiance>* radiance, const std::atomic<bool>& cancel) {
   const std::size_t count = links.points.points.size(), rays = static_cast<std::size_t>(links.rays);
@@ -211,7 +211,7 @@ void gather(const IndirectLinks& links, const std::vector<glm::vec3>& irradiance
 SkyCells splat_sky(const IndirectSky& sky) {
   std::array<CellSum, kCells> total{};
   const int side = block_side(*sky.environment), rows = (sky.environment->height + side - 1) / side;
-  // A fixed number of parts, added in order: the sum does not depend on how many threads there are.
+  // A fixed number of parts, added in order, so that the sum does not depend on the number of threads.
   constexpr int kParts = 16;
   std::vector<std::array<CellSum, kCells>> parts(kParts);
   tbb::parallel_for(0, kParts, [&](int part) {
@@ -259,7 +259,7 @@ std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const
       sum += static_cast<double>(largest(direct[i] + arrives));
       s.bounced[i] = arrives;
     }
-    if (change <= static_cast<double>(kEnough) * sum) break;
+    if (change <= static_cast<double>(kConvergedShare) * sum) break;
   }
   std::vector<IndirectRadiance> spare;
   for (int round = 0; round < kSmoothingRounds && !cancel; ++round) smooth(links, &s.radiance, &spare, cancel);
@@ -272,7 +272,7 @@ IndirectBake pack_indirect(const IndirectLinks& links, const std::vector<Indirec
   bake.sides = links.sides;
   float peak = 0.0f;
   for (const IndirectRadiance& r : radiance) peak = std::max(peak, largest(r.mean));
-  // The largest value just fits: 31 is the top exponent, of steps of 2^(31 - bias).
+  // Bias for which the largest value is just representable: 31 is the top exponent, of steps of 2^(31 - bias).
   bake.bias = peak > 0.0f ? std::clamp(31 + 8 - std::ilogb(peak), -80, 120) : 0;
   const std::size_t count = links.points.points.size(), vertices = links.points.point_of_vertex.size();
   bake.vertices.assign(vertices * static_cast<std::size_t>(links.sides), glm::uvec4(0u));

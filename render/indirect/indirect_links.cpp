@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kMinRays = 16, kMaxRays = 256;
 constexpr std::size_t kPointsPerTask = 64;
-/// A ray through more panes than this is given up.
+/// A ray that passes more panes than this is terminated.
 constexpr int kMaxPanes = 6;
-/// Shadowed samples of the scene's own lights, a point and side.
+/// Shadowed samples of the scene's own lights, per point and side.
 constexpr int kLampSamples = 16;
-/// Sixteen units in the last place of a coordinate.
+/// 16 ulp of a coordinate.
 constexpr float kRelativeLift = 1.0f / 1048576.0f;
 
 std::uint32_t hash(std::uint32_t x) {
@@ -50,7 +50,7 @@ class Tracer {
     PathSceneInput traced{.scene = unmeasured_, .environment = black(), .variant = input.variant};
     unmeasured_ = input.scene;
     for (Material& material : unmeasured_.materials) {
-      // Their albedo is given; the tables themselves (17 MB each) are not needed.
+      // Their albedo is given, so the tables themselves (17 MB each) are not needed.
       if (material.measured.empty()) continue;
       material.measured.clear();
       if (!material.tint_measured) {
@@ -63,15 +63,15 @@ class Tracer {
     scene_ = build_path_scene(traced);
   }
 
-  /// A diffuse reflector of the same albedo stands for every material: what is seen at second hand is broad.
+  /// Every material is replaced by a diffuse one of the same albedo: indirect light varies slowly.
   glm::vec3 reflectance(const SurfacePoint& p) const {
     const auto material = static_cast<std::size_t>(p.material - scene_->materials.data());
     if (material < input_.measured_albedo.size() && !input_.measured_albedo[material].empty()) {
       const glm::vec3 tint = input_.scene.materials[material].tint_measured ? p.base_color : glm::vec3(1.0f);
       return albedo_at(input_.measured_albedo[material], p.wo.z) * tint;
     }
-    // Schlick's term with the largest reflectance held down by the roughness. Source: Lagarde 2011, "Adopting a
-    // physically based shading model".
+    // Schlick's term with its maximum reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based
+    // shading model".
     const shared::AnalyticMaterial& m = p.analytic;
     const float x = 1.0f - p.wo.z, rough = std::sqrt(m.alpha);
     const glm::vec3 f = m.f0 + (glm::max(glm::vec3(m.f90 * (1.0f - rough)), m.f0) - m.f0) * (x * x * x * x * x);
@@ -92,7 +92,7 @@ class Tracer {
         continue;
       }
       const SurfacePoint surface = resolve_surface(*scene_, ray, hit, {});
-      // One corner, by its weight: the mean over rays is the interpolation.
+      // Selects one corner by its barycentric weight: the expectation over rays is the interpolated value.
       const float u = unit_float(hash(chance));
       const int corner = u < hit.barycentric.x ? 1 : u < hit.barycentric.x + hit.barycentric.y ? 2 : 0;
       const std::uint32_t point = links_.points.point_of_vertex[scene_->corners(hit.triangle)[corner]];
@@ -112,7 +112,7 @@ class Tracer {
     glm::vec3 sum(0.0f);
     for (std::uint32_t i = 0; i < kLampSamples; ++i) {
       const std::uint32_t h = hash(seed + i * 0x9e3779b9u);
-      // Stratified over the choice of the light.
+      // Stratified selection of the light.
       const float u = (static_cast<float>(i) + unit_float(h)) / static_cast<float>(kLampSamples);
       const LightPick pick = choose_light(lights, cell, u, hash(h ^ 0x1f83d9abu));
       const LightRecord& light = lights.lights[pick.index];
@@ -120,7 +120,8 @@ class Tracer {
           shared::light_sample(light, origin, {unit_float(hash(h ^ 0x68bc21ebu)), unit_float(hash(h ^ 0x02e5be93u))});
       const float cosine = glm::dot(normal, s.wi);
       if (!(cosine > 0.0f)) continue;
-      // No sample may add more than a lamp that fills the hemisphere: beside a small one the rest is left out.
+      // Clamps each sample to the irradiance of a lamp that fills the hemisphere: close to a small lamp energy is lost
+      // instead of noise added.
       glm::vec3 irradiance = s.radiance * (cosine / std::max(pick.probability, 1e-20f));
       if (light.kind == shared::kLightTriangle) irradiance = glm::min(irradiance, light.color * 3.14159265f);
       const Ray ray{origin, s.wi, 0.0f, s.distance_m * (1.0f - 1e-4f)};
@@ -182,7 +183,8 @@ bool shows_backs(const IndirectInput& input) {
   return false;
 }
 
-/// Neighbours count by how far they lie on the same smooth surface, together as much as the point itself.
+/// Neighbours are weighted by how well they lie on the same smooth surface; together they weigh as much as the point
+/// itself.
 void find_neighbours(IndirectLinks* links) {
   const std::vector<VisibilityPoint>& points = links->points.points;
   std::vector<std::uint32_t>& first = links->first_neighbour;

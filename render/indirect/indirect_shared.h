@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/indirect.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/indirect.glsl compiled as C++: the same source as on the GPU.
 #include "render/rgb9e5_shared.h"
 
 namespace maquette::shared {

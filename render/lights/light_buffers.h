@@ -9,8 +9,9 @@
 
 namespace maquette {
 
-/// The sampled lights on the GPU, and the grid by which they are chosen: three texels of the grid's place, one a node
-/// of the tree, the cells' rows (sums, nodes, light), four texels a light (shaders/shading/lights.glsl).
+/// The sampled lights on the GPU, and the grid that chooses them: three texels for the grid's position and size, one
+/// for each node of the tree, the cells' rows (sums, nodes, light), and four texels for each light
+/// (shaders/shading/lights.glsl).
 class LightBuffers {
  public:
   explicit LightBuffers(const LightList& list)

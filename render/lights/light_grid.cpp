@@ -12,11 +12,12 @@ namespace maquette {
 
 namespace {
 
-/// Inner cells at most, about a hand wide in a car.
+/// Most inner cells; one is about a hand wide in a car.
 constexpr double kCells = 4096.0;
-/// They reach this share of the lights' extent beyond them: what a light is near to must not be in the layer around.
+/// The inner cells extend beyond the lights by this share of the lights' extent: points close to a light must not fall
+/// into the outer layer.
 constexpr double kBeyond = 0.1;
-/// Share of the choice that is by power wherever the point is.
+/// Share of the probability that is proportional to power, at every point.
 constexpr double kByPower = 0.25;
 
 struct Box {
@@ -39,10 +40,10 @@ Box box_of(const LightRecord& light) {
   return box;
 }
 
-/// A one-sided triangle's normal, length 1; 0 for what shines everywhere.
+/// Unit normal of a one-sided triangle; 0 for lights that emit in all directions.
 glm::dvec3 normal_of(const LightRecord& light) {
   if (light.kind != shared::kLightTriangle || light.range_m > 0.0f) return glm::dvec3(0.0);
-  // Edges of 1e-20 m have no square in the product's floats; doubles hold it.
+  // The product of two edges of 1e-20 m underflows in floats, not in doubles.
   const glm::dvec3 n = glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2));
   const double length = glm::length(n);
   return length > 0.0 ? n / length : glm::dvec3(0.0);
@@ -53,13 +54,13 @@ struct TreeNode {
   LightNode range;
   std::array<int, 2> children{-1, -1};
   Box box;
-  double power = 0.0;  ///< share of all
+  double power = 0.0;  ///< share of the total
   bool distant = false;
 };
 
 using Members = std::vector<int>::iterator;
 
-/// Lights of a list in the order of a tree's leaves, and its nodes.
+/// Nodes of a tree over a list's lights, and the lights in the order of its leaves.
 struct Tree {
   std::vector<int> order;
   std::vector<TreeNode> nodes;
@@ -98,8 +99,8 @@ int add_node(const std::vector<LightRecord>& lights, std::size_t first, std::siz
   return id;
 }
 
-/// Distant ones, those that shine everywhere, and one-sided triangles by the axis that they mostly face: what is behind
-/// the lights of a node is then behind most of them.
+/// Groups of lights: distant ones, those that emit in all directions, and one-sided triangles by the dominant axis of
+/// their normals. A point behind the lights of a node is then behind most of them.
 std::size_t group_of(const LightRecord& light) {
   if (light.kind == shared::kLightDirectional) return 0;
   const glm::dvec3 n = normal_of(light), size = glm::abs(n);
@@ -122,7 +123,7 @@ Tree make_tree(const std::vector<LightRecord>& lights) {
   return tree;
 }
 
-void place_cells(const Box& lights, LightGrid* grid) {
+void lay_out_cells(const Box& lights, LightGrid* grid) {
   const glm::dvec3 beyond(kBeyond * lights.diagonal());
   const Box box{lights.low - beyond, lights.high + beyond};
   const glm::dvec3 size = glm::max(box.high - box.low, glm::dvec3(1e-30));
@@ -135,7 +136,7 @@ void place_cells(const Box& lights, LightGrid* grid) {
   }
 }
 
-/// The layer around is as thick as the box is long: what lies further out is far from all lights alike.
+/// The outer layer is as thick as the box is long: all points further out are about equally far from all lights.
 Box box_of_cell(const LightGrid& grid, const glm::ivec3& cell, double layer_m) {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -152,20 +153,21 @@ struct Ball {
   double radius = 0.0;
 };
 
-/// Around a box; a point where there is none.
+/// The ball around a box; a point where there is none.
 Ball ball_of(const Box& box) {
   if (!(box.low.x <= box.high.x)) return {};
   return {0.5 * (box.low + box.high), 0.5 * box.diagonal()};
 }
 
-/// What lights may bring to a ball, in lux: intensity times the largest cosine at which each may be seen from there
-/// over the square of the distance, no nearer than the ball's radius. 0 where all of the ball is behind it. In lanes of
-/// floats: lengths in units of the lights' extent, intensities of the largest one.
+/// Upper bounds of the illuminance (lux) that lights may cause in a ball: intensity times the largest cosine at the
+/// light towards the ball, over the squared distance (at least the ball's radius). 0 where all of the ball is behind
+/// the light. As arrays of floats for SIMD lanes: lengths in units of the lights' extent, intensities relative to the
+/// largest.
 struct Emitters {
   glm::dvec3 origin{0.0};
   double unit_m = 1.0, strongest = 0.0;  ///< m; cd
   std::vector<float> x, y, z, radius, normal_x, normal_y, normal_z;
-  std::vector<float> everywhere;  ///< least cosine: 1 of what shines to all sides, else 0
+  std::vector<float> everywhere;  ///< least cosine: 1 for emission in all directions, else 0
   std::vector<float> intensity;   ///< along the normal; 0 of distant lights
   std::vector<double> distant_lux, inverse_power;
   std::vector<char> triangle;
@@ -198,14 +200,14 @@ Emitters emitters_of(const std::vector<LightRecord>& lights, const std::vector<d
     candelas.push_back(distant ? 0.0 : strength);
     e.strongest = std::max(e.strongest, candelas.back());
   }
-  // The weakest stays above 0 wherever it is divided by a square.
+  // The weakest light stays above 0 after division by a square.
   for (const double cd : candelas)
     e.intensity.push_back(cd > 0.0 ? static_cast<float>(std::max(cd / e.strongest, 1e-24)) : 0.0f);
   return e;
 }
 
-/// `relative`: of each, in units of strongest / unit_m^2; nothing of distant ones.
-MAQUETTE_WIDE void bring(const Emitters& e, const Ball& ball, float* __restrict relative) {
+/// Illuminance of each light in units of strongest / unit_m^2; 0 for distant lights.
+MAQUETTE_WIDE void compute_relative_lux(const Emitters& e, const Ball& ball, float* __restrict relative) {
   const glm::vec3 at((ball.centre - e.origin) / e.unit_m);
   const auto size = static_cast<float>(ball.radius / e.unit_m);
   const float *x = e.x.data(), *y = e.y.data(), *z = e.z.data(), *radius = e.radius.data();
@@ -214,11 +216,11 @@ MAQUETTE_WIDE void bring(const Emitters& e, const Ball& ball, float* __restrict 
   const std::size_t count = e.x.size();
 #pragma omp simd
   for (std::size_t k = 0; k < count; ++k) {
-    const float dx = at.x - x[k], dy = at.y - y[k], dz = at.z - z[k], reach = size + radius[k];
-    const float sum = dx * dx + dy * dy + dz * dz + reach * reach;
-    const float square = sum > 0.0f ? sum : 1.0f;  // all in one place
-    // Rounding must not take away what is seen at a flat angle.
-    const float height = nx[k] * dx + ny[k] * dy + nz[k] * dz + reach * 1.00001f;
+    const float dx = at.x - x[k], dy = at.y - y[k], dz = at.z - z[k], radii = size + radius[k];
+    const float sum = dx * dx + dy * dy + dz * dz + radii * radii;
+    const float square = sum > 0.0f ? sum : 1.0f;  // all lights at one point
+    // Rounding must not make a light vanish that is seen at a grazing angle.
+    const float height = nx[k] * dx + ny[k] * dy + nz[k] * dz + radii * 1.00001f;
     const float near = 1.0f / std::sqrt(square);
     const float least = everywhere[k], cosine = std::max(std::min(height * near, 1.0f), least);
     relative[k] = intensity[k] * cosine * (near * near);
@@ -228,15 +230,15 @@ MAQUETTE_WIDE void bring(const Emitters& e, const Ball& ball, float* __restrict 
 /// A node of a cell's cut.
 struct Entry {
   int node = 0;
-  double importance = 0.0;  ///< root of the second moment of what one of its lights, chosen by power, may bring there
-  double spread = 0.0;      ///< its square less that of the mean
-  double power = 0.0;       ///< of all of them, 0 where none shines there
+  double importance = 0.0;  ///< root mean square of what one of its lights, chosen by power, may cause
+  double spread = 0.0;      ///< variance of the same
+  double power = 0.0;       ///< of all its lights; 0 where none reaches the cell
 };
 
 /// Running sums over the lights of a tree.
 struct CellSums {
-  std::vector<double> lux, second;  ///< of what lights may bring there, and of its square over their power
-  std::vector<int> shining;         ///< how many may bring any: little beside a sun is not nothing
+  std::vector<double> lux, second;  ///< of the illuminances, and of their squares over power
+  std::vector<int> shining;         ///< how many lights reach the cell: a small value beside a sun is not 0
   void resize(std::size_t size) {
     lux.resize(size);
     second.resize(size);
@@ -256,7 +258,7 @@ struct CellSums {
   }
 };
 
-/// The nodes that spread most are split until there are `most`.
+/// Splits the nodes with the largest variance until there are `most`.
 std::vector<Entry> cut_for(const Tree& tree, const CellSums& sums, std::size_t most) {
   std::vector<Entry> heap, done;
   const auto less = [](const Entry& a, const Entry& b) { return a.spread < b.spread; };
@@ -281,7 +283,7 @@ std::vector<Entry> cut_for(const Tree& tree, const CellSums& sums, std::size_t m
   return done;
 }
 
-/// Probabilities of a cut's nodes. By power only of those that hold a light that shines there.
+/// Probabilities of a cut's nodes. The part by power counts only nodes with a light that reaches the cell.
 std::vector<double> weights_of(const Tree& tree, const std::vector<Entry>& cut) {
   double sum = 0.0, power = 0.0;
   for (const Entry& entry : cut) {
@@ -296,17 +298,18 @@ std::vector<double> weights_of(const Tree& tree, const std::vector<Entry>& cut) 
   return weights;
 }
 
-/// Row `i` of a grid whose cells are placed.
+/// Fills row `i` of a grid whose cells are laid out.
 void fill_cell(const Tree& tree, const Emitters& emitters, const Box& lights, std::size_t i, LightGrid* grid) {
-  // The layer around goes on for a thousand times the lights' extent: what lies farther out sees them from there.
-  constexpr double kForEver = 1000.0, kNear = 0.1;
+  // An outer cell extends to a thousand times the lights' extent: points farther out see the lights as from there.
+  constexpr double kOuterExtent = 1000.0, kNear = 0.1;
   const auto columns = static_cast<std::size_t>(grid->cells.x), rows = static_cast<std::size_t>(grid->cells.y);
   const auto stride = static_cast<std::size_t>(grid->stride);
   const glm::ivec3 at(i % columns, i / columns % rows, i / (columns * rows));
   const double extent = lights.diagonal();
-  const Box cell = extent > 0.0 ? box_of_cell(*grid, at, kForEver * extent) : lights;
+  const Box cell = extent > 0.0 ? box_of_cell(*grid, at, kOuterExtent * extent) : lights;
   const Ball all = ball_of(cell);
-  // There, what is near the lights counts, and all of it decides what is never seen from the front.
+  // In outer cells the part near the lights counts as well; lights that the near part never sees from the front are
+  // judged by the whole cell.
   const bool outside =
       extent > 0.0 && (glm::any(glm::equal(at, glm::ivec3(0))) || glm::any(glm::equal(at, grid->cells - 1)));
   const Ball near{glm::clamp(0.5 * (lights.low + lights.high), cell.low, cell.high), kNear * extent};
@@ -316,8 +319,8 @@ void fill_cell(const Tree& tree, const Emitters& emitters, const Box& lights, st
   sums.resize(count + 1);
   to_all.resize(count);
   to_near.assign(count, 0.0f);
-  bring(emitters, all, to_all.data());
-  if (outside) bring(emitters, near, to_near.data());
+  compute_relative_lux(emitters, all, to_all.data());
+  if (outside) compute_relative_lux(emitters, near, to_near.data());
   const double unit = emitters.strongest / (emitters.unit_m * emitters.unit_m);
   double of_triangles = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -368,7 +371,7 @@ LightGrid build_light_grid(const LightList& list) {
     box.add(node.box.high);
   }
   const double extent = box.diagonal();
-  if (extent > 0.0) place_cells(box, &grid);
+  if (extent > 0.0) lay_out_cells(box, &grid);
   const std::size_t most = std::min<std::size_t>(LightGrid::kMaxNodes, std::max<std::size_t>(grid.lights.size(), 1));
   grid.stride = static_cast<int>((most + 3) / 4 * 4);
   const auto stride = static_cast<std::size_t>(grid.stride);
@@ -387,35 +390,35 @@ LightGrid build_light_grid(const LightList& list) {
 std::size_t light_cell(const LightGrid& grid, const glm::vec3& position) {
   int cell = 0;
   for (int axis = 2; axis >= 0; --axis) {
-    const float place = std::floor((position[axis] - grid.low[axis]) / grid.cell_size[axis]) + 1.0f;
+    const float coordinate = std::floor((position[axis] - grid.low[axis]) / grid.cell_size[axis]) + 1.0f;
     const int last = grid.cells[axis] - 1;
-    // In this order, so that what is not a number has a cell as well.
-    const int at = place > 0.0f ? place < static_cast<float>(last) ? static_cast<int>(place) : last : 0;
+    // In this order, so that NaN gets a cell as well.
+    const int at = coordinate > 0.0f ? coordinate < static_cast<float>(last) ? static_cast<int>(coordinate) : last : 0;
     cell = cell * grid.cells[axis] + at;
   }
   return static_cast<std::size_t>(cell);
 }
 
-LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::uint32_t place) {
+LightPick choose_light(const LightGrid& grid, std::size_t cell, float u, std::uint32_t within) {
   const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
-  u = std::min(u, 0x1.fffffep-1f);  // sums of floats round up to 1, where entries beyond the cut's end are
+  u = std::min(u, 0x1.fffffep-1f);  // float sums may round up to 1, where the entries beyond the cut's end are
   const auto sums = grid.cumulative.begin() + static_cast<std::ptrdiff_t>(row);
   const auto k = static_cast<std::size_t>(std::upper_bound(sums, sums + (grid.stride - 1), u) - sums);
   const float share = grid.cumulative[row + k] - (k > 0 ? grid.cumulative[row + k - 1] : 0.0f);
   const LightNode& node = grid.nodes[grid.cut[row + k]];
   const auto steps = static_cast<std::uint64_t>(node.share * 0x1p24f);
-  const float power = node.before + static_cast<float>((place * steps) >> 32) * 0x1p-24f;
+  const float power = node.before + static_cast<float>((within * steps) >> 32) * 0x1p-24f;
   const auto first = grid.running_power.begin() + node.first;
   const auto index =
       static_cast<std::size_t>(std::upper_bound(first, first + (node.count - 1), power) - grid.running_power.begin());
-  // The light itself is not read: it is far away.
+  // Does not read the light itself, which is elsewhere in memory.
   const float own = grid.running_power[index] - (index > 0 ? grid.running_power[index - 1] : 0.0f);
   return {index, share * (own / node.share)};
 }
 
 float light_probability(const LightGrid& grid, std::size_t cell, std::size_t index) {
   const std::size_t row = cell * static_cast<std::size_t>(grid.stride);
-  // A cut's nodes are in the order of the lights.
+  // A cut's nodes have the order of the lights.
   const auto cut = grid.cut.begin() + static_cast<std::ptrdiff_t>(row);
   const auto node = std::partition_point(cut, cut + (grid.stride - 1), [&](std::uint32_t id) {
     return grid.nodes[id].first + grid.nodes[id].count <= static_cast<int>(index);

@@ -17,7 +17,7 @@ static_assert(sizeof(LightRecord) == 64 && offsetof(LightRecord, kind) == 12 &&
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-/// Texture lookups along each side of a triangle at most: a display of 1,000 texels is averaged well by 48 x 48 / 2.
+/// Most texture lookups along each side of a triangle: 48 x 48 / 2 average a display of 1,000 texels well.
 constexpr int kMaxTextureSteps = 48;
 
 struct WeightedLight {
@@ -104,7 +104,7 @@ const Material* material_of_item(const Scene& scene, const DrawItem& item, int v
              : nullptr;
 }
 
-/// Power 0 where it does not shine.
+/// The power is 0 where the triangle does not emit.
 WeightedLight make_triangle(const Scene& scene, const FlatGeometry& geometry, const Material& material,
                             const std::uint32_t* corner) {
   WeightedLight light;
@@ -128,7 +128,7 @@ WeightedLight make_triangle(const Scene& scene, const FlatGeometry& geometry, co
   light.record.range_m = material.double_sided ? 1.0f : 0.0f;
   light.record.color = glm::vec3(radiance);
   light.record.edge2 = glm::vec3(e2);
-  // Slivers whose area is only rounding have no orientation.
+  // Slivers whose area is only rounding error have no orientation.
   const double longest = std::max({glm::length(e1), glm::length(e2), glm::length(e2 - e1)});
   if (!is_finite(a) || !(2.0 * area > 1e-7 * longest * longest)) light.power = 0.0;
   return light;
@@ -149,7 +149,7 @@ std::vector<WeightedLight> collect_triangles(const Scene& scene, const FlatGeome
   return lights;
 }
 
-/// Of the bounding sphere of all finite positions.
+/// Radius of the bounding sphere of all finite positions.
 double scene_radius(const FlatGeometry& geometry) {
   glm::dvec3 low(1e300);
   glm::dvec3 high(-1e300);

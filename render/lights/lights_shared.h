@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/lights.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/lights.glsl as C++: the same source that the GPU compiles.
 #include <glm/glm.hpp>
 
 #ifndef MAQUETTE_FN

@@ -7,14 +7,14 @@ namespace maquette {
 
 namespace {
 
-/// Rounding of each coordinate of a triangle's point, over the corners' largest: seven half units for the sum over them
-/// (Pharr et al. 2023, "Physically Based Rendering", 4th ed., Sec. 6.8.5), two for the edges.
+/// Rounding error of each coordinate of a triangle's point, relative to the corners' largest: seven half units for the
+/// sum over them (Pharr et al. 2023, "Physically Based Rendering", 4th ed., Sec. 6.8.5), two for the edges.
 constexpr double kPointError = 9.0 * 0x1p-24;
 
 }  // namespace
 
-/// Source of the solid angle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", Eq. 8. The product
-/// of the unit vectors is taken of the edges, as those to the corners of a small triangle agree in most digits.
+/// Source of the solid angle: van Oosterom and Strackee 1983, "The Solid Angle of a Plane Triangle", Eq. 8. The triple
+/// product uses the edges, because the vectors to the corners of a small triangle agree in most digits.
 TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
   const glm::dvec3 edge_b(light.direction), edge_c(light.edge2);
   const glm::dvec3 to_a = glm::dvec3(light.position) - glm::dvec3(point);
@@ -25,7 +25,7 @@ TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
   const double away = glm::dot(doubled, to_a);  // negative in front
   const bool both_sides = light.range_m > 0.0f;
   if (!(product > 0.0) || !(both_sides ? std::abs(away) > 0.0 : away < 0.0)) return;
-  // A lamp's own points lie in its plane but for rounding, and do not see it; nor do those of a face on its back.
+  // The lamp's own points lie in its plane except for rounding, and do not see it; nor do points of a face on its back.
   const glm::dvec3 corner(light.position);
   const glm::dvec3 largest = glm::max(glm::abs(corner), glm::max(glm::abs(corner + edge_b), glm::abs(corner + edge_c)));
   if (std::abs(away) <= kPointError * glm::dot(glm::abs(doubled), largest)) return;
@@ -36,12 +36,12 @@ TriangleView::TriangleView(const LightRecord& light, const glm::vec3& point) {
   half_sr_ = std::atan2(volume_, 1.0 + glm::dot(a_, b_) + glm::dot(b_, c_) + glm::dot(c_, a_));
 }
 
-/// u.x moves a corner along the edge from a to c, so that what is left beside b has that share of the solid angle; u.y
-/// is a height along the arc from b to there. Directions come as weights of those to the corners, none of them
-/// negative.
+/// u.x moves a corner along the edge from a to c, so that the triangle between a, b and the moved corner has that share
+/// of the solid angle; u.y is a height along the arc from b to the moved corner. Directions are computed as weights of
+/// the directions to the corners, none of them negative.
 TriangleView::Sample TriangleView::sample(const glm::vec2& u) const {
   const double ab = glm::dot(a_, b_), bc = glm::dot(b_, c_), ca = glm::dot(c_, a_);
-  // Half way from a to the moved corner lies p a + q c, of any length.
+  // The direction half way from a to the moved corner is p a + q c, not normalised.
   const double part = static_cast<double>(u.x) * half_sr_, sine = std::sin(part);
   const double p = std::max(volume_ * std::cos(part) - (bc + ca) * sine, 0.0), q = (1.0 + ab) * sine;
   const double square = p * p + q * q + 2.0 * p * q * ca;
@@ -55,7 +55,7 @@ TriangleView::Sample TriangleView::sample(const glm::vec2& u) const {
   const double along = std::sqrt(static_cast<double>(u.y) * (1.0 + height) / std::max(1.0 + cosine, 1e-15));
   const glm::dvec3 weights(along * of_a, std::max(height - along * cosine, 0.0), along * of_c);
   const glm::dvec3 wi = a_ * weights.x + b_ * weights.y + c_ * weights.z;
-  // A corner's weight over its distance is its share of the point where the direction meets the triangle.
+  // A corner's weight over its distance is its barycentric share (not normalised) of the hit point.
   const glm::dvec3 shares = weights / distances_m_;
   const double sum = shares.x + shares.y + shares.z, length = glm::length(wi);
   return {glm::vec3(wi / length), static_cast<float>(length / sum), glm::vec2(shares.y / sum, shares.z / sum)};

@@ -6,27 +6,25 @@
 
 namespace maquette {
 
-/// An emissive triangle as a point sees it: what draws directions towards it evenly over its solid angle, so that no
-/// sample brings more than a hemisphere full of its light however near it is; samples by area (light_sample) have no
-/// such bound. In double: seen from a hundred-thousandth of its size the corners lie on
-/// the horizon, and what is between them is a difference of their directions that floats do not hold.
-/// Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; without its angles: Peters 2021, "BRDF Importance
-/// Sampling for Polygonal Lights", Sec. 3.2.
+/// An emissive triangle as seen from a point: samples directions uniformly over its solid angle, so that no sample
+/// weighs more than a hemisphere full of its light, however near it is. Samples by area (light_sample) have no such
+/// bound. In double: seen from 1e-5 of its size, the corners lie on the horizon, and float cannot hold the differences
+/// of their directions. Source: Arvo 1995, "Stratified Sampling of Spherical Triangles"; without its angles: Peters
+/// 2021, "BRDF Importance Sampling for Polygonal Lights", Sec. 3.2.
 class TriangleView {
  public:
   /// `light`: of kind kLightTriangle. `point`: m.
   TriangleView(const LightRecord& light, const glm::vec3& point);
 
-  /// sr; 0 where the triangle shines away from the point, and in its plane, as far as the rounding of its
-  /// own points tells.
+  /// sr; 0 for points behind the triangle and in its plane, within the rounding error of its own points.
   double solid_angle() const { return 2.0 * half_sr_; }
 
   struct Sample {
     glm::vec3 wi;      ///< unit, towards the triangle
-    float distance_m;  ///< to where it meets it
-    glm::vec2 uv;      ///< the shares of its edges there
+    float distance_m;  ///< to the triangle
+    glm::vec2 uv;      ///< coordinates along its edges there
   };
-  /// Even over the solid angle, which is not 0, for `u` in [0, 1)^2.
+  /// Uniform over the solid angle, which must not be 0; `u` in [0, 1)^2.
   Sample sample(const glm::vec2& u) const;
 
  private:

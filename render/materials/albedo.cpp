@@ -39,7 +39,7 @@ glm::dvec3 integrate_phi(const SymmetricBrdf& brdf, double x, double theta_o) {
 glm::dvec3 albedo_at(const SymmetricBrdf& brdf, double theta_o) {
   const auto bin_of = [](double theta) { return kThetaHCount * std::sqrt(theta / kHalfPi); };
   const double end = std::min(bin_of(largest_theta_h(theta_o)), static_cast<double>(kThetaHCount));
-  // Beyond this bin a part of the phi circle is below the horizon: a kink, so a knot.
+  // Beyond this bin part of the phi circle is below the horizon: the integrand has a kink, so a knot is placed there.
   const double kink = bin_of(0.5 * (kHalfPi - theta_o));
   std::vector<double> knots = {0.0, kink, end};
   for (int i = 0; i < kThetaHCount; ++i) {
@@ -65,7 +65,7 @@ glm::dvec3 albedo_at(const SymmetricBrdf& brdf, double theta_o) {
 void compute_albedo(const SymmetricBrdf& brdf, BrdfTables& tables) {
   tables.albedo.resize(kAlbedoCount);
   tbb::parallel_for(0, kAlbedoCount, [&](int i) {
-    // The limit at the horizon itself is taken from just above it.
+    // The limit at the horizon is evaluated just above it.
     const double theta_o = std::min(i * kHalfPi / (kAlbedoCount - 1), kHalfPi - 1e-3);
     tables.albedo[static_cast<std::size_t>(i)] = glm::vec3(albedo_at(brdf, theta_o));
   });

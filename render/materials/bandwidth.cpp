@@ -18,7 +18,7 @@ constexpr int kCoarsestCells = 2;
 constexpr float kH0 = kDaubechies4[0], kH1 = kDaubechies4[1], kH2 = kDaubechies4[2], kH3 = kDaubechies4[3];
 constexpr double kWindow = 2.0;  // cells to each side
 constexpr double kShare = 0.95;
-// Calibrated on Gaussians of 0.2 to 28 degrees, whose 95 % frequency is known: within 0.8 and 1.25 of it (D4 bands
+// Calibrated on Gaussians of 0.2 to 28 degrees with known 95 % frequency: within factors of 0.8 and 1.25 (D4 bands
 // overlap).
 constexpr double kDetailGain = 2.0;
 constexpr double kFrequencyGain = 0.87;
@@ -63,7 +63,7 @@ void LocalSpectrum::add(std::span<const float> samples) {
   for (Level& level : levels_) {
     const auto cells = static_cast<std::size_t>(level.cells);
     const auto first = static_cast<std::size_t>(level.first_sample);
-    // Three mirrored cells to each side, so that the filter needs no tests.
+    // Three mirrored cells at each end, so that the filter needs no bounds checks.
     current_.resize(cells + 4);
     float* c = current_.data() + 1;
     for (std::size_t i = 0; i < first; ++i) c[i] = 0.5f * (finer_[2 * i] + finer_[2 * i + 1]);
@@ -71,7 +71,8 @@ void LocalSpectrum::add(std::span<const float> samples) {
       c[i] = samples[static_cast<std::size_t>(level.sample_offset) + i - first];
     }
     c[-1] = c[0];
-    // A fine level ends inside the signal: its last filters would straddle the end, so they continue it flat.
+    // A fine level ends inside the signal: its last filters would cross the end, so the signal is continued with a
+    // constant.
     c[cells] = c[cells - 1];
     c[cells + 1] = level.whole ? c[cells - 2] : c[cells - 1];
     double* power = level.power.data();
@@ -88,15 +89,15 @@ void LocalSpectrum::add(std::span<const float> samples) {
 }
 
 double LocalSpectrum::energy_at(const Level& level, double angle_rad) const {
-  // A coefficient belongs to the middle of its four cells, the edge after cell i.
-  const double place = angle_rad / level.width_rad - 1.0;
-  if (place >= level.cells) return 0.0;
+  // A coefficient belongs to the centre of its four cells, the edge after cell i.
+  const double position = angle_rad / level.width_rad - 1.0;
+  if (position >= level.cells) return 0.0;
   double sum = 0.0;
-  const int first = static_cast<int>(std::ceil(place - kWindow));
-  for (int i = first; i < place + kWindow; ++i) {
-    // A finer level that ends here continues with nothing: the signal has no such detail beyond.
+  const int first = static_cast<int>(std::ceil(position - kWindow));
+  for (int i = first; i < position + kWindow; ++i) {
+    // A finer level that ends here continues with zero: the signal has no such detail beyond.
     if (i >= level.cells && !level.whole) break;
-    const double weight = 1.0 - std::abs(i - place) / kWindow;
+    const double weight = 1.0 - std::abs(i - position) / kWindow;
     sum += weight * level.power[static_cast<std::size_t>(std::clamp(mirrored(i, level.cells), 0, level.cells - 1))];
   }
   return kDetailGain * sum * level.width_rad;
@@ -125,7 +126,7 @@ double LocalSpectrum::frequency_95(double angle_rad) const {
 
 namespace {
 
-/// Linear interpolation of samples at bin centres, precomputed for fixed places.
+/// Linear interpolation of samples at bin centres, precomputed for fixed positions.
 struct Resampler {
   std::vector<int> index;
   std::vector<float> fraction;
@@ -150,7 +151,7 @@ struct Resampler {
 double theta_h_centre(int bin) { return theta_h_of_bin_edge(bin + 0.5); }
 double theta_d_centre(int bin) { return (bin + 0.5) / kThetaDCount * kHalfPi; }
 
-/// Frequencies along one axis for every bin of it, `other` fixed.
+/// Frequencies for every bin along one axis, with `other` fixed.
 struct AxisWork {
   LocalSpectrum spectrum;
   std::vector<float> samples;

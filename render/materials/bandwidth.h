@@ -9,21 +9,21 @@
 
 namespace maquette {
 
-/// Local spectral energy of signals over [0, pi/2] in octave bands, found with the Daubechies-4 detail filter.
+/// Local spectral energy of signals over [0, pi/2] in octave bands, by the Daubechies-4 detail filter.
 ///
 /// At every dyadic cell size d the signal's cell averages are filtered with the four D4 detail taps, without
-/// decimation. The squared coefficients within two cells of a place (triangular weights), times d, are the energy there
-/// of the band [1/(4 d), 1/(2 d)] cycles/rad: what the decimated transform's coefficient over that place holds. The
-/// average over the coarsest cell (pi/4) is the energy below all bands. Both ends are mirrored. Cells of level l cover
-/// [0, pi/2 / 2^l] only: fine ones are needed, and known, near 0 alone, where the square-root spaced bins of MERL are
-/// narrow. So that spacing is undone without 30,000 samples a signal. Source: Daubechies 1992, Ten Lectures on
-/// Wavelets, Table 6.1 (N = 2).
+/// decimation. The squared coefficients within two cells of a position (triangular weights), times d, are the energy
+/// there of the band [1/(4 d), 1/(2 d)] cycles/rad: what the decimated transform's coefficient over that position
+/// contains. The average over the coarsest cell (pi/4) is the energy below all bands. Both ends are mirrored. Cells of
+/// level l cover [0, pi/2 / 2^l] only: fine cells are needed, and known, only near 0, where the square-root spaced bins
+/// of MERL are narrow. This handles that spacing without 30,000 samples a signal. Source: Daubechies 1992, Ten Lectures
+/// on Wavelets, Table 6.1 (N = 2).
 class LocalSpectrum {
  public:
-  /// `fine_levels`: 0 resolves cells of pi/256, each further one halves the cell next to 0.
+  /// `fine_levels`: 0 resolves cells of pi/256; each further level halves the cell size next to 0.
   explicit LocalSpectrum(int fine_levels);
 
-  /// Places where add() wants the signal: (angle_rad) of each cell, in the order of its argument.
+  /// Positions at which add() needs the signal: angle_rad of each cell, in the order of its argument.
   const std::vector<float>& sample_angles() const { return angles_; }
   /// Adds the band energies of one signal; `samples` at sample_angles(). Energies of several signals accumulate.
   void add(std::span<const float> samples);
@@ -34,7 +34,7 @@ class LocalSpectrum {
  private:
   struct Level {
     int cells = 0;         ///< of width `width_rad` from 0
-    int first_sample = 0;  ///< cells before are averages of the next finer level
+    int first_sample = 0;  ///< earlier cells are averages of the next finer level
     int sample_offset = 0;
     double width_rad = 0.0;
     bool whole = true;          ///< covers [0, pi/2]
@@ -48,8 +48,8 @@ class LocalSpectrum {
   std::vector<float> current_, finer_;
 };
 
-/// BrdfTables::bandwidth. Along theta_h and along theta_d, energies summed over R, G, B and six phi_d; the larger of
-/// both, halved because a direction that moves by one radian moves the half vector and theta_d by half of that.
+/// BrdfTables::bandwidth. Along theta_h and along theta_d, with energies summed over R, G, B and six phi_d. The larger
+/// of the two, halved because moving one direction by one radian moves the half vector and theta_d by half a radian.
 std::vector<float> compute_bandwidth(const BrdfTable& brdf);
 
 }  // namespace maquette

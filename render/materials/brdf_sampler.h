@@ -5,8 +5,8 @@
 
 namespace maquette::shared {
 
-/// The cell that brdf_sample_pdf finds, in three steps of comparisons beside each other instead of seven that wait for
-/// each other: the last that begins at `t` or before it, or the first.
+/// The cell that brdf_sample_pdf finds, in three steps of independent comparisons instead of seven dependent ones: the
+/// last cell that begins at or before `t`, or the first.
 inline int find_theta_cell(const vec2* cells, float t) {
   static_assert(kThetaCellCount == 4 * 24);
   const auto begun = [&](int k) { return cells[k].x <= t ? 1 : 0; };
@@ -22,7 +22,7 @@ inline int find_phi_cell(const vec2* cells, float phi) {
 }
 
 /// The shader's sampler on the CPU: the functions of shaders/shared/brdf_sampling.glsl as members (sample_brdf,
-/// brdf_sample_pdf, theta_cell_mass, ...), reading the cells of `tables`, which must outlive it.
+/// brdf_sample_pdf, theta_cell_mass, ...). They read the cells of `tables`, which must outlive it.
 struct BrdfSampler {
   explicit BrdfSampler(const BrdfTables& source) : tables(source) {}
   const BrdfTables& tables;

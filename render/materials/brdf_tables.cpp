@@ -13,7 +13,7 @@ namespace maquette {
 
 namespace {
 
-/// Raised whenever importance, albedo or bandwidth change.
+/// Incremented whenever importance, albedo or bandwidth change.
 constexpr int kTablesVersion = 1;
 constexpr const char* kTablesKind = "brdf-tables";
 

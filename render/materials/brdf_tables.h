@@ -15,10 +15,10 @@ inline constexpr int kAlbedoCount = 64;     ///< theta_o = i / 63 * pi/2
 /// Tables derived once per BRDF and cached by content. No OpenGL.
 ///
 /// Importance of the half vector h for one view elevation (wo in the xz plane, +x side), with density proportional to
-/// Y(f) cos(theta_i) d omega_i / d omega_h (plus a small floor so that every cell is positive): the marginal over t = 1
-/// - cos(theta_h) is cut into cells of *fixed* probability (theta_cell_mass: equal, then geometric towards the tail, so
-/// that sampling needs no search), each cell's conditional over phi_h into 16 equal-mass cells. Density inside a cell
-/// is constant over solid angle (d omega_h = dt dphi).
+/// Y(f) cos(theta_i) d omega_i / d omega_h (plus a small floor so that every cell is positive). The marginal over t = 1
+/// - cos(theta_h) is divided into cells of *fixed* probability (theta_cell_mass: equal, then geometric towards the
+/// tail, so that sampling needs no search), and each cell's conditional over phi_h into 16 equal-mass cells. The
+/// density is constant over solid angle within a cell (d omega_h = dt dphi).
 struct BrdfTables {
   std::vector<glm::vec2>
       theta_cells;  ///< [elevation 32][96] (t_begin, t_end), partition of the t that can reflect above the horizon
@@ -26,7 +26,7 @@ struct BrdfTables {
       phi_cells;  ///< [elevation 32][96][16] (phi_begin, phi_end), partition of the usable part of [0, pi]
   std::vector<glm::vec3> albedo;  ///< [64] directional albedo, linear RGB
   /// [theta_h 90][theta_d 90] local angular bandwidth nu_rho: cycles per radian of *direction* (of wi or wo, the other
-  /// fixed) holding 95 % of the local spectral energy; energy-weighted over phi_d. Daubechies-4 wavelets.
+  /// fixed) below which 95 % of the local spectral energy lies; energy-weighted over phi_d. Daubechies-4 wavelets.
   std::vector<float> bandwidth;
 };
 BrdfTables compute_brdf_tables(const BrdfTable& brdf);
@@ -38,12 +38,12 @@ inline constexpr int kGgxBandwidthCount = 64;
 constexpr double ggx_bandwidth_alpha(int i) {
   return (i + 0.5) / kGgxBandwidthCount * ((i + 0.5) / kGgxBandwidthCount);
 }
-/// Local angular bandwidth of analytic GGX lobes, by the same code from tabulated ones: [alpha 64][theta_h 90],
-/// cycles per radian of direction.
+/// Local angular bandwidth of analytic GGX lobes, computed from tabulated lobes by the same code: [alpha 64][theta_h
+/// 90], cycles per radian of direction.
 std::vector<float> ggx_bandwidth();
 
-/// Lambert + one GGX lobe with Smith masking and Schlick Fresnel, least squares in cube-root space over cos-weighted
-/// bins: what other viewers do.
+/// Lambert + one GGX lobe with Smith masking and Schlick Fresnel, fitted by least squares in cube-root space over
+/// cos-weighted bins: the material model of other viewers.
 struct GgxFit {
   glm::vec3 diffuse{0.0f};   ///< albedo
   glm::vec3 specular{0.0f};  ///< F0

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kVersion = 1;
 constexpr const char* kKind = "ggx-fit";
-constexpr double kLeastAlpha = 0.003;
+constexpr double kMinAlpha = 0.003;
 constexpr int kAlphaCount = 16;
 
 /// The model is linear in diffuse albedo and F0: f = diffuse / pi + f0 * specular + grazing.
@@ -97,9 +97,9 @@ double error_of(const Fit& fit) { return fit[0].error + fit[1].error + fit[2].er
 
 GgxFit compute_fit(const BrdfTable& brdf) {
   const std::vector<FitSample> samples = fit_samples(brdf);
-  const double ratio = std::log(1.0 / kLeastAlpha) / (kAlphaCount - 1);
+  const double ratio = std::log(1.0 / kMinAlpha) / (kAlphaCount - 1);
   std::vector<double> alphas;
-  for (int i = 0; i < kAlphaCount; ++i) alphas.push_back(kLeastAlpha * std::exp(i * ratio));
+  for (int i = 0; i < kAlphaCount; ++i) alphas.push_back(kMinAlpha * std::exp(i * ratio));
   std::vector<Fit> fits(alphas.size());
   const auto run = [&](std::size_t begin) {
     fits.resize(alphas.size());
@@ -111,11 +111,11 @@ GgxFit compute_fit(const BrdfTable& brdf) {
     return b;
   };
   run(0);
-  // Then pairs around the best one, ever closer.
+  // Then pairs around the best one, with decreasing steps.
   for (double step = 0.5 * ratio; step > 0.03; step *= 0.5) {
     const double centre = alphas[best()];
     const std::size_t begin = alphas.size();
-    alphas.push_back(std::max(centre * std::exp(-step), kLeastAlpha));
+    alphas.push_back(std::max(centre * std::exp(-step), kMinAlpha));
     alphas.push_back(std::min(centre * std::exp(step), 1.0));
     run(begin);
   }

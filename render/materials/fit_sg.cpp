@@ -22,10 +22,11 @@ constexpr int kParameters = 1 + 2 * kLobes;
 using Vector = Eigen::Matrix<double, kParameters, 1>;
 using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
 
-/// The model knows theta_h alone, so the least squares over all bins are those over the weighted mean of each theta_h.
+/// The model depends on theta_h alone, so the least squares over all bins equal those over the weighted mean of each
+/// theta_h.
 struct Profile {
   std::array<double, kThetaHCount> one_minus_cos = {}, weight = {}, root = {};
-  double scatter = 0.0;  ///< squared distance of the bins from these means: no function of theta_h can do better
+  double scatter = 0.0;  ///< squared distance of the bins from these means: a lower bound of the error
   double energy = 0.0;
 };
 
@@ -47,7 +48,8 @@ Profile make_profile(const std::vector<FitSample>& samples, int channel) {
   return profile;
 }
 
-/// Parameters are logarithms, so that all stay positive: diffuse / pi, then amplitude and sharpness of each lobe.
+/// Parameters are logarithms, so that all values stay positive: diffuse / pi, then amplitude and sharpness of each
+/// lobe.
 double residual_squares(const Profile& profile, const Vector& log_parameters, Matrix* jj, Vector* jr) {
   const Vector p = log_parameters.array().exp();
   if (jj) {
@@ -114,7 +116,7 @@ double descend(const Profile& profile, Vector& parameters) {
 }
 
 SgFit compute_fit(const BrdfTable& brdf) {
-  // Starts from very glossy to dull; the best end is kept.
+  // Starts from very glossy to dull; the best result is kept.
   constexpr double kStarts[][kLobes] = {
       {1e5, 5e3, 1e2}, {1e4, 5e2, 2e1}, {2e3, 1e2, 1e1}, {1e2, 1e1, 2.0}, {2e5, 3e4, 3e3}};
   const std::vector<FitSample> samples = fit_samples(brdf);
@@ -155,7 +157,7 @@ SgFit compute_fit(const BrdfTable& brdf) {
   return fit;
 }
 
-/// Plain form for the cache.
+/// Plain data for the cache.
 struct StoredFit {
   glm::vec3 diffuse;
   SgFit::Lobe lobes[kLobes];

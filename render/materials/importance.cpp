@@ -15,11 +15,11 @@ namespace {
 constexpr int kRowsPerBin = 3;
 constexpr int kRowCount = kThetaHCount * kRowsPerBin;
 constexpr int kColumnCount = 40;
-/// Share of the probability that follows a Lambert lobe whatever the table says: no valid direction is left without
-/// density.
+/// Share of the probability that follows a Lambert lobe whatever the table contains, so that every valid direction has
+/// a positive density.
 constexpr double kFloorShare = 0.02;
 
-/// One strip of theta_h of the construction grid: cut into kColumnCount equal pieces of [0, phi_max].
+/// One strip of theta_h of the construction grid, divided into kColumnCount equal pieces of [0, phi_max].
 struct Row {
   double t_begin = 0.0, t_end = 0.0;
   double phi_max = 0.0;
@@ -34,7 +34,7 @@ struct ElevationGrid {
 
 double one_minus_cos(double theta) { return 2.0 * std::sin(0.5 * theta) * std::sin(0.5 * theta); }
 
-/// Geometry of the rows: everything that can be above the horizon for any view direction of the bin, not its centre
+/// Geometry of the rows: everything that can be above the horizon for any view direction of the bin, not for its centre
 /// alone.
 ElevationGrid make_rows(int elevation) {
   const double step = kHalfPi / kElevationCount;
@@ -53,7 +53,7 @@ ElevationGrid make_rows(int elevation) {
         row.phi_max = std::max(row.phi_max, largest_phi_h(theta_h, theta_o));
       }
     }
-    // Between the tested corners the limit may be a little larger.
+    // Between the tested corners the limit may be slightly larger.
     row.phi_max = std::min(kPi, row.phi_max + 0.01);
     grid.rows.push_back(row);
   }
@@ -104,7 +104,8 @@ ElevationGrid make_grid(const SymmetricBrdf& brdf, int elevation) {
     }
     area += (grid.rows[i].t_end - grid.rows[i].t_begin) * grid.rows[i].phi_max;
   }
-  // A black table is sampled like Lambert. A tenth of the floor is uniform: cells at the horizon stay positive too.
+  // A black table is sampled like Lambert. A tenth of the floor is uniform, so that cells at the horizon stay positive
+  // too.
   const double share = total > 0.0 ? kFloorShare : 1.0;
   const double scale = total > 0.0 ? (1.0 - share) / total : 0.0;
   for (std::size_t i = 0; i < grid.rows.size(); ++i) {
@@ -119,12 +120,12 @@ ElevationGrid make_grid(const SymmetricBrdf& brdf, int elevation) {
   return grid;
 }
 
-/// Places where a theta cell may end: cumulated mass and integral of the squared density up to t.
+/// A possible end of a theta cell: cumulative mass and integral of the squared density up to t.
 struct Candidate {
   double t = 0.0, mass = 0.0, squared = 0.0;
 };
 
-/// The edges of all rows and points of equal mass between them, four to a cell.
+/// The edges of all rows, and points of equal mass between them, four to a cell.
 std::vector<Candidate> edge_candidates(const ElevationGrid& grid,
                                        const std::array<double, kThetaCellCount + 1>& quantiles) {
   std::vector<double> wanted;
@@ -151,10 +152,10 @@ std::vector<Candidate> edge_candidates(const ElevationGrid& grid,
 }
 
 /// Ends of the theta cells, chosen near the quantiles so that the second moment of target over density, the sum over
-/// cells of width * integral(density^2) / mass, is least. Quantiles alone would let one cell span the foot of a sharp
-/// lobe and a stretch of the diffuse base, and draw the foot a hundred times too rarely. Dynamic programming over the
-/// candidates.
-std::vector<double> cut_theta(const ElevationGrid& grid, shared::BrdfSampler sampler) {
+/// cells of width * integral(density^2) / mass, is minimal. With quantiles alone one cell could contain both the foot
+/// of a sharp lobe and a stretch of the diffuse base, and would sample the foot a hundred times too rarely. Dynamic
+/// programming over the candidates.
+std::vector<double> partition_theta(const ElevationGrid& grid, shared::BrdfSampler sampler) {
   std::array<double, kThetaCellCount + 1> quantiles = {};
   std::array<double, kThetaCellCount> cell_mass = {};
   for (std::size_t k = 0; k < kThetaCellCount; ++k) {
@@ -177,7 +178,7 @@ std::vector<double> cut_theta(const ElevationGrid& grid, shared::BrdfSampler sam
       return static_cast<std::size_t>(std::lower_bound(candidates.begin(), candidates.end(), mass, by_mass) -
                                       candidates.begin());
     };
-    // Enough candidates stay before and behind for the cells still to come.
+    // Leaves enough candidates on both sides for the remaining cells.
     const std::size_t remaining = kThetaCellCount - 1 - k;
     std::size_t begin = std::max(find(quantiles[k + 1] - reach), k + 1);
     std::size_t end = std::min(find(quantiles[k + 1] + reach), last - remaining);
@@ -210,7 +211,7 @@ std::vector<double> cut_theta(const ElevationGrid& grid, shared::BrdfSampler sam
 }
 
 /// Equal-mass cells of phi for the strip [t_begin, t_end].
-void cut_phi(const ElevationGrid& grid, double t_begin, double t_end, std::size_t first_row, glm::vec2* cells) {
+void partition_phi(const ElevationGrid& grid, double t_begin, double t_end, std::size_t first_row, glm::vec2* cells) {
   constexpr int kFine = 2 * kColumnCount;
   std::array<double, kFine> mass = {};
   double phi_max = 0.0;
@@ -255,13 +256,13 @@ void compute_importance(const SymmetricBrdf& brdf, BrdfTables& tables) {
   tables.phi_cells.resize(tables.theta_cells.size() * kPhiCellCount);
   tbb::parallel_for(0, kElevationCount, [&](int elevation) {
     const ElevationGrid grid = make_grid(brdf, elevation);
-    const std::vector<double> edges = cut_theta(grid, shared::BrdfSampler(tables));
+    const std::vector<double> edges = partition_theta(grid, shared::BrdfSampler(tables));
     std::size_t row = 0;
     for (std::size_t k = 0; k < kThetaCellCount; ++k) {
       const std::size_t cell = static_cast<std::size_t>(elevation) * kThetaCellCount + k;
       tables.theta_cells[cell] = glm::vec2(static_cast<float>(edges[k]), static_cast<float>(edges[k + 1]));
       while (row + 1 < grid.rows.size() && grid.rows[row].t_end <= edges[k]) ++row;
-      cut_phi(grid, edges[k], edges[k + 1], row, &tables.phi_cells[cell * kPhiCellCount]);
+      partition_phi(grid, edges[k], edges[k + 1], row, &tables.phi_cells[cell * kPhiCellCount]);
     }
   });
 }

@@ -46,8 +46,7 @@ struct LobeSample {
 
 double luminance_of(const glm::dvec3& v) { return static_cast<double>(luminance(glm::vec3(v))); }
 
-/// Mean direction of what `part` says of each sample. Mirror symmetry leaves nothing across the plane of view and
-/// normal.
+/// Mean direction of the samples, weighted by `part`. By mirror symmetry it lies in the plane of view and normal.
 glm::dvec3 mean_direction(const std::vector<LobeSample>& samples, glm::dvec3 LobeSample::*part) {
   glm::dvec3 sum(0.0);
   double weight = 0.0;
@@ -59,7 +58,7 @@ glm::dvec3 mean_direction(const std::vector<LobeSample>& samples, glm::dvec3 Lob
   return weight > 0.0 ? glm::dvec3(sum.x, 0.0, sum.z) / weight : glm::dvec3(0.0, 0.0, 2.0 / 3.0);
 }
 
-/// Angle about `axis` within which half of what mirrors lies.
+/// Angle about `axis` that contains half of the mirrored light.
 double half_angle(const std::vector<LobeSample>& samples, const glm::dvec3& axis) {
   std::vector<glm::dvec2> weighed;  // angle, weight
   double sum = 0.0;
@@ -95,11 +94,11 @@ BrdfLobe lobe_at(const BrdfTable& brdf, const BrdfTables& tables, int i) {
   }
   BrdfLobe lobe;
   lobe.direction = glm::vec3(mean_direction(samples, &LobeSample::whole));
-  if (luminance_of(mirror) < 1e-4 * luminance_of(whole)) return lobe;  // nothing but rounding
+  if (luminance_of(mirror) < 1e-4 * luminance_of(whole)) return lobe;  // only rounding errors
   const glm::dvec3 towards = mean_direction(samples, &LobeSample::mirror);
   lobe.mirror_direction = glm::vec3(towards);
   lobe.mirror_half_angle_rad = static_cast<float>(half_angle(samples, glm::normalize(towards)));
-  // The exact albedo in the proportion that the samples found.
+  // Splits the exact albedo in the ratio of the sampled ones.
   for (int c = 0; c < 3; ++c)
     lobe.mirror_albedo[c] =
         whole[c] > 0.0 ? static_cast<float>(mirror[c] / whole[c]) * tables.albedo[static_cast<std::size_t>(i)][c]

@@ -14,8 +14,8 @@ inline constexpr int kHalfPhiD = kPhiDCount / 2;
 inline constexpr double kHalfPi = 1.57079632679489661923;
 inline constexpr double kPi = 3.14159265358979323846;
 
-/// A table averaged with its mirror image (phi_d and pi - phi_d), as integrals over both sides of the plane of
-/// incidence need it: half the entries. Internal to the derivation of tables.
+/// A table averaged with its mirror image (phi_d and pi - phi_d): half the entries, enough for integrals over both
+/// sides of the plane of incidence. Internal to the derivation of tables.
 struct SymmetricBrdf {
   std::vector<glm::vec3> rgb;    ///< [theta_h 90][theta_d 90][phi_d 90], phi_d in [0, pi/2]
   std::vector<float> luminance;  ///< same layout, Rec.709 Y
@@ -42,10 +42,10 @@ struct SymmetricBrdf {
 
 inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
-/// theta_h of a position in bins from the table's edge (0..90): the square-root spacing undone.
+/// theta_h of a position in bins from the table's edge (0..90), inverting the square-root spacing.
 inline double theta_h_of_bin_edge(double x) { return (x / kThetaHCount) * (x / kThetaHCount) * kHalfPi; }
 
-/// How a half vector (theta_h, phi_h from the view plane) sees the view direction at theta_o.
+/// The view direction at theta_o relative to a half vector (theta_h, phi_h from the view plane).
 struct HalfVectorView {
   double projection;  ///< wo . h
   double cos_i;       ///< of the mirrored direction; negative below the horizon
@@ -54,7 +54,7 @@ struct HalfVectorView {
 };
 inline HalfVectorView view_of_half_vector(double sin_h, double cos_h, double sin_phi, double cos_phi, double sin_o,
                                           double cos_o) {
-  // wo in the frame of h: its azimuth is that of the light turned by pi, the same after folding.
+  // wo in the frame of h: its azimuth is that of the light rotated by pi, which is the same after folding.
   const double x = std::abs(sin_o * cos_h * cos_phi - cos_o * sin_h);
   const double y = sin_o * std::abs(sin_phi);
   HalfVectorView view;

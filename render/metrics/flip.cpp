@@ -42,7 +42,7 @@ float lab_curve(float t) {
   return t > kDelta * kDelta * kDelta ? std::cbrt(t) : t / (3.0f * kDelta * kDelta) + 4.0f / 29.0f;
 }
 
-/// CIELAB whose chroma shrinks in the dark. Source: Andersson et al. 2020, Eq. 5 (Hunt's effect).
+/// CIELAB with chroma reduced in the dark. Source: Andersson et al. 2020, Eq. 5 (Hunt's effect).
 glm::vec3 hunt_lab_from_rgb(const glm::vec3& rgb) {
   const glm::vec3 n = (kXyzFromRgb * rgb) / kWhite;
   const float x = lab_curve(n.x), y = lab_curve(n.y), z = lab_curve(n.z);
@@ -50,13 +50,13 @@ glm::vec3 hunt_lab_from_rgb(const glm::vec3& rgb) {
   return {lightness, 0.01f * lightness * 500.0f * (x - y), 0.01f * lightness * 200.0f * (y - z)};
 }
 
-/// City block in lightness, Euclidean in chroma. Source: Abasi et al. 2020; Andersson et al. 2020, Eq. 6.
+/// City block distance in lightness, Euclidean in chroma. Source: Abasi et al. 2020; Andersson et al. 2020, Eq. 6.
 float hyab(const glm::vec3& a, const glm::vec3& b) {
   const glm::vec3 d = a - b;
   return std::abs(d.x) + std::sqrt(d.y * d.y + d.z * d.z);
 }
 
-/// The largest distance of two displayed colours, green and blue, to the power of q_c.
+/// The largest possible distance of two displayed colours (green and blue), to the power of q_c.
 float largest_color_error() {
   static const float kLargest =
       std::pow(hyab(hunt_lab_from_rgb(glm::vec3(0.0f, 1.0f, 0.0f)), hunt_lab_from_rgb(glm::vec3(0.0f, 0.0f, 1.0f))),
@@ -64,7 +64,7 @@ float largest_color_error() {
   return kLargest;
 }
 
-/// Source: Andersson et al. 2020, Section 4.1.3: the lower part of the range gets most of [0, 1].
+/// Most of [0, 1] is given to the lower part of the range. Source: Andersson et al. 2020, Section 4.1.3.
 float redistribute(float error) {
   const float largest = largest_color_error(), knee = kKneeIn * largest;
   const float mapped =
@@ -79,8 +79,8 @@ struct Filters {
   flip::FeatureFilters feature;
 };
 
-/// What the metric compares of one picture: filtered colours, and how strong edges and points are.
-struct Seen {
+/// What the metric compares: filtered colours, and the strength of edges and points.
+struct Perceived {
   Planes lab;
   Plane edges, points;
 };
@@ -92,7 +92,7 @@ Plane length(const Plane& x, const Plane& y) {
   return result;
 }
 
-Seen see(const Planes& rgb, const Filters& filters) {
+Perceived perceive(const Planes& rgb, const Filters& filters) {
   const int w = rgb[0].width, h = rgb[0].height;
   Planes opponent = {Plane(w, h), Plane(w, h), Plane(w, h)};
   Plane lightness(w, h);
@@ -102,7 +102,7 @@ Seen see(const Planes& rgb, const Filters& filters) {
     for (int c = 0; c < 3; ++c) opponent[static_cast<std::size_t>(c)].data[i] = v[c];
     lightness.data[i] = (v.x + 16.0f) / 116.0f;
   }
-  Seen seen;
+  Perceived seen;
   for (std::size_t c = 0; c < 3; ++c) seen.lab[c] = flip::apply(filters.spatial[c], opponent[c]);
   for (std::size_t i = 0; i < count; ++i) {
     const glm::vec3 filtered = rgb_from_opponent({seen.lab[0].data[i], seen.lab[1].data[i], seen.lab[2].data[i]});
@@ -116,7 +116,7 @@ Seen see(const Planes& rgb, const Filters& filters) {
 }
 
 /// Source: Andersson et al. 2020, Eqs. 7 to 10.
-Image difference(const Seen& a, const Seen& b) {
+Image difference(const Perceived& a, const Perceived& b) {
   Image map(a.edges.width, a.edges.height, 1);
   for (std::size_t i = 0; i < map.data.size(); ++i) {
     const float distance = hyab({a.lab[0].data[i], a.lab[1].data[i], a.lab[2].data[i]},
@@ -131,18 +131,18 @@ Image difference(const Seen& a, const Seen& b) {
   return map;
 }
 
-/// Rational curve of the film look that HDR-FLIP looks through. Source: Narkowicz 2016 (ACES fit) times the exposure
-/// bias 0.6; Andersson et al. 2021, Section 3.
+/// Rational tone curve of HDR-FLIP. Source: Narkowicz 2016 (ACES fit) times the exposure bias 0.6; Andersson et al.
+/// 2021, Section 3.
 constexpr double kCurve[] = {0.6 * 0.6 * 2.51, 0.6 * 0.03, 0.0, 0.6 * 0.6 * 2.43, 0.6 * 0.59, 0.14};
 constexpr double kShownAt = 0.85;
-constexpr int kMostExposures = 48;
+constexpr int kMaxExposures = 48;
 
 float film(float x) {
   const auto k = [](int i) { return static_cast<float>(kCurve[i]); };
   return std::clamp((k(0) * x * x + k(1) * x + k(2)) / (k(3) * x * x + k(4) * x + k(5)), 0.0f, 1.0f);
 }
 
-/// The x with film(x) = kShownAt: the positive root of a quadratic.
+/// The x with film(x) = kShownAt: positive root of a quadratic.
 double shown_at() {
   const double a = kCurve[0] - kShownAt * kCurve[3], b = kCurve[1] - kShownAt * kCurve[4],
                c = kCurve[2] - kShownAt * kCurve[5];
@@ -163,7 +163,7 @@ Planes planes_of(const Image& image, const auto& value) {
 Image flip_ldr_map(const Image& image, const Image& reference, double pixels_per_degree) {
   const Filters filters(pixels_per_degree);
   const auto shown = [](float v) { return std::clamp(v, 0.0f, 1.0f); };
-  return difference(see(planes_of(image, shown), filters), see(planes_of(reference, shown), filters));
+  return difference(perceive(planes_of(image, shown), filters), perceive(planes_of(reference, shown), filters));
 }
 
 FlipExposures flip_exposures(const Image& reference) {
@@ -187,7 +187,7 @@ FlipExposures flip_exposures(const Image& reference) {
   exposures.start_ev = std::log2(shown_at() / static_cast<double>(luminances.back()));
   exposures.stop_ev = std::log2(shown_at() / median);
   const double count = std::ceil(exposures.stop_ev - exposures.start_ev);
-  exposures.count = static_cast<int>(std::clamp(count, 2.0, static_cast<double>(kMostExposures)));
+  exposures.count = static_cast<int>(std::clamp(count, 2.0, static_cast<double>(kMaxExposures)));
   return exposures;
 }
 
@@ -201,9 +201,10 @@ Image flip_hdr_map(const Image& image, const Image& reference, double pixels_per
   tbb::parallel_for(0, exposures.count, [&](int i) {
     const double ev = exposures.start_ev + (exposures.stop_ev - exposures.start_ev) * i / (exposures.count - 1);
     const auto scale = static_cast<float>(std::exp2(ev));
-    // Beyond 1e4 the curve is at its end; larger values would overflow in its square.
+    // Beyond 1e4 the curve is saturated; larger values would overflow when squared.
     const auto shown = [scale](float v) { return film(std::clamp(v * scale, 0.0f, 1e4f)); };
-    const Image one = difference(see(planes_of(image, shown), filters), see(planes_of(reference, shown), filters));
+    const Image one =
+        difference(perceive(planes_of(image, shown), filters), perceive(planes_of(reference, shown), filters));
     const std::lock_guard lock(mutex);
     for (std::size_t k = 0; k < map.data.size(); ++k) map.data[k] = std::max(map.data[k], one.data[k]);
   });

@@ -16,7 +16,7 @@ struct Sensitivity {
 };
 constexpr std::array<Sensitivity, 3> kSensitivities = {
     {{1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}}};
-constexpr double kWidest = 0.04;         // the largest b: all kernels have its support
+constexpr double kWidest = 0.04;         // the largest b; it determines the support of all kernels
 constexpr double kFeatureWidth = 0.082;  // degrees
 
 std::vector<double> gaussian_taps(int radius, double pixels_per_degree, double b) {
@@ -40,7 +40,7 @@ Kernel scaled(const std::vector<double>& taps, double scale) {
   return kernel;
 }
 
-/// `shape(x)` at the taps, its positive and its negative weights scaled to 1 and -1.
+/// `shape(x)` at the taps; positive and negative weights are normalised separately, to 1 and -1.
 Kernel balanced(int radius, const std::function<double(double)>& shape) {
   std::vector<double> taps;
   double positive = 0.0, negative = 0.0;

@@ -6,12 +6,12 @@
 
 namespace maquette::flip {
 
-/// A contrast sensitivity in space: the sum of two separable Gaussians, the weights of all taps summing to 1. The
-/// second may be empty.
+/// A contrast sensitivity function in the spatial domain: the sum of two separable Gaussians, with all taps summing to
+/// 1. The second may be empty.
 struct SpatialFilter {
   Kernel first, second;
 };
-/// Of the channels Y, Cx, Cz. Source: Andersson et al. 2020, Section 4.1.1, Eq. 3 and Table 1.
+/// Filters of the channels Y, Cx, Cz. Source: Andersson et al. 2020, Section 4.1.1, Eq. 3 and Table 1.
 std::array<SpatialFilter, 3> spatial_filters(double pixels_per_degree);
 Plane apply(const SpatialFilter& filter, const Plane& plane);
 

@@ -6,7 +6,7 @@
 
 namespace maquette {
 
-/// One channel of a picture, row 0 on top: what the filters of the metrics work on.
+/// One channel of a picture, row 0 on top, as input of the metrics' filters.
 struct Plane {
   int width = 0;
   int height = 0;
@@ -16,10 +16,10 @@ struct Plane {
 };
 using Planes = std::array<Plane, 3>;
 
-/// An odd number of weights, the middle one at the pixel itself.
+/// An odd number of weights; the middle one belongs to the pixel itself.
 using Kernel = std::vector<float>;
 
-/// Rows with `across`, then columns with `down`; the border pixels are repeated outwards.
+/// Convolves rows with `across`, then columns with `down`; border pixels are repeated outwards.
 Plane convolve(const Plane& plane, const Kernel& across, const Kernel& down);
 
 }  // namespace maquette

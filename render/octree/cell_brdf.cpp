@@ -16,10 +16,10 @@ using shared::kCellDirections;
 using shared::kCellPairs;
 
 constexpr double kPi = 3.14159265358979323846;
-/// Added to GGX's alpha in quadrature: half vectors between directions that are 0.36 rad apart spread by 0.12 rad on
-/// each axis, and alpha is the square root of 2 times that.
+/// Added to GGX's alpha in quadrature: between directions that are 0.36 rad apart half vectors spread by 0.12 rad on
+/// each axis, and alpha is that times the square root of 2.
 constexpr float kLobeWidening = 0.16f;
-/// Half vectors at which a measured table is averaged, over the same spread.
+/// Number of half vectors over which a measured table is averaged, with the same spread.
 constexpr int kTableSamples = 64;
 constexpr double kQuadratureSteps = 64;
 
@@ -41,7 +41,7 @@ glm::mat3 basis_of(const glm::vec3& n) {
 float widened(float alpha) { return std::sqrt(alpha * alpha + kLobeWidening * kLobeWidening); }
 
 glm::vec3 average_table(const BrdfTable& table, const glm::vec3& wi, const glm::vec3& wo) {
-  // Both directions turn alike, so that half vectors spread and the angle between the two stays.
+  // Rotating both directions alike spreads the half vectors and keeps the angle between the two.
   glm::vec3 sum(0.0f);
   int count = 0;
   for (int k = 0; k < kTableSamples; ++k) {
@@ -65,7 +65,7 @@ glm::vec3 grid_direction(int elevation, float phi) {
   return {r * std::cos(phi), r * std::sin(phi), z};
 }
 
-/// Van der Corput sequences of two bases.
+/// Van der Corput sequence in any base.
 double radical_inverse(std::uint32_t i, std::uint32_t base) {
   double result = 0.0, digit = 1.0 / base;
   for (; i > 0; i /= base, digit /= base) result += digit * (i % base);
@@ -88,7 +88,7 @@ glm::dvec3 point_in_polygon(const ClipPolygon& polygon, double share, double u, 
   return polygon.corners[0] * (1.0 - r) + polygon.corners[k - 1] * (r * (1.0 - v)) + polygon.corners[k] * (r * v);
 }
 
-/// Weights of the pairs of one side of one piece, and the directions that have any.
+/// Weights of the pairs of directions on one side of one piece.
 class PairWeights {
  public:
   void add(double area, const std::array<float, kCellDirections>& cosines,
@@ -110,7 +110,7 @@ class PairWeights {
       used_ = true;
     }
   }
-  /// Adds them times the BRDF to `out`, and starts anew.
+  /// Adds the weights times the BRDF to `out`, and resets them.
   void flush(const glm::vec3& normal, const CellReflectance& f, Eigen::VectorXf* out) {
     if (!used_) return;
     const glm::mat3 to_local = glm::transpose(basis_of(normal));
@@ -143,18 +143,18 @@ class PairWeights {
 CellDirection::CellDirection(const glm::vec3& direction) : d(direction) {
   const float across = std::sqrt(d.x * d.x + d.y * d.y);
   if (across > 1e-6f) azimuth = glm::vec2(d) / across;
-  // By the sine of half the angle from the normal.
+  // Indexed by the sine of half the angle from the normal.
   elevation = std::sqrt(std::clamp(1.0f - d.z, 0.0f, 1.0f)) * (kGrid - 1);
 }
 
-glm::mat3 cell_frame(const glm::vec3& normal, const CellTurn& turn) {
+glm::mat3 cell_frame(const glm::vec3& normal, const CellRotation& turn) {
   const glm::mat3 f = basis_of(glm::normalize(normal));
-  const float angle = static_cast<float>(2.0 * kPi / (1 << CellTurn::kBits)) * static_cast<float>(turn.steps);
+  const float angle = static_cast<float>(2.0 * kPi / (1 << CellRotation::kBits)) * static_cast<float>(turn.steps);
   const float c = std::cos(angle), s = std::sin(angle), side = turn.mirrored ? -1.0f : 1.0f;
   return {c * f[0] + s * f[1], side * (c * f[1] - s * f[0]), f[2]};
 }
 
-CellTurn find_cell_turn(std::span<const CellSample> samples, const glm::vec3& normal) {
+CellRotation find_cell_rotation(std::span<const CellSample> samples, const glm::vec3& normal) {
   const glm::dmat3 f(cell_frame(normal));
   double xx = 0.0, xy = 0.0, yy = 0.0;
   for (const CellSample& s : samples) {
@@ -173,7 +173,7 @@ CellTurn find_cell_turn(std::span<const CellSample> samples, const glm::vec3& no
     across += s.area * b * std::abs(b);
   }
   if (along < 0.0) angle += kPi;
-  constexpr int kSteps = 1 << CellTurn::kBits;
+  constexpr int kSteps = 1 << CellRotation::kBits;
   const auto steps = static_cast<int>(std::lround(angle / (2.0 * kPi) * kSteps));
   return {static_cast<std::uint32_t>(steps & (kSteps - 1)), (along < 0.0) != (across < 0.0)};
 }
@@ -208,7 +208,8 @@ void CellMaterial::make_grid() {
 
 CellReflectance CellMaterial::fast_brdf(const glm::vec3& color) const {
   return [this, color](const CellDirection& wi, const CellDirection& wo) {
-    // Azimuth by the cosine of half the angle between, which is 0 and finest where the two mirror each other.
+    // Azimuth is indexed by the cosine of half the angle between the two, which is 0, and resolved best, where the
+    // directions mirror each other.
     const float c = wi.azimuth.x * wo.azimuth.x + wi.azimuth.y * wo.azimuth.y;
     const float phi = std::sqrt(std::clamp(0.5f + 0.5f * c, 0.0f, 1.0f)) * (kGrid - 1);
     const int i = std::min(static_cast<int>(wi.elevation), kGrid - 2),
@@ -336,7 +337,7 @@ Eigen::VectorXf cell_brdf_measure() {
   Eigen::VectorXf measure(kCellBrdfDimension);
   for (int i = 0, pair = 0; i < kCellDirections; ++i) {
     for (int j = 0; j <= i; ++j, ++pair) {
-      // A pair stands for both orders. Radiance is the integral over l: pi stands between it and E.
+      // A pair represents both orders. Radiance is the integral over l, hence the factor pi between it and E.
       const float both =
           (i == j ? 1.0f : 2.0f) * omega[static_cast<std::size_t>(i)] * omega[static_cast<std::size_t>(j)];
       for (int c = 0; c < 3; ++c) measure[3 * pair + c] = static_cast<float>(kPi) * both;

@@ -1,5 +1,5 @@
-// Cell BRDFs of a whole octree: which nodes have one, the sample that the compression is fitted on, and the rest on the
-// fly.
+// Cell BRDFs of a whole octree: selects the nodes that have one, fits the compression to a sample of them, and encodes
+// the rest while baking.
 #include "render/octree/cell_brdf_bake.h"
 
 #include <tbb/parallel_for.h>
@@ -18,33 +18,33 @@ namespace maquette {
 
 namespace {
 
-/// Cells whose vectors are compressed together.
-constexpr std::size_t kAtOnce = 16;
-/// Less than this share of a cell's area is no second material.
+/// Number of vectors that are compressed together.
+constexpr std::size_t kBatchSize = 16;
+/// A material below this share of a cell's area is ignored.
 constexpr double kSecondMaterial = 0.02;
-/// A ray starts this far above its surface, in finest cells: floats of positions are that coarse in the widest grids.
+/// Rays start this far above their surface, in finest cells: the float precision of positions in the largest grids.
 constexpr float kLift = 2e-3f;
-/// Of what the progress counts: finding the cells, and the compression.
+/// Shares of the progress: listing the cells, and fitting the compression.
 constexpr double kListed = 0.03, kFitted = 0.35;
-/// A compression that loses more than this share of the light's energy in what is new is fitted again.
-double most_lost(double fit_loss) { return 2.0 * fit_loss + 0.01; }
-/// Raised when the vectors change for the same input.
+/// An existing compression is replaced when it loses more than this share of the new cells' energy.
+double max_loss(double fit_loss) { return 2.0 * fit_loss + 0.01; }
+/// Incremented when the vectors change for the same input.
 constexpr std::uint64_t kAlgorithm = 7;
-/// Samples of a cell whose normals (cosine: 0.03 rad) and colours differ by less share one BRDF.
+/// Samples of a cell share one BRDF when their normals (cosine: 0.03 rad) and colours differ by less than this.
 constexpr double kOneNormal = 0.99955;
 constexpr float kOneColor = 0.01f;
 
-/// Size of the light of a normalised vector: that of the areas of a cell that is seen from everywhere.
+/// Scale of the light part of a normalised vector: that of the area part of a cell that is seen from everywhere.
 constexpr float kLightSize = 2.5f;
 
 /// Area of each material and the mean colour over a range of pieces.
 struct NodeContent {
-  int material = -1;  ///< the one of a cell that has no second; -1: mixed
+  int material = -1;  ///< the only material of the cell; -1: mixed
   bool glows = false;
   glm::vec3 color{1.0f};
 };
 
-/// A node of a brick with its range of pieces.
+/// A node of a brick and its range of pieces.
 struct BrickCell {
   std::uint32_t node = 0;
   glm::ivec3 lower{0};  ///< in finest cells from the root's corner
@@ -86,10 +86,10 @@ class BrickCells {
     return glm::normalize(shared::octree_unpack_plane(brick_.words[cell.node].plane).normal);
   }
 
-  /// The vector of one of them, in a frame of its own.
+  /// The vector of one cell, in its own frame.
   struct Baked {
     Eigen::VectorXf vector;
-    CellTurn turn;
+    CellRotation turn;
   };
   Baked bake(const BrickCell& cell, const CellRays& rays, int samples) const {
     std::vector<const ClipPolygon*> polygons;
@@ -102,17 +102,18 @@ class BrickCells {
     const CellVisibility visible = [&](const CellSample& s, const glm::vec3& d) {
       const glm::vec3 n(s.normal);
       const glm::vec3 from = glm::vec3(s.position) + (glm::dot(n, d) < 0.0f ? -kLift : kLift) * n;
-      float reach = 1e30f;
+      float distance = 1e30f;
       for (int axis = 0; axis < 3; ++axis)
-        if (d[axis] != 0.0f) reach = std::min(reach, ((d[axis] > 0.0f ? high : low)[axis] - from[axis]) / d[axis]);
-      return rays.free(from, d, reach);
+        if (d[axis] != 0.0f)
+          distance = std::min(distance, ((d[axis] > 0.0f ? high : low)[axis] - from[axis]) / d[axis]);
+      return rays.free(from, d, distance);
     };
-    const CellTurn turn = find_cell_turn(points, normal(cell));
+    const CellRotation turn = find_cell_rotation(points, normal(cell));
     const glm::mat3 frame = cell_frame(normal(cell), turn);
     return {compute_cell_brdf(points, reflectance, frame, cell.planar ? CellVisibility{} : visible), turn};
   }
-  /// Samples of one material and colour whose normals are all but one share its BRDF: directions are 0.36 rad apart.
-  /// `piece` becomes the group.
+  /// Groups samples of one material and colour with almost the same normal, to share one BRDF: the directions are 0.36
+  /// rad apart. `piece` becomes the group.
   void group_samples(const BrickCell& cell, std::vector<CellSample>* points,
                      std::vector<CellReflectance>* reflectance) const {
     struct Group {
@@ -139,7 +140,7 @@ class BrickCells {
     const auto k = static_cast<std::size_t>(index);
     return k < source_.materials.size() ? source_.materials[k] : source_.materials.back();
   }
-  /// Of all that the codes depend on, besides the compression.
+  /// Hash of everything that the codes depend on, except the compression.
   std::uint64_t key(std::uint64_t brick_key) const {
     std::vector<std::uint64_t> words{kAlgorithm, brick_key};
     std::vector<int> used;
@@ -196,13 +197,13 @@ class BrickCells {
   std::vector<BrickCell> cells_;
 };
 
-/// Colours as coarse as those of the nodes.
+/// Colours with the precision of the nodes' colour words.
 using SharedKey = std::pair<int, std::uint32_t>;
 SharedKey shared_key(const NodeContent& content) {
   return {content.material, shared::octree_pack_color(0, 0.0f, content.color)};
 }
 
-/// A unit square of one material.
+/// Vector of a flat unit square of one material.
 Eigen::VectorXf bake_flat(const CellMaterial& material, const SharedKey& key) {
   const glm::vec3 color = shared::octree_unpack_color(key.second).tint;
   const CellSample sample{glm::dvec3(0.0), glm::dvec3(0.0, 0.0, 1.0), 1.0, 0};
@@ -230,9 +231,9 @@ class Bake {
       out_.fit_loss = before_->fit_loss;
       encode_all(0.0);
       if (cancelled()) return std::nullopt;
-      const bool serves = out_.reused > 0 && out_.light_error <= most_lost(before_->fit_loss) * out_.light_energy;
+      const bool serves = out_.reused > 0 && out_.light_error <= max_loss(before_->fit_loss) * out_.light_energy;
       if (out_.baked_cells == 0 || serves) return std::move(out_);
-      // Another scene's compression: anew, with one of its own.
+      // The compression was made for another scene: start again with a new one.
       before_ = nullptr;
       out_ = {};
       flat_.clear();
@@ -306,14 +307,14 @@ class Bake {
     return training;
   }
 
-  /// False when cancelled.
+  /// Returns false when cancelled.
   bool fit() {
     const Training training = list();
-    const std::size_t most_flat = static_cast<std::size_t>(options_.training) / 4;
-    const std::size_t flat = std::min(training.flat.size(), most_flat);
+    const std::size_t max_flat = static_cast<std::size_t>(options_.training) / 4;
+    const std::size_t flat = std::min(training.flat.size(), max_flat);
     Eigen::MatrixXf vectors(kCellBrdfDimension, static_cast<Eigen::Index>(training.own.size() + flat));
     if (vectors.cols() == 0) return !cancelled();
-    std::vector<std::size_t> begins;  // of each brick's cells
+    std::vector<std::size_t> begins;  // first cell of each brick
     for (std::size_t k = 0; k < training.own.size(); ++k)
       if (k == 0 || training.own[k].first != training.own[k - 1].first) begins.push_back(k);
     begins.push_back(training.own.size());
@@ -353,7 +354,7 @@ class Bake {
     return !cancelled();
   }
 
-  /// Codes of vectors, which are normalised.
+  /// Encodes normalised vectors.
   std::vector<CellBrdfCode> codes_of(Eigen::MatrixXf vectors, bool shared) {
     std::vector<CellBrdfCode> codes(static_cast<std::size_t>(vectors.cols()));
     for (std::size_t i = 0; i < codes.size(); ++i) {
@@ -399,28 +400,28 @@ class Bake {
     brick.key = key;
     std::map<SharedKey, std::uint32_t> flat;
     std::size_t baked = 0;
-    Eigen::MatrixXf vectors(kCellBrdfDimension, kAtOnce);
-    std::vector<std::size_t> waiting;  // entries of the table whose vectors these are
+    Eigen::MatrixXf vectors(kCellBrdfDimension, kBatchSize);
+    std::vector<std::size_t> pending;  // entries of the table that belong to these vectors
     const auto compress = [&] {
-      if (waiting.empty()) return;
-      const auto codes = codes_of(vectors.leftCols(static_cast<Eigen::Index>(waiting.size())), false);
-      for (std::size_t i = 0; i < waiting.size(); ++i) {
-        const CellTurn turn = brick.table[waiting[i]].turn;
-        brick.table[waiting[i]] = codes[i];
-        brick.table[waiting[i]].turn = turn;
+      if (pending.empty()) return;
+      const auto codes = codes_of(vectors.leftCols(static_cast<Eigen::Index>(pending.size())), false);
+      for (std::size_t i = 0; i < pending.size(); ++i) {
+        const CellRotation turn = brick.table[pending[i]].turn;
+        brick.table[pending[i]] = codes[i];
+        brick.table[pending[i]].turn = turn;
       }
-      waiting.clear();
+      pending.clear();
     };
     for (const BrickCell& cell : cells.cells()) {
       if (cancelled()) break;
       auto index = static_cast<std::uint32_t>(brick.table.size());
       if (cell.own()) {
         BrickCells::Baked baked_cell = cells.bake(cell, rays_, options_.samples);
-        vectors.col(static_cast<Eigen::Index>(waiting.size())) = baked_cell.vector;
-        waiting.push_back(index);
+        vectors.col(static_cast<Eigen::Index>(pending.size())) = baked_cell.vector;
+        pending.push_back(index);
         brick.table.emplace_back().turn = baked_cell.turn;
         ++baked;
-        if (waiting.size() == kAtOnce) compress();
+        if (pending.size() == kBatchSize) compress();
       } else {
         const auto [found, added] = flat.emplace(shared_key(cell.content), index);
         if (added) brick.table.push_back(flat_code(cell.content, cells.material(cell.content.material)));
@@ -503,7 +504,7 @@ std::vector<std::uint64_t> cell_material_contents(const std::vector<Material>& m
 CellBrdfIndex index_cell_brdfs(const CellBrdfs& brdfs, const OctreeBricks& bricks, const Octree& octree) {
   CellBrdfIndex index;
   index.codes.assign(octree.level_begin[static_cast<std::size_t>(octree.depth) + 1], 0u);
-  auto next = octree.level_begin;  // by level: node of the brick that comes next
+  auto next = octree.level_begin;  // per level: next node of the current brick
   for (const auto& [code, entry] : bricks.bricks) {
     std::vector<std::uint32_t> node_of;
     for (std::size_t l = 0; l < entry.brick.counts.size(); ++l) {

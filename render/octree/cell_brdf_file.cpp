@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kKind = "octree_brdf";
 constexpr const char* kVersion = "2";
 constexpr std::size_t kWeights = 4;
-constexpr std::uint32_t kMirrored = 1u << CellTurn::kBits;  ///< bit of the turns
+constexpr std::uint32_t kMirrored = 1u << CellRotation::kBits;  ///< flag in the column `turn`
 
 bool has(const BakeFile& file, const std::string& name, const std::string& value) {
   const auto found = file.attributes.find(name);

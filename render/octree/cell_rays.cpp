@@ -40,11 +40,11 @@ CellRays::CellRays(const OctreeSource& source, const OctreeGrid& grid) : device_
   rtcCommitScene(scene_.get());
 }
 
-bool CellRays::free(const glm::vec3& from, const glm::vec3& direction, float reach) const {
-  if (!(reach > 0.0f)) return true;
+bool CellRays::free(const glm::vec3& from, const glm::vec3& direction, float distance) const {
+  if (!(distance > 0.0f)) return true;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay ray = embree_ray(from, direction, 0.0f, reach);
+  RTCRay ray = embree_ray(from, direction, 0.0f, distance);
   rtcOccluded1(scene_.get(), &context, &ray);
   return ray.tfar >= 0.0f;
 }

@@ -9,12 +9,13 @@
 
 namespace maquette {
 
-/// Shadow rays among the surfaces of an octree, in finest cells from the root's corner. Cut-out surfaces block none.
+/// Shadow rays among the surfaces of an octree, in finest cells from the root's corner. Cut-out surfaces do not block
+/// them.
 class CellRays {
  public:
   CellRays(const OctreeSource& source, const OctreeGrid& grid);
-  /// True when nothing lies between `from` and `from + reach * direction`.
-  bool free(const glm::vec3& from, const glm::vec3& direction, float reach) const;
+  /// True when nothing is hit between `from` and `from + distance * direction`.
+  bool free(const glm::vec3& from, const glm::vec3& direction, float distance) const;
 
  private:
   struct ReleaseDevice {

@@ -11,9 +11,10 @@ namespace maquette {
 
 namespace {
 
-/// A sum of normals shorter than this share of the area: sheets seen from both sides, which cancel.
+/// A sum of normals shorter than this share of the area belongs to a thin sheet seen from both sides: the normals
+/// cancel.
 constexpr double kCancelled = 0.25;
-/// Less of the surface than this is not cut out: the cell counts as a hole.
+/// A cell with less opaque surface than this counts as a hole.
 constexpr double kMinOpacity = 0.25;
 
 glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& fallback) {
@@ -21,14 +22,14 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& fallback) {
   return length > 1e-12 ? v / length : fallback;
 }
 
-/// How far fragments reach along the unit normal `n` below and above `point`.
-struct Reach {
+/// Extent of the fragments along the unit normal `n`, below and above `point`.
+struct Extent {
   double low = 0.0, high = 0.0;
   double deviation() const { return std::max(-low, high); }
 };
-Reach reach_along(std::span<const OctreeFragment> fragments, std::span<const glm::vec3> corners, const glm::dvec3& n,
-                  const glm::dvec3& point) {
-  Reach all;
+Extent extent_along(std::span<const OctreeFragment> fragments, std::span<const glm::vec3> corners, const glm::dvec3& n,
+                    const glm::dvec3& point) {
+  Extent all;
   for (const OctreeFragment& f : fragments) {
     for (const glm::vec3& corner : corners.subspan(f.first_corner, f.corner_count)) {
       const double height = glm::dot(n, glm::dvec3(corner) - point);
@@ -39,8 +40,8 @@ Reach reach_along(std::span<const OctreeFragment> fragments, std::span<const glm
   return all;
 }
 
-/// Adds up the materials by the area that is seen along the normal: what lies behind other pieces (a screen's housing)
-/// counts as much less as those cover of the cell.
+/// Sums the materials by the area that is visible along the normal: surfaces behind others (a screen's housing) are
+/// reduced by the share of the cell that those cover.
 void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& normal, double cell, OctreeSums* sums) {
   struct Share {
     std::uint32_t material;
@@ -68,7 +69,7 @@ void add_materials(std::span<const OctreeFragment> fragments, const glm::dvec3& 
   for (const auto& [height, f] : front_to_back) {
     const double area = static_cast<double>(f->area) * static_cast<double>(f->opacity);
     const double facing = one ? 1.0 : glm::dot(normal, glm::dvec3(f->geometric));
-    // A little of each counts always, so that a cell has a material.
+    // A minimum weight, so that every cell has a material.
     add(*f, one ? area : area * std::max(std::abs(facing) * (1.0 - covered), 1e-6));
     covered += std::max(facing, 0.0) * area / (cell * cell);
   }
@@ -91,7 +92,8 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, std::span<const g
   }
   if (sums.area < kMinOpacity * all || sums.area <= 0.0) return {};
   if (glm::length(sums.normal) < kCancelled * sums.area) {
-    // Both sides of a thin sheet: the larger piece says which way is up, the viewer's side is found at the hit.
+    // A thin sheet: the larger piece defines the orientation, and the side that the viewer sees is determined at the
+    // hit.
     sums.normal = geometric = glm::dvec3(0.0);
     for (const OctreeFragment& f : fragments) {
       const double area = static_cast<double>(f.area) * static_cast<double>(f.opacity);
@@ -100,25 +102,25 @@ OctreeSums sum_leaf(std::span<const OctreeFragment> fragments, std::span<const g
     }
   }
   const glm::dvec3 point = sums.centroid / sums.area;
-  Reach reach = reach_along(fragments, corners, unit_or(sums.normal, glm::dvec3(largest->normal)), point);
-  sums.deviation = reach.deviation() / cell;
+  Extent extent = extent_along(fragments, corners, unit_or(sums.normal, glm::dvec3(largest->normal)), point);
+  sums.deviation = extent.deviation() / cell;
   if (sums.deviation > shared::kOctreePlanar) {
     const glm::dvec3 n = unit_or(geometric, glm::dvec3(largest->geometric));
-    const Reach other = reach_along(fragments, corners, n, point);
+    const Extent other = extent_along(fragments, corners, n, point);
     if (other.deviation() / cell <= shared::kOctreePlanar) {
-      reach = other;
+      extent = other;
       sums.deviation = other.deviation() / cell;
       sums.normal = n * sums.area;
     }
   }
-  sums.low = reach.low / cell;
-  sums.high = reach.high / cell;
+  sums.low = extent.low / cell;
+  sums.high = extent.high / cell;
   add_materials(fragments, unit_or(sums.normal, glm::dvec3(largest->normal)), cell, &sums);
   return sums;
 }
 
 struct BrickNode {
-  std::uint32_t code = 0;  ///< Morton code, at the node's own level
+  std::uint32_t code = 0;  ///< Morton code at the node's own level
   std::uint8_t mask = 0;
   OctreeSums sums;
 };
@@ -130,7 +132,8 @@ glm::dvec3 decode_morton(std::uint32_t code) {
   return glm::dvec3(p);
 }
 
-/// Nodes of one level from those of the next, both in Morton order; `leaves` of this level are merged in.
+/// Joins the nodes of the next level to those of one level, both in Morton order, and merges in the `leaves` of this
+/// level.
 std::vector<BrickNode> join_level(const std::vector<BrickNode>& children, std::vector<BrickNode> leaves,
                                   double child_cell) {
   std::vector<BrickNode> nodes;
@@ -197,12 +200,12 @@ OctreeSums join_children(const std::array<const OctreeSums*, 8>& children, doubl
   for (const OctreeSums* child : children) {
     if (!child) continue;
     const double c = glm::dot(n, unit_or(child->normal, n));
-    // Half the diagonal of a cell bounds its surface's reach along a tilted plane.
-    const double reach = (0.87 * std::sqrt(std::max(1.0 - c * c, 0.0)) + child->deviation) * child_cell;
+    // Half the diagonal of a cell bounds the extent of its surface along a tilted plane.
+    const double extent = (0.87 * std::sqrt(std::max(1.0 - c * c, 0.0)) + child->deviation) * child_cell;
     const double middle = glm::dot(n, child->centroid / child->area - point);
-    sums.deviation = std::max(sums.deviation, std::abs(middle) + reach);
-    sums.low = std::min(sums.low, (middle - reach) / (2.0 * child_cell));
-    sums.high = std::max(sums.high, (middle + reach) / (2.0 * child_cell));
+    sums.deviation = std::max(sums.deviation, std::abs(middle) + extent);
+    sums.low = std::min(sums.low, (middle - extent) / (2.0 * child_cell));
+    sums.high = std::max(sums.high, (middle + extent) / (2.0 * child_cell));
   }
   sums.deviation /= 2.0 * child_cell;
   return sums;

@@ -38,20 +38,20 @@ struct Triangle {
   std::uint32_t first_index = 0, item = 0;
 };
 
-// Above any of these a cell holds more than one normal, one material and one colour can say.
-/// 1 - |mean of its normals|: those of a tube are 12 degrees to either side of their mean.
+// A cell is too detailed for one normal, one material and one colour when it exceeds any of these limits.
+// 1 - |mean of its normals|: the normals of a tube are 12 degrees to either side of their mean.
 constexpr double kSpread = 0.0075;
-/// Share of its area that is not of the material that has most.
-constexpr double kOther = 0.04;
-/// Brightest over darkest colour, in stops; what is darker than kDark is black.
+/// Share of its area that does not belong to its main material.
+constexpr double kOtherMaterial = 0.04;
+/// Brightest over darkest colour, in stops; anything darker than kDark counts as black.
 constexpr double kStops = 0.6;
 constexpr float kDark = 0.02f;
-/// Share of a face that the surface's plane has in the cell without the surface, which ends there.
-constexpr double kOpen = 0.1;
-/// Of the cells of a brick one in so many is cut at most, so that a wrinkled scene does not fill the memory.
+/// Share of a face by which the plane of a surface extends into the cell beyond the end of the surface.
+constexpr double kOpenShare = 0.1;
+/// At most one in this many cells of a brick is split, so that a wrinkled scene does not exhaust the memory.
 constexpr std::size_t kSplitShare = 2;
 
-/// Triangles by the bricks that their bounds touch.
+/// Triangles sorted into the bricks that their bounds touch.
 struct Bins {
   std::vector<std::uint32_t> begin;  ///< by Morton code
   std::vector<Triangle> triangles;
@@ -68,7 +68,7 @@ class Builder {
       fine_.push_back({glm::vec3((glm::dvec3(box.min) - grid.corner) * cells_per_m_),
                        glm::vec3((glm::dvec3(box.max) - grid.corner) * cells_per_m_)});
     }
-    constexpr double kAlgorithm = 6.0;  // raised when the same triangles give other nodes
+    constexpr double kAlgorithm = 6.0;  // incremented when the same triangles give other nodes
     const double setup[] = {kAlgorithm, grid.corner.x, grid.corner.y, grid.corner.z, grid.side_m};
     const int levels = 64 * (64 * grid.detail + grid.depth) + grid.rest_depth;
     setup_ = content_hash(std::as_bytes(std::span(setup)), static_cast<std::uint64_t>(levels));
@@ -79,7 +79,7 @@ class Builder {
     const int side = 1 << grid_.brick_level;
     Bins bins;
     std::vector<std::uint32_t> counts(std::size_t{1} << 3 * grid_.brick_level, 0u);
-    const auto each_brick = [&](std::size_t first, auto&& take) {
+    const auto each_brick = [&](std::size_t first, auto&& visit) {
       glm::ivec3 low(side), high(-1);
       for (std::size_t k = 0; k < 3; ++k) {
         const glm::ivec3 p(glm::floor(to_cells(source_.geometry.indices[first + k]) / std::exp2(levels_)));
@@ -90,7 +90,7 @@ class Builder {
       high = glm::clamp(high, 0, side - 1);
       for (int z = low.z; z <= high.z; ++z)
         for (int y = low.y; y <= high.y; ++y)
-          for (int x = low.x; x <= high.x; ++x) take(encode_morton({x, y, z}));
+          for (int x = low.x; x <= high.x; ++x) visit(encode_morton({x, y, z}));
     };
     for_each_triangle(source_, [&](std::size_t first, std::size_t) {
       each_brick(first, [&](std::uint32_t brick) { ++counts[brick]; });
@@ -107,7 +107,7 @@ class Builder {
     return bins;
   }
 
-  /// Of all that the brick is made from.
+  /// Hash of all inputs of the brick.
   std::uint64_t key(std::span<const Triangle> triangles) const {
     std::vector<float> data;
     const FlatGeometry& g = source_.geometry;
@@ -139,7 +139,7 @@ class Builder {
 
   glm::ivec3 brick_lower(std::uint32_t code) const { return decode_morton(code) << levels_; }
 
-  /// What each triangle has in each leaf of a brick.
+  /// The pieces of all triangles in the leaves of a brick.
   OctreeFragments clip(std::uint32_t code, std::span<const Triangle> triangles) const {
     const glm::ivec3 lower = brick_lower(code);
     const CellClipper::IsLeaf is_leaf = [&](const glm::ivec3& at, int level) { return this->is_leaf(at, level); };
@@ -179,7 +179,7 @@ class Builder {
     });
   }
 
-  /// A triangle as it is interpolated.
+  /// A triangle prepared for interpolation.
   struct Face {
     std::uint32_t v[3];
     glm::dvec3 p[3];
@@ -248,7 +248,7 @@ class Builder {
     out->pieces.push_back(f);
   }
 
-  /// Brightest over darkest colour of a cell's pieces, in stops; textures are looked at in a few points of each piece.
+  /// Brightest over darkest colour of a cell's pieces, in stops; textures are sampled at a few points of each piece.
   double contrast_of(std::span<const OctreeFragment> pieces, std::span<const glm::vec3> corners,
                      const glm::dvec3& brick_lower) const {
     float low = std::numeric_limits<float>::max(), high = 0.0f;
@@ -278,7 +278,7 @@ class Builder {
     return high > 0.0f ? static_cast<double>(std::log2(high / low)) : 0.0;
   }
 
-  /// At least 1 where one normal, one material and one colour are not enough to say what is in a cell.
+  /// At least 1 when one normal, one material and one colour cannot represent the cell.
   double detail_of(std::span<const OctreeFragment> pieces, std::span<const glm::vec3> corners,
                    const glm::dvec3& brick_lower) const {
     const auto largest =
@@ -290,17 +290,18 @@ class Builder {
       all += area;
       centroid += area * glm::dvec3(f.centroid);
       if (f.material == largest->material) same += area;
-      // Both sides of a thin sheet stay together however fine cells are.
+      // The two sides of a thin sheet stay in one cell however fine the cells are, so their normals get one
+      // orientation.
       normal += (glm::dot(f.normal, largest->normal) < 0.0f ? -area : area) * glm::dvec3(f.normal);
     }
     const double spread = 1.0 - glm::length(normal) / all;
     const double size = std::exp2(levels_ - pieces[0].level);
     const double section = plane_section_area(normal, centroid / all, glm::dvec3(decode_morton(pieces[0].code)), size);
-    return std::max({spread / kSpread, (1.0 - same / all) / kOther, (section - all) / (kOpen * size * size),
-                     contrast_of(pieces, corners, brick_lower) / kStops});
+    return std::max({spread / kSpread, (1.0 - same / all) / kOtherMaterial,
+                     (section - all) / (kOpenShare * size * size), contrast_of(pieces, corners, brick_lower) / kStops});
   }
 
-  /// Cuts the cells of `level` that hold much detail into their eight, those of the most first while there is room.
+  /// Splits cells of `level` with much detail into eight, the most detailed first, while the budget lasts.
   void split_cells(const glm::ivec3& brick_lower, int level, OctreeFragments* fragments) const {
     std::vector<OctreeFragment>& pieces = fragments->pieces;
     std::sort(pieces.begin(), pieces.end(), [](auto& a, auto& b) { return a.code < b.code; });
@@ -345,7 +346,7 @@ class Builder {
         clipper.clip(polygon, decode_morton(f.code) + brick_lower, level);
       }
     }
-    // The others keep their corners.
+    // Pieces of cells that are not split keep their corners.
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (split[i]) continue;
       OctreeFragment f = pieces[i];
@@ -368,7 +369,7 @@ class Builder {
   std::uint64_t setup_ = 0;
 };
 
-/// Counts nodes of every level while bricks come in, so that a refusal can name the depth that fits.
+/// Counts the nodes of every level while bricks are finished, so that an error can name the depth that fits.
 class NodeBudget {
  public:
   explicit NodeBudget(std::size_t max_nodes) : max_nodes_(max_nodes) {}
@@ -380,7 +381,7 @@ class NodeBudget {
     }
     return total_ <= max_nodes_;
   }
-  /// `outer`: levels of the grid above those that the setting counts.
+  /// Throws Error when the nodes do not fit. `outer`: levels of the grid above those that the setting counts.
   void check(const OctreeGrid& grid, int outer) const {
     if (total_ <= max_nodes_) return;
     std::size_t sum = 0;
@@ -404,7 +405,7 @@ class NodeBudget {
 void check_materials(const OctreeSource& source) {
   for (std::size_t i = 0; i < source.materials.size(); ++i) {
     if (!source.transmits[i] && source.materials[i] > kOctreeMaxMaterials)
-      throw Error("octree", "a cell names " + std::to_string(kOctreeMaxMaterials + 1) + " materials at most",
+      throw Error("octree", "at most " + std::to_string(kOctreeMaxMaterials + 1) + " materials are supported",
                   "merge equal materials of the file");
   }
 }
@@ -462,7 +463,7 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
 
 namespace {
 
-/// Masks, words and sums of one level above the bricks.
+/// Mask and sums of a node above the bricks.
 struct TopNode {
   std::uint32_t code = 0;
   std::uint8_t mask = 0;
@@ -514,12 +515,12 @@ Octree assemble_octree(const OctreeBricks& bricks) {
     const auto l = static_cast<std::size_t>(level);
     top[l] = join_top(top[l + 1], std::exp2(grid.depth - level - 1));
   }
-  // Levels that no cell has are not there.
-  const auto reaches = [&](int level) {
+  // Drops levels without cells.
+  const auto has_cells = [&](int level) {
     const auto l = static_cast<std::size_t>(level - grid.brick_level);
     return std::any_of(filled.begin(), filled.end(), [&](const OctreeBrick* b) { return b->counts[l] > 0; });
   };
-  while (octree.depth > grid.depth - grid.detail && !reaches(octree.depth)) --octree.depth, --octree.detail;
+  while (octree.depth > grid.depth - grid.detail && !has_cells(octree.depth)) --octree.depth, --octree.detail;
   const auto levels = static_cast<std::size_t>(octree.depth);
   const auto brick_level = static_cast<std::size_t>(grid.brick_level);
   std::uint32_t total = 0;
@@ -535,7 +536,7 @@ Octree assemble_octree(const OctreeBricks& bricks) {
   octree.colors.reserve(total);
   octree.triangles.reserve(total);
   octree.planes.reserve(octree.level_begin[levels]);
-  std::vector<std::size_t> next(filled.size(), 0);  // node of each brick that comes next
+  std::vector<std::size_t> next(filled.size(), 0);  // per brick: its next node
   for (std::size_t level = 0; level <= levels; ++level) {
     std::uint32_t child = octree.level_begin[level + 1];
     const auto add = [&](std::uint32_t mask, const OctreeWords& words) {

@@ -6,7 +6,7 @@ namespace maquette {
 
 namespace {
 
-/// Pieces below this area (of a finest cell's face) come from rounding.
+/// Pieces below this area (of a finest cell's face) are rounding errors.
 constexpr double kMinArea = 1e-10;
 
 void append(ClipPolygon* polygon, const glm::dvec3& corner) {
@@ -25,7 +25,7 @@ void split_polygon(const ClipPolygon& polygon, int axis, double value, ClipPolyg
     const bool b_above = b[axis] >= value;
     append(a_above ? above : below, a);
     if (a_above == b_above) continue;
-    // The same end first, so that neighbours find the very same point on their common edge.
+    // Always interpolates from the same end, so that neighbours get exactly the same point on their common edge.
     const glm::dvec3& from = a_above ? b : a;
     const glm::dvec3& to = a_above ? a : b;
     glm::dvec3 cut = from + (to - from) * ((value - from[axis]) / (to[axis] - from[axis]));
@@ -65,7 +65,7 @@ double plane_section_area(const glm::dvec3& normal, const glm::dvec3& point, con
   const glm::dvec3 steep = glm::abs(normal);
   const int axis = steep.x > steep.y ? (steep.x > steep.z ? 0 : 2) : (steep.y > steep.z ? 1 : 2);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-  // The plane over the face that it is closest to, less what is below and above the cube.
+  // The plane's polygon over the face that it is most parallel to, clipped at both ends of the cube.
   ClipPolygon section, above, inside, scratch;
   section.count = 4;
   for (int k = 0; k < 4; ++k) {
@@ -112,7 +112,7 @@ void CellClipper::descend_axis(const ClipPolygon& polygon, const glm::ivec3& low
   }
   glm::ivec3 upper = lower;
   upper[axis] += half;
-  // Corners on the upper bound of the cell belong to the neighbour, which got its own piece.
+  // Corners on the upper bound of the cell belong to the neighbour, which has its own piece.
   if (low >= middle) return descend_axis(polygon, upper, level, axis + 1);
   if (high <= middle) return descend_axis(polygon, lower, level, axis + 1);
   ClipPolygon below, above;

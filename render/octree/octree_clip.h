@@ -14,18 +14,18 @@ struct ClipPolygon {
   int count = 0;
 };
 
-/// Splits by the plane axis = value. What touches the plane without crossing it goes to one side: corners on the plane
-/// count as above.
+/// Splits by the plane axis = value. A polygon that touches the plane without crossing it goes to one side; corners on
+/// the plane count as above.
 void split_polygon(const ClipPolygon& polygon, int axis, double value, ClipPolygon* below, ClipPolygon* above);
-/// Half the sum of cross products: its length is the area.
+/// Half the sum of the cross products: its length is the area.
 glm::dvec3 polygon_area_vector(const ClipPolygon& polygon);
-/// Centre of area; the mean of the corners where the area is 0.
+/// Centroid by area; the mean of the corners where the area is 0.
 glm::dvec3 polygon_centroid(const ClipPolygon& polygon);
 
-/// Area that the plane through `point` has in the cube `lower`, `lower` + `size`; `normal`: of any length above 0.
+/// Area of the plane through `point` inside the cube `lower`, `lower` + `size`; `normal`: of any length above 0.
 double plane_section_area(const glm::dvec3& normal, const glm::dvec3& point, const glm::dvec3& lower, double size);
 
-/// Cuts a polygon exactly along the cells of a regular subdivision and hands over the pieces with area.
+/// Clips a polygon exactly to the cells of a regular subdivision and emits the pieces with area.
 class CellClipper {
  public:
   struct Piece {
@@ -34,10 +34,10 @@ class CellClipper {
     const ClipPolygon* polygon = nullptr;
   };
   using IsLeaf = std::function<bool(const glm::ivec3& lower, int level)>;
-  /// `depth` levels below a root of 2^depth finest cells; `is_leaf` says where a branch ends before.
+  /// `depth` levels below a root of 2^depth finest cells; `is_leaf` ends the recursion early.
   CellClipper(int depth, const IsLeaf& is_leaf, const std::function<void(const Piece&)>& emit)
       : depth_(depth), is_leaf_(is_leaf), emit_(emit) {}
-  /// The part of `polygon` (in finest cells) inside the cell `lower` of `level`.
+  /// Emits the parts of `polygon` (in finest cells) inside the cell `lower` of `level`.
   void clip(const ClipPolygon& polygon, const glm::ivec3& lower, int level) const;
 
  private:

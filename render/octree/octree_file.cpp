@@ -101,7 +101,7 @@ void save_octree_file(const std::string& path, const OctreeBricks& bricks, const
       triangles.push_back(w.triangle);
     }
   }
-  // An empty octree has its columns too.
+  // The columns exist even for an empty octree.
   for (const char* name : {"code", "key_low", "key_high"}) brick_table.integers[name];
   count_table.integers["counts"];
   sum_table.floats["sums"];

@@ -1,4 +1,4 @@
-// Where an octree's cells lie: root, core and what is finer than the rest.
+// Placement of an octree's cells: root, core and finer regions.
 #include <algorithm>
 #include <cmath>
 
@@ -10,17 +10,17 @@ namespace maquette {
 namespace {
 
 constexpr int kBrickLevel = 4;
-/// The root is this much wider than the surfaces, so that none lies on its upper faces, where no cell would own it.
+/// The root is this much wider than the surfaces, so that none lies on its upper faces, which belong to no cell.
 constexpr double kMargin = 1.0 + 1.0 / 512.0;
-/// An old root is kept while the surfaces fill at least this much of it.
+/// An existing root is kept while the surfaces fill at least this share of it.
 constexpr double kWorthKeeping = 0.7;
-/// Share of the triangles at either end of an axis that may lie outside the core: the ground and what stands on it.
+/// Share of the triangles at either end of an axis that may lie outside the core: the ground and objects on it.
 constexpr double kOutliers = 0.08;
-/// Items no wider than this many times the trimmed core, with their middle near it, belong to it whole.
+/// Items up to this multiple of the trimmed core's width, with their centre near it, belong entirely to the core.
 constexpr double kMemberWidth = 1.5;
-/// A core much smaller than the scene by less than this factor is not worth levels of its own.
+/// The core gets levels of its own only when the scene is at least this much wider.
 constexpr double kCoreGain = 1.5;
-/// Of fewer triangles nobody can say which are outliers.
+/// With fewer triangles than this, outliers cannot be identified.
 constexpr std::size_t kFewTriangles = 1000;
 constexpr int kInterestLevels = 2;
 
@@ -38,7 +38,7 @@ void include(Bounds* b, const Bounds& other) {
   b->max = glm::max(b->max, other.max);
 }
 
-/// Bounds of all surfaces, and of those whose middle is not among the outliers.
+/// Bounds of all surfaces, and of the core without outliers.
 struct Extents {
   Bounds all, core;
   std::vector<Bounds> items;
@@ -75,11 +75,11 @@ Extents find_extents(const OctreeSource& source) {
     trimmed.max[axis] = *(m.end() - 1 - cut);
   }
   const glm::vec3 room(0.03f * static_cast<float>(widest(trimmed)));
-  const Bounds reach{trimmed.min - 10.0f * room, trimmed.max + 10.0f * room};
+  const Bounds neighborhood{trimmed.min - 10.0f * room, trimmed.max + 10.0f * room};
   extents.core = {trimmed.min - room, trimmed.max + room};
   for (const Bounds& item : extents.items) {
     if (item.empty() || widest(item) > kMemberWidth * widest(trimmed)) continue;
-    if (contains(reach, {item.center(), item.center()})) include(&extents.core, item);
+    if (contains(neighborhood, {item.center(), item.center()})) include(&extents.core, item);
   }
   extents.core.min = glm::max(extents.core.min, extents.all.min);
   extents.core.max = glm::min(extents.core.max, extents.all.max);
@@ -108,7 +108,7 @@ OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& o
                     : outer > 0 ? options.depth
                                 : grid.depth - grid.detail;
   grid.brick_level = std::min(kBrickLevel, grid.rest_depth);
-  // Floats, because the walk knows no others: both sides then mean the same cells.
+  // Rounded to float, the precision of the traversal, so that builder and traversal agree on the cells.
   grid.side_m = static_cast<float>(all * kMargin);
   grid.corner =
       glm::dvec3(glm::vec3(0.5 * (glm::dvec3(extents.all.min) + glm::dvec3(extents.all.max)) - 0.5 * grid.side_m));

@@ -20,7 +20,7 @@ std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? std::string() : text.substr(begin, end - begin + 1);
 }
 
-/// Six numbers; nothing where the text is anything else.
+/// Parses six numbers; nothing for any other text.
 std::optional<std::vector<float>> read_numbers(const std::string& text) {
   std::vector<float> numbers;
   std::istringstream in(text);

@@ -7,9 +7,9 @@
 
 namespace maquette {
 
-/// The boxes that setting `octree.interest` means: names of nodes (their surfaces with all below them) and boxes of six
+/// The boxes of setting `octree.interest`: names of nodes (their surfaces including descendants) and boxes of six
 /// numbers (m), separated by semicolons. Empty for an empty text. Throws UsageError for an unknown name, for numbers
-/// that make no box and for a node without surfaces.
+/// that are not a box and for a node without surfaces.
 std::vector<Bounds> find_interest(const std::string& text, const Scene& scene, const FlatGeometry& geometry);
 
 }  // namespace maquette

@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/octree.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/octree.glsl compiled as C++: the same source as on the GPU.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -15,7 +15,7 @@
 namespace maquette::shared {
 using namespace glm;
 
-/// What the walk and the surface read; set it before a trace on this thread.
+/// Inputs of the traversal and of surface lookups; set it before a trace on this thread.
 struct OctreeView {
   const std::uint32_t* words = nullptr;
   const std::uint32_t* planes = nullptr;
@@ -26,7 +26,7 @@ inline uint octree_word(int node) { return octree_view.words[node]; }
 inline uint octree_plane_word(int node) { return octree_view.planes[node]; }
 inline uint octree_color_word(int node) { return octree_view.colors[node]; }
 
-// GLM's own go through their bits in a dozen steps, and the walk asks for them in every cell.
+// The traversal calls these in every cell; GLM's versions take a dozen steps.
 inline int findMSB(int v) { return 31 - std::countl_zero(static_cast<uint>(v)); }
 inline int bitCount(uint v) {
   v -= (v >> 1) & 0x55555555u;

@@ -7,7 +7,7 @@
 
 namespace maquette {
 
-/// All three corners exist and are finite.
+/// True when all three corners exist and are finite.
 inline bool is_usable_triangle(const FlatGeometry& g, std::size_t first_index) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t v = g.indices[first_index + k];
@@ -18,15 +18,15 @@ inline bool is_usable_triangle(const FlatGeometry& g, std::size_t first_index) {
   return true;
 }
 
-/// Calls `take(first_index, item)` for every triangle that goes into the octree.
-template <typename Take>
-void for_each_triangle(const OctreeSource& source, Take&& take) {
+/// Calls `visit(first_index, item)` for every triangle of the octree.
+template <typename Visit>
+void for_each_triangle(const OctreeSource& source, Visit&& visit) {
   for (std::size_t i = 0; i < source.geometry.items.size(); ++i) {
     if (source.transmits[i]) continue;
     const DrawItem& item = source.geometry.items[i];
     const std::size_t end = std::size_t{item.first_index} + item.index_count;
     for (std::size_t first = item.first_index; first + 3 <= end; first += 3)
-      if (is_usable_triangle(source.geometry, first)) take(first, i);
+      if (is_usable_triangle(source.geometry, first)) visit(first, i);
   }
 }
 

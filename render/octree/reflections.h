@@ -4,7 +4,7 @@
 
 namespace maquette {
 
-/// Sends the mirrored rays through the scene's octree; their hits are its cells.
+/// Traces the mirrored rays through the scene's octree and returns its cells as hits.
 std::unique_ptr<ReflectorTechnique> make_octree_reflections();
 /// The same for the rays of glossy opaque surfaces (shaders/reflections/glossy_rays.comp).
 std::unique_ptr<ReflectorTechnique> make_glossy_reflections();

@@ -17,7 +17,7 @@ PrefilteredMaps::PrefilteredMaps(const std::string& label, const std::vector<Ima
   }
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
-  // Offsets are whole numbers in floats.
+  // Offsets are stored as floats, which hold integers up to 2^24.
   if (texels.size() > static_cast<std::size_t>(largest) || texels.size() > (std::size_t{1} << 24))
     throw Error(label, std::to_string(texels.size()) + " texels are more than this driver can address",
                 "use mode uniform or bandwidth");

@@ -8,8 +8,8 @@
 
 namespace maquette {
 
-/// A list of latitude-longitude maps of any sizes in one buffer texture, read by shaders/shared/prefiltered.glsl.
-/// Texel i < map count: offset of map i, its width, its height, map count. Then the maps' texels.
+/// A list of latitude-longitude maps of any sizes in one buffer texture, read by shaders/shared/prefiltered.glsl. The
+/// first texels are records: offset of map i, its width, its height, map count. The maps' texels follow.
 class PrefilteredMaps {
  public:
   /// Throws Error when the driver cannot address that many texels.
@@ -22,7 +22,7 @@ class PrefilteredMaps {
   Texture view_;
 };
 
-/// A table for lookups that are linear between its entries: 1 or 4 channels.
+/// A table with linear interpolation between its entries: 1 or 4 channels.
 Texture upload_table(const std::string& label, const Image& table);
 
 }  // namespace maquette

@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kSamples = 512;
 
-/// Direction i of a spiral: `cosine` from the axis, golden angles around.
+/// Direction i of a spiral: `cosine` from the axis, golden angles in azimuth.
 glm::dvec3 spiral(int i, double cosine) {
   const double phi = kPi * (3.0 - std::sqrt(5.0)) * i, sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   return {sine * std::cos(phi), sine * std::sin(phi), cosine};

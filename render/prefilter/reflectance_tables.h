@@ -4,8 +4,8 @@
 
 namespace maquette {
 
-/// What a surface reflects under a constant sky, per lobe: the energy half of the prefiltered modes, whose other half
-/// is a lookup in a filtered sky. No OpenGL. Both take some 50 ms for 64.
+/// Reflectance of a surface per lobe under a constant sky: the energy half of the prefiltered modes, whose other half
+/// is a lookup in a filtered sky. No OpenGL. Both tables take some 50 ms for size 64.
 
 /// split_sum_table with two more channels. 2: albedo of the sheen lobe, rows are its roughness; 3: mean Schlick weight
 /// (1 - wo.h)^5 over cosine-distributed light, the same in every row. [size rows][size: n.v = (x + 0.5) / size].

@@ -12,7 +12,7 @@
 
 namespace maquette {
 
-/// Triangles of the occluding items in Embree, with the number that each has in the scene's index buffer.
+/// Triangles of the occluding items in Embree, and the index of each in the scene's index buffer.
 struct RayScene {
   using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
   using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
@@ -22,14 +22,14 @@ struct RayScene {
 
   struct Hit {
     std::uint32_t triangle = 0;
-    float distance = 0.0f;  ///< in lengths of the direction
+    float distance = 0.0f;  ///< in multiples of the direction's length
   };
-  /// First triangle met at `near` (in lengths of the direction) or beyond.
+  /// First triangle hit at `near` (in multiples of the direction's length) or beyond.
   std::optional<Hit> nearest(const glm::vec3& origin, const glm::vec3& direction, float near) const;
   bool is_blocked(const glm::vec3& origin, const glm::vec3& direction, float near) const;
 };
 
-/// `occluding[i]`: item i counts. Throws Error when memory does not do.
+/// `occluding[i]`: include item i. Throws Error when memory is insufficient.
 RayScene build_ray_scene(const FlatGeometry& geometry, const std::vector<bool>& occluding);
 
 }  // namespace maquette

@@ -45,8 +45,8 @@ class RaytracedReflections : public ReflectorTechnique {
   void add_counters(std::map<std::string, double>* counters) const override { (*counters)["rays"] = rays_; }
 
  private:
-  /// Number + 1 of the triangle that the ray hits. What touches a pane counts from kNear_m on. A mirror does not see
-  /// itself: the ray starts on the true surface, and facets of a hollow one lie before it.
+  /// Index + 1 of the triangle that the ray hits. Surfaces that touch a pane count from kNear_m on. A mirror does not
+  /// see itself: the ray starts on the true surface, and facets of a concave one lie in front of it.
   std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction, const DrawItem& own) const {
     constexpr float kNear_m = 1e-4f;
     constexpr int kOwnFacets = 8;

@@ -8,14 +8,14 @@
 
 namespace maquette {
 
-/// Where pairs of directions lie in measured tables, several side by side: each is a chain of roots, quotients and arc
-/// tangents that wait for each other, and one chain takes as long as eight.
+/// Coordinates of several pairs of directions in measured tables, computed in SIMD lanes. Each is a chain of dependent
+/// roots, divisions and arc tangents, so eight chains side by side take as long as one.
 struct BrdfLanes {
   static constexpr std::size_t kCount = 8;
   template <typename T>
   using Lanes = std::array<T, kCount>;
 
-  /// Local, unit.
+  /// Local frame, unit length.
   struct alignas(32) Directions {
     Lanes<float> x{}, y{}, z{};
     void set(std::size_t lane, const glm::vec3& d) {
@@ -26,20 +26,20 @@ struct BrdfLanes {
   };
   Directions wi, wo;
 
-  struct alignas(32) Places {
-    /// PackedBrdf::place_of(merl_cell(merl_coordinates(wi, wo))).
+  struct alignas(32) Coordinates {
+    /// PackedBrdf::cell_of(merl_cell(merl_coordinates(wi, wo))).
     std::array<Lanes<std::int32_t>, 2> theta_h, theta_d, phi_d;
     std::array<Lanes<float>, 3> fraction;
     /// half_vector_place(wo, wi), brdf_elevation(wo) (shared/brdf_sampling.glsl).
     Lanes<float> t, phi, length_sum;
     Lanes<std::int32_t> elevation;
   };
-  Places places;
+  Coordinates coordinates;
 
-  /// Fills `places`.
+  /// Fills `coordinates`.
   void compute();
-  PackedBrdf::Place place(std::size_t lane) const {
-    const Places& p = places;
+  PackedBrdf::Cell cell(std::size_t lane) const {
+    const Coordinates& p = coordinates;
     return {{p.theta_h[0][lane], p.theta_h[1][lane]},
             {p.theta_d[0][lane], p.theta_d[1][lane]},
             {p.phi_d[0][lane], p.phi_d[1][lane]},

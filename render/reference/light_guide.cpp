@@ -14,7 +14,7 @@ namespace maquette {
 
 namespace {
 
-/// Sums of the importance over rectangles.
+/// Summed-area table of the environment's importance.
 class ImportanceSums {
  public:
   explicit ImportanceSums(const EnvironmentTables& tables) : stride_(static_cast<std::size_t>(tables.width) + 1) {
@@ -36,14 +36,14 @@ class ImportanceSums {
 };
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::uint32_t kMostUseful = 255;  ///< fixed point of the recorded squares
-constexpr float kPlainShare = 0.1f;         ///< of every cell's probability
-/// Leaves count as no smaller than this, and as no farther below the horizon than this share of their extent: every
-/// direction keeps a density.
+constexpr std::uint32_t kMostUseful = 255;  ///< fixed-point scale of the recorded squares
+constexpr float kPlainShare = 0.1f;         ///< share of every cell's probability that follows the plain importance
+/// Bounds that keep the density of every direction above 0: the least extent of a leaf, and how far below the horizon
+/// (as a share of its extent) its axis is taken to be at most.
 constexpr float kLeastExtent = 1e-3f, kLowest = 0.72f;
 
-/// Cosines over a leaf lie within its extent of that of its axis. Their mean where they are even there and cut off at
-/// the horizon.
+/// Cosines over a leaf lie within `extent` of the cosine of its axis. Returns their mean, clamped at the horizon, as if
+/// they were uniformly distributed there.
 inline float mean_facing(float cosine, float extent, float slope) {
   const float low = -kLowest * extent;
   const float bounded = cosine > low ? cosine : low;
@@ -52,7 +52,7 @@ inline float mean_facing(float cosine, float extent, float slope) {
   return mean > cosine ? mean : cosine;
 }
 
-/// What a leaf counts as before any ray was sent: so many rays, so much of them useful.
+/// Prior of a leaf before any ray was sent: this many rays, with this much of them useful.
 constexpr float kPriorRays = 0.2f, kPriorUseful = 0.1f;
 
 }  // namespace
@@ -66,7 +66,7 @@ EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : wi
     return leaf;
   };
   leaves_.push_back(make(0, 0, tables.width, tables.height));
-  // The leaf with the most light times extent is halved, until there are enough; what is small or dark stays whole.
+  // Repeatedly halves the leaf with the largest product of light and extent. Small or dark leaves stay whole.
   const auto urgency = [&](const Leaf& leaf) {
     const int side = std::max(leaf.x1 - leaf.x0, leaf.y1 - leaf.y0);
     return side > 1 ? leaf.probability * static_cast<float>(side) : 0.0f;
@@ -76,8 +76,8 @@ EnvironmentPartition::EnvironmentPartition(const EnvironmentTables& tables) : wi
                                        [&](const Leaf& a, const Leaf& b) { return urgency(a) < urgency(b); });
     if (!(urgency(*next) > 0.0f)) break;
     const Leaf l = *next;
-    // The second half beside the first: what is near in the list is near in the map, so that points well spread over
-    // the list are well spread over the sky.
+    // Insert the second half beside the first: neighbours in the list are then neighbours in the map, so that samples
+    // well distributed over the list are well distributed over the sky.
     if (l.x1 - l.x0 >= l.y1 - l.y0) {
       *next = make(l.x0, l.y0, (l.x0 + l.x1) / 2, l.y1);
       leaves_.insert(next + 1, make((l.x0 + l.x1) / 2, l.y0, l.x1, l.y1));
@@ -142,14 +142,14 @@ LeafShares::Choice LeafShares::last_with_light(int leaf) const {
   return {leaf, kLast, probability(leaf)};
 }
 
-LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid)
+LightGuide::LightGuide(const EnvironmentPartition& partition, const HashGrid& grid)
     : partition_(partition),
       grid_(grid),
       leaves_(partition.leaf_count()),
       records_(static_cast<std::size_t>(kCells) * kLeaves),
       openness_(kCells) {
   for (int leaf = 0; leaf < leaves_; ++leaf) {
-    const std::size_t i = LeafShares::place_of(leaf);
+    const std::size_t i = LeafShares::index_of(leaf);
     const glm::vec4 axis = partition.axis_and_extent(leaf);
     const float extent = std::max(axis.w, kLeastExtent);
     axes_.x[i] = axis.x;
@@ -161,12 +161,12 @@ LightGuide::LightGuide(const EnvironmentPartition& partition, const PlaceGrid& g
     inverse_plain_[static_cast<std::size_t>(leaf)] = plain > 0.0f ? 1.0f / plain : 0.0f;
   }
   shares_.resize(kCells);
-  learn_cell(0);  // nothing yet: all cells alike
+  learn_cell(0);  // nothing is recorded yet: all cells are equal
   std::fill(shares_.begin() + 1, shares_.end(), shares_[0]);
 }
 
 float LightGuide::facing(int leaf, const glm::vec3& normal) const {
-  const std::size_t i = LeafShares::place_of(leaf);
+  const std::size_t i = LeafShares::index_of(leaf);
   return mean_facing(axes_.x[i] * normal.x + axes_.y[i] * normal.y + axes_.z[i] * normal.z, axes_.extent[i],
                      axes_.slope[i]);
 }
@@ -174,12 +174,13 @@ float LightGuide::facing(int leaf, const glm::vec3& normal) const {
 MAQUETTE_WIDE void LightGuide::add_up(const CellShares& known, const Leaves& axes, const glm::vec3& normal,
                                       LeafShares* shares) {
   const float x = normal.x, y = normal.y, z = normal.z;
-  alignas(32) std::array<float, kLeaves> sums;  // of its own, so that the loop is known to write to nothing it reads
+  // Local, so that the compiler knows that the loop does not write to what it reads.
+  alignas(32) std::array<float, kLeaves> sums;
   for (std::size_t i = 0; i < kLeaves; ++i)
     sums[i] = static_cast<float>(known.units[i]) *
               mean_facing(axes.x[i] * x + axes.y[i] * y + axes.z[i] * z, axes.extent[i], axes.slope[i]);
-  // A row of sums stays in one register: stored one by one they would have to leave for the cache before they can be
-  // read together.
+  // A row of sums stays in one register. Stored one by one, the sums would go through the cache before they can be
+  // loaded together.
   using Row = float __attribute__((vector_size(32)));
   static_assert(sizeof(Row) == LeafShares::kBlocks * sizeof(float));
   Row sum{};
@@ -198,7 +199,7 @@ MAQUETTE_WIDE void LightGuide::add_up(const CellShares& known, const Leaves& axe
   std::memcpy(&shares->begins[1], &sum, sizeof sum);
 }
 
-void LightGuide::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
+void LightGuide::compute_shares(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
   add_up(shares_[cell], axes_, normal, shares);
 }
 
@@ -209,7 +210,7 @@ void LightGuide::record(std::uint32_t cell, int leaf, float useful) {
 
 void LightGuide::learn() {
   if (!learning()) return;
-  ++lessons_;
+  ++iterations_;
   tbb::parallel_for(std::uint32_t{0}, kCells, [&](std::uint32_t cell) {
     const auto* first = &records_[at(cell, 0)];
     if (std::any_of(first, first + kLeaves, [](const auto& n) { return n.load(std::memory_order_relaxed) > 0; }))
@@ -217,7 +218,7 @@ void LightGuide::learn() {
   });
 }
 
-/// The best density for one part of a sum is its root mean square.
+/// The optimal density of a stratum is proportional to the root of its mean square.
 void LightGuide::learn_cell(std::uint32_t cell) {
   std::array<float, EnvironmentPartition::kMostLeaves> weights{};
   float sum = 0.0f, openness = 0.0f;
@@ -238,10 +239,10 @@ void LightGuide::learn_cell(std::uint32_t cell) {
     weight = (1.0f - kPlainShare) * (sum > 0.0f ? weight / sum : plain) + kPlainShare * plain;
     largest = std::max(largest, weight);
   }
-  // At least one unit for every leaf with light, so that none is left out.
+  // At least one unit for every leaf with light, so that each can be sampled.
   for (int leaf = 0; leaf < leaves_; ++leaf) {
     const float units = weights[static_cast<std::size_t>(leaf)] / largest * 65535.0f;
-    shares_[cell].units[LeafShares::place_of(leaf)] =
+    shares_[cell].units[LeafShares::index_of(leaf)] =
         static_cast<std::uint16_t>(partition_.probability(leaf) > 0.0f ? std::max(units, 1.0f) : 0.0f);
   }
 }

@@ -8,27 +8,28 @@
 #include <vector>
 
 #include "render/environment/environment_tables.h"
-#include "render/reference/place_grid.h"
+#include "render/reference/hash_grid.h"
 
 namespace maquette {
 
-/// The environment's map cut into rectangles that are either small or dim: the lamps of a guide.
+/// The environment map, divided into rectangles that are either small or dim. They are the strata that a guide chooses
+/// from.
 class EnvironmentPartition {
  public:
   static constexpr int kMostLeaves = 64;
   explicit EnvironmentPartition(const EnvironmentTables& tables);
 
   int leaf_count() const { return static_cast<int>(leaves_.size()); }
-  /// Probability of the leaf under the tables' own importance.
+  /// Probability of the leaf under the importance of the tables.
   float probability(int leaf) const { return leaves_[static_cast<std::size_t>(leaf)].probability; }
   int leaf_at(int x, int y) const { return leaf_map_[static_cast<std::size_t>(y * width_ + x)]; }
-  /// Point within a leaf, by importance: the density is EnvironmentTables::density where the leaf has its own
-  /// probability.
+  /// Samples a point within a leaf by importance. Where the leaf is chosen with `probability`, the density is
+  /// EnvironmentTables::density.
   EnvironmentPoint sample(const EnvironmentTables& tables, int leaf, double u, double v) const;
-  /// Unit direction of the middle of a leaf, in the map's frame, and how far any direction of the leaf is from it at
-  /// most: the length of the chord.
+  /// xyz: unit direction of the middle of a leaf, in the map's frame; w: largest distance (chord length) of any
+  /// direction of the leaf from it.
   glm::vec4 axis_and_extent(int leaf) const;
-  /// Of the latitude of a row's upper edge.
+  /// Sine of the latitude of a row's upper edge.
   double sine_above(std::size_t row) const { return row_sines_[row]; }
   /// Unit direction of a point, in the map's frame.
   glm::vec3 direction(const EnvironmentPoint& point) const;
@@ -40,35 +41,36 @@ class EnvironmentPartition {
     std::vector<double> rows;  ///< [y1 - y0 + 1] cumulative
   };
   int width_ = 0;
-  std::vector<double> row_sines_;  ///< [height + 1] of the latitude of the rows' edges
+  std::vector<double> row_sines_;  ///< [height + 1] sines of the latitudes of the rows' edges
   std::vector<Leaf> leaves_;
   std::vector<std::uint8_t> leaf_map_;  ///< [height][width]
 };
 
-/// Probabilities of the leaves at one surface: what its place is known to see, times how far each leaf stands above the
-/// surface's horizon.
+/// Probabilities of the leaves at one surface: the visibility that its grid cell has learned, times the mean cosine
+/// over each leaf.
 struct LeafShares {
   static constexpr int kBlock = 8, kBlocks = EnvironmentPartition::kMostLeaves / kBlock;
-  /// Leaf `l` is at [l % kBlock][l / kBlock]: blocks beside each other, so that sums run along all of them at once.
-  static constexpr std::size_t place_of(int leaf) {
+  /// Leaf `l` is at [l % kBlock][l / kBlock]: the blocks are interleaved, so that prefix sums of all of them run in
+  /// SIMD lanes.
+  static constexpr std::size_t index_of(int leaf) {
     return static_cast<std::size_t>(leaf % kBlock * kBlocks + leaf / kBlock);
   }
-  /// Of the leaves before this one in its block; a row more for the sums of whole blocks.
+  /// Sum of the leaves before this one in its block; one more row holds the sums of whole blocks.
   alignas(32) std::array<float, EnvironmentPartition::kMostLeaves + kBlocks> cumulative;
-  alignas(32) std::array<float, kBlocks + 1> begins;  ///< of the blocks; the last: the sum of all
+  alignas(32) std::array<float, kBlocks + 1> begins;  ///< first cumulative value of each block; the last: the total
   float sum() const { return begins[kBlocks]; }
   float probability(int leaf) const {
-    const std::size_t at = place_of(leaf);
+    const std::size_t at = index_of(leaf);
     return (cumulative[at + kBlocks] - cumulative[at]) / sum();
   }
 
   struct Choice {
     int leaf;
-    float within;       ///< the number, stretched over the leaf again, in [0, 1)
+    float within;       ///< the random number, rescaled to [0, 1) within the leaf
     float probability;  ///< of the leaf
   };
-  /// `u` in [0, 1) picks the leaf. All are compared, and what is before the first is 0: no jump to guess wrong.
-  Choice choose(float u) const {
+  /// Selects a leaf by `u` in [0, 1). Compares with all entries, without branches that could be mispredicted.
+  Choice choose_leaf(float u) const {
     float along = u * sum();
     int block = 0, row = 0;
     for (std::size_t b = 1; b < kBlocks; ++b) block += begins[b] <= along ? 1 : 0;
@@ -84,29 +86,28 @@ struct LeafShares {
 
  private:
   static constexpr float kLast = 0x1.fffffep-1f;  ///< below 1
-  /// Rounded past it.
+  /// For sums that rounding has moved past the last leaf with light.
   Choice last_with_light(int leaf) const;
 };
 
-/// Learns while a picture is traced which parts of the environment light which parts of the scene, so that shadow rays
-/// are spent on what a place can see: in a cabin most of the sky cannot be seen from most places.
+/// Learns, while a picture is traced, which parts of the environment light which parts of the scene. Shadow rays then
+/// go to directions that a grid cell can see: in a car's cabin most of the sky is hidden from most surfaces.
 ///
-/// For every cell of the places and every leaf the squares of the visibility of the shadow rays so far are
-/// summed (whole numbers: the order in which threads add does not matter). Between passes, learn() turns them into
-/// probabilities; a tenth stays with the plain importance, so that every direction keeps a density. Estimates stay
-/// unbiased: a pass draws with what passes before it learned. Source: Vorba et al. 2014, "On-line Learning of
-/// Parametric Mixture Models for Light Transport Simulation" (the idea); Bitterli 2015 and others tabulate visibility
-/// so.
+/// For every grid cell and every leaf, the squared visibilities of the shadow rays so far are summed (as integers, so
+/// that the order of the threads does not matter). Between passes, learn() turns the sums into probabilities. A tenth
+/// follows the plain importance, so that every direction keeps a density. Estimates stay unbiased: a pass samples by
+/// what earlier passes learned. Source: Vorba et al. 2014, "On-line Learning of Parametric Mixture Models for Light
+/// Transport Simulation" (the idea); Bitterli 2015 and others tabulate visibility in this way.
 class LightGuide {
  public:
-  static constexpr std::uint32_t kNoCell = PlaceGrid::kNoCell;
-  LightGuide(const EnvironmentPartition& partition, const PlaceGrid& grid);
+  static constexpr std::uint32_t kNoCell = HashGrid::kNoCell;
+  LightGuide(const EnvironmentPartition& partition, const HashGrid& grid);
 
   std::uint32_t cell_of(const glm::vec3& position, const glm::vec3& normal) const {
     return grid_.cell_of(position, normal);
   }
-  /// Fetches what look and openness read, ahead of time. In line at once: of a function that does nothing but fetch GCC
-  /// drops the calls, as without effect.
+  /// Prefetches what compute_shares and openness read. Always inlined: GCC drops calls of a function that only
+  /// prefetches, as without effect.
   [[gnu::always_inline]] void prefetch(std::uint32_t cell) const {
     const auto* shares = reinterpret_cast<const char*>(&shares_[cell]);
     for (std::size_t line = 0; line < sizeof(CellShares); line += 64) __builtin_prefetch(shares + line);
@@ -114,11 +115,11 @@ class LightGuide {
   }
   /// Share of the environment's light that is known to reach a cell; 0 where nothing is known.
   float openness(std::uint32_t cell) const { return openness_[cell]; }
-  /// What a surface of unit `normal` (in the map's frame) draws by.
-  void look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
+  /// Probabilities of the leaves for a surface of unit `normal` (in the map's frame).
+  void compute_shares(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const;
   /// Mean cosine over a leaf at a surface of unit `normal` (in the map's frame).
   float facing(int leaf, const glm::vec3& normal) const;
-  /// Probability of the leaf over its plain one.
+  /// Probability of the leaf over its probability under the plain importance.
   float gain(const LeafShares& shares, int leaf) const {
     return shares.probability(leaf) * inverse_plain_[static_cast<std::size_t>(leaf)];
   }
@@ -126,34 +127,36 @@ class LightGuide {
   float gain(const LeafShares::Choice& choice) const {
     return choice.probability * inverse_plain_[static_cast<std::size_t>(choice.leaf)];
   }
-  /// Whether records still matter: places have seen enough after some passes.
-  bool learning() const { return lessons_ < kLessons; }
-  /// Fetches what record writes, ahead of time.
+  /// Whether records are still used: after some iterations the guide is good enough.
+  bool learning() const { return iterations_ < kTrainingIterations; }
+  /// Prefetches what record writes.
   [[gnu::always_inline]] void prefetch_record(std::uint32_t cell, int leaf) const {
     __builtin_prefetch(&records_[at(cell, leaf)], 1);
   }
-  /// One shadow ray: `useful` is its transmittance, in [0, 1]. Not its cosine: the directions that a lesson saw would
-  /// be preferred where they are drawn again. Thread-safe.
+  /// Records one shadow ray: `useful` is its transmittance, in [0, 1]. It leaves out the cosine; otherwise the
+  /// directions that a training iteration happened to sample would be preferred when they are sampled again.
+  /// Thread-safe.
   void record(std::uint32_t cell, int leaf, float useful);
-  /// Takes what was recorded into the probabilities. Not while others use the guide.
+  /// Updates the probabilities from the records. Not while others use the guide.
   void learn();
 
  private:
-  static constexpr std::uint32_t kCells = PlaceGrid::kCells;
+  static constexpr std::uint32_t kCells = HashGrid::kCells;
   static constexpr std::size_t kLeaves = EnvironmentPartition::kMostLeaves;
-  static constexpr int kLessons = 10;  ///< three before the first path, the last one after 64 paths
+  static constexpr int kTrainingIterations = 10;  ///< three before the first path, the last one after 64 paths
   std::size_t at(std::uint32_t cell, int leaf) const {
-    return static_cast<std::size_t>(cell) * kLeaves + LeafShares::place_of(leaf);
+    return static_cast<std::size_t>(cell) * kLeaves + LeafShares::index_of(leaf);
   }
   void learn_cell(std::uint32_t cell);
 
   const EnvironmentPartition& partition_;
-  PlaceGrid grid_;
+  HashGrid grid_;
   int leaves_;
-  int lessons_ = 0;
-  /// [cell][leaf] rays in the lower half, what they were good for in the upper one: one addition for both.
+  int iterations_ = 0;
+  /// [cell][leaf] number of rays in the lower half, sum of their squares in the upper half: one atomic addition updates
+  /// both.
   std::vector<std::atomic<std::uint64_t>> records_;
-  /// [leaf] at LeafShares::place_of, relative, 0 only for leaves without light. Whole lines of memory.
+  /// [leaf] at LeafShares::index_of, relative, 0 only for leaves without light. Whole cache lines.
   struct alignas(64) CellShares {
     std::array<std::uint16_t, kLeaves> units;
   };
@@ -163,7 +166,7 @@ class LightGuide {
     alignas(32) std::array<float, kLeaves> x, y, z, extent, slope;
   };
   static void add_up(const CellShares& known, const Leaves& axes, const glm::vec3& normal, LeafShares* shares);
-  Leaves axes_{};                               ///< at LeafShares::place_of
+  Leaves axes_{};                               ///< at LeafShares::index_of
   std::array<float, kLeaves> inverse_plain_{};  ///< [leaf] 0 where there is no light
 };
 

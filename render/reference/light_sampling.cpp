@@ -32,8 +32,8 @@ std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::ve
   return guide_ ? guide_->cell_of(position, normal) : LightGuide::kNoCell;
 }
 
-void EnvironmentLight::look(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
-  guide_->look(cell, shared::latlong_turn(normal, cosine_, -sine_), shares);
+void EnvironmentLight::compute_shares(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
+  guide_->compute_shares(cell, shared::latlong_turn(normal, cosine_, -sine_), shares);
 }
 
 glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, const LeafShares* shares) const {
@@ -62,15 +62,16 @@ LightDraw EnvironmentLight::draw_at(const EnvironmentPoint& drawn, int leaf) con
   return draw;
 }
 
-void EnvironmentLight::choose(const PathSampler::Pairs& numbers, std::uint32_t cell, const LeafShares* shares,
-                              std::uint32_t path, std::span<Choice> choices) const {
+void EnvironmentLight::choose_directions(const PathSampler::Pairs& numbers, std::uint32_t cell,
+                                         const LeafShares* shares, std::uint32_t path,
+                                         std::span<Choice> choices) const {
   const bool records = shares && guide_->learning();
   const bool sampled = shares && samples_ && PresampledEnvironment::serves(path);
   for (std::size_t k = 0; k < choices.size(); ++k) {
     Choice& choice = choices[k];
     choice = {.within = numbers[k]};
     if (!shares) continue;
-    const LeafShares::Choice chosen = shares->choose(choice.within.x);
+    const LeafShares::Choice chosen = shares->choose_leaf(choice.within.x);
     choice.leaf = chosen.leaf;
     choice.within.x = chosen.within;
     choice.gain = guide_->gain(chosen);
@@ -81,7 +82,7 @@ void EnvironmentLight::choose(const PathSampler::Pairs& numbers, std::uint32_t c
   }
 }
 
-void EnvironmentLight::take(const Choice& choice, LightDraw* out) const {
+void EnvironmentLight::draw_chosen(const Choice& choice, LightDraw* out) const {
   if (!choice.sample) {
     *out = choice.leaf < 0 ? draw(choice.within) : draw_in_leaf(choice.leaf, choice.within);
     return;

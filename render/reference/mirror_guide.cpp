@@ -15,16 +15,16 @@ namespace maquette {
 
 namespace {
 
-/// Bins of equal solid angle: rows of equal height, columns of equal longitude. 0.0027 sr or 3 degrees, half of what a
-/// cell's width makes of the direction to a pane at arm's length: within a bin a small lamp is found by chance, so
-/// wider ones make fireflies, and narrower ones want more light to fill.
+/// Bins of equal solid angle: rows of equal height, columns of equal longitude. A bin is 0.0027 sr or 3 degrees wide,
+/// half of the angle that a cell's width makes of the direction to a pane at arm's length. Within a bin a small lamp is
+/// found by chance, so wider bins cause fireflies, and narrower ones need more light paths to fill.
 constexpr std::uint32_t kRows = 48, kColumns = 96;
-constexpr float kBinDensity = static_cast<float>(kRows * kColumns) * 0.0795774715f;  // over 4 pi
-/// Of what is sent, for lamps and for the sky, where the other is brighter: sending both alike taught it lamps by day
-/// that no picture shows, and rays looked for them (1.12 of the variance).
+constexpr float kBinDensity = static_cast<float>(kRows * kColumns) * 0.0795774715f;  // bins / (4 pi)
+/// Least share of the light paths that lamps and the sky each get, where the other is brighter. With equal shares the
+/// guide learned lamps by day that no picture shows, and rays were wasted on them (1.12 of the variance).
 constexpr float kLeastShare = 0.01f;
-constexpr int kMostPanes = 8;  ///< that mirrored light passes
-enum Dimension : std::uint32_t { kPane, kPoint, kLightChoice, kLight, kWhich, kPlace };
+constexpr int kMostPanes = 8;  ///< that reflected light passes through
+enum Dimension : std::uint32_t { kPane, kPoint, kLightChoice, kLight, kWhich, kOffset };
 
 std::uint32_t bin_of(const glm::vec3& d, const glm::vec2& offset = glm::vec2(0.0f)) {
   const float row = (0.5f - 0.5f * d.y) * static_cast<float>(kRows) + offset.x;
@@ -40,7 +40,7 @@ float luminance(const glm::vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0
 
 }  // namespace
 
-MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environment, const PlaceGrid& grid,
+MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environment, const HashGrid& grid,
                          std::uint32_t seed)
     : scene_(scene), environment_(environment), grid_(grid), seed_(mix_seed(seed, 0x6d697272u)) {
   double area = 0.0;
@@ -52,17 +52,17 @@ MirrorGuide::MirrorGuide(const PathScene& scene, const EnvironmentLight& environ
     panes_.push_back(triangle);
     areas_.push_back(area);
   }
-  starts_.assign(PlaceGrid::kCells + 1, 0);
+  starts_.assign(HashGrid::kCells + 1, 0);
 }
 
 void MirrorGuide::learn(std::size_t count) {
   if (panes_.empty()) return;
   std::vector<Arrival> arrivals(count * kCopies);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    send(sent_ + static_cast<std::uint32_t>(i), std::span(arrivals).subspan(i * kCopies).first<kCopies>());
+    trace_light(traced_ + static_cast<std::uint32_t>(i), std::span(arrivals).subspan(i * kCopies).first<kCopies>());
   });
-  sent_ += static_cast<std::uint32_t>(count);
-  collect(std::move(arrivals));
+  traced_ += static_cast<std::uint32_t>(count);
+  merge_arrivals(std::move(arrivals));
 }
 
 float MirrorGuide::share_of_lamps(std::size_t cell) const {
@@ -71,7 +71,7 @@ float MirrorGuide::share_of_lamps(std::size_t cell) const {
   return environment_.black() ? 1.0f : std::max(kLeastShare, std::min(lux / (lux + sky), 1.0f - kLeastShare));
 }
 
-void MirrorGuide::send(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const {
+void MirrorGuide::trace_light(std::uint32_t index, std::span<Arrival, kCopies> arrivals) const {
   const PathSampler sampler{seed_, index};
   const double along = static_cast<double>(sampler.single(kPane)) * areas_.back();
   const auto pane =
@@ -105,16 +105,16 @@ void MirrorGuide::send(std::uint32_t index, std::span<Arrival, kCopies> arrivals
   flux *= luminance(transmittance(scene_, shadow));
   Ray ray = rays.mirrored;
   for (int passed = 0; passed < kMostPanes && flux > 0.0f && std::isfinite(flux); ++passed) {
-    if (!intersect(scene_, ray, RayKind::path, sampler.word(kPlace + 2 * kCopies), &hit)) return;
+    if (!intersect(scene_, ray, RayKind::path, sampler.word(kOffset + 2 * kCopies), &hit)) return;
     const SurfacePoint q = resolve_surface(scene_, ray, hit, {});
-    if (q.material->bends()) return;
+    if (q.material->refracts()) return;
     if (!(q.material->pane > 0.0f)) {
-      // Smeared over two cells and a bin, so that their borders show in no picture; several times, which costs less
-      // than to send several.
+      // Spread over two cells and a bin, so that their borders do not show. Several copies of one path cost less than
+      // several paths.
       for (std::uint32_t k = 0; k < kCopies; ++k) {
-        const glm::vec2 o = 2.0f * sampler.pair(kPlace + 2 * k) - 1.0f;
-        const glm::vec3 place = q.position + (q.t * o.x + q.b * o.y) * grid_.side(q.position);
-        arrivals[k] = {grid_.cell_of(place, q.n), bin_of(-ray.direction, sampler.pair(kPlace + 2 * k + 1) - 0.5f),
+        const glm::vec2 o = 2.0f * sampler.pair(kOffset + 2 * k) - 1.0f;
+        const glm::vec3 shifted = q.position + (q.t * o.x + q.b * o.y) * grid_.side(q.position);
+        arrivals[k] = {grid_.cell_of(shifted, q.n), bin_of(-ray.direction, sampler.pair(kOffset + 2 * k + 1) - 0.5f),
                        static_cast<double>(flux) / kCopies};
       }
       return;
@@ -125,8 +125,8 @@ void MirrorGuide::send(std::uint32_t index, std::span<Arrival, kCopies> arrivals
   }
 }
 
-void MirrorGuide::collect(std::vector<Arrival> arrivals) {
-  std::erase_if(arrivals, [](const Arrival& a) { return a.cell == PlaceGrid::kNoCell; });
+void MirrorGuide::merge_arrivals(std::vector<Arrival> arrivals) {
+  std::erase_if(arrivals, [](const Arrival& a) { return a.cell == HashGrid::kNoCell; });
   arrivals_.insert(arrivals_.end(), arrivals.begin(), arrivals.end());
   const auto key = [](const Arrival& a) { return std::tie(a.cell, a.bin, a.flux); };
   tbb::parallel_sort(arrivals_.begin(), arrivals_.end(),
@@ -140,7 +140,7 @@ void MirrorGuide::collect(std::vector<Arrival> arrivals) {
   arrivals_.resize(kept);
   entries_.clear();
   std::size_t next = 0;
-  for (std::uint32_t cell = 0; cell < PlaceGrid::kCells; ++cell) {
+  for (std::uint32_t cell = 0; cell < HashGrid::kCells; ++cell) {
     starts_[cell] = static_cast<std::uint32_t>(entries_.size());
     const std::size_t begin = next;
     double sum = 0.0, running = 0.0;
@@ -150,7 +150,7 @@ void MirrorGuide::collect(std::vector<Arrival> arrivals) {
       entries_.push_back({arrivals_[i].bin, i + 1 == next ? 1.0f : static_cast<float>(running / sum)});
     }
   }
-  starts_[PlaceGrid::kCells] = static_cast<std::uint32_t>(entries_.size());
+  starts_[HashGrid::kCells] = static_cast<std::uint32_t>(entries_.size());
 }
 
 glm::vec3 MirrorGuide::sample(std::uint32_t cell, const glm::vec2& u) const {

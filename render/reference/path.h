@@ -10,18 +10,18 @@
 
 namespace maquette {
 
-/// What one path says of a ray.
+/// One path's estimate of the radiance along a ray.
 struct PathEstimate {
   glm::vec3 radiance{0.0f};  ///< cd/m2
-  bool covered = false;      ///< something other than sky and panes
-  std::uint32_t rays = 0;    ///< that were traced
+  bool covered = false;      ///< hits a surface other than panes
+  std::uint32_t rays = 0;
 };
 
 class FullPath;
 
-/// A ray and all that panes make of it, up to the surfaces that scatter: the same for every path of a pixel centre.
-/// `differential`: of a camera ray, which culls backs of single-sided surfaces; null for any other. `chance`: decides
-/// about blended surfaces for rays that are none of the camera's.
+/// A camera ray and the surfaces that it reaches through and by panes. It is the same for all paths through a pixel's
+/// centre. `differential`: of a camera ray, which culls back faces of single-sided surfaces; null for any other ray.
+/// `chance`: random number that decides about blended surfaces, for rays that are not camera rays.
 class CameraRay {
  public:
   CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
@@ -39,22 +39,22 @@ class CameraRay {
   };
   const PathScene& scene_;
   const EnvironmentLight& environment_;
-  glm::vec3 radiance_{0.0f};  ///< of sky and lamps that are seen
+  glm::vec3 radiance_{0.0f};  ///< of the sky and the lamps that are seen directly
   bool covered_ = false;
   std::uint32_t rays_ = 0;
   std::vector<Surface> surfaces_;
 };
 
-/// A path on from a camera ray.
+/// A path that continues from a camera ray.
 struct PathTask {
   const CameraRay* ray = nullptr;
   PathSampler sampler;
-  std::uint32_t tile = 0;  ///< paths of one tile, beside each other, share light (path_sharing.h); 0: alone
+  std::uint32_t tile = 0;  ///< adjacent paths with the same number share light (path_sharing.h); 0: shares with none
   PathEstimate estimate;
 };
 
-/// Follows paths, full transport, several in turn: what one reads next comes from memory while the others are at work.
-/// What they are depends on their tile, not on what else is under way. Not for several threads at once.
+/// Traces paths with full transport, several at a time: each path prefetches what it reads next, and the others run
+/// meanwhile. A path's result depends on its tile, not on which other paths are traced with it. Not thread-safe.
 class PathGroup {
  public:
   static constexpr std::size_t kMost = 8;
@@ -64,7 +64,7 @@ class PathGroup {
   ~PathGroup();
   PathGroup(const PathGroup&) = delete;
   PathGroup& operator=(const PathGroup&) = delete;
-  /// Fills the estimates of kMost tasks at most, a tile's all at once.
+  /// Fills the estimates of at most kMost tasks; all tasks of a tile have to come in one call.
   void follow(std::span<PathTask> tasks);
 
  private:

@@ -1,4 +1,4 @@
-// Restricted transport: what `uniform` with shading.visibility=none claims to compute, without its approximations.
+// Restricted transport: the quantity that `uniform` with shading.visibility=none estimates, without its approximations.
 #include "render/reference/path.h"
 #include "render/reference/scattering.h"
 
@@ -6,7 +6,7 @@ namespace maquette {
 
 namespace {
 
-constexpr int kMostLayers = 64;  ///< panes and blended surfaces before what is opaque
+constexpr int kMostLayers = 64;  ///< panes and blended surfaces in front of an opaque surface
 constexpr std::uint32_t kDimensionsALayer = 8;
 
 glm::vec3 balanced(const glm::vec3& value, float pdf, float other) { return value / (pdf + other); }
@@ -37,7 +37,7 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
   return sum;
 }
 
-/// What a white Lambertian surface shows under the whole sky, as panes and blended surfaces have it.
+/// Radiance of a white Lambertian surface under the whole sky, as panes and blended surfaces are shaded.
 glm::vec3 white_under_sky(const EnvironmentLight& environment, const PathSampler& sampler, std::uint32_t dimension,
                           SurfacePoint p) {
   static const TracedMaterial kWhite;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "render/reference/bending.h"
+#include "render/reference/glass.h"
 #include "render/reference/path.h"
 #include "render/reference/path_sharing.h"
 #include "render/reference/scattering.h"
@@ -12,58 +12,60 @@ namespace maquette {
 
 namespace {
 
-constexpr int kRouletteBounce = 3;      ///< paths this long end by chance
-constexpr float kMostSurvival = 0.95f;  ///< so that even white furnaces end
-/// Away from the camera panes mirror at least so often: what they mirror is found by chance only, and is bright when it
-/// is a lamp; what they let pass was found by shadow rays already.
+constexpr int kRouletteBounce = 3;      ///< Russian roulette from this bounce on
+constexpr float kMostSurvival = 0.95f;  ///< so that paths end even in a white furnace
+/// Least probability of reflection at panes beyond the camera ray. What they reflect is found by scattered rays only,
+/// and is bright when it is a lamp; what they transmit was found by shadow rays already.
 constexpr float kLeastMirrored = 0.25f;
-/// Where a guide has seen mirrored lamps, so many scattered rays look for them, and mirror at panes so often.
+/// Where the guide knows mirrored lamps: share of scattered rays that it draws, and probability of reflection at panes
+/// for them.
 constexpr float kMirrorShare = 0.15f, kGuidedMirrored = 0.9f;
-constexpr int kMostPanes = 4096;          ///< that one path passes between two surfaces
+constexpr int kMostPanes = 4096;          ///< that a path passes between two surfaces
 constexpr std::size_t kMostBranches = 8;  ///< of one camera ray
-constexpr int kMostSplits = 6;            ///< panes in a row that send a camera ray both ways
-/// Shadow rays to the environment at the first surface, the second and later ones. What the second sends is shared by a
-/// tile, so that most is left to gain at the first.
+constexpr int kMostSplits = 6;            ///< consecutive panes at which a camera ray is split
+/// Shadow rays to the environment at the first surface, the second, and later ones. The light of second surfaces is
+/// shared by a tile, so more rays pay off most at the first surface.
 constexpr std::array<std::uint32_t, 3> kShadowRays{5, 3, 2};
 constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.begin(), kShadowRays.end());
-/// Shadow rays to lamps: one a surface where they may outshine what is known to arrive of the sky, as seldom as this
-/// where they are dim beside it.
+/// Mean number of shadow rays to lamps at a surface: one where lamps may be brighter than the light that is known to
+/// arrive from the sky; at least this many where they are dimmer.
 constexpr float kLeastLampRays = 0.125f;
-constexpr float kNotWeighed = -1.0f;
-/// A mirrored surface of weight w is shaded by the share kMirroredShare w of the paths: always where a pane mirrors it
-/// once (0.08 at normal incidence), by chance where panes mirror a mirror image. Chance adds the square of what the
-/// surface shows, (1 / share - 1) times, and most of that is direct light, which is known well.
+constexpr float kUnknown = -1.0f;
+/// A surface seen by way of a reflection with weight w is shaded by the share kMirroredShare w of the paths: always
+/// after one reflection in a pane (0.08 at normal incidence), at random after several. Random selection adds (1 / share
+/// - 1) times the squared radiance of the surface to the variance, most of it of direct light, which has little noise
+/// itself.
 constexpr float kMirroredShare = 16.0f;
-/// Dimensions of the sampler, so many of each surface of each branch.
+/// Dimensions of the sampler, for each surface and for each branch.
 constexpr std::uint32_t kDimensionsASurface = 8;
 constexpr std::uint32_t kDimensionsABranch = kDimensionsASurface * 256;
 enum Dimension : std::uint32_t { kEnvironment, kLightChoice, kLight, kDirection, kRoulette, kPane, kChance, kGuide };
 
 }  // namespace
 
-/// Follows one path from the surfaces of its camera ray, in steps: each asks for the memory that the next one reads, so
-/// that other paths' steps belong in between.
+/// Traces one path from the surfaces of its camera ray, in steps. Each step prefetches what the next one reads; the
+/// steps of other paths run in between.
 class FullPath {
  public:
   FullPath(const PathScene& scene, const EnvironmentLight& environment, int max_bounces, const MirrorGuide* mirrors)
       : scene_(scene), environment_(environment), max_bounces_(max_bounces), mirrors_(mirrors) {}
 
-  /// `shares`: light with others of its tile.
+  /// `shares`: exchanges light with the other paths of its tile.
   void begin(const CameraRay& ray, const PathSampler& sampler, bool shares) {
     camera_ray_ = &ray;
     sampler_ = sampler;
     result_ = {};
     in_tile_ = shares;
-    link_ = {};
+    reconnection_ = {};
     branches_ = 0;
     next_branch();
   }
   bool ended() const { return step_ == Step::none; }
   const PathEstimate& result() const { return result_; }
-  /// What it shares, once it has ended.
-  const PathLink& link() const { return link_; }
+  /// What it exchanges with its tile, once it has ended.
+  const Reconnection& reconnection() const { return reconnection_; }
 
-  /// To the next surface, or out of the scene.
+  /// Traces to the next surface, or out of the scene.
   void trace() {
     if (step_ != Step::trace) return;
     ++result_.rays;
@@ -71,48 +73,49 @@ class FullPath {
       const auto* triangle = reinterpret_cast<const char*>(&scene_.triangles[hit_.triangle]);
       __builtin_prefetch(triangle);
       __builtin_prefetch(triangle + 64);
-      step_ = Step::meet;
+      step_ = Step::resolve;
     } else {
       add_environment();
       next_branch();
     }
   }
 
-  void meet() {
-    if (step_ != Step::meet) return;
-    resolve_surface(scene_, ray_, hit_, {}, &met_);
-    at_ = &met_;
+  void resolve_hit() {
+    if (step_ != Step::resolve) return;
+    resolve_surface(scene_, ray_, hit_, {}, &hit_point_);
+    point_ = &hit_point_;
     ++vertex_;
-    if ((met_.material->bends() && pass_bending(met_)) || (met_.material->clear() > 0.0f && pass_pane(met_))) {
-      go_on(vertex_ < kMostPanes && largest_weight() > 0.0f);
+    if ((hit_point_.material->refracts() && pass_glass(hit_point_)) ||
+        (hit_point_.material->clear() > 0.0f && pass_pane(hit_point_))) {
+      continue_path(vertex_ < kMostPanes && largest_weight() > 0.0f);
       return;
     }
-    add_emission(met_);
+    add_emission(hit_point_);
     step_ = Step::scatter;
-    if (linking_ && bounce_ == 1 && vertex_ == 1) reach(met_);
-    if (met_.material->values.unlit) next_branch();
+    if (reconnecting_ && bounce_ == 1 && vertex_ == 1) record_second_vertex(hit_point_);
+    if (hit_point_.material->values.unlit) next_branch();
   }
 
-  /// At a surface that scatters: where it is.
-  void look() {
+  /// At a surface that scatters: finds grid cells and random numbers.
+  void prepare_surface() {
     if (step_ != Step::scatter) return;
-    const SurfacePoint& p = *at_;
+    const SurfacePoint& p = *point_;
     shadow_rays_ = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
     polarisation_ = {};
-    find_place(p);
+    locate(p);
     draw_numbers();
     scattering_ = choose_scattering(p, numbers_[kMostShadowRays]);
   }
 
-  /// Directions to light and on.
-  void choose() {
+  /// Samples directions to the light sources, and the next direction of the path.
+  void choose_directions() {
     if (step_ != Step::scatter) return;
-    const SurfacePoint& p = *at_;
-    ask_mirrors(p);
-    weigh_lamps();
+    const SurfacePoint& p = *point_;
+    set_mirror_share(p);
+    set_lamp_rays();
     if (has_lamp_) {
       const std::uint32_t choice = dimension(kLightChoice);
-      picked_ = choose_light(scene_.lights, place().lamp_cell, sampler_.single(choice), sampler_.word(choice));
+      picked_ = choose_light(scene_.lights, location().lamp_cell, sampler_.single(choice), sampler_.word(choice));
       prefetch_scene_light(scene_, picked_);
     }
     choose_environment(p);
@@ -120,29 +123,29 @@ class FullPath {
     query_.wi = drawn_.wi;
   }
 
-  /// Shadow rays.
-  void ask_lights() {
+  /// Traces the shadow rays.
+  void trace_shadow_rays() {
     if (step_ != Step::scatter) return;
     arrived_ = 0;
     std::array<float, kMostShadowRays> useful;
-    useful.fill(-1.0f);  // not sent
+    useful.fill(-1.0f);  // not traced
     for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
       ArrivingLight& light = arriving_[arrived_];
-      environment_.take(choices_[k], &light.draw);
+      environment_.draw_chosen(choices_[k], &light.draw);
       light.rays = static_cast<float>(shadow_rays_);
       light.choice = k;
-      arrived_ += trace_light(*at_, &light) ? 1 : 0;
+      arrived_ += trace_light(*point_, &light) ? 1 : 0;
       if (light.above) useful[k] = 0.0f;
     }
     const std::size_t of_sky = arrived_;
     LightDraw lamp;
-    if (has_lamp_) lamp = draw_scene_light(scene_, at_->position, picked_, sampler_.pair(dimension(kLight)), false);
+    if (has_lamp_) lamp = draw_scene_light(scene_, point_->position, picked_, sampler_.pair(dimension(kLight)), false);
     if (lamp.pdf > 0.0f) {
       arriving_[arrived_].draw = lamp;
-      arriving_[arrived_].rays = place().lamp_rays;
-      arrived_ += trace_light(*at_, &arriving_[arrived_]) ? 1 : 0;
+      arriving_[arrived_].rays = location().lamp_rays;
+      arrived_ += trace_light(*point_, &arriving_[arrived_]) ? 1 : 0;
     }
-    // Panes and lessons of all rays beside each other: what one reads comes while another is reckoned.
+    // Panes and guide records of all rays together: one ray's data is fetched while another's is computed.
     std::size_t kept = 0;
     for (std::size_t i = 0; i < arrived_; ++i) {
       ArrivingLight& light = arriving_[i];
@@ -154,35 +157,35 @@ class FullPath {
     }
     arrived_ = kept;
     for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, place().cell, useful[k]);
+      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, location().cell, useful[k]);
   }
 
-  /// Entries and cells of tables, beside those of other paths.
-  void ask_tables(QueryBatch* batch) {
+  /// Queues the lookups in measured tables, together with those of other paths.
+  void add_queries(QueryBatch* batch) {
     if (step_ != Step::scatter) return;
-    for (std::size_t i = 0; i < arrived_; ++i) batch->add(*at_, &arriving_[i].query);
-    if (drawn_.pdf > 0.0f) batch->add(*at_, &query_);
+    for (std::size_t i = 0; i < arrived_; ++i) batch->add(*point_, &arriving_[i].query);
+    if (drawn_.pdf > 0.0f) batch->add(*point_, &query_);
   }
 
-  /// Light that arrives straight, then on in a new direction.
+  /// Adds the direct light and continues in the new direction.
   void scatter() {
     if (step_ != Step::scatter) return;
-    if (linking_) link(*at_);
-    for (std::size_t i = 0; i < arrived_; ++i) add_light(*at_, &arriving_[i]);
-    go_on(leaves(*at_));
+    if (reconnecting_) update_reconnection(*point_);
+    for (std::size_t i = 0; i < arrived_; ++i) add_light(*point_, &arriving_[i]);
+    continue_path(extend(*point_));
   }
 
  private:
-  enum class Step { none, trace, meet, scatter };
+  enum class Step { none, trace, resolve, scatter };
 
-  void go_on(bool further) {
+  void continue_path(bool further) {
     if (further)
       step_ = Step::trace;
     else
       next_branch();
   }
 
-  /// To the camera ray's next surface that this path shades: what arrives there and leaves along its wo counts.
+  /// Moves to the next surface of the camera ray that this path shades: the radiance from there along its wo counts.
   void next_branch() {
     while (branches_ < camera_ray_->surfaces_.size()) {
       const auto branch = static_cast<std::uint32_t>(branches_);
@@ -191,16 +194,16 @@ class FullPath {
       if (share < 1.0f && sampler_.single(kDimensionsABranch * (64 + branch)) >= share) continue;
       base_ = 1 + kDimensionsABranch * branch;
       weight_ = s.weight / share;
-      shared_weight_ = steady_ = glm::vec3(0.0f);
-      linking_ = in_tile_ && branch == 0 && s.straight;
+      shared_weight_ = view_independent_ = glm::vec3(0.0f);
+      reconnecting_ = in_tile_ && branch == 0 && s.straight;
       polarisation_ = {};
       bounce_ = vertex_ = 0;
       ray_ = {};
       ray_.direction = -s.point.to_world(s.point.wo);
       from_ = s.point.position;
-      at_ = &s.point;
+      point_ = &s.point;
       step_ = Step::scatter;
-      if (!s.point.material->bends() || !pass_bending(s.point)) return;
+      if (!s.point.material->refracts() || !pass_glass(s.point)) return;
       step_ = Step::trace;
       if (largest(weight_) > 0.0f) return;
     }
@@ -217,54 +220,55 @@ class FullPath {
     add(glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_)));
   }
 
-  /// What arrives: most of it is the link's, once there is one.
+  /// Adds arriving light. Most of it belongs to the reconnection, once there is one.
   void add(const glm::vec3& light) {
-    result_.radiance += (weight_ - link_.carried * shared_weight_) * light;
-    link_.light += shared_weight_ * light;
+    result_.radiance += (weight_ - reconnection_.carried * shared_weight_) * light;
+    reconnection_.light += shared_weight_ * light;
   }
   void scale(const glm::vec3& factor) {
     weight_ *= factor;
     shared_weight_ *= factor;
   }
 
-  /// At the second surface.
-  void reach(const SurfacePoint& p) {
-    if (!link_.from || !shares_second(p, ray_.direction)) return;
-    link_.reached = true;
-    link_.carried = weight_;
-    link_.to = p.position;
-    link_.normal = p.normal;
-    link_.shading_normal = p.n;
+  void record_second_vertex(const SurfacePoint& p) {
+    if (!reconnection_.from || !shares_second(p, ray_.direction)) return;
+    reconnection_.reached = true;
+    reconnection_.carried = weight_;
+    reconnection_.to = p.position;
+    reconnection_.normal = p.normal;
+    reconnection_.shading_normal = p.n;
   }
 
-  /// What the link needs of the surface that the path is about to leave.
-  void link(const SurfacePoint& p) {
-    steady_ = glm::vec3(0.0f);
+  /// Stores what the reconnection needs of the surface that the path is about to leave.
+  void update_reconnection(const SurfacePoint& p) {
+    view_independent_ = glm::vec3(0.0f);
     if (bounce_ == 0 && vertex_ == 0 && max_bounces_ > 0 && shares_first(p)) {
-      link_.from = &p;
-      link_.origin = place().origin;
-      link_.weight = weight_;
-      link_.mirror_cell = place().mirror_cell;
-      link_.mirror_share = mirror_share_;
-      link_.direction = p.to_world(drawn_.wi);
-      link_.pdf = drawn_.pdf;
-    } else if (bounce_ == 1 && link_.reached) {
-      link_.end = place().origin;
-      steady_ = steady_brdf(p);
+      reconnection_.from = &p;
+      reconnection_.origin = location().origin;
+      reconnection_.weight = weight_;
+      reconnection_.mirror_cell = location().mirror_cell;
+      reconnection_.mirror_share = mirror_share_;
+      reconnection_.direction = p.to_world(drawn_.wi);
+      reconnection_.pdf = drawn_.pdf;
+    } else if (bounce_ == 1 && reconnection_.reached) {
+      reconnection_.end = location().origin;
+      view_independent_ = view_independent_brdf(p);
     }
   }
 
-  /// Balance heuristic against a density with which shadow rays find the same; none does behind a mirror.
+  /// Balance heuristic against the density `other` of shadow rays in this direction. Behind a mirror there are no
+  /// shadow rays.
   float share_of(float other) const { return pdf_ > 0.0f ? pdf_ / (pdf_ + other) : 1.0f; }
 
   void add_emission(const SurfacePoint& p) {
     if (p.material->values.unlit) add(p.base_color);
     if (p.emission == glm::vec3(0.0f)) return;
     const float other = pdf_ > 0.0f ? scene_light_pdf(scene_, p.triangle, scattered_at_) : 0.0f;
-    add(p.emission * share_of(place().lamp_rays * other));
+    add(p.emission * share_of(location().lamp_rays * other));
   }
 
-  /// Mirrors or lets pass; false where this path treats the pane as a surface (its share that is none).
+  /// Reflects or transmits at a pane. False where this path treats it as a surface (the share of the material that is
+  /// no pane).
   bool pass_pane(const SurfacePoint& p) {
     const float pane = p.material->pane;
     float u = sampler_.single(dimension(kPane));
@@ -287,9 +291,9 @@ class FullPath {
     return true;
   }
 
-  /// Solid or rough glass: mirrors or lets pass at a facet. No shadow ray finds what is behind; a weight of 0 ends the
-  /// path. False as pass_pane.
-  bool pass_bending(const SurfacePoint& p) {
+  /// Solid or rough glass: reflects or transmits. Shadow rays do not find what is behind; a weight of 0 ends the path.
+  /// False as in pass_pane.
+  bool pass_glass(const SurfacePoint& p) {
     const TracedMaterial& m = *p.material;
     float u = sampler_.single(dimension(kPane));
     if (u >= m.pane) return false;
@@ -297,99 +301,100 @@ class FullPath {
     if (m.solid && !p.front) scale(glm::exp(-m.absorption * glm::length(p.position - from_)));
     if (vertex_ > 0) add_emission(p);
     const float roughness = m.rough && !m.measured ? p.analytic.alpha : 0.0f;
-    const BentRay bent = bend_at_glass(p, glm::normalize(ray_.direction), roughness,
-                                       sampler_.pair(dimension(kDirection)), u, &polarisation_);
-    scale(bent.weight);
-    ray_ = {offset_from_surface(p.position, p.error, bent.passed ? -p.normal : p.normal), bent.direction};
+    const GlassSample sample = sample_glass(p, glm::normalize(ray_.direction), roughness,
+                                            sampler_.pair(dimension(kDirection)), u, &polarisation_);
+    scale(sample.weight);
+    ray_ = {offset_from_surface(p.position, p.error, sample.passed ? -p.normal : p.normal), sample.direction};
     from_ = p.position;
     pdf_ = 0.0f;
     return true;
   }
 
-  /// Whether the path goes on from a surface.
-  bool leaves(const SurfacePoint& p) {
+  /// Extends the path by the drawn direction; false where it ends.
+  bool extend(const SurfacePoint& p) {
     if (!(drawn_.pdf > 0.0f)) return false;
     const glm::vec3 direction = p.to_world(drawn_.wi);
-    if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the bent normal's horizon only
+    if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the horizon of the shading normal only
     const glm::vec3 f = evaluate_brdf(p, query_);
     const float scale = drawn_.wi.z / drawn_.pdf;
     weight_ *= f * scale;
-    shared_weight_ = (steady_ + shared_weight_ * f) * scale;
-    steady_ = glm::vec3(0.0f);
+    shared_weight_ = (view_independent_ + shared_weight_ * f) * scale;
+    view_independent_ = glm::vec3(0.0f);
     if (!survives()) return false;
-    ray_ = {place().origin, direction};
+    ray_ = {location().origin, direction};
     pdf_ = drawn_.pdf;
     scattered_at_ = from_ = p.position;
     ++bounce_;
     return true;
   }
 
-  /// Where a surface is: the same for all paths that shade it while the guides learn nothing.
-  struct Place {
-    glm::vec3 position{0.0f}, error{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface that it is of
-    glm::vec3 origin{0.0f};                                        ///< of rays that leave there
-    std::uint32_t cell = LightGuide::kNoCell;                      ///< of the guide
+  /// A shading location: the same for all paths that shade this surface until the guides are updated.
+  struct ShadingLocation {
+    glm::vec3 position{0.0f}, error{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface point
+    glm::vec3 origin{0.0f};                                        ///< origin of rays that leave the surface
+    std::uint32_t cell = LightGuide::kNoCell;                      ///< of the guides
     std::uint32_t mirror_cell = 0;
-    std::size_t lamp_cell = 0;  ///< of the grid of lights
-    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps, or kNotWeighed
-    bool looked = false;
-    LeafShares shares;  ///< of the guide, once looked
+    std::size_t lamp_cell = 0;  ///< of the light grid
+    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps, or kUnknown
+    bool has_shares = false;
+    LeafShares shares;  ///< of the guide, where has_shares
   };
 
-  /// Paths of one pixel come one after the other: most begin where the one before did.
-  void find_place(const SurfacePoint& p) {
+  /// Paths of one pixel follow each other, so most of them start at the location of the path before: it is kept.
+  void locate(const SurfacePoint& p) {
     const bool first = branches_ == 1 && bounce_ == 0 && vertex_ == 0;
-    place_ = first ? 0 : 1;
-    Place& place = places_[place_];
-    if (first && p.position == place.position && p.error == place.error && p.normal == place.normal && p.n == place.n)
+    location_ = first ? 0 : 1;
+    ShadingLocation& location = locations_[location_];
+    if (first && p.position == location.position && p.error == location.error && p.normal == location.normal &&
+        p.n == location.n)
       return;
-    place.position = p.position;
-    place.error = p.error;
-    place.normal = p.normal;
-    place.n = p.n;
-    place.looked = false;
-    place.origin = offset_from_surface(p.position, p.error, p.normal);
-    find_cells(p, &place);
-    place.lamp_rays = 0.0f;
+    location.position = p.position;
+    location.error = p.error;
+    location.normal = p.normal;
+    location.n = p.n;
+    location.has_shares = false;
+    location.origin = offset_from_surface(p.position, p.error, p.normal);
+    find_cells(p, &location);
+    location.lamp_rays = 0.0f;
     if (scene_.lights.lights.empty()) return;
-    place.lamp_rays = kNotWeighed;
-    place.lamp_cell = light_cell(scene_.lights, p.position);
-    prefetch_cell(scene_.lights, place.lamp_cell);
+    location.lamp_rays = kUnknown;
+    location.lamp_cell = light_cell(scene_.lights, p.position);
+    prefetch_cell(scene_.lights, location.lamp_cell);
   }
 
-  /// How many shadow rays lamps get there in the mean, and whether this path sends one.
-  void weigh_lamps() {
-    Place& place = places_[place_];
-    if (place.lamp_rays == kNotWeighed) {
-      const float lux = scene_.lights.lux[place.lamp_cell], sky = environment_.known_lux(place.cell);
-      place.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
+  /// Mean number of shadow rays to lamps there, and whether this path sends one.
+  void set_lamp_rays() {
+    ShadingLocation& location = locations_[location_];
+    if (location.lamp_rays == kUnknown) {
+      const float lux = scene_.lights.lux[location.lamp_cell], sky = environment_.known_lux(location.cell);
+      location.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
     }
-    has_lamp_ =
-        place.lamp_rays >= 1.0f || (place.lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < place.lamp_rays);
+    has_lamp_ = location.lamp_rays >= 1.0f ||
+                (location.lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < location.lamp_rays);
   }
 
-  const Place& place() const { return places_[place_]; }
+  const ShadingLocation& location() const { return locations_[location_]; }
 
-  /// Both guides have the same grid of places.
-  void find_cells(const SurfacePoint& p, Place* place) const {
-    place->cell = environment_.cell_of(p.position, p.n);
-    environment_.prefetch(place->cell);
+  /// Both guides use the same grid.
+  void find_cells(const SurfacePoint& p, ShadingLocation* location) const {
+    location->cell = environment_.cell_of(p.position, p.n);
+    environment_.prefetch(location->cell);
     if (!mirrors_) return;
-    place->mirror_cell = place->cell != LightGuide::kNoCell ? place->cell : mirrors_->cell_of(p.position, p.n);
-    mirrors_->prefetch(place->mirror_cell);
+    location->mirror_cell = location->cell != LightGuide::kNoCell ? location->cell : mirrors_->cell_of(p.position, p.n);
+    mirrors_->prefetch(location->mirror_cell);
   }
 
-  /// How many scattered rays look for mirrored lamps: of what scatters widely, where some were seen.
-  void ask_mirrors(const SurfacePoint& p) {
+  /// Share of scattered rays that the guide of mirrored lamps draws: above 0 for diffuse lobes in cells that it knows.
+  void set_mirror_share(const SurfacePoint& p) {
     mirror_share_ = 0.0f;
-    if (!mirrors_ || !mirrors_->knows(place().mirror_cell)) return;
-    mirrors_->prefetch_entries(place().mirror_cell);
+    if (!mirrors_ || !mirrors_->has_light(location().mirror_cell)) return;
+    mirrors_->prefetch_entries(location().mirror_cell);
     mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
   }
 
-  /// Density of what draw_direction draws, given the BRDF's own.
+  /// Density of draw_direction, given the BRDF's own.
   float mixed_pdf(float own, const glm::vec3& direction) const {
-    return mirrors_ ? mirrors_->mixed_pdf(own, place().mirror_cell, mirror_share_, direction) : own;
+    return mirrors_ ? mirrors_->mixed_pdf(own, location().mirror_cell, mirror_share_, direction) : own;
   }
 
   DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
@@ -397,20 +402,21 @@ class FullPath {
     if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice);
     DrawnDirection s;
     if (sampler_.single(dimension(kGuide)) < mirror_share_) {
-      s.wi = p.to_local(mirrors_->sample(place().mirror_cell, choice.u));
+      s.wi = p.to_local(mirrors_->sample(location().mirror_cell, choice.u));
       if (s.wi.z <= 0.0f) return s;
       s.pdf = scattering_pdf(p, s.wi);
     } else {
       s = draw_scattering(p, choice);
       if (!(s.pdf > 0.0f)) return s;
     }
-    const float guide = mirror_share_ * mirrors_->pdf(place().mirror_cell, p.to_world(s.wi));
+    const float guide = mirror_share_ * mirrors_->pdf(location().mirror_cell, p.to_world(s.wi));
     s.pdf = (1.0f - mirror_share_) * s.pdf + guide;
     guided_ = s.pdf > 0.0f ? guide / s.pdf : 0.0f;
     return s;
   }
 
-  /// Of what arrives, to this pixel or to its tile: what others count on must not end by what this one takes of it.
+  /// Largest weight of arriving light, for this pixel or for its tile: a path that is worth little for its own pixel
+  /// must not end if the tile still uses it.
   float largest_weight() const { return std::max(largest(weight_), largest(shared_weight_)); }
 
   bool survives() {
@@ -423,7 +429,8 @@ class FullPath {
     return true;
   }
 
-  /// Of all shadow rays to the sky, one sequence for those of all paths; then of the scattered ray.
+  /// Random numbers of all shadow rays to the sky (one sequence over all paths of the pixel), then of the scattered
+  /// ray.
   void draw_numbers() {
     static_assert(kMostShadowRays < PathSampler::Pairs::kMost);
     numbers_.dimension.fill(dimension(kEnvironment));
@@ -435,25 +442,27 @@ class FullPath {
 
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    Place& place = places_[place_];
-    if (place.cell != LightGuide::kNoCell && !place.looked) environment_.look(place.cell, p.n, &place.shares);
-    place.looked = true;
-    environment_.choose(numbers_, place.cell, shares(), sampler_.index, std::span(choices_).first(shadow_rays_));
+    ShadingLocation& location = locations_[location_];
+    if (location.cell != LightGuide::kNoCell && !location.has_shares)
+      environment_.compute_shares(location.cell, p.n, &location.shares);
+    location.has_shares = true;
+    environment_.choose_directions(numbers_, location.cell, shares(), sampler_.index,
+                                   std::span(choices_).first(shadow_rays_));
   }
-  const LeafShares* shares() const { return place().cell != LightGuide::kNoCell ? &place().shares : nullptr; }
+  const LeafShares* shares() const { return location().cell != LightGuide::kNoCell ? &location().shares : nullptr; }
 
   /// One of `rays` shadow rays of the same kind.
   struct ArrivingLight {
     LightDraw draw;
     float rays;
-    std::uint32_t choice;  ///< of the sky's
+    std::uint32_t choice;  ///< index into the choices, of shadow rays to the sky
     ScatteringQuery query;
     Passage passage;
     glm::vec3 through;
-    bool above;  ///< the horizon
+    bool above;  ///< above the horizon
   };
 
-  /// Whether any of it may come through.
+  /// Traces the shadow ray; false where it is blocked.
   bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
     const LightDraw& draw = light->draw;
     light->above = false;
@@ -461,8 +470,8 @@ class FullPath {
     const glm::vec3 wi = p.to_local(draw.direction);
     if (wi.z <= 0.0f) return false;
     light->above = true;
-    Ray ray{place().origin, draw.direction, 0.0f, draw.distance};
-    // Short of a near light by the rounding of its distance and of the direction.
+    Ray ray{location().origin, draw.direction, 0.0f, draw.distance};
+    // Stops short of a near light, because its distance and direction are rounded.
     if (draw.distance < 3e38f) ray.far *= 1.0f - 1e-4f;
     ++result_.rays;
     light->query.wi = wi;
@@ -476,9 +485,9 @@ class FullPath {
     const float density = light->rays * draw.pdf + (draw.has_extent ? mixed_pdf(s.pdf, draw.direction) : 0.0f);
     if (!(density > 0.0f)) return;
     const glm::vec3 arriving = draw.radiance * light->through * (light->query.wi.z / density);
-    const glm::vec3 shared = steady_ + shared_weight_ * s.f;
-    result_.radiance += (weight_ * s.f - link_.carried * shared) * arriving;
-    link_.light += shared * arriving;
+    const glm::vec3 shared = view_independent_ + shared_weight_ * s.f;
+    result_.radiance += (weight_ * s.f - reconnection_.carried * shared) * arriving;
+    reconnection_.light += shared * arriving;
   }
 
   const PathScene& scene_;
@@ -488,36 +497,36 @@ class FullPath {
   const CameraRay* camera_ray_ = nullptr;
   PathSampler sampler_;
   PathEstimate result_;
-  std::size_t branches_ = 0;  ///< of the camera ray that were begun
-  std::uint32_t base_ = 0;    ///< of the dimensions
+  std::size_t branches_ = 0;  ///< branches of the camera ray that were started
+  std::uint32_t base_ = 0;    ///< first dimension of this branch
   Step step_ = Step::none;
   Ray ray_;
   RayHit hit_;
-  SurfacePoint met_;
-  const SurfacePoint* at_ = nullptr;  ///< met_, or the camera ray's
+  SurfacePoint hit_point_;
+  const SurfacePoint* point_ = nullptr;  ///< hit_point_, or a point of the camera ray
   glm::vec3 weight_{1.0f};
-  bool in_tile_ = false, linking_ = false;  ///< with its tile; on the branch that does
-  PathLink link_;
-  glm::vec3 shared_weight_{0.0f};  ///< of what arrives, in the link's light: part of weight_, less what is carried
-  glm::vec3 steady_{0.0f};         ///< 1/sr, where it is the second surface
-  Polarisation polarisation_;      ///< by glass since the last surface
-  int bounce_ = 0;                 ///< surfaces that scattered so far
-  int vertex_ = 0;                 ///< surfaces met so far, panes included
-  float pdf_ = 0.0f;               ///< density of the last scattering; 0: nothing else could have found what is hit
+  bool in_tile_ = false, reconnecting_ = false;  ///< shares with its tile; is on the branch that is shared
+  Reconnection reconnection_;
+  glm::vec3 shared_weight_{0.0f};  ///< of arriving light in the reconnection: part of weight_, without what is carried
+  glm::vec3 view_independent_{0.0f};  ///< 1/sr, of the second surface
+  Polarisation polarisation_;         ///< polarisation by glass since the last surface
+  int bounce_ = 0;                    ///< scattering surfaces so far
+  int vertex_ = 0;                    ///< surfaces hit so far, panes included
+  float pdf_ = 0.0f;                  ///< density of the last scattering; 0: shadow rays cannot find what is hit
   glm::vec3 scattered_at_{0.0f};
-  glm::vec3 from_{0.0f};  ///< of the ray, on the surface itself
-  // Of the surface where it is:
-  std::array<Place, 2> places_;  ///< of the camera ray's first surface; of any other
-  std::size_t place_ = 1;        ///< which of them
+  glm::vec3 from_{0.0f};  ///< start of the ray, on the surface itself
+  // Of the current surface:
+  std::array<ShadingLocation, 2> locations_;  ///< of the camera ray's first surface; of all others
+  std::size_t location_ = 1;                  ///< index of the current one
   std::uint32_t shadow_rays_ = 0;
   PathSampler::Pairs numbers_;
   std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
   bool has_lamp_ = false;
-  LightPick picked_;  ///< lamp
+  LightPick picked_;  ///< the lamp
   std::array<ArrivingLight, kMostShadowRays + 1> arriving_;
   std::size_t arrived_ = 0;
   float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws
-  float guided_ = 0.0f;        ///< probability that it drew the present ray, given its direction
+  float guided_ = 0.0f;        ///< probability that the guide drew the present direction
   ScatteringChoice scattering_;
   DrawnDirection drawn_;
   BrdfQuery query_;
@@ -545,11 +554,11 @@ void PathGroup::follow(std::span<PathTask> tasks) {
   QueryBatch batch;
   while (count > 0) {
     all([](FullPath& path) { path.trace(); });
-    all([](FullPath& path) { path.meet(); });
-    all([](FullPath& path) { path.look(); });
-    all([](FullPath& path) { path.choose(); });
-    all([](FullPath& path) { path.ask_lights(); });
-    all([&](FullPath& path) { path.ask_tables(&batch); });
+    all([](FullPath& path) { path.resolve_hit(); });
+    all([](FullPath& path) { path.prepare_surface(); });
+    all([](FullPath& path) { path.choose_directions(); });
+    all([](FullPath& path) { path.trace_shadow_rays(); });
+    all([&](FullPath& path) { path.add_queries(&batch); });
     batch.complete();
     all([](FullPath& path) { path.scatter(); });
     const auto end = std::remove_if(under_way.begin(), under_way.begin() + static_cast<std::ptrdiff_t>(count),
@@ -566,15 +575,15 @@ void PathGroup::follow(std::span<PathTask> tasks) {
 }
 
 void PathGroup::share(std::span<PathTask> tasks) const {
-  static_assert(kMost <= kMostLinks);
-  std::array<PathLink, kMost> links;
+  static_assert(kMost <= kMaxReconnections);
+  std::array<Reconnection, kMost> reconnections;
   for (std::size_t begin = 0, end = 0; begin < tasks.size(); begin = end) {
     for (end = begin; end < tasks.size() && tasks[end].tile == tasks[begin].tile; ++end)
-      links[end - begin] = paths_[end].link();
+      reconnections[end - begin] = paths_[end].reconnection();
     const std::size_t count = end - begin;
     if (tasks[begin].tile == 0 || count < 2) continue;
     std::array<SharedLight, kMost> results;
-    share_links(scene_, mirrors_, std::span(links).first(count), std::span(results).first(count));
+    share_light(scene_, mirrors_, std::span(reconnections).first(count), std::span(results).first(count));
     for (std::size_t i = 0; i < count; ++i) {
       tasks[begin + i].estimate.radiance += results[i].radiance;
       tasks[begin + i].estimate.rays += results[i].rays;
@@ -582,7 +591,7 @@ void PathGroup::share(std::span<PathTask> tasks) const {
   }
 }
 
-/// Panes send the ray both ways, blended surfaces let it go on behind them.
+/// Splits a camera ray: panes reflect and transmit it, blended surfaces let it continue behind them.
 class CameraRay::Splitter {
  public:
   Splitter(const PathScene& scene, const EnvironmentLight& environment, const RayDifferential* differential,
@@ -603,7 +612,7 @@ class CameraRay::Splitter {
     Ray ray;
     glm::vec3 weight;
     int splits;
-    bool straight;  ///< the picture's own line of sight
+    bool straight;  ///< not reflected: the camera's own line of sight
   };
 
   void push(const Ray& ray, const glm::vec3& weight, const Branch& from, bool straight) {
@@ -626,7 +635,7 @@ class CameraRay::Splitter {
       out_.radiance_ += branch.weight * p.emission * p.material->pane;
       const PaneRays rays = rays_of_pane(p, branch.ray);
       const glm::vec3 weight = branch.weight * p.material->pane;
-      // The straight part last: it is followed first, and keeps its numbers whatever is mirrored.
+      // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
       if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
       push(rays.passed, weight * rays.shares.transmitted, branch, branch.straight);
     } else if (p.material->blended && differential_) {

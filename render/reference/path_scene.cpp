@@ -25,7 +25,7 @@ std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source)
   return material;
 }
 
-/// Beside each other: much of one is reading.
+/// In parallel: much of the time of each is reading.
 void load_measured(const std::vector<Material>& materials, MeasuredLibrary* library) {
   std::set<std::string> missing;
   for (const Material& m : materials)
@@ -67,7 +67,7 @@ int material_index(const Scene& scene, const DrawItem& item, int variant) {
   return index < 0 || index > count ? count : index;
 }
 
-/// Squares of tiny edges leave float's range: the cross product of edges scaled by their largest coordinate.
+/// Squares of tiny edges underflow: takes the cross product of edges scaled by their largest coordinate.
 glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
   const float scale = std::max(shared::light_largest(e1), shared::light_largest(e2));
   const glm::vec3 c = scale > 0.0f ? glm::cross(e1 / scale, e2 / scale) : glm::vec3(0.0f);
@@ -75,8 +75,8 @@ glm::vec3 unit_cross(const glm::vec3& e1, const glm::vec3& e2) {
   return length > 0.0f ? c / length : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
-/// Material of every triangle of the geometry, with kBothSides, and the meshes of the ray tracer: triangles of each,
-/// and what is hidden.
+/// Material of every triangle of the geometry, with the flag kBothSides, and the triangles of each mesh of the ray
+/// tracer, hidden ones last.
 struct Assignment {
   std::vector<std::uint32_t> materials;
   std::array<std::vector<std::uint32_t>, PathScene::kHidden + 1> meshes;
@@ -91,9 +91,9 @@ Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
     TracedMaterial& m = scene->materials[material];
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
     const std::size_t mesh = !visible                ? PathScene::kHidden
-                             : m.masked || m.blended ? PathScene::kAsks
+                             : m.masked || m.blended ? PathScene::kAlpha
                              : m.clear() > 0.0f      ? PathScene::kPanes
-                                                     : PathScene::kStops;
+                                                     : PathScene::kOpaque;
     for (std::uint32_t i = item.first_index / 3; i < (item.first_index + item.index_count) / 3; ++i) {
       assignment.materials[i] = material | sides;
       assignment.meshes[mesh].push_back(i);
@@ -121,22 +121,22 @@ TracedTriangle traced_triangle(const FlatGeometry& geometry, std::uint32_t sourc
   return t;
 }
 
-/// Below this share of triangles in pairs the fourth corners take more memory than the pairs save.
+/// Below this share of paired triangles, the fourth corners take more memory than the pairs save.
 constexpr double kLeastPaired = 0.5;
 
 /// Orders the triangles of the meshes by pairs, where there are enough of them.
 void pair_meshes(std::array<std::vector<std::uint32_t>, PathScene::kHidden + 1>* meshes, PathScene* scene) {
-  std::vector<std::uint32_t> turned = scene->geometry.indices;
+  std::vector<std::uint32_t> rotated = scene->geometry.indices;
   std::array<TrianglePairs, PathScene::kHidden> pairs;
   double count = 0.0, paired = 0.0;
   for (std::size_t mesh = 0; mesh < PathScene::kHidden; ++mesh) {
-    pairs[mesh] = pair_triangles((*meshes)[mesh], scene->geometry.positions, turned);
+    pairs[mesh] = pair_triangles((*meshes)[mesh], scene->geometry.positions, rotated);
     count += static_cast<double>((*meshes)[mesh].size());
     paired += 2.0 * pairs[mesh].pair_count;
   }
   scene->quads = paired > kLeastPaired * count;
   if (!scene->quads) return;
-  scene->geometry.indices = std::move(turned);
+  scene->geometry.indices = std::move(rotated);
   for (std::size_t mesh = 0; mesh < PathScene::kHidden; ++mesh) {
     scene->pair_count[mesh] = pairs[mesh].pair_count;
     (*meshes)[mesh] = std::move(pairs[mesh].order);
@@ -157,7 +157,7 @@ void gather_triangles(const PathSceneInput& input, PathScene* scene) {
   });
 }
 
-/// A list's triangles are the geometry's.
+/// The triangle indices of a light list refer to the geometry.
 void gather_lights(const PathSceneInput& input, PathScene* scene) {
   const LightList list = build_light_list(input.scene, scene->geometry, input.variant);
   if (list.lights.empty()) return;
@@ -175,8 +175,9 @@ void gather_lights(const PathSceneInput& input, PathScene* scene) {
   }
 }
 
-/// Cells of a density above this (1/sr; the sphere's mean is 0.08) are sampled by their bilinear light: lamps, and what
-/// they leak into their neighbours. Elsewhere a cell's mean will do, and shadow rays need not read its texels.
+/// Cells with a density above this (1/sr; the mean over the sphere is 0.08) are sampled by their bilinear radiance:
+/// lamps, and the neighbours that they blend into. Elsewhere a cell's mean is enough, and shadow rays need not read its
+/// texels.
 constexpr float kBright = 0.5f;
 
 TexelCell cell_of(const TracedEnvironment& e, std::size_t texel) {

@@ -19,7 +19,7 @@ namespace maquette {
 
 namespace shared {
 
-/// Textures of an atlas, filtered by the shaders' own lines (sample_texture, texture_coordinates, texture_turned).
+/// Textures of an atlas, filtered by the shaders' own code (sample_texture, texture_coordinates, texture_turned).
 struct TextureFilter {
   const TextureAtlas& atlas;
   uint fetch_texel_word(int index) const { return atlas.texels.data()[index]; }
@@ -29,7 +29,7 @@ struct TextureFilter {
 
 }  // namespace shared
 
-/// A tabulated BRDF with what sampling it needs.
+/// A measured BRDF with the tables for sampling it.
 struct MeasuredMaterial {
   PackedBrdf values;
   BrdfTables tables;
@@ -41,14 +41,14 @@ struct TracedMaterial {
   bool textured = false;                      ///< any of them
   bool colored = false;                       ///< vertex colours other than 1
   std::shared_ptr<const MeasuredMaterial> measured;
-  float pane = 0.0f;           ///< share that is glass, a thin pane unless it bends light
-  bool solid = false;          ///< glass with an inside: refracts
+  float pane = 0.0f;           ///< share that is glass: a thin pane unless it refracts
+  bool solid = false;          ///< glass with a volume: refracts
   bool rough = false;          ///< glass that scatters
-  glm::vec3 absorption{0.0f};  ///< 1/m, of the inside
-  /// Glass that straight lines do not cross: shadow rays end there, paths are bent.
-  bool bends() const { return solid || rough; }
-  /// Share that straight lines do cross.
-  float clear() const { return bends() ? 0.0f : pane; }
+  glm::vec3 absorption{0.0f};  ///< 1/m, of the volume
+  /// Glass that straight rays do not cross: shadow rays end there, paths are refracted.
+  bool refracts() const { return solid || rough; }
+  /// Share that straight rays cross.
+  float clear() const { return refracts() ? 0.0f : pane; }
   bool masked = false;   ///< cut out by its texture's alpha
   bool blended = false;  ///< covers by alpha
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
@@ -56,7 +56,7 @@ struct TracedMaterial {
 
 struct EnvironmentLookup {
   glm::vec3 radiance;  ///< stored units, bilinear
-  int x, y;            ///< texel whose cell holds it
+  int x, y;            ///< texel whose cell contains the direction
 };
 
 /// The environment in its own frame (rotation undone), stored units.
@@ -65,12 +65,12 @@ struct TracedEnvironment {
   EnvironmentTables tables;
   bool black = true;
   std::vector<glm::vec4> texels;  ///< [height][width] radiance, mean density over the texel's cell (1/sr)
-  std::vector<bool> bright;       ///< [height][width] cells within which light is followed
+  std::vector<bool> bright;       ///< [height][width] cells that are sampled by their bilinear radiance
   std::unique_ptr<const EnvironmentPartition> partition;
   EnvironmentLookup look_up(const glm::vec3& direction) const;
-  /// 1/sr with which plain importance sampling gives a direction in the cell of a texel.
+  /// Density (1/sr) of plain importance sampling for a direction in the cell of a texel.
   float density_at(std::size_t texel, const glm::vec3& direction) const;
-  /// A point of the map drawn by the tables, moved within its cell to where the light is.
+  /// Moves a point of the map that was drawn by the tables within its cell, by the bilinear radiance there.
   EnvironmentPoint follow_light(const EnvironmentPoint& point) const;
 };
 
@@ -78,7 +78,7 @@ struct TracedEnvironment {
 struct LoggedRay {
   glm::vec3 origin, direction;
   float near, far;
-  bool shadow;  ///< any hit will do
+  bool shadow;  ///< any hit ends it
 };
 
 struct EmbreeRelease {
@@ -86,30 +86,31 @@ struct EmbreeRelease {
   void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
 };
 
-/// What every hit needs of its triangle, in two lines of memory; the first one is all that a pane on the way needs.
+/// What a hit needs of its triangle, in two cache lines; a pane on the way of a ray needs only the first.
 struct alignas(64) TracedTriangle {
   std::array<glm::vec3, 3> normals;
   glm::vec3 geometric;     ///< unit normal by winding
-  std::uint32_t material;  ///< with kBothSides
-  std::uint32_t source;    ///< triangle of the geometry
+  std::uint32_t material;  ///< material index and the flag kBothSides
+  std::uint32_t source;    ///< index of the triangle in the geometry
   std::array<glm::vec3, 3> positions;
 };
 
-/// Flag in TracedTriangle::material: the camera sees the back too.
+/// Flag in TracedTriangle::material: camera rays see the back face too.
 inline constexpr std::uint32_t kBothSides = 0x80000000u;
 
 struct PathScene {
   FlatGeometry geometry;
   Bounds bounds;
   std::vector<TracedMaterial> materials;  ///< the last one is glTF's default
-  /// In the order of the ray tracer's meshes: kStops stops every ray, kPanes all but shadow rays, kAsks some (cut out,
-  /// blended). What is hidden comes last. A triangle is known by its index here.
+  /// In the order of the ray tracer's meshes: kOpaque stops every ray, kPanes all rays but shadow rays, and kAlpha (cut
+  /// out, blended) some. Hidden triangles come last. A triangle is identified by its index here.
   std::vector<TracedTriangle> triangles;
-  enum Mesh : std::size_t { kStops, kPanes, kAsks, kHidden };
+  enum Mesh : std::size_t { kOpaque, kPanes, kAlpha, kHidden };
   std::array<std::uint32_t, kHidden + 1> mesh_begin{};  ///< first triangle of each mesh
-  /// Of each mesh: so many pairs of triangles come first, which the ray tracer takes as quads (triangle_pairs.h).
+  /// Number of triangle pairs in each mesh. Pairs come first, and the ray tracer takes them as quads
+  /// (triangle_pairs.h).
   std::array<std::uint32_t, kHidden> pair_count{};
-  bool quads = false;  ///< the ray tracer's primitives: what is no pair is a quad with one half; false: triangles
+  bool quads = false;  ///< the ray tracer's primitives are quads (unpaired triangles degenerate ones), else triangles
   std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of `lights`, kNoTriangle: none; may be empty
   TextureAtlas atlas;
   LightGrid lights;
@@ -118,7 +119,7 @@ struct PathScene {
   std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease> device;
   std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease> embree;
 
-  /// Benchmarks: gets every ray that is traced. Null otherwise.
+  /// For benchmarks: called with every ray that is traced. Null otherwise.
   mutable std::function<void(const LoggedRay&)> log;
 
   const TracedMaterial& material_of(std::uint32_t triangle) const {

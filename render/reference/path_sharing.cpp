@@ -10,23 +10,24 @@ namespace maquette {
 
 namespace {
 
-/// First surfaces that scatter less than this by their diffuse lobe look elsewhere than their neighbours.
+/// Least weight of the diffuse lobe of a first surface that shares: glossier ones reflect other directions than their
+/// neighbours.
 constexpr float kLeastDiffuse = 0.2f;
-/// Cosine from which on no shading normal is turned towards the viewer (face_viewer), with its rounding.
+/// Above this cosine (with its rounding) face_viewer leaves the shading normal as it is.
 constexpr float kLeastFacing = 0.005f;
 
-Ray ray_between(const PathLink& first, const PathLink& second) {
+Ray ray_between(const Reconnection& first, const Reconnection& second) {
   return {first.origin, second.end - first.origin, 0.0f, 1.0f};
 }
 
-/// Connection of a first surface with a second one, over the second's area.
+/// Connection of a first surface with a second one, as a density over the second's area.
 struct Connection {
-  glm::vec3 throughput{0.0f};  ///< 1/m2, what the second one's light counts
-  float density = 0.0f;        ///< 1/m2, with which the first one's path finds it; 0: it cannot
+  glm::vec3 throughput{0.0f};  ///< 1/m2, factor of the second surface's light
+  float density = 0.0f;        ///< 1/m2, with which the first surface's path finds the second; 0: it cannot
 };
 
-/// `own`: of a path that came this way itself. Nothing wherever FullPath::leaves would have ended the path.
-Connection connect(const PathLink& first, const PathLink& second, const MirrorGuide* mirrors, bool own) {
+/// `own`: connects a path with its own second surface. Zero wherever FullPath::extend would have ended the path.
+Connection connect(const Reconnection& first, const Reconnection& second, const MirrorGuide* mirrors, bool own) {
   const glm::vec3 way = second.to - first.origin;
   const float square = glm::dot(way, way);
   const glm::vec3 direction = own ? second.direction : way / std::sqrt(square);
@@ -52,33 +53,33 @@ bool shares_first(const SurfacePoint& p) { return p.material->measured || p.lobe
 
 bool shares_second(const SurfacePoint& p, const glm::vec3& direction) {
   const TracedMaterial& m = *p.material;
-  if (m.pane > 0.0f || m.blended || m.values.unlit || p.turned) return false;
-  return -glm::dot(direction, p.n) > kLeastFacing && largest(steady_brdf(p)) > 0.0f;
+  if (m.pane > 0.0f || m.blended || m.values.unlit || p.normal_adjusted) return false;
+  return -glm::dot(direction, p.n) > kLeastFacing && largest(view_independent_brdf(p)) > 0.0f;
 }
 
-glm::vec3 steady_brdf(const SurfacePoint& p) {
+glm::vec3 view_independent_brdf(const SurfacePoint& p) {
   if (p.material->measured) return glm::vec3(0.0f);
-  // As evaluate_analytic has it where Fresnel's weight is nothing.
+  // As evaluate_analytic with a Fresnel weight of 0.
   const shared::AnalyticMaterial& m = p.analytic;
   return m.diffuse * (shared::kInvPi * std::max(1.0f - largest(m.f0), 0.0f) * (1.0f - 0.04f * m.coat));
 }
 
-void share_links(const PathScene& scene, const MirrorGuide* mirrors, std::span<const PathLink> links,
+void share_light(const PathScene& scene, const MirrorGuide* mirrors, std::span<const Reconnection> reconnections,
                  std::span<SharedLight> results) {
-  // A path may have passed blended surfaces by chance.
-  const bool asks = scene.mesh_begin[PathScene::kAsks] != scene.mesh_begin[PathScene::kHidden];
-  std::array<Connection, kMostLinks> connections;
-  for (std::size_t j = 0; j < links.size(); ++j) {
-    const PathLink& second = links[j];
+  // A path may have passed blended surfaces at random.
+  const bool has_alpha = scene.mesh_begin[PathScene::kAlpha] != scene.mesh_begin[PathScene::kHidden];
+  std::array<Connection, kMaxReconnections> connections;
+  for (std::size_t j = 0; j < reconnections.size(); ++j) {
+    const Reconnection& second = reconnections[j];
     if (!second.reached || second.light == glm::vec3(0.0f)) continue;
     float density = 0.0f;
-    results[j].rays += asks ? 1 : 0;
-    if (is_finite(second.light) && (!asks || is_clear(scene, ray_between(second, second)))) {
-      for (std::size_t i = 0; i < links.size(); ++i) {
-        connections[i] = links[i].from ? connect(links[i], second, mirrors, i == j) : Connection();
+    results[j].rays += has_alpha ? 1 : 0;
+    if (is_finite(second.light) && (!has_alpha || is_unoccluded(scene, ray_between(second, second)))) {
+      for (std::size_t i = 0; i < reconnections.size(); ++i) {
+        connections[i] = reconnections[i].from ? connect(reconnections[i], second, mirrors, i == j) : Connection();
         if (i != j && connections[i].density > 0.0f) {
           ++results[i].rays;
-          if (!is_clear(scene, ray_between(links[i], second))) connections[i] = {};
+          if (!is_unoccluded(scene, ray_between(reconnections[i], second))) connections[i] = {};
         }
         density += connections[i].density;
       }
@@ -87,7 +88,7 @@ void share_links(const PathScene& scene, const MirrorGuide* mirrors, std::span<c
       results[j].radiance += second.carried * second.light;
       continue;
     }
-    for (std::size_t i = 0; i < links.size(); ++i)
+    for (std::size_t i = 0; i < reconnections.size(); ++i)
       if (connections[i].density > 0.0f) results[i].radiance += connections[i].throughput * second.light / density;
   }
 }

@@ -26,8 +26,8 @@ constexpr std::size_t kMostInTile = static_cast<std::size_t>(kTileWidth * kTileH
 static_assert(kMostInTile <= PathGroup::kMost);
 constexpr std::size_t kTilesATask = 16;
 
-/// Sums over the paths of one pixel. Double: float stops growing at 1.7e7 equal terms and loses the variance long
-/// before.
+/// Sums over the paths of one pixel, in double: a float sum stops growing at 1.7e7 equal terms, and loses the variance
+/// long before.
 struct PixelSums {
   glm::dvec3 sum{0.0};
   glm::dvec3 square{0.0};
@@ -43,19 +43,20 @@ glm::dvec3 variance_of_mean(const PixelSums& p) {
   return variance / n;
 }
 
-/// Paths of every pixel before their numbers part; they are decided again after each doubling. Two paths say little of
-/// one pixel, but there are many around it.
+/// Paths of every pixel before the counts become adaptive; the counts are decided again after each doubling. Two paths
+/// say little about one pixel, but its neighbours contribute as well.
 constexpr std::uint32_t kPilotPaths = 2;
-/// Fewest paths of a complete pass, but for those that end where something is decided.
+/// Fewest paths a pixel of a complete pass, unless a decision ends it earlier.
 constexpr std::uint32_t kLeastStep = 8;
-/// A pass that is stopped leaves pixels unequal: none adds more than this share of the paths that there are.
+/// A pass that is stopped leaves the pixels with unequal counts, so a pass adds at most this share of the existing
+/// paths.
 constexpr double kLargestStep = 0.25;
-/// Fewest and most paths of a pixel over the average.
+/// Least and largest number of paths of a pixel, relative to the average.
 constexpr double kLeastRate = 0.25, kMostRate = 6.0;
-constexpr int kSpreadRadius = 3;  ///< pixels around a tile whose spread decides
-constexpr int kBlock = 8;         ///< pixels; the first pass goes from one pixel of each block to all
+constexpr int kSpreadRadius = 3;  ///< radius, in pixels, of the neighbourhood of a tile that decides its count
+constexpr int kBlock = 8;         ///< pixels; the first pass goes from one pixel of each block to all of them
 
-/// When a pass ends early.
+/// Tells when a pass has to end early.
 class Halt {
  public:
   Halt(std::stop_token stop, const Deadline& deadline) : stop_(std::move(stop)), deadline_(deadline) {}
@@ -69,7 +70,7 @@ class Halt {
   Deadline deadline_;
 };
 
-/// Standard deviation of one path, over the root of what it costs: the best number of paths is in proportion.
+/// Standard deviation of one path over the square root of its cost: the optimal number of paths is proportional to it.
 /// Source: Neyman 1934, "On the Two Different Aspects of the Representative Method" (with costs, Sec. 4).
 float spread_of(const PixelSums& p) {
   if (p.count < 2) return 0.0f;
@@ -79,7 +80,7 @@ float spread_of(const PixelSums& p) {
   return static_cast<float>(std::sqrt(a_path / cost));
 }
 
-/// Calls back about 100 times.
+/// Reports progress about 100 times.
 class Progress {
  public:
   Progress(const std::function<void(double)>& report, std::size_t total) : report_(report), total_(total) {}
@@ -99,11 +100,11 @@ std::size_t pixel_count(const PictureRequest& r) {
   return static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height);
 }
 
-PlaceGrid grid_of(const PathScene& scene, const PictureRequest& r) {
+HashGrid grid_of(const PathScene& scene, const PictureRequest& r) {
   return {r.camera.eye, std::max(scene.bounds.radius(), glm::length(scene.bounds.center() - r.camera.eye))};
 }
 
-/// Full transport only: what throws no shadows has nothing to learn.
+/// Full transport only: without shadows there is nothing to learn.
 bool learns(const PathScene& scene, const PictureRequest& r) {
   return r.paths.transport == Transport::full && !scene.bounds.empty();
 }
@@ -112,16 +113,16 @@ std::unique_ptr<LightGuide> make_guide(const PathScene& scene, const PictureRequ
   return std::make_unique<LightGuide>(*scene.environment.partition, grid_of(scene, r));
 }
 
-/// Lights that are sent over panes at each lesson: so many a pixel, and at least some, because small pictures show as
-/// many places as large ones.
+/// Light paths that are traced over panes in each training iteration: this many for each pixel, and at least
+/// kLeastLights, because small pictures show as much of the scene as large ones.
 constexpr double kMirroredLights = 0.25;
 constexpr std::size_t kLeastLights = 16384;
-constexpr std::uint32_t kLastLesson = 64;  ///< after so many paths
-/// Before the first path of the picture guides learn from a pixel in kTrainingSide^2: 1, then 2, then 4 paths, which
-/// are left out. The first paths of all pixels would be drawn without a guide otherwise. Small pictures, which a window
-/// shows first, have too few pixels to learn from.
+constexpr std::uint32_t kLastTrainedPath = 64;  ///< the last training iteration comes after so many paths
+/// Before the first path of the picture, the guides are trained with one pixel in kTrainingSide^2: 1, then 2, then 4
+/// paths, which do not count for the picture. Otherwise the first paths of all pixels would be drawn without a guide.
+/// Small pictures, which a window shows first, have too few pixels for this.
 constexpr int kTrainingSide = 8;
-constexpr std::uint32_t kTrainingLessons = 3;
+constexpr std::uint32_t kTrainingIterations = 3;
 constexpr std::size_t kLeastTrained = std::size_t{1} << 14;  ///< pixels
 
 }  // namespace
@@ -130,19 +131,19 @@ struct ReferencePicture::Impl {
   std::shared_ptr<const PathScene> scene;
   PictureRequest request;
   std::unique_ptr<LightGuide> guide;
-  std::optional<PresampledEnvironment> samples;  ///< where there is a guide
+  std::optional<PresampledEnvironment> samples;  ///< if there is a guide
   EnvironmentLight environment;
   std::optional<MirrorGuide> mirrors;
   CameraFrame camera;
   std::vector<PixelSums> pixels;
-  /// [pixel] paths from `decided` on: so many for each one of the average. Empty: as many as the average.
+  /// [pixel] paths after `decided`, relative to the average. Empty: 1.
   std::vector<float> rates;
-  std::vector<std::uint32_t> counts_then;  ///< [pixel] paths at `decided`
+  std::vector<std::uint32_t> decided_counts;  ///< [pixel] paths at `decided`
   std::uint32_t decided = 0;
-  std::uint32_t done = 0;  ///< paths a pixel, of complete passes
+  std::uint32_t done = 0;  ///< paths a pixel in complete passes
   std::atomic<std::size_t> rays{0};
-  std::uint32_t training = 0;         ///< lessons before the first path that are complete
-  std::vector<std::uint8_t> trained;  ///< [pixel of the training] in the present one
+  std::uint32_t training_iteration = 0;  ///< complete training iterations before the first path
+  std::vector<std::uint8_t> trained;     ///< [training pixel] done in the current iteration
 
   Impl(std::shared_ptr<const PathScene> s, const PictureRequest& r)
       : scene(std::move(s)),
@@ -177,12 +178,12 @@ struct ReferencePicture::Impl {
             {camera.eye, direction_through(at + glm::vec2(step, 0.0f)), direction_through(at + glm::vec2(0.0f, step))}};
   }
 
-  /// Of a pixel when the average is `average`.
+  /// Number of paths of a pixel when the average is `average`.
   std::uint32_t target_of(std::size_t pixel, std::uint32_t average) const {
     if (rates.empty()) return average;
-    // Rounded up as often as its fraction says: half of a path for many pixels is many paths.
+    // Rounded up with the fraction as probability: half a path for many pixels is many paths.
     const float chance = static_cast<float>(mix_seed(request.seed, tile_of(pixel)) >> 8) * 0x1p-24f;
-    return counts_then[pixel] +
+    return decided_counts[pixel] +
            static_cast<std::uint32_t>(rates[pixel] * static_cast<float>(average - decided) + chance);
   }
 
@@ -208,7 +209,7 @@ struct ReferencePicture::Impl {
     return ray_through(corner_of(pixel) + (request.msaa > 1 ? sampler.pair(0) : glm::vec2(0.5f)));
   }
 
-  /// Full transport, paths of several pixels in turn.
+  /// Full transport, paths of several pixels interleaved.
   class Tracer {
    public:
     Tracer(Impl* picture, const Halt& halt)
@@ -217,7 +218,7 @@ struct ReferencePicture::Impl {
           group_(*picture->scene, picture->environment, picture->request.paths.max_bounces,
                  picture->mirrors ? &*picture->mirrors : nullptr) {}
 
-    /// Until these pixels of a tile have their paths, once all are complete.
+    /// Adds paths until these pixels of a tile have their number; the results are there after complete().
     void add(std::span<const std::uint32_t> pixels, std::uint32_t average) {
       std::array<const CameraRay*, kMostInTile> rays{};
       std::uint32_t path = std::numeric_limits<std::uint32_t>::max(), end = 0;
@@ -232,7 +233,7 @@ struct ReferencePicture::Impl {
           const std::uint32_t pixel = pixels[i];
           if (path < picture_.pixels[pixel].count || path >= picture_.target_of(pixel, average)) continue;
           const PathSampler sampler = picture_.sampler_of(pixel, path);
-          // All paths through a pixel's centre begin alike.
+          // All paths through a pixel's centre share the camera ray.
           if (!rays[i] || picture_.request.msaa > 1) rays[i] = &first_ray(pixel, sampler);
           pixels_[count_] = pixel;
           tasks_[count_++] = {rays[i], sampler, tile_, {}};
@@ -266,7 +267,7 @@ struct ReferencePicture::Impl {
     std::array<PathTask, PathGroup::kMost> tasks_;
     std::array<std::size_t, PathGroup::kMost> pixels_{};
     std::size_t count_ = 0, paths_ = 0, rays_ = 0;
-    std::uint32_t tile_ = 0;  ///< counts what was begun
+    std::uint32_t tile_ = 0;  ///< number of the current tile path
     std::deque<CameraRay> first_rays_;
   };
 
@@ -316,15 +317,15 @@ struct ReferencePicture::Impl {
     });
   }
 
-  /// Until the pixels have `average` paths; false when it halted before.
+  /// Traces until the pixels have `average` paths; false when it was halted before.
   bool trace_to(std::uint32_t average, const Halt& halt, const Progress& progress) {
     if (samples) samples->prepare(static_cast<std::uint32_t>(kMostRate * average));
     if (done > 0) {
       trace_pixels(tiles_where([](int, int) { return true; }), average, halt, progress);
     } else {
-      // From coarse to fine. What time does not end is the first pixel of each block.
+      // From coarse to fine. The deadline does not interrupt the first pixel of each block.
       for (int side = kBlock; side > 0; side /= 2) {
-        // Whose coordinates are multiples of `side`, but not of twice that.
+        // Pixels whose coordinates are multiples of `side`, but not of 2 `side`.
         const auto in_grid = [side](int x, int y) {
           return x % side == 0 && y % side == 0 && (side == kBlock || x % (2 * side) != 0 || y % (2 * side) != 0);
         };
@@ -347,7 +348,7 @@ struct ReferencePicture::Impl {
     return tiles;
   }
 
-  /// Of the pixel, or of one that stands for it.
+  /// The sums of the pixel, or of one that stands for it.
   const PixelSums& sums_near(std::size_t pixel) const {
     const auto width = static_cast<std::size_t>(request.width);
     const std::size_t x = pixel % width, y = pixel / width;
@@ -356,9 +357,9 @@ struct ReferencePicture::Impl {
     return pixels[y / kBlock * kBlock * width + x / kBlock * kBlock];
   }
 
-  /// [pixel] mean spread of the pixels around its tile, those of the tile left out: what a pixel saw itself, and its
-  /// tile saw with it, must not decide how often it looks again, or lucky ones would stop and the picture come out too
-  /// dark.
+  /// [pixel] mean spread of the pixels around its tile, without those of the tile. A pixel's own samples, and those of
+  /// its tile, must not decide its number of paths: pixels with small values by chance would get fewer paths, and the
+  /// picture would be too dark.
   std::vector<float> spreads_around() const {
     const int width = request.width, height = request.height;
     std::vector<float> own(pixels.size()), around(pixels.size());
@@ -380,19 +381,19 @@ struct ReferencePicture::Impl {
     return around;
   }
 
-  /// After so many paths of every pixel on average: the numbers when there will be twice as many.
+  /// Decides the numbers of paths until the average has doubled.
   void find_rates() {
     const std::vector<float> spreads = spreads_around();
     const double mean = std::accumulate(spreads.begin(), spreads.end(), 0.0) / static_cast<double>(spreads.size());
     if (!(mean > 0.0)) return;
-    counts_then.resize(pixels.size());
+    decided_counts.resize(pixels.size());
     rates.resize(pixels.size());
-    for (std::size_t i = 0; i < pixels.size(); ++i) counts_then[i] = pixels[i].count;
+    for (std::size_t i = 0; i < pixels.size(); ++i) decided_counts[i] = pixels[i].count;
     const auto rate_of = [&](std::size_t pixel, double scale) {
       const double wanted = std::clamp(scale * static_cast<double>(spreads[pixel]), kLeastRate, kMostRate) * 2.0 * done;
-      return std::max((wanted - counts_then[pixel]) / done, kLeastRate);
+      return std::max((wanted - decided_counts[pixel]) / done, kLeastRate);
     };
-    // What is bounded shifts the average.
+    // The bounds shift the average: find the scale by bisection.
     double low = 0.0, high = 1e3 / mean;
     for (int i = 0; i < 40; ++i) {
       const double scale = 0.5 * (low + high);
@@ -413,13 +414,13 @@ struct ReferencePicture::Impl {
         std::max(kLeastLights, static_cast<std::size_t>(kMirroredLights * static_cast<double>(pixels.size()))));
   }
 
-  /// What a pixel adds to lesson `training`.
+  /// Traces the paths of one training pixel.
   void train_pixel(const glm::vec2& at, std::uint32_t seed) {
     const PixelRay r = ray_through(at);
     const CameraRay ray(*scene, environment, r.ray, &r.differential, 0u);
     std::size_t traced = ray.rays();
-    const std::uint32_t count = 1u << training;
-    static_assert(1u << (kTrainingLessons - 1) <= PathGroup::kMost);
+    const std::uint32_t count = 1u << training_iteration;
+    static_assert(1u << (kTrainingIterations - 1) <= PathGroup::kMost);
     std::array<PathTask, PathGroup::kMost> tasks;
     for (std::uint32_t i = 0; i < count; ++i) tasks[i] = {&ray, {seed, count - 1 + i}, 0, {}};
     const std::span wanted = std::span(tasks).first(count);
@@ -428,13 +429,13 @@ struct ReferencePicture::Impl {
     rays += traced;
   }
 
-  /// The lessons before the first path; false when it was stopped, and the next call goes on from there.
+  /// Runs the training iterations before the first path. False when it was stopped; the next call continues from there.
   bool train(const std::stop_token& stop) {
-    if (pixels.size() < kLeastTrained || training == kTrainingLessons) return true;
-    if (samples) samples->prepare(1u << kTrainingLessons);
+    if (pixels.size() < kLeastTrained || training_iteration == kTrainingIterations) return true;
+    if (samples) samples->prepare(1u << kTrainingIterations);
     const int columns = request.width / kTrainingSide, rows = request.height / kTrainingSide;
     const std::uint32_t seed = mix_seed(request.seed, 0x747261u);
-    for (; training < kTrainingLessons; ++training) {
+    for (; training_iteration < kTrainingIterations; ++training_iteration) {
       trained.resize(static_cast<std::size_t>(columns * rows));
       tbb::parallel_for(0, columns * rows, [&](int i) {
         std::uint8_t& is_trained = trained[static_cast<std::size_t>(i)];
@@ -471,7 +472,7 @@ ReferencePicture& ReferencePicture::operator=(ReferencePicture&&) noexcept = def
 
 const PictureRequest& ReferencePicture::request() const { return impl_->request; }
 
-/// The guides learn after 1, 2, 4, ... paths a pixel, whatever the portions that were asked for.
+/// The guides are updated after 1, 2, 4, ... paths a pixel, however the calls divide the paths.
 bool ReferencePicture::add(int count, const std::stop_token& stop, const std::function<void(double)>& progress,
                            const Deadline& deadline) {
   Impl& s = *impl_;
@@ -480,7 +481,7 @@ bool ReferencePicture::add(int count, const std::stop_token& stop, const std::fu
   if (s.mirrors && target > 0 && !s.train(stop)) return false;
   const Progress report(progress, s.pixels.size() * static_cast<std::size_t>(std::max(count, 1)));
   while (s.done < target) {
-    const bool learns = s.mirrors && s.done < kLastLesson;
+    const bool learns = s.mirrors && s.done < kLastTrainedPath;
     std::uint32_t next = learns ? std::min(target, std::bit_ceil(s.done + 1)) : target;
     const auto step = static_cast<std::uint32_t>(kLargestStep * s.done);
     next = std::min(next, s.done + std::max(step, kLeastStep));

@@ -11,7 +11,7 @@ namespace maquette {
 namespace {
 
 constexpr int kLeastSide = 8;
-/// Directions of the first set at most, over the pixels.
+/// Most directions of the first set, for each pixel.
 constexpr double kDirectionsAPixel = 0.3;
 
 float to_unit(std::uint32_t word) { return static_cast<float>(word >> 8) * 0x1p-24f; }

@@ -8,37 +8,37 @@
 
 namespace maquette {
 
-/// A direction of the environment, drawn by the plain importance.
+/// A direction of the environment, sampled by the plain importance.
 struct alignas(32) PresampledDirection {
   glm::vec3 direction;  ///< world, unit
-  float density;        ///< 1/sr, without a guide
+  float density;        ///< 1/sr, of the plain importance
   glm::vec3 radiance;   ///< cd/m2
 };
 
-/// Directions towards the environment, drawn before paths need them: over the two numbers that choose within a leaf of
-/// the partition lies a grid of strata, each with one direction drawn evenly in it. A draw is one read then, instead of
-/// searches through tables of megabytes.
+/// Directions towards the environment, sampled before paths need them. For each leaf of the partition, the unit square
+/// of random numbers is divided into a grid of strata, with one direction sampled uniformly in each. A path then reads
+/// one entry instead of searching through tables of megabytes.
 ///
-/// Each direction has the leaf's own density, so each estimate is unbiased by itself; what paths share is where in its
-/// stratum a direction lies. Others are taken every kPathsASet paths, and from kMostPaths on every path draws its own,
-/// so that pictures converge without limit. A guide that learns from the first set and draws from it again ties its
-/// densities to the same jitter, for the first 64 paths: a second-order effect, below their noise. Source: Wyman and
-/// Panteleev 2021, "Rearchitecting Spatiotemporal Resampling for Production", Sec. 4.1 (lights presampled; the strata
-/// are ours).
+/// Each direction has the density of its leaf, so each estimate is unbiased by itself; paths only share the position of
+/// a direction within its stratum. There is a new set for every kPathsASet paths. From kMostPaths on, every path
+/// samples its own directions, so that pictures converge without limit. A guide that learns from the first set and then
+/// samples from it correlates its densities with the same jitter, for the first 64 paths: a second-order effect, below
+/// their noise. Source: Wyman and Panteleev 2021, "Rearchitecting Spatiotemporal Resampling for Production", Sec. 4.1
+/// (presampled lights; the strata are ours).
 class PresampledEnvironment {
  public:
   static constexpr std::uint32_t kPathsASet = 64;
   static constexpr std::uint32_t kMostPaths = 1024;
-  static constexpr int kMostSide = 32;  ///< strata along each number
+  static constexpr int kMostSide = 32;  ///< strata along each axis
 
-  /// `environment`: without a guide. `pixels`: few of them are not worth many directions for their first paths.
+  /// `environment`: without a guide. `pixels`: a picture with few of them gets a smaller first set.
   PresampledEnvironment(const EnvironmentLight& environment, int leaves, std::size_t pixels, std::uint32_t seed);
 
-  /// Draws what the first `paths` paths of a pixel need. Not while others use the samples.
+  /// Samples the directions for the first `paths` paths of a pixel. Not while others use the samples.
   void prepare(std::uint32_t paths);
-  /// Whether there are directions for a path; prepare has to have drawn them.
+  /// Whether there are directions for a path, after prepare.
   static bool serves(std::uint32_t path) { return path < kMostPaths; }
-  /// Of path `path`, by two numbers in [0, 1).
+  /// The direction for path `path`, by two numbers in [0, 1).
   const PresampledDirection& at(std::uint32_t path, int leaf, const glm::vec2& within) const {
     const Set& set = sets_[path / kPathsASet];
     const auto side = static_cast<float>(set.side);

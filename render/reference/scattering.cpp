@@ -12,18 +12,18 @@ LobeChoice choose_lobe(const glm::vec3& weights, float u) {
 
 namespace {
 
-/// Asks for what density_of reads; `half` is set.
-void place_density(const MeasuredMaterial& measured, int elevation, ScatteringQuery* query) {
+/// Prefetches what density_of reads; `half` is set.
+void prepare_density(const MeasuredMaterial& measured, int elevation, ScatteringQuery* query) {
   const int row = elevation * kThetaCellCount;
   query->theta_cell = shared::find_theta_cell(measured.tables.theta_cells.data() + row, query->half.t);
   query->theta = measured.tables.theta_cells.data() + row + query->theta_cell;
   query->phis = measured.tables.phi_cells.data() + (row + query->theta_cell) * kPhiCellCount;
   for (int p : {0, kPhiCellCount / 2, kPhiCellCount - 1}) __builtin_prefetch(query->phis + p);
 }
-void place_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
+void prepare_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
   shared::BrdfSampler sampler(measured.tables);
   query->half = sampler.half_vector_place(wo, query->wi);
-  place_density(measured, sampler.brdf_elevation(wo), query);
+  prepare_density(measured, sampler.brdf_elevation(wo), query);
 }
 
 float density_of(const MeasuredMaterial& measured, const glm::vec3& wo, const ScatteringQuery& query) {
@@ -37,15 +37,15 @@ float density_of(const MeasuredMaterial& measured, const glm::vec3& wo, const Sc
 BrdfQuery prepare_brdf(const SurfacePoint& p, const glm::vec3& wi) {
   BrdfQuery query{wi, {}};
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
-    query.place = PackedBrdf::place_of(shared::merl_cell(shared::merl_coordinates(wi, p.wo)));
-    measured->values.prefetch(query.place);
+    query.cell = PackedBrdf::cell_of(shared::merl_cell(shared::merl_coordinates(wi, p.wo)));
+    measured->values.prefetch(query.cell);
   }
   return query;
 }
 
 ScatteringQuery prepare_scattering(const SurfacePoint& p, const glm::vec3& wi) {
   ScatteringQuery query{prepare_brdf(p, wi)};
-  if (const MeasuredMaterial* measured = p.material->measured.get()) place_density(*measured, p.wo, &query);
+  if (const MeasuredMaterial* measured = p.material->measured.get()) prepare_density(*measured, p.wo, &query);
   return query;
 }
 
@@ -63,25 +63,25 @@ void QueryBatch::complete() {
   lanes_.compute();
   for (std::size_t i = 0; i < count_; ++i) {
     const Waiting& w = waiting_[i];
-    w.query->place = lanes_.place(i);
-    w.measured->values.prefetch(w.query->place);
+    w.query->cell = lanes_.cell(i);
+    w.measured->values.prefetch(w.query->cell);
     if (!w.density) continue;
-    w.density->half = {lanes_.places.t[i], lanes_.places.phi[i], lanes_.places.length_sum[i]};
-    place_density(*w.measured, lanes_.places.elevation[i], w.density);
+    w.density->half = {lanes_.coordinates.t[i], lanes_.coordinates.phi[i], lanes_.coordinates.length_sum[i]};
+    prepare_density(*w.measured, lanes_.coordinates.elevation[i], w.density);
   }
   count_ = 0;
 }
 
 glm::vec3 evaluate_brdf(const SurfacePoint& p, const BrdfQuery& query) {
   if (const MeasuredMaterial* measured = p.material->measured.get())
-    return measured->values.look_up(query.place) * p.tint;
+    return measured->values.look_up(query.cell) * p.tint;
   return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
 }
 
 float scattering_pdf(const SurfacePoint& p, const glm::vec3& wi) {
   if (const MeasuredMaterial* measured = p.material->measured.get()) {
     ScatteringQuery query{{wi, {}}};
-    place_density(*measured, p.wo, &query);
+    prepare_density(*measured, p.wo, &query);
     return density_of(*measured, p.wo, query);
   }
   return shared::analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo);

@@ -14,26 +14,26 @@ struct Scattering {
 };
 Scattering evaluate_scattering(const SurfacePoint& point, const glm::vec3& wi);
 
-/// A direction above the horizon whose entries of a measured table are on their way from memory.
+/// A direction above the horizon, with the entries of a measured table prefetched.
 struct BrdfQuery {
   glm::vec3 wi{0.0f};
-  PackedBrdf::Place place{};
+  PackedBrdf::Cell cell{};
 };
 BrdfQuery prepare_brdf(const SurfacePoint& point, const glm::vec3& wi);
 glm::vec3 evaluate_brdf(const SurfacePoint& point, const BrdfQuery& query);
-/// With what the density reads.
+/// With the data for the density.
 struct ScatteringQuery : BrdfQuery {
   shared::BrdfSampler::HalfVectorPlace half{};
   int theta_cell = 0;
-  const glm::vec2 *theta = nullptr, *phis = nullptr;  ///< borders of the cell, and of the phi cells in it
+  const glm::vec2 *theta = nullptr, *phis = nullptr;  ///< bounds of the theta cell, and of the phi cells in it
 };
 ScatteringQuery prepare_scattering(const SurfacePoint& point, const glm::vec3& wi);
 Scattering evaluate_scattering(const SurfacePoint& point, const ScatteringQuery& query);
 
-/// Prepares many queries, of any points, side by side: what prepare_brdf and prepare_scattering make of them.
+/// Prepares many queries, of any points, in SIMD lanes: the same result as prepare_brdf and prepare_scattering.
 class QueryBatch {
  public:
-  /// Queries whose wi is set; they and the points have to last until the batch is complete.
+  /// Adds a query whose wi is set. Queries and points have to live until the batch is complete.
   void add(const SurfacePoint& point, BrdfQuery* query) { add(point, query, nullptr); }
   void add(const SurfacePoint& point, ScatteringQuery* query) { add(point, query, query); }
   void complete();
@@ -42,7 +42,7 @@ class QueryBatch {
   struct Waiting {
     const MeasuredMaterial* measured;
     BrdfQuery* query;
-    ScatteringQuery* density;  ///< null: of the BRDF alone
+    ScatteringQuery* density;  ///< null: the BRDF only
   };
   void add(const SurfacePoint& point, BrdfQuery* query, ScatteringQuery* density);
 
@@ -50,19 +50,19 @@ class QueryBatch {
   std::size_t count_ = 0;
   BrdfLanes lanes_;
 };
-/// The density alone.
+/// The density only.
 float scattering_pdf(const SurfacePoint& point, const glm::vec3& wi);
-/// What two numbers in [0, 1) mean at a point, with what drawing and densities there read on its way from memory.
+/// The cells of a measured table that two numbers in [0, 1) select, prefetched for sampling.
 struct ScatteringChoice {
   glm::vec2 u{0.0f};
   shared::BrdfSampler::BrdfCellChoice cell{};
-  glm::vec2 const *theta_cell = nullptr, *phi_cell = nullptr;  ///< of a measured table
+  glm::vec2 const *theta_cell = nullptr, *phi_cell = nullptr;
 };
 ScatteringChoice choose_scattering(const SurfacePoint& point, const glm::vec2& u);
 
-/// Which lobe of an analytic material u in [0, 1) picks (shared/analytic.glsl), and u stretched over that lobe's share,
-/// in [0, 1): one number for the lobe and a place in it, so that points that are spread well in the square are so in
-/// every lobe.
+/// Selects a lobe of an analytic material by u in [0, 1) (shared/analytic.glsl). `within` is u rescaled to [0, 1) over
+/// that lobe's share: one number selects the lobe and samples it, so that points that are well distributed in the
+/// square are so in every lobe.
 struct LobeChoice {
   int lobe = 0;
   float within = 0.0f;
@@ -71,10 +71,10 @@ LobeChoice choose_lobe(const glm::vec3& weights, float u);
 
 struct DrawnDirection {
   glm::vec3 wi{0.0f};
-  float pdf = 0.0f;  ///< 0: worth nothing, but it counts
+  float pdf = 0.0f;  ///< 0: contributes nothing, but counts as a sample
 };
 DrawnDirection draw_scattering(const SurfacePoint& point, const ScatteringChoice& choice);
-/// All at once, with the BRDF.
+/// Direction and BRDF in one step.
 struct ScatteringSample {
   glm::vec3 wi{0.0f};
   glm::vec3 f{0.0f};

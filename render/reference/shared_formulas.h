@@ -1,6 +1,6 @@
 #pragma once
 
-// The shaders' formulas as C++ for the path tracer: the very lines that the GPU compiles.
+// The shaders' formulas as C++ for the path tracer: the same source that the GPU compiles.
 #include <glm/glm.hpp>
 
 #ifndef MAQUETTE_FN

@@ -10,15 +10,18 @@ namespace maquette {
 
 namespace {
 
-/// Rounding of position = sum of b_i p_i and of the ray tracer's plane test, in units of the sum of |b_i p_i|: 16 half
-/// units in the last place. Source: Pharr et al. 2023, Sec. 6.8.5 has 7 for the sum alone; the rest is the test's,
-/// which subtracts coordinates of the same size.
+/// Rounding error of position = sum of b_i p_i and of the ray tracer's plane test, relative to the sum of
+///
+/// b_i p_i
+///
+/// : 16 half units in the last place. Source: Pharr et al. 2023, Sec. 6.8.5 has 7 for the sum alone; the rest is for
+/// the test, which subtracts coordinates of the same size.
 constexpr float kPositionError = 16.0f * 0x1p-24f;
 
 /// std::nextafter of a finite number, upwards (step 1), downwards (-1) or not at all (0), without calls and branches.
 float next_float(float value, std::int32_t step) {
   const auto bits = std::bit_cast<std::int32_t>(value);
-  // Floats are in the order of these whole numbers, both zeros the same one.
+  // These integers have the order of the floats; both zeros map to the same integer.
   const std::int32_t sign = bits >> 31;
   const std::int32_t next = (((bits & 0x7fffffff) ^ sign) - sign) + step;
   const std::int32_t next_sign = next >> 31;
@@ -41,7 +44,7 @@ Corners corners_of(const PathScene& scene, std::uint32_t triangle, const glm::ve
 }
 
 struct Footprint {
-  glm::vec2 dx{0.0f}, dy{0.0f};  ///< of the barycentrics, to the neighbouring pixels
+  glm::vec2 dx{0.0f}, dy{0.0f};  ///< barycentric coordinates at the neighbouring pixels less those here
 };
 
 Footprint footprint_of(const RayDifferential& d, const glm::vec3& p0, const glm::vec3& e1, const glm::vec3& e2,
@@ -114,7 +117,7 @@ void fill_material(const TracedMaterial& m, const Factors& f, SurfacePoint* p) {
   p->lobe_weights = shared::analytic_lobe_weights(p->analytic, p->wo);
 }
 
-/// As shaders/shading/point.glsl has it: never quite below the horizon.
+/// As in shaders/shading/point.glsl: never quite below the horizon.
 glm::vec3 local_view(const SurfacePoint& p, const glm::vec3& view) {
   glm::vec3 wo = p.to_local(view);
   wo.z = std::max(wo.z, 1e-3f);
@@ -142,8 +145,8 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   p.triangle = hit.triangle;
   p.material = &scene.material_of(hit.triangle);
   p.position = p0 * c.b0 + p1 * c.b1 + p2 * c.b2;
-  // The largest coordinate bounds all three: the ray tracer's test mixes them, and on the plane y = 0 the sum for y
-  // alone is nothing, so that every ray from a floor of triangles below a centimetre met that floor.
+  // The largest coordinate bounds all three, because the ray tracer's test mixes them. On the plane y = 0 the sum for y
+  // alone is 0, and every ray from a floor of triangles below a centimetre hit that floor.
   const glm::vec3 magnitude = glm::abs(p0 * c.b0) + glm::abs(p1 * c.b1) + glm::abs(p2 * c.b2);
   p.error = glm::vec3(shared::light_largest(magnitude) * kPositionError);
   const glm::vec3 view = -glm::normalize(ray.direction);
@@ -166,7 +169,7 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
       normal = shared::apply_normal_map(normal, c.mix(scene.geometry.tangents), f.mapped, v.normal_scale);
   }
   p.n = shared::face_viewer(normal, p.normal, view);
-  p.turned = p.n != normal && p.n != -normal;
+  p.normal_adjusted = p.n != normal && p.n != -normal;
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
   p.t = basis.t;
   p.b = basis.b;
@@ -196,7 +199,7 @@ PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
   rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
   rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
   rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
-  // Below the true surface by a bent normal: it would leave through the pane.
+  // The shading normal reflects it below the geometric surface: it would leave through the pane.
   if (glm::dot(rays.mirrored.direction, p.normal) <= 0.0f) rays.shares.reflected = glm::vec3(0.0f);
   rays.passed.origin = offset_from_surface(p.position, p.error, -p.normal);
   rays.passed.direction = ray.direction;

@@ -11,27 +11,27 @@ namespace maquette {
 inline float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-/// Rays through the neighbouring pixels, for the footprint of textures; directions as long as the ray's own.
+/// Rays through the neighbouring pixels, for texture footprints; directions are as long as the ray's own.
 struct RayDifferential {
   glm::vec3 origin{0.0f};
   glm::vec3 direction_x{0.0f}, direction_y{0.0f};
 };
 
-/// A point of a surface with its material after textures, ready to be shaded.
+/// A surface point with its material after textures, ready for shading.
 struct SurfacePoint {
   glm::vec3 position{0.0f};
   glm::vec3 error{0.0f};                ///< bound of the rounding error of each coordinate
-  glm::vec3 normal{0.0f};               ///< geometric, unit, towards where the ray came from
+  glm::vec3 normal{0.0f};               ///< geometric, unit, on the side that the ray came from
   glm::vec3 n{0.0f}, t{0.0f}, b{0.0f};  ///< shading frame
   glm::vec3 wo{0.0f};                   ///< local, unit, z > 0
   const TracedMaterial* material = nullptr;
   std::uint32_t triangle = 0;
-  bool front = true;    ///< seen from the side that the winding says
-  bool turned = false;  ///< n was turned towards this viewer: another one sees another
+  bool front = true;             ///< seen from the front, by the winding
+  bool normal_adjusted = false;  ///< n was changed to face this viewer, and differs for others
   glm::vec3 base_color{1.0f};
   glm::vec3 emission{0.0f};  ///< cd/m2 towards wo
   glm::vec3 tint{1.0f};      ///< of a measured table
-  // Without one:
+  // Without a measured table:
   shared::AnalyticMaterial analytic{};
   glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
 
@@ -44,8 +44,8 @@ struct SurfaceOptions {
   bool occlusion_texture = false;                 ///< direct transport only: full transport has real occlusion
 };
 
-/// In place: of `out`, what the material has no use for (the tint, or the analytic material and its lobes) stays as it
-/// is.
+/// Writes to `out`. Fields that the material does not use (the tint, or the analytic material and its lobes) keep their
+/// values.
 void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, const SurfaceOptions& options,
                      SurfacePoint* out);
 inline SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit,
@@ -55,20 +55,20 @@ inline SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, cons
   return point;
 }
 
-/// Share of light per channel that goes straight through a pane at a hit; `view`: unit, to either side.
+/// Transmittance per channel of a pane at a hit, straight through; `view`: unit, to either side.
 glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
                              const glm::vec3& view);
 
 /// Emitted radiance at barycentric coordinates of a triangle, texture unfiltered.
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric);
 
-/// What a pane does with light along its normal's cosine: reflected and transmitted shares per channel.
+/// Reflectance and transmittance of a pane per channel. `inside`: internal transmittance of one crossing.
 struct PaneShares {
   glm::vec3 reflected, transmitted;
 };
 PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside);
 
-/// Where a pane sends a ray that met it at `p`, and how much of it.
+/// The reflected and the transmitted ray of a pane that was hit at `p`, with their shares.
 struct PaneRays {
   Ray mirrored, passed;
   PaneShares shares;

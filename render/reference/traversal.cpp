@@ -13,18 +13,18 @@ namespace maquette {
 
 namespace {
 
-/// What filters need to know of the ray that they are asked about.
+/// What the filter functions need to know about their ray.
 struct RayContext {
   RTCIntersectContext base;  // first: Embree hands back a pointer to it
   const PathScene* scene;
   RayKind kind;
   std::uint32_t chance;
-  Passage* passage;  ///< of shadow rays
+  Passage* passage;  ///< for shadow rays
 };
 
-bool all_taken(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
+bool is_black(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
 
-/// A hit of the ray tracer's primitives.
+/// A hit of one of the ray tracer's primitives.
 struct MeshHit {
   unsigned mesh, primitive;
   float u, v;
@@ -55,7 +55,7 @@ Candidate candidate_of(const PathScene& scene, const RTCFilterFunctionNArguments
            RTCRayN_dir_z(args->ray, args->N, 0)}};
 }
 
-/// Of every mesh, for camera rays only (through the context).
+/// Filter of every mesh, for camera rays only (set in the context).
 void cull_backs(const RTCFilterFunctionNArguments* args) {
   const auto* context = reinterpret_cast<const RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
@@ -63,8 +63,8 @@ void cull_backs(const RTCFilterFunctionNArguments* args) {
   if ((t.material & kBothSides) == 0 && glm::dot(t.geometric, c.direction) > 0.0f) args->valid[0] = 0;
 }
 
-/// Of the mesh that asks: whether a ray that looks for the nearest surface stops there.
-void stop_at_covered(const RTCFilterFunctionNArguments* args) {
+/// Filter of the mesh kAlpha, nearest hit: skips cut-out surfaces, and blended ones at random.
+void skip_by_alpha(const RTCFilterFunctionNArguments* args) {
   const auto* context = reinterpret_cast<const RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
   const TracedMaterial& m = context->scene->material_of(c.triangle);
@@ -76,25 +76,25 @@ void stop_at_covered(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Of panes: what a shadow ray loses is reckoned once nothing has stopped it, as most are stopped, and by then the
-/// panes have come from memory.
+/// Filter of panes, shadow rays: stores the pane. Its transmittance is computed once nothing has stopped the ray,
+/// because most rays are stopped; by then the panes are in the cache.
 void pass_pane(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
-  if (context->kind == RayKind::link) return;
+  if (context->kind == RayKind::reconnection) return;
   const Candidate c = candidate_of(*context->scene, args);
   __builtin_prefetch(&context->scene->triangles[c.triangle]);
   Passage& passage = *context->passage;
   if (passage.pane_count == Passage::kMostPanes) {
     passage.transmittance = transmittance(*context->scene, c.direction, passage);
     passage.pane_count = 0;
-    if (all_taken(passage.transmittance)) return;
+    if (is_black(passage.transmittance)) return;
   }
   passage.panes[passage.pane_count++] = {c.triangle, c.barycentric};
   args->valid[0] = 0;
 }
 
-/// Of the mesh that asks: what a shadow ray loses.
-void take_share(const RTCFilterFunctionNArguments* args) {
+/// Filter of the mesh kAlpha, shadow rays: multiplies the transmittance.
+void attenuate_by_alpha(const RTCFilterFunctionNArguments* args) {
   auto* context = reinterpret_cast<RayContext*>(args->context);
   const PathScene& scene = *context->scene;
   const Candidate c = candidate_of(scene, args);
@@ -104,13 +104,13 @@ void take_share(const RTCFilterFunctionNArguments* args) {
     return;
   }
   const float alpha = alpha_at(scene, c.triangle, c.barycentric);
-  if (context->kind == RayKind::link) {
+  if (context->kind == RayKind::reconnection) {
     if (!(alpha > 0.0f)) args->valid[0] = 0;
     return;
   }
   glm::vec3& left = context->passage->transmittance;
   left *= 1.0f - alpha;
-  if (!all_taken(left)) args->valid[0] = 0;
+  if (!is_black(left)) args->valid[0] = 0;
 }
 
 /// Corners of the ray tracer's primitives.
@@ -145,9 +145,9 @@ void add_mesh(PathScene* scene, std::size_t mesh) {
     std::memcpy(vertices, positions.data(), positions.size() * 12);
     write_corners(*scene, mesh, corners);
     if (mesh == PathScene::kPanes) rtcSetGeometryOccludedFilterFunction(handle, pass_pane);
-    if (mesh == PathScene::kAsks) {
-      rtcSetGeometryIntersectFilterFunction(handle, stop_at_covered);
-      rtcSetGeometryOccludedFilterFunction(handle, take_share);
+    if (mesh == PathScene::kAlpha) {
+      rtcSetGeometryIntersectFilterFunction(handle, skip_by_alpha);
+      rtcSetGeometryOccludedFilterFunction(handle, attenuate_by_alpha);
     }
     rtcCommitGeometry(handle);
     rtcAttachGeometryByID(scene->embree.get(), handle, static_cast<unsigned>(mesh));
@@ -227,9 +227,9 @@ glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
   return find_passage(scene, ray, &passage) ? transmittance(scene, ray.direction, passage) : glm::vec3(0.0f);
 }
 
-bool is_clear(const PathScene& scene, const Ray& ray) {
+bool is_unoccluded(const PathScene& scene, const Ray& ray) {
   Passage passage;
-  return passes(scene, ray, RayKind::link, &passage);
+  return passes(scene, ray, RayKind::reconnection, &passage);
 }
 
 }  // namespace maquette

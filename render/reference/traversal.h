@@ -8,15 +8,15 @@
 namespace maquette {
 
 struct RayHit {
-  float distance = 0.0f;  ///< along the direction as given
+  float distance = 0.0f;  ///< in units of the direction's length
   std::uint32_t triangle = 0;
   glm::vec2 barycentric{0.0f};  ///< weights of the second and third corner
 };
 
 enum class RayKind {
-  camera,  ///< culls backs of single-sided surfaces as rasterisation does; stops at blended surfaces
-  path,    ///< passes blended surfaces by chance
-  link,    ///< stops at whatever takes or mirrors light
+  camera,        ///< culls back faces of single-sided surfaces, as rasterisation does; stops at blended surfaces
+  path,          ///< passes blended surfaces at random
+  reconnection,  ///< stops at everything that absorbs or reflects light
 };
 
 struct Ray {
@@ -29,27 +29,27 @@ struct Ray {
 /// Fills PathScene::device and embree. Throws Error when the ray tracer does not start or runs out of memory.
 void build_hierarchy(PathScene* scene);
 
-/// Nearest surface that stops the ray; panes do. `chance` decides about blended surfaces.
+/// Nearest surface that stops the ray; panes do. `chance`: random number that decides about blended surfaces.
 bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit);
-/// What a shadow ray passed. Its panes are reckoned later, once they have come from memory.
+/// What a shadow ray passed through. The transmittance of its panes is computed later, once they are in the cache.
 struct Passage {
-  static constexpr std::uint32_t kMostPanes = 8;  ///< that wait
+  static constexpr std::uint32_t kMostPanes = 8;  ///< not yet computed
   struct Pane {
     std::uint32_t triangle;
     glm::vec2 barycentric;
   };
-  glm::vec3 transmittance;  ///< without the panes that wait
+  glm::vec3 transmittance;  ///< without the panes below
   std::uint32_t pane_count;
   std::array<Pane, kMostPanes> panes;
 };
-/// Whether anything may come through; `passage` is only worth something then.
+/// Whether any light may pass; `passage` is valid only then.
 bool find_passage(const PathScene& scene, const Ray& ray, Passage* passage);
-/// Share of light per channel that comes through along `direction`, panes included.
+/// Transmittance per channel along `direction`, panes included.
 glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const Passage& passage);
-/// Both at once: share of light per channel that comes through along a straight line: panes and blended surfaces take
-/// some, all else everything.
+/// Both in one step: transmittance per channel along a straight line. Panes and blended surfaces attenuate, all other
+/// surfaces block.
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray);
-/// Whether nothing at all is in between, not even a pane.
-bool is_clear(const PathScene& scene, const Ray& ray);
+/// Whether there is nothing in between, not even a pane.
+bool is_unoccluded(const PathScene& scene, const Ray& ray);
 
 }  // namespace maquette

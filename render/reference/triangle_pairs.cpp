@@ -13,8 +13,8 @@ namespace maquette {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-/// Surface of the box around both triangles over the sum of their boxes' surfaces: 0.5 for halves of a rectangle, 1 for
-/// triangles in a strip. Above it a ray meets the pair's box more often than the two boxes.
+/// Largest area of the box around both triangles over the sum of their own boxes' areas: 0.5 for halves of a rectangle,
+/// 1 for triangles in a strip. Above 1 a ray hits the pair's box more often than the two boxes.
 constexpr float kMostGrowth = 1.0f;
 
 /// Half-edge k of triangle t, the k-th of the list, is 3 t + k and runs from its k-th corner to the next one.
@@ -23,13 +23,13 @@ class Neighbours {
   Neighbours(std::span<const std::uint32_t> triangles, std::span<const glm::vec3> positions,
              std::span<const std::uint32_t> indices)
       : triangles_(triangles), positions_(positions), indices_(indices), twins_(3 * triangles.size(), kNone) {
-    link(edges_at_vertices());
+    match_twins(edges_at_vertices());
   }
 
-  /// The same edge in the neighbour, kNone: there is none.
+  /// The half-edge of the neighbour along the same edge, kNone: there is no neighbour.
   std::uint32_t twin(std::uint32_t half_edge) const { return twins_[half_edge]; }
 
-  /// How much larger the box around a triangle and its neighbour across an edge is than their boxes together.
+  /// Area of the box around a triangle and its neighbour across an edge, over the sum of their boxes' areas.
   float growth(std::uint32_t half_edge) const {
     const Bounds a = bounds(half_edge / 3), b = bounds(twins_[half_edge] / 3);
     Bounds both = a;
@@ -38,7 +38,7 @@ class Neighbours {
     return surface(both) / std::max(surface(a) + surface(b), std::numeric_limits<float>::min());
   }
 
-  /// Of the edges towards neighbours that are `free`, the one across which the box grows least.
+  /// The edge with the least growth, among those to neighbours that are `free`.
   template <typename Free>
   std::uint32_t best_edge(std::uint32_t triangle, const Free& free) const {
     std::uint32_t best = kNone;
@@ -95,8 +95,8 @@ class Neighbours {
     return at;
   }
 
-  /// Half-edges that run opposite ways are twins; where more than two triangles meet at an edge, some of them.
-  void link(EdgesAtVertices at) {
+  /// Half-edges in opposite directions become twins; where more than two triangles meet at an edge, some of them.
+  void match_twins(EdgesAtVertices at) {
     tbb::parallel_for(std::size_t{0}, at.begin.size() - 1, [&](std::size_t v) {
       const auto first = at.edges.begin() + at.begin[v], last = at.edges.begin() + at.begin[v + 1];
       const auto key = [&](std::uint32_t edge) {
@@ -133,7 +133,7 @@ std::vector<std::uint32_t> match(const Neighbours& neighbours, std::uint32_t cou
     partner[edge / 3] = edge;
     partner[neighbours.twin(edge) / 3] = neighbours.twin(edge);
   };
-  // Those that prefer each other first, then whoever is left beside each other.
+  // First the triangles that prefer each other, then neighbours that are left.
   for (std::uint32_t t = 0; t < count; ++t) {
     if (favourite[t] == kNone || partner[t] != kNone) continue;
     if (const std::uint32_t twin = neighbours.twin(favourite[t]); favourite[twin / 3] == twin) pair(favourite[t]);
@@ -155,16 +155,16 @@ TrianglePairs pair_triangles(std::span<const std::uint32_t> triangles, std::span
   const std::vector<std::uint32_t> partner = match(neighbours, count);
   TrianglePairs pairs;
   pairs.order.reserve(count);
-  // The shared edge becomes the one from the second corner to the third.
-  const auto take = [&](std::uint32_t edge) {
+  // Rotates the corners so that the shared edge runs from the second corner to the third.
+  const auto append = [&](std::uint32_t edge) {
     std::uint32_t* corners = &indices[3 * std::size_t{triangles[edge / 3]}];
     std::rotate(corners, corners + (edge % 3 + 2) % 3, corners + 3);
     pairs.order.push_back(triangles[edge / 3]);
   };
   for (std::uint32_t t = 0; t < count; ++t) {
     if (partner[t] == kNone || neighbours.twin(partner[t]) / 3 < t) continue;
-    take(partner[t]);
-    take(neighbours.twin(partner[t]));
+    append(partner[t]);
+    append(neighbours.twin(partner[t]));
     ++pairs.pair_count;
   }
   for (std::uint32_t t = 0; t < count; ++t)

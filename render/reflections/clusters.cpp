@@ -28,7 +28,7 @@ void close_cluster(const FlatGeometry& geometry, Cluster cluster, ClusterSet* se
 
 }  // namespace
 
-/// By the Morton code of their middles, 10 bits an axis.
+/// Sorts by the Morton codes of the centroids, 10 bits an axis.
 std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const DrawItem& item) {
   const auto middle = [&](std::uint32_t t) {
     const std::uint32_t* v = &geometry.indices[3 * static_cast<std::size_t>(t)];
@@ -58,7 +58,7 @@ std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const
 ClusterSet make_clusters(const FlatGeometry& geometry) {
   constexpr std::uint32_t kNone = ~0u;
   ClusterSet set;
-  std::vector<std::uint32_t> number(geometry.positions.size(), kNone);  // in the cluster that is open
+  std::vector<std::uint32_t> number(geometry.positions.size(), kNone);  // index within the current cluster
   for (const DrawItem& item : geometry.items) {
     const std::vector<std::uint32_t> order = order_along_curve(geometry, item);
     const std::size_t begin = set.clusters.size();
@@ -112,7 +112,7 @@ Beam make_beam(std::span<const glm::vec3> origins, std::span<const glm::vec3> di
   float least = length > 1e-6f ? 1.0f : -1.0f;
   for (const glm::vec3& p : origins) beam.base_radius = std::max(beam.base_radius, glm::length(p - beam.base));
   for (const glm::vec3& d : directions) least = std::min(least, glm::dot(beam.axis, d));
-  beam.cosine = std::max(least - 1e-6f, 0.0f);  // rounding of a cosine near 1 is a large angle
+  beam.cosine = std::max(least - 1e-6f, 0.0f);  // near 1 the rounding of a cosine is a large angle
   beam.sine = std::sqrt(std::max(1.0f - beam.cosine * beam.cosine, 0.0f));
   return beam;
 }

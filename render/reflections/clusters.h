@@ -9,7 +9,7 @@
 
 namespace maquette {
 
-/// Neighbouring triangles of one item, few enough that one workgroup holds their vertices.
+/// Neighbouring triangles of one item, few enough for one workgroup to hold their vertices.
 struct Cluster {
   static constexpr std::uint32_t kMaxVertices = 64, kMaxTriangles = 128;
   glm::vec3 center{0.0f};
@@ -25,18 +25,18 @@ struct ClusterSet {
   };
   std::vector<Cluster> clusters;
   std::vector<Range> of_item;
-  std::vector<std::uint32_t> vertices;  ///< of each cluster, of the scene
-  /// Of each: numbers of its corners in its cluster's vertices, 8 bits each; number in the scene.
+  std::vector<std::uint32_t> vertices;  ///< indices into the scene's vertices, cluster by cluster
+  /// Of each triangle: indices of its corners within its cluster's vertices, 8 bits each; index in the scene.
   std::vector<glm::uvec2> triangles;
 };
 
-/// All triangles; those of an item along a curve that keeps neighbours together, whatever the order of the file.
+/// Clusters of all triangles; those of an item are sorted along a space-filling curve, whatever the order of the file.
 ClusterSet make_clusters(const FlatGeometry& geometry);
 
-/// Of each triangle of the scene the number of its cluster.
+/// Cluster of each triangle of the scene.
 std::vector<std::uint32_t> cluster_of_triangle(const ClusterSet& set);
 
-/// Numbers of the item's triangles, along the same curve.
+/// Triangle indices of the item, along the same curve.
 std::vector<std::uint32_t> order_along_curve(const FlatGeometry& geometry, const DrawItem& item);
 
 /// Rays that leave a small part of a mirror: origins in a sphere, directions in a cone.
@@ -46,16 +46,16 @@ struct Beam {
   glm::vec3 axis{0.0f, 0.0f, 1.0f};
   float sine = 0.0f, cosine = 1.0f;  ///< of the cone's half angle, at most 90 degrees
 };
-/// The smallest cone and sphere around some rays; directions unit.
+/// A small sphere and cone around the rays; directions unit.
 Beam make_beam(std::span<const glm::vec3> origins, std::span<const glm::vec3> directions);
-/// False only when no ray of the beam meets the sphere.
+/// Conservative: false only when no ray of the beam meets the sphere.
 inline bool may_meet(const Beam& beam, const glm::vec3& center, float radius) {
-  if (beam.cosine <= 0.0f) return true;  // some rays may go the other way
+  if (beam.cosine <= 0.0f) return true;  // some rays may go in the opposite direction
   const glm::vec3 to = center - beam.base;
   const float along = glm::dot(to, beam.axis), reach = radius + beam.base_radius;
   if (along < -reach) return false;
   const float across2 = glm::dot(to, to) - along * along, limit = reach + along * beam.sine;
-  // across cos - along sin is at most the distance to the cone
+  // across cos - along sin is a lower bound of the distance to the cone
   return limit >= 0.0f && across2 * beam.cosine * beam.cosine <= limit * limit;
 }
 

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint32_t kCoarsestQuads = 16;
 
 PatchSides sides_of_patch(const FlatGeometry& geometry, const DrawItem& patch) {
-  // The first quad's two triangles reach to the second vertex of the second row, however they are wound.
+  // The two triangles of the first quad contain the second vertex of the second row, whatever the winding.
   const std::uint32_t* first = geometry.indices.data() + patch.first_index;
   const auto columns = static_cast<int>(*std::max_element(first, first + 6) - patch.first_vertex) - 2;
   return {columns, static_cast<int>(patch.vertex_count) / (columns + 1) - 1};
@@ -37,7 +37,7 @@ class Grid {
   bool rewound_;
 };
 
-/// Of one coarse quad, whose diagonal is that of tessellate_patch.
+/// One coarse quad, with the diagonal of tessellate_patch.
 struct CoarseQuad {
   std::uint32_t row, column, next_row, next_column;
 };
@@ -93,15 +93,15 @@ CoarsePatches make_coarse_patches(const FlatGeometry& geometry) {
     patch.sides = grid.sides();
     for (std::uint32_t quads = 2; quads <= kCoarsestQuads; quads *= 2)
       patch.levels.push_back(make_level(grid, quads, &patches.indices));
-    // In a triangle no point is farther from a corner than the longest edge.
+    // In a triangle no point is farther from the nearest corner than the longest edge.
     for_each_quad(grid, kCoarsestQuads, [&](const CoarseQuad& q) {
       const glm::vec3 a = grid.at(q.row, q.column), b = grid.at(q.row, q.next_column),
                       c = grid.at(q.next_row, q.column), d = grid.at(q.next_row, q.next_column);
       patch.corners.insert(patch.corners.end(), {a, b, c, d});
       for (const glm::vec3& edge : {b - a, c - a, d - b, d - c, d - a})
-        patch.reach_m = std::max(patch.reach_m, glm::length(edge));
+        patch.extent_m = std::max(patch.extent_m, glm::length(edge));
     });
-    patch.reach_m += patch.levels.back().deviation_m;
+    patch.extent_m += patch.levels.back().deviation_m;
   }
   return patches;
 }
@@ -109,7 +109,7 @@ CoarsePatches make_coarse_patches(const FlatGeometry& geometry) {
 const CoarsePatch::Level* coarsest_level(const CoarsePatch& patch, const glm::vec3& eye, float tolerance_rad) {
   float nearest_m = std::numeric_limits<float>::max();
   for (const glm::vec3& corner : patch.corners) nearest_m = std::min(nearest_m, glm::length(corner - eye));
-  const float allowed_m = tolerance_rad * (nearest_m - patch.reach_m);
+  const float allowed_m = tolerance_rad * (nearest_m - patch.extent_m);
   const CoarsePatch::Level* coarsest = nullptr;
   for (const CoarsePatch::Level& level : patch.levels)
     if (level.deviation_m <= allowed_m) coarsest = &level;

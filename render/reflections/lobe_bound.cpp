@@ -7,9 +7,9 @@ namespace maquette {
 
 namespace {
 
-constexpr int kAzimuths = 12;  // half the circle: f is isotropic
+constexpr int kAzimuths = 12;  // half the circle, because f is isotropic
 constexpr float kHalfPi = 1.57079633f;
-constexpr float kMargin = 1.1f;  // for what lies between the samples
+constexpr float kMargin = 1.1f;  // for values between the samples
 constexpr float kUnknownPeak = 1e9f;
 
 }  // namespace

@@ -12,14 +12,15 @@ namespace maquette {
 namespace {
 
 constexpr float kPi = 3.14159265f;
-constexpr float kCell_rad = kPi / 36.0f;  // of the cells of directions
+constexpr float kCell_rad = kPi / 36.0f;  // size of the cells of directions
 constexpr std::size_t kPartTriangles = 48;
-/// Normals between those of the vertices, and of a patch's true surface, leave their cone by no more.
-constexpr float kTurn_rad = 0.02f;
-/// A part whose rays spread further (a cone's half angle) is followed, whatever it mirrors.
-constexpr float kMostSpread_rad = 0.7f;
-constexpr float kAnything = 1e30f;  // cd/m2
-constexpr float kFaint = 1.0f;      // cd/m2, of a lamp's highlight
+/// Interpolated normals, and those of a patch's true surface, leave the cone of the vertex normals by no more than
+/// this.
+constexpr float kNormalDeviation_rad = 0.02f;
+/// Parts whose rays spread more (half angle of their cone) get no bound: they are always traced.
+constexpr float kMaxSpread_rad = 0.7f;
+constexpr float kUnbounded = 1e30f;  // cd/m2
+constexpr float kFaint = 1.0f;       // cd/m2; fainter highlights of lamps are ignored
 constexpr float kNear_m = 1e-4f;
 constexpr float kOwnFacet_m = 2e-3f;
 constexpr std::uint32_t kShadowTests = 8;  // points of a cluster, at least
@@ -27,14 +28,14 @@ constexpr std::uint32_t kShadowTests = 8;  // points of a cluster, at least
 float safe_acos(float c) { return std::acos(std::clamp(c, -1.0f, 1.0f)); }
 
 /// Cell of a world direction in rows of latitude.
-std::size_t way_of(const glm::vec3& d, int columns, int rows) {
+std::size_t direction_cell(const glm::vec3& d, int columns, int rows) {
   const int row = std::clamp(static_cast<int>(safe_acos(d.y) / kPi * static_cast<float>(rows)), 0, rows - 1);
   const float turn = (std::atan2(d.x, d.z) / kPi + 1.0f) * 0.5f;
   const int column = std::clamp(static_cast<int>(turn * static_cast<float>(columns)), 0, columns - 1);
   return static_cast<std::size_t>(row * columns + column);
 }
 
-glm::vec3 way(float column, float row, int columns, int rows) {
+glm::vec3 cell_direction(float column, float row, int columns, int rows) {
   const float theta = kPi * row / static_cast<float>(rows),
               phi = kPi * (2.0f * column / static_cast<float>(columns) - 1.0f);
   return {std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)};
@@ -55,7 +56,7 @@ void MirroredBound::set_geometry(const FlatGeometry& geometry, const std::vector
     const glm::vec3 sum = corner(0) + corner(1) + corner(2);
     const glm::vec3 mean = glm::length(sum) > 1e-6f ? glm::normalize(sum) : corner(0);
     const float least = std::min({glm::dot(mean, corner(0)), glm::dot(mean, corner(1)), glm::dot(mean, corner(2))});
-    normals_[t] = glm::vec4(mean, safe_acos(least) + kTurn_rad);
+    normals_[t] = glm::vec4(mean, safe_acos(least) + kNormalDeviation_rad);
   });
   lit_.assign(clusters_.clusters.size(), Lit());
   cluster_of_.assign(geometry.indices.size() / 3, 0u);
@@ -100,13 +101,14 @@ MirroredBound::Cell MirroredBound::test_cell(const Part& part, std::size_t numbe
   Cell cell;
   const auto row = static_cast<float>(number / kColumns), column = static_cast<float>(number % kColumns);
   for (int k = 0; k < kTests; ++k) {
-    // Golden ratios of dimension 4 (Roberts 2018): two of the origin, two of the direction.
+    // Low-discrepancy sequence of dimension 4 (Roberts 2018): two for the origin, two for the direction.
     const auto part_of = [&](double g) {
       return static_cast<float>(std::fmod((static_cast<double>(number) * kTests + k) * g + 0.5, 1.0));
     };
     const auto triangle =
         3 * static_cast<std::size_t>(part_of(0.8566748838545029) * static_cast<float>(part.positions.size() / 3));
-    const glm::vec3 d = way(column + part_of(0.7338918566271259), row + part_of(0.6287067210378087), kColumns, kRows);
+    const glm::vec3 d =
+        cell_direction(column + part_of(0.7338918566271259), row + part_of(0.6287067210378087), kColumns, kRows);
     const glm::vec3 side =
         glm::mix(part.positions[triangle], part.positions[triangle + 1], part_of(0.5385972572236101));
     const glm::vec3 origin = glm::mix(side, part.positions[triangle + 2], 0.5f);
@@ -138,7 +140,7 @@ void MirroredBound::set_light(const BoundLight& light) {
   for (int y = 0; y < SkyBound::kHeight; ++y)
     for (int x = 0; x < SkyBound::kWidth; ++x) {
       const glm::vec3 d(direction_from_latlong(x + 0.5, y + 0.5, SkyBound::kWidth, SkyBound::kHeight));
-      float& out = sky_out_[way_of(to_world(d), kColumns, kRows)];
+      float& out = sky_out_[direction_cell(to_world(d), kColumns, kRows)];
       out = std::max(out, light.scale * light.sky->largest[static_cast<std::size_t>(y * SkyBound::kWidth + x)]);
     }
   tbb::parallel_for(std::size_t{0}, lit_.size(), [&](std::size_t c) {
@@ -157,7 +159,7 @@ void MirroredBound::light_cluster(Lit* lit, std::size_t number) const {
     bool lit_by = !light_.shadows;
     for (std::uint32_t k = 0; k < cluster.vertex_count && !lit_by; k += 1 + cluster.vertex_count / kShadowTests) {
       const glm::vec3& at = positions_[clusters_.vertices[cluster.first_vertex + k]];
-      // Towards the cluster's middle, so that an edge's own neighbours do not hide the lamp.
+      // Moved towards the cluster's centre, so that triangles next to an edge do not hide the lamp.
       lit_by = !rays_.is_blocked(glm::mix(at, lit->center, 0.05f), lamp.direction, kOwnFacet_m) ||
                !rays_.is_blocked(at, lamp.direction, kOwnFacet_m);
     }
@@ -170,18 +172,19 @@ float MirroredBound::radiance_of(const Met& met) const {
   const Lit& lit = lit_[met.cluster];
   const BoundSurface& surface = light_.surfaces[lit.item];
   const LobeBound& lobe = light_.lobes[static_cast<std::size_t>(surface.lobe)];
-  const float turn = surface.bent ? kPi : met.turn_rad;
+  const float spread_rad = surface.normal_mapped ? kPi : met.normal_spread_rad;
   float sum = surface.emission;
   for (const std::uint32_t l : lit.lamps) {
     const SkyBound::Lamp& lamp = lamps_[l];
-    if (glm::dot(lamp.direction, met.normal) < -std::sin(std::min(turn + lamp.radius_rad, 0.5f * kPi))) continue;
+    if (glm::dot(lamp.direction, met.normal) < -std::sin(std::min(spread_rad + lamp.radius_rad, 0.5f * kPi))) continue;
     const glm::vec3 h = lamp.direction + met.wo;
     const float length = glm::length(h), move = 0.5f * (kCell_rad + lamp.radius_rad);
-    // The half vector turns by half of what either turns, across the plane of both by 1 / cos(theta_d) more.
+    // The half vector rotates by half the rotation of either direction; across their common plane by 1 / cos(theta_d)
+    // more.
     const float theta_d = safe_acos(0.5f * length), cosine_d = std::cos(theta_d + move);
     float theta = 0.0f;
     if (length > 1e-4f && cosine_d > 0.02f)
-      theta = std::max(safe_acos(glm::dot(h, met.normal) / length) - turn - move / cosine_d, 0.0f);
+      theta = std::max(safe_acos(glm::dot(h, met.normal) / length) - spread_rad - move / cosine_d, 0.0f);
     sum +=
         lamp.irradiance * lobe.peak_beyond(theta, std::max(cosine_d, 0.0f), std::cos(std::max(theta_d - move, 0.0f)));
   }
@@ -205,20 +208,22 @@ float MirroredBound::bound_of(Part* part, const FrameConstants& frame) const {
   std::vector<glm::vec3> directions;
   for (std::size_t k = 0; k < part->positions.size(); ++k) {
     const glm::vec3 v = part->positions[k] - eye;
-    if (glm::length(v) < 1e-6f) return kAnything;
+    if (glm::length(v) < 1e-6f) return kUnbounded;
     directions.push_back(glm::reflect(glm::normalize(v), part->normals[k]));
   }
   Beam beam = make_beam(part->positions, directions);
-  const float half = safe_acos(beam.cosine) + kTurn_rad;
-  if (half > kMostSpread_rad) return kAnything;
-  const float reach = half + 0.7072f * kCell_rad;
+  const float half = safe_acos(beam.cosine) + kNormalDeviation_rad;
+  if (half > kMaxSpread_rad) return kUnbounded;
+  const float cone_rad = half + 0.7072f * kCell_rad;
   float most = 0.0f;
   const float theta = safe_acos(beam.axis.y);
-  const int first = static_cast<int>((theta - reach) / kCell_rad), last = static_cast<int>((theta + reach) / kCell_rad);
+  const int first = static_cast<int>((theta - cone_rad) / kCell_rad),
+            last = static_cast<int>((theta + cone_rad) / kCell_rad);
   for (int row = std::max(first, 0); row <= std::min(last, kRows - 1); ++row)
     for (int column = 0; column < kColumns; ++column) {
-      const glm::vec3 d = way(static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f, kColumns, kRows);
-      if (glm::dot(d, beam.axis) < std::cos(reach)) continue;
+      const glm::vec3 d =
+          cell_direction(static_cast<float>(column) + 0.5f, static_cast<float>(row) + 0.5f, kColumns, kRows);
+      if (glm::dot(d, beam.axis) < std::cos(cone_rad)) continue;
       most = std::max(most, bound_of_cell(part, static_cast<std::size_t>(row * kColumns + column)));
     }
   return most;

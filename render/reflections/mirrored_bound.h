@@ -14,68 +14,68 @@
 
 namespace maquette {
 
-/// What an item may send out, for `MirroredBound`.
+/// What an item may emit or reflect, for `MirroredBound`.
 struct BoundSurface {
-  int lobe = -1;          ///< in BoundLight::lobes
-  float emission = 0.0f;  ///< cd/m2, of the largest channel
-  bool bent = false;      ///< its normals are those of a texture: they may point anywhere
+  int lobe = -1;               ///< in BoundLight::lobes
+  float emission = 0.0f;       ///< cd/m2, of the largest channel
+  bool normal_mapped = false;  ///< its normals come from a texture: they may point anywhere
 };
 
-/// What lights the scene of a `MirroredBound`.
+/// The lights of a scene, for `MirroredBound`.
 struct BoundLight {
   const SkyBound* sky = nullptr;
   float cosine = 1.0f, sine = 0.0f;  ///< of the environment's rotation
   float scale = 1.0f;                ///< cd/m2 per stored unit
-  bool shadows = false;              ///< a lamp that tests do not see from a cluster does not light it
+  bool shadows = false;              ///< test the lamps for shadows, cluster by cluster
   std::vector<LobeBound> lobes;
   std::vector<BoundSurface> surfaces;  ///< [item]
 };
 
-/// The largest radiance of what is small and bright in the parts of panes, seen from an eye: what glows, the sky, and
-/// the sky's lamps in glossy surfaces. What a part sees one way is found by test rays, in cells of 5 degrees: a part
-/// counts what the tests in its rays' cells and those around have met, by what that triangle can send into the cell at
-/// most. What is smaller than the tests are apart (about 2 cm at arm's length) may be missed. No OpenGL. Source:
-/// Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.3.3 (the rule). Differs: there the bound is
-/// the brightest light source, which a sun makes useless. What varies slowly is left to the caller, who looks at fewer
-/// rays.
+/// Bound of the radiance of small bright things in the parts of panes, seen from an eye: emitters, the sky, and the
+/// sky's lamps reflected in glossy surfaces. Test rays find what a part sees, in direction cells of 5 degrees: the
+/// bound of a part is the largest radiance that the triangles found in the cells of its rays, and in the cells around,
+/// can send into the cell. Objects smaller than the distance of the test rays (about 2 cm at arm's length) may be
+/// missed. No OpenGL. Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.3.3 (the rule).
+/// Differs: their bound is the brightest light source, which a sun makes useless. Slow variations are not covered: for
+/// those the caller traces a subset of the rays.
 class MirroredBound {
  public:
   /// `occluding[i]`: rays end at item i. Copies what it needs.
   void set_geometry(const FlatGeometry& geometry, const std::vector<bool>& occluding,
                     const std::vector<Reflector>& reflectors);
   void set_light(const BoundLight& light);
-  /// Bound of each part, cd/m2, the largest channel; 0 for a part out of view.
+  /// Bound of each part, cd/m2, of the largest channel; 0 for a part out of view.
   std::vector<float> compute(const FrameConstants& frame);
 
   std::size_t part_count() const { return parts_.size(); }
-  /// Part of each triangle of the reflectors, one after the other.
+  /// Part of each triangle of the reflectors, one reflector after the other.
   const std::vector<std::uint32_t>& part_of_triangle() const { return part_of_triangle_; }
-  /// Where a reflector's triangles begin in it.
+  /// First entry of each reflector in part_of_triangle().
   const std::vector<std::uint32_t>& first_of_reflector() const { return first_of_reflector_; }
 
  private:
   static constexpr int kColumns = 72, kRows = 36, kTests = 16;
   struct Met {
     std::uint32_t cluster = 0;
-    glm::vec3 normal{0.0f}, wo{0.0f};  ///< towards the part, both
-    float turn_rad = 0.0f;             ///< of the triangle's normals from it
+    glm::vec3 normal{0.0f}, wo{0.0f};  ///< mean normal and direction of the ray, both towards the part
+    float normal_spread_rad = 0.0f;    ///< largest angle between the triangle's normals and `normal`
   };
   struct Cell {
     std::vector<Met> met;
     bool sky = false;
-    std::uint32_t light = 0;  ///< that `bound` is for
+    std::uint32_t light = 0;  ///< version of the light that `bound` belongs to
     float bound = 0.0f;       ///< cd/m2
   };
   struct Part {
     std::size_t item = 0;
     Bounds bounds;
     std::vector<glm::vec3> positions, normals;
-    std::map<std::size_t, Cell> seen;  ///< by cell of direction: what tests met
+    std::map<std::size_t, Cell> seen;  ///< by direction cell: hits of the test rays
   };
   struct Lit {
     std::size_t item = 0;
     glm::vec3 center{0.0f};
-    std::vector<std::uint32_t> lamps;  ///< that may shine on it
+    std::vector<std::uint32_t> lamps;  ///< lamps that may illuminate it
   };
   void add_parts(const FlatGeometry& geometry, const Reflector& reflector);
   Cell test_cell(const Part& part, std::size_t number) const;
@@ -94,7 +94,7 @@ class MirroredBound {
   BoundLight light_;
   std::vector<SkyBound::Lamp> lamps_;  ///< world, lux
   std::vector<glm::vec3> positions_;   ///< [vertex]
-  std::vector<glm::vec4> normals_;     ///< [triangle] mean of those of its vertices, how far they turn from it
+  std::vector<glm::vec4> normals_;     ///< [triangle] mean of its vertex normals; w: their largest angle from it
   std::uint32_t light_version_ = 0;
 };
 

@@ -14,8 +14,8 @@ const ShaderVariant kPlanar{"reflections/planar.comp", "", {}}, kLarge{"reflecti
     kVisible{"reflections/visible.comp", "", {}}, kFar{"reflections/far.comp", "", {}};
 constexpr int kGroupsPerRow = 32768, kTile = 4, kFarTile = 8;  // tiles as in shaders/reflections/tiles.glsl
 constexpr std::size_t kListBytes = 8, kCounterBytes = 16, kOfferBytes = 80, kFarTileBytes = 64;
-/// What there is room for at first, and what a storage buffer of 128 MiB holds with some to spare.
-constexpr unsigned kLeastNodes = 1u << 18, kMostNodes = 15u << 20, kLeastOffers = 1u << 15, kMostOffers = 3u << 19;
+/// Initial capacities, and the largest that fit a storage buffer of 128 MiB with a reserve.
+constexpr unsigned kMinNodes = 1u << 18, kMaxNodes = 15u << 20, kMinOffers = 1u << 15, kMaxOffers = 3u << 19;
 
 std::size_t tiles_of(const ReflectionTargets& t, int side) {
   return static_cast<std::size_t>((t.width + side - 1) / side) * static_cast<std::size_t>((t.height + side - 1) / side);
@@ -30,8 +30,8 @@ glm::mat4 mirror_in(const glm::vec4& plane) {
   return m;
 }
 
-/// Lower and upper corner of what is seen of the bounds, in clip space's -1 to 1; all of it where they reach around the
-/// eye.
+/// Lower and upper corner of the visible part of the bounds, in clip space from -1 to 1; the whole screen when the
+/// bounds surround the eye.
 glm::vec4 window_of(const glm::mat4& clip_from_world, const Bounds& bounds) {
   glm::vec2 low(1.0f), high(-1.0f);
   for (int k = 0; k < 8; ++k) {
@@ -71,14 +71,14 @@ void NearestHits::begin(const ReflectionTargets& t) {
     list_capacity_ = offer_capacity_ = listed_ = offered_ = 0;
   }
   if (list_capacity_ == 0) grow();
-  if (!counters_) counters_ = Buffer("pixels in doubt", sizeof(unsigned));
+  if (!counters_) counters_ = Buffer("uncertain pixels", sizeof(unsigned));
   nearest_.clear_to_zero();
 }
 
-/// False where there is no more to be had.
+/// Enlarges the buffers; false when they have their largest size already.
 bool NearestHits::grow() {
-  const unsigned nodes = std::clamp(listed_ + listed_ / 4, tiles_ + kLeastNodes, tiles_ + kMostNodes),
-                 offers = std::clamp(offered_ + offered_ / 4, kLeastOffers, kMostOffers);
+  const unsigned nodes = std::clamp(listed_ + listed_ / 4, tiles_ + kMinNodes, tiles_ + kMaxNodes),
+                 offers = std::clamp(offered_ + offered_ / 4, kMinOffers, kMaxOffers);
   const bool more = nodes > list_capacity_ || offers > offer_capacity_;
   if (nodes > list_capacity_) {
     list_capacity_ = nodes;
@@ -108,9 +108,9 @@ void NearestHits::prepare(const Program& program) const {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, large_.get());
 }
 
-void NearestHits::take(const ReflectionFrame& frame, std::size_t count,
-                       const std::function<void(std::size_t, std::size_t)>& offer,
-                       const std::function<void()>& accept) {
+void NearestHits::find_nearest(const ReflectionFrame& frame, std::size_t count,
+                               const std::function<void(std::size_t, std::size_t)>& offer,
+                               const std::function<void()>& accept) {
   std::vector<std::pair<std::size_t, std::size_t>> parts{{0, count}};
   while (!parts.empty()) {
     const auto [begin, end] = parts.back();
@@ -127,7 +127,7 @@ void NearestHits::take(const ReflectionFrame& frame, std::size_t count,
       continue;
     }
     if (end - begin == 1)
-      throw Error("--reflections", "what one part of the scene shows in a mirror does not find room",
+      throw Error("--reflections", "the reflections of one part of the scene do not fit in memory",
                   "use a coarser reflections.resolution, or --reflections octree");
     const std::size_t middle = begin + (end - begin) / 2;
     parts.emplace_back(middle, end);
@@ -135,7 +135,7 @@ void NearestHits::take(const ReflectionFrame& frame, std::size_t count,
   }
 }
 
-/// Holds what was offered against the rays; false where the lists did not hold it.
+/// Intersects the offered triangles with the rays; false when the lists were too small.
 bool NearestHits::resolve(const ReflectionFrame& frame) {
   unsigned counters[3] = {0, 0, 0};
   lists_.read(0, sizeof counters, counters);
@@ -195,7 +195,7 @@ std::vector<std::uint32_t> NearestHits::find_visible(const ReflectionFrame& fram
   return visible;
 }
 
-/// A group for each.
+/// Runs one workgroup for each of `count` elements.
 void NearestHits::run_groups(const ReflectionFrame& frame, const ShaderVariant& variant, int count) {
   const Program& program = frame.programs->get(variant);
   program.set("u_count", count);
@@ -206,9 +206,10 @@ void NearestHits::run_groups(const ReflectionFrame& frame, const ShaderVariant& 
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 
-void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters) {
-  // Of a mesh that passes for flat, a ray may turn by twice what its normals do (render/reflections/reflectors.cpp).
-  constexpr float kMeshTurn_rad = 2e-3f;
+void NearestHits::find_nearest_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters) {
+  // The rays of a nearly flat mesh may deviate by twice the deviation of its normals
+  // (render/reflections/reflectors.cpp).
+  constexpr float kMeshDeviation_rad = 2e-3f;
   const Reflector& mirror = (*frame.reflectors)[reflector];
   glm::vec4 plane = *mirror.plane;
   if (glm::dot(plane, glm::vec4(glm::vec3(frame.constants->eye), 1.0f)) < 0.0f) plane = -plane;
@@ -216,11 +217,11 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
   const glm::vec4 window = window_of(frame.constants->clip_from_world, frame.buffers->bounds(mirror.item));
   const glm::mat4 window_from_world = through_window(clip_from_world, window);
   const GhostReach ghost = frame.ghost ? (*frame.ghost)[reflector] : GhostReach{};
-  if (frame.ghost && ghost.offset_m == 0.0f) return;  // no pane, or not in the picture
+  if (frame.ghost && ghost.offset_m == 0.0f) return;  // no pane, or outside the picture
   const auto widened = [&](Bounds box) {
-    const float reach_m = ghost.at(glm::length(box.center() - glm::vec3(frame.constants->eye)) + box.radius());
-    box.min -= reach_m;
-    box.max += reach_m;
+    const float margin_m = ghost.at(glm::length(box.center() - glm::vec3(frame.constants->eye)) + box.radius());
+    box.min -= margin_m;
+    box.max += margin_m;
     return box;
   };
   triangles_.clear();
@@ -248,7 +249,7 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
   glProgramUniform2f(program.get(), program.location("u_ghost"), ghost.offset_m, ghost.turn);
   program.set("u_px_rad", frame.constants->forward.w);
   program.set("u_reflector", static_cast<int>(reflector));
-  program.set("u_margin_px", 0.1f + (mirror.patch ? 0.0f : kMeshTurn_rad / frame.constants->forward.w));
+  program.set("u_margin_px", 0.1f + (mirror.patch ? 0.0f : kMeshDeviation_rad / frame.constants->forward.w));
   const auto offer = [&](std::size_t begin, std::size_t end) {
     prepare(program);
     program.set("u_first", static_cast<int>(begin));
@@ -259,7 +260,7 @@ void NearestHits::take_planar(const ReflectionFrame& frame, std::size_t reflecto
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
   };
   bind_far(frame, reflector);
-  take(frame, triangles_.size(), offer, [] {});
+  find_nearest(frame, triangles_.size(), offer, [] {});
 }
 
 unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned shortest) {
@@ -291,10 +292,10 @@ unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>((t.width + 7) / 8), static_cast<GLuint>((t.height + 7) / 8), 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
-  unsigned doubtful = 0;
-  counters_.read(0, sizeof doubtful, &doubtful);
+  unsigned uncertain = 0;
+  counters_.read(0, sizeof uncertain, &uncertain);
   if (!seen_.empty()) seen_buffer_.read(0, seen_buffer_.bytes(), seen_.data());
-  return doubtful;
+  return uncertain;
 }
 
 std::vector<ShaderVariant> nearest_hits_shader_variants() {

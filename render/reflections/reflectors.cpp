@@ -17,7 +17,7 @@ bool is_marked(const Scene& scene, const Node& node) {
   return node.mesh >= 0 && node.reflector;
 }
 
-/// The plane that all points keep to within 1e-6 of their extent; where they have normals, these must be the plane's.
+/// The plane that contains all points within 1e-6 of their extent; normals, if any, must agree with it.
 std::optional<glm::vec4> find_plane(const std::vector<glm::vec3>& points, const std::vector<glm::vec3>& normals) {
   constexpr double kFlat = 1e-6, kSameNormal = 1e-3;
   if (points.size() < 3) return std::nullopt;
@@ -96,7 +96,7 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   const bool marks = marks_reflectors(scene);
   std::vector<Reflector> found;
-  std::map<std::string, const Material*> dull;  // names of which nothing mirrors so far
+  std::map<std::string, const Material*> dull;  // materials under a name of which nothing mirrors so far
   std::set<std::string> mirrored;
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
     if (geometry.items[i].node < 0) continue;
@@ -113,7 +113,7 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
     mirrored.insert(node.name);
     found.push_back(make_reflector(scene, geometry, i, !materials[i]->glass, world));
   }
-  // The frame of a pane need not mirror, but something of what is named has to.
+  // The frame of a pane need not mirror, but some surface under the name must.
   for (const auto& [name, material] : dull)
     if (!mirrored.contains(name))
       throw Error("--reflector " + name,

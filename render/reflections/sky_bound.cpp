@@ -28,7 +28,7 @@ SkyBound make_sky_bound(const Environment& e) {
     return channel_max(
         e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)]);
   };
-  std::vector<float> own(sky.largest.size(), 0.0f);  // without the neighbours: whose excess a cell holds
+  std::vector<float> own(sky.largest.size(), 0.0f);  // maximum of the cell without its neighbours
   for (int y = 0; y < e.height; ++y)
     for (int x = 0; x < e.width; ++x) {
       const float v = radiance(x, y);
@@ -41,9 +41,9 @@ SkyBound make_sky_bound(const Environment& e) {
     }
   std::vector<std::size_t> order(own.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::partial_sort(order.begin(), order.begin() + SkyBound::kMostLamps + 1, order.end(),
+  std::partial_sort(order.begin(), order.begin() + SkyBound::kMaxLamps + 1, order.end(),
                     [&](std::size_t a, std::size_t b) { return own[a] > own[b]; });
-  sky.level = own[order[SkyBound::kMostLamps]];
+  sky.level = own[order[SkyBound::kMaxLamps]];
   std::vector<double> excess(own.size(), 0.0);
   for (int y = 0; y < e.height; ++y) {
     const double band = std::cos(kPi * y / e.height) - std::cos(kPi * (y + 1) / e.height);
@@ -51,7 +51,7 @@ SkyBound make_sky_bound(const Environment& e) {
       excess[cell_of(e, x, y)] +=
           static_cast<double>(std::max(radiance(x, y) - sky.level, 0.0f)) * band * 2.0 * kPi / e.width;
   }
-  for (int k = 0; k < SkyBound::kMostLamps; ++k) {
+  for (int k = 0; k < SkyBound::kMaxLamps; ++k) {
     const std::size_t cell = order[static_cast<std::size_t>(k)];
     if (excess[cell] <= 0.0) continue;
     const auto column = static_cast<double>(cell % SkyBound::kWidth),

@@ -20,28 +20,28 @@ Corner make_corner(const glm::dvec3& position, const glm::dvec3& normal, const g
   return {glm::vec3(position), glm::vec3(view - 2.0 * glm::dot(n, view) * n)};
 }
 
-/// What `margin_px` is made of: how far the surface's own points and rays at the middles of the edges are from those of
-/// the triangle. A displaced ray is off by twice the height, and the eye sees a turned one turned as much at most.
+/// Computes `margin_px`: how far points and rays of the true surface at the middles of the edges are from those of the
+/// triangle. A displaced ray is off by twice the height; a rotated ray is seen at most as much rotated.
 float measure_margin(const Corner (&corners)[3], const Corner (&middles)[3], const FrameConstants& frame) {
   const glm::vec3 eye(frame.eye);
   float largest = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const Corner &a = corners[k], &b = corners[(k + 1) % 3], &m = middles[k];
     const glm::vec3 d = a.direction + b.direction;
-    const float turn = glm::length(m.direction - d / std::max(glm::length(d), 1e-6f));
+    const float deviation_rad = glm::length(m.direction - d / std::max(glm::length(d), 1e-6f));
     const float height = glm::length(m.position - 0.5f * (a.position + b.position));
-    largest = std::max(largest, turn + 3.0f * height / std::max(glm::length(m.position - eye), 1e-6f));
+    largest = std::max(largest, deviation_rad + 3.0f * height / std::max(glm::length(m.position - eye), 1e-6f));
   }
   return 1.0f + largest / frame.forward.w;
 }
 
-/// Box on screen, margin in barycentrics. False outside the picture.
-bool place_on_screen(const Corner (&corners)[3], const FrameConstants& frame, Facet* facet) {
+/// Bounding box on screen, and the margin in barycentrics. False outside the picture.
+bool project_to_screen(const Corner (&corners)[3], const FrameConstants& frame, Facet* facet) {
   const glm::vec2 size(frame.size), pixel = 2.0f / size;
   glm::vec2 low(1e30f), high(-1e30f), at[3];
   for (int k = 0; k < 3; ++k) {
     const glm::vec4 clip = frame.clip_from_world * glm::vec4(corners[k].position, 1.0f);
-    if (clip.w <= 1e-6f) return true;  // around the eye: the whole picture, no margin known
+    if (clip.w <= 1e-6f) return true;  // surrounds the eye: the whole picture, unknown margin
     at[k] = glm::vec2(clip) / clip.w;
     low = glm::min(low, at[k]);
     high = glm::max(high, at[k]);
@@ -57,9 +57,10 @@ bool place_on_screen(const Corner (&corners)[3], const FrameConstants& frame, Fa
   return true;
 }
 
-/// Rays begin in the triangle and keep to the hull of the corners' directions, so that the distance from a side grows
-/// by the largest component along its normal at most. `off_m` and `turn`: what the true surface's rays differ by.
-void set_sides(const Corner (&corners)[3], float off_m, float turn, Facet* facet) {
+/// Rays start in the triangle and stay in the hull of the corners' directions, so the distance from a side grows at
+/// most by the largest component along its normal. `offset_m` and `deviation_rad`: difference of the true surface's
+/// rays.
+void set_sides(const Corner (&corners)[3], float offset_m, float deviation_rad, Facet* facet) {
   float size = 0.0f;
   for (int k = 0; k < 3; ++k) size = std::max(size, glm::length(corners[(k + 1) % 3].position - corners[k].position));
   for (int k = 0; k < 3; ++k) {
@@ -73,13 +74,14 @@ void set_sides(const Corner (&corners)[3], float off_m, float turn, Facet* facet
       along = std::max(along, glm::dot(n, corner.direction));
       start = std::max(start, glm::dot(n, corner.position - a.position));
     }
-    // Mixed directions are no shorter than the cosine of their cone.
-    facet->widening[k] = (facet->beam.cosine > 0.0f ? std::min(along / facet->beam.cosine, 1.0f) : 1.0f) + turn;
-    facet->sides[k] = glm::vec4(n, -glm::dot(n, a.position) - start - off_m - 2.0f * size * facet->widening[k]);
+    // Interpolated directions are at least as long as the cosine of their cone.
+    facet->widening[k] =
+        (facet->beam.cosine > 0.0f ? std::min(along / facet->beam.cosine, 1.0f) : 1.0f) + deviation_rad;
+    facet->sides[k] = glm::vec4(n, -glm::dot(n, a.position) - start - offset_m - 2.0f * size * facet->widening[k]);
   }
 }
 
-/// Whose facets are made, and for which rays.
+/// The reflector whose facets are made, and the difference of its ghost rays.
 struct FacetSource {
   const FrameConstants& frame;
   std::size_t reflector;
@@ -94,19 +96,19 @@ void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const Fac
   facet.ghost = source.ghost;
   facet.margin_px = measure_margin(corners, middles, frame);
   facet.margin = 1e6f;
-  if (!place_on_screen(corners, frame, &facet)) return;
+  if (!project_to_screen(corners, frame, &facet)) return;
   const glm::vec3 positions[3] = {corners[0].position, corners[1].position, corners[2].position};
   const glm::vec3 directions[3] = {corners[0].direction, corners[1].direction, corners[2].direction};
   facet.mirror = make_triangle_mirror(positions, directions);
   facet.beam = make_beam(positions, directions);
-  // The true surface's rays at the edges' middles leave the cone of the corners a little.
-  const float bend = (facet.margin_px - 1.0f) * frame.forward.w, turn = bend + source.ghost.turn;
-  const float off_m =
-      (bend + frame.forward.w) * glm::length(positions[0] - glm::vec3(frame.eye)) + source.ghost.offset_m;
-  facet.beam.base_radius += off_m;
-  facet.beam.cosine = std::max(facet.beam.cosine - turn * (facet.beam.sine + turn), 0.0f);
+  // At the middles of the edges the true surface's rays leave the cone of the corner rays a little.
+  const float bow_rad = (facet.margin_px - 1.0f) * frame.forward.w, deviation_rad = bow_rad + source.ghost.turn;
+  const float offset_m =
+      (bow_rad + frame.forward.w) * glm::length(positions[0] - glm::vec3(frame.eye)) + source.ghost.offset_m;
+  facet.beam.base_radius += offset_m;
+  facet.beam.cosine = std::max(facet.beam.cosine - deviation_rad * (facet.beam.sine + deviation_rad), 0.0f);
   facet.beam.sine = std::sqrt(1.0f - facet.beam.cosine * facet.beam.cosine);
-  set_sides(corners, off_m, turn, &facet);
+  set_sides(corners, offset_m, deviation_rad, &facet);
   facets->push_back(facet);
 }
 

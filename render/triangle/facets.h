@@ -10,7 +10,7 @@
 
 namespace maquette {
 
-/// One triangle of a reflector as the eye of this frame sees it.
+/// One triangle of a reflector for the eye of this frame.
 struct Facet {
   mirror::TriangleMirror mirror;
   Beam beam;
@@ -19,18 +19,19 @@ struct Facet {
   glm::vec4 sides[3]{};
   glm::vec3 widening{0.0f};
   glm::vec4 box{-1.0f, -1.0f, 1.0f, 1.0f};  ///< on screen: lower and upper corner, -1 to 1
-  /// What the true surface's rays differ from the triangle's by, at most, as the eye sees it, and that in barycentrics.
+  /// Largest difference between the rays of the true surface and of the triangle, as the eye sees it, and the same in
+  /// barycentrics.
   float margin_px = 1.0f, margin = 1.0f;
-  float longest_px = 1e6f;  ///< of its edges on screen
+  float longest_px = 1e6f;  ///< longest edge on screen
   std::size_t reflector = 0;
   GhostReach ghost;
 };
 
-/// False only when no ray of the facet meets the sphere.
+/// Conservative: false only when no ray of the facet meets the sphere.
 bool may_meet(const Facet& facet, const glm::vec3& center, float radius);
 
-/// The triangles of a curved reflector that may be seen: of a patch `side` x `side` quads, of a mesh its own. `ghost`:
-/// what their rays may differ by from those of the front.
+/// The triangles of a curved reflector that may be visible: of a patch `side` x `side` quads, of a mesh its own.
+/// `ghost`: largest difference of their rays from those of the front surface.
 std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
                                const FrameConstants& frame, int side, const GhostReach& ghost);
 

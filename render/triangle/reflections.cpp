@@ -16,14 +16,14 @@ namespace maquette {
 namespace {
 
 constexpr std::size_t kFacetTexels = 22;
-/// Pairs of mirror triangle and cluster that are taken at once.
-constexpr std::size_t kMostPairs = 32000;
+/// Largest number of pairs of mirror triangle and cluster in one batch.
+constexpr std::size_t kMaxPairs = 32000;
 constexpr std::size_t kKeptBytes = 8;
-/// More than so many pairs would take minutes (a cockpit's windshield has 20,000, which take a quarter of a second on
-/// two cores): a window would stand still.
-constexpr std::size_t kMostPairsAFrame = 400000;
+/// More pairs than this would take minutes and block the window (a cockpit's windshield has 20,000, which take a
+/// quarter of a second on two cores).
+constexpr std::size_t kMaxPairsPerFrame = 400000;
 
-// As in shaders/triangle/*.comp.
+// The same order as in shaders/triangle/*.comp.
 enum Counter { kept, boxes, roots, footprints, counter_count };
 
 const ShaderVariant kCull{"triangle/cull.comp", "", {}}, kAssemble{"triangle/assemble.comp", "", {}};
@@ -56,19 +56,19 @@ class TriangleReflections : public ReflectorTechnique {
     for (std::size_t r = 0; r < frame.reflectors->size(); ++r) {
       const Reflector& reflector = (*frame.reflectors)[r];
       if (reflector.plane) {
-        hits_.take_planar(frame, r, clusters_);
+        hits_.find_nearest_planar(frame, r, clusters_);
         continue;
       }
       const GhostReach ghost = frame.ghost ? (*frame.ghost)[r] : GhostReach{};
-      if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or not in the picture
+      if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or outside the picture
       const std::vector<Facet> more =
           make_facets(reflector, r, frame.buffers->geometry(), *frame.constants, side, ghost);
       facets_.insert(facets_.end(), more.begin(), more.end());
     }
     find_pairs(frame);
-    if (pairs_.size() > kMostPairsAFrame)
+    if (pairs_.size() > kMaxPairsPerFrame)
       throw Error("--reflections triangle",
-                  std::to_string(facets_.size()) + " triangles of reflectors would look at " +
+                  std::to_string(facets_.size()) + " triangles of reflectors would be tested against " +
                       std::to_string(pairs_.size()) + " parts of the scene, which would take minutes",
                   "use raytraced or octree, or name a smaller reflector with --reflector");
     if (!pairs_.empty()) {
@@ -76,9 +76,9 @@ class TriangleReflections : public ReflectorTechnique {
       facet_view_ = Texture::make_buffer("mirror triangles", GL_RGBA32F, facet_buffer_);
       const auto rest = std::stable_partition(pairs_.begin(), pairs_.end(),
                                               [&](const glm::uvec2& p) { return hits_.seen_groups()[p.y] != 0; });
-      take_pairs(frame, {pairs_.begin(), rest});
+      project_pairs(frame, {pairs_.begin(), rest});
       pairs_.erase(keep_visible(frame, rest), pairs_.end());
-      take_pairs(frame, {rest, pairs_.end()});
+      project_pairs(frame, {rest, pairs_.end()});
     }
     hits_.finish(frame, 1, 0);
     frame.timer->end("projection");
@@ -113,7 +113,7 @@ class TriangleReflections : public ReflectorTechnique {
     triangle_view_ = Texture::make_buffer("cluster triangles", GL_R32UI, triangle_buffer_);
   }
 
-  /// Which clusters may be seen in which facets.
+  /// Finds the clusters that may be visible in each facet.
   void find_pairs(const ReflectionFrame& frame) {
     std::vector<std::vector<glm::uvec2>> found(facets_.size());
     tbb::parallel_for(std::size_t{0}, facets_.size(), [&](std::size_t f) {
@@ -132,15 +132,15 @@ class TriangleReflections : public ReflectorTechnique {
   }
 
   using Pairs = std::vector<glm::uvec2>;
-  /// Where the pairs of the first one's reflector end: they stand in the order of the facets.
+  /// End of the pairs of the first pair's reflector; the pairs are sorted by facet.
   template <typename Iterator>
   Iterator end_of_reflector(Iterator first, Iterator end) const {
     const std::size_t reflector = facets_[first->x].reflector;
     return std::find_if(first, end, [&](const glm::uvec2& p) { return facets_[p.x].reflector != reflector; });
   }
 
-  /// Of the pairs from `first` on those whose cluster some ray of their facet may meet before what has been found; the
-  /// end of what is left.
+  /// Keeps, from `first` on, the pairs whose cluster a ray of their facet may hit before the nearest hit so far;
+  /// returns the new end.
   Pairs::iterator keep_visible(const ReflectionFrame& frame, Pairs::iterator first) {
     const glm::vec2 size(frame.constants->size);
     Pairs::iterator kept = first;
@@ -164,13 +164,13 @@ class TriangleReflections : public ReflectorTechnique {
     return kept;
   }
 
-  void take_pairs(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
+  void project_pairs(const ReflectionFrame& frame, std::span<const glm::uvec2> pairs) {
     if (!counters_) counters_ = Buffer("projection counters", sizeof(std::array<unsigned, counter_count>));
     while (!pairs.empty()) {
       const auto of_one = static_cast<std::size_t>(end_of_reflector(pairs.begin(), pairs.end()) - pairs.begin());
-      const std::span<const glm::uvec2> some = pairs.first(std::min(of_one, kMostPairs));
+      const std::span<const glm::uvec2> some = pairs.first(std::min(of_one, kMaxPairs));
       hits_.bind_far(frame, facets_[some.front().x].reflector);
-      hits_.take(
+      hits_.find_nearest(
           frame, some.size(),
           [&](std::size_t begin, std::size_t end) { offer(frame, some.subspan(begin, end - begin)); },
           [&] {
@@ -212,7 +212,7 @@ class TriangleReflections : public ReflectorTechnique {
     run(assemble, read_counters()[kept], 1);
   }
 
-  /// So many invocations for each of the count.
+  /// Runs `each` invocations for each of `count` elements.
   static void run(const Program& program, std::size_t count, std::size_t each) {
     program.set("u_count", static_cast<int>(count));
     glUseProgram(program.get());

@@ -5,7 +5,8 @@
 
 namespace maquette {
 
-/// Projects the scene into the triangles of the reflectors and finds there, pixel by pixel, what the mirrored rays hit.
+/// Projects the scene into the triangles of the reflectors, and computes the hits of the mirrored rays there, per
+/// pixel.
 std::unique_ptr<ReflectorTechnique> make_triangle_reflections();
 std::vector<ShaderVariant> triangle_shader_variants();
 

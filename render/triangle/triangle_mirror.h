@@ -1,13 +1,13 @@
 #pragma once
 
-// shaders/shared/cubic.glsl and triangle_mirror.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/cubic.glsl and triangle_mirror.glsl compiled as C++: the same source as on the GPU.
 #include <glm/glm.hpp>
 
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN inline
 #endif
 #ifndef PRECISE
-#define PRECISE  // C++ keeps the order of float operations by itself
+#define PRECISE  // C++ does not reorder float operations
 #endif
 
 namespace maquette::mirror {
@@ -18,7 +18,7 @@ using namespace glm;
 
 namespace maquette {
 
-/// The vertex-independent terms, found in double. Directions are those that the eye's rays are reflected to at the
+/// The terms that do not depend on the reflected vertex, computed in double. `directions`: reflected eye rays at the
 /// vertices.
 mirror::TriangleMirror make_triangle_mirror(const glm::vec3 (&vertices)[3], const glm::vec3 (&directions)[3]);
 

@@ -22,8 +22,8 @@ namespace maquette {
 namespace {
 
 constexpr int kDirectionCount = kVisibilitySide * kVisibilitySide;
-constexpr int kPacket = 16;  // a 4 x 4 block of cells: rays of one origin within 45 degrees
-/// Rays keep at least this above the tangent plane (sine of the elevation).
+constexpr int kPacket = 16;  // 4 x 4 cells: rays of one origin within 45 degrees
+/// Smallest elevation of rays above the tangent plane (sine).
 constexpr float kMinElevation = 0.01f;
 constexpr std::size_t kPointsPerTask = 16;
 static_assert(kVisibilitySide == shared::kVisibilityCells);
@@ -31,16 +31,15 @@ static_assert(kVisibilitySide == shared::kVisibilityCells);
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
 using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
 
-/// Stops a running build: Embree asks between its tasks.
-bool keep_building(void* cancel, double) { return !static_cast<const std::atomic<bool>*>(cancel)->load(); }
+/// Cancels a running build: Embree calls this between its tasks.
+bool continue_build(void* cancel, double) { return !static_cast<const std::atomic<bool>*>(cancel)->load(); }
 
 struct Triangles {
   std::vector<glm::vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> indices;
 };
 
-/// Null when cancelled. Buffers are Embree's own copies (it reads 16 bytes from the last vertex). `filter`: may be
-/// null.
+/// Null when cancelled. Embree copies the buffers (it reads 16 bytes from the last vertex). `filter`: may be null.
 ScenePointer build_triangles(RTCDevice device, const Triangles& triangles, RTCFilterFunctionN filter, void* user,
                              const std::atomic<bool>& cancel) {
   ScenePointer scene(rtcNewScene(device), &rtcReleaseScene);
@@ -59,7 +58,7 @@ ScenePointer build_triangles(RTCDevice device, const Triangles& triangles, RTCFi
     rtcAttachGeometry(scene.get(), mesh);
   }
   rtcReleaseGeometry(mesh);
-  rtcSetSceneProgressMonitorFunction(scene.get(), keep_building, const_cast<std::atomic<bool>*>(&cancel));
+  rtcSetSceneProgressMonitorFunction(scene.get(), continue_build, const_cast<std::atomic<bool>*>(&cancel));
   if (positions && indices) rtcCommitScene(scene.get());
   const RTCError error = rtcGetDeviceError(device);
   if (cancel) return {nullptr, &rtcReleaseScene};
@@ -72,9 +71,9 @@ ScenePointer build_triangles(RTCDevice device, const Triangles& triangles, RTCFi
 }
 
 /// One ray per cell, through its centre: the bilinear lookup is then a tent filter that neither shifts nor roughens
-/// shadows. Jitter inside the cell was measured on a floor under a pillared roof, 3 cm between vertices, against 200
-/// jittered bakes: sky fraction RMS 1.4 % (centres), 2.3 % (jitter by vertex); difference between neighbours 1.7 %, 3.2
-/// %; shadow of a sun 0.14, 0.19.
+/// shadows. Jitter inside the cell was worse, measured on a floor under a pillared roof, 3 cm between vertices, against
+/// 200 jittered bakes: RMS of the sky fraction 1.4 % (centres), 2.3 % (jitter by vertex); difference between neighbours
+/// 1.7 %, 3.2 %; shadow of a sun 0.14, 0.19.
 struct CellDirections {
   std::array<glm::vec3, kDirectionCount> direction;
   CellDirections() {
@@ -85,8 +84,8 @@ struct CellDirections {
   }
 };
 
-/// The ray of a cell: from the side of the surface that the cell belongs to, mirrored to that side where the cell lies
-/// across.
+/// The ray of a cell. It starts on the side of the surface that the cell belongs to, and is mirrored to that side when
+/// the cell's direction lies across the surface.
 struct CellRay {
   glm::vec3 origin;
   glm::vec3 direction;
@@ -147,7 +146,7 @@ VisibilityBits trace_point(RTCScene scene, const VisibilityPoint& at, const Cell
   return bits;
 }
 
-/// The panes of the scene, in the units of the points, and what each triangle lets through.
+/// The panes of the scene, in the units of the points, and the transmittance of each triangle.
 struct Panes {
   Triangles triangles;
   std::vector<Passage> passages;  ///< of each triangle
@@ -172,11 +171,11 @@ Panes find_panes(const FlatGeometry& geometry, const std::vector<bool>& transmit
 }
 
 struct PassingContext {
-  RTCIntersectContext base;  // first: Embree gives back a pointer to it
+  RTCIntersectContext base;  // first member: Embree passes back a pointer to it
   float transmittance[kPacket];
 };
 
-/// Takes note of each pane on the way and lets the ray go on.
+/// Records each pane on the way and lets the ray continue.
 void pass_pane(const RTCFilterFunctionNArguments* args) {
   const auto& passages = static_cast<const Panes*>(args->geometryUserPtr)->passages;
   auto* context = reinterpret_cast<PassingContext*>(args->context);
@@ -195,7 +194,7 @@ void pass_pane(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-/// Mean over up to sixteen open cells of each side.
+/// Mean over up to sixteen open cells on each side.
 glm::vec2 trace_transmittance(RTCScene scene, const VisibilityPoint& at, const VisibilityBits& bits,
                               const CellDirections& cells) {
   glm::vec2 mean(1.0f);
@@ -228,7 +227,7 @@ glm::vec2 trace_transmittance(RTCScene scene, const VisibilityPoint& at, const V
   return mean;
 }
 
-/// Calls back from one thread at a time, at most about 200 times, never backwards.
+/// Calls back from one thread at a time, at most about 200 times, with increasing values.
 class ProgressReport {
  public:
   ProgressReport(const std::function<void(double)>& report, std::size_t total) : report_(report), total_(total) {}

@@ -15,18 +15,18 @@ namespace maquette {
 
 namespace {
 
-/// Share of the way from a vertex to the middle of its triangles that rays start inset.
+/// Ray origins are inset by this share of the way from a vertex to the centroid of its triangles.
 constexpr float kInset = 0.02f;
-/// Sixteen units in the last place of the coordinates or of the triangle's own size, whichever is larger.
+/// 16 ulp of the coordinates or of the triangle's own size, whichever is larger.
 constexpr float kRelativeLift = 1.0f / 262144.0f;
-/// One cell of the direction map: a coarser mesh than that has no smooth horizon.
+/// The width of one cell of the direction map: a coarser mesh has no smooth horizon.
 constexpr float kMaxHorizonSlack = 0.26f;
 /// Shortest length that bandwidth resolves, in units of the scene radius.
 constexpr double kBandwidthFloor = 1.0 / 16384.0;
 
 bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-/// Position and normal with -0 made 0, to compare bit by bit, and the item.
+/// Position and normal, with -0 replaced by 0 for bitwise comparison, and the item.
 struct WeldKey {
   std::array<std::uint32_t, 7> words;
   bool operator==(const WeldKey&) const = default;
@@ -64,7 +64,7 @@ bool is_usable(const FlatGeometry& geometry, const std::uint32_t* corner) {
   return corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0];
 }
 
-/// Corners of the usable triangles; `item_ends`: triangles so far, after each item.
+/// Corners of the usable triangles; `item_ends`: number of triangles up to the end of each item.
 std::vector<std::array<std::uint32_t, 3>> collect_triangles(const FlatGeometry& geometry,
                                                             std::vector<std::size_t>* item_ends) {
   std::vector<std::array<std::uint32_t, 3>> triangles;
@@ -78,7 +78,7 @@ std::vector<std::array<std::uint32_t, 3>> collect_triangles(const FlatGeometry& 
   return triangles;
 }
 
-/// Panes see, but do not hide anything.
+/// Removes panes, which have visibility but do not occlude.
 void drop_transmitting(const std::vector<bool>& transmits, const std::vector<std::size_t>& item_ends,
                        VisibilityPoints* points) {
   std::vector<std::array<std::uint32_t, 3>> kept;
@@ -138,7 +138,7 @@ void weld(const FlatGeometry& geometry, const std::vector<std::size_t>& item_end
   }
 }
 
-/// Inset, lift and horizon slack from the triangles around each point.
+/// Computes inset, lift and horizon slack from the triangles around each point.
 void place_origins(VisibilityPoints* points) {
   struct Fan {
     glm::vec3 middle_sum{0.0f};
@@ -160,8 +160,8 @@ void place_origins(VisibilityPoints* points) {
         fan.longest = std::max(fan.longest, glm::length(edge));
         fan.highest = std::max(fan.highest, std::abs(height));
         if (height < 0.0f) {
-          const float bend = glm::length(glm::cross(at.normal, other.normal));
-          at.horizon_slack = std::max(at.horizon_slack, std::min(bend, kMaxHorizonSlack));
+          const float curvature = glm::length(glm::cross(at.normal, other.normal));
+          at.horizon_slack = std::max(at.horizon_slack, std::min(curvature, kMaxHorizonSlack));
         }
       }
       fan.middle_sum += middle;
@@ -178,7 +178,7 @@ void place_origins(VisibilityPoints* points) {
   }
 }
 
-/// Solid angle of a cell over pi, and its centre. The map projects the sphere onto the octahedron |x| + |y| + |z| = 1.
+/// Solid angle of a cell over pi, and its centre. The map projects the sphere to the octahedron |x| + |y| + |z| = 1.
 struct CellWeight {
   glm::vec3 direction;
   double share;
@@ -189,7 +189,8 @@ std::array<CellWeight, kVisibilitySide * kVisibilitySide> compute_cell_weights()
   double total = 0.0;
   for (int b = 0; b < kVisibilitySide * kVisibilitySide; ++b) {
     const glm::vec3 d = shared::visibility_cell_direction(glm::ivec2(b % kVisibilitySide, b / kVisibilitySide));
-    // Equal areas of the octahedron at distance r = 1 / (|x| + |y| + |z|), slanted alike: solid angle ~ 1 / r^3.
+    // Cells have equal areas on the octahedron at distance r = 1 / (|x| + |y| + |z|) and equal slant: solid angle ~ 1 /
+    // r^3.
     const double inverse = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
     cells[static_cast<std::size_t>(b)] = {d, inverse * inverse * inverse};
     total += cells[static_cast<std::size_t>(b)].share;
@@ -216,7 +217,7 @@ glm::dvec2 changed_share(const VisibilityPoint& a, const VisibilityPoint& b, con
 }
 
 void average_with_neighbours(const VisibilityPoints& points, std::vector<glm::vec2>* values) {
-  std::vector<glm::vec3> sums(values->size(), glm::vec3(0.0f));  // z: how many
+  std::vector<glm::vec3> sums(values->size(), glm::vec3(0.0f));  // z: number of terms
   for (const auto& triangle : points.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::vec2 others = (*values)[triangle[(k + 1) % 3]] + (*values)[triangle[(k + 2) % 3]];

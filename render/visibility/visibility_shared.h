@@ -1,6 +1,6 @@
 #pragma once
 
-// shaders/shared/visibility.glsl as C++: the very lines that the GPU compiles.
+// shaders/shared/visibility.glsl compiled as C++: the same source as on the GPU.
 #include "render/environment/directions_shared.h"
 
 namespace maquette::shared {

@@ -18,19 +18,19 @@ namespace {
 
 constexpr int kSide = shared::kVisibilityCells, kCells = kSide * kSide;
 static_assert(kVisibilityWords == shared::kVisibilityWords);
-/// A bit for each cell, four rows a word.
+/// One bit per cell, four rows a word.
 using Cells = std::array<std::uint64_t, kSide / 4>;
 static_assert(kSide == 16 && sizeof(VisibilityBits) == sizeof(Cells));
-/// Rows with the cells beyond their ends, which the map's folds lead back to; bit 0 is x = -1.
+/// Rows extended by the cells beyond their ends, which the folds of the map connect to; bit 0 is x = -1.
 using Bordered = std::array<std::uint32_t, kSide + 2>;
 
 constexpr int kNeighbours = 8;
-/// From a cell to its neighbour k.
+/// Offset from a cell to its neighbour k.
 constexpr glm::ivec2 step(int k) { return {(k + (k > 3)) % 3 - 1, (k + (k > 3)) / 3 - 1}; }
 
 struct Map {
-  std::array<float, kCells> x, y, z;  ///< of the cells' directions
-  /// [rank][k] cells whose neighbour k comes after so many nearer ones.
+  std::array<float, kCells> x, y, z;  ///< directions of the cells
+  /// [rank][k] cells for which neighbour k has this rank by distance.
   std::array<std::array<Cells, kNeighbours>, kNeighbours> ranked{};
   Map() {
     for (int b = 0; b < kCells; ++b) {
@@ -57,18 +57,18 @@ Bordered bordered(const Cells& cells) {
   Bordered rows;
   const auto row = [&](std::size_t y) { return static_cast<std::uint32_t>(cells[y / 4] >> (16 * (y % 4))) & 0xffffu; };
   for (std::size_t y = 0; y < kSide; ++y) {
-    // Beyond its ends a row goes on in the opposite one, from the same end.
+    // Beyond its ends a row continues in the opposite row, from the same end.
     const std::uint32_t opposite = row(kSide - 1 - y);
     rows[y + 1] = (opposite & 1u) | row(y) << 1 | (opposite >> (kSide - 1)) << (kSide + 1);
   }
-  // Beyond the first and last row they go on the other way round.
+  // The first and last row continue in themselves, reversed.
   const auto mirrored = [](std::uint32_t bits) { return reverse_bits(bits) >> (32 - (kSide + 2)); };
   rows[0] = mirrored(rows[1]);
   rows[kSide + 1] = mirrored(rows[kSide]);
   return rows;
 }
 
-/// What the neighbours of each cell hold.
+/// The bits of each cell's neighbours.
 struct Around {
   std::array<std::array<std::uint16_t, kSide + 2>, 3> columns;  ///< [x + 1][y + 1]
   explicit Around(const Cells& cells) {
@@ -86,16 +86,16 @@ struct Around {
 };
 static_assert(std::endian::native == std::endian::little);
 
-/// Rows of cells below the horizon that are given values: normals between vertices lean from the vertices' own.
+/// Rows of cells below the horizon that are filled in: normals between vertices lean away from those of the vertices.
 constexpr int kRowsBelow = 3;
 constexpr float kRowHeight = 0.22f;  ///< cosine
 
-/// Cells whose cosine with the normal is above 0, then those no lower than each of the rows below.
+/// Cells whose cosine with the normal is above 0, then cells down to each of the rows below.
 using Levels = std::array<Cells, kRowsBelow + 1>;
 
-/// Of both sides of a plane, +n first.
+/// The levels of both sides of a plane, +n first.
 MAQUETTE_WIDE void find_levels(const Map& map, float nx, float ny, float nz, std::array<Levels, 2>* out) {
-  std::array<Levels, 2> sides{};  // of its own, so that the loops are known to write to nothing they read
+  std::array<Levels, 2> sides{};  // local, so that the compiler knows that the loops do not write to their inputs
   for (std::size_t half = 0; half < 2 * std::tuple_size_v<Cells>; ++half) {
     std::array<float, 32> height;
     for (std::size_t i = 0; i < 32; ++i)
@@ -104,7 +104,7 @@ MAQUETTE_WIDE void find_levels(const Map& map, float nx, float ny, float nz, std
       const float least = -kRowHeight * static_cast<float>(row);
       std::uint32_t front = 0, back = 0;
       for (std::uint32_t i = 0; i < 32; ++i) {
-        // The horizon itself is no part of the first.
+        // The horizon itself does not belong to the first level.
         const bool above = row > 0 ? height[i] >= least : height[i] > 0.0f;
         const bool below = row > 0 ? -height[i] >= least : height[i] < 0.0f;
         front |= above ? 1u << i : 0u;
@@ -117,12 +117,12 @@ MAQUETTE_WIDE void find_levels(const Map& map, float nx, float ny, float nz, std
   *out = sides;
 }
 
-/// Gives cells below the horizon what their nearest neighbour holds, row by row, all cells side by side.
+/// Fills cells below the horizon with the value of their nearest neighbour, row by row, all cells in parallel.
 MAQUETTE_WIDE void extend(const Map& map, const Levels& levels, Cells* side) {
   constexpr std::size_t kWords = std::tuple_size_v<Cells>;
   Cells known = levels[0], held = *side;
   for (std::size_t row = 1; row <= kRowsBelow; ++row) {
-    // Of what was known before this row: anything else would run along the horizon.
+    // Only values known before this row: otherwise values would spread along the horizon.
     const Around known_around(known), held_around(held);
     std::array<Cells, kNeighbours> known_there, held_there;
     for (int k = 0; k < kNeighbours; ++k) {

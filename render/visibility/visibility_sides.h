@@ -10,11 +10,11 @@
 namespace maquette {
 
 inline constexpr std::size_t kVisibilityWords = 18;
-/// The masks of both sides of a vertex, +n first, as shaders read them (shaders/shared/visibility.glsl).
+/// The visibility bits of both sides of a vertex, +n first, as shaders read them (shaders/shared/visibility.glsl).
 using VisibilitySides = std::array<std::array<std::uint32_t, kVisibilityWords>, 2>;
 
-/// Cells below the tangent plane hold what the other side sees. For this side those near the horizon repeat the nearest
-/// above, so that whatever looks upwards, from between vertices as well, meets this side alone.
+/// Cells below the tangent plane hold the visibility of the other side. In the result, those near the horizon repeat
+/// the nearest cell above it, so that lookups in upward directions, also between vertices, only read this side.
 std::vector<VisibilitySides> visibility_sides(const std::vector<VisibilityBits>& bits,
                                               const std::vector<glm::vec3>& normals);
 

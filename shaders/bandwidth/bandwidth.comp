@@ -1,5 +1,5 @@
-// Per 2 x 2 quad: pools the prediction over neighbours of the same surface, and carries the bandwidth through the bounce to cycles per
-// pixel along both screen axes, with the correlation that turns them. One invocation takes a block of 2 x 2 quads, whose 5 x 5 windows share most of what they read.
+// Per 2 x 2 quad: pools the prediction over neighbours on the same surface, and carries the bandwidth through the bounce to cycles per
+// pixel along both screen axes and their correlation. One invocation handles a block of 2 x 2 quads, because their 5 x 5 windows share most texels.
 // FIRST_ONLY: only the first quad of every other block is predicted (classify.comp).
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
@@ -22,7 +22,7 @@ layout(binding = 1, rgba16f) uniform writeonly image2D o_axes;  // nu_x, nu_y (c
 layout(binding = 2, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
 #endif
 
-/// The first visible point of a quad stands for it, as in classify.comp; x < 0 for none.
+/// The first visible point of a quad represents it, as in classify.comp; x < 0 for none.
 ivec2 visible_point(ivec2 quad) {
   ivec2 pixel = ivec2(-1);
   for (int k = 0; k < 4; ++k) {
@@ -33,7 +33,7 @@ ivec2 visible_point(ivec2 quad) {
   return pixel;
 }
 
-/// Of a quad: sum w nu, sum w, sum t^2, number of quads; all pooled.
+/// Pooled sums of a quad: sum w nu, sum w, sum t^2, number of quads.
 struct Pool {
   vec4 sums;
 #if NEAR
@@ -42,18 +42,18 @@ struct Pool {
 };
 const float kNeighbour = 0.6;  // weight of another quad
 
-/// What a quad's pool comes to.
+/// Value of o_bandwidth for a quad, from its pooled sums; also writes o_axes.
 vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   float count = pool.sums.w;
-  // Nothing was predicted for a surface this small: it is shaded itself.
+  // Nothing was predicted for a surface this small: a very large bandwidth makes every point of it be shaded.
   float nu_theta = count <= 0.0 ? 1e4 : pool.sums.x / max(pool.sums.y, 1e-20);
   count = max(count, 1e-6);
-  // Terms carry the balance weights for the prediction's own counts; n Var(sum of terms / n) is free of them.
+  // The terms contain balance weights for the prediction's own sample counts; n Var(sum of terms / n) does not depend on them.
   float deviation = sqrt(max(pool.sums.z / count, 0.0) * float(PREDICTION_SAMPLES));
   ScreenBend bend = unpack_bend(texelFetch(t_bend, quad, 0));
   float nu_surface = 0.0, light = 0.0;
 #if NEAR
-  // Masks and near lights vary over the surface.
+  // Baked visibility and near lights vary over the surface.
   nu_surface += pool.near.x / max(pool.sums.y, 1e-20);
   if (pool.near.w > 0.0) {
     light = pool.near.y;

@@ -1,5 +1,5 @@
-/// How much brighter a point is for its base colour than the neutral grey that interpolation works in: between points of mode `bandwidth` in a
-/// scene with textures, radiance is kept divided by it until the picture is composed. `surface`: of the G-buffer; `flags`: of its material.
+/// Factor by which its base colour makes a point brighter than neutral grey. In scenes with textures the interpolation works on radiance divided
+/// by this factor, and compose.comp multiplies by it again. `surface`: of the G-buffer; `flags`: of its material.
 vec3 base_factor(uvec4 surface, uint flags) {
   vec4 y = unpackUnorm4x8(surface.y);
   vec3 c = y.xyz * y.xyz;

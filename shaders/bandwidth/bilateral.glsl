@@ -1,10 +1,10 @@
-// How far a coarse neighbour may stand for a point: depth against the tangent plane, normal, material.
+// Bilateral weight of a coarse neighbour for a point: distance from the tangent plane, normal, material.
 struct Guide {
   vec3 position;  // m, relative to the eye
   vec3 normal;
   int material;
-  float reach_m;
-  float open;  // of the sky in the mirror direction, where a shader looks for it: open.comp
+  float pixel_m;  // width of a pixel at this depth
+  float open;  // visibility of the sky in the mirror direction (open.comp); 1 in shaders that do not read it
   bool valid;
 };
 
@@ -18,16 +18,16 @@ Guide load_guide(ivec2 pixel) {
   g.position = ray_through(vec2(pixel) + 0.5) * depth;
   g.normal = guide_normal(packed_guide.y);
   g.material = int(packed_guide.y >> 24u);
-  g.reach_m = depth * u_frame.forward.w;
+  g.pixel_m = depth * u_frame.forward.w;
   g.open = 1.0;
   return g;
 }
 
 float bilateral_weight(Guide a, Guide b, float step_px) {
   if (!b.valid || a.material != b.material) return 0.0;
-  // Distance from the tangent planes, in pixels of a point this far away, against the step taken.
+  // Distance from the tangent planes in pixels at this depth, relative to the distance between the points in pixels.
   vec3 d = b.position - a.position;
-  float off = max(abs(dot(d, a.normal)), abs(dot(d, b.normal))) / max(a.reach_m * step_px, 1e-20);
-  vec3 bend = a.normal - b.normal;
-  return exp2(-1.5 * off * off - 6.0 * dot(bend, bend));
+  float off = max(abs(dot(d, a.normal)), abs(dot(d, b.normal))) / max(a.pixel_m * step_px, 1e-20);
+  vec3 normal_change = a.normal - b.normal;
+  return exp2(-1.5 * off * off - 6.0 * dot(normal_change, normal_change));
 }

@@ -1,5 +1,5 @@
-/// Cycles/rad up to which a lobe is broad: no more than a third of a cycle over 8 degrees. The library's leathers, fabrics, matte plastics and
-/// rubbers lie below (at most 2.3), satin wood, paints and metals above.
+/// A lobe is broad up to this bandwidth, cycles/rad: at most a third of a cycle over 8 degrees. The library's leathers, fabrics, matte plastics
+/// and rubbers are below it (at most 2.3); satin wood, paints and metals are above.
 const float kBroad = 2.5;
 
 /// `surface`: of the G-buffer; `flags`: first word of its material's record 6.

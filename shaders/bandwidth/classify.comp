@@ -1,5 +1,5 @@
-// Lists the quads that have something to see, measured and analytic materials apart, so that the lanes of a vector run the
-// same code. The first visible point of a quad stands for it; which one is tried first alternates.
+// Lists the quads with a visible surface, those with measured and with analytic materials separately, so that neighbouring invocations run the
+// same code. The first visible point of a quad represents it; which point is tried first alternates from quad to quad.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -20,7 +20,7 @@ void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;
   int id = int(linear_id());
 #if FIRST_ONLY
-  const int kStep = 2;  // an invocation takes a tile
+  const int kStep = 2;  // an invocation handles a tile
   ivec2 tile = tile_of(id, 0);
   ivec2 corner = kTile / 2 * tile;
 #else
@@ -44,9 +44,9 @@ void main() {
     uvec4 surface = texelFetch(t_surface, max(pixel, ivec2(0)), 0);
     uint material = surface.z >> 16u, flags = material_words(int(material), 6).x;
     bool measured = (flags & kMaterialMeasured) != 0u;
-    // Where nothing sharp can be seen and the block is of one material one quad in four is enough: its neighbours pool (bandwidth.comp). Of
-    // sharp ones it takes one in two: one in four lets mirrored suns slip through (10 instead of 3.9 % error for a car's door), all bring
-    // nothing (docs/tried.md). FIRST_ONLY: with several points a pixel, of blocks of quads one in two is, by its first quad.
+    // In a block of one broad material one quad in four is enough, because bandwidth.comp pools neighbours. Narrow lobes need one quad in two:
+    // one in four misses mirrored suns (10 instead of 3.9 % error for a car's door), and all four improve nothing (docs/tried.md).
+    // FIRST_ONLY (several points a pixel): only the first quad of every other block is predicted.
     if (k == 0 && pixel.x >= 0) first_material = material;
     if (k > 0 && material == first_material && (k < 3 || (FIRST_ONLY == 0 && is_broad(surface, flags, measured)))) pixel.x = -1;
     if (pixel.x < 0) {

@@ -1,11 +1,11 @@
-// Bilateral upsampling, one level, in two dispatches: first the points between two coarser ones in a row or column, then those
-// in the middle of four, from the ones just filled. Along an axis four points carry a cubic (weights -1 9 9 -1 over 16, Deslauriers and
-// Dubuc 1989) where all lie on one smooth surface; else, and at the finest level (CUBIC 0: three quarters of the points, and what is
-// left of their error is noise, which the cubic enlarges), the two nearest, weighted bilaterally. In the middle both axes and both diagonals
-// are mixed, those along which the picture varies less counting more: an anisotropic kernel, turned as the footprint is stretched.
-// QUADS: the finest level with several points a pixel, of listed quads alone, bilaterally from the two or four coarser points around.
-// OWN: while nothing moves. Points that were shaded are interpolated too; their own mean and the interpolated value are weighted by what the
-// frames before told of both, and how far they are apart tells the next frame.
+// Bilateral upsampling of one level, in two dispatches: first the points between two coarser ones in a row or column, then the points
+// in the middle of four, from the ones just filled. Along an axis, four points that lie on one smooth surface are interpolated by a cubic
+// (weights -1 9 9 -1 over 16, Deslauriers and Dubuc 1989). Otherwise, and at the finest level (CUBIC 0), the two nearest are weighted
+// bilaterally: the finest level has three quarters of the points, and most of their error is noise, which a cubic amplifies. In the middle of
+// four points, both axes and both diagonals are mixed by weights that are larger where the picture varies less: an anisotropic kernel.
+// QUADS: the finest level with several points a pixel, for the listed quads only, bilaterally from the two or four coarser points around.
+// OWN: while nothing moves. Points that were shaded are interpolated too. Their own mean and the interpolated value are weighted by their errors
+// as earlier frames measured them, and the difference of both is stored for the next frame.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -24,7 +24,7 @@ layout(binding = 18) uniform sampler2D t_mean;        // mean, number of items
 layout(binding = 19) uniform sampler2D t_deviation;   // of one sample; 0 for what was shaded first in this frame
 layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa
 layout(binding = 1, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
-/// Weight of the neighbours below which interpolation says nothing: of two in a row, as where marking lets points be filled.
+/// With a smaller sum of neighbour weights the interpolated value is ignored. Of two neighbours in a row; mark.comp uses the same limit.
 const float kLeastWeight = 1.1;
 #endif
 #ifdef QUADS
@@ -38,8 +38,9 @@ layout(binding = 8) uniform usampler2D t_surface;
 #include "bandwidth/base_factor.glsl"
 #endif
 
-// Weights depend on what is seen alone. KEPT: they come from an image, 16 bits for each of kAxes (or for the only axis), of the two nearest
-// points (square roots, 8 bits each: small ones count as well), or that a cubic serves. FIND: they are found for all points, and nothing else is done.
+// The weights depend only on the visible surfaces. FIND: computes and stores the weights of all points, and fills nothing. KEPT: reads them from
+// that image, 16 bits for each of kAxes (or for the only axis): the weights of the two nearest points (8 bits each, as square roots to keep small
+// ones precise), or kCubic.
 #if KEPT || FIND
 layout(binding = 2, rg32ui) uniform uimage2D io_weights;
 #endif
@@ -70,7 +71,7 @@ uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
   return pack_weights(vec2(weights[1], weights[2]));
 }
 
-/// `value`: interpolated, and how much neighbours on the same surface there are, whichever way the kernel is turned.
+/// `value`: interpolated radiance; w: sum of the neighbours' bilateral weights, independent of the shape of the anisotropic kernel.
 void store_filled(ivec2 pixel, uvec4 mark, vec4 value) {
 #if OWN
   if (mark.x != 0u) {
@@ -102,13 +103,13 @@ vec4 along(ivec2 pixel, ivec2 axis, uint packed_weights) {
   vec3 first = radiance_at(pixel - 3 * axis), last = radiance_at(pixel + 3 * axis);
   if (packed_weights == kCubic) {
     vec3 cubic = (9.0 * (before + after) - first - last) * 0.0625;
-    // Noise must not ring below the neighbours' range.
+    // Noise must not make the cubic undershoot far below its neighbours.
     vec3 low = min(min(first, last), min(before, after));
     return vec4(max(cubic, low * 0.5), 2.0);
   }
 #endif
   vec2 w = unpack_weights(packed_weights);
-  // What nothing was written to may hold anything.
+  // A point with weight 0 may never have been written, and may contain anything.
   float sum = w.x + w.y;
   vec3 both = (w.x > 0.0 ? before * w.x : vec3(0.0)) + (w.y > 0.0 ? after * w.y : vec3(0.0));
   return vec4(both / max(sum, 1e-12), sum);
@@ -160,10 +161,10 @@ void main() {
     around[k].valid = around[k].valid && all(lessThan(q, u_frame.size.xy));
     radiance[k] = radiance_at(q);
   }
-  // In the middle both axes come to the mean of all four, and each diagonal to that of its two.
+  // In the middle both axes give the mean of all four points, and each diagonal the mean of its two.
   vec4 share = axis_shares(texelFetch(t_axes, first / 2, 0).xyz, false);
-  vec2 turned = 0.5 * (share.x + share.y) + share.zw;
-  turned *= 2.0 / (turned.x + turned.y);
+  vec2 diagonal_shares = 0.5 * (share.x + share.y) + share.zw;
+  diagonal_shares *= 2.0 / (diagonal_shares.x + diagonal_shares.y);
   for (int j = 1; j < 4; ++j) {
     ivec2 pixel = first + ivec2(j & 1, j >> 1);
     Guide center = load_guide(pixel);
@@ -172,7 +173,7 @@ void main() {
     for (int k = 0; k < 4; ++k) {
       float weight = (k & ~j) == 0 ? bilateral_weight(center, around[k], 1.0) : 0.0;
       evidence += weight;
-      weight *= j < 3 ? 1.0 : k == 0 || k == 3 ? turned.x : turned.y;
+      weight *= j < 3 ? 1.0 : k == 0 || k == 3 ? diagonal_shares.x : diagonal_shares.y;
       value += weight > 0.0 ? weight * vec4(radiance[k], 1.0) : vec4(0.0);
     }
     value = vec4(value.rgb / max(value.w, 1e-12), evidence);

@@ -1,4 +1,4 @@
-// Forgets what pictures at rest have accumulated of the points that were given another paint.
+// Resets the accumulated results of the points whose material was replaced, while nothing moves.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -12,7 +12,7 @@ layout(binding = 3, r32f) uniform writeonly image2D o_residual;
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
-  if ((material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialRepainted) == 0u) return;
+  if ((material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x & kMaterialReplaced) == 0u) return;
   imageStore(o_mean, pixel, vec4(0.0));
   imageStore(o_spread, pixel, vec4(0.0));
   imageStore(o_deviation, pixel, vec4(0.0));

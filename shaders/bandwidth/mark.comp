@@ -1,6 +1,6 @@
-// Decides which grid points are shaded. A point enters the grid at the largest level whose spacing divides its coordinates; it is
+// Decides which grid points are shaded. A point enters the grid at the largest level whose spacing divides its coordinates. It is
 // shaded when that is the coarsest level, when the predicted spacing is finer than the next coarser grid, or when the coarser points
-// around it lie on other surfaces or across a crease. One invocation takes a 4 x 4 block and appends its points with one atomic per list.
+// around it lie on other surfaces or across a crease. One invocation handles a 4 x 4 block and appends its points with one atomic per list.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -47,7 +47,7 @@ layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_anal
 uniform int u_item_capacity;
 uniform float u_sample_scale;
 #if REFINE
-// While nothing moves: what the frames before have measured.
+// While nothing moves: what earlier frames have measured.
 layout(binding = 18) uniform sampler2D t_mean;       // mean, number of items
 layout(binding = 19) uniform sampler2D t_deviation;  // of one sample
 layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa, sample share
@@ -64,21 +64,21 @@ uniform float u_scouts;  // while nothing moves: share of the finest level's poi
 #include "shared/interpolation.glsl"
 #endif
 #if BANDWIDTH && !REFINE
-/// Points per cycle of the predicted bandwidth at quality 1. Nyquist asks for two of the band's upper end; most of a picture's energy lies far
-/// below it: of min(nu_L, nu_rho), where this was 4, 2.5 did best for matte spheres under Grace Cathedral and 5 for chrome ones.
+/// Points per cycle of the predicted bandwidth at quality 1. Nyquist requires two at the upper end of the band, but most of a picture's energy has
+/// much lower frequencies. With min(nu_L, nu_rho) as prediction (then 4 points), 2.5 was best for matte and 5 for chrome spheres under Grace Cathedral.
 const float kPointsPerCycle = 5.0;
 
 vec4 picture_mean() { return texelFetch(t_pyramid, ivec2(0), textureQueryLevels(t_pyramid) - 1); }
 
-/// Share of a neighbouring block's bandwidth that counts here: levels beside each other differ by two at most. Counting it whole costs 7 to
-/// 25 % more samples, spent on bands around what is sharp, at a larger error in seven scenes (but 1 and 3 % smaller for chrome and matte at 256
-/// samples); not at all leaves chrome and steep gradients too sparse (chrome 0.6 to 0.9 % at 256 samples).
+/// Share of a neighbouring block's bandwidth that is applied here, so that adjacent levels differ by two at most. The full bandwidth costs 7 to
+/// 25 % more samples, in bands around sharp features, at a larger error in seven scenes (but 1 and 3 % smaller for chrome and matte at 256
+/// samples). Without it chrome and steep gradients get too few points (error of chrome 0.6 to 0.9 % at 256 samples).
 const float kNeighbourShare = 0.25;
 
-/// An error weighs by the radiance it is a share of; the square root stands for the eye's and the tone curve's compression.
+/// Weight of a relative error by the radiance it belongs to; the square root approximates the compression by the eye and the tone curve.
 float error_weight(float radiance, float mean_radiance) { return clamp(sqrt(radiance / mean_radiance), 0.35, 3.0); }
 
-/// Bandwidth (cycles/px) of a block that is to be carried, weighed by its radiance.
+/// Bandwidth (cycles/px) of a block, weighted by its radiance.
 float weighed_bandwidth(ivec2 block, int level, float mean_radiance) {
   vec4 b = texelFetch(t_pyramid, clamp(block, ivec2(0), textureSize(t_pyramid, level - 1) - 1), level - 1);
   return b.x * error_weight(b.y, mean_radiance);
@@ -88,8 +88,8 @@ bool carries(float own, float largest_around, int level) {
   return max(own, kNeighbourShare * largest_around) * float(1 << level) * kPointsPerCycle * u_frame.quality.x <= 1.0;
 }
 
-/// True when points 2^level apart carry the bandwidth of the block around `pixel`, and a share of that of its eight neighbours: what
-/// a neighbour varies by is seen here through the interpolation.
+/// True when points 2^level apart sample the bandwidth of the block around `pixel` densely enough, and a share of the bandwidth of its eight
+/// neighbours: interpolation uses their values here.
 bool block_carries(ivec2 pixel, int level, float mean_radiance) {
   ivec2 block = min(pixel >> level, textureSize(t_pyramid, level - 1) - 1);
   float own = 0.0, largest = 0.0;
@@ -101,7 +101,7 @@ bool block_carries(ivec2 pixel, int level, float mean_radiance) {
   return carries(own, largest, level);
 }
 
-/// The same of the four quads of a block of 4 x 4 points, whose neighbours overlap; a bit each.
+/// The same for the four quads of a block of 4 x 4 points, whose neighbours overlap; one bit each.
 int quads_carry(ivec2 corner, float mean_radiance) {
   ivec2 quad = corner >> 1;
   vec4 own = vec4(0.0), largest = vec4(0.0);
@@ -119,37 +119,37 @@ int quads_carry(ivec2 corner, float mean_radiance) {
   return bits;
 }
 
-/// Relative error that filling may make by what a point's normal is off the one between its neighbours, at quality 1. It falls as noise does, with the
-/// square of the quality. By error squared times samples in seven scenes at 16 to 1024 samples a pixel 0.15 was best, 0.08 and 0.3 cost up to 8 % more, while nu_theta
-/// was min(nu_L, nu_rho), a fifth higher.
-const float kBentError = 0.124;
+/// Largest relative error of interpolation, at quality 1, that may come from a point's normal differing from the one interpolated between its
+/// neighbours. It falls like noise, with the square of the quality. By error squared times samples in seven scenes at 16 to 1024 samples a pixel
+/// 0.15 was best, and 0.08 and 0.3 cost up to 8 % more; nu_theta was then min(nu_L, nu_rho), a fifth higher.
+const float kNormalError = 0.124;
 
-/// The same by how far what a lobe sees is open there, off the value between its neighbours: masks that turn over within a few pixels, at strips and
-/// bevels, are kinks that no band tells of. Relative, and where little is open of so much.
-const float kUncoveredError = 0.15, kLeastOpen = 0.2;
+/// The same for the visibility in a lobe's direction. Where it changes within a few pixels, at strips and bevels, the light has kinks that the
+/// predicted bandwidth does not contain. Relative to the visibility, or to kLeastVisibility where that is smaller.
+const float kVisibilityError = 0.15, kLeastVisibility = 0.2;
 
-/// What the weights of the points around may lack where they count alike: none is below a half.
+/// The weights of the points around are alike when their sum lacks at most this of their number: then none is below a half.
 const float kUnlike = 0.5;
 
 vec4 normal_and_open(Guide g) { return vec4(g.normal, g.open); }
 
-/// First bit: the coarser points around lie on the same surface, and the normal turns evenly between them: across a crease too shallow to be an
-/// edge, interpolation is off by the slope of the light over directions, 2 pi nu_theta at most for a light like 1 + cos, times how far the
-/// normal is off, however dense the points are. So does what is open.
-/// `around`: normals and what is open of `count` points, in a sum weighted like `sum`. Within a pixel one of two serves: an edge there asks for the
-/// points of the other surface, and half a pixel from a point of its own a smooth one hardly changes. `weights`: of both errors.
-/// Second bit: the points around count alike, so that the finest level need not look at them again (quads.comp).
+/// First bit: the coarser points around lie on the same surface, and normal and visibility vary linearly between them. Across a crease too shallow
+/// to be an edge, interpolation errs by the slope of the light over directions (at most 2 pi nu_theta for a light like 1 + cos) times the
+/// deviation of the normal, however dense the points are.
+/// `around`: weighted sum of the normals and visibilities of `count` points; `sum`: of their weights. Inside a pixel one of two neighbours is enough:
+/// points beyond an edge belong to the other surface, and a smooth surface hardly changes over half a pixel. `weights`: of both errors.
+/// Second bit: the points around have similar weights, so that the finest level need not compare them again (quads.comp).
 int agrees(Guide center, vec4 around, float sum, float count, int level, vec2 weights) {
   float least = level < findMSB(u_frame.size.z) && count == 2.0 ? 0.4 : 0.55 * count;
   vec4 between = around / sum;
-  bool agree = sum > least && length(between.xyz - center.normal) * weights.x <= kBentError;
+  bool agree = sum > least && length(between.xyz - center.normal) * weights.x <= kNormalError;
 #if VISIBILITY
-  agree = agree && abs(between.w - center.open) * weights.y <= kUncoveredError * max(max(between.w, center.open), kLeastOpen);
+  agree = agree && abs(between.w - center.open) * weights.y <= kVisibilityError * max(max(between.w, center.open), kLeastVisibility);
 #endif
   return (agree ? 1 : 0) | (sum >= count - kUnlike ? 2 : 0);
 }
 
-/// Of a quad's errors of normals and of what is open.
+/// Weights of a quad's errors of normals and of visibility.
 vec2 error_weights(ivec2 quad, float mean_radiance) {
   float quality = u_frame.quality.x, weight = error_weight(texelFetch(t_pyramid, quad, 0).y, mean_radiance) * quality * quality;
   return weight * vec2(2.0 * kPi * texelFetch(t_axes, quad, 0).w, 1.0);
@@ -183,7 +183,7 @@ int neighbours_agree(Guide center, ivec2 pixel, int level, vec2 weights) {
   return agrees(center, around, sum, float((1 + odd.x) * (1 + odd.y)), level, weights);
 }
 
-/// The same between points of one row, column or square that were loaded before.
+/// The same between two points of a row or column that are loaded already.
 int agrees_between(Guide center, Guide first, Guide last, int level, vec2 weights) {
   float step = float(1 << level), w0 = bilateral_weight(center, first, step), w1 = bilateral_weight(center, last, step);
   return agrees(center, w0 * normal_and_open(first) + w1 * normal_and_open(last), w0 + w1, 2.0, level, weights);
@@ -196,8 +196,8 @@ int agrees_amid(Guide center, Guide near, Guide right, Guide below, Guide far, i
   return agrees(center, around, w0 + w1 + w2 + w3, 4.0, level, weights);
 }
 
-/// Of a quad's points the three that enter at the finest level and lie between the same four coarser ones: a bit each, the first one's left out, and
-/// bit 16 where all three count those alike.
+/// For the three points of a quad that enter at the finest level, between the same four coarser ones: one bit each (bits 1 to 3), and bit 16
+/// where all three give those similar weights.
 int finest_agree(ivec2 pixel, Guide near, Guide right, Guide below, Guide far, vec2 weights) {
   Guide beside = load_guide_or_none(pixel + ivec2(1, 0)), under = load_guide_or_none(pixel + ivec2(0, 1)), amid = load_guide_or_none(pixel + 1);
   int x = agrees_between(beside, near, right, 0, weights), y = agrees_between(under, near, below, 0, weights);
@@ -205,7 +205,7 @@ int finest_agree(ivec2 pixel, Guide near, Guide right, Guide below, Guide far, v
   return (x & 1) << 1 | (y & 1) << 2 | (both & 1) << 3 | (x & y & both & 2) << 15;
 }
 
-/// For the points of a block of 4 x 4, whose neighbours overlap: four bits a quad; from bit 16 on one a quad where the finest level's count alike.
+/// For a block of 4 x 4 points, whose neighbours overlap: four bits a quad; from bit 16 on one bit a quad, for similar weights at the finest level.
 int block_agrees(ivec2 corner, vec2 weights[4]) {
   Guide a = load_guide_or_none(corner), b = load_guide_or_none(corner + ivec2(2, 0)), c = load_guide_or_none(corner + ivec2(4, 0));
   Guide d = load_guide_or_none(corner + ivec2(0, 2)), e = load_guide_or_none(corner + 2), f = load_guide_or_none(corner + ivec2(4, 2));
@@ -223,7 +223,7 @@ int block_agrees(ivec2 corner, vec2 weights[4]) {
 #if BANDWIDTH
 #include "bandwidth/block_share.glsl"
 
-/// Samples that a point starts with at least while nothing moves, and items: one alone says nothing of its own noise.
+/// Least samples and least items that a new point gets while nothing moves: a single item has no variance from which to estimate its noise.
 const float kFirstSamples = 64.0, kFirstItems = 2.0;
 float first_items() { return max(kFirstSamples / float(u_frame.sampling.y), kFirstItems); }
 
@@ -234,8 +234,8 @@ float unit_hash(ivec2 pixel) {
   return float((x ^ (x >> 15u)) >> 8u) * (1.0 / 16777216.0);
 }
 
-/// A few points are shaded before they are needed, to measure interpolation there: all of them in the end, so that nothing stays unseen.
-bool is_scout(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * float(1 << (2 * enters)); }
+/// A few points are shaded before they are needed, to measure the error of interpolation. In the end all are, so that no feature is missed for good.
+bool is_shaded_early(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * float(1 << (2 * enters)); }
 #endif
 
 #if REFINE
@@ -244,8 +244,8 @@ bool is_scout(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * fl
 #include "bandwidth/base_factor.glsl"
 #endif
 
-/// Deviation of one sample at a point that is shaded for the first time: that of the coarser points around it or the prediction, whichever
-/// is more, because a mirrored lamp between the coarser points is worse than some samples too many.
+/// Standard deviation of one sample at a point that is shaded for the first time: the mean of the coarser points around it, or half of the
+/// prediction if that is larger, because missing a mirrored lamp between them is worse than a few samples too many.
 float new_deviation(ivec2 pixel, int level, float predicted) {
   int s = 1 << level;
   ivec2 odd = (pixel >> level) & 1, lower = pixel - odd * s;
@@ -259,7 +259,7 @@ float new_deviation(ivec2 pixel, int level, float predicted) {
   return sum.y > 0.0 ? max(sum.x / sum.y, 0.5 * predicted) : predicted;
 }
 
-/// While nothing moves: what a point has is kept; the items that it still needs to have its share of all samples so far.
+/// While nothing moves, a point keeps its items. Returns the items that it still lacks to have its share of all samples so far.
 uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
   uvec4 mark = imageLoad(io_marks, pixel);
   int enters = level_entered(pixel.x, pixel.y, u_frame.size.w);
@@ -270,11 +270,11 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
   float residual = texelFetch(t_residual, pixel, 0).x;
   float wanted = wanted_items(u_items_per_deviation * (d + u_least_deviation), sample_share(worth.y, enters, int(mark.y)),
                               saved_items(worth, enters, have, residual, d));
-  bool shaded = mark.x != 0u || wanted >= 1.0 || is_scout(pixel, enters);
+  bool shaded = mark.x != 0u || wanted >= 1.0 || is_shaded_early(pixel, enters);
   if (!shaded) return uvec3(0u, mark.y, 0u);
   float items = floor(max(wanted - have, 0.0) * u_sample_scale + 0.5);
   float first = first_items();
-  // What is not known well yet does not get all at once.
+  // A point whose deviation is not known well yet does not get all its samples at once.
   return uvec3(1u, mark.y, uint(clamp(items, have > 0.0 ? 0.0 : first, min(4.0 * (have + first), 4096.0))));
 }
 #else
@@ -285,12 +285,12 @@ uvec3 decide(ivec2 pixel, int level, vec4 mean, vec4 own, bool agree) {
   int top = u_frame.size.w;
   int enters = level_entered(pixel.x, pixel.y, top);
   bool shaded = enters >= top || level <= enters || !agree;
-  if (!shaded && is_scout(pixel, enters)) return uvec3(1u, uint(level), uint(first_items()));
+  if (!shaded && is_shaded_early(pixel, enters)) return uvec3(1u, uint(level), uint(first_items()));
   if (!shaded) return uvec3(0u, uint(level), 0u);
   float relative = mean.z > 0.0 ? own.z / mean.z : 1.0;
   int spacing = min(level, enters);
-  // Neyman: samples in proportion to the deviation, and to the side of the block that the point stands for; a quarter of them everywhere, so
-  // that a light the prediction missed costs at most a factor of two.
+  // Neyman allocation: samples in proportion to the deviation and to the side of the block that the point represents. A quarter of them is
+  // uniform, so that a light that the prediction missed at most doubles the noise.
   float samples = float(u_frame.sampling.x) * (0.25 + 0.75 * min(relative, 64.0)) * block_share_of_view(spacing) * u_sample_scale;
   uint items = uint(clamp(ceil(samples / float(u_frame.sampling.y) - 0.25), 1.0, 4096.0));
   return uvec3(1u, uint(spacing), items);
@@ -355,7 +355,7 @@ void main() {
       int material = int(surface.z >> 16u);
       uint flags = material_words(material, 6).x;
 #ifdef REPAINTED
-      if ((flags & kMaterialRepainted) == 0u) continue;
+      if ((flags & kMaterialReplaced) == 0u) continue;
 #endif
       bool measured = (flags & kMaterialMeasured) != 0u;
       uvec3 d = decide(pixel, ((carried >> quad) & 1) != 0 ? max(block_level, 1) : 0, mean, own, ((agree >> (4 * quad + j)) & 1) != 0);
@@ -394,7 +394,7 @@ void main() {
     next_item.y = atomicAdd(b_lists[1].items, items.y);
     next_point.y = atomicAdd(b_lists[1].points, points.y);
   }
-  // Few are shaded: software devices run a loop as often as the longest of eight lanes.
+  // Few are shaded, and software devices run a loop as often as the longest of eight invocations needs.
   for (uint left = shaded; left != 0u; left &= left - 1u) {
     int k = findLSB(left);
     uint n = counts[k] & 0xfffffu;
@@ -403,7 +403,7 @@ void main() {
     uint level = (counts[k] >> 20u) & 15u;
     bool measured = (counts[k] & 0x80000000u) == 0u;
     uint first = measured ? next_item.x : next_item.y;
-    // Over capacity nothing is written; the host sees the count and marks again with fewer samples.
+    // Beyond the capacity nothing is written; the host reads the count and marks again with fewer samples.
     uint kept = first + n <= uint(u_item_capacity) ? n : 0u;
     ShadedPoint point = ShadedPoint(packed_pixel, first, kept, level);
     uint begin = 0u;  // of the point's own sequence

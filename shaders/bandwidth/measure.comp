@@ -1,6 +1,6 @@
-// What the frames before measured. Of each shaded point how much it deviates from sample to sample: the spread of its work items,
-// pooled with its neighbours' and with the prediction while there are few. Of each tile, level and class how far interpolation was from
-// what points measured themselves. One invocation takes a tile and sums what the host needs to turn deviations into sample counts.
+// Statistics of earlier frames. For each shaded point, the standard deviation of its samples: from the spread of its work items,
+// pooled with its neighbours' and with the prediction while there are few. For each tile, level and class, the difference between interpolated
+// values and the points' own means. One invocation handles a tile, and sums what the host needs to compute sample counts from deviations.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -13,10 +13,10 @@ layout(binding = 57) uniform sampler2D t_residual;
 layout(binding = 0, r32f) uniform writeonly image2D o_deviation;  // of one sample; 0 where nothing was shaded
 layout(binding = 1, rgba32f) uniform writeonly image2DArray o_residuals;  // [layer][tile]: sums over points of r^2, noise in it, item variance; count
 layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: sum of deviation * share, sum of share, points that came round the light list, items; their items
-/// Degrees of freedom that the prediction counts as, and the most that one neighbour does.
+/// Degrees of freedom of the prediction, and the largest number that one neighbour contributes.
 const float kPredicted = 1.0, kNeighbour = 1.5;
 
-/// Where interpolation errs by more than this many variances of an item it is of no use, however much more.
+/// Interpolation that errs by more than this many variances of an item is useless; larger errors are clamped to it.
 const float kMostKappa = 10.0;
 
 #include "bandwidth/block_share.glsl"
@@ -44,7 +44,7 @@ float deviation(ivec2 pixel, vec2 own, int level) {
   // Items are means of sampling.y samples each.
   float measured = sum.x * float(u_frame.sampling.y), predicted = texelFetch(t_pyramid, pixel / 2, 0).z;
   float squared = (measured + kPredicted * predicted * predicted) / (sum.y + kPredicted);
-  // A single item says nothing of its deviation. What is much brighter than the points around is taken to deviate as much more.
+  // A single item does not show its deviation. A point much brighter than those around is assumed to deviate in proportion.
   if (own.y <= 0.0 && brightness > 0.0) squared = max(squared, measured * brightness2(pixel) / brightness);
   return sqrt(squared);
 }
@@ -77,8 +77,8 @@ void main() {
       }
       float residual = texelFetch(t_residual, pixel, 0).x;
       if (residual >= 0.0 && own.y > 0.0) {
-        // Noise by the point's own items alone: pooled or predicted, it would pass for an error of interpolation, or hide one. Points
-        // of little noise tell more, bright ones no more than others. What stands out is the point's own affair (point_kappa).
+        // The noise is that of the point's own items: pooled or predicted noise would look like an error of interpolation, or hide one. Points
+        // with little noise weigh more, bright ones no more than others. Outliers are left to point_kappa.
         float item = own.x / own.y, pooled = item_variance(d, u_frame.sampling.y), fall = noise_fall(items);
         float weight = 1.0 / ((fall + 0.05) * max(pooled, 1e-30));
         residuals[worth_layer(enters, int(mark.y))] += vec4(weight * vec3(min(residual, kMostKappa * max(item, pooled)), item * fall, item), 1.0);

@@ -1,5 +1,5 @@
-// What the baked masks leave open where a mirror would look, at every visible point whose lobe is narrow enough to tell; 1 at others. Kept while
-// camera, surfaces, materials and masks hold.
+// Baked visibility of the sky in the mirror direction, at every visible point with a narrow lobe; 1 at other points. Kept until camera, surfaces,
+// materials or visibility maps change.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

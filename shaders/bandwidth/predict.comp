@@ -1,5 +1,5 @@
-// Per 2 x 2 quad: a few directions of the estimator, their bandwidth weighted by energy (L rho cos), and the moments from
-// which the variance of the integrand follows. Sums, so that neighbours of the same surface can be pooled.
+// Per 2 x 2 quad: a few samples of the estimator, their bandwidth weighted by energy (L rho cos), and the moments that give
+// the variance of the integrand. All are sums, so that neighbours on the same surface can be pooled.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
@@ -37,8 +37,8 @@ uniform int u_list;
 struct Result {
   vec2 energy;   // sum w nu, sum w
   float second;  // sum t^2
-  vec2 drawn;    // what a sample of the lobe and one of the list stand for of those of shading, which draws them in other shares
-  vec2 strata;   // how many of each shading will draw
+  vec2 drawn;    // number of shading's samples that one lobe sample and one list sample here represent; shading draws other shares of both
+  vec2 strata;   // lobe samples and list samples that shading will draw
 #if SHADOWED
   VisibilityPoint visibility;
   uint random;
@@ -50,7 +50,7 @@ struct Result {
 
 const int kSeenBandwidthCount = SEEN_BANDWIDTHS;  // lobe k has nu_rho = 2^(k - 1) cycles/rad: render/environment/environment_tables.h
 
-/// The light's bandwidth around a direction: as it is, and as a lobe of nu_rho shows it.
+/// The light's bandwidth around a direction: unfiltered, and filtered by a lobe of bandwidth nu_rho.
 vec2 environment_bandwidth(vec3 d, float nu_rho) {
   ivec2 size = u_frame.bandwidth_size.xy;
   ivec2 p = clamp(ivec2(latlong_uv_from_direction(d) * vec2(size)), ivec2(0), size - 1);
@@ -74,11 +74,11 @@ float brdf_bandwidth(Point p, vec3 wi) {
 #endif
 }
 
-/// How fast a table's albedo changes with the elevation of the view, cycles/rad: what a lobe reflects of a constant sky. It multiplies what
-/// the lobe filtered, so bandwidths add. A curve like 1 + cos(2 pi nu x) has |a'| / a and sqrt(|a''| / a) up to 2 pi nu.
+/// Bandwidth of a measured material's albedo over the elevation of the view, cycles/rad. The albedo multiplies the filtered light, so their
+/// bandwidths add. A curve like 1 + cos(2 pi nu x) has |a'| / a and sqrt(|a''| / a) up to 2 pi nu.
 float albedo_bandwidth(Point p) {
   if (p.slot < 0) return 0.0;
-  const int kHalf = 2;  // entries to either side: measured tables are rough
+  const int kHalf = 2;  // entries to either side, because measured tables are noisy
   int i = int(latlong_atan2(p.wo.x, p.wo.z) * (float(kAlbedoEntries - 1) * 0.63661977) + 0.5);
   int middle = p.slot * kAlbedoEntries + clamp(i, kHalf, kAlbedoEntries - 1 - kHalf);
   float a = max(texelFetch(t_albedo, middle).x, 1e-6);
@@ -90,14 +90,14 @@ float albedo_bandwidth(Point p) {
 #if SHADOWED
 uint hash(uint x);
 vec2 unit_pair(uint x);
-const float kEdgeNu = 2.3;        // a step over the half sphere: what one sample of it cannot tell from its neighbour
+const float kEdgeNu = 2.3;        // of a step anywhere on the half sphere, for which one sample gives no position
 const float kVisibilityNu = 4.6;  // mean |v1 - v2| in the middle of a step is 1/2: 2.3 cycles/rad
 #endif
 
 void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec3 wi, vec3 world, float pdf, bool is_brdf, bool sun) {
   float t = luminance(f * radiance) * weight, stands_for = is_brdf ? r.drawn.x : r.drawn.y;
 #if SKY_VARIANCE
-  bool counts = !sun;  // its samples are no part of those whose number is to be found
+  bool counts = !sun;  // the sun's samples do not belong to those whose number is predicted
 #else
   const bool counts = true;
 #endif
@@ -105,15 +105,15 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
   vec2 sky = environment_bandwidth(world, nu_r);
   float nu_l = sky.x, nu_seen = sky.y;
 #if SHADOWED == 2
-  // The edge of a blocker at distance d moves over the sky by 1 / d per metre, and the light behind it changes no faster than its own
-  // bandwidth: light and edge are convolved. Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 4.1 and 4.2.
+  // The edge of an occluder at distance d moves over the sky by 1 rad / d per metre, and the product of light and occlusion has no more than
+  // the light's own bandwidth. Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 4.1 and 4.2.
   float distance_m = blocked_at(r.visibility, world_from_environment(world), 1e30);
   r.edges += stands_for * t * vec2(distance_m < 0.0 ? 0.0 : nu_l / max(distance_m, r.visibility.own_m), 1.0);
   nu_l += kEdgeNu;
   nu_seen += kEdgeNu;
   t *= distance_m < 0.0 ? 1.0 : 0.0;
 #elif SHADOWED
-  // Two cells tell how far the mask changes around this direction: half a cycle over one of its cells, 0.22 rad.
+  // The difference of two cells of the visibility map bounds its change around this direction: half a cycle over one cell, 0.22 rad.
   vec3 w = world_from_environment(world);
   r.random = hash(r.random + 0x9E3779B9u);
   vec2 cells = two_cells(r.visibility, w, unit_pair(r.random), unit_pair(hash(r.random)));
@@ -124,9 +124,9 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #endif
   r.energy.x += stands_for * t * min(nu_seen, nu_r);
   r.energy.y += stands_for * t;
-  // One of n low-discrepancy samples stands for a stratum of 1 / (n pdf): what varies inside it is what is left of the variance. What a strategy
-  // draws by is for the most part in its density, the other's factor is not; strata of a table's lobe are stretched by 1 / cos at
-  // grazing views. Factors were found by `maquette_bench validate` (docs/tried.md).
+  // One of n low-discrepancy samples represents a stratum of size 1 / (n pdf); only the variation inside the stratum adds variance. A strategy's
+  // own factor is mostly in its density, the other's is not. Strata of a measured lobe are stretched by 1 / cos at
+  // grazing views. The factors come from `maquette_bench validate` (docs/tried.md).
   float stratum = inversesqrt(kPi * max((is_brdf ? r.strata.x : r.strata.y) * pdf, 1e-6));
 #if MEASURED
   float of_lobe = (2.0 * nu_l + 0.5 * nu_r) / max(p.wo.z, 0.05);
@@ -147,7 +147,7 @@ void on_sample(inout Result r, Point p, vec3 f, vec3 radiance, float weight, vec
 #if LIGHTS
 #include "shading/lights.glsl"
 const int kPredictedLights = 4;
-/// The lights' part of the energy sums; what is left is the near image's texel. In stored units, like the rest.
+/// Adds the lights' energy to the sums and returns the rest, the texel of the near image. In stored units, like all sums here.
 vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
   float unit = 1.0 / max(u_frame.environment.z, 1e-12);
   uint rotation = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w)));
@@ -164,7 +164,7 @@ vec4 add_lights(inout Result r, Point p, ivec2 pixel) {
       near.xyz += share * vec3(y * d.wi.z * light_bandwidth(d.light, d.world, d.distance_m, nu_r), y, y * y);
     }
   } while (++i < kPredictedLights);
-  // Unbiased, for so few; and lights have fewer samples.
+  // Unbiased variance of a few samples, scaled because shading draws fewer samples of lights than of the environment.
   int count = u_frame.sampling.y;
   near.z = max(near.z - near.y * near.y, 0.0) / (1.0 - share) * float(count) / float(light_sample_count(choice, count));
   return near;
@@ -188,7 +188,7 @@ void predict(ivec2 quad, ivec2 pixel) {
   result.edges = vec2(0.0);
 #endif
   integrate(p, pixel, 0u, PREDICTION_SAMPLES, result);
-  // A normal that turns moves the mirror direction twice as far as the view's elevation.
+  // A change of the normal moves the mirror direction twice as far as the view's elevation, hence 0.5.
   result.energy.x += 0.5 * albedo_bandwidth(p) * result.energy.y;
 #if SHADOWED || LIGHTS
   vec4 near = vec4(0.0);

@@ -1,4 +1,4 @@
-// One level of the bandwidth pyramid: the largest bandwidth (reconstruction must not miss it), mean radiance and deviation.
+// One level of the bandwidth pyramid: maximum of the bandwidth, so that interpolation does not miss it; means of radiance and deviation.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 21) uniform sampler2D t_fine;
 layout(binding = 0, rgba32f) uniform writeonly image2D o_coarse;

@@ -1,6 +1,6 @@
-// With several points a pixel: lists the quads of 2 x 2 points that are plain, and the others that show a surface. Plain is a quad whose three
-// points of the finest level lie on the same surface as the coarser ones around and are filled from them: compose.comp makes one value of it
-// without looking at surfaces again.
+// With several points a pixel: lists the plain quads of 2 x 2 points, and the other quads that show a surface. In a plain quad the three
+// points of the finest level lie on the same surface as the coarser ones around and are filled from them. compose.comp then computes one value
+// for the quad without comparing surfaces again.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

@@ -1,17 +1,17 @@
-/// Share of the samples of a point that enters at `enters`: finer points that borrow from it see its error too. The first frame's block
-/// bounds it from above. `share`: as worth.comp found it, in grid points.
+/// Sample count factor of a point that enters at `enters`. It is above 1 because finer points interpolate from this one and inherit its error.
+/// The block of the first frame bounds it from above. `share`: as worth.comp found it, in grid points.
 float sample_share(float share, int enters, int level) {
   int pixel_level = findMSB(u_frame.size.z);
   return enters > pixel_level ? min(max(share, 1.0), block_share(min(level, enters))) : block_share(min(level, enters));
 }
 
-/// Items that interpolation is worth at a point. `worth`: kappa, share; `deviation`: of one sample.
+/// Number of items that interpolation saves at a point. `worth`: kappa, share; `deviation`: of one sample.
 float saved_items(vec2 worth, int enters, float have, float residual, float deviation) {
   float saved = interpolation_items(have > 0.0 ? point_kappa(worth.x, have, residual, item_variance(deviation, u_frame.sampling.y)) : worth.x);
-  // Where the coarser points lie on other surfaces there is nothing to borrow.
+  // Where the coarser points lie on other surfaces there is no interpolated value.
   return enters >= u_frame.size.w || (have > 0.0 && residual < 0.0) ? 0.0 : saved;
 }
 
-/// Work items that a point should have in all. Neyman: in proportion to its deviation, less what interpolation is worth: the sum that
-/// minimises sum of sigma^2 / (n + n0) for a given sum of n. `scaled_deviation`: times the rate; `share`, `saved`: as above.
+/// Total number of work items that a point should have. Neyman allocation: in proportion to its deviation, minus the items that interpolation
+/// saves. This minimises the sum of sigma^2 / (n + n0) for a given sum of n. `scaled_deviation`: times the rate; `share`, `saved`: as above.
 float wanted_items(float scaled_deviation, float share, float saved) { return scaled_deviation * share - saved; }

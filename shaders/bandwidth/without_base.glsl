@@ -1,4 +1,4 @@
-/// What is stored of a point between the passes of mode `bandwidth` (base_factor.glsl). TEXTURES 0: radiance itself.
+/// Radiance without the base factor (base_factor.glsl), as it is stored between passes. TEXTURES 0: the radiance itself.
 #if TEXTURES
 layout(binding = 8) uniform usampler2D t_surface;
 #include "shared/octahedral.glsl"

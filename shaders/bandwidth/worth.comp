@@ -1,5 +1,5 @@
-// What interpolation is worth around each tile, by level and class, and how many work items the next frame would take at several
-// rates. One invocation takes a tile.
+// Error of interpolation (kappa) around each tile, by level and class, and the number of work items that the next frame would have at several
+// rates. One invocation handles a tile.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -19,7 +19,7 @@ const int kRates = 8;
 #include "bandwidth/block_share.glsl"
 #include "bandwidth/wanted.glsl"
 
-/// Of the tiles around.
+/// Pooled kappa of the tile and its eight neighbours.
 float kappa_around(ivec2 tile, ivec2 tiles, int layer) {
   vec4 sums = vec4(0.0);
   for (int k = 0; k < 9; ++k) {
@@ -38,7 +38,7 @@ void main() {
   int top = u_frame.size.w;
   float kappas[16];
   for (int layer = 0; layer < kClasses * top; ++layer) kappas[layer] = kappa_around(tile, tiles, layer);
-  // How much of what is seen at each level is borrowed from the coarser ones: an error of theirs counts so much more.
+  // Share of each level's values that is interpolated from the coarser levels: their errors weigh more by as much.
   vec2 borrowed[8];
   vec2 deviations = vec2(0.0);
   for (int level = 0; level < top; ++level) borrowed[level] = vec2(0.0);
@@ -79,7 +79,7 @@ void main() {
     vec2 worth = vec2(enters < top ? kappas[worth_layer(enters, int(mark.y))] : kNeverInterpolate, shares[enters]);
     float have = texelFetch(t_mean, pixel, 0).w, d = texelFetch(t_deviation, pixel, 0).x;
     if (have <= 0.0) d = max(mean_deviation, 0.5 * texelFetch(t_pyramid, pixel / 2, 0).z);
-    // What does not depend on the rate is found once: software devices would run its powers eight times.
+    // Independent of the rate, so computed once: it contains powers.
     float saved = saved_items(worth, enters, have, texelFetch(t_residual, pixel, 0).x, d);
     float share = sample_share(worth.y, enters, int(mark.y)), rate = u_items_per_deviation;
     for (int r = 0; r < kRates; ++r) {

@@ -1,4 +1,4 @@
-// Where the clusters may be seen in one patch: the corners of their boxes are projected.
+// Regions on screen where the clusters may be seen in one patch, by projecting the corners of their boxes.
 layout(local_size_x = 64) in;
 #include "bezier/project.glsl"
 layout(std430, binding = 2) writeonly buffer Boxes { vec4 b_boxes[]; };  // as reflections/visible.comp reads them
@@ -6,10 +6,10 @@ layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };  // as 
 uniform int u_count;
 
 const int kSteps = 6;
-/// Of the extent of the corners' images: what lies between them bulges less.
+/// Margin relative to the extent of the corners' images: points between the corners project no farther outside.
 const float kSlack = 0.25;
 
-/// Two corners on screen, px; the first beyond the second where nothing is seen.
+/// Two corners on screen, px; the first is greater than the second where nothing is visible.
 vec4 find_rectangle(uint i) {
   vec4 everything = vec4(0.0, 0.0, vec2(u_frame.size.xy)), nothing = vec4(1.0, 1.0, -1.0, -1.0);
   vec4 start = b_starts[5u * i], middle = b_starts[5u * i + 3u];
@@ -22,8 +22,8 @@ vec4 find_rectangle(uint i) {
     vec3 offset = half_extent * (2.0 * vec3(float(k & 1), float(k >> 1 & 1), float(k >> 2)) - 1.0);
     vec2 x = start.xy + clamp(vec2(dot(by_x, offset), dot(by_y, offset)), -0.75, 0.75);
     ReflectionPoint r = reflect_from(s, reflector_eye(), middle.xyz + offset - origin, clamp(x, -kParameterLimit, kParameterLimit), kParameterLimit, kSteps);
-    Projected v = place(r, false);
-    if (!v.placed || v.status == kReflectionLost || r.residual > 0.01) return everything;
+    Projected v = to_screen(r, false);
+    if (!v.in_front || v.status == kReflectionLost || r.residual > 0.01) return everything;
     behind = behind && v.status == kReflectionBehind;
     low = min(low, vec4(v.at, v.x));
     high = max(high, vec4(v.at, v.x));

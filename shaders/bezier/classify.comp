@@ -1,5 +1,5 @@
-// Scene triangles whose vertices have been projected: those that show nothing are dropped, straight ones are offered as they are, the others
-// become the first pieces of what is halved (bezier/pieces.comp).
+// Scene triangles whose vertices have been projected: invisible ones are dropped, those with straight edges are offered unchanged, the others
+// become the first pieces to be subdivided (bezier/pieces.comp).
 layout(local_size_x = 64) in;
 #include "bezier/corners.glsl"
 layout(binding = 55) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it
@@ -23,7 +23,7 @@ Vertex fetch_vertex(int vertex) {
   u.corner.v.at = uintBitsToFloat(a.xy);
   u.corner.v.x = uintBitsToFloat(a.zw);
   u.corner.v.status = int(b.x & 3u);
-  u.corner.v.placed = (b.x & 4u) != 0u;
+  u.corner.v.in_front = (b.x & 4u) != 0u;
   u.corner.v.steps = int(b.x >> 3u & 127u);
   u.corner.v.along_m = unpackHalf2x16(b.x).y;
   vec2 d = unpackHalf2x16(b.y), e = unpackHalf2x16(b.z), f = unpackHalf2x16(b.w);
@@ -32,8 +32,8 @@ Vertex fetch_vertex(int vertex) {
   return u;
 }
 
-/// Pixels by which an edge's image bends: a quarter of what its tangent at one end misses the other end by. Of a curve of the second
-/// degree that is exact.
+/// Distance in pixels of an edge's curved image from a straight line: a quarter of the distance by which the tangent at one end misses the other
+/// end. Exact for a quadratic curve.
 float bend_px(Vertex a, Vertex b) {
   vec3 d = b.corner.world - a.corner.world;
   vec2 along = b.corner.v.at - a.corner.v.at;
@@ -51,11 +51,11 @@ void main() {
   float shift = max(max(ghost_shift(p.by_x, p.by_y, p.corner.v.along_m), ghost_shift(q.by_x, q.by_y, q.corner.v.along_m)),
                     ghost_shift(r.by_x, r.by_y, r.corner.v.along_m));
   if (shows_nothing(c, u_margin_px + shift)) return;
-  bool placed = c[0].v.placed && c[1].v.placed && c[2].v.placed && max(max(c[0].v.status, c[1].v.status), c[2].v.status) <= kReflectionOutside;
+  bool in_front = c[0].v.in_front && c[1].v.in_front && c[2].v.in_front && max(max(c[0].v.status, c[1].v.status), c[2].v.status) <= kReflectionOutside;
   float bend = max(max(bend_px(p, q), bend_px(q, r)), bend_px(r, p));
-  if (placed && bend <= u_tolerance_px) {
+  if (in_front && bend <= u_tolerance_px) {
     atomicAdd(b_counters[0], 1u);
-    offer_corners(c, kPlace_px + kBulge * bend + shift, triangle);
+    offer_corners(c, kEndError_px + kBulge * bend + shift, triangle);
     return;
   }
   uint slot = atomicAdd(b_counters[1], 1u);

@@ -1,5 +1,5 @@
-// Pieces of reflected triangles: edges that a straight line does not show to the tolerance are halved. Whether an edge is halved depends on
-// its two ends alone, so neighbours agree and no cracks open.
+// Pieces of reflected triangles: edges whose image deviates from a straight line by more than the tolerance are halved. This depends only on
+// the two ends of an edge, so neighbours agree and there are no cracks.
 layout(local_size_x = 64) in;
 #include "bezier/corners.glsl"
 layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };     // 1 and 2: pieces, 7: dropped, 8: pieces offered
@@ -13,19 +13,19 @@ uniform float u_short_px;
 uniform float u_margin_px;
 uniform int u_last;  // 1: halve no more
 
-const int kCornerSteps = 8;  // from a start that the pass before has found
+const int kCornerSteps = 8;  // from a start that the previous pass has found
 const float kUnknown = 1e30;
-const int kMiddleSteps = 2;  // enough to tell how far an edge bends, and to start from
+const int kMiddleSteps = 2;  // enough to measure the deviation of an edge, and as a start for the next pass
 
-/// An edge that shows nothing may be as crooked as it likes.
+/// An invisible edge need not be subdivided.
 bool is_hidden(Corner a, Corner b) {
   return (a.v.status == kReflectionBehind && b.v.status == kReflectionBehind) || beyond(a, b);
 }
 
-/// Pixels by which the straight line between two ends misses the true one; more than any tolerance where no line is known.
+/// Distance in pixels of an edge's middle from the straight line between its ends; kUnknown where an end has no image.
 float bend_px(Corner a, Corner b, Projected middle) {
   if (a.v.status == kReflectionLost || b.v.status == kReflectionLost) return kUnknown;
-  if (!a.v.placed || !b.v.placed || !middle.placed) return kUnknown;
+  if (!a.v.in_front || !b.v.in_front || !middle.in_front) return kUnknown;
   vec2 d = b.v.at - a.v.at, m = middle.at - a.v.at;
   // Where an edge meets the surface its image has a kink, anywhere between its ends.
   if ((a.v.status == kReflectionBehind) != (b.v.status == kReflectionBehind) && dot(d, d) > 16.0 * u_tolerance_px * u_tolerance_px) return kUnknown;
@@ -44,7 +44,7 @@ void main() {
   int i = int(gl_GlobalInvocationID.x);
   if (i >= u_count) return;
   vec4 rest = b_pieces[4 * i + 3];
-  if (rest.w < 0.5) return;  // reserved by one that did not find room for all of its parts
+  if (rest.w < 0.5) return;  // reserved by a piece whose parts did not all fit
   Corner corner[3];
   for (int k = 0; k < 3; ++k) {
     vec4 p = b_pieces[4 * i + k];
@@ -77,19 +77,19 @@ void main() {
   if (halved != 0) slot = atomicAdd(b_counters[u_next_counter], parts);
   if (halved == 0 || slot + parts > uint(u_piece_capacity)) {
     for (uint k = slot; halved != 0 && k < min(slot + parts, uint(u_piece_capacity)); ++k) b_next[4u * k + 3u] = vec4(0.0);
-    // A corner without a reflection point has no place in the picture: the piece around it is left out, and counted.
+    // A corner without a reflection point has no position on screen: its piece is left out, and counted.
     if (max(max(corner[0].v.status, corner[1].v.status), corner[2].v.status) == kReflectionLost) {
       atomicAdd(b_counters[7], 1u);
     } else {
       atomicAdd(b_counters[8], 1u);
-      offer_corners(corner, (u_last == 0 && halved == 0 ? kPlace_px + kBulge * bend : kBoxOnly + u_margin_px) + shift, int(rest.w) - 1);
+      offer_corners(corner, (u_last == 0 && halved == 0 ? kEndError_px + kBulge * bend : kBoxOnly + u_margin_px) + shift, int(rest.w) - 1);
     }
     return;
   }
-  // Turned so that the edge ab is halved, and, of two halved edges, bc as well.
-  int turn = halved == 2 || halved == 6 ? 1 : (halved == 4 || halved == 5 ? 2 : 0);
-  Corner a = corner[turn], b = corner[(turn + 1) % 3], c = corner[(turn + 2) % 3];
-  vec2 xab = middle[turn], xbc = middle[(turn + 1) % 3], xca = middle[(turn + 2) % 3];
+  // Corners rotated so that the edge ab is halved, and bc as well if two edges are.
+  int first = halved == 2 || halved == 6 ? 1 : (halved == 4 || halved == 5 ? 2 : 0);
+  Corner a = corner[first], b = corner[(first + 1) % 3], c = corner[(first + 2) % 3];
+  vec2 xab = middle[first], xbc = middle[(first + 1) % 3], xca = middle[(first + 2) % 3];
   vec3 ab = 0.5 * (a.world + b.world), bc = 0.5 * (b.world + c.world), ca = 0.5 * (c.world + a.world);
   if (halved == 7) {
     keep_piece(slot, a.world, a.v.x, ab, xab, ca, xca, rest.w);

@@ -1,5 +1,5 @@
-// Vertices drawn as points where the patch shows them: no edge is bent, none can tear, and nothing lies between them (the thesis' robust
-// case). The nearest of those at a pixel stays, in three rounds: how far away it is; what is farther is forgotten; which it is.
+// Draws the vertices as points where the patch shows them: without edges nothing can tear (the robust case of the thesis). The nearest at a
+// pixel is found in three rounds: its distance; clearing what is farther; its triangle.
 layout(local_size_x = 64) in;
 layout(binding = 50) uniform sampler2D t_ray_direction;   // w: reflector + 1
 layout(binding = 55) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it

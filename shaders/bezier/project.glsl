@@ -1,4 +1,4 @@
-// A scene point to where the eye sees it in one patch: the reflection point by Newton's method, the depth from the length of the path.
+// Projects a scene point to where the eye sees it in one patch: the reflection point by Newton's method, the depth from the path length.
 #include "shared/frame.glsl"
 #include "reflections/reflectors.glsl"
 #include "reflections/ghost.glsl"
@@ -10,11 +10,11 @@ uniform int u_node_count;
 uniform float u_side;
 uniform int u_careful;
 uniform int u_unique;  // the convex side
-uniform vec4 u_window;  // lower and upper parameters of what the picture shows of the patch
+uniform vec4 u_window;  // lower and upper parameters of the part of the patch that is in the picture
 
 struct Projected {
   vec2 at;       // on screen, px
-  bool placed;   // before the eye; else `at` says nothing
+  bool in_front; // of the eye; else `at` is not valid
   vec2 x;        // parameters, [-1, 1] on the patch
   float along_m; // from the reflection point to the object
   float height;  // above the tangent plane, m
@@ -50,20 +50,20 @@ BezierStart find_start(vec3 p) {
   return start;
 }
 
-const float kPlaced = 1e-3;  // sine of the angle that the law of reflection may be missed by
+const float kImageTolerance = 1e-3;  // sine of the largest error of the law of reflection
 
-Projected place(ReflectionPoint r, bool certified) {
+Projected to_screen(ReflectionPoint r, bool certified) {
   vec4 clip = u_frame.clip_from_world * vec4(r.position + u_patches[u_patch].origin.xyz, 1.0);
   Projected v;
-  v.placed = clip.w > 1e-6;
+  v.in_front = clip.w > 1e-6;
   v.at = (0.5 * vec2(clip.x, -clip.y) / clip.w + 0.5) * vec2(u_frame.size.xy);
   v.x = r.x;
   v.along_m = r.length - length(r.position - reflector_eye());
   v.height = r.height;
-  // A stationary path that is no minimum is an image too; where the law of reflection all but holds the place is known.
-  v.status = r.status == kReflectionLost && r.residual < kPlaced ? kReflectionInside : r.status;
-  // A second ray may meet what is all but behind.
-  if (v.status == kReflectionBehind && v.height > -ghost_reach(v.along_m)) v.status = kReflectionOutside;
+  // A stationary path that is not a minimum is an image too, and where the law of reflection nearly holds its position is known.
+  v.status = r.status == kReflectionLost && r.residual < kImageTolerance ? kReflectionInside : r.status;
+  // The second image's ray may hit a point slightly behind the tangent plane.
+  if (v.status == kReflectionBehind && v.height > -ghost_offset(v.along_m)) v.status = kReflectionOutside;
   v.steps = r.steps;
   v.certified = certified;
   return v;
@@ -71,10 +71,10 @@ Projected place(ReflectionPoint r, bool certified) {
 
 Projected project_from(vec3 world, BezierStart start) {
   vec3 p = world - u_patches[u_patch].origin.xyz;
-  return place(reflection_point(load_patch(u_patch), reflector_eye(), p, start, u_careful == 1), start.certified);
+  return to_screen(reflection_point(load_patch(u_patch), reflector_eye(), p, start, u_careful == 1), start.certified);
 }
 
-/// How the place on screen changes with the object, whose reflection point is at x: rows of px/m.
+/// Derivative of the position on screen by the object's position; its reflection point is at x. Rows of px/m.
 mat2x3 screen_derivative(vec3 p, vec2 x) {
   BezierSurface s = load_patch(u_patch);
   ReflectionDerivative d = reflection_derivative(s, reflector_eye(), p, x);
@@ -86,13 +86,13 @@ mat2x3 screen_derivative(vec3 p, vec2 x) {
   return mat2x3(by_x.x * d.x + by_y.x * d.y, by_x.y * d.x + by_y.y * d.y);
 }
 
-/// Pixels by which the second image of a point may be beside its first.
+/// Largest distance in pixels between the second image of a point and its first.
 float ghost_shift(vec3 by_x, vec3 by_y, float along_m) {
-  return kGhostSlack * ghost_reach(along_m) * sqrt(dot(by_x, by_x) + dot(by_y, by_y));
+  return kGhostSlack * ghost_offset(along_m) * sqrt(dot(by_x, by_x) + dot(by_y, by_y));
 }
 
-/// From a start that is near: a few steps, one attempt.
+/// Projects from a near start: a few steps, one attempt.
 Projected project_near(vec3 world, vec2 x, int steps) {
   vec3 p = world - u_patches[u_patch].origin.xyz;
-  return place(reflect_from(load_patch(u_patch), reflector_eye(), p, clamp(x, -kParameterLimit, kParameterLimit), kParameterLimit, steps), false);
+  return to_screen(reflect_from(load_patch(u_patch), reflector_eye(), p, clamp(x, -kParameterLimit, kParameterLimit), kParameterLimit, steps), false);
 }

@@ -2,11 +2,11 @@
 layout(local_size_x = 64) in;
 #include "bezier/project.glsl"
 layout(binding = 5) uniform samplerBuffer t_vertices;
-// 2 a vertex: px on screen, x | status, placed, steps and way to the vertex; how the place on screen changes with the vertex, px/m: six halves
+// 2 a vertex: px on screen, x | status, in front, steps, distance to the vertex; derivative of the screen position by the vertex, px/m: six halves
 layout(std430, binding = 2) writeonly buffer Projections { uvec4 b_projected[]; };
 layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };
 layout(std430, binding = 4) readonly buffer Vertices { uvec2 b_vertices[]; };  // vertex, start
-// 5 a cluster: its middle's parameters, certified | derivatives of both by the place of a point | middle, radius, m | half extent, m
+// 5 a cluster: its middle's parameters, certified | derivatives of both by the position of a point | middle, radius, m | half extent, m
 layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };
 uniform int u_count;
 
@@ -18,8 +18,8 @@ void main() {
   uvec2 of = b_vertices[i];
   int vertex = int(of.x);
   vec3 world = texelFetch(t_vertices, 4 * vertex).xyz;
-  vec4 middle = b_starts[5u * of.y], place = b_starts[5u * of.y + 3u];
-  vec3 from_middle = world - place.xyz;
+  vec4 middle = b_starts[5u * of.y], center = b_starts[5u * of.y + 3u];
+  vec3 from_middle = world - center.xyz;
   BezierStart start = no_start(u_side);
   start.x = middle.xy + vec2(dot(b_starts[5u * of.y + 1u].xyz, from_middle), dot(b_starts[5u * of.y + 2u].xyz, from_middle));
   start.x = clamp(start.x, middle.xy - 0.75, middle.xy + 0.75);
@@ -34,7 +34,7 @@ void main() {
   mat2x3 d = screen_derivative(world - u_patches[u_patch].origin.xyz, v.x);
   d = mat2x3(clamp(d[0], -kSteepest, kSteepest), clamp(d[1], -kSteepest, kSteepest));
   b_projected[2 * vertex] = floatBitsToUint(vec4(v.at, v.x));
-  b_projected[2 * vertex + 1] = uvec4(uint(v.status) | (v.placed ? 4u : 0u) | uint(min(v.steps, 127)) << 3u | packHalf2x16(vec2(0.0, min(0.999 * v.along_m, 6e4))), packHalf2x16(d[0].xy),
+  b_projected[2 * vertex + 1] = uvec4(uint(v.status) | (v.in_front ? 4u : 0u) | uint(min(v.steps, 127)) << 3u | packHalf2x16(vec2(0.0, min(0.999 * v.along_m, 6e4))), packHalf2x16(d[0].xy),
                                       packHalf2x16(vec2(d[0].z, d[1].x)), packHalf2x16(d[1].yz));
   atomicAdd(b_counters[3], uint(steps));
   atomicAdd(b_counters[4], 1u);

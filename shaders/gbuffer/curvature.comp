@@ -1,4 +1,4 @@
-// Per 2 x 2 quad: curvature and footprint of the surface along the screen axes, found on screen so that geometry may change every frame.
+// Per 2 x 2 quad: curvature and footprint of the surface along the screen axes, from the G-buffer, so that geometry may change every frame.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -29,14 +29,14 @@ Sample load_sample(ivec2 pixel) {
   return s;
 }
 
-bool same_surface(Sample a, Sample b, float reach_m) {
-  return b.valid && a.material == b.material && abs(dot(b.position - a.position, a.normal)) < reach_m &&
+bool same_surface(Sample a, Sample b, float tolerance_m) {
+  return b.valid && a.material == b.material && abs(dot(b.position - a.position, a.normal)) < tolerance_m &&
          dot(a.normal, b.normal) > 0.5;
 }
 
-/// What one pixel along a screen axis does to position and normal, from the smoother of both sides.
+/// Change of position and normal over one pixel along a screen axis, from the side where the normal changes less.
 struct Along {
-  vec3 step_m, turn;
+  vec3 step_m, normal_change;
 };
 
 const float kLeastCosine = 0.02;  // of grazing views
@@ -47,17 +47,17 @@ Along along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
   vec3 ray = ray_through(vec2(pixel + axis) + 0.5);
   float along_ray = dot(c.position, c.normal) / min(dot(ray, c.normal), -kLeastCosine * length(ray));
   Along best = Along(ray * along_ray - c.position, vec3(0.0));
-  float best_turn = 1e30;
+  float best_change = 1e30;
   for (int side = -1; side <= 1; side += 2) {
     ivec2 q = pixel + side * axis;
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, u_frame.size.xy))) continue;
     Sample s = load_sample(q);
     if (!same_surface(c, s, 4.0 * tangent_m)) continue;
-    // The chord between unit normals keeps its digits where the arc cosine of their product loses them.
-    vec3 turn = s.normal - c.normal;
-    if (length(turn) < best_turn) {
-      best_turn = length(turn);
-      best = Along(float(side) * (s.position - c.position), float(side) * turn);
+    // The chord between unit normals is precise for small angles, where the arc cosine of their product is not.
+    vec3 change = s.normal - c.normal;
+    if (length(change) < best_change) {
+      best_change = length(change);
+      best = Along(float(side) * (s.position - c.position), float(side) * change);
     }
   }
   return best;
@@ -78,6 +78,6 @@ void main() {
     Sample c = load_sample(pixel);
     float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
     Along x = along_axis(c, pixel, ivec2(1, 0), pixel_m), y = along_axis(c, pixel, ivec2(0, 1), pixel_m);
-    imageStore(o_bend, quad, pack_bend(x.step_m, y.step_m, x.turn, y.turn));
+    imageStore(o_bend, quad, pack_bend(x.step_m, y.step_m, x.normal_change, y.normal_change));
   }
 }

@@ -1,4 +1,4 @@
-// Lists the tiles that show a material with another paint than in the frame before. One invocation a tile of those that show a surface.
+// Lists the tiles that show a material that was replaced since the frame before. One invocation for each tile that shows a surface.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -17,7 +17,7 @@ void main() {
   for (int k = 0; k < kTile * kTile && !found; ++k) {
     ivec2 pixel = min(kTile * tile + ivec2(k & 7, k >> 3), last);
     uint flags = material_words(int(texelFetch(t_surface, pixel, 0).z >> 16u), 6).x;
-    found = (flags & kMaterialRepainted) != 0u && texelFetch(t_depth, pixel, 0).x > 0.0;
+    found = (flags & kMaterialReplaced) != 0u && texelFetch(t_depth, pixel, 0).x > 0.0;
   }
   if (!found) return;
   int band = tile.y / u_band_rows, tiles_x = (u_frame.size.x + kTile - 1) / kTile;

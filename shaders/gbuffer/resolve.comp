@@ -1,5 +1,5 @@
-// From the triangle of each grid point to its surface: exact hit of the point's ray with the triangle, interpolated
-// normal and texture coordinates with analytic derivatives, material after textures.
+// Surface of each grid point from its triangle: exact intersection of the point's ray, interpolated normal and texture coordinates with
+// analytic derivatives, textured material.
 #include "shared/frame.glsl"
 layout(local_size_x = 64) in;
 #include "shared/tiles.glsl"
@@ -32,7 +32,7 @@ void resolve_surface(ivec2 pixel, int triangle) {
   vec3 e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
   vec3 origin = view_origin(pixel), ray = view_ray(pixel);
   TriangleHit hit = intersect_plane_of_triangle(origin, ray, p0.xyz, e1, e2);
-  // A grid point on a sliver's edge may miss by rounding: stay on the triangle.
+  // A grid point on the edge of a thin triangle may miss by rounding: clamped to the triangle.
   vec2 b = clamp(hit.barycentric, 0.0, 1.0);
   b *= 1.0 / max(1.0, b.x + b.y);
   float b0 = 1.0 - b.x - b.y;
@@ -61,8 +61,8 @@ void resolve_surface(ivec2 pixel, int triangle) {
   vec3 emission = m2.rgb;
   float texture_bandwidth = 0.0;
 #if TEXTURES
-  // The list of the material's textures, each a texture and what it is for. One loop, so that the sampling code runs as often as the
-  // longest list of a vector asks for: software drivers run every branch for every lane.
+  // The material's list of textures and their roles. One loop over the list, because software drivers run every branch for every invocation:
+  // so the sampling code runs only as often as the longest list needs.
   uvec4 list = material_words(material, 7);
   uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
   if (list.x != kNoTexture) {
@@ -102,11 +102,11 @@ void resolve_surface(ivec2 pixel, int triangle) {
       emission *= role == kRoleEmissive ? value.rgb : vec3(1.0);
       mapped = role == kRoleNormal ? value.xyz * 2.0 - 1.0 : mapped;
 #if TEXTURE_BANDWIDTH
-      // Cycles per unit of UV, times UV units per metre of the pixel's footprint; no finer than the pixels resolve.
+      // Cycles per unit of UV, times units of UV per metre of the pixel's footprint; limited to the Nyquist frequency of the pixels.
       ivec2 cell = ivec2(fract(uv) * 16.0);
       float cycles_per_uv = texelFetch(t_texture_bandwidth, index * 256 + cell.y * 16 + cell.x).x;
       float span = sqrt(max(length(dx) * length(dy), 1e-20));
-      // Upsampling divides by the base colour and multiplies by it again (fill.comp); only the rest of the light carries its detail.
+      // Upsampling divides by the base colour and multiplies by it again (fill.comp), so only the remaining light contributes its detail.
       if (role == kRoleBaseColor)
         cycles_per_uv *= 1.0 - base_color_share(surface.metallic, (tint_flags & kMaterialTinted) != 0u);
       float nu = role <= kRoleNormal ? min(cycles_per_uv * span, 0.5) / (depth * u_frame.forward.w) : 0.0;

@@ -1,4 +1,4 @@
-// Lists the tiles of 8 x 8 grid points that show a surface, and those that show sky; many show both. One invocation a tile.
+// Lists the tiles of 8 x 8 grid points that show a surface, and the tiles that show sky; a tile may be in both lists. One invocation a tile.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shading/linear_id.glsl"
@@ -20,7 +20,7 @@ void main() {
   ivec2 last = min(kTile * tile + kTile, u_frame.size.xy) - 1;
   bool surface = false, sky = false;
   for (int k = 0; k < kTile * kTile; ++k) {
-    // Beyond the border the last row and column again.
+    // Beyond the border the last row and column are repeated.
     uint triangle = texelFetch(t_triangle, min(kTile * tile + ivec2(k & 7, k >> 3), last), 0).x;
     surface = surface || triangle != 0u;
     sky = sky || triangle == 0u;

@@ -1,4 +1,4 @@
-// Rasterises which triangle is seen; everything else of the G-buffer is found once per visible point (resolve.comp).
+// Rasterises the index of the visible triangle; resolve.comp computes the rest of the G-buffer once per visible point.
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 #if ALPHA_MASK

@@ -1,11 +1,11 @@
-// Panes: what is behind times the transmittance, plus the mirrored environment times the reflectance; both faces, all bounces between
-// them (shared/fresnel.glsl). Thin: the ray is not bent or shifted, and roughness is not seen.
-// Blended surfaces: a Lambertian surface of the base colour under the whole sky, covering by alpha.
-// TEXTURES, SURFACE, PANE: the item has a base colour texture, covers by some of its share, transmits by some of it. MIRRORED: 1 shows what
-// a reflector technique found, 2 a second image of it too, 3 is an opaque metal; HATCHED: what is not vouched for is hatched. Known before,
-// because software devices run branches that no lane takes.
-// Blending is o_color + o_through * (what is there), so that items must come back to front.
-// RECORD: panes alone; nothing is drawn, but each point lists what it needs to be drawn under other light (glass/kept.glsl).
+// Panes: the background times the transmittance, plus the mirrored environment times the reflectance; both faces with all bounces between
+// them (shared/fresnel.glsl). Thin: the transmitted ray is neither refracted nor shifted, and roughness is ignored.
+// Blended surfaces: a Lambertian surface of the base colour under the whole sky, with coverage alpha.
+// TEXTURES: the item has a base colour texture. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
+// a reflector technique, 2 also a second image, 3 is an opaque metal. HATCHED: pixels of low confidence are hatched. All are
+// permutations, because software devices run branches that no invocation takes.
+// Blending is o_color + o_through * (what is there), so items are drawn back to front.
+// RECORD: only panes. Nothing is drawn; each point lists what is needed to draw it under other light (glass/kept.glsl).
 #include "shared/frame.glsl"
 #include "shared/latlong.glsl"
 #include "shared/rgb9e5.glsl"
@@ -33,7 +33,7 @@ in vec2 v_uv;
 in float v_open;
 #if RECORD
 layout(early_fragment_tests) in;
-/// Number of the next layer behind or 0, where the unturned environment has what is mirrored (uv), its share, what is let through and added.
+/// Number of the next layer behind it or 0, uv of the mirrored direction in the unrotated environment, reflectance, transmittance, emission.
 struct Layer {
   uvec4 behind_uv_share;
   vec4 share_through, through_added;
@@ -48,13 +48,13 @@ layout(location = 0, index = 0) out vec4 o_color;
 layout(location = 0, index = 1) out vec4 o_through;
 #endif
 
-/// What a white Lambertian surface shows, in cd/m2.
+/// Radiance of a white Lambertian surface, in cd/m2.
 vec3 white_under_sky(vec3 n) {
   return textureLod(t_irradiance, latlong_uv_from_direction(environment_from_world(n)), 0.0).rgb * u_frame.environment.z;
 }
 
 #if MIRRORED
-/// Bilinear among the pixels that show this very reflector; w: their share, 0 where another reflector hides it.
+/// Bilinear among the pixels that show this reflector; w: 1, or 0 where another reflector hides it.
 vec4 reflected_scene(sampler2D directions, sampler2D radiance) {
   vec2 size = vec2(textureSize(t_reflection, 0));
   vec2 at = gl_FragCoord.xy / vec2(u_frame.size.xy) * size - 0.5;
@@ -70,13 +70,13 @@ vec4 reflected_scene(sampler2D directions, sampler2D radiance) {
   return sum.w > 0.0 ? vec4(sum.rgb / sum.w, 1.0) : vec4(0.0);
 }
 
-/// Thin slanting lines, an orange filter over reflection and background alike: seen at every exposure, and never taken for what is reflected.
-vec3 doubt_filter() {
+/// Thin diagonal lines, an orange filter over reflection and background alike: visible at every exposure, and not mistaken for a reflection.
+vec3 hatch_filter() {
   vec2 size = vec2(textureSize(t_doubt, 0));
   ivec2 at = clamp(ivec2(gl_FragCoord.xy / vec2(u_frame.size.xy) * size), ivec2(0), ivec2(size) - 1);
-  bool doubtful = texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
+  bool low_confidence = texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
   float along = mod((gl_FragCoord.x + gl_FragCoord.y) / float(u_frame.size.z), 7.0);
-  return doubtful && along < 1.5 ? vec3(0.8, 0.3, 0.02) : vec3(1.0);
+  return low_confidence && along < 1.5 ? vec3(0.8, 0.3, 0.02) : vec3(1.0);
 }
 
 /// Reflectance of a smooth metal known by its colour at normal incidence: Fresnel's equations with the real index that has it.
@@ -148,7 +148,7 @@ void main() {
 #endif
 #if MIRRORED && HATCHED
   {
-    vec3 mark = doubt_filter();
+    vec3 mark = hatch_filter();
     o_color.rgb *= mark;
     o_through.rgb *= mark;
   }

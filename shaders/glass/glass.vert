@@ -1,4 +1,4 @@
-// Panes and blended surfaces. What varies slowly is found here: how much of the sky the mirror direction sees.
+// Panes and blended surfaces. Computes per vertex the visibility of the sky in the mirror direction, which varies slowly.
 #include "shared/frame.glsl"
 #include "shared/octahedral.glsl"
 layout(location = 0) in vec3 a_position;
@@ -38,7 +38,7 @@ void main() {
 #if VISIBILITY == 1
   v_open = open_share(mirrored, back);
 #elif VISIBILITY == 2
-  // The pane itself is not in the octree, the frame that it touches is.
+  // The octree does not contain the pane, but it contains the frame around it.
   float own_m = 2.0 * octree_cell_at(octree_frame(), a_position) / u_octree.w;
   OctreeHit hit = octree_trace(octree_frame(), OctreeRay(a_position, mirrored, own_m, 1e30, 0.0, 0.0, 0.0));
   v_open = hit.node >= 0 ? 0.0 : 1.0;

@@ -1,4 +1,4 @@
-// Splits the tiles that show a surface into those that show a pane before it as well, and those that do not. One invocation a tile.
+// Splits the tiles that show a surface into those with a pane in front of it, and those without. One invocation a tile.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

@@ -1,4 +1,4 @@
-// BRDFs of octree cells (render/octree/cell_brdf_buffers.h): their frames, what of them is seen, and their codes. Needs octree/tables.glsl.
+// BRDFs of octree cells (render/octree/cell_brdf_buffers.h): their codes, frames and visible areas. Needs octree/tables.glsl.
 #include "shared/cell_brdf.glsl"
 layout(binding = 36) uniform usamplerBuffer t_cell_of_node;  // [node], code + 1, 0: none
 layout(binding = 37) uniform usamplerBuffer t_cell_codes;    // cluster (16 bits) and turn (14 bits), mirrored, shared by flat cells; four weights, scale
@@ -7,7 +7,7 @@ layout(binding = 39) uniform samplerBuffer t_cell_seen;      // [cluster][direct
 
 struct CellCode {
   int cluster;
-  float turn;  // of the frame around the normal, rad
+  float rotation_rad;  // of the frame around the normal
   bool mirrored;
   bool flat_shared;
   vec4 weights;
@@ -28,7 +28,7 @@ struct CellFrame {
 };
 CellFrame cell_frame(CellCode code, vec3 normal) {
   vec3 n = normalize(normal), t = cell_tangent(n), b = cross(n, t);
-  float c = cos(code.turn), s = sin(code.turn);
+  float c = cos(code.rotation_rad), s = sin(code.rotation_rad);
   return CellFrame(c * t + s * b, (code.mirrored ? -1.0 : 1.0) * (c * b - s * t), n);
 }
 vec3 cell_from_world(CellFrame f, vec3 d) { return vec3(dot(f.t, d), dot(f.b, d), dot(f.n, d)); }
@@ -40,7 +40,7 @@ float cell_seen_at(CellCode c, int direction) {
   return sum;
 }
 
-/// Area that is seen along a direction of the cell's frame, over that of a face.
+/// Visible area along a direction of the cell's frame, relative to the area of a face.
 float cell_seen(CellCode c, vec3 d) {
   CellLookup at = cell_lookup(d);
   float low = mix(cell_seen_at(c, at.first), cell_seen_at(c, at.first + 1), at.x);

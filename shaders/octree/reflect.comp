@@ -1,5 +1,5 @@
-// What mirrored rays hit in the octree, as a G-buffer: normal, material, mean colour of a cell and the triangle that stands for it. The cone of a pixel decides how deep the
-// walk goes. GLOSSY: the rays of opaque surfaces, as wide as their lobes.
+// G-buffer of what mirrored rays hit in the octree: normal, material and mean colour of a cell, and one triangle of it. The traversal stops at
+// cells as wide as the pixel's cone. GLOSSY: rays of opaque surfaces, with cones as wide as their lobes.
 layout(local_size_x = 64) in;
 #define REFLECTED 1
 #include "shared/frame.glsl"
@@ -25,11 +25,11 @@ layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps, b_layer_coun
 layout(std430, binding = 13) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
 layout(binding = 5, rg32ui) uniform writeonly uimage2D o_layers;            // first layer, count | what comes through (half) << 16
 uniform int u_layer_capacity;
-uniform int u_all_cells;  // 0: flat cells of one material keep that
+uniform int u_all_cells;  // 0: flat cells of one material use it instead of a cell BRDF
 
-/// Cells with BRDFs that a ray may meet before the last counts as opaque.
+/// Largest number of cells with BRDFs along a ray; the last one is treated as opaque.
 const int kMaxLayers = 4;
-/// What comes through less than this is not followed, what covers less than this is not shaded.
+/// A ray stops when its transmittance is below this; a cell with a smaller opacity is not shaded.
 const float kLeastShare = 0.01;
 
 /// Distance at which the ray leaves the cell that it meets at `t`.
@@ -42,24 +42,24 @@ float leave_cell(vec3 origin, vec3 direction, float t, float cell_m) {
 #endif
 #if GLOSSY
 layout(binding = 54) uniform sampler2D t_width;  // rad: half of the lobe lies within
-/// Cells of the surface's own material are passed while the ray is no higher above it than so many of them: a curved surface is not as flat
+/// Cells of the surface's own material are skipped while the ray is less than this many cells above it: a curved surface is not as flat
 /// as its cells.
 const float kOwnHeight = 1.0;
-/// Width of a cell over the half angle of the lobe.
+/// Width of a cell relative to the half angle of the lobe.
 const float kLobeCells = 1.0;
 #else
-uniform int u_own_material[16];  // of each reflector that is opaque, and so in the octree; -1: a pane, which is not
+uniform int u_own_material[16];  // of each opaque reflector, which is in the octree; -1: a pane, which is not
 uniform vec3 u_own_low[16];      // its bounds, m
 uniform vec3 u_own_high[16];
 #endif
 
-/// So many cells away a solid cell is what touches the reflector, its frame.
+/// Up to this distance, in cells, a solid cell is assumed to be the frame that touches the reflector.
 const float kFrameCells = 1.8;
-/// Of a mirror's own cells a ray passes as many: those that it starts in, and those of facets before a hollow mirror's true surface.
+/// Number of a mirror's own cells that a ray skips: those in which it starts, and those of facets in front of a concave mirror's true surface.
 const int kOwnCells = 6;
-/// A mean of normals may face away from the ray: it is bent back to this cosine, as interpolated ones are.
+/// A mean of normals may face away from the ray: it is rotated back to this cosine, as interpolated normals are.
 const float kLeastFacing = 0.004;
-/// The same for a mean that faces away: what of the cell is seen faces the ray by about as much.
+/// The same for a mean that faces away: the visible part of the cell faces the ray with about this cosine.
 const float kRimFacing = 0.15;
 
 void store_nothing(ivec2 pixel, int steps) {
@@ -70,25 +70,24 @@ void store_nothing(ivec2 pixel, int steps) {
   imageStore(o_triangle, pixel, uvec4(0u));
 }
 
-
 #if GLOSSY
-/// Angle to the ray of a neighbour, the nearer of both sides: beyond an edge there are others.
-float turn_along(ivec2 pixel, ivec2 step_px, vec4 direction) {
+/// Angle to the ray of a neighbour along an axis, the smaller of both sides: one may lie beyond an edge.
+float angle_along(ivec2 pixel, ivec2 step_px, vec4 direction) {
   float least = 1e30;
   for (int k = -1; k <= 1; k += 2) {
     vec4 other = texelFetch(t_ray_direction, clamp(pixel + k * step_px, ivec2(0), u_frame.size.xy - 1), 0);
-    float turn = length(other.xyz - direction.xyz);
-    if (other.w == direction.w && turn > 0.0) least = min(least, turn);
+    float angle = length(other.xyz - direction.xyz);
+    if (other.w == direction.w && angle > 0.0) least = min(least, angle);
   }
   return least < 1e30 ? least : u_frame.forward.w;
 }
-/// A cone as wide as the lobe, or as the surface's curvature spreads it. A cell and its neighbours blend over as much again.
+/// Spread of the cone: that of the lobe, or that caused by the surface's curvature if larger. Blending cells with their neighbours doubles it.
 float spread_of(ivec2 pixel, vec4 direction) {
-  float turn = 0.5 * (turn_along(pixel, ivec2(1, 0), direction) + turn_along(pixel, ivec2(0, 1), direction));
-  return max(turn, kLobeCells * texelFetch(t_width, pixel, 0).x);
+  float angle = 0.5 * (angle_along(pixel, ivec2(1, 0), direction) + angle_along(pixel, ivec2(0, 1), direction));
+  return max(angle, kLobeCells * texelFetch(t_width, pixel, 0).x);
 }
 
-/// Mirrored rays stand about the normal as the view does.
+/// True for a cell of the surface itself. The normal is halfway between the mirrored ray and the view direction.
 bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_m) {
   vec3 normal = normalize(direction.xyz - normalize(origin - u_frame.eye.xyz));
   return color.material == int(direction.w) - 1 && t * dot(direction.xyz, normal) < kOwnHeight * cell_m;
@@ -115,8 +114,8 @@ bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_
 }
 #endif
 
-/// What a texture of the material's stands for in the cells' colours: the emission where it has one, else the base colour.
-bool emission_is_painted(int material, vec3 emission) {
+/// Whether a cell's colour is that of the material's emissive texture; without one it is that of the base colour.
+bool has_emissive_texture(int material, vec3 emission) {
   if (emission == vec3(0.0)) return false;
   uvec4 list = material_words(material, 7);
   uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
@@ -170,7 +169,7 @@ void main() {
       OctreePlane plane = cell_plane(hit.node, hit.level);
       float seen = cell_seen(code, cell_from_world(cell_frame(code, plane.normal), -direction.xyz));
       float outline = cell_outline(direction.xyz);
-      // The walk has met the plane of a flat cell itself: nothing comes through there.
+      // The traversal has hit the plane of a flat cell, which is opaque.
       float opacity = plane.planar || layer_count + 1 == kMaxLayers ? 1.0 : min(seen / outline, 1.0);
       if (opacity > 1.0 - kLeastShare) opacity = 1.0;
       if (opacity > kLeastShare && seen > 1e-4) {
@@ -188,7 +187,7 @@ void main() {
   atomicAdd(b_steps, uint(steps));
 #if CELLS
   uint first = layer_count > 0 ? atomicAdd(b_layer_count, uint(layer_count)) : 0u;
-  // Room is for two a pixel: the host draws again with more when this is not enough.
+  // The buffer has space for two layers a pixel; the host draws again with a larger one when this is not enough.
   if (first + uint(layer_count) > uint(u_layer_capacity)) layer_count = 0;
   for (int k = 0; k < layer_count; ++k) b_layers[first + uint(k)] = layers[k];
   imageStore(o_layers, pixel, uvec4(first, uint(layer_count) | (packHalf2x16(vec2(through, 0.0)) << 16u), 0u, 0u));
@@ -208,7 +207,7 @@ void main() {
   float least = facing < 0.0 ? kRimFacing : kLeastFacing;
   if (facing < least) normal = normalize(normal - direction.xyz * (least - facing));
   vec4 m0 = material_floats(seen.material, 0), m1 = material_floats(seen.material, 1), m2 = material_floats(seen.material, 2);
-  bool glows = emission_is_painted(seen.material, m2.rgb);
+  bool glows = has_emissive_texture(seen.material, m2.rgb);
   Surface surface;
   surface.normal = normal;
   surface.base_color = glows ? m0.rgb : m0.rgb * seen.tint;

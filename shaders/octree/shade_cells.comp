@@ -1,6 +1,6 @@
-// Radiance of the cells with BRDFs of their own that mirrored rays met: samples of the environment's list, each with one of the neighbouring
-// directions of view and light by its bilinear weight.
-// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4, for the latter.
+// Radiance of the cells with BRDFs that mirrored rays hit: samples of the environment's list, each with one of the neighbouring tabulated
+// directions of view and light, chosen with its bilinear weight.
+// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4, for this choice.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
 #define REFLECTED 1
@@ -12,7 +12,7 @@ layout(std430, binding = 13) buffer Layers { uvec4 b_layers[]; };  // pixel, nod
 uniform int u_layer_count;
 uniform int u_samples;
 
-/// Rays leave from so many cells around the middle: beyond the cell itself, whose own shadows are in its BRDF.
+/// Shadow rays start this many cells from the middle: outside the cell, whose own shadows are in its BRDF.
 const float kLeave = 0.9;
 const float kOwnCells = 1.8;
 
@@ -49,7 +49,7 @@ void main() {
     q += 0xD1B54A33u;
     r += 0x9E3779B9u;
     vec2 a = unit_pair(q), b = unit_pair(hash(r));
-    vec3 value = cell_pair_value(code, cell_choose(view, a.x, a.y), cell_choose(cell_lookup(cell_from_world(frame, world)), b.x, b.y));
+    vec3 value = cell_pair_value(code, cell_sample_index(view, a.x, a.y), cell_sample_index(cell_lookup(cell_from_world(frame, world)), b.x, b.y));
 #if VISIBILITY == 2
     OctreeHit hit = octree_trace(octree_frame(), OctreeRay(middle, world, kLeave * cell_m, 1e30, kOwnCells * cell_m, 0.0, 0.0));
     value *= hit.node >= 0 ? 0.0 : 1.0;

@@ -1,9 +1,9 @@
-// The octree of the scene (render/octree/octree_buffers) and the walk through it.
+// The octree of the scene (render/octree/octree_buffers) and its traversal.
 layout(binding = 32) uniform usamplerBuffer t_octree;         // [node]
 layout(binding = 33) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
 uniform vec4 u_octree;     // corner (m), cells of the last level per metre
 uniform int u_octree_depth;
-uniform int u_octree_detail;  // of its levels, those that only cells of much detail have
+uniform int u_octree_detail;  // number of the deepest levels, which only cells with much detail have
 
 uint octree_word(int node) { return texelFetch(t_octree, node).x; }
 uint octree_plane_word(int node) { return texelFetch(t_octree_planes, node).x; }

@@ -1,4 +1,4 @@
-// Rays of a list through the octree: what the tests and the benchmark measure the walk with.
+// Traces a list of rays through the octree; used by tests and the benchmark.
 layout(local_size_x = 64) in;
 #include "octree/tables.glsl"
 

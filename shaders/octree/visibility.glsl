@@ -1,14 +1,14 @@
-// Visibility of a shading point by rays through the octree; panes are not in it. Takes the place of shading/visibility.glsl.
+// Visibility of a shading point by rays through the octree, which contains no panes. Replaces shading/visibility.glsl.
 #include "octree/tables.glsl"
 
-/// A ray starts this far above its surface, in cells: beyond the slab of its own cell's plane and what the plane is off by.
+/// A ray starts this far above its surface, in cells: outside the slab of its own cell's plane, including the plane's error.
 const float kOctreeLift = 0.25;
-/// Cells without a plane count from this many cells on: around a crease or a rim they hold the surface itself.
+/// Solid cells are ignored up to this distance, in cells: around a crease or a rim they contain the surface itself.
 const float kOctreeOwnCells = 1.8;
 
 struct VisibilityPoint {
   vec3 origin;  // m, world
-  float own_m;  // as far as the surface itself may be in the way
+  float own_m;  // up to this distance solid cells may contain the surface itself
 };
 
 VisibilityPoint visibility_point(vec3 position, vec3 normal) {
@@ -17,14 +17,14 @@ VisibilityPoint visibility_point(vec3 position, vec3 normal) {
 }
 
 #ifdef REFLECTED
-/// Of what a reflector shows: a hit may be a cell and no triangle.
+/// For reflected points, which may lie on an octree cell instead of a triangle.
 VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) { return visibility_point(position, normal); }
 #else
 layout(binding = 0) uniform usampler2D t_triangle;
 layout(binding = 4) uniform usamplerBuffer t_indices;
 layout(binding = 5) uniform samplerBuffer t_vertices;
 
-/// `normal` is the shading normal; the ray is lifted along the triangle's own, which nothing bends.
+/// `normal` is the shading normal; the ray's origin is moved along the geometric normal.
 VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
   int triangle = max(int(texelFetch(t_triangle, pixel, 0).x), 1) - 1;
   ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x,
@@ -42,5 +42,5 @@ float blocked_at(VisibilityPoint p, vec3 world, float t_max) {
   return hit.node >= 0 ? hit.t : -1.0;
 }
 
-/// In [0, 1], as of the masks.
+/// Visibility in a direction, 0 or 1; same interface as shading/visibility.glsl.
 float mean_visibility(VisibilityPoint p, vec3 world) { return blocked_at(p, world, 1e30) < 0.0 ? 1.0 : 0.0; }

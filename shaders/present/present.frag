@@ -1,5 +1,5 @@
-// A picture on screen. SIDE: points a pixel along each axis of what is read. Each goes through the tone mapper and a pixel shows their mean:
-// where a pixel sees a sky that is 1,000 times as bright as the rest of it, the mean radiance would show no smooth edge.
+// Draws a picture on screen. SIDE: points a pixel along each axis of the picture. Each point is tone mapped, and a pixel shows their mean:
+// if part of a pixel shows a sky 1,000 times as bright as the rest, the edge would look jagged after tone mapping the mean radiance.
 #include "shared/tonemap.glsl"
 layout(binding = 24) uniform sampler2D t_picture;
 uniform float u_exposure;

@@ -1,4 +1,4 @@
-// Everything that lies over the opaque picture, to know how much of it comes through at least.
+// Everything that is drawn over the opaque picture, to find the least share of that picture that stays visible.
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 layout(binding = 5) uniform samplerBuffer t_vertices;

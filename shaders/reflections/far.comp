@@ -1,5 +1,5 @@
-// Of each tile of pixels the rays of one reflector: the boxes of their origins and directions, and how far the farthest of what they show
-// is. What lies behind cannot be seen.
+// For each tile of pixels, of the rays of one reflector: the bounding boxes of their origins and directions, and the largest hit distance.
+// Triangles farther away are invisible.
 layout(local_size_x = 64) in;
 #include "reflections/tiles.glsl"
 layout(binding = 49) uniform sampler2D t_ray_origin;

@@ -1,4 +1,4 @@
-// What has been found for each pixel, as the techniques' common images hold it.
+// Writes the nearest hit of each pixel to the images that all techniques share.
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
@@ -10,13 +10,13 @@ layout(binding = 2, r8ui) uniform writeonly uimage2D o_doubt;
 layout(std430, binding = 2) buffer Counters { uint b_doubtful; };
 layout(binding = 55) uniform usamplerBuffer t_group;   // of each triangle
 layout(std430, binding = 3) writeonly buffer Seen { uint b_seen[]; };  // [group]
-uniform int u_group_count;  // 0: nobody asks
-uniform uint u_shortest;  // bit k: of reflector k the technique has found shortest paths alone
+uniform int u_group_count;  // 0: groups are not needed
+uniform uint u_shortest;  // bit k: for reflector k the technique has found only shortest paths
 uniform int u_channel;    // of the effort: 0: steps, 1: root
 uniform vec3 u_low;       // box of what can be mirrored, m
 uniform vec3 u_high;
 
-/// Where the ray has left all that can be mirrored behind.
+/// Distance at which the ray leaves the box of all that can be mirrored.
 float exit_distance(vec3 origin, vec3 direction) {
   vec3 d = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
   vec3 t = max((u_low - origin) / d, (u_high - origin) / d);
@@ -34,12 +34,12 @@ void main() {
   vec4 direction = texelFetch(t_ray_direction, pixel, 0);
   int reflector = int(direction.w) - 1;
   if (reflector < 0 || (u_shortest >> uint(reflector) & 1u) == 0u) return;
-  // A shortest path reaches its object before the ray's caustic. What the ray meets beyond it has paths of other kinds, which the search
-  // does not look for: whether this is what belongs here is not known.
+  // A shortest path ends before the ray's caustic. Objects beyond it are seen by other kinds of paths, which the search does not find, so the
+  // confidence in this hit is low.
   vec3 origin = texelFetch(t_ray_origin, pixel, 0).xyz;
   float focus = texelFetch(t_focus, pixel, 0).x;
-  float reach_m = triangle != 0u ? distance_to(origin, direction.xyz, fetch_triangle(int(triangle) - 1)) : exit_distance(origin, direction.xyz);
-  if (reach_m * focus <= 1.0) return;
+  float hit_m = triangle != 0u ? distance_to(origin, direction.xyz, fetch_triangle(int(triangle) - 1)) : exit_distance(origin, direction.xyz);
+  if (hit_m * focus <= 1.0) return;
   imageStore(o_doubt, pixel, uvec4(1u));
   atomicAdd(b_doubtful, 1u);
 }

@@ -1,6 +1,6 @@
-// What the octree changes of the light that glossy opaque points send to the eye by way of other surfaces: what their mirrored rays met, in
-// place of what the light baked by vertex made of the same lobes. The sky's share is shaded already: of the mean direction the masks let
-// as much through as they say, and what the ray met stands for the rest alone, so that no direction counts twice.
+// Change of the reflected indirect light at glossy opaque points: the radiance that their mirrored rays hit in the octree replaces the light
+// baked per vertex in the same lobes. Light of the sky is shaded already, by the share that the visibility map gives for the mean
+// direction. The ray's radiance is used for the remaining share only, so that no direction counts twice.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -26,12 +26,12 @@ layout(binding = 50) uniform sampler2D t_ray_direction;  // unit; w: material + 
 layout(binding = 53) uniform sampler2D t_met;            // cd/m2
 layout(binding = 0, rgba32f) uniform writeonly image2D o_glossy;
 uniform int u_divisor;
-uniform float u_lift_m;  // as far above its surface a ray may start
+uniform float u_lift_m;  // largest height above its surface at which a ray starts
 
-/// Rays of neighbours are of the same surface while they start this near its tangent plane, in points of theirs.
+/// A neighbour's ray belongs to the same surface if it starts this near its tangent plane, in points of the image of rays.
 const float kSamePlane_px = 2.0;
 
-/// Mean of what the rays around have met, of this surface only; w: 0 where there is none.
+/// Mean radiance that the rays around have hit, from this surface only; w: 0 where there is none.
 vec4 met_around(ivec2 pixel, Point p, vec3 direction) {
   vec2 at = (vec2(pixel) + 0.5) / float(u_divisor) - 0.5;
   ivec2 low = ivec2(floor(at)), size = textureSize(t_met, 0);
@@ -61,8 +61,8 @@ vec3 change_of(ivec2 pixel) {
   if (met.w == 0.0) return vec3(0.0);
 #if INDIRECT
   VisibilityPoint v = load_visibility(pixel, p.position, world_from_environment(p.n));
-  // Panes do not count: what is behind them is sky all the same.
-  float open = mean_mask(v, v.barycentric, direction);
+  // Without the panes' transmittance: behind them is sky.
+  float open = interpolated_visibility(v, v.barycentric, direction);
   return lobe.albedo * ((1.0 - open) * met.rgb - indirect_radiance(load_indirect(v), mean));
 #else
   return lobe.albedo * met.rgb;

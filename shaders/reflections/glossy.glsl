@@ -1,11 +1,11 @@
-// Opaque points that mirror by rays through the octree: those whose lobe is narrow enough, or that are named. Needs shading/lobes.glsl.
+// Opaque points that are reflected by rays through the octree: those with a narrow lobe, or of named parts. Needs shading/lobes.glsl.
 #include "reflections/glossy_parts.glsl"
 
-/// What is traced of a point's lobes.
+/// The part of a point's lobes that is traced.
 struct MirrorLobe {
   vec3 albedo;       // 0: nothing
   vec3 direction;    // mean, local, any length
-  float half_angle;  // from there, rad, within which half of it lies
+  float half_angle;  // rad from that direction; half of the lobe lies within
 };
 
 #if MEASURED
@@ -17,7 +17,7 @@ MirrorLobe measured_mirror(Point p, float widest) {
 }
 #endif
 
-/// One ray stands for base and coat, between them by what they reflect. Half of a GGX lobe lies within half vectors of atan(alpha).
+/// One ray represents base and coat; its direction is interpolated by their reflectances. Half of a GGX lobe has half vectors within atan(alpha).
 MirrorLobe analytic_mirror(Point p, float widest) {
   AnalyticMaterial m = p.analytic;
   AnalyticMirrors mirrors = analytic_mirrors(m, p.wo.z);

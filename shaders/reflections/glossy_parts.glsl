@@ -1,8 +1,8 @@
-// Which opaque surfaces mirror by rays through the octree.
+// Selects the opaque surfaces whose reflections are traced through the octree.
 uniform float u_roughness;     // of the widest lobe
 uniform ivec2 u_named[16];     // triangles of named parts, from and to
 uniform int u_named_count;
-/// A named part mirrors up to this roughness; render/reflections/reflectors.h has the same number.
+/// Roughness limit of named parts; render/reflections/reflectors.h has the same number.
 const float kMostGlossyRoughness = 0.5;
 
 float widest_roughness(int triangle) {

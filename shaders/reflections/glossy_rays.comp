@@ -19,7 +19,7 @@ layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;  // unit; w:
 layout(binding = 2, r16f) uniform writeonly image2D o_width;         // rad: half of the lobe lies within
 uniform int u_divisor;
 
-/// Tries the middle of the block first: a narrow strip would else come and go.
+/// The k-th candidate point of a block. The middle comes first, so that a narrow strip does not flicker.
 ivec2 point_of_block(ivec2 block, int k) {
   ivec2 offset = k == 0 ? ivec2(u_divisor / 2) : ivec2(k & 1, k >> 1) * (u_divisor - 1) / (u_divisor > 2 ? 2 : 1);
   return min(block * u_divisor + offset, u_frame.size.xy - 1);

@@ -1,5 +1,4 @@
-// Lists the tiles that show an opaque surface glossy enough to mirror, more of them rather than fewer. One invocation a tile of those that show
-// a surface.
+// Lists the tiles that may show an opaque surface glossy enough to be traced (conservative). One invocation for each tile that shows a surface.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

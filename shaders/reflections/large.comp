@@ -1,4 +1,4 @@
-// What is large on screen, onto the lists of those of its tiles whose rays may meet it: a group for each.
+// Adds each offered triangle that is large on screen to the lists of its tiles whose rays may hit it. One group for each triangle.
 layout(local_size_x = 8) in;
 #define LARGE 1
 #include "reflections/nearest.glsl"

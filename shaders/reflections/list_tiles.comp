@@ -1,4 +1,4 @@
-// Lists the tiles of 8 x 8 pixels that show a reflector, or, RAYS, that have mirrored rays: panes may be hidden. One invocation a tile.
+// Lists the tiles of 8 x 8 pixels that show a reflector or, with RAYS, that have mirrored rays, as reflectors may be hidden. One invocation a tile.
 layout(local_size_x = 64) in;
 #if RAYS
 #define REFLECTED 1
@@ -26,7 +26,7 @@ void main() {
   bool shown = false;
   int k = 0;
   do {
-    // Beyond the border the last row and column again.
+    // Beyond the border the last row and column are repeated.
     shown = shows(min(kTile * tile + ivec2(k & 7, k >> 3), last));
     ++k;
   } while (k < kTile * kTile && !shown);

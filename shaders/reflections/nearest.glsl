@@ -1,6 +1,6 @@
-// Of the triangles that are offered for a pixel, the nearest that its mirrored ray meets. A technique says where on screen a triangle may be
-// seen, and every tile there gets it on its list; reflections/resolve.comp then holds each pixel's ray against its tile's list. What a technique
-// claims too much is taken back there, so that no false triangle is shown and no seam is jagged.
+// Finds, among the triangles offered for a pixel, the nearest that its mirrored ray hits. A technique offers a triangle with a conservative region on
+// screen, and every tile of the region adds it to its list. reflections/resolve.comp then intersects each pixel's ray with its tile's list, so
+// no triangle is shown where the ray misses it, and edges are exact.
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
 #include "reflections/ghost.glsl"
@@ -11,18 +11,18 @@ layout(std430, binding = 9) coherent buffer Lists { uint b_nodes, b_offers, b_la
 layout(std430, binding = 10) coherent buffer Offers { uvec4 b_offer[]; };
 layout(std430, binding = 11) coherent buffer Large { uint b_large_offers[]; };
 uniform uvec2 u_capacity;  // of lists; of offers, which the large ones share
-/// Tiles that one invocation puts a triangle on the list of; of larger ones a group of its own does (reflections/large.comp).
+/// Largest number of tiles whose lists one invocation extends; a larger triangle gets a group of its own (reflections/large.comp).
 #ifndef OWN_TILES
 #define OWN_TILES 8
 #endif
-/// What the ends of edges are known to, px.
-const float kPlace_px = 0.05;
-/// A margin that says that only the box around the corners is known.
+/// Error of the end points of edges, px.
+const float kEndError_px = 0.05;
+/// Added to a margin when only the bounding box of the corners is known.
 const float kBoxOnly = 1e6;
 
 uint offered(int triangle, int effort) { return uint(triangle + 1) << kEffortBits | uint(clamp(effort, 0, 127)); }
 
-/// Where a triangle may be seen: as far from its three corners on screen as the margin says.
+/// Region on screen where a triangle may be seen: the triangle of its three corners, extended by the margin.
 struct Box {
   ivec2 low, high;  // tiles, both within
   vec3 x, y, rest;  // of the three edges: x px.x + y px.y + rest is negative beyond the margin
@@ -33,15 +33,15 @@ Box make_box(vec2 p, vec2 q, vec2 r, float margin_px) {
   bool box_only = margin_px >= kBoxOnly;
   float around = box_only ? margin_px - kBoxOnly : margin_px;
   vec2 size = vec2(textureSize(t_ray_direction, 0));
-  // Pixels' middles count.
+  // Of the pixels whose centres are inside.
   vec2 low = ceil(clamp(min(min(p, q), r) - around - 0.5, vec2(0.0), size)), high = floor(clamp(max(max(p, q), r) + around - 0.5, vec2(-1.0), size - 1.0));
   box.low = ivec2(low) / kTile;
   box.high = any(lessThan(high, low)) ? box.low - 1 : ivec2(high) / kTile;
   vec2 e = q - p, f = r - q, g = p - r;
-  float turn = e.x * g.y - e.y * g.x > 0.0 ? -1.0 : 1.0;
-  box.x = -turn * vec3(e.y, f.y, g.y);
-  box.y = turn * vec3(e.x, f.x, g.x);
-  box.rest = turn * vec3(e.y * p.x - e.x * p.y, f.y * q.x - f.x * q.y, g.y * r.x - g.x * r.y) + around * vec3(length(e), length(f), length(g));
+  float orientation = e.x * g.y - e.y * g.x > 0.0 ? -1.0 : 1.0;
+  box.x = -orientation * vec3(e.y, f.y, g.y);
+  box.y = orientation * vec3(e.x, f.x, g.x);
+  box.rest = orientation * vec3(e.y * p.x - e.x * p.y, f.y * q.x - f.x * q.y, g.y * r.x - g.x * r.y) + around * vec3(length(e), length(f), length(g));
   if (box_only) {
     box.x = box.y = vec3(0.0);
     box.rest = vec3(1.0);
@@ -49,7 +49,7 @@ Box make_box(vec2 p, vec2 q, vec2 r, float margin_px) {
   return box;
 }
 
-/// Onto the lists of the box's tiles that its edges leave in and nothing found before covers.
+/// Adds an offer to the lists of the box's tiles that its edges do not exclude and that no nearer hit covers.
 void list_offer(Box box, uint offer, float nearest_m, SceneTriangle triangle, ivec2 first, ivec2 stride) {
   vec3 low = triangle.a + min(min(triangle.e1, triangle.e2), vec3(0.0)), high = triangle.a + max(max(triangle.e1, triangle.e2), vec3(0.0));
   ivec2 size = textureSize(t_ray_direction, 0);
@@ -73,7 +73,8 @@ void list_offer(Box box, uint offer, float nearest_m, SceneTriangle triangle, iv
   }
 }
 
-/// What is small at once; what is large is listed for later. `nearest_m`: no point of it is nearer along a mirrored ray.
+/// Small triangles are added to the lists at once, large ones are collected for reflections/large.comp. `nearest_m`: lower bound of the distance
+/// along a mirrored ray.
 void offer_triangle(vec2 p, vec2 q, vec2 r, float margin_px, float nearest_m, uint own, int reflector) {
   Box box = make_box(p, q, r, margin_px);
   ivec2 extent = box.high - box.low + 1;

@@ -5,7 +5,7 @@ in vec2 v_uv;
 layout(early_fragment_tests) in;
 layout(location = 0) out uvec2 o_pane;
 
-/// Of tessellate_patch (scenes/bezier_patch.cpp), by parameters.
+/// Index of the triangle in tessellate_patch (scenes/bezier_patch.cpp), from the parameters.
 int patch_triangle() {
   vec2 at = clamp(v_uv * vec2(u_quads), vec2(0.0), vec2(u_quads) - 0.001);
   ivec2 quad = ivec2(at);

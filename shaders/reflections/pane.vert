@@ -1,4 +1,4 @@
-// Rasterises which triangle of which reflector is seen; its rays are found once a pixel (rays.comp).
+// Rasterises the indices of the visible triangle and its reflector; rays.comp computes the mirrored rays once a pixel.
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec2 a_uv;

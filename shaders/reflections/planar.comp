@@ -1,15 +1,15 @@
-// The scene as a plane mirror shows it, seen from the mirrored eye: the triangles of the clusters that may be in its window.
+// Offers triangles for a plane mirror, projected from the mirrored eye: those of the clusters that may be in the mirror's window.
 layout(local_size_x = 64) in;
 #include "reflections/nearest.glsl"
 layout(std430, binding = 2) readonly buffer Triangles { uint b_triangles[]; };
 uniform mat4 u_clip_from_world;  // mirrors first
 uniform vec4 u_plane;            // towards the eye
-uniform vec4 u_window;           // what is seen of the mirror: lower and upper corner, px
+uniform vec4 u_window;           // visible part of the mirror: lower and upper corner, px
 uniform int u_reflector;
 uniform int u_first;
 uniform int u_count;
 uniform float u_margin_px;
-uniform float u_px_rad;  // what a pixel in the middle sees
+uniform float u_px_rad;  // angle of a pixel in the middle of the picture
 
 void main() {
   int i = int(gl_GlobalInvocationID.x);
@@ -25,8 +25,8 @@ void main() {
     at[k] = (0.5 * vec2(clip.x, -clip.y) / clip.w + 0.5) * size;
   }
   if (highest <= 0.0) return;
-  // The way to the mirror and on is clip.w at least; beside the axis pixels are smaller.
-  float margin_px = u_margin_px + 2.0 * kGhostSlack * ghost_reach(nearest) / (nearest * u_px_rad);
+  // The path length is at least clip.w; away from the axis pixels cover smaller angles.
+  float margin_px = u_margin_px + 2.0 * kGhostSlack * ghost_offset(nearest) / (nearest * u_px_rad);
   vec2 low = min(min(at[0], at[1]), at[2]) - margin_px, high = max(max(at[0], at[1]), at[2]) + margin_px;
   uint own = offered(triangle, 0);
   if (nearest <= 1e-6)  // around the mirrored eye

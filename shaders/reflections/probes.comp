@@ -1,4 +1,4 @@
-// The rays of every so many pixels of a reflected picture, as one of their own.
+// Copies the rays of every u_spacing-th pixel of a reflected picture into a small one.
 layout(local_size_x = 8, local_size_y = 8) in;
 #include "shared/frame.glsl"
 layout(binding = 49) uniform sampler2D t_origin;

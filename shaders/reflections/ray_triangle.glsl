@@ -1,12 +1,12 @@
-// Where the mirrored ray of a pixel meets a triangle of the scene.
+// Intersection of a pixel's mirrored ray with a triangle of the scene.
 layout(binding = 4) uniform usamplerBuffer t_indices;
 layout(binding = 5) uniform samplerBuffer t_vertices;
 layout(binding = 49) uniform sampler2D t_ray_origin;
 layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
 
-/// Neither may a ray slip through between two triangles by rounding.
+/// Tolerance in barycentrics, so that no ray passes between two adjacent triangles by rounding.
 const float kSeam = 1e-5;
-/// As far away nothing is seen of what touches the reflector, m.
+/// Hits nearer than this are ignored: they belong to parts that touch the reflector, m.
 const float kNear_m = 1e-4;
 
 struct SceneTriangle {

@@ -1,4 +1,4 @@
-// From the triangle of each pane pixel to its mirrored ray. On a patch the true surface is hit, not its triangles.
+// Mirrored ray of each reflector pixel from its triangle. On a patch the exact surface is intersected, not its triangles.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -31,7 +31,7 @@ struct PanePoint {
   vec2 x;       // parameters on the patch
 };
 
-/// Newton's method for eye + k ray = S(x), from the parameters that the triangles give. Their error is of second order in their size.
+/// Newton's method for eye + k ray = S(x). It starts from the parameters interpolated over the triangle, whose error is quadratic in its size.
 PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
   BezierSurface s = load_patch(number);
   vec3 eye = u_frame.eye.xyz - u_patches[number].origin.xyz;
@@ -49,45 +49,46 @@ PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
 }
 
 #if FITTED
-/// No patch, or none that would find what the ray meets: finish.comp then marks what is found as not vouched for.
+/// No patch, or one that would not find what the ray hits: finish.comp then marks the hit as one of low confidence.
 const float kNoFocus = 6e4;
-/// As far may the ray of a fitted patch be from the mesh's: a search around more would be no help of a patch's.
+/// Largest distance and angle between the ray of the fitted patch and that of the mesh; a search beyond would gain nothing from the patch.
 const float kMostOffset_m = 0.02, kMostTurn = 0.25;
 const float kSharpest = 20.0;  // 1/m
 
-/// Where the patch that is fitted to the triangle mirrors: it finds what the mesh's ray meets, not what the ray is. Returns 1/m of the caustic.
-float hold_against_fit(int triangle, vec2 b, vec3 ray, vec3 origin, vec3 direction) {
+/// Compares the ray with that of the patch fitted to the triangle and records their largest differences. The patch is used to find what the ray
+/// hits, not to change the ray. Returns 1/m of the distance to the caustic.
+float compare_with_fit(int triangle, vec2 b, vec3 ray, vec3 origin, vec3 direction) {
   uvec4 record = texelFetch(t_fits, triangle);
   if (record.x == 0u) return kNoFocus;
   int number = int(record.x) - 1;
   vec2 x0 = unpackSnorm2x16(record.y), x1 = unpackSnorm2x16(record.z), x2 = unpackSnorm2x16(record.w);
   PanePoint fitted = refine(number, x0 + b.x * (x1 - x0) + b.y * (x2 - x0), ray, 4);
   vec3 incident = normalize(ray), miss = fitted.position - u_frame.eye.xyz;
-  float offset = length(fitted.position - origin), turn = length(reflect(incident, fitted.normal) - direction);
-  // A search for the ray's point that has not ended says nothing.
+  float offset = length(fitted.position - origin), angle = length(reflect(incident, fitted.normal) - direction);
+  // A search that has not converged cannot be compared.
   bool found = length(miss - incident * dot(miss, incident)) < 1e-4 * length(miss);
-  if (!found || !(offset < kMostOffset_m) || !(turn < kMostTurn)) return kNoFocus;
-  // What is seen in a fold has met its caustic before: nothing is vouched for, nothing need be looked for.
+  if (!found || !(offset < kMostOffset_m) || !(angle < kMostTurn)) return kNoFocus;
+  // In a sharp fold every hit is beyond the caustic: its confidence is low in any case, and the search need not cover it.
   if (fitted.focus > kSharpest) return fitted.focus;
   atomicMax(b_fits[6 * number], floatBitsToUint(offset));
-  atomicMax(b_fits[6 * number + 1], floatBitsToUint(turn));
-  vec4 reach = clamp(4.0 + vec4(fitted.x, -fitted.x), 0.0, 8.0);
-  for (int k = 0; k < 4; ++k) atomicMax(b_fits[6 * number + 2 + k], floatBitsToUint(reach[k]));
+  atomicMax(b_fits[6 * number + 1], floatBitsToUint(angle));
+  vec4 range = clamp(4.0 + vec4(fitted.x, -fitted.x), 0.0, 8.0);
+  for (int k = 0; k < 4; ++k) atomicMax(b_fits[6 * number + 2 + k], floatBitsToUint(range[k]));
   return fitted.focus;
 }
 #endif
 
 #if GHOST
-/// Towards the eye, at a point near where the ray of the pixel met the pane.
+/// The normal turned towards the eye, at a point near where the pixel's ray hit the pane.
 vec3 facing_normal(vec3 normal, vec3 incident) { return dot(normal, incident) > 0.0 ? -normal : normal; }
 
-/// How much the interpolated normal changes from a point of a triangle to one beside it.
-vec3 normal_turn(vec3 offset, vec3 e1, vec3 e2, vec3 d1, vec3 d2) {
+/// Change of the interpolated normal over an offset in the triangle; 0 where it would be large.
+vec3 normal_change(vec3 offset, vec3 e1, vec3 e2, vec3 d1, vec3 d2) {
   float a = dot(e1, e1), c = dot(e1, e2), d = dot(e2, e2), determinant = a * d - c * c;
   if (determinant < 1e-20) return vec3(0.0);
   vec2 right = vec2(dot(offset, e1), dot(offset, e2));
-  vec3 turn = d1 * ((d * right.x - c * right.y) / determinant) + d2 * ((a * right.y - c * right.x) / determinant);
-  return dot(turn, turn) < 0.01 ? turn : vec3(0.0);
+  vec3 change = d1 * ((d * right.x - c * right.y) / determinant) + d2 * ((a * right.y - c * right.x) / determinant);
+  return dot(change, change) < 0.01 ? change : vec3(0.0);
 }
 
 /// The back face's normal, tilted by the wedge about the pane's horizontal line.
@@ -139,7 +140,7 @@ void main() {
     float normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
     point.normal *= normal_side;
     float depth = dot(point.position - u_frame.eye.xyz, u_frame.forward.xyz);
-    // Interpolated normals may lean away at silhouettes: a ray into the pane mirrors nothing.
+    // Interpolated normals may face away at silhouettes; then there is no mirrored ray.
     vec3 mirrored = reflect(incident, point.normal);
     if (depth > 0.0 && depth < opaque_depth(pixel) && dot(mirrored, mirrored) > 0.5) {
       origin = vec4(point.position, depth);
@@ -149,14 +150,14 @@ void main() {
       float n = u_ghost_optics[reflector].x, thickness = u_ghost_optics[reflector].y;
       vec3 back = point.normal, leaving = point.normal;
       GhostRay ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
-      // The pane turns over the few millimetres: normals where the ray is mirrored and where it leaves.
-      vec3 turn = normal_turn(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
+      // The normal changes over these few millimetres: normals where the back reflects the ray and where the ray leaves.
+      vec3 change = normal_change(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
       if (mirror.x >= 0) {
         PanePoint beside = refine(mirror.x, 2.0 * uv - 1.0, point.position + ghost.offset - u_frame.eye.xyz, 2);
-        turn = facing_normal(beside.normal, incident) - point.normal;
+        change = facing_normal(beside.normal, incident) - point.normal;
       }
-      back = normalize(point.normal + 0.5 * turn);
-      leaving = normalize(point.normal + turn);
+      back = normalize(point.normal + 0.5 * change);
+      leaving = normalize(point.normal + change);
       ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
       origin.xyz += ghost.offset;
       direction = thickness > 0.0 && ghost.valid ? vec4(ghost.direction, float(pane.y)) : vec4(0.0);
@@ -168,7 +169,7 @@ void main() {
       }
 #endif
 #if FITTED
-      if (mirror.y == 1 && direction.w > 0.0) focus = hold_against_fit(triangle + mirror.z, b, ray, origin.xyz, direction.xyz);
+      if (mirror.y == 1 && direction.w > 0.0) focus = compare_with_fit(triangle + mirror.z, b, ray, origin.xyz, direction.xyz);
 #endif
     }
   }

@@ -1,5 +1,5 @@
-// Holds the ray of each pixel against the triangles on its tile's list. Lanes beside one another are of one tile, so that they take the same
-// way through the list.
+// Intersects the ray of each pixel with the triangles on its tile's list. Neighbouring invocations belong to one tile, so they read the list
+// together.
 layout(local_size_x = 64) in;
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"

@@ -1,4 +1,4 @@
-// Which mirrored rays need not be followed, because what they bring is invisible before what is seen through the pane.
+// Finds mirrored rays that need not be traced, because their contribution is invisible against the light transmitted by the pane.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -32,8 +32,8 @@ float least_behind(ivec2 pixel) {
   return least;
 }
 
-/// What the probes around show of a pane: their mean by distance, and of the nine around the brightest channel, less than 0 where
-/// another reflector or none is beside.
+/// Radiance that the probes around show in a pane: rgb interpolated; w the brightest channel of nine probes. Below 0 where one of them shows
+/// another reflector or none.
 vec4 probed(ivec2 pixel, float reflector) {
   ivec2 size = textureSize(t_probes, 0);
   vec2 at = vec2(pixel - u_spacing / 2) / float(u_spacing) + 0.5;
@@ -52,11 +52,11 @@ vec4 probed(ivec2 pixel, float reflector) {
   return vec4(sum.rgb / max(sum.w, 1e-6), most);
 }
 
-/// What the probes say of a ray that need not be followed, because what it brings is invisible before what is seen through the
-/// pane; else below 0.
+/// Interpolated radiance of the probes for a ray that need not be traced, because its contribution is invisible against the transmitted
+/// light; else below 0.
 /// Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.3.3: at most 5 % of the transmitted light.
-/// Differs: Fresnel exact; the bound is twice what the probes around show, or more where a part of the pane may show something small
-/// and bright (render/reflections/mirrored_bound.h); light that saturates the screen is no reason, as exposure is the viewer's.
+/// Differs: exact Fresnel reflectance; the bound is twice the brightest probe around, or more where a part of the pane may show something small
+/// and bright (render/reflections/mirrored_bound.h); saturation of the screen is not used, because the user sets the exposure.
 vec3 unseen_radiance(ivec2 pixel, int triangle, float reflector, float cosine) {
   int number = int(reflector) - 1;
   vec4 probe = u_optics[number].z < 1.0 ? vec4(-1.0) : probed(pixel, reflector);
@@ -71,7 +71,7 @@ void main() {
   if (pixel.x < 0) return;
   vec4 direction = imageLoad(io_direction, pixel);
   if (direction.w <= 0.0) return;
-  // The ray stands about the normal as the view does.
+  // The normal is halfway between the mirrored ray and the view direction.
   vec3 incident = normalize(ray_through(vec2(pixel) + 0.5));
   float cosine = sqrt(max(0.5 - 0.5 * dot(incident, direction.xyz), 0.0));
   vec3 unseen = unseen_radiance(pixel, int(texelFetch(t_pane, pixel, 0).x) - 1, direction.w, cosine);

@@ -1,10 +1,10 @@
 // The rays of one reflector by tiles of pixels, as reflections/far.comp writes them.
 layout(binding = 47) uniform samplerBuffer t_tiles;
 
-/// How far the farthest of what the tile shows is, m.
+/// Largest hit distance in the tile, m.
 float tile_far(int tile) { return texelFetch(t_tiles, 4 * tile).w; }
 
-/// Whether o + t d lies within the box for a 0 <= t <= far, an o and a d between their bounds, of each axis apart: t >= 0 with
+/// Whether o + t d lies in the box for some 0 <= t <= far and some o and d within their bounds, for each axis separately: t >= 0 with
 /// t d_high >= low - o_high and t d_low <= high - o_low.
 bool tile_may_meet(int tile, vec3 low, vec3 high) {
   vec4 o_low = texelFetch(t_tiles, 4 * tile);
@@ -16,7 +16,7 @@ bool tile_may_meet(int tile, vec3 low, vec3 high) {
   return enters <= leaves && enters <= o_low.w;
 }
 
-/// Of what is just met by rounding: of each metre from the world's origin.
+/// Tolerance for rounding, relative to the distance from the world's origin.
 const float kBoxRounding = 1e-6;
 bool tile_may_meet_rounded(int tile, vec3 low, vec3 high) {
   vec3 slack = kBoxRounding * max(abs(low), abs(high));

@@ -1,4 +1,4 @@
-// Which boxes some pixel's mirrored ray may meet before what has been found for it, by tiles of pixels: a group for each box.
+// Finds the boxes that a pixel's mirrored ray may hit before its present hit, by tiles of pixels. One group for each box.
 layout(local_size_x = 8) in;
 #include "reflections/tiles.glsl"
 #include "reflections/tile_rays.glsl"

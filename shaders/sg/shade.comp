@@ -1,4 +1,4 @@
-// Spherical Gaussians of the half vector, one set a channel, warped to the light and convolved with the sky by lookups.
+// Spherical Gaussians of the half vector, one set for each channel, warped to light directions and convolved with the sky by lookups.
 // Source: Wang et al. 2009, "All-Frequency Rendering of Dynamic, Spatially-Varying Reflectance", Sec. 4 (warp: sharpness over
 // 4 |wo.h|, about the reflected direction). Differs: the cosine is a factor of the lobe (a Gaussian of sharpness 2.133) instead of a
 // constant; a lobe's energy is its exact integral under a constant sky, from a table, instead of the warped Gaussian's; and the factor

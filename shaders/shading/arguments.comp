@@ -1,4 +1,4 @@
-// Group counts of the indirect dispatches, from the lists' lengths.
+// Group counts of the indirect dispatches, from the lengths of the lists.
 layout(local_size_x = 1) in;
 #include "shading/linear_id.glsl"
 struct List {

@@ -1,11 +1,11 @@
-// Grid points to pixels: emission, sky, box filter over the samples of a pixel, and the running mean while nothing moves.
-// With panes or several points a pixel in two steps, and the panes are drawn between them: STAGE 1 completes the points of surfaces in
-// place, STAGE 2 filters all. In mode `bandwidth` listed quads take STAGE 1's place (bandwidth/quads.comp): STAGE 3
-// makes one value of a plain one, kept at its last point, which no other reads; STAGE 1 with QUADS completes the others' points; STAGE 4 gives a
-// plain quad's value to all its points. STAGE 0 takes one point a pixel from grid to picture. What shows the sky is drawn by sky.comp, but for
-// what reflectors show. TEXTURES: points are without their base factor. INDIRECT: light by way of
-// other surfaces is added, of one bake or between two. PANES: those that are kept are drawn in the same step. GLOSSY: what the octree changes of
-// the light by way of other surfaces, or of what REFLECTED opaque surfaces show.
+// Grid points to pixels: emission, indirect light, box filter over the points of a pixel, and the running mean while nothing moves.
+// STAGE 0: one point a pixel, from the grid to the picture in one step. With several points a pixel, or panes that are drawn in between, two
+// steps: STAGE 1 completes the points of surfaces in their image, STAGE 2 filters all points. With lists of quads (bandwidth/quads.comp), three
+// stages replace STAGE 1: STAGE 3 computes one value for each plain quad and stores it at its last point, which no other quad reads; STAGE 1 with
+// QUADS completes the points of the other quads; STAGE 4 copies a plain quad's value to all its points. sky.comp draws points that show the sky,
+// except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
+// interpolated between two (2). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
+// with REFLECTED, accumulates what the mirrored rays of glossy surfaces show.
 #include "shared/frame.glsl"
 #if STAGE == 2
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -73,7 +73,7 @@ vec3 complete(ivec2 p, vec3 shaded) {
     shaded = y.rgb * y.rgb;
   }
 #if GLOSSY && defined(REFLECTED)
-  return shaded;  // what glows lights opaque surfaces as a lamp
+  return shaded;  // emissive surfaces light opaque ones as lights already
 #else
   return shaded + unpack_rgb9e5(g.w, kEmissionBias);
 #endif
@@ -93,7 +93,7 @@ void store_blended(ivec2 pixel, vec4 value) {
 
 #ifdef REFLECTED
 #if GLOSSY
-/// Light of the sky is shaded at the surface itself.
+/// The surface itself is already shaded with the light of the sky.
 vec3 ray_end(ivec2 pixel) { return vec3(0.0); }
 #else
 #include "shading/sky.glsl"
@@ -102,7 +102,7 @@ vec3 ray_end(ivec2 pixel) { return sky_radiance(pixel); }
 #if LAYERS
 layout(std430, binding = 13) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
 layout(binding = 48) uniform usampler2D t_layers;
-/// Cells with BRDFs before what the ray ends at.
+/// Adds the octree cells with BRDFs in front of what the ray ends at.
 vec4 with_layers(ivec2 pixel, vec4 behind) {
   uvec4 list = texelFetch(t_layers, pixel, 0);
   float through = unpackHalf2x16(list.y >> 16u).x;
@@ -113,7 +113,7 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
 #endif
 #if GLOSSY
 layout(binding = 1, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
-uniform float u_blend;                                 // weight of this one
+uniform float u_blend;                                 // weight of this frame
 #endif
 void main() {
   ivec2 pixel = tile_point();
@@ -159,7 +159,7 @@ void main() {
 vec3 through_panes(ivec2 pixel, vec3 behind) { return behind; }
 #endif
 #if STAGE == 3
-uniform int u_least_points;  // of a quad's four that are looked at for what varies within it; all where a texture lies
+uniform int u_least_points;  // how many of a quad's four points are completed and averaged; all four where there is a texture
 
 void main() {
   ivec2 first = listed_quad(int(linear_id()));

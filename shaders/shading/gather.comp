@@ -1,5 +1,5 @@
-// Averages the work items of each shaded point into the picture. ACCUMULATE: into the mean of all its items since something last
-// moved, with the spread of the items around that mean, by which the next frame's sample counts are chosen.
+// Averages the work items of each shaded point. ACCUMULATE: updates the mean of all its items since something last moved, and the
+// spread of the items around that mean, from which the next frame's sample counts follow.
 layout(local_size_x = 64) in;
 struct ShadedPoint {
   uint pixel, first_item, item_count, level;

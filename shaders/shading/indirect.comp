@@ -1,6 +1,6 @@
-// The light that comes by way of other surfaces at every visible point, kept until it changes: baked per vertex, interpolated here, so it costs
-// three fetches a point and no samples. Radiance is linear in the direction, and what a lobe makes of that is its albedo times the value in its mean
-// direction, exactly.
+// Reflected indirect light at every visible point, kept until it changes. It is baked per vertex and interpolated here, so it costs
+// three fetches a point and no samples. The radiance is linear in the direction, so a lobe reflects exactly its albedo times the radiance in its
+// mean direction.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

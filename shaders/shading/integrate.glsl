@@ -1,6 +1,6 @@
 // The estimator's sample loops, shared by shading and by the prediction. Direct light of the environment by BRDF and environment
-// samples combined with the balance heuristic (Veach and Guibas 1995). The weights use Y(f) cos / albedo and Y(L) / integral as densities: both
-// strategies use the same ones, so they sum to one whatever the samplers' own densities are, and no density has to be looked up.
+// samples combined with the balance heuristic (Veach and Guibas 1995). The weights use Y(f) cos / albedo and Y(L) / integral as densities. Both
+// strategies use the same two, so the weights sum to one whatever the samplers' own densities are, and no density has to be looked up.
 //
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
@@ -12,20 +12,22 @@ uint hash(uint x) {
 float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
-/// What the weights are divided by, for strategies with `lobe` and `light` samples per unit of solid angle: the balance heuristic; towards a sun, whose
-/// samples lie so close together that the lobe varies little among them, while one of the lobe's hits it or does not, all goes to one, the list unless the
-/// lobe is denser than it is amid the sun, `amid` (the maximum heuristic: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation",
-/// Sec. 9.2.2). By the list's own density the dim nodes of a sun's edge would all be the lobe's.
+/// Denominator of the weights, for strategies with `lobe` and `light` samples per unit of solid angle: their sum, for the balance heuristic. Towards
+/// a sun one strategy gets all the weight (maximum heuristic): samples of the list lie so close together there that the lobe hardly varies among
+/// them, while few lobe samples hit the sun. That is the list, unless the lobe is denser than the list inside the sun (`amid`). The density at the
+/// direction itself would leave the dim nodes at a sun's edge to the lobe.
+/// Source: Veach 1997, "Robust Monte Carlo Methods for Light Transport Simulation", Sec. 9.2.2.
 float strategy_sum(float lobe, float light, float amid, bool is_brdf, bool sun) {
   float alone = (lobe >= max(light, amid)) == is_brdf ? (is_brdf ? lobe : light) : 1e30;
   return sun ? alone : lobe + light;
 }
 
 #if SUN_APART
-// The sun's texels are no part of the list: turning/sun.comp adds their light, but for lobes that are narrower than the sun itself.
+// The list does not contain the sun's texels. turning/sun.comp adds their light, except for lobes that are narrower than the sun.
 uniform vec3 u_sun;  // luminance above which a texel is of the sun, 1 / solid angle of the sun, 1 / integral of the rest (0: black)
 
-/// A lobe of this density finds the sun itself. A function of the direction alone: whatever the counts are, each light is counted once.
+/// True for a lobe narrow enough to find the sun by its own samples. Depends only on the direction, so each light is counted once whatever the
+/// sample counts are.
 bool lobe_finds_sun(float f_hat) { return f_hat > 4.0 * u_sun.y; }
 #endif
 
@@ -47,16 +49,16 @@ float light_weight(float cosine, float f_hat, float l, float inverse_integral, f
 #endif
 }
 
-/// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Of several samples whole groups, because a
-/// group costs as much as a full one.
+/// How many of `count` samples are drawn from the BRDF; the rest come from the environment. Multiples of a group where there are enough, because a
+/// partly filled group costs as much as a full one.
 int brdf_sample_count(Point p, int count) {
   int group = count >= 8 ? 4 : 1;
   int wanted = int(p.brdf_share * float(count / group) + 0.5) * group;
   return u_frame.environment.w > 0.0 ? clamp(wanted, group, count - group) : count;
 }
 
-/// The count of BRDF samples that the weights stand for: a prediction's are those of shading, in whose items the few that it draws itself would
-/// have another share.
+/// Number of BRDF samples for the weights. The prediction uses the shares of shading's items, because it draws its own few samples with
+/// other shares.
 float weighed_brdf_count(Point p, int count, int drawn) {
 #ifdef WEIGHED_AS_SHADED
   int item = max(u_frame.sampling.y, 2);
@@ -75,36 +77,36 @@ struct Estimator {
   int elevation;  // row of the importance table
 #else
   uvec2 lobe_ends;   // first sample of the second and of the third lobe
-  uvec3 lobe_first;  // what leads from a sample's number to its place in its lobe's own sequence
+  uvec3 lobe_first;  // offset from a sample's number to its index in the sequence of its lobe
 #endif
 };
-// Additive recurrences on the golden ratios of dimension 2 for what a lobe varies by most, its directions, and the third and fourth of dimension 4 for which
-// node of the sky they meet (Roberts 2018), Cranley-Patterson rotated per pixel.
+// Additive recurrences (Roberts 2018): the golden ratios of dimension 2 for directions in a lobe, which matter most, and the third and fourth of
+// dimension 4 for the node of the sky. Cranley-Patterson rotated per pixel.
 const uint kStep1 = 0xC13FA9A9u, kStep2 = 0x91E10DA5u, kStep3 = 0xD1B54A33u, kStep4 = 0xA0F2EC75u, kStep5 = 0x89E18285u;
 
-/// A direction drawn from the lobe, and the words of the tables that say what it is worth.
+/// A direction drawn from the lobe, and the words of the BRDF and sky tables for its value.
 struct LobeSample {
   vec3 wi, world;
-  float pdf;  // 0: worth nothing
+  float pdf;  // 0: the sample contributes nothing
   int sky_index;
   uint sky;
 #if MEASURED
-  BrdfPlace place;
+  BrdfLookup lookup;
   uvec2 words;
 #endif
 };
 
-/// A sample of the environment's list, likewise.
+/// The same for a sample of the environment's list.
 struct SkySample {
   vec4 direction_pdf;
   vec3 radiance, wi;
 #if MEASURED
-  BrdfPlace place;
+  BrdfLookup lookup;
   uvec2 words;
 #endif
 };
 
-/// Which of the sky's nodes around lobe sample n meets.
+/// Random numbers that choose one of the four sky nodes around lobe sample n.
 vec2 node_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4), unit_float(e.q5 + n * kStep5)); }
 
 struct LobeTerms {
@@ -143,7 +145,7 @@ LobeSample draw_direction(Point p, Estimator e, uint n, CellDraw cell) {
   BrdfSample drawn = brdf_sample_in_cell(p.wo, cell.choice, cell.theta_cell, cell.phi_cell);
   s.wi = drawn.wi;
   s.pdf = drawn.pdf;
-  s.place = brdf_place(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
+  s.lookup = brdf_lookup(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
 #else
 LobeSample draw_direction(Point p, Estimator e, uint n) {
   LobeSample s;
@@ -159,17 +161,17 @@ LobeSample draw_direction(Point p, Estimator e, uint n) {
 
 void fetch_worth(inout LobeSample s) {
 #if MEASURED
-  s.words = fetch_brdf(s.place);
+  s.words = fetch_brdf(s.lookup);
 #endif
   s.sky = fetch_environment(s.sky_index);
 }
 
-void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result result) {
+void add_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result result) {
   if (s.pdf <= 0.0) return;
   vec3 wi = s.wi, world = s.world;
   float nb = e.nb, nl = e.nl;
 #if MEASURED
-  LobeTerms lobe = lobe_terms(p, wi, s.words, s.place.fraction);
+  LobeTerms lobe = lobe_terms(p, wi, s.words, s.lookup.fraction);
   float pdf = s.pdf;
 #else
   LobeTerms lobe = lobe_terms(p, wi);
@@ -184,8 +186,8 @@ void take_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result r
   weight *= open;
 #endif
 #ifdef BEFORE
-  // The same direction, under the sky as it stood before: neither lobe nor shadow has changed.
-  vec3 sky = environment_value(fetch_environment(environment_index(stood_before(world), node_choice(e, n))));
+  // The same direction under the previous rotation: lobe and visibility are unchanged.
+  vec3 sky = environment_value(fetch_environment(environment_index(previous_environment_direction(world), node_choice(e, n))));
   result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
 #if VISIBILITY
   result.before *= open;
@@ -204,22 +206,22 @@ SkySample fetch_sky_sample(uint index) {
 void find_sky_sample(Point p, Estimator e, uint n, inout SkySample s) {
   s.wi = to_local(p, s.direction_pdf.xyz);
 #if MEASURED
-  s.place = brdf_place(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
+  s.lookup = brdf_lookup(p.slot, s.wi, p.wo, unit_pair(e.q3 + n * kStep3));
 #endif
 }
 
-void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result result) {
+void add_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result result) {
   vec3 wi = s.wi, light = s.direction_pdf.xyz, radiance = s.radiance;
   float nb = e.nb, nl = e.nl;
 #ifdef BEFORE
-  // The same light where it stood before.
-  vec3 from = seen_before(light), wi_before = to_local(p, from);
+  // The same light at its direction before the rotation.
+  vec3 from = current_environment_direction(light), wi_before = to_local(p, from);
   if (max(wi.z, wi_before.z) <= 0.0) return;
 #else
   if (wi.z <= 0.0) return;
 #endif
 #if MEASURED
-  LobeTerms lobe = lobe_terms(p, wi, s.words, s.place.fraction);
+  LobeTerms lobe = lobe_terms(p, wi, s.words, s.lookup.fraction);
 #else
   LobeTerms lobe = lobe_terms(p, wi);
 #endif
@@ -242,9 +244,9 @@ void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result res
   ON_SAMPLE(f, radiance, weight, wi, light, s.direction_pdf.w, false);
 }
 
-// Samples are drawn, then fetched, then weighed in groups of SAMPLE_GROUP (2 or 4, by the includer), so that what one waits for from memory the
-// others wait for at the same time. As text, because some drivers keep arrays of structs in memory. A group costs as much as a full one: few
-// samples an item do better with 2.
+// Samples are drawn, fetched and weighted in groups of SAMPLE_GROUP (2 or 4, defined by the includer), so that their memory accesses overlap. Macros
+// instead of arrays, because some drivers keep arrays of structs in memory. A partly filled group costs as much as a full one, so items of few
+// samples are faster with 2.
 #if SAMPLE_GROUP == 4
 #define FOR_GROUP(F) F(0) F(1) F(2) F(3)
 #else
@@ -257,11 +259,11 @@ void take_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result res
 #define DRAW_DIRECTION(k) LobeSample s##k = draw_direction(p, e, n + uint(k));
 #endif
 #define FETCH_WORTH(k) fetch_worth(s##k);
-#define TAKE_LOBE(k) if (i + k < brdf_count) take_lobe_sample(p, e, n + uint(k), s##k, result);
+#define TAKE_LOBE(k) if (i + k < brdf_count) add_lobe_sample(p, e, n + uint(k), s##k, result);
 #define FETCH_SKY(k) SkySample s##k = fetch_sky_sample(((light_first + n + uint(k)) ^ light_mask) & list_mask);
 #define FIND_SKY(k) find_sky_sample(p, e, n + uint(k), s##k);
-#define FETCH_LOBE(k) s##k.words = fetch_brdf(s##k.place);
-#define TAKE_SKY(k) if (i + k < light_count) take_sky_sample(p, e, n + uint(k), s##k, result);
+#define FETCH_LOBE(k) s##k.words = fetch_brdf(s##k.lookup);
+#define TAKE_SKY(k) if (i + k < light_count) add_sky_sample(p, e, n + uint(k), s##k, result);
 
 // HALVES: the includer's count is a constant, and each strategy takes half of it.
 void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result result) {
@@ -290,12 +292,13 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   e.q4 = hash(rotation ^ 0x02e5be93u) + first * kStep4;
   e.q5 = hash(rotation ^ 0x967a889bu) + first * kStep5;
 #if !MEASURED
-  // Lobes follow each other. Of a few samples each gets its share rounded by chance,
+  // Samples are assigned to the lobes in order. With few samples the shares are rounded at random;
   float share_to_samples = float(brdf_count), chance = unit_float(hash(rotation ^ 0x5f356495u) + block * 0x9E3779B9u);
   e.lobe_ends = uvec2(share_to_samples * vec2(p.lobe_weights.x, p.lobe_weights.x + p.lobe_weights.y) + chance);
   e.lobe_first = uvec3(0u);
-#if !SUN_APART  // the sun's pass takes the weights as they are
-  // of more a fixed number, which over all is its weight then, and a sequence of its own that later items go on with.
+#if !SUN_APART  // the sun's pass uses the weights unchanged
+  // with 8 or more each lobe gets a fixed number, and its weight becomes that number over the total. Each lobe has its own sequence, which later
+  // items continue.
   if (brdf_count >= 8) {
     uvec3 counts = uvec3(lobe_counts(p.lobe_weights, brdf_count));
     p.lobe_weights = vec3(counts) / float(brdf_count);
@@ -308,7 +311,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   g_brdf_slot = p.slot;
   e.elevation = brdf_elevation(p.wo);
 #endif
-  // Tested at the end: on software devices a loop that is tested at its beginning runs once more, with all lanes off.
+  // Tested at the end: on software devices a loop that is tested at its beginning runs one more time, with all invocations inactive.
   int i = 0;
   do {
     uint n = uint(i);
@@ -320,8 +323,8 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
     FOR_GROUP(TAKE_LOBE)
     i += SAMPLE_GROUP;
   } while (i < brdf_count);
-  // The list in an order of the point's own: aligned runs of 2^k entries are digital nets, and numbers XORed with a mask run through them one
-  // after the other from the first sample on (a mere offset begins amid one: 6 to 16 % more error on the Ferrari).
+  // Each point reads the list in its own order. Aligned runs of 2^k entries are digital nets, and indices XORed with a mask pass through complete
+  // runs from the first sample on (a plain offset starts inside a run: 6 to 16 % more error on the Ferrari).
   uint light_first = block * uint(light_count), light_mask = hash(rotation ^ 0x5bd1e995u), list_mask = uint(u_frame.environment_size.w - 1);
   e.q3 += uint(brdf_count) * kStep3;
   i = 0;

@@ -1,11 +1,11 @@
-// Light of the scene's own lights, by samples, each of a light chosen by what it may bring to the point. Shadows by rays only: the baked
-// masks hold the distant sky, not where a lamp nearby is hidden. environment_scale does not touch them.
+// Direct light of the scene's lights by sampling. A sample's light is selected by its possible contribution to the point. Only rays shadow it:
+// baked visibility is that of the distant sky, not of a lamp nearby. environment_scale does not affect lights.
 #include "shared/lights.glsl"
 layout(binding = 27) uniform samplerBuffer t_lights;  // render/lights/light_buffers.h
 
-/// A sample of an emissive triangle may add as much as this many mirrors of it. The truth never exceeds one; without a limit, samples
-/// close to a triangle or in a narrow lobe are fireflies. Energy is lost only nearer than about a fifth of the triangle's size, and in
-/// lobes narrower than about 5 degrees.
+/// A sample of an emissive triangle is clamped to this many times the triangle's radiance. The exact value never exceeds one, but without a limit
+/// samples close to a triangle or in a narrow lobe are fireflies. Energy is lost only nearer than about a fifth of the triangle's size, and
+/// in lobes narrower than about 5 degrees.
 const float kMaxMirrors = 4.0;
 
 /// The row of the grid (render/lights/light_grid.h) for a point, and where its buffer's parts begin.
@@ -23,8 +23,8 @@ LightChoice light_choice(vec3 position) {
   return r;
 }
 
-/// Samples of lights beside `count` of the environment: one for eight where they are dim beside it, as many where they outshine it. In steps
-/// of two, by what both would bring to the cell unhindered.
+/// Number of light samples for `count` environment samples: from an eighth where the lights are dim to the same number where they are brighter.
+/// In factors of two, by the irradiance that both would give the grid cell without occlusion.
 int light_sample_count(LightChoice choice, int count) {
   float lights = texelFetch(t_lights, choice.row + 2 * choice.row_texels).x;  // lux, facing each
   float sky = 0.25 * u_frame.environment.z * u_frame.environment.w;           // mean over all surfaces
@@ -32,9 +32,9 @@ int light_sample_count(LightChoice choice, int count) {
   return max(count >> shift, 1);
 }
 
-/// A light, its selection_pdf that of the whole choice: the first node of the cut whose running sum exceeds u, and in it the light at
-/// `place` of 2^32. Sums are whole steps of 2^-24. Loops are tested at their end (integrate.glsl).
-LightRecord choose_light(LightChoice choice, float u, uint place) {
+/// A light with the selection_pdf of the whole selection: the first node of the cut whose running sum exceeds u, and in it the light at
+/// `position` of 2^32. Sums are whole steps of 2^-24. Loops are tested at their end (integrate.glsl).
+LightRecord select_light(LightChoice choice, float u, uint position) {
   int low = 0, high = choice.row_texels - 1;
   do {
     int middle = (low + high) >> 1;
@@ -47,7 +47,7 @@ LightRecord choose_light(LightChoice choice, float u, uint place) {
   float pdf = sums[k] - (k > 0 ? sums[max(k - 1, 0)] : before);
   vec4 node = texelFetch(t_lights, 3 + int(cut[k]));  // first light, their number, power before them, their own
   uint step, rest;
-  umulExtended(place, uint(node.w * 16777216.0), step, rest);
+  umulExtended(position, uint(node.w * 16777216.0), step, rest);
   float sum = node.z + float(step) * (1.0 / 16777216.0);
   int first = choice.first_light + 4 * int(node.x);
   low = 0;
@@ -73,7 +73,7 @@ struct LightDraw {
 /// Random numbers of sample `index` of a point.
 struct LightNumbers {
   vec3 u;
-  uint place;
+  uint position;
 };
 LightNumbers light_numbers(uint rotation, uint index) {
   return LightNumbers(vec3(unit_float(hash(rotation ^ 0x3c6ef372u) + index * 0x9E3779B9u), unit_float(hash(rotation ^ 0xa54ff53au) + index * 0xC13FA9A9u),
@@ -83,7 +83,7 @@ LightNumbers light_numbers(uint rotation, uint index) {
 
 LightDraw draw_light(Point p, LightChoice choice, LightNumbers n, vec2 xi) {
   LightDraw r;
-  r.light = choose_light(choice, n.u.x, n.place);
+  r.light = select_light(choice, n.u.x, n.position);
   LightSample s = light_sample(r.light, p.position, n.u.yz);
   r.world = s.wi;
   r.wi = to_local(p, environment_from_world(s.wi));
@@ -103,10 +103,10 @@ LightDraw draw_light(Point p, LightChoice choice, LightNumbers n, vec2 xi) {
 
 #if VISIBILITY == 2
 VisibilityPoint g_light_visibility = VisibilityPoint(vec3(0.0), 0.0);  // set by main() of shade.comp
-/// A lamp does not shadow itself: its own cells are left out.
+/// Visibility of a light by a ray, 0 or 1. The ray ends before the cells that contain the light, so that a lamp does not shadow itself.
 float light_share(LightDraw d) {
-  float reach = d.distance_m - 2.0 * g_light_visibility.own_m;
-  return reach > 0.0 && blocked_at(g_light_visibility, d.world, reach) >= 0.0 ? 0.0 : 1.0;
+  float t_max = d.distance_m - 2.0 * g_light_visibility.own_m;
+  return t_max > 0.0 && blocked_at(g_light_visibility, d.world, t_max) >= 0.0 ? 0.0 : 1.0;
 }
 #endif
 

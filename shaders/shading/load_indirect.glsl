@@ -1,4 +1,4 @@
-// The light that is baked by vertex at a point. Needs shading/visibility.glsl and what it needs.
+// Indirect light at a point, interpolated between the vertices it is baked for. Needs shading/visibility.glsl and what that needs.
 #include "shared/indirect.glsl"
 layout(binding = 45) uniform usamplerBuffer t_indirect;  // [side][vertex], shared/indirect.glsl
 uniform int u_bias;

@@ -1,6 +1,6 @@
-// Where the lobes of a point's material look, and how much of the light there they reflect. Needs shading/point.glsl.
-// [slot][64] four texels, in the frame of view and normal (azimuth 0 is the side of the view): albedo, roughness of what mirrors | mean
-// direction | albedo of what mirrors, angle that half of it lies within | its mean direction (render/materials/lobes.h)
+// Mean directions and albedos of the lobes of a point's material. Needs shading/point.glsl.
+// [slot][64] four texels, in the frame of view and normal (azimuth 0 is the side of the view): albedo, roughness of the specular part | mean
+// direction | albedo of the specular part, angle that contains half of it | its mean direction (render/materials/lobes.h)
 layout(binding = 44) uniform samplerBuffer t_lobes;
 
 /// A local direction (any length) in the world.
@@ -19,7 +19,7 @@ vec4 lobe_texel(LobeRow row, int k) {
   return mix(texelFetch(t_lobes, row.first + k), texelFetch(t_lobes, row.first + 4 + k), row.fraction);
 }
 
-/// Reflectances of an analytic material's lobes that mirror.
+/// Reflectances of an analytic material's specular lobes.
 struct AnalyticMirrors {
   vec3 base;
   float coat;
@@ -27,9 +27,9 @@ struct AnalyticMirrors {
 AnalyticMirrors analytic_mirrors(AnalyticMaterial m, float cosine) {
   float x = 1.0 - cosine;
   float x5 = x * x * x * x * x;
-  // Schlick's term, the largest reflectance held down by the roughness. Source: Lagarde 2011, "Adopting a physically based shading model".
+  // Schlick's term with a largest reflectance reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based shading model".
   vec3 f = m.f0 + (max(vec3(m.f90 * (1.0 - sqrt(m.alpha))), m.f0) - m.f0) * x5;
   return AnalyticMirrors(f, m.coat * (0.04 + 0.96 * x5));
 }
-/// A lobe looks between the mirror direction and, when it is as wide as the hemisphere, the Lambertian one.
+/// Mean direction of a lobe: between the mirror direction and the one of a Lambertian lobe, which is as wide as the hemisphere.
 vec3 lobe_direction(vec3 wo, float alpha) { return mix(vec3(-wo.x, -wo.y, wo.z), vec3(0.0, 0.0, 2.0 / 3.0), alpha); }

@@ -1,5 +1,5 @@
-// One shading point: its surface, frame and material, all in the environment's frame (rotation undone), so that turning the light
-// costs nothing. Needs frame, constants, latlong, octahedral, rgb9e5, gbuffer, material_table, analytic, merl included before.
+// One shading point: its surface, frame and material, all in the environment's frame (rotation undone), so that rotating the environment
+// needs no new tables. Needs frame, constants, latlong, octahedral, rgb9e5, gbuffer, material_table, analytic, merl included before.
 layout(binding = 8) uniform usampler2D t_surface;
 layout(binding = 9) uniform sampler2D t_depth;
 layout(binding = 10) uniform usamplerBuffer t_brdf;          // [slot][theta_h][theta_d][phi_d], shared exponent
@@ -7,7 +7,7 @@ layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation
 layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
 layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
 #ifndef SUN_APART
-#define SUN_APART 0  // 1: the sun's light is found elsewhere, texel by texel
+#define SUN_APART 0  // 1: the sun's light is sampled separately (turning/sun.comp)
 #endif
 #if SUN_APART
 layout(binding = 14) uniform usamplerBuffer t_sky;   // [height][width], shared exponent
@@ -25,7 +25,7 @@ struct Point {
   vec3 wo;        // local frame
   float distance_m;
   int material;
-  int slot;       // measured table, or -1
+  int slot;       // of the measured material's tables, or -1
   float inverse_albedo;
   float brdf_share;  // of the samples, in (0, 1)
   vec3 tint;
@@ -36,7 +36,7 @@ struct Point {
 vec3 to_local(Point p, vec3 d) { return vec3(dot(p.t, d), dot(p.b, d), dot(p.n, d)); }
 vec3 from_local(Point p, vec3 w) { return p.t * w.x + p.b * w.y + p.n * w.z; }
 
-/// POINTS_SORTED: the includer's points are all measured or all analytic, as MEASURED says. Software devices run both sides of a branch.
+/// POINTS_SORTED: the includer's points are all measured (MEASURED 1) or all analytic, which saves a branch: software devices run both sides.
 bool is_measured(uint flags) {
 #ifdef POINTS_SORTED
   return MEASURED == 1;
@@ -91,21 +91,21 @@ Point load_point(ivec2 pixel) {
   return p;
 }
 
-/// Where measured_brdf reads: found first, so that several samples' words can be fetched at once.
-struct BrdfPlace {
+/// Where measured_brdf reads its table. Computed before the fetch, so that the fetches of several samples overlap.
+struct BrdfLookup {
   int index;       // of the word at the lower bin centre along theta_h
   float fraction;  // of the upper one
 };
-BrdfPlace brdf_place(int slot, vec3 wi, vec3 wo, vec2 xi) {
+BrdfLookup brdf_lookup(int slot, vec3 wi, vec3 wo, vec2 xi) {
   vec3 c = merl_coordinates(wi, wo);
   float theta_h = clamp(c.x, 0.0, 88.9999);
   int theta_d = clamp(int(floor(c.y + xi.x)), 0, 89);
   int phi_d = int(floor(c.z + xi.y));
   phi_d = phi_d < 0 ? phi_d + 180 : (phi_d >= 180 ? phi_d - 180 : phi_d);
   int i = int(theta_h);
-  return BrdfPlace(slot * kBrdfEntries + merl_index(i, theta_d, phi_d), theta_h - float(i));
+  return BrdfLookup(slot * kBrdfEntries + merl_index(i, theta_d, phi_d), theta_h - float(i));
 }
-uvec2 fetch_brdf(BrdfPlace b) {
+uvec2 fetch_brdf(BrdfLookup b) {
   return uvec2(texelFetch(t_brdf, b.index).x, texelFetch(t_brdf, b.index + kMerlPhiD * kMerlThetaD).x);
 }
 vec3 brdf_value(uvec2 words, float fraction) {
@@ -115,7 +115,7 @@ vec3 brdf_value(uvec2 words, float fraction) {
 /// neighbours is chosen with its linear weight by `xi`, so that the expectation is the trilinear value at a quarter of the fetches.
 /// Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4.
 vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
-  BrdfPlace b = brdf_place(slot, wi, wo, xi);
+  BrdfLookup b = brdf_lookup(slot, wi, wo, xi);
   return brdf_value(fetch_brdf(b), b.fraction);
 }
 
@@ -136,7 +136,7 @@ uint fetch_environment(int index) { return texelFetch(t_sky, index).x; }
 /// Radiance of a fetched node, stored units.
 vec3 environment_value(uint word) { return unpack_rgb9e5(word, u_frame.environment_size.z); }
 
-int g_brdf_slot = 0;  // whose cells the shared sampler reads
+int g_brdf_slot = 0;  // slot whose cells the shared sampler reads
 vec2 fetch_theta_cell(int elevation, int k) {
   return texelFetch(t_theta_cells, (g_brdf_slot * kElevations + elevation) * kThetaCells + k).xy;
 }

@@ -1,5 +1,6 @@
-// Shades work items: `chunk` samples of one point each, so that all lanes of a vector do the same count.
-// TURNED: items of shaders/turning; LOOKS_BACK: of points that go on from their past, with each sample under the sky before as well.
+// Shades work items: the same number of samples of one point each, so that neighbouring invocations run loops of the same length.
+// TURNED: items of shaders/turning (environment rotation). LOOKS_BACK: items of points that reuse their history: each sample is evaluated under
+// the previous rotation as well.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
@@ -42,7 +43,7 @@ struct Result {
   vec3 sum;
 #ifdef TURNED
 #if LOOKS_BACK
-  vec3 before;  // what the sample at hand was worth before the light turned
+  vec3 before;  // value of the current sample under the previous rotation
   float kept;   // share of the point's history that is kept
 #endif
   float squares;
@@ -52,7 +53,7 @@ struct Result {
 #endif
 };
 #ifdef TURNED
-void take(inout Result r, vec3 now) {
+void add_sample(inout Result r, vec3 now) {
 #if LOOKS_BACK
   vec3 v = now - r.kept * r.before;
 #else
@@ -61,7 +62,7 @@ void take(inout Result r, vec3 now) {
   r.sum += v;
   r.squares += dot(v, v) * (1.0 / 3.0);
 }
-#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) take(result, f * radiance * weight)
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) add_sample(result, f * radiance * weight)
 #else
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
 #endif
@@ -92,13 +93,13 @@ void main() {
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
 #endif
 #ifdef TURNED
-  TurnedItem turned = unpack_turned_item(item.first_sample);
+  TemporalItem temporal = unpack_temporal_item(item.first_sample);
 #if LOOKS_BACK
-  result.kept = turned.kept;
+  result.kept = temporal.kept;
 #endif
   result.squares = 0.0;
-  int count = turned.samples;
-  uint first_sample = turned.first_sample;
+  int count = temporal.samples;
+  uint first_sample = temporal.first_sample;
 #else
   int count = u_frame.sampling.y;
 #ifdef REFLECTED
@@ -120,9 +121,9 @@ void main() {
 #endif
   vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
 #if defined(TURNED) && LOOKS_BACK
-  lights *= 1.0 - turned.kept;  // they did not turn
-  // One light sample tells nothing of the noise of its like; its square bounds it.
-  spread += turned.kept > 0.0 ? float(count) * dot(lights, lights) * (1.0 / 3.0) : 0.0;
+  lights *= 1.0 - temporal.kept;  // lights do not rotate: before and after are equal
+  // One light sample does not show the variance of light samples; its square is an upper bound.
+  spread += temporal.kept > 0.0 ? float(count) * dot(lights, lights) * (1.0 / 3.0) : 0.0;
 #endif
   sum += lights;
 #endif

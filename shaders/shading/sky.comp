@@ -1,4 +1,4 @@
-// The points that show the sky. Alpha 0 says so. PANES: those that are kept are drawn over it.
+// Radiance of the points that show the sky, with alpha 0. PANES: recorded panes are drawn over it.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

@@ -1,4 +1,4 @@
-// Uses every texture slot of a program, and does nothing: Renderer::Impl::settle_slots says why.
+// Uses every texture slot of a program and computes nothing: see Renderer::Impl::settle_slots for the reason.
 layout(local_size_x = 1) in;
 uniform sampler2D t_slots[32];
 layout(binding = 0, r32f) uniform writeonly image2D o_never;

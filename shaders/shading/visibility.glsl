@@ -1,4 +1,5 @@
-// Baked visibility at a shading point: the masks of its triangle's vertices blended by barycentrics, one word of each vertex a direction.
+// Baked visibility at a shading point: the visibility maps of its triangle's vertices, blended by barycentrics. A direction reads one word of each
+// vertex.
 #include "shared/visibility.glsl"
 layout(binding = 0) uniform usampler2D t_triangle;
 layout(binding = 4) uniform usamplerBuffer t_indices;
@@ -10,7 +11,7 @@ struct VisibilityPoint {
   ivec3 vertices;
   ivec3 words;  // first of each vertex's side
   vec3 barycentric;
-  vec3 open;    // barycentrics times the transmittance of the panes that each vertex looks through
+  vec3 open;    // barycentrics times the transmittance of the panes between each vertex and the sky
   vec3 normal;  // of the bake's tangent plane: interpolated from the vertices, turned to the viewer, world
 };
 
@@ -20,7 +21,7 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
                   texelFetch(t_indices, 3 * triangle + 2).x);
   vec3 p0 = texelFetch(t_vertices, 4 * v.x).xyz;
   vec3 e1 = texelFetch(t_vertices, 4 * v.y).xyz - p0, e2 = texelFetch(t_vertices, 4 * v.z).xyz - p0, d = position - p0;
-  // In units of the longer edge, so that its fourth power is none of metres: triangles of 1e-8 m are as good as others.
+  // In units of the longer edge: in metres, fourth powers of the edges of a triangle of 1e-8 m would underflow.
   float unit = inversesqrt(max(max(dot(e1, e1), dot(e2, e2)), 1e-36));
   e1 *= unit, e2 *= unit, d *= unit;
   float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), f = dot(d, e1), g = dot(d, e2);
@@ -30,7 +31,7 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
   VisibilityPoint r;
   r.vertices = v;
   r.barycentric = vec3(1.0 - w.x - w.y, w);
-  // A normal map bends the shading normal only; the masks' horizon is that of the vertices.
+  // A normal map changes the shading normal only; the horizon of the visibility maps is that of the vertex normals.
   vec3 n = mat3(texelFetch(t_vertices, 4 * v.x + 1).xyz, texelFetch(t_vertices, 4 * v.y + 1).xyz,
                 texelFetch(t_vertices, 4 * v.z + 1).xyz) * r.barycentric;
   n = dot(n, n) > 1e-12 ? normalize(n) : normal;
@@ -51,14 +52,14 @@ vec4 blended_bits(VisibilityPoint p, vec3 weights, VisibilityCorner corner) {
          weights.z * visibility_bits(bits.z, place.shift);
 }
 
-/// In [0, 1]: the map's bilinear value.
-float mean_mask(VisibilityPoint p, vec3 weights, vec3 world) {
+/// Bilinear value of the vertices' visibility maps, in [0, 1].
+float interpolated_visibility(VisibilityPoint p, vec3 weights, vec3 world) {
   VisibilityCorner corner = visibility_corner(world);
   return dot(visibility_shares(corner.fraction), blended_bits(p, weights, corner));
 }
-float mean_visibility(VisibilityPoint p, vec3 world) { return mean_mask(p, p.open, world); }
+float mean_visibility(VisibilityPoint p, vec3 world) { return interpolated_visibility(p, p.open, world); }
 
-/// Of two of the four cells, each chosen with its bilinear weight by one of the numbers: mean and difference.
+/// Mean and absolute difference of two of the four cells around a direction, each chosen with its bilinear weight by u1 and u2.
 vec2 two_cells(VisibilityPoint p, vec3 world, vec2 u1, vec2 u2) {
   VisibilityCorner corner = visibility_corner(world);
   vec4 open = blended_bits(p, p.open, corner);

@@ -2,13 +2,13 @@
 // Source: glTF 2.0 specification, Appendix B (GGX, Smith height-correlated masking, Schlick), and the KHR_materials_*
 // extension texts; visible-normal sampling: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
 // Common subset of GLSL and C++ with GLM (render/reference/shared_formulas.h).
-// Differs: the diffuse lobe is damped by (1 - F(h)) as in the specification, energy lost to multiple scattering is not put back.
+// Differs: the diffuse lobe is scaled by (1 - F(h)) as in the specification; energy lost to multiple scattering is not compensated.
 
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
 
-// Lobes that no material has need not be compiled: a software device runs a branch that no lane takes.
+// Lobes that no material has need not be compiled: a software device also runs branches that no invocation takes.
 #ifndef ANALYTIC_SHEEN
 #define ANALYTIC_SHEEN 1
 #endif
@@ -156,7 +156,7 @@ MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
 }
 
-// How many of n samples, 8 or more, each lobe gets: its share rounded, and one where it has a share at all.
+// How many of n samples (8 or more) each lobe gets: its share, rounded; at least one if the share is above 0.
 MAQUETTE_FN ivec3 lobe_counts(vec3 weights, int n) {
   int coat = weights.z > 0.0f ? clamp(int(weights.z * float(n) + 0.5f), 1, n - 2) : 0;
   int specular = weights.y > 0.0f ? clamp(int(weights.y * float(n) + 0.5f), 1, n - 1 - coat) : 0;
@@ -164,7 +164,7 @@ MAQUETTE_FN ivec3 lobe_counts(vec3 weights, int n) {
   return weights.y > 0.0f ? ivec3(0, n - coat, coat) : ivec3(0, 0, n);
 }
 
-// A direction of a lobe (0 base, 1 specular, 2 coat) for (u1, u2) in [0, 1)^2; below the horizon where it is worth nothing.
+// A direction of a lobe (0 base, 1 specular, 2 coat) for (u1, u2) in [0, 1)^2; directions below the horizon contribute nothing.
 MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, int lobe, vec3 wo, float u1, float u2) {
   if (lobe == 0) {
     float r = sqrt(u1);

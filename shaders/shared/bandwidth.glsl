@@ -11,8 +11,8 @@ MAQUETTE_FN vec2 bandwidth_travel(vec2 b, float distance_m) { return vec2(b.x, b
 /// To the frame of a surface of curvature k (1/m), and back.
 MAQUETTE_FN vec2 bandwidth_curvature(vec2 b, float curvature) { return vec2(b.x + abs(curvature) * b.y, b.y); }
 
-/// Reflection: the BRDF band-limits the angle. Differs: boxes forget that for one bounce from a distant light the spectrum lies on
-/// the line nu_x = k nu_theta, so what curvature made of nu_x is limited as well (tighter, and still safe).
+/// Reflection: the BRDF limits the angular bandwidth. Differs: for one bounce from a distant light the spectrum lies on the line
+/// nu_x = k nu_theta, which the source's boxes do not represent, so the nu_x caused by curvature is limited as well (tighter, and still safe).
 MAQUETTE_FN vec2 bandwidth_brdf(vec2 b, float nu_rho, float curvature) {
   float nu_theta = min(b.y, nu_rho);
   return vec2(min(b.x, abs(curvature) * nu_theta), nu_theta);
@@ -27,9 +27,8 @@ MAQUETTE_FN float bandwidth_at_pixel(vec2 b, float pixel_angle, float footprint_
   return b.y * pixel_angle + b.x * footprint_m;
 }
 
-/// The whole chain for one bounce from a distant light; `nu_theta` is the average over incident directions of the light's
-/// bandwidth as the lobe shows it (render/environment/bandwidth.h).
-/// Every operator is linear in nu_theta for given geometry, so averaging first is the average of the results.
+/// The whole chain for one bounce from a distant light. `nu_theta`: mean over incident directions of the light's bandwidth after filtering by
+/// the lobe (render/environment/bandwidth.h). Every operator is linear in nu_theta for given geometry, so the mean may be taken first.
 MAQUETTE_FN float bandwidth_one_bounce(float nu_theta, float curvature, float nu_surface, float pixel_angle, float footprint_m) {
   vec2 b = vec2(0.0f, nu_theta);
   b = bandwidth_curvature(b, curvature);
@@ -39,7 +38,7 @@ MAQUETTE_FN float bandwidth_one_bounce(float nu_theta, float curvature, float nu
   return bandwidth_at_pixel(b, pixel_angle, footprint_m);
 }
 
-/// Lobe bandwidth of GGX around its peak in cycles per radian of direction: the 95 % box of the lobe D(h) seen over wi, fitted to
-/// wavelet bandwidths of tabulated lobes (tests/render). A Lambert lobe changes over the half sphere: kBandwidthLambert.
+/// Bandwidth of the GGX lobe around its peak in cycles per radian of direction: the 95 % box of D(h) as a function of wi, fitted to
+/// wavelet bandwidths of tabulated lobes (tests/render). kBandwidthLambert is that of a Lambert lobe, which varies over the half sphere.
 const float kBandwidthLambert = 0.35f;
 MAQUETTE_FN float bandwidth_ggx(float alpha) { return 0.16f / alpha + kBandwidthLambert; }

@@ -1,6 +1,6 @@
 // Reflection points on a bicubic patch by Fermat's principle. Common subset of GLSL and C++ with GLM (render/bezier/bezier_shared.h
-// compiles it in float and in double). Parameters run over [-1, 1]^2, x = 2 u - 1: centred powers keep float's digits, and the
-// coefficients are relative to an origin on the patch, so that the size of the scene costs none.
+// compiles it in float and in double). Parameters run over [-1, 1]^2, x = 2 u - 1: centred powers keep the precision of floats, and the
+// coefficients are relative to an origin on the patch, so that precision does not depend on the size of the scene.
 // Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.1 (path length, Newton, line search).
 // Differs: mirror step first, modified Hessian, linear extension beyond the domain, certificate of uniqueness.
 #ifndef MAQUETTE_FN
@@ -15,8 +15,8 @@ struct BezierSurface {
   vec3 c[16];
 };
 
-// A cubic power basis with its derivatives. Beyond [-1, 1] every power goes on along its tangent: the surface is then C1 everywhere,
-// has no inflexion that its domain does not have, and parameters outside cannot fold back (Fig. 11.4 c of the source).
+// A cubic power basis with its derivatives. Beyond [-1, 1] every power continues along its tangent: the surface is then C1 everywhere,
+// has no additional inflexion, and cannot fold back outside its domain (Fig. 11.4 c of the source).
 struct CubicBasis {
   vec4 value, first, second;
 };
@@ -68,27 +68,27 @@ MAQUETTE_FN Real path_length(vec3 surface_point, vec3 eye, vec3 p) { return leng
 
 // Newton stops when the law of reflection holds to about this angle (rad).
 const Real kLawGoal = Real(1.0e-5f);
-const Real kLawLimit = Real(5.0e-5f);  // what is further off is none
+const Real kLawLimit = Real(5.0e-5f);  // with a larger error it is no reflection point
 const Real kRounding = Real(2.0e-7f);
 
-// What Newton's method needs at one point: the path length, its gradient, and its Hessian in two parts. `spread` comes from the two
-// distances and is never negative; `bend` comes from the surface's curvature and is negative on the concave side.
+// Terms of Newton's method at one point: the path length, its gradient, and its Hessian in two parts. `spread` comes from the two
+// distances and is positive semidefinite; `bend` comes from the surface's curvature and is negative on the concave side.
 struct PathTerms {
   Real length;
   Real eye_distance, object_distance;
   vec2 gradient;
   vec3 spread, bend;  // xx, xy, yy
-  // The law of reflection: difference of the cosines to the normal, and the object's direction out of the plane of incidence. Both 0
-  // where it holds; on a straight line through the surface the first is not.
+  // Errors of the law of reflection: difference of the cosines to the normal, and the component of the object's direction out of the plane of
+  // incidence. Both are 0 at a reflection point; on a straight line through the surface the first is not.
   Real cosines, across;
   Real along;  // tangential part of both unit directions' sum in the plane of incidence: 0 where the path is stationary
   Real sum;    // length of that sum: twice the cosine of incidence at a reflection point, 0 on a straight line
-  Real noise;  // of the directions, rad: what is near has its position rounded
+  Real noise;  // rounding error of the directions, rad; largest for near points
 };
 
 MAQUETTE_FN Real not_zero(Real x) { return max(x, Real(1.0e-18f)); }
 
-// How much longer the path is by way of `to` than by way of `from`: far away a float's length does not hold it.
+// Difference of the path lengths via `to` and via `from`, without subtracting two long lengths, which would lose it to rounding.
 MAQUETTE_FN Real path_change(vec3 from, vec3 to, vec3 eye, vec3 p) {
   vec3 a = from - eye, b = from - p, c = to - eye, d = to - p;
   return dot(to - from, (a + c) / not_zero(length(a) + length(c)) + (b + d) / not_zero(length(b) + length(d)));
@@ -109,7 +109,7 @@ MAQUETTE_FN PathTerms path_terms(SurfaceJet jet, vec3 eye, vec3 p) {
   PathTerms t;
   t.cosines = cb - ca;
   t.across = dot(ub, side);
-  // sa + b_along cancels at grazing incidence; the same by way of the cosines does not.
+  // sa + b_along cancels at grazing incidence; the equivalent expression with the cosines does not.
   t.along = sa + b_along;
   if (sa - b_along > Real(1.0f)) t.along = (t.cosines * (cb + ca) + t.across * t.across) / (sa - b_along);
   vec2 ta = vec2(dot(jet.dx, ua), dot(jet.dy, ua)), tb = vec2(dot(jet.dx, ub), dot(jet.dy, ub));
@@ -127,7 +127,7 @@ MAQUETTE_FN PathTerms path_terms(SurfaceJet jet, vec3 eye, vec3 p) {
   return t;
 }
 
-// By how much the law of reflection is missed, rad.
+// Error of the law of reflection, rad.
 MAQUETTE_FN Real law_error(PathTerms t) { return max(abs(t.along) / not_zero(Real(0.5f) * t.sum), abs(t.across)); }
 
 MAQUETTE_FN bool law_holds(PathTerms t) {
@@ -135,7 +135,7 @@ MAQUETTE_FN bool law_holds(PathTerms t) {
   return abs(t.along) < max(goal * Real(0.5f) * t.sum, t.sum < Real(1.0e-4f) ? t.noise : Real(0.0f)) && abs(t.across) < goal;
 }
 
-// -H^-1 g for a symmetric H = (xx, xy, yy), a little of the trace added where H is all but singular.
+// -H^-1 g for a symmetric H = (xx, xy, yy); a small part of the trace is added to the diagonal where H is nearly singular.
 MAQUETTE_FN vec2 solve_step(vec3 h, vec2 g) {
   Real trace = h[0] + h[2];
   Real det = h[0] * h[2] - h[1] * h[1];
@@ -147,8 +147,8 @@ MAQUETTE_FN vec2 solve_step(vec3 h, vec2 g) {
 
 MAQUETTE_FN bool positive_definite(vec3 h) { return h[0] > Real(0.0f) && h[0] * h[2] - h[1] * h[1] > Real(1.0e-5f) * h[0] * h[2]; }
 
-// Step to the reflection point in the tangent plane: exact on a plane, however near the eye or the object and however grazing the ray,
-// where the quadratic model of the path length is good only nearer than they are.
+// Step to the reflection point in the tangent plane. Exact on a plane, even near the eye or the object and at grazing angles, whereas
+// the quadratic model of the path length is accurate only over distances shorter than those to eye and object.
 MAQUETTE_FN vec2 mirror_step(SurfaceJet jet, vec3 eye, vec3 p) {
   vec3 n = cross(jet.dx, jet.dy);
   Real ha = abs(dot(eye - jet.p, n)), hb = abs(dot(p - jet.p, n));
@@ -162,8 +162,8 @@ MAQUETTE_FN vec2 limited(vec2 step, Real limit) {
   return size > limit ? step * (limit / size) : step;
 }
 
-// The next step, before the line search. At the border |x| = limit a coordinate whose way down leads out is held; where only the step leads
-// out, each coordinate goes down by itself.
+// The next step, before the line search. At the border |x| = limit a coordinate whose descent direction points outwards is fixed; if only the
+// step points outwards, each coordinate descends separately.
 MAQUETTE_FN vec2 next_step(SurfaceJet jet, PathTerms t, vec3 eye, vec3 p, vec2 x, Real limit) {
   vec3 h = t.spread + t.bend;
   if (!positive_definite(h)) h = positive_definite(t.spread - t.bend) ? t.spread - t.bend : t.spread;
@@ -180,8 +180,8 @@ MAQUETTE_FN vec2 next_step(SurfaceJet jet, PathTerms t, vec3 eye, vec3 p, vec2 x
   return limited(step, Real(1.0f));
 }
 
-// Where the step leads, within +-limit. The paper's line search, for steps that are long enough to matter: halve while the half step gives a
-// shorter path. Beyond the paper: halve also while the path is longer than it was.
+// End point of the step, within +-limit. The paper's line search, for long steps only: halve while the half step gives a
+// shorter path. Differs: halve also while the path is longer than before the step.
 MAQUETTE_FN vec2 search_line(BezierSurface s, vec3 at, vec3 eye, vec3 p, vec2 x, vec2 step, Real limit) {
   vec2 to = clamp(x + step, vec2(-limit), vec2(limit));
   if (max(abs(step[0]), abs(step[1])) < Real(0.02f)) return to;
@@ -215,8 +215,8 @@ struct ReflectionPoint {
 };
 
 const Real kParameterLimit = Real(4.0f);
-const Real kStill = Real(1.0e-5f);  // a step at the border that leads nowhere
-const Real kDomain = Real(1.02f);  // the first steps stay here: the extension is for objects that have no reflection
+const Real kStill = Real(1.0e-5f);  // a step at the border shorter than this ends the search
+const Real kDomain = Real(1.02f);  // limit of the first steps: the extension is only for objects without a reflection on the patch
 
 MAQUETTE_FN ReflectionPoint describe(SurfaceJet jet, PathTerms t, vec3 eye, vec3 p, vec2 x) {
   ReflectionPoint r;
@@ -238,9 +238,9 @@ MAQUETTE_FN ReflectionPoint describe(SurfaceJet jet, PathTerms t, vec3 eye, vec3
   return r;
 }
 
-// Shortest path eye - patch - p from `start`, its parameters within +-limit. A point of a convex patch that is found so, with both ends
-// in front of its tangent plane, is the only one: the ellipsoid of equal path lengths touches the patch from outside, and the tangent
-// plane divides them. For other patches see BezierStart::certified.
+// Shortest path eye - patch - p from `start`, with parameters within +-limit. On a convex patch such a point, with both ends
+// in front of its tangent plane, is unique: the ellipsoid of equal path lengths touches the patch from outside, and the tangent
+// plane separates them. For other patches see BezierStart::certified.
 MAQUETTE_FN ReflectionPoint reflect_from(BezierSurface s, vec3 eye, vec3 p, vec2 start, Real limit, int max_steps) {
   vec2 x = start;
   SurfaceJet jet = bezier_jet(s, x);
@@ -248,7 +248,7 @@ MAQUETTE_FN ReflectionPoint reflect_from(BezierSurface s, vec3 eye, vec3 p, vec2
   int steps = 0;
   for (; steps < max_steps; ++steps) {
     bool border = max(abs(x[0]), abs(x[1])) >= limit;
-    if (law_holds(t) && !(border && steps == 0)) break;  // one step tells on which side of the border it is
+    if (law_holds(t) && !(border && steps == 0)) break;  // at the border one step shows on which side the solution is
     vec2 step = next_step(jet, t, eye, p, x, limit);
     if (border && max(abs(step[0]), abs(step[1])) < kStill) break;  // the border's own minimum
     Real bound = steps < 2 ? min(limit, kDomain) : limit;
@@ -261,7 +261,7 @@ MAQUETTE_FN ReflectionPoint reflect_from(BezierSurface s, vec3 eye, vec3 p, vec2
   return r;
 }
 
-// How the parameters of a reflection point change with the object's place, 1/m each. Path length stationary at both: H dx + d(gradient) = 0.
+// Derivatives of a reflection point's parameters by the object's position, 1/m. The path length stays stationary: H dx + d(gradient) = 0.
 struct ReflectionDerivative {
   vec3 x, y;
 };
@@ -279,7 +279,7 @@ MAQUETTE_FN ReflectionDerivative reflection_derivative(BezierSurface s, vec3 eye
   return d;
 }
 
-// One of the starting points spread over the patch, with what depends on patch and eye alone.
+// One of the starting points spread over the patch, with quantities that depend only on patch and eye.
 struct BezierNode {
   vec2 x;
   vec3 position;
@@ -291,8 +291,8 @@ struct BezierNode {
   Real inverse_focus;      // 1/m; the reflected ray meets a caustic at its reciprocal, 0: never
 };
 
-// Largest 1/b for which the Hessian of the path to position + b direction is singular, at least 0: the smallest eigenvalue of
-// (what does not depend on b) against (what is divided by b).
+// Largest 1/b, at least 0, for which the Hessian of the path to position + b direction is singular: a generalised eigenvalue of
+// the part independent of b and the part divided by b.
 MAQUETTE_FN Real inverse_focal_distance(SurfaceJet jet, vec3 eye, vec3 direction) {
   vec3 a = jet.p - eye;
   Real ia = Real(1.0f) / not_zero(length(a));
@@ -331,8 +331,8 @@ MAQUETTE_FN BezierNode bezier_node(BezierSurface s, vec3 eye, vec2 x) {
   return node;
 }
 
-// Best start among the nodes seen so far, and whether the object lies on the near side of every caustic that the nodes know: then the
-// reflected rays do not cross before they reach it, and at most one of them does.
+// Best start among the nodes considered so far, and whether the object is nearer than the caustics of all nodes: then the
+// reflected rays do not cross before the object, and at most one of them hits it.
 struct BezierStart {
   vec2 x;
   Real distance2;  // squared displacement that the plane mirror of the node predicts, m^2
@@ -342,7 +342,7 @@ struct BezierStart {
   bool certified;
 };
 
-// Whether what is so far away lies before the caustic of the node's rays, with a tenth to spare.
+// Whether a point at this distance lies before the caustic of the node's rays, with a margin of a tenth.
 MAQUETTE_FN bool is_before_focus(BezierNode node, Real distance) { return distance * node.inverse_focus < Real(0.9f); }
 
 MAQUETTE_FN BezierStart no_start(Real side) {
@@ -354,8 +354,8 @@ MAQUETTE_FN BezierStart no_start(Real side) {
   return s;
 }
 
-// The node's tangent plane as a mirror tells how far away the reflection point is. That chooses better than the path length or the
-// reflected direction do, near the eye and near the object above all.
+// Updates the best start with a node. Mirrored in the node's tangent plane, the object gives an estimate of the distance to the reflection
+// point. This is a better criterion than path length or reflected direction, especially near the eye and near the object.
 MAQUETTE_FN BezierStart consider_node(BezierStart best, BezierNode node, vec3 eye, vec3 p) {
   vec3 a = eye - node.position, b = p - node.position;
   Real hb = abs(dot(b, node.normal)), lb = length(b);
@@ -380,8 +380,8 @@ const int kNewtonSteps = 16;
 const int kSearchSteps = 40;
 const int kAttempts = 7;
 
-// The reflection point from the best start. `careful`: where the first attempt finds none on the patch, others descend from other
-// points without leaving the domain. Needed only where the eye sees both sides of the patch, or all but its edge.
+// The reflection point from the best start. `careful`: if the first attempt finds none on the patch, others start from other
+// points and stay in the domain. Needed only where the eye sees both sides of the patch, or sees it nearly edge-on.
 MAQUETTE_FN ReflectionPoint reflection_point(BezierSurface s, vec3 eye, vec3 p, BezierStart start, bool careful) {
   ReflectionPoint r;
   r.x = start.x;
@@ -394,7 +394,7 @@ MAQUETTE_FN ReflectionPoint reflection_point(BezierSurface s, vec3 eye, vec3 p, 
     ReflectionPoint again = reflect_from(s, eye, p, clamp(from, -bound, bound), limit, first ? kNewtonSteps : kSearchSteps);
     bool interior = max(abs(again.x[0]), abs(again.x[1])) < Real(1.0f);
     if (first || (again.status == kReflectionInside && interior)) r = again;
-    // The extension may have a minimum of its own beside one within the border: another descent from there, which keeps to the domain.
+    // The extension may have its own minimum besides one inside the border: search again from there within the domain.
     if (first && max(abs(r.x[0]), abs(r.x[1])) > Real(1.0f)) {
       ReflectionPoint within = reflect_from(s, eye, p, clamp(r.x, vec2(Real(-1.0f)), vec2(Real(1.0f))), Real(1.0f), kNewtonSteps);
       if (within.status == kReflectionInside && within.converged && max(abs(within.x[0]), abs(within.x[1])) < Real(1.0f)) {

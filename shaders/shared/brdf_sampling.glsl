@@ -10,15 +10,15 @@ const int kBrdfElevations = 32;
 const int kBrdfThetaCells = 96;
 const int kBrdfPhiCells = 16;
 
-// Probability of theta cell k: 32 cells of 1/64, then 64 cells, eight an octave, so that the tail is cut ever finer in
-// probability; the last one takes the rest. The masses add up to 1.
+// Probability of theta cell k: 32 cells of 1/64, then 64 cells, eight for each halving of the remaining probability; the last one has the
+// rest. The sum is 1.
 MAQUETTE_FN float theta_cell_mass(int k) {
   float tail = 0.5f * exp2(float(32 - k) * 0.125f);
   float mass = k < 32 ? 0.015625f : tail * 0.0829959568f;  // 1 - 2^(-1/8)
   return k == 95 ? tail : mass;
 }
 
-// Which theta cell a uniform number falls in, and where inside it (in [0, 1]).
+// The theta cell for a uniform number, and the position inside it (in [0, 1]).
 struct ThetaCellChoice {
   int k;
   float position;
@@ -43,7 +43,7 @@ MAQUETTE_FN int brdf_elevation(vec3 wo) {
   return min(int(theta * 20.37183272f), kBrdfElevations - 1);  // 32 / (pi / 2)
 }
 
-// A sampled direction to the light and its density over solid angle. pdf = 0: below the horizon, worth nothing (but counts).
+// A sampled direction to the light and its density over solid angle. pdf = 0: below the horizon; contributes nothing, but is counted.
 struct BrdfSample {
   vec3 wi;
   float pdf;  // 1/sr
@@ -54,7 +54,7 @@ MAQUETTE_FN float half_vector_density(int k, vec2 theta_cell, vec2 phi_cell) {
   return theta_cell_mass(k) / (2.0f * float(kBrdfPhiCells) * (theta_cell.y - theta_cell.x) * (phi_cell.y - phi_cell.x));
 }
 
-// Which cell of half vectors a pair of uniform numbers falls in: u.x picks theta_h, u.y the side and phi_h.
+// The cell of half vectors for a pair of uniform numbers: u.x determines theta_h, u.y the side and phi_h.
 struct BrdfCellChoice {
   ThetaCellChoice theta;
   int p;               // phi cell
@@ -73,7 +73,7 @@ MAQUETTE_FN BrdfCellChoice choose_brdf_cell(vec2 u) {
   return choice;
 }
 
-// The sample that a choice means between the borders of its cells, which only the caller knows how to fetch early.
+// The sample for a choice of cells and their borders, which the caller has fetched.
 MAQUETTE_FN BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 theta_cell, vec2 phi_cell) {
   float t = theta_cell.x + choice.theta.position * (theta_cell.y - theta_cell.x);
   float phi = phi_cell.x + choice.phi_position * (phi_cell.y - phi_cell.x);
@@ -101,7 +101,7 @@ MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
   return brdf_sample_in_cell(wo, choice, theta_cell, fetch_phi_cell(elevation, choice.theta.k, choice.p));
 }
 
-// Where the half vector of two directions lies among the cells of wo: 1 - cos(theta_h) and phi_h from the plane of view
+// Position of the half vector of two directions among the cells of wo: t = 1 - cos(theta_h); phi_h from the plane of view
 // and normal, in [0, pi]; the length of wi + wo.
 struct HalfVectorPlace {
   float t;

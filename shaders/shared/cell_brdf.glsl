@@ -1,8 +1,8 @@
 // Directions, frame and pairs of the BRDFs of octree cells (render/octree/cell_brdf.h).
 // Common subset of GLSL and C++ with GLM (render/octree/octree_shared.h).
 //
-// 98 directions: the pixels of two parabolic maps, 7 x 7 each, of the half spheres around +z and -z of the cell's frame. Pixels whose centres lie
-// outside the disc stand for directions a little beyond the horizon, where the other map takes over; they keep bilinear lookups whole.
+// 98 directions: the pixels of two parabolic maps, 7 x 7 each, of the half spheres around +z and -z of the cell's frame. Pixels whose centres are
+// outside the disc represent directions slightly beyond the horizon; they complete bilinear lookups near it.
 // Source: the parametrisation of Mueller et al. as quoted with the method ("98 directions correspond to the pixels of a front- and a
 // back-facing parabolic map"); Heidrich and Seidel 1998, "View-independent Environment Maps", Sec. 3.
 #ifndef MAQUETTE_FN
@@ -45,8 +45,8 @@ MAQUETTE_FN CellLookup cell_lookup(vec3 d) {
   return at;
 }
 
-// One of the four neighbours with its bilinear weight, by two numbers in [0, 1).
-MAQUETTE_FN int cell_choose(CellLookup at, float u, float v) {
+// Index of one of the four neighbours, chosen with its bilinear weight by two numbers in [0, 1).
+MAQUETTE_FN int cell_sample_index(CellLookup at, float u, float v) {
   return at.first + (u < at.x ? 1 : 0) + (v < at.y ? kCellSide : 0);
 }
 
@@ -55,11 +55,11 @@ MAQUETTE_FN int cell_pair(int a, int b) {
   return high * (high + 1) / 2 + min(a, b);
 }
 
-// Tangent of a cell's frame: the second of the rules of the method, by the y axis where the normal is away from it.
+// Tangent of a cell's frame: the second rule of the method, from the y axis unless the normal is close to it.
 MAQUETTE_FN vec3 cell_tangent(vec3 normal) {
   vec3 axis = abs(normal.y) < 0.9f ? vec3(0.0f, 1.0f, 0.0f) : vec3(1.0f, 0.0f, 0.0f);
   return normalize(cross(axis, normal));
 }
 
-// Area of a cube's outline over that of its face, seen along `d` (unit, along the cube's axes' frame).
+// Projected area of a cube relative to its face, seen along `d` (unit, in the frame of the cube's axes).
 MAQUETTE_FN float cell_outline(vec3 d) { return abs(d.x) + abs(d.y) + abs(d.z); }

@@ -1,6 +1,6 @@
-// Roots of a cubic in single precision. Common subset of GLSL and C++ with GLM. Cardano's formula loses every digit where the leading
-// coefficient or the discriminant is nearly 0 (math notes of the project); here each root comes from a formula that does not cancel, and
-// each is polished by Newton's method with the residual in twice the precision.
+// Roots of a cubic in single precision. Common subset of GLSL and C++ with GLM. Cardano's formula loses all digits where the leading
+// coefficient or the discriminant is nearly 0. Here the roots are bracketed by the extrema and refined by Newton's method with the residual
+// in twice the precision.
 // Source: Blinn 2007, "How to Solve a Cubic Equation, Part 5"; Dekker 1971, "A Floating-Point Technique for Extending the Available
 // Precision" (products and sums with their rounding errors).
 #ifndef MAQUETTE_FN
@@ -10,7 +10,7 @@
 #define PRECISE precise
 #endif
 
-// A value and what its rounding left out.
+// A value and its rounding error.
 struct Twofold {
   float value, rest;
 };
@@ -47,8 +47,8 @@ MAQUETTE_FN Twofold two_product(float a, float b) {
   return r;
 }
 
-// c[0] + c[1] k + c[2] k^2 + c[3] k^3. `rest`: what rounding to float left out of `c`; without it a root is as uncertain as its
-// condition number times the rounding of the coefficients.
+// c[0] + c[1] k + c[2] k^2 + c[3] k^3. `rest`: rounding errors of `c`; without them the error of a root is its condition number times the
+// rounding of the coefficients.
 struct Cubic {
   vec4 c, rest;
 };
@@ -68,7 +68,7 @@ MAQUETTE_FN float cubic_value(Cubic f, float k) {
 
 MAQUETTE_FN float cubic_slope(vec4 c, float k) { return c[1] + k * (2.0f * c[2] + 3.0f * k * c[3]); }
 
-// A root between lo and hi, where the cubic has one sign change: Newton's method kept inside, else halving.
+// The root between lo and hi, where the cubic has one sign change: Newton's method, or bisection where a step would leave the interval.
 MAQUETTE_FN float bracketed_root(Cubic f, float lo, float hi, bool rising) {
   float k = 0.5f * (lo + hi);
   for (int i = 0; i < 40; ++i) {
@@ -77,7 +77,7 @@ MAQUETTE_FN float bracketed_root(Cubic f, float lo, float hi, bool rising) {
     hi = above ? k : hi;
     lo = above ? lo : k;
     float next = abs(slope) > 0.0f ? k - value / slope : lo;
-    if (abs(next - k) <= 6.0e-8f * abs(k)) return k;  // before the interval is asked, whose end k may be
+    if (abs(next - k) <= 6.0e-8f * abs(k)) return k;  // before the test of the interval, as k may be its end
     if (!(next > lo && next < hi)) next = 0.5f * (lo + hi);
     k = next;
   }
@@ -116,8 +116,8 @@ MAQUETTE_FN CubicRoots roots_in_unit(CubicRoots r, Cubic f, bool reversed) {
   return r;
 }
 
-// Positive roots. Those above 1 are found as their reciprocals, so that a leading coefficient near zero is a small constant term, and
-// harmless. Scaled by a power of two, which rounds nothing.
+// Positive roots. Those above 1 are computed as reciprocals, so that a leading coefficient near zero becomes a harmless small constant
+// term. Scaling by a power of two is exact.
 MAQUETTE_FN CubicRoots positive_roots(Cubic f) {
   float largest = max(max(abs(f.c[0]), abs(f.c[1])), max(abs(f.c[2]), abs(f.c[3])));
   float scale = uintBitsToFloat(floatBitsToUint(largest) & 0x7f800000u);

@@ -9,7 +9,7 @@ vec3 ray_through(vec2 point) {
 }
 
 #ifdef REFLECTED
-// The G-buffer is that of what reflectors show: each pixel has a mirrored ray of its own, and depth runs along it.
+// The G-buffer is that of the surfaces in reflections: each pixel has its own mirrored ray, and depth is measured along it.
 layout(binding = 49) uniform sampler2D t_ray_origin;     // m; w: depth of the pane
 layout(binding = 50) uniform sampler2D t_ray_direction;  // unit; w: reflector + 1, 0 where none is seen, below 0 where it is not followed
 vec3 view_origin(ivec2 pixel) { return texelFetch(t_ray_origin, pixel, 0).xyz; }

@@ -22,8 +22,8 @@ MAQUETTE_FN float fresnel_surface(float cos_i, float n) {
 // averaged. `inside`: internal transmittance of one crossing, in [0, 1]; at 1 both sum to 1.
 // Source: Stokes 1862, "On the Intensity of the Light Reflected from or Transmitted through a Pile of Plates".
 //
-// Differs: both amplitudes are (a - b) / (a + b) with b = n cos_t, so that a face reflects m / s = (a - b)^2 / (a + b)^2 and lets
-// pass (s - m) / s with s - m = 4 a b, which loses no digits at grazing incidence. With t for `inside` the sums of all bounces are
+// Differs: both amplitudes are (a - b) / (a + b) with b = n cos_t, so that a face reflects m / s = (a - b)^2 / (a + b)^2 and
+// transmits (s - m) / s with s - m = 4 a b, which keeps its precision at grazing incidence. With t for `inside` the sums of all bounces are
 // T = 4 a b / (s + m t) * 4 a b t / (s - m t) and R = m / s (1 + t T).
 MAQUETTE_FN vec2 fresnel_pane(float cos_i, float n, float inside) {
   float c = clamp(cos_i, 1.0e-7f, 1.0f);
@@ -38,8 +38,8 @@ MAQUETTE_FN vec2 fresnel_pane(float cos_i, float n, float inside) {
   return vec2(0.5f * (reflected.x + reflected.y), 0.5f * (transmitted.x + transmitted.y));
 }
 
-// The reflectance of a pane, apart: of its front face alone (x), and of all that comes back from its inside (y). Their sum is
-// fresnel_pane's.
+// The reflectance of a pane in two parts: of its front face alone (x), and of all light that returns from the inside (y). Their sum is that of
+// fresnel_pane.
 MAQUETTE_FN vec2 fresnel_faces(float cos_i, float n, float inside) {
   float front = fresnel_surface(cos_i, n);
   return vec2(front, max(fresnel_pane(cos_i, n, inside).x - front, 0.0f));

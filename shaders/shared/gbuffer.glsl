@@ -3,7 +3,7 @@
 //   y  base colour (square-root coded, 3 x 8 bit), metallic 8 bit
 //   z  roughness 8 bit, clearcoat 8 bit, material 16 bit
 //   w  emitted radiance, shared exponent (kEmissionBias), cd/m2
-// Depth along the viewing axis is a separate float; 0 where only the sky is seen.
+// Depth along the viewing axis is a separate float; 0 where only the sky is visible.
 const int kEmissionBias = 10;
 
 struct Surface {
@@ -37,7 +37,7 @@ Surface unpack_surface(uvec4 g) {
   return s;
 }
 
-/// What upsampling compares, in one fetch: depth, and the normal (2 x 12 bits) with the low 8 bits of the material.
+/// Guide of the bilateral upsampling, in one fetch: depth, and the normal (2 x 12 bits) with the low 8 bits of the material.
 uvec2 pack_guide(float depth, vec3 normal, int material) {
   vec2 oct = octahedral_from_direction(normal);
   return uvec2(floatBitsToUint(depth), uint(oct.x * 4095.0f + 0.5f) | (uint(oct.y * 4095.0f + 0.5f) << 12u) |
@@ -47,7 +47,7 @@ vec3 guide_normal(uint y) {
   return direction_from_octahedral(vec2(float(y & 4095u), float((y >> 12u) & 4095u)) * (1.0f / 4095.0f));
 }
 
-/// Share of the light that a white base would reflect which scales with the base colour, roughly: all of a tinted table, the Lambert part of
-/// an analytic material against its 4 % of specular reflection, all of a metal. Of white, because what does not scale is the same on
-/// dark texels.
+/// Approximate share of the reflected light of a white base that scales with the base colour: all for a tinted measured material and for a metal,
+/// the Lambert part for another analytic material (against 4 % of specular reflection). Defined for white, because the part that does not scale is
+/// the same on dark texels.
 float base_color_share(float metallic, bool tinted) { return tinted ? 1.0f : mix(1.0f / 1.04f, 1.0f, metallic); }

@@ -1,11 +1,11 @@
-// Light that arrives by way of other surfaces, per vertex (render/indirect): radiance(w) = mean + gradient . w, 16 bytes.
+// Indirect light per vertex (render/indirect): radiance(w) = mean + gradient . w, 16 bytes.
 // Common subset of GLSL and C++ with GLM (render/indirect/indirect_shared.h). Needs rgb9e5.glsl before it.
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
 
-// Word x: mean, shared exponent. y, z, w: gradient of red, green and blue over the mean of that channel, three times ten bits. A radiance
-// that is nowhere negative has a gradient of at most 4 means in this fit; beyond 2 (all light from a fifth of the hemisphere) it is cut.
+// Word x: mean, shared exponent. y, z, w: gradient of red, green and blue over the mean of that channel, three times ten bits. A
+// non-negative radiance has a gradient of at most 4 means in this fit; it is clamped to 2 (all light from a fifth of the hemisphere).
 const float kIndirectMaxGradient = 2.0f;
 
 struct IndirectLight {
@@ -42,7 +42,7 @@ MAQUETTE_FN IndirectLight unpack_indirect(uvec4 words, int bias) {
   return light;
 }
 
-// What a lobe whose mean direction, weighted by f cos, is `w` sees: exact for this radiance, as it is linear. |w| < 1 for a wide lobe: 2/3 n
+// Mean radiance over a lobe whose mean direction, weighted by f cos, is `w`; exact, because the radiance is linear. |w| < 1 for a wide lobe: 2/3 n
 // for a Lambertian one.
 MAQUETTE_FN vec3 indirect_radiance(IndirectLight light, vec3 w) {
   return max(light.mean + vec3(dot(light.red, w), dot(light.green, w), dot(light.blue, w)), vec3(0.0f));

@@ -46,8 +46,8 @@ MAQUETTE_FN vec3 direction_from_latlong_uv(vec2 uv) {
   return vec3(sin(longitude) * c, sin(latitude), cos(longitude) * c);
 }
 
-// d turned about +Y by the angle whose cosine and sine are given, positive from +Z towards +X. The radiance that an environment
-// turned by +angle sends from direction d is the unturned map's at latlong_turn(d, cos(angle), -sin(angle)).
+// d rotated about +Y by the angle whose cosine and sine are given, positive from +Z towards +X. The radiance from direction d of an environment
+// rotated by +angle is that of the unrotated map at latlong_turn(d, cos(angle), -sin(angle)).
 MAQUETTE_FN vec3 latlong_turn(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x);
 }

@@ -21,7 +21,7 @@ struct LightRecord {
   float cdf;            // cumulative selection probability, inclusive
 };
 
-// What one light sample brings to a point. Outgoing radiance: sum of f(wi, wo) cos(theta_i) radiance / selection_pdf.
+// Contribution of one light sample at a point. Outgoing radiance: sum of f(wi, wo) cos(theta_i) radiance / selection_pdf.
 struct LightSample {
   vec3 wi;           // unit, towards the light; 0 where radiance is 0
   float distance_m;  // 1e30 for directional
@@ -57,7 +57,7 @@ MAQUETTE_FN vec2 light_triangle_uv(vec2 u) {
   return vec2(root * (1.0f - u.y), root * u.y);
 }
 
-// Squares of lengths are taken of vectors scaled by their largest component: 1e-20 m has no square in float.
+// Vectors are scaled by their largest component before lengths are squared: the square of 1e-20 m underflows in float.
 MAQUETTE_FN float light_largest(vec3 v) { return max(abs(v.x), max(abs(v.y), abs(v.z))); }
 
 MAQUETTE_FN LightSample light_sample_triangle(LightRecord light, vec3 point, vec2 u) {
@@ -120,15 +120,15 @@ MAQUETTE_FN LightSample light_sample(LightRecord light, vec3 point, vec2 u) {
   return light_sample_punctual(light, point);
 }
 
-// Local spatial bandwidth (cycles/m, across the ray; times cos(theta_i) on the surface) that a near light brings to a point
-// from which it is seen along wi at distance_m, under a BRDF of local angular bandwidth nu_rho (cycles/rad).
+// Local spatial bandwidth (cycles/m, across the ray; times cos(theta_i) on the surface) of the light that a point receives from a near light
+// along wi at distance_m, for a BRDF of local angular bandwidth nu_rho (cycles/rad).
 //
-// A light that emits alike in all directions from an extent s starts purely spatial, (1 / s, 0). Travel by d shears its
-// spectrum: nu_theta = d nu_x for every part of it, a line. The BRDF keeps |nu_theta| <= nu_rho, so what is left has
-// nu_x <= nu_rho / d: a light at a point (s = 0) brings nu_rho / d, a large one no more than its own extent, kExtent / s.
-// The inverse square and the two cosines are seen even by a Lambertian: for a point light at height d over a plane
+// The spectrum of a light of extent s that emits equally in all directions is purely spatial at the light, (1 / s, 0). Travel by d shears it to a
+// line: nu_theta = d nu_x. The BRDF limits |nu_theta| to nu_rho, so that nu_x <= nu_rho / d. A point light (s = 0) has nu_rho / d; a large light has
+// at most the bandwidth of its extent, 2.06 / s.
+// The inverse square and the two cosines vary even for a Lambertian surface: for a point light at height d over a plane the
 // irradiance is d (d^2 + x^2)^-1.5, its spectrum exp(-2 pi nu d), and 95 % of the energy lies below 0.3775 / d, which is
-// thus the least. A spot's cone turns half a cycle over the width w of its penumbra: (0, 1 / (2 w)) at the light is
+// the minimum. The intensity of a spot changes by half a cycle over the width w of its penumbra: (0, 1 / (2 w)) at the light is
 // 1 / (2 w d) at the receiver.
 // Source: Durand et al. 2005, "A Frequency Analysis of Light Transport", Sec. 3 (shear); the numbers are ours.
 MAQUETTE_FN float light_bandwidth(LightRecord light, vec3 wi, float distance_m, float nu_rho) {

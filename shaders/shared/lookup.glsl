@@ -1,5 +1,5 @@
-// Main of the modes that shade by lookups: the includer defines `vec3 shade(Point p)`, in stored units. Four points a lane, so that
-// counting them costs one atomic for four; sixteen lanes a tile.
+// main() of the modes that shade by lookups: the includer defines `vec3 shade(Point p)`, in stored units. Four points an invocation, so that
+// one atomic counts four; sixteen invocations a tile.
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 layout(binding = 1, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
 layout(std430, binding = 1) buffer Counters { uint b_visible, b_shaded; };
@@ -10,7 +10,7 @@ void main() {
   if (tile.x < 0) return;
   uint visible = 0u, shaded = 0u;
   for (int k = 0; k < 4; ++k) {
-    // Lanes beside one another take points beside one another.
+    // Neighbouring invocations shade neighbouring points.
     ivec2 pixel = kTile * tile + ivec2(id & 7, 2 * k + (id >> 3 & 1));
     if (any(greaterThanEqual(pixel, u_frame.size.xy))) continue;
     if (texelFetch(t_depth, pixel, 0).x <= 0.0) {

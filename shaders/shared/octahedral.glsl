@@ -6,7 +6,7 @@
 #define MAQUETTE_FN
 #endif
 
-// (1 - |other|) with the sign of p: folds the lower half sphere outwards; 0 counts as positive so that the map has no hole.
+// (1 - |other|) with the sign of p: folds the lower half sphere outwards; 0 is treated as positive so that the map has no hole.
 MAQUETTE_FN float octahedral_fold(float p, float other) { return p >= 0.0f ? 1.0f - abs(other) : abs(other) - 1.0f; }
 
 // Direction of any length above 0.

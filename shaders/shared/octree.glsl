@@ -1,4 +1,4 @@
-// Sparse octree of a scene's surfaces (render/octree): the words of its nodes and the ray's walk through them.
+// Sparse octree of a scene's surfaces (render/octree): the words of its nodes, and the traversal by a ray.
 // Common subset of GLSL and C++ with GLM (render/octree/octree_shared.h).
 //
 // Words. Above the last level: child mask << 24 | first child, children in the order x + 2 y + 4 z; mask 0 is a leaf. On the last level: the
@@ -13,22 +13,22 @@
 #define MAQUETTE_FN
 #endif
 
-// Half the thickness of a planar cell's surface, in cells along the normal of length |x| + |y| + |z| = 1. Planes of neighbours are rounded and
-// fitted on their own; what they disagree by must not be a gap.
+// Half the thickness of a planar cell's surface, in cells along the normal of length |x| + |y| + |z| = 1. Planes of neighbouring cells are fitted and
+// rounded separately; their differences must not leave gaps.
 const float kOctreeSlab = 0.05f;
-// A surface that keeps to a plane up to this (in cells) is stored as one.
+// A surface whose distance from a plane is at most this (in cells) is stored as a plane.
 const float kOctreePlanar = 0.08f;
-// What is thinner (in cells without much detail) is as good as a plane, seen from the front.
+// A solid thinner than this (in cells without much detail) is treated like a plane when hit from the front.
 const float kOctreeThin = 0.25f;
 
-// Levels of the deepest tree.
+// Number of levels of the deepest tree.
 const int kOctreeStack = 14;
 
 struct OctreePlane {
   vec3 normal;   // sum of the absolute components is 1; a small array of directions needs no unit vectors
   float offset;  // dot(normal, p) = offset, p in cells from the cell's centre
   bool planar;
-  float low;     // what is not planar lies between: low <= dot(normal, p) <= high
+  float low;     // bounds of a solid: low <= dot(normal, p) <= high
   float high;
 };
 
@@ -48,7 +48,7 @@ MAQUETTE_FN OctreePlane octree_unpack_plane(uint word) {
   return plane;
 }
 
-// The normal's bits of a plane word; `normal` of any length above 0.
+// Bits of a plane word for the normal, which may have any length above 0.
 MAQUETTE_FN uint octree_pack_normal(vec3 normal) {
   float scale = 1.0f / max(abs(normal.x) + abs(normal.y) + abs(normal.z), 1.0e-30f);
   float p = normal.x * scale;
@@ -63,18 +63,18 @@ MAQUETTE_FN uint octree_pack_normal(vec3 normal) {
 // `point` on the plane, in cells from the cell's centre.
 MAQUETTE_FN uint octree_pack_plane(vec3 normal, vec3 point) {
   uint word = octree_pack_normal(normal);
-  // The offset belongs to the normal as it will be read.
+  // The offset is computed for the rounded normal.
   float offset = dot(octree_unpack_plane(word).normal, point);
   return word | (uint(clamp(int((offset + 0.5f) * 511.0f + 0.5f), 0, 511)) << 22u) | 0x80000000u;
 }
 
-// Something that reaches from `low` to `high` along the unit normal, measured from `point`, all in cells.
+// A solid between `low` and `high` along the unit normal, measured from `point`, all in cells.
 MAQUETTE_FN uint octree_pack_solid(vec3 normal, vec3 point, float low, float high) {
   uint word = octree_pack_normal(normal);
   vec3 n = octree_unpack_plane(word).normal;
   float middle = dot(n, point);
   float scale = sqrt(dot(n, n));
-  // Rounded outwards, and a little more: the normal is rounded too.
+  // Rounded outwards with a small margin, because the normal is rounded too.
   float from = (middle + low * scale - 0.002f + 0.5f) * 16.0f;
   float to = (middle + high * scale + 0.002f + 0.5f) * 32.0f;
   return word | (uint(clamp(int(floor(from)), 0, 15)) << 22u) | (uint(clamp(int(ceil(to)) - 1, 0, 31)) << 26u);
@@ -82,7 +82,7 @@ MAQUETTE_FN uint octree_pack_solid(vec3 normal, vec3 point, float low, float hig
 
 struct OctreeColor {
   int material;
-  float coverage;  // area of that material, as far as it is seen along the normal, over that of a cell's face, at most 1
+  float coverage;  // visible area of that material along the normal, relative to a cell's face, at most 1
   vec3 tint;       // linear
 };
 
@@ -109,27 +109,27 @@ struct OctreeFrame {
   vec3 corner;        // of the root, m
   float cells_per_m;  // of the last level
   int depth;          // at least 1
-  int detail;         // of its levels, those that only cells of much detail have
+  int detail;         // number of the deepest levels, which only cells with much detail have
 };
 
 struct OctreeRay {
   vec3 origin;     // m
-  vec3 direction;  // distances below are in its length
+  vec3 direction;  // any length; the distances below are multiples of it
   float t_min;
   float t_max;
-  float t_box;   // cells without a plane are passed while the ray enters them before this: they are not the surface it starts on
+  float t_box;   // solid cells that the ray enters before this distance are skipped: they may contain the surface on which it starts
   float width;   // of the cone at the origin, m
-  float spread;  // of the cone, m per unit of t; where a cell is no wider than the cone the walk goes no deeper
+  float spread;  // of the cone, m per unit of t; the traversal stops at cells that are no wider than the cone
 };
 
 struct OctreeHit {
   float t;
   int node;   // -1: nothing is hit
   int level;
-  int steps;  // cells looked at
+  int steps;  // cells visited
 };
 
-// Width of the deepest cell around a point, in cells of the last level: of the leaf that holds it, or of the empty space it is in.
+// Width of the deepest cell around a point, in cells of the last level: of the leaf or the empty cell that contains it.
 MAQUETTE_FN float octree_cell_at(OctreeFrame tree, vec3 point) {
   vec3 g = clamp((point - tree.corner) * tree.cells_per_m, vec3(0.0f), vec3(float((1 << tree.depth) - 1)));
   ivec3 cell = ivec3(g);
@@ -150,8 +150,8 @@ MAQUETTE_FN float octree_cell_at(OctreeFrame tree, vec3 point) {
   return float(1 << shift);
 }
 
-// First surface along the ray. All decisions compare distances to planes of the grid, each always found by the same expression, so that no
-// cell is lost or met twice. Axes are mirrored so that the ray ascends along all three.
+// First surface along the ray. All decisions compare distances to planes of the grid, and each distance is always computed by the same expression, so
+// that no cell is missed or visited twice. Axes are mirrored so that the ray ascends along all three.
 // Source: after Laine and Karras 2010, "Efficient Sparse Voxel Octrees", Sec. 3.2. Differs: integer cells, exact at any slope; planes in
 // leaves; cone width.
 MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
@@ -160,7 +160,7 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
   vec3 d = ray.direction * tree.cells_per_m;
   bvec3 down = lessThan(d, vec3(0.0f));
   vec3 o = mix(g, vec3(side) - g, vec3(down));
-  // An axis that the ray does not move along never decides, unless the ray lies in the grid's plane itself, where 0 * 1e20 is still 0.
+  // An axis along which the ray does not move never decides, unless the ray lies in a plane of the grid, where 0 * 1e20 is still 0.
   vec3 slope = max(abs(d), vec3(1.0e-20f));
   vec3 inverse = vec3(1.0f) / slope;
   vec3 mirror = vec3(1.0f) - vec3(2.0f) * vec3(down);
@@ -176,8 +176,8 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
   float t = max(max(near_t.x, near_t.y), max(near_t.z, ray.t_min));
   float t_end = min(min(far_t.x, far_t.y), min(far_t.z, ray.t_max));
 
-  // Words by the size of the cells they hold. What a computed number indexes a software device keeps in memory, lane by lane, which took a
-  // third of the walk: there all elements are looked at instead.
+  // Node words by the size of their cells. A software device keeps an array with computed indices in memory, separately for each invocation, which
+  // took a third of the traversal time: in GLSL a loop compares all indices instead.
   uint stack[kOctreeStack];
 #ifndef __cplusplus
   for (int k = 0; k < kOctreeStack; ++k) stack[k] = 0u;
@@ -210,11 +210,11 @@ MAQUETTE_FN OctreeHit octree_trace(OctreeFrame tree, OctreeRay ray) {
         float b = at_origin + t_out * per_t;
         float low = plane.planar ? -kOctreeSlab : plane.low;
         float high = plane.planar ? kOctreeSlab : plane.high;
-        // A plane is met in its middle, a solid where the ray enters it.
+        // A plane is hit in the middle of its slab, a solid where the ray enters it.
         float goal = plane.planar ? 0.0f : clamp(a, low, high);
         float t_hit = clamp((goal - at_origin) / (abs(per_t) > 1.0e-20f ? per_t : 1.0e-20f), t, t_out);
         t_hit = !plane.planar && goal == a ? t : t_hit;
-        // Near where the ray starts a thick solid may be what it starts on; a thin one that it goes into is not.
+        // Near the start of the ray a thick solid may be the surface it starts on; a thin one that the ray enters is not.
         bool thin = (high - low) * float(size) < kOctreeThin * float(1 << tree.detail) && per_t < 0.0f;
         bool solid = min(a, b) <= high && max(a, b) >= low && (plane.planar || thin || t_hit >= ray.t_box);
         if (solid && t_hit < ray.t_max) {

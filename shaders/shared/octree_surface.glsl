@@ -1,15 +1,15 @@
-// What a ray sees where it meets a cell of the octree: between the means of the cells around. Needs shared/octree.glsl; common subset of GLSL
-// and C++ with GLM (render/octree/octree_shared.h).
+// The surface where a ray hits a cell of the octree, interpolated between the means of the cells around. Needs shared/octree.glsl; common subset
+// of GLSL and C++ with GLM (render/octree/octree_shared.h).
 //
 // The including file declares uint octree_color_word(int node).
 
-/// Normals of neighbours that differ by more than this (60 degrees) belong to another side of an edge.
+/// Normals of neighbours that differ by more than this (cosine; 60 degrees) belong to the other side of an edge.
 const float kOctreeSameSide = 0.5f;
 
-/// Of a normal that faces away more than this (cosine) the back is seen.
+/// With a normal that faces away by more than this (cosine) the back is visible.
 const float kOctreeBack = 0.3f;
 
-/// What the mean of a cell that needed no cut counts by itself: those around may hold what lies hidden behind it.
+/// Additional weight of the hit cell's own mean if it was not subdivided: neighbours may contain surfaces hidden behind it.
 const float kOctreeOwn = 0.15f;
 
 struct OctreeNode {
@@ -17,11 +17,11 @@ struct OctreeNode {
   int level;
 };
 
-// A walk down from the root towards a cell of some level.
+// A descent from the root towards a cell of some level.
 struct OctreeDescent {
-  int node;   // reached so far; -1: nothing is there
-  uint word;  // its
-  int shift;  // levels below it that are asked for; 0 or a leaf: the walk has ended
+  int node;   // present node; -1: nothing is there
+  uint word;  // of that node
+  int shift;  // levels still to descend; 0 or a leaf: the descent has ended
 };
 
 MAQUETTE_FN OctreeDescent octree_root(int level) {
@@ -51,8 +51,8 @@ MAQUETTE_FN OctreeDescent octree_descend(OctreeDescent from, ivec3 cell, int shi
   return d;
 }
 
-// The node of `level` at these integer coordinates (in its cells), or the leaf that it is in; `from`: the root, or where the walk to it
-// comes by.
+// The node of `level` at these integer coordinates (in cells of that level), or the leaf that contains it; `from`: the root, or a descent
+// that has begun on the same path.
 MAQUETTE_FN OctreeNode octree_node_at(OctreeDescent from, ivec3 cell, int level) {
   int end = (1 << level) - 1;
   ivec3 outside = cell | (ivec3(end) - cell);
@@ -63,7 +63,7 @@ MAQUETTE_FN OctreeNode octree_node_at(OctreeDescent from, ivec3 cell, int level)
   return at;
 }
 
-// As far as the walks to `lowest` and the seven cells beyond it along x, y and z are the same.
+// The common part of the descents to `lowest` and to the seven cells next to it along x, y and z.
 MAQUETTE_FN OctreeDescent octree_common(ivec3 lowest, int level) {
   ivec3 change = lowest ^ (lowest + ivec3(1));
   bool outside = (lowest.x | lowest.y | lowest.z) < 0;
@@ -77,10 +77,10 @@ struct OctreeSurface {
   vec3 tint;
 };
 
-// Trilinear among the means of the eight cells around `point`, as far as there is something in them, by how much of a face it covers. The
-// material is that of most; of the others only it counts, and only on the same side of an edge: edges between materials run smoothly through
-// cells, and a cell that holds a corner of what its neighbours are full of does not stand out.
-// Source: Knutsson and Westin 1993, "Normalized and Differential Convolution", Sec. 2, for means where some are absent.
+// Trilinear among the means of the eight cells around `point` that are not empty, weighted by coverage. The material is that with the largest
+// weight, and only cells of this material on the same side of an edge are averaged. So edges between materials run smoothly through cells, and a
+// cell with a corner of its neighbours' material does not stand out.
+// Source: Knutsson and Westin 1993, "Normalized and Differential Convolution", Sec. 2, for means with missing values.
 MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 point, vec3 direction) {
   float cells_per_m = tree.cells_per_m / float(1 << (tree.depth - hit.level));
   vec3 g = (point - tree.corner) * cells_per_m - vec3(0.5f);
@@ -93,15 +93,15 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   uint word = octree_word(hit.node);
   vec3 own_normal = octree_unpack_plane(hit.level == tree.depth ? word : octree_plane_word(hit.node)).normal;
   own_normal = own_normal * (1.0f / sqrt(dot(own_normal, own_normal)));
-  // A leaf that was not cut, as those of several materials are, is of its own: what the cells around hold of others may lie hidden behind it.
+  // A leaf that was not subdivided has one material (cells of several are subdivided) and keeps it: others around may be hidden behind it.
   bool pure = hit.level < tree.depth && hit.level >= tree.depth - tree.detail && (word >> 24u) == 0u;
   bool rim = dot(own_normal, direction) <= kOctreeBack;
   float of_own = 0.0f, most = 0.0f;
   int other = own.material;
   ivec3 lowest = ivec3(low);
   OctreeDescent shared_walk = octree_common(lowest, hit.level);
-  // Walks of different length are found in a loop, which may not be taken apart: its results are kept without computed indices, which
-  // software devices follow lane by lane.
+  // Descents of different length need a loop that is not unrolled. Its results are stored without computed indices, which
+  // software devices process separately for each invocation.
   int nodes[8];
   int levels[8];
   for (int k = 0; k < 8; ++k) {
@@ -131,7 +131,7 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
       }
     }
   }
-  // What faces away is the rim of what bends away, or, where nothing around faces the ray, the back of a sheet.
+  // A normal that faces away belongs to the rim of a curved surface or, if no cell around faces the ray, to the back of a sheet.
   own_normal = rim ? own_normal : vec3(0.0f) - own_normal;
   float of_other = 0.0f;
   for (int k = 0; k < 8; ++k) {
@@ -140,7 +140,7 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   }
   OctreeSurface surface;
   surface.material = other != own.material && !pure && of_other > of_own ? other : own.material;
-  // Where that is another material than the cell's own, the nearest cell of it says which side.
+  // If that is another material than the cell's own, the cell of it with the largest weight defines the side.
   vec3 side = own_normal;
   most = 0.0f;
   for (int k = 0; k < 8; ++k) {

@@ -1,4 +1,4 @@
-// The second image of a pane: what its back face mirrors. Common subset of GLSL and C++ with GLM (render/fresnel_shared.h).
+// The second image of a pane: the reflection by its back face. Common subset of GLSL and C++ with GLM (render/fresnel_shared.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
@@ -7,7 +7,7 @@
 struct GhostRay {
   vec3 offset;     // m, from where it entered
   vec3 direction;  // unit
-  bool valid;      // false: it does not come out (total reflection in a strong wedge)
+  bool valid;      // false: it does not leave the pane (total reflection in a strong wedge)
 };
 
 // Snell's law for a unit direction at a unit normal that faces it; eta: index before over index behind. 0: total reflection.
@@ -17,14 +17,15 @@ MAQUETTE_FN vec3 pane_refract(vec3 direction, vec3 normal, float eta) {
   return k < 0.0f ? vec3(0.0f, 0.0f, 0.0f) : eta * direction + (eta * c - sqrt(k)) * normal;
 }
 
-// Where a ray that meets the front at normal `front` gets to on the back, `thickness` behind, from where it entered.
+// Offset from the point where a ray enters the front, at normal `front`, to the point where it hits the back, `thickness` behind.
 MAQUETTE_FN vec3 pane_back_point(vec3 direction, vec3 front, float n, float thickness) {
   vec3 t = pane_refract(direction, front, 1.0f / n);
   return t * (thickness / max(-dot(t, front), 1.0e-6f));
 }
 
-// Enters at `front`, is mirrored by the back at `back`, leaves at `leaving`: the normals there, all towards the viewer. For parallel
-// flat faces it leaves parallel to the ray that the front mirrors, 2 t tan(theta') cos(theta) beside it.
+// The ray that is refracted into the pane, reflected by its back, and refracted out again. `front`, `back`, `leaving`: the normals at these three
+// points, all towards the viewer. For parallel flat faces it is parallel to the ray reflected by the front, at a distance of
+// 2 t tan(theta') cos(theta).
 MAQUETTE_FN GhostRay pane_ghost(vec3 direction, vec3 front, vec3 back, vec3 leaving, float n, float thickness) {
   vec3 inside = pane_refract(direction, front, 1.0f / n);
   vec3 mirrored = inside - back * (2.0f * dot(back, inside));

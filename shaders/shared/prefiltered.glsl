@@ -31,15 +31,15 @@ vec3 diffuse_light(vec3 n) { return map_bilinear(0, latlong_uv_from_direction(n)
 
 vec4 reflectance(float nv, float roughness) { return textureLod(t_reflectance, vec2(nv, roughness), 0.0); }
 
-/// What reaches the eye from an analytic material's lobes under a sky of one: of the base's GGX lobe, the coat's, and of everything
-/// that looks up the irradiance (diffuse and sheen).
+/// Reflectances of an analytic material's lobes under a sky of radiance 1: of the base's GGX lobe, of the coat's, and of the lobes
+/// that use the irradiance (diffuse and sheen).
 struct AnalyticReflectance {
   vec3 diffuse;
   vec3 specular;
   float coat;
 };
 
-/// The (1 - F) of the diffuse lobe and of the coat are averaged over the light that they see.
+/// The factors (1 - F) of the diffuse lobe and of the coat are averaged over incident light.
 AnalyticReflectance analytic_reflectance(AnalyticMaterial m, float nv, float sheen_roughness) {
   AnalyticReflectance r;
   vec4 base = reflectance(nv, sqrt(m.alpha));

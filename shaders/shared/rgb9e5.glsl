@@ -1,6 +1,6 @@
-// Shared-exponent colour: three 9-bit mantissas and a 5-bit exponent in 32 bits, with a bias chosen by the table so that
+// Shared-exponent colour: three 9-bit mantissas and a 5-bit exponent in 32 bits, with a bias for each table, so that
 // measured BRDFs (1e-6 .. 1e6 1/sr) and skies with a sun (1e9 : 1) both fit. Rounding error: 1/1022 to 1/512 of the
-// largest channel at most. One word is one gather, which is what bounds the shading kernels.
+// largest channel at most. One word needs one gather, and gathers limit the speed of the shading kernels.
 // Source: EXT_texture_shared_exponent. Differs: free bias.
 
 #ifndef MAQUETTE_FN

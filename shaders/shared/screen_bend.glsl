@@ -1,16 +1,16 @@
-// The local bandwidth of a surface along any direction of the screen: from what one pixel to the right and one down do to its position and
-// normal, through the operators of shared/bandwidth.glsl, to how much interpolation along each direction counts.
-// Source: Bagher et al. 2012, Sec. 4 (the operators; filled by an anisotropic Gaussian). Differs: any direction of the screen, by a quadratic form
-// that has both axes and both diagonals in common with them (docs/numerics/bandwidth.md, "How they are filled").
+// The local bandwidth of a surface along any direction of the screen: from the change of position and normal over one pixel to the right and one
+// down, through the operators of shared/bandwidth.glsl, to weights of interpolation along each direction.
+// Source: Bagher et al. 2012, Sec. 4 (the operators; interpolation by an anisotropic Gaussian). Differs: any direction of the screen, by a quadratic
+// form that agrees with the operators along both axes and both diagonals (docs/numerics/bandwidth.md, "How they are filled").
 // Common subset of GLSL and C++ with GLM (render/bandwidth_shared.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
 
-/// Lengths of both steps and of both turns, and the cosines between them.
+/// Lengths of the changes of position and of the normal along both screen axes, and the cosines between them.
 struct ScreenBend {
   vec2 step_m;
-  vec2 turn;  // chords of unit normals
+  vec2 turn;  // chords between unit normals
   float step_cosine;
   float turn_cosine;
 };
@@ -21,7 +21,7 @@ MAQUETTE_FN float cosine_between(vec3 a, vec3 b) {
   return lengths > 0.0f ? clamp(dot(a, b) / lengths, -1.0f, 1.0f) : 0.0f;
 }
 
-/// In four words: steps as floats (scenes of 1e-6 m), turns as halves, cosines as snorm 16.
+/// Packed in four words: steps as floats (for scenes of 1e-6 m), changes of the normal as halves, cosines as snorm 16.
 MAQUETTE_FN uvec4 pack_bend(vec3 step_x_m, vec3 step_y_m, vec3 turn_x, vec3 turn_y) {
   vec2 step_m = max(vec2(length(step_x_m), length(step_y_m)), vec2(1e-12f));
   vec2 turn = vec2(length(turn_x), length(turn_y));
@@ -39,13 +39,13 @@ MAQUETTE_FN ScreenBend unpack_bend(uvec4 packed_bend) {
   return b;
 }
 
-/// Of the sum (sign 1) or the difference (-1) of two vectors.
+/// Length of the sum (sign 1) or the difference (-1) of two vectors with the given lengths.
 MAQUETTE_FN float diagonal_length(vec2 lengths, float cosine, float sign) {
   return sqrt(max(dot(lengths, lengths) + 2.0f * sign * cosine * lengths.x * lengths.y, 0.0f));
 }
 
 /// Cycles of one pixel along x and along y, and the correlation c of the metric by which (a, b) pixels are
-/// sqrt((a nu_x)^2 + 2 c a nu_x b nu_y + (b nu_y)^2) cycles. c is that of the diagonals' own bandwidths.
+/// sqrt((a nu_x)^2 + 2 c a nu_x b nu_y + (b nu_y)^2) cycles. c follows from the bandwidths along both diagonals.
 MAQUETTE_FN vec3 screen_bandwidth(ScreenBend bend, float nu_theta, float nu_surface, float pixel_angle) {
   float cycles[4];
   for (int k = 0; k < 4; ++k) {
@@ -60,12 +60,12 @@ MAQUETTE_FN vec3 screen_bandwidth(ScreenBend bend, float nu_theta, float nu_surf
   return vec3(cycles[0], cycles[1], clamp(correlation, -1.0f, 1.0f));
 }
 
-/// Steps below this share of what both axes have together, squared, count no more: what is left there is noise, which fewer points leave more of.
-/// By error of a turned cylinder (docs/tried.md).
+/// Lower limit of a squared step, relative to the sum of both axes'. Below it the error is mostly noise, which is larger when fewer points are averaged.
+/// Chosen by the error of a rotated cylinder (docs/tried.md).
 const float kLeastSquaredStep = 0.15f;
 
-/// How much interpolation between the points around counts along x, y, (1, 1) and (1, -1): as 1 / its squared error, which is the step in cycles to the
-/// fourth power between two points, to the eighth with a cubic. `bandwidth`: of screen_bandwidth.
+/// Weights of interpolation along x, y, (1, 1) and (1, -1): 1 / its squared error, which grows with the fourth power of the step in cycles between two
+/// points, and with the eighth for a cubic. `bandwidth`: of screen_bandwidth.
 MAQUETTE_FN vec4 axis_shares(vec3 bandwidth, bool cubic) {
   float x = bandwidth.x * bandwidth.x + 1e-8f, y = bandwidth.y * bandwidth.y + 1e-8f, sum = x + y;
   float cross = 2.0f * bandwidth.z * bandwidth.x * bandwidth.y;

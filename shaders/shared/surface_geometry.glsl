@@ -1,4 +1,4 @@
-// From a ray and a triangle to a shading frame: what rasterised and traced surfaces have in common.
+// From a ray and a triangle to a shading frame, for rasterised and traced surfaces.
 // Common subset of GLSL and C++ with GLM (render/reference/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
@@ -13,8 +13,8 @@ struct TriangleHit {
   vec2 barycentric;  // weights of the second and third vertex
 };
 
-// The plane's point on the ray. Source: Moller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", without the range
-// tests: the rasteriser or the tracer has made them.
+// Intersection of the ray with the triangle's plane. Source: Moller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection", without the
+// range tests, which the rasteriser or the ray tracer has done.
 MAQUETTE_FN TriangleHit intersect_plane_of_triangle(vec3 origin, vec3 direction, vec3 p0, vec3 e1, vec3 e2) {
   vec3 p = cross(direction, e2);
   float determinant = dot(e1, p);
@@ -40,8 +40,8 @@ MAQUETTE_FN vec3 apply_normal_map(vec3 normal, vec4 tangent, vec3 mapped, float 
   return normalize(t * (mapped.x * scale) + b * (mapped.y * scale) + normal * max(mapped.z, 1.0e-3f));
 }
 
-// The side that is seen is shaded, whether or not the file's normals agree with its winding; interpolated normals may lean away from
-// the eye at silhouettes and are bent back to grazing. `seen_side`: the triangle's normal towards the eye; `view`: unit, to the eye.
+// The visible side is shaded, whether or not the file's normals agree with its winding. Interpolated normals that face away from
+// the eye at silhouettes are rotated to grazing. `seen_side`: the triangle's normal towards the eye; `view`: unit, to the eye.
 MAQUETTE_FN vec3 face_viewer(vec3 normal, vec3 seen_side, vec3 view) {
   vec3 n = dot(normal, seen_side) < 0.0f ? -normal : normal;
   float facing = dot(n, view);

@@ -1,4 +1,4 @@
-// Filtering of textures that lie packed in one list of RGBA8 texels with their mip chains (render/texture_atlas.h).
+// Filtering of textures that are packed in one list of RGBA8 texels with their mip chains (render/texture_atlas.h).
 // Common subset of GLSL and C++ with GLM. The includer defines before it:
 //   uint fetch_texel_word(int index)                  a packed texel
 //   vec4 texture_record(int texture_index, int row)   row 0 to 2 of a record
@@ -8,13 +8,13 @@
 #define MAQUETTE_FN
 #endif
 
-/// A vector of UV through the linear part of KHR_texture_transform.
+/// Transforms a vector of UV by the linear part of KHR_texture_transform.
 MAQUETTE_FN vec2 texture_turned(int texture_index, vec2 uv) {
   vec4 matrix = texture_record(texture_index, 1);
   return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y);
 }
 
-/// UV of the right set through KHR_texture_transform.
+/// The UV coordinates of the texture's set, transformed by KHR_texture_transform.
 MAQUETTE_FN vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
   vec4 rest = texture_record(texture_index, 2);
   return texture_turned(texture_index, (int(rest.w) & 2) != 0 ? uv1 : uv0) + vec2(rest.x, rest.y);

@@ -1,4 +1,4 @@
-// All textures of a scene in one buffer of packed RGBA8 texels with their mip chains; filtered here. A texture is resolved once
+// All textures of a scene in one buffer of packed RGBA8 texels with their mip chains; filtered in the shader. A texture is read once
 // per visible point, so this costs little, and it needs neither bindless textures nor arrays of equal sizes.
 layout(binding = 2) uniform usamplerBuffer t_texels;
 layout(binding = 3) uniform samplerBuffer t_texture_records;  // [texture][3], see texture_filter.glsl

@@ -1,12 +1,12 @@
-// The grid points of passes that skip the sky: 8 x 8 tiles from a list (gbuffer/tiles.comp), so that what is not seen costs
-// nothing: software devices run a branch that no lane takes. The includer declares 64 invocations a group, and includes frame.glsl before.
+// Grid points for passes that skip the sky: 8 x 8 tiles from a list (gbuffer/tiles.comp). A test in each invocation would not be enough, because
+// software devices also run branches that no invocation takes. The includer declares 64 invocations a group, and includes frame.glsl before.
 #include "shading/linear_id.glsl"
 layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
-uniform ivec4 u_tiles;  // first entry, number, step from one to the next, whether every other one comes first
+uniform ivec4 u_tiles;  // first entry, number, step between entries, whether every other entry comes first
 const int kTile = 8;
 
-/// Tile of an invocation when each tile takes 2^shift of them; x < 0 beyond the list. A software device gives each core one run of groups: where some
-/// regions are far dearer than others every other tile comes first, which costs neighbours' shared memory.
+/// Tile of an invocation if each tile has 2^shift invocations; x < 0 beyond the list. A software device gives each core one contiguous range of groups.
+/// If the cost varies strongly over the picture, every other tile comes first: this balances the cores, but neighbours share less cached memory.
 ivec2 tile_of(int id, int shift) {
   if (id >= u_tiles.y << shift) return ivec2(-1);
   int k = id >> shift, half_way = (u_tiles.y + 1) / 2;

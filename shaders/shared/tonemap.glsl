@@ -11,10 +11,10 @@ const int kTonemapAces = 2;
 const int kTonemapAgx = 3;
 const int kTonemapPbrNeutral = 4;
 
-// NaN and negative values to 0, infinity to a large number: what the curves below need.
+// NaN and negative values to 0, infinity to a large number, as the curves below need.
 MAQUETTE_FN float tonemap_sane(float v) { return v > 0.0f ? min(v, 1.0e8f) : 0.0f; }
 
-// x / (1 + x) of the luminance, so that hues keep; what still leaves the gamut is clipped.
+// x / (1 + x) of the luminance, which preserves hues; values outside the gamut are clipped.
 // Source: Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", Eq. 3.
 MAQUETTE_FN vec3 tonemap_reinhard(vec3 c) {
   float luminance = 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;

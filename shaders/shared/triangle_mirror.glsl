@@ -4,7 +4,7 @@
 // Source: Mueller et al. 2007, "Towards predictive virtual prototyping", Sec. 11.2, Eq. 11.12 and 11.13.
 // Differs: the cubic as (N0 + k N1 + k^2 N2) . (q - k d1); roots by cubic.glsl, the coefficients in twice the precision; which root.
 
-// What depends on triangle and eye alone. `_rest`: what rounding to float left out of the value before.
+// Quantities that depend only on triangle and eye. `_rest`: rounding error of the value before.
 struct TriangleMirror {
   vec3 t1, e1, e2;      // m
   vec3 d1, f1, f2;      // unit direction at t1, differences of those at t2 and t3
@@ -47,11 +47,11 @@ MAQUETTE_FN Cubic mirror_cubic(TriangleMirror m, vec3 p) {
 struct MirrorPoint {
   float alpha, beta, k;
   float outside;  // 0 inside the triangle, else how far outside in barycentrics
-  bool valid;     // on the sheet of rays that leaves the triangle, before they meet
+  bool valid;     // on the part of the rays before they cross
 };
 
 MAQUETTE_FN MirrorPoint mirror_point_at(TriangleMirror m, vec3 p, float k) {
-  // Barycentrics do not depend on the scale: far away the products would overflow.
+  // Barycentrics do not depend on this scale; without it the products would overflow for distant objects.
   float s = 1.0f / (1.0f + k);
   vec3 e1 = (m.e1 + k * m.f1) * s, e2 = (m.e2 + k * m.f2) * s, r = ((p - m.t1) - k * m.d1) * s;
   vec3 n = cross(e1, e2);
@@ -65,9 +65,8 @@ MAQUETTE_FN MirrorPoint mirror_point_at(TriangleMirror m, vec3 p, float k) {
   return h;
 }
 
-// The reflection point: a root inside the triangle before any outside, among those the nearest along the ray; outside, the one nearest to
-// the triangle, and rays that have not met yet before those that have, so that what spans the border stays in one piece.
-// k < 0: there is none.
+// The reflection point. Roots inside the triangle have priority, the nearest along the ray first; of those outside the one nearest to
+// the triangle, on rays that have not crossed first, so that objects across the border stay connected. k < 0: there is none.
 MAQUETTE_FN MirrorPoint mirror_point(TriangleMirror m, vec3 p) {
   CubicRoots roots = positive_roots(mirror_cubic(m, p));
   MirrorPoint best;

@@ -1,8 +1,9 @@
 // Directional visibility of one side of a vertex: 16 x 16 cells of the octahedral map, one bit each (render/visibility). Needs
 // shared/octahedral.glsl before it. Common subset of GLSL and C++ with GLM (render/visibility/visibility_shared.h).
 //
-// The map with a border of one cell, as folds continue it, lies in words of 8 x 4 cells that overlap by one: the four cells around any direction
-// stand in one word. Use, per direction: its place, that word of the three vertices of the triangle, and the value between the four bits:
+// The map is extended by a border of one cell, which repeats the cells across the map's folds, and is stored in words of 8 x 4 cells that overlap by
+// one cell: the four cells around any direction are in one word. Use, per direction: the word and the position in it, that word of the three
+// vertices of the triangle, and the interpolated value of the four bits:
 //   VisibilityCorner corner = visibility_corner(direction);
 //   VisibilityPlace place = visibility_place(corner.lower);
 //   float v = dot(visibility_shares(corner.fraction), b.x * visibility_bits(word_a, place.shift) + ...);
@@ -13,7 +14,7 @@
 
 const int kVisibilityCells = 16;  // along one side of the map
 
-// Cell indices one step outside the square continue on the other half of the same edge (the map's fold); corners meet.
+// Maps cell indices one step outside the square to the other half of the same edge (the map's fold).
 MAQUETTE_FN ivec2 visibility_wrap(ivec2 cell) {
   int last = kVisibilityCells - 1;
   ivec2 c = cell;
@@ -42,7 +43,7 @@ MAQUETTE_FN int visibility_bit(vec3 direction) {
   return y * kVisibilityCells + x;
 }
 
-// The four cells whose centres surround a direction, and where it lies between them.
+// The four cells whose centres surround a direction, and its position between them.
 struct VisibilityCorner {
   ivec2 lower;    // lower cell, may be one step outside: wrap before use
   vec2 fraction;  // in [0, 1], weight of the upper cell per axis
@@ -60,7 +61,7 @@ MAQUETTE_FN VisibilityCorner visibility_corner(vec3 direction) {
 
 const int kVisibilityWords = 18;  // of a side: three across, six down
 
-// Where the four bits around a direction stand: at `shift` of the word the lower left one, 1 further its right neighbour, 8 and 9 further the upper two.
+// Position of the four bits around a direction: the lower left one at bit `shift` of the word, its right neighbour 1 higher, the upper two 8 and 9 higher.
 struct VisibilityPlace {
   int word, shift;
 };
@@ -74,7 +75,7 @@ MAQUETTE_FN VisibilityPlace visibility_place(ivec2 lower) {
   return place;
 }
 
-// The four bits of a word at `shift`, lower left, lower right, upper left, upper right: 1 where it is open.
+// The four bits of a word at `shift`, lower left, lower right, upper left, upper right: 1 where visible.
 MAQUETTE_FN vec4 visibility_bits(uint word, int shift) {
   uint w = word >> uint(shift);
   return vec4(float(w & 1u), float((w >> 1u) & 1u), float((w >> 8u) & 1u), float((w >> 9u) & 1u));

@@ -1,5 +1,5 @@
 // Prefiltered GGX and split sums, the way of most real-time viewers: radiance = (F0 A + F90 B) sky(p, roughness) + diffuse.
-// Source: Karis 2013, "Real Shading in Unreal Engine 4". Measured tables by the GGX lobe fitted to them.
+// Source: Karis 2013, "Real Shading in Unreal Engine 4". Measured materials use the GGX lobe fitted to them.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"

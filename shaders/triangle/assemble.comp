@@ -1,4 +1,4 @@
-// Scene triangles to boxes on screen that hold all of their reflection in one triangle of a mirror.
+// From scene triangles to boxes on screen that contain their whole reflection in one triangle of a mirror.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/cubic.glsl"
@@ -11,8 +11,8 @@ layout(binding = 55) uniform usamplerBuffer t_kept;  // mirror triangle, triangl
 layout(std430, binding = 6) buffer Counters { uint b_kept_count, b_boxes_made, b_roots, b_footprints; };
 uniform int u_count;
 
-/// Barycentrics beyond which a vertex is not trusted: the rays of a triangle say little about what is far beside it.
-const float kReach = 1.5;
+/// Barycentrics outside the triangle beyond which a projected vertex is ignored: a triangle's rays extrapolate badly far outside it.
+const float kMostOutside = 1.5;
 
 TriangleMirror fetch_mirror(int at) {
   TriangleMirror m;
@@ -35,13 +35,13 @@ TriangleMirror fetch_mirror(int at) {
 
 struct Projected {
   vec4 at;        // on screen, -1 to 1; barycentrics
-  float outside;  // in barycentrics; below 0: no place
+  float outside;  // in barycentrics; below 0: has no position
   float shift;    // of its second image, in barycentrics
   int root;       // which, from 1
   int roots;
 };
 
-/// A vertex has a place when it is seen once near the triangle, before the rays meet: there the rays' map is one to one.
+/// A vertex has a position if it has exactly one image near the triangle, before the rays cross: there the map of the rays is one to one.
 Projected project(TriangleMirror m, vec3 p) {
   CubicRoots roots = positive_roots(mirror_cubic(m, p));
   Projected v = Projected(vec4(0.0), -1.0, 0.0, 0, roots.count);
@@ -50,7 +50,7 @@ Projected project(TriangleMirror m, vec3 p) {
   best.valid = false;
   for (int i = 0; i < roots.count; ++i) {
     MirrorPoint h = mirror_point_at(m, p, roots.k[i]);
-    if (h.outside >= kReach) continue;
+    if (h.outside >= kMostOutside) continue;
     ++near;
     best = h;
     v.root = i + 1;
@@ -60,10 +60,10 @@ Projected project(TriangleMirror m, vec3 p) {
   if (clip.w <= 1e-6) return v;
   v.at = vec4(clip.xy / clip.w, best.alpha, best.beta);
   v.outside = best.outside;
-  // Where the rays of the triangle's corners are at that distance, and how much of that triangle the second ray may be beside.
+  // The triangle of the corners' rays at that distance, and the second ray's largest offset relative to it.
   vec3 e1 = m.e1 + best.k * m.f1, e2 = m.e2 + best.k * m.f2;
   float longest = max(max(length(e1), length(e2)), length(e1 - e2));
-  v.shift = kGhostSlack * ghost_reach(best.k) * longest / max(length(cross(e1, e2)), 1e-12);
+  v.shift = kGhostSlack * ghost_offset(best.k) * longest / max(length(cross(e1, e2)), 1e-12);
   return v;
 }
 
@@ -71,9 +71,9 @@ Projected project(TriangleMirror m, vec3 p) {
 bool may_meet(vec4 base, vec4 axis, float cosine, vec3 center, float radius) {
   if (cosine <= 0.0) return true;
   vec3 to = center - base.xyz;
-  float along = dot(to, axis.xyz), reach = radius + base.w;
-  if (along < -reach) return false;
-  float limit = reach + along * axis.w;
+  float along = dot(to, axis.xyz), radii = radius + base.w;
+  if (along < -radii) return false;
+  float limit = radii + along * axis.w;
   return limit >= 0.0 && (dot(to, to) - along * along) * cosine * cosine <= limit * limit;
 }
 
@@ -91,11 +91,11 @@ void main() {
   vec3 center = (corner[0] + corner[1] + corner[2]) / 3.0, most = vec3(-1e30);
   float outside = 0.0, shift = 0.0, radius = 0.0;
   vec2 low = vec2(1e30), high = vec2(-1e30);
-  bool placed = true;
+  bool projected = true;
   int roots = 0, root = 0;
   for (int k = 0; k < 3; ++k) {
     Projected v = project(mirror, corner[k]);
-    placed = placed && v.outside >= 0.0;
+    projected = projected && v.outside >= 0.0;
     outside = max(outside, v.outside);
     shift = max(shift, v.shift);
     low = min(low, v.at.xy);
@@ -107,8 +107,8 @@ void main() {
   }
   atomicAdd(b_roots, uint(roots));
   vec2 pixel = 2.0 / vec2(u_frame.size.xy);
-  if (placed) {
-    // Errors of second order grow with the square of the distance from the middle.
+  if (projected) {
+    // Second-order errors grow with the square of the distance from the middle.
     float growth = (1.0 + 2.0 * outside) * (1.0 + 2.0 * outside), margin_px = rest.x * growth + 2.0 * longest_px * shift;
     if (min(min(most.x, most.y), most.z) < -rest.y * growth - shift) return;
     box.xy = max(box.xy, low - margin_px * pixel);
@@ -123,5 +123,5 @@ void main() {
   low = (0.5 + 0.5 * vec2(box.x, -box.w)) * size;
   high = (0.5 + 0.5 * vec2(box.z, -box.y)) * size;
   float nearest_m = length(center - base.xyz) - radius - base.w;
-  offer_triangle(low, high, low, kBoxOnly, nearest_m - ghost_reach(max(nearest_m, 0.0)), offered(triangle, placed ? root : 0), int(rest.z));
+  offer_triangle(low, high, low, kBoxOnly, nearest_m - ghost_offset(max(nearest_m, 0.0)), offered(triangle, projected ? root : 0), int(rest.z));
 }

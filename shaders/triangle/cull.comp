@@ -1,4 +1,4 @@
-// Of the triangles of clusters that may be seen in a triangle of a mirror, those that no side of its mirrored frustum cuts off.
+// From the clusters that may be seen in a triangle of a mirror, keeps the scene triangles that are not outside a plane of its mirrored frustum.
 layout(local_size_x = 64) in;
 #include "triangle/facets.glsl"
 layout(binding = 4) uniform usamplerBuffer t_indices;

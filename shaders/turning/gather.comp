@@ -1,6 +1,6 @@
-// Averages the work items of each point and lets its history go on (schedule.comp). Points whose samples turned out to deviate far
-// more than was predicted (mirrored lamps) are listed once more, with the count that their own deviation asks for.
-// MORE 0: the first round; 1: the second, of those points alone.
+// Averages the work items of each point and updates its history (schedule.comp). Points whose samples deviate far more than was predicted
+// (mirrored lamps) are listed again, with the sample count for their measured deviation.
+// MORE 0: first round, all points; 1: second round, only the points listed again.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "turning/item.glsl"
@@ -47,14 +47,14 @@ vec4 mean_of_items(ShadedPoint point, uint count) {
   return sum / float(max(count, 1u));
 }
 
-/// Items of the second round are the largest, and a point gets at most so many.
+/// Items of the second round have the largest size, and a point gets at most kMostMore of them.
 int more_size_log2() { return least_item_log2() + 3; }
 const float kMostMore = 256.0;
-/// From this many times the samples that were taken a second round is worth its list.
+/// A point gets a second round when it needs more than this many times the samples of the first.
 const float kFarMore = 6.0;
 
-/// Neyman's count for the deviation that was measured; 0 where that is not far from what was taken. They replace what was taken, which
-/// decided on them.
+/// Items by Neyman allocation for the measured deviation; 0 where the first round was nearly enough. They replace the samples of the first round,
+/// because a count that depends on samples would bias their mean.
 uint more_items(float variance, int level, float taken, float mean_deviation) {
   float wanted = float(u_frame.sampling.x) * sqrt(max(variance, 0.0)) / max(mean_deviation, 1e-30) * block_share_of_view(level) * u_sample_scale;
   return wanted > kFarMore * taken ? uint(clamp(wanted * exp2(float(-more_size_log2())), 1.0, kMostMore)) : 0u;
@@ -71,28 +71,28 @@ void main() {
   for (uint id = begin + gl_GlobalInvocationID.x; id < end; id += gl_NumWorkGroups.x * 64u) {
     ShadedPoint point = b_points[id];
     ivec2 pixel = ivec2(point.pixel & 65535u, point.pixel >> 16u);
-    TurnedPoint turned = unpack_turned_point(point.packed_point);
+    TemporalPoint temporal = unpack_temporal_point(point.packed_point);
 #if MORE
-    // What was far from its prediction goes on from nothing and says nothing about the next frame.
+    // The history of a point whose prediction failed is not used in the next frame.
     vec3 mean = mean_of_items(point, point.item_count).rgb;
     imageStore(io_history, pixel, vec4(mean, 0.0));
     imageStore(o_radiance, pixel, vec4(without_base(mean + sun_at(pixel), pixel), 1.0));
 #else
     vec4 now = mean_of_items(point, point.item_count);
     vec3 mean = now.rgb;
-    mean += turned.kept > 0.0 ? turned.kept * imageLoad(io_history, pixel).rgb : vec3(0.0);
-    imageStore(io_history, pixel, vec4(mean, turned.worth));
+    mean += temporal.kept > 0.0 ? temporal.kept * imageLoad(io_history, pixel).rgb : vec3(0.0);
+    imageStore(io_history, pixel, vec4(mean, temporal.worth));
     imageStore(o_renewed, pixel, uvec4(u_frame_number));
-    float taken = float(point.item_count << uint(turned.size_log2));
-    uint more = more_items(now.w, turned.level, taken, mean_deviation);
+    float taken = float(point.item_count << uint(temporal.size_log2));
+    uint more = more_items(now.w, temporal.level, taken, mean_deviation);
     if (more > 0u) {
       uint first = atomicAdd(b_lists[u_list].more_items, more);
-      // What does not fit is left as it is.
+      // Points that do not fit keep the mean of the first round.
       bool fits = first + more <= uint(u_item_capacity);
       uint at = fits ? list.points + atomicAdd(b_lists[u_list].more_points, 1u) : uint(u_point_capacity);
       if (at < uint(u_point_capacity)) b_points[at] = ShadedPoint(point.pixel, first, more, point.packed_point);
       for (uint i = 0u; i < (fits ? more : 0u); ++i)
-        b_items[first + i] = Item(point.pixel, pack_turned_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
+        b_items[first + i] = Item(point.pixel, pack_temporal_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
     }
     imageStore(o_radiance, pixel, vec4(without_base(max(mean + sun_at(pixel), vec3(0.0)), pixel), 1.0));
 #endif

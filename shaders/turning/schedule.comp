@@ -1,10 +1,10 @@
-// While the light turns: how many samples each marked point gets in this frame, and how much of its history is kept. One
-// invocation takes a 4 x 4 block and appends its points with one atomic per list.
+// While the environment rotates: the number of samples of each marked point in this frame, and the share of its history that is kept. One
+// invocation handles a 4 x 4 block and appends its points with one atomic per list.
 //
-// A point's mean m of earlier frames goes on as kept m + mean(f(now) - kept f(before)), where f(now) and f(before) are one sample of the
-// estimator under the sky as it stands and as it stood: without bias for every value of `kept`, so that a light that jumps, a wrong
-// prediction or a long history cost noise and nothing else. With correlation rho between both, a history worth N samples and n new
-// ones, the best share is kept = rho N / (N + n), and then the mean is worth 1 / (kept^2 / N + (1 + kept^2 - 2 kept rho) / n) samples.
+// A point's mean m of earlier frames becomes kept m + mean(f(now) - kept f(before)), where f(now) and f(before) are the same sample of the
+// estimator under the current and under the previous rotation. This is unbiased for every value of `kept`, so a large rotation, a wrong
+// prediction or a long history add only noise. With correlation rho between both, a history equivalent to N samples and n new
+// ones, the best share is kept = rho N / (N + n); the mean is then equivalent to 1 / (kept^2 / N + (1 + kept^2 - 2 kept rho) / n) samples.
 layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
@@ -37,17 +37,17 @@ layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_ite
 layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
 uniform int u_item_capacity;
 uniform float u_sample_scale;
-uniform float u_turn_rad;  // of the light since the frame before, positive
+uniform float u_turn_rad;  // rotation since the frame before, positive
 uniform int u_frame_number;
 
 #include "bandwidth/block_share.glsl"
 
-/// What a sample costs that is evaluated twice.
-const float kTwice = 1.7;
-/// What a point is to be worth, over the samples of a frame from nothing: with less many take about the fewest samples anew instead of going on, and a
-/// frame takes more samples at a larger error.
+/// Cost of a sample that is evaluated under both rotations, relative to one.
+const float kReuseCost = 1.7;
+/// Number of samples that a point's mean should be equivalent to, relative to a frame without history. With a smaller factor many points need about
+/// the least number of samples and drop their history, and a frame has more samples at a larger error.
 const float kWorth = 1.3;
-/// Energy-weighted mean bandwidth to the root mean square frequency of a sample's change over the turn.
+/// From the energy-weighted mean bandwidth to the root mean square frequency of a sample's change over the rotation.
 const float kBandwidthToChange = 0.25;
 
 struct Plan {
@@ -56,28 +56,28 @@ struct Plan {
   float worth;
 };
 
-/// How many new samples make a history worth `have` samples worth `wanted`: 1 / wanted = s (v + s (1 - rho^2)) / (v + s), s = 1 / n,
-/// v = 1 / have, solved for n.
+/// Number n of new samples with which a history equivalent to `have` samples becomes equivalent to `wanted`:
+/// 1 / wanted = s (v + s (1 - rho^2)) / (v + s), s = 1 / n, v = 1 / have, solved for n.
 float new_samples(float have, float wanted, float rho) {
   float d = wanted - have;
   return 0.5 * (d + sqrt(d * d + 4.0 * (1.0 - rho * rho) * wanted * have));
 }
 
-/// `have`: samples that the point brings from the frame before.
+/// `have`: number of samples that the point's history is equivalent to.
 Plan plan_point(float wanted, float have, float nu) {
   float x = kBandwidthToChange * 2.0 * kPi * nu * u_turn_rad;
   float rho = exp(-0.5 * x * x);
   float fewest = exp2(float(least_item_log2()));
   wanted = max(wanted, fewest);
   float n = max(new_samples(have, wanted, rho), fewest);
-  bool goes_on = have > 0.0 && kTwice * n <= wanted;
-  n = goes_on ? n : wanted;
+  bool reuses_history = have > 0.0 && kReuseCost * n <= wanted;
+  n = reuses_history ? n : wanted;
   Plan plan;
   int least = least_item_log2();
-  plan.size_log2 = goes_on ? least : clamp(int(log2(n) + 0.25), least, least + 3);
+  plan.size_log2 = reuses_history ? least : clamp(int(log2(n) + 0.25), least, least + 3);
   plan.items = clamp(int(n * exp2(float(-plan.size_log2)) + 0.5), 1, 4096);
   n = float(plan.items << plan.size_log2);
-  plan.kept = goes_on ? uint(kKeptSteps * min(rho * have / (have + n), 0.99)) : 0u;
+  plan.kept = reuses_history ? uint(kKeptSteps * min(rho * have / (have + n), 0.99)) : 0u;
   float kept = float(plan.kept) / kKeptSteps;
   plan.worth = 1.0 / (kept * kept / max(have, 1.0) + (1.0 + kept * kept - 2.0 * kept * rho) / n);
   return plan;
@@ -106,7 +106,7 @@ void main() {
     marked |= min(mark.x, 1u) << uint(k);
     levels[k] = mark.y;
   }
-  // Few are marked: software devices run a loop as often as the longest of eight lanes.
+  // Few are marked, and software devices run a loop as often as the longest of eight invocations needs.
   uint counts[16], points_packed[16];
   uvec2 small_items = uvec2(0u), large_items = uvec2(0u), points = uvec2(0u), samples = uvec2(0u);
   uint continued = 0u;
@@ -120,7 +120,7 @@ void main() {
     uint n = uint(plan.items << plan.size_log2);
     imageStore(io_marks, pixel, uvec4(1u, level, min(uint(findMSB(n)), 255u), 1u));
     counts[k] = uint(plan.items) | (measured ? 0u : 0x80000000u);
-    points_packed[k] = pack_turned_point(level, plan.size_log2, plan.kept, plan.worth);
+    points_packed[k] = pack_temporal_point(level, plan.size_log2, plan.kept, plan.worth);
     uvec2 items = measured ? uvec2(plan.items, 0u) : uvec2(0u, plan.items);
     small_items += is_large_item(plan.size_log2) ? uvec2(0u) : items;
     large_items += is_large_item(plan.size_log2) ? items : uvec2(0u);
@@ -141,10 +141,10 @@ void main() {
     int k = findLSB(left);
     ivec2 pixel = corner + ivec2(k & 3, k >> 2);
     int list = int(counts[k] >> 31u);
-    int size_log2 = unpack_turned_point(points_packed[k]).size_log2;
+    int size_log2 = unpack_temporal_point(points_packed[k]).size_log2;
     bool large = is_large_item(size_log2);
     uint n = counts[k] & 0x7fffffffu, before = large ? next_large[list] : next_small[list];
-    // Over capacity nothing is written; the host sees the count and asks again for fewer.
+    // Beyond the capacity nothing is written; the host reads the count and schedules again with fewer samples.
     uint written = before + n <= uint(u_item_capacity) ? n : 0u;
     uint first = large ? uint(u_item_capacity) - before - written : before;
     uint packed_pixel = uint(pixel.x) | (uint(pixel.y) << 16u);
@@ -152,7 +152,7 @@ void main() {
     if (list == 0) b_measured_points[next_point.x] = point;
     else b_analytic_points[next_point.y] = point;
     for (uint i = 0u; i < written; ++i) {
-      Item item = Item(packed_pixel, turned_item_of(points_packed[k], uint(u_frame_number) * n + i, size_log2));
+      Item item = Item(packed_pixel, temporal_item_of(points_packed[k], uint(u_frame_number) * n + i, size_log2));
       if (list == 0) b_measured_items[first + i] = item;
       else b_analytic_items[first + i] = item;
     }

@@ -1,5 +1,5 @@
-// While the light turns: the sun's light at each listed point, drawn anew in every frame. Its texels are so few that some samples of them alone say
-// what the list of the whole sky leaves to chance, and so small that masks and broad lobes hardly vary over them.
+// While the environment rotates: the sun's light at each listed point, sampled separately in every frame. The sun has so few texels that a few
+// samples of them are nearly free of noise, and is so small that visibility and broad lobes hardly vary over it.
 layout(local_size_x = 64) in;
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
@@ -38,16 +38,16 @@ struct Result {
 #define SAMPLE_GROUP 2
 #include "shading/integrate.glsl"
 
-/// Samples of every point, and of one that mirrors the sun: brighter than so many times the picture's mean.
+/// Samples of a point that mirrors the sun, that is where the sun's light is brighter than kBright times the picture's mean.
 const int kMany = 64;
 const float kBright = 20.0;
-/// Entries of the list, the same at all points, that decide on the count. Were it decided by samples that count, those that miss a narrow lobe
-/// would stay and those that hit it would be drawn again: 5 to 13 % of mirrored suns was lost.
+/// Entries of the list, the same at all points, that determine the sample count. They are separate from the samples of the mean: if those decided,
+/// those that miss a narrow lobe would be kept and those that hit it be drawn again, which lost 5 to 13 % of mirrored suns.
 const int kProbes = 4;
 
 struct SunSample {
   vec3 light;  // environment frame
-  vec3 value;  // without masks
+  vec3 value;  // without visibility
 };
 
 SunSample sun_sample(Point p, uint at, vec2 xi) {
@@ -57,8 +57,8 @@ SunSample sun_sample(Point p, uint at, vec2 xi) {
   vec3 wi = to_local(p, s.light);
   if (wi.z <= 0.0) return s;
 #if MEASURED
-  BrdfPlace place = brdf_place(p.slot, wi, p.wo, xi);
-  LobeTerms lobe = lobe_terms(p, wi, fetch_brdf(place), place.fraction);
+  BrdfLookup lookup = brdf_lookup(p.slot, wi, p.wo, xi);
+  LobeTerms lobe = lobe_terms(p, wi, fetch_brdf(lookup), lookup.fraction);
 #else
   LobeTerms lobe = lobe_terms(p, wi);
 #endif

@@ -1,4 +1,4 @@
-// What the converged pictures are worth: their own noise, and whether `uniform` by samples alone tends to them.
+// Accuracy of the converged pictures: their own noise, and whether `uniform`, which only samples, converges to them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -37,7 +37,8 @@ std::vector<std::size_t> covered_pixels(const Image& picture) {
   return pixels;
 }
 
-/// Where the picture is brightest, that is under a mirrored sun, bias of the estimator or of the quadrature would show.
+/// Prints the brightest parts of the picture, under a mirrored sun, where a bias of the estimator or of the quadrature
+/// would show.
 void log_brightest(const Image& picture, const Sampled& sampled, std::vector<std::size_t> pixels, double mean) {
   std::sort(pixels.begin(), pixels.end(),
             [&](std::size_t a, std::size_t b) { return picture.data[a + 1] > picture.data[b + 1]; });

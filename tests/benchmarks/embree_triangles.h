@@ -9,7 +9,7 @@
 
 namespace maquette::bench {
 
-/// Embree as it takes any mesh, one by one, with nothing of ours: a committed scene, which the caller releases.
+/// Embree over single triangles, without the product's pairs and filters: a committed scene, which the caller releases.
 /// `indices`: three corners of every triangle.
 inline RTCScene build_embree_triangles(RTCDevice device, const std::vector<glm::vec3>& positions,
                                        const std::vector<std::uint32_t>& indices) {

@@ -28,11 +28,11 @@ struct Sums {
   std::vector<double> wall_ratio, cpu_ratio, prediction, cpu_prediction, throughput, cpu_throughput;
   double least = 1e30;
   std::string least_at = "nowhere";
-  int bounds = 0;  ///< ratios that are only known to be no smaller
+  int bounds = 0;  ///< ratios that are lower bounds
   bool all_reached = true;
 };
 
-/// Time to an error, or how long the mode was tried without reaching it.
+/// Time to an error, or the time after which the mode had not reached it.
 struct TimeTo {
   double ms = 0.0;
   bool reached = true;
@@ -55,7 +55,7 @@ void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& 
       if (error == 0.02) sums->all_reached = false;
       continue;
     }
-    // What uniform did not reach in the time it was given bounds the ratio from below.
+    // If uniform did not reach the error in its time, the ratio is a lower bound.
     const TimeTo u = time_or_bound(uniform, error, false), b = time_or_bound(bandwidth, error, false);
     const TimeTo uc = time_or_bound(uniform, error, true), bc = time_or_bound(bandwidth, error, true);
     std::string text = "uniform " + u.text() + ", bandwidth " + b.text();
@@ -82,7 +82,7 @@ void judge_case(const Case& c, double noise, const Curve& uniform, const Curve& 
   for (const double error : {0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1}) {
     if (error < noise) continue;
     const TimeTo u = time_or_bound(uniform, error, true), b = time_or_bound(bandwidth, error, true);
-    if (!u.reached && u.ms < b.ms) continue;  // a bound below 1 tells nothing
+    if (!u.reached && u.ms < b.ms) continue;  // a bound below 1 says nothing
     const double ratio = b.reached ? u.ms / b.ms : u.reached ? 0.0 : 1e30;
     if (ratio < sums->least) {
       sums->least = ratio;

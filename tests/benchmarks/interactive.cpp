@@ -1,5 +1,5 @@
-// What a person waits for: turning light, first picture of a file, swaps of paint and environment; and how cost grows
-// with samples a pixel, pixels and shading samples.
+// Waiting times of a user: rotating light, first picture of a file, swaps of material and environment; and how cost
+// grows with samples a pixel, pixels and shading samples.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -31,13 +31,14 @@ Clock median_of(std::vector<Clock> times) {
   return {test::median(wall), test::median(cpu)};
 }
 
-/// Medians of frames of several requests taken by turns, each drawn from nothing, after one frame of each as warm-up.
+/// Medians of frames of several requests, interleaved, each without reuse of earlier frames, after one frame of each as
+/// warm-up.
 std::vector<Clock> time_frames(Stage& stage, std::vector<FrameRequest> requests, int repeats) {
   for (FrameRequest& request : requests) request.settings.set("shading.reuse", false);
   std::vector<std::vector<Clock>> times(requests.size());
   for (int repeat = 0; repeat < repeats; ++repeat) {
     for (std::size_t i = 0; i < requests.size(); ++i) {
-      // A change of size or mode makes new targets; only the frame after it is timed.
+      // A change of size or mode allocates new targets; only the frame after it is timed.
       stage.renderer().render(requests[i]);
       const Clock begin = now();
       stage.renderer().render(requests[i]);
@@ -49,12 +50,12 @@ std::vector<Clock> time_frames(Stage& stage, std::vector<FrameRequest> requests,
   return medians;
 }
 
-/// Of a light that turns once in twelve seconds.
-constexpr double kTurn_rad_per_s = 6.283185307 / 12.0;
+/// A light that rotates once in twelve seconds.
+constexpr double kRotation_rad_per_s = 6.283185307 / 12.0;
 
-struct TurningFrames {
+struct RotatingFrames {
   Clock time = {};  ///< median
-  double step_rad = 0.0, samples = 0.0, continued = 0.0;
+  double step_rad = 0.0, samples = 0.0, reused = 0.0;
   double error = 0.0, error_without_peaks = 0.0;  ///< of the last one
 };
 
@@ -78,10 +79,10 @@ double error_without_peaks(const Image& picture, const Reference& reference) {
   return error_against(kept, reference);
 }
 
-/// Each frame turns the light by what it turns while the frame before is drawn, at its processor time over all cores:
-/// what else runs on the machine must not make the light jump. The measured frames turn it evenly, and the last of them
-/// arrives at rotation 0.
-TurningFrames draw_turning(Stage& stage, FrameRequest r, const Reference& reference) {
+/// Rotates the light in each frame by the angle for the time of the frame before, taken as its processor time over all
+/// cores, so that other load on the machine does not make the light jump. The measured frames rotate it by equal steps,
+/// and the last of them ends at rotation 0.
+RotatingFrames draw_rotating(Stage& stage, FrameRequest r, const Reference& reference) {
   constexpr int kFirst = 24, kSteady = 8, kFrames = 30;
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   std::vector<Clock> times;
@@ -91,21 +92,21 @@ TurningFrames draw_turning(Stage& stage, FrameRequest r, const Reference& refere
     const Clock begin = now();
     stage.renderer().render(r);
     times.push_back(now() - begin);
-    step = kTurn_rad_per_s * 1e-3 * times.back().cpu_ms / cores;
+    step = kRotation_rad_per_s * 1e-3 * times.back().cpu_ms / cores;
     r.env_rotation_rad += static_cast<float>(step);
   }
-  step = kTurn_rad_per_s * 1e-3 * median_of({times.end() - kSteady, times.end()}).cpu_ms / cores;
+  step = kRotation_rad_per_s * 1e-3 * median_of({times.end() - kSteady, times.end()}).cpu_ms / cores;
   times.clear();
-  TurningFrames result;
+  RotatingFrames result;
   result.step_rad = step;
   for (int f = 0; f < kFrames; ++f) {
     r.env_rotation_rad = static_cast<float>((f - kFrames + 1) * step);
     const Clock begin = now();
     const FrameStats stats = stage.renderer().render(r);
     times.push_back(now() - begin);
-    const auto continued = stats.technique.find("continued_points");
-    if (continued != stats.technique.end())
-      result.continued = continued->second / std::max<double>(static_cast<double>(stats.shaded_pixels), 1.0);
+    const auto reused = stats.technique.find("continued_points");
+    if (reused != stats.technique.end())
+      result.reused = reused->second / std::max<double>(static_cast<double>(stats.shaded_pixels), 1.0);
     result.samples += static_cast<double>(stats.shading_samples) / kFrames;
   }
   const Image picture = stage.renderer().read_radiance();
@@ -115,9 +116,9 @@ TurningFrames draw_turning(Stage& stage, FrameRequest r, const Reference& refere
   return result;
 }
 
-/// Uniform pictures of other seeds: what a request converges to where panes and visibility forbid `Stage::reference`.
-/// Each seed has a list of light samples of its own: what all samples of one list have in common (1.1 % of a mirrored
-/// sun) is an error that two halves of the same list do not tell.
+/// Uniform pictures with other seeds: what a request converges to where panes and visibility rule out
+/// `Stage::reference`. Each seed has its own list of light samples: the error that all samples of one list have in
+/// common (1.1 % of a mirrored sun) does not show in the difference of two halves with the same list.
 Reference converge_uniform(Stage& stage, FrameRequest r) {
   Reference reference;
   constexpr std::uint32_t kSeeds = 4;
@@ -139,7 +140,7 @@ Reference converge_uniform(Stage& stage, FrameRequest r) {
   return reference;
 }
 
-Figures measure_turning_light(Stage& stage) {
+Figures measure_rotating_light(Stage& stage) {
   Figures figures;
   stage.show(kDriver);
   for (const bool plain : {true, false}) {
@@ -152,14 +153,14 @@ Figures measure_turning_light(Stage& stage) {
       stage.renderer().finish_background_work(r);
     }
     const Reference reference = plain ? stage.reference() : converge_uniform(stage, r);
-    const TurningFrames t = draw_turning(stage, r, reference);
+    const RotatingFrames t = draw_rotating(stage, r, reference);
     stage.renderer().set_interactive(false);
     const double fps = 1e3 / t.time.wall_ms;
-    const std::string what = plain ? "light turning, visibility none" : "light turning, default settings";
+    const std::string what = plain ? "light rotation, visibility none" : "light rotation, default settings";
     figures.push_back(judged("cockpit 640 x 360, " + what, ">= 15 frames/s",
                              number(fps) + " frames/s: " + ms_text(t.time) + ", " + number(57.2957795 * t.step_rad) +
                                  " degrees and " + number(1e-6 * t.samples) + " million samples a frame, " +
-                                 number(100.0 * t.continued) + " % of the points go on from their past",
+                                 number(100.0 * t.reused) + " % of the points reuse earlier frames",
                              fps >= 15.0));
     figures.push_back(judged("error of the 30th frame, " + what, "<= 5 %",
                              number(100.0 * t.error) + " % (" + number(100.0 * t.error_without_peaks) +
@@ -204,14 +205,14 @@ Figures measure_first_frame(Stage& stage) {
           shown(name + ", derived tables not cached", ms_text(cold))};
 }
 
-Figures measure_paint_swap(Stage& stage) {
+Figures measure_material_swap(Stage& stage) {
   Figures figures;
   stage.show({.name = "swap", .scene = "builtin:cockpit", .camera = "door"});
   const std::vector<Material>& materials = stage.renderer().scene().materials;
-  const auto painted = std::find_if(materials.begin(), materials.end(),
-                                    [](const Material& m) { return m.measured.find("paint") != std::string::npos; });
-  if (painted == materials.end()) return {absent("paint swap", "", "the cockpit has no paint")};
-  const std::string name = painted->name;
+  const auto paint = std::find_if(materials.begin(), materials.end(),
+                                  [](const Material& m) { return m.measured.find("paint") != std::string::npos; });
+  if (paint == materials.end()) return {absent("material swap", "", "the cockpit has no paint")};
+  const std::string name = paint->name;
   const FrameRequest r = stage.request("bandwidth", 0);
   const auto swap = [&](const std::string& source) {
     const Clock begin = now();
@@ -227,7 +228,7 @@ Figures measure_paint_swap(Stage& stage) {
     times.push_back(swap(i % 2 ? "builtin:paint-red-metallic" : "builtin:paint-silver-metallic"));
   const Clock again = median_of(times);
   figures.push_back(
-      judged("paint swap, once read, frame included", "<= 0.1 s", ms_text(again), again.wall_ms <= 100.0));
+      judged("material swap, once read, frame included", "<= 0.1 s", ms_text(again), again.wall_ms <= 100.0));
   const Image swapped = stage.renderer().read_radiance();
   FrameRequest anew = r;
   anew.settings.set("shading.reuse", false);
@@ -246,9 +247,9 @@ Figures measure_paint_swap(Stage& stage) {
     stage.renderer().render(r, true);
     if (i > 0) times.push_back(now() - begin);
   }
-  figures.push_back(shown("paint swap amid a resting picture", ms_text(median_of(times))));
+  figures.push_back(shown("material swap amid a resting picture", ms_text(median_of(times))));
   if (stage.options().data.empty()) {
-    figures.push_back(absent("paint swap from a 33 MB file", "<= 1 s", "needs --data"));
+    figures.push_back(absent("material swap from a 33 MB file", "<= 1 s", "needs --data"));
     return figures;
   }
   const auto files = expand_tables(stage.options(), {"blue-metallic-paint2", "silver-metallic-paint"});
@@ -260,7 +261,7 @@ Figures measure_paint_swap(Stage& stage) {
   const Clock fresh = swap(files[0]);
   old ? setenv("MAQUETTE_CACHE", kept.c_str(), 1) : unsetenv("MAQUETTE_CACHE");
   figures.push_back(
-      judged("paint swap from a 33 MB file, never seen before", "<= 1 s", ms_text(fresh), fresh.wall_ms <= 1000.0));
+      judged("material swap from a 33 MB file, never seen before", "<= 1 s", ms_text(fresh), fresh.wall_ms <= 1000.0));
   return figures;
 }
 
@@ -332,8 +333,8 @@ Figures measure_interactive(Stage& stage) {
   };
   Figures figures;
   for (const Part& part :
-       {Part{"light turning", measure_turning_light}, Part{"first frame", measure_first_frame},
-        Part{"paint swap", measure_paint_swap}, Part{"environment swap", measure_environment_swap}}) {
+       {Part{"light rotation", measure_rotating_light}, Part{"first frame", measure_first_frame},
+        Part{"material swap", measure_material_swap}, Part{"environment swap", measure_environment_swap}}) {
     if (!stage.options().wants(part.name)) continue;
     for (Figure& f : part.measure(stage)) figures.push_back(std::move(f));
   }

@@ -1,4 +1,4 @@
-// The window's error figure: how long after the camera rests it is there.
+// The window's error figure: how soon after the camera rests it is available.
 #include <memory>
 #include <utility>
 
@@ -16,7 +16,7 @@ struct Answer {
   int paths = 0;
 };
 
-/// As the window does: the picture goes on converging, and is judged after a frame when there is something new.
+/// As the window does: the picture keeps converging, and its error is measured after a frame when there is an update.
 Answer wait_for_answer(Stage& stage, const FrameRequest& request, ErrorMeter* meter, const ErrorMeter::View& view,
                        const ErrorMeter::SceneMaker& make_scene) {
   Answer answer;
@@ -49,7 +49,7 @@ Figures measure_meter(Stage& stage) {
   ErrorMeter meter;
   Figures figures;
   for (const char* when : {"first view of a scene", "next view"}) {
-    request.camera.eye.y += 0.01f;  // nothing of the view before counts
+    request.camera.eye.y += 0.01f;  // so that nothing of the view before counts
     stage.renderer().render(request);
     const ErrorMeter::View view{
         .camera = request.camera, .width = request.width, .height = request.height, .paths = {}, .scene_revision = 1};

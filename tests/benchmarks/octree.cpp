@@ -1,4 +1,4 @@
-// The octree: building it, walking it against Embree's single rays, and the visibility that it gives.
+// The octree: build time, traversal against Embree's single rays, and its visibility.
 #include <embree3/rtcore.h>
 #include <epoxy/gl.h>
 
@@ -29,7 +29,7 @@ constexpr std::size_t kTwoMillion = 2000000;
 using DevicePointer = std::unique_ptr<std::remove_pointer_t<RTCDevice>, decltype(&rtcReleaseDevice)>;
 using ScenePointer = std::unique_ptr<std::remove_pointer_t<RTCScene>, decltype(&rtcReleaseScene)>;
 
-/// Embree over the triangles that are in the octree.
+/// Embree over the triangles of the octree.
 class EmbreeRays {
  public:
   explicit EmbreeRays(const OctreeJob& job)
@@ -63,11 +63,11 @@ class EmbreeRays {
 };
 
 struct Rays {
-  std::vector<RayRecord> records;  ///< lifted as the shaders do it
+  std::vector<RayRecord> records;  ///< offset from the surface as in the shaders
   std::vector<bool> blocked;       ///< by Embree, from the surface itself
 };
 
-/// Cosine-distributed rays from what `eye` sees all around.
+/// Cosine-distributed rays from the surfaces that `eye` sees in all directions.
 Rays shadow_rays(EmbreeRays* embree, const shared::OctreeFrame& frame, const glm::vec3& eye) {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
@@ -141,7 +141,7 @@ void measure_scene(Figures* figures, const std::string& name, const Scene& scene
   std::vector<double> embree_ns, cpu_ns, gpu_ns;
   std::size_t wrong_block = 0, wrong_open = 0, steps = 0;
   const double per_ray = 1e6 / static_cast<double>(std::max<std::size_t>(rays.records.size(), 1));
-  for (int k = 0; k <= repeats; ++k) {  // by turns; the first round warms up
+  for (int k = 0; k <= repeats; ++k) {  // interleaved; the first round warms up
     const Clock a = now();
     std::size_t met = 0;
     for (const RayRecord& r : rays.records) met += embree.trace(r.origin, r.direction, nullptr) >= 0.0f;
@@ -206,7 +206,7 @@ Figures measure_octree(Stage& stage) {
                     stage.options().repeats);
     }
   }
-  // What the picture gains: error against rays of the same estimator at a high count, time beside it.
+  // Accuracy of the picture: error against rays of the same estimator at a high count, and time.
   for (const char* name : {"none", "baked", "traced"}) {
     if (!stage.options().wants("visibility")) break;
     stage.show({.name = "cockpit/driver", .scene = "builtin:cockpit", .camera = "driver", .width = 160, .height = 90});

@@ -25,7 +25,7 @@ namespace {
 
 std::string percent(double v) { return number(100.0 * v) + " %"; }
 
-/// Says a figure as soon as it is known: the part takes minutes.
+/// Prints a figure as soon as it is known: this part takes minutes.
 void keep(Figures* figures, Figure figure) {
   std::fprintf(stderr, "   %s: %s\n", figure.name.c_str(), figure.measured.c_str());
   figures->push_back(std::move(figure));
@@ -33,7 +33,7 @@ void keep(Figures* figures, Figure figure) {
 
 using EmbreeScene = std::unique_ptr<std::remove_pointer_t<RTCScene>, EmbreeRelease>;
 
-/// The same surfaces, triangle by triangle.
+/// The same surfaces as single triangles.
 EmbreeScene build_triangles(const PathScene& scene) {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t i = 0; i < scene.mesh_begin[PathScene::kHidden]; ++i)
@@ -41,7 +41,7 @@ EmbreeScene build_triangles(const PathScene& scene) {
   return EmbreeScene(build_embree_triangles(scene.device.get(), scene.geometry.positions, indices));
 }
 
-/// Rays as Embree takes them one by one: no filters, no shading.
+/// Embree's time for the rays one by one: no filters, no shading.
 double embree_alone_ms(RTCScene scene, const std::vector<LoggedRay>& rays) {
   const Clock start = now();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
@@ -62,7 +62,7 @@ double embree_alone_ms(RTCScene scene, const std::vector<LoggedRay>& rays) {
   return (now() - start).cpu_ms;
 }
 
-/// Enough that what a picture sets up once, which a ray does not know of, counts little.
+/// So many that a picture's set-up time, which single rays do not have, counts little.
 constexpr int kRayPaths = 32;
 
 std::vector<LoggedRay> log_rays(const std::shared_ptr<const PathScene>& scene, const PictureRequest& request) {
@@ -277,7 +277,8 @@ std::shared_ptr<const PathScene> load_car(const Options& options) {
                                load_environment(options.data + "/environments/grace_latlong.exr"))});
 }
 
-/// RMS difference of two pictures of other seeds, which is sqrt(2) times the error of each, over the mean luminance.
+/// RMS difference of two pictures with different seeds, which is sqrt(2) times the error of each, over the mean
+/// luminance.
 double pair_error(const Image& a, const Image& b, bool whole) {
   double square = 0.0, luminance = 0.0;
   std::size_t count = 0;
@@ -307,7 +308,7 @@ void measure_car(Stage& stage, Figures* figures) {
   for (const auto& [seconds, target] : {std::pair{7.0, 0.073}, {26.0, 0.03}, {95.0, 0.014}}) {
     while (spent_ms < 2e3 * seconds) {
       const Clock start = now();
-      // Not path by path: all paths of a call share the pixel's first ray and its panes.
+      // All paths of one call share the pixel's first ray and its panes, so calls with single paths would be slower.
       const int count = std::max(first.samples() / 8, 1);
       first.add(count);
       second.add(count);
@@ -323,15 +324,16 @@ void measure_car(Stage& stage, Figures* figures) {
 
 /// Largest ratios of a pixel's luminance to the mean of the eight around it.
 struct Outliers {
-  double any = 0.0;      ///< mirror images of lamps that fill a pixel included
-  double firefly = 0.0;  ///< of pixels that a picture of another seed has darker: over what that one shows there, too
+  double any = 0.0;      ///< including mirror images of lamps that fill a pixel
+  double firefly = 0.0;  ///< of pixels that are darker in a picture with another seed: relative to that picture
 };
 
 double luminance_at(const Image& image, int x, int y) {
   return 0.2126 * image.at(x, y, 0) + 0.7152 * image.at(x, y, 1) + 0.0722 * image.at(x, y, 2);
 }
 
-/// A lamp mirrored in chrome is as bright in both pictures: their rays meet the same point. A firefly is chance.
+/// A lamp mirrored in chrome is equally bright in both pictures, because their rays hit the same point. A firefly is
+/// random.
 Outliers largest_outliers(const Image& image, const Image& other) {
   Outliers worst;
   for (int y = 1; y + 1 < image.height; ++y)

@@ -1,4 +1,4 @@
-// Reflector techniques in whole frames: what they add to a frame, how that grows with the scene, and how far reflected
+// Reflector techniques in whole frames: the time that they add, how it grows with the scene, and how far reflected
 // outlines are from those of `raytraced`.
 #include <algorithm>
 #include <cmath>
@@ -28,17 +28,17 @@ FrameRequest request_of(const Stage& stage, const std::string& technique, const 
   return r;
 }
 
-constexpr double kSlow_ms = 1000.0;  // once is enough
+constexpr double kSlow_ms = 1000.0;  // slower frames are timed once
 
-/// Medians of a frame with each technique less that of a frame without, taken by turns. The eye moves, so that nothing
-/// of the frame before can be kept. Throws where a technique drew nothing.
+/// Median times of a frame with each technique less those of a frame without, interleaved. The eye moves, so that
+/// nothing of the frame before is reused. Throws where a technique drew nothing.
 std::vector<Clock> added_times(Renderer* renderer, const std::vector<FrameRequest>& requests, int repeats) {
   std::vector<std::vector<double>> wall(requests.size()), cpu(requests.size());
-  const auto time = [&](FrameRequest r, int turn) {
-    // What it waits for, and new targets after a change of technique: only the frame after that is timed.
+  const auto time = [&](FrameRequest r, int round) {
+    // Background work, and new targets after a change of technique: only the frame after that is timed.
     renderer->finish_background_work(r);
     renderer->render(r);
-    r.camera.eye.x += 1e-4f * static_cast<float>(turn + 1);
+    r.camera.eye.x += 1e-4f * static_cast<float>(round + 1);
     const Clock begin = now();
     const FrameStats stats = renderer->render(r);
     const Clock taken = now() - begin;
@@ -47,16 +47,16 @@ std::vector<Clock> added_times(Renderer* renderer, const std::vector<FrameReques
         throw Error("reflection-frames", r.reflections + " drew nothing: " + left_out.why);
     return taken;
   };
-  for (int turn = 0; turn < repeats; ++turn) {
+  for (int round = 0; round < repeats; ++round) {
     for (std::size_t i = 0; i < requests.size(); ++i) {
-      if (turn > 0 && wall[i].front() > kSlow_ms) continue;
+      if (round > 0 && wall[i].front() > kSlow_ms) continue;
       FrameRequest plain = requests[i];
       plain.reflections = "off";
-      if (turn == 0) {  // a driver compiles programs when they are first drawn with
+      if (round == 0) {  // a driver compiles programs when they are first drawn with
         time(requests[i], -2);
         time(plain, -2);
       }
-      const Clock with = time(requests[i], turn), without = time(plain, turn);
+      const Clock with = time(requests[i], round), without = time(plain, round);
       const Clock added = with - without;
       wall[i].push_back(added.wall_ms);
       cpu[i].push_back(added.cpu_ms);
@@ -69,13 +69,13 @@ std::vector<Clock> added_times(Renderer* renderer, const std::vector<FrameReques
 
 std::string added_text(const Clock& t) { return number(t.wall_ms) + " ms (CPU " + number(t.cpu_ms) + " ms)"; }
 
-/// Ratio of an outline, and of what is good enough to be another's partner: where one picture has 2.05 and the other
-/// 1.95, the nearest outline of 2 says nothing about where that edge is.
-/// Source: Canny 1986, "A Computational Approach to Edge Detection", Sec. VI-D (thresholding with hysteresis).
+/// Brightness ratio of an outline, and the lower ratio of a possible counterpart: where one picture has 2.05 and the
+/// other 1.95, the nearest outline of 2 is not the same edge. Source: Canny 1986, "A Computational Approach to Edge
+/// Detection", Sec. VI-D (thresholding with hysteresis).
 constexpr float kStrong = 2.0f, kWeak = 1.5f;
 
-/// Pixels of a reflector that are so many times as bright as their neighbour on the right or below, or the inverse:
-/// outlines of what is mirrored.
+/// Outlines of reflections: pixels of a reflector whose brightness differs from the neighbour on the right or below by
+/// such a ratio.
 std::vector<glm::ivec2> outline(const Image& reflection, float ratio = kStrong) {
   const auto luminance = [&](int x, int y) {
     return 0.2126f * reflection.at(x, y, 0) + 0.7152f * reflection.at(x, y, 1) + 0.0722f * reflection.at(x, y, 2);
@@ -94,8 +94,8 @@ std::vector<glm::ivec2> outline(const Image& reflection, float ratio = kStrong) 
 
 struct Distances {
   double mean = 0.0, most = 0.0;
-  std::size_t beyond = 0;    ///< how many are farther than their bound
-  std::size_t unpaired = 0;  ///< of them, those with no weak outline within it
+  std::size_t beyond = 0;    ///< number of outlines beyond their bound
+  std::size_t unpaired = 0;  ///< of these, without a weak outline within the bound
   double mean_px = 0.0;      ///< of the bounds
   glm::ivec2 worst{0, 0};    ///< pixel that is farthest beyond its bound
 };
@@ -114,7 +114,7 @@ double nearest_px(const glm::ivec2& a, const std::vector<glm::ivec2>& to) {
   return std::sqrt(static_cast<double>(nearest));
 }
 
-/// From each strong outline of `from` to the nearest of `to`, in pixels.
+/// Distance from each strong outline of `from` to the nearest of `to`, in pixels.
 Distances distances(const Outlines& from, const Outlines& to, const std::function<double(glm::ivec2)>& bound_px) {
   Distances d;
   double farthest_beyond = -std::numeric_limits<double>::max();
@@ -138,7 +138,7 @@ std::string distances_text(const Distances& d) {
          number(d.mean_px) + " in the mean; worst at " + std::to_string(d.worst.x) + ", " + std::to_string(d.worst.y);
 }
 
-/// Metres of the finest cells' sides.
+/// Side of the finest cells, m.
 double cell_side_m(const Scene& scene, int depth) {
   const OctreeJob job = make_octree_job(scene, -1, depth);
   const OctreeGrid grid =
@@ -163,8 +163,8 @@ Figures measure_outlines(Stage& stage) {
   const FrameRequest reference = request_of(stage, kReference, "full");
   const double cell_m = cell_side_m(stage.renderer().scene(), reference.settings.get_int("octree.depth"));
   const double px_rad = 2.0 * std::tan(0.5 * static_cast<double>(reference.camera.fov_y_rad)) / large.height;
-  // As large as a cell's diagonal is seen by way of the pane, were it flat. The nearest of the pixels that make the
-  // edge counts: behind it may be the sky.
+  // The size of a cell's diagonal as seen in a flat pane. The nearest of the pixels at the edge counts, because behind
+  // it may be the sky.
   const auto cell_px = [&](const Image& distance_m, glm::ivec2 at) {
     double nearest_m = std::numeric_limits<double>::max();
     for (const glm::ivec2& p : {at, at + glm::ivec2(1, 0), at + glm::ivec2(0, 1)}) {
@@ -200,8 +200,8 @@ Figures measure_outlines(Stage& stage) {
   return figures;
 }
 
-/// The same in a part that patches are fitted to: the driver's side glass, seen from the seat. What is hatched is left
-/// out.
+/// The same in a part with fitted patches: the driver's side glass, seen from the seat. Hatched pixels (low confidence)
+/// are left out.
 Figures measure_fitted_outlines(Stage& stage) {
   Case large = kDriver;
   large.width = 1280;
@@ -221,9 +221,9 @@ Figures measure_fitted_outlines(Stage& stage) {
   draw("raytraced");
   const Outlines reference = outlines_of(stage.renderer().read_debug_view("reflection"));
   const FrameStats stats = draw("bezier");
-  const Image doubt = stage.renderer().read_debug_view("reflection_doubt");
+  const Image uncertain = stage.renderer().read_debug_view("reflection_doubt");
   const auto vouched = [&](Outlines outlines) {
-    std::erase_if(outlines.strong, [&](const glm::ivec2& p) { return doubt.at(p.x, p.y, 0) > 0.0f; });
+    std::erase_if(outlines.strong, [&](const glm::ivec2& p) { return uncertain.at(p.x, p.y, 0) > 0.0f; });
     return outlines;
   };
   const Outlines all = outlines_of(stage.renderer().read_debug_view("reflection"));
@@ -329,7 +329,7 @@ std::shared_ptr<Scene> board_under_windshield(const Scene& cockpit, int triangle
   return scene;
 }
 
-/// What a technique adds to a frame of scenes that differ in nothing but their number of triangles.
+/// Time that a technique adds to a frame, for scenes that differ only in their number of triangles.
 struct CostCurve {
   std::string technique;
   std::vector<std::pair<int, double>> points;  ///< triangles, ms
@@ -384,7 +384,7 @@ Figures measure_scene_sizes(Stage& stage) {
     }
     figures.push_back(
         shown("added ms (CPU), " + std::to_string(triangles) + " triangles", text + "; " + names[fastest] + " wins"));
-    // What takes seconds is not asked for ten times as many triangles.
+    // A technique that takes seconds is not run with ten times as many triangles.
     for (std::size_t i = names.size(); i-- > 0;)
       if (times[i].wall_ms > kSlow_ms) names.erase(names.begin() + static_cast<std::ptrdiff_t>(i));
   }
@@ -399,7 +399,7 @@ Figures measure_scene_sizes(Stage& stage) {
   return figures;
 }
 
-/// What glossy opaque surfaces add to a frame of the default mode, at default settings.
+/// Time that glossy opaque surfaces add to a frame of the default mode, at default settings.
 Figures measure_glossy(Stage& stage) {
   Figures figures;
   for (const char* camera : {"driver", "door"}) {
@@ -410,7 +410,7 @@ Figures measure_glossy(Stage& stage) {
     FrameRequest without = with;
     without.settings.set("octree.glossy", 0.0);
     const std::vector<Clock> times = added_times(&stage.renderer(), {without, with}, stage.options().repeats);
-    stage.renderer().finish_background_work(with);  // frames without reflections have let the octree go
+    stage.renderer().finish_background_work(with);  // frames without reflections release the octree
     const FrameStats stats = stage.renderer().render(with);
     for (const LeftOut& left_out : stats.plan.left_out)
       if (left_out.what == "glossy") throw Error("reflection-frames", "no glossy surface was drawn: " + left_out.why);
@@ -422,7 +422,7 @@ Figures measure_glossy(Stage& stage) {
 
 }  // namespace
 
-/// What `reflections.skip` saves in the default mode before the bright sky, and what it changes.
+/// Time that `reflections.skip` saves in the default mode before the bright sky, and the difference of the pictures.
 Figures measure_skipping(Stage& stage) {
   stage.show(kDriver);
   Figures figures;
@@ -434,7 +434,7 @@ Figures measure_skipping(Stage& stage) {
     FrameRequest some = all;
     some.display = true;
     const std::vector<Clock> times = added_times(&stage.renderer(), {all, some}, stage.options().repeats);
-    stage.renderer().finish_background_work(all);  // frames without reflections have let the octree go
+    stage.renderer().finish_background_work(all);  // frames without reflections release the octree
     stage.renderer().render(all);
     Image reference = stage.renderer().read_radiance();
     const FrameStats stats = stage.renderer().render(some);

@@ -1,5 +1,4 @@
-// Reflection points on patches and triangles: the two campaigns of a million cases, with as many seeds as --repeats
-// says.
+// Reflection points on patches and triangles: two campaigns of a million cases each, with --repeats seeds.
 #include <cstdio>
 
 #include "tests/benchmarks/stage.h"

@@ -1,4 +1,4 @@
-// What one shading sample of the estimator is worth: its standard deviation over seeds, and its time.
+// Quality of one shading sample of the estimator: its standard deviation over seeds, and its time.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSamples = 64, kSeeds = 24;
 
-/// Variances of the luminance of single frames, one a pixel with light; their mean luminance; time of a frame.
+/// Variances of the luminance of single frames, one for each pixel with light; their mean luminance; time of a frame.
 struct Spread {
   std::vector<double> variance;
   double mean = 0.0, shading_samples = 0.0;
@@ -38,7 +38,7 @@ Spread measure_spread(Stage& stage) {
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (square[i] <= 0.0) continue;  // sky, or what has no choice
+    if (square[i] <= 0.0) continue;  // sky, or no random choice
     s.variance.push_back(square[i] / (kSeeds - 1));
     s.mean += mean[i];
   }

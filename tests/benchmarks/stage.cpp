@@ -113,8 +113,8 @@ FrameRequest Stage::request(const std::string& mode, int samples, std::uint32_t 
 }
 
 std::uint64_t Stage::content_key() {
-  // What the picture shows, without its light: changes of scene, camera or size make another reference.
-  constexpr std::uint64_t kMade = 2;  // how references are made; 2: from the environment as it is, not as packed
+  // What the picture shows, except its light: a change of scene, camera or size needs a new reference.
+  constexpr std::uint64_t kMade = 2;  // version of the method; 2: from the environment as it is, not as packed
   std::uint64_t key = environment_hash_ + kMade;
   const auto mix = [&](const void* data, std::size_t bytes) {
     key = content_hash({static_cast<const std::byte*>(data), bytes}, key);
@@ -131,19 +131,19 @@ std::uint64_t Stage::content_key() {
 
 namespace {
 
-/// a += b but for alpha.
+/// a += b, except alpha.
 void add_light(Image* a, const Image& b) {
   for (std::size_t i = 0; i < a->data.size(); ++i)
     if (i % 4 != 3) a->data[i] += b.data[i];
 }
 
-/// What lies over the opaque surfaces: picture = through * opaque + added, for each pixel and channel.
+/// The layers over the opaque surfaces: picture = through * opaque + added, for each pixel and channel.
 struct Panes {
   Image through, added;
 };
 
-/// From pictures of the same samples with and without the panes, for several seeds: the two that differ most give both
-/// unknowns, and the others check.
+/// Computed from pictures of the same samples with and without the panes, for several seeds: the two that differ most
+/// give both unknowns, and the others check the result.
 Panes solve_panes(const std::vector<Image>& with, const std::vector<Image>& without) {
   Panes panes{with[0], with[0]};
   for (std::size_t i = 0; i < with[0].data.size(); ++i) {
@@ -179,11 +179,11 @@ Image Stage::draw_uniform(int samples, std::uint32_t seed, int frames) {
   return renderer_->read_radiance();
 }
 
-/// Runs at every pixel first, then at those where they are worth most, until the noise or the time says enough.
+/// Runs at every pixel first, then where they reduce the error most, until noise or time reaches its limit.
 void Stage::sample_halves(const Clock& begin, test::SampledHalf halves[2]) {
   constexpr int kFrames = 4, kSamples = 256, kMaxRuns = 1024, kPilotRuns = 8;
   constexpr double kEnough = 0.002;
-  // The kernel for single pixels knows measured tables and the sky alone.
+  // The kernel for single pixels supports only measured tables and the sky.
   const FramePlan plan = renderer_->render(request("uniform", 2)).plan;
   const bool single = !case_.material.empty() && !plan.lights;
   for (int h = 0; h < 2; ++h) halves[h] = test::SampledHalf(case_.width, case_.height);
@@ -193,7 +193,7 @@ void Stage::sample_halves(const Clock& begin, test::SampledHalf halves[2]) {
     return runs < kMaxRuns && noise > kEnough && 0.5 * (now() - begin).cpu_ms < 1e3 * options_.reference_seconds;
   };
   for (; go_on() && (!single || runs < kPilotRuns); runs += 2) {
-    // Low-discrepancy runs, each of its own seed, into both halves in turn.
+    // Low-discrepancy runs, each with its own seed, alternating between the halves.
     for (int h = 0; h < 2; ++h)
       halves[h].add(draw_uniform(kSamples, static_cast<std::uint32_t>(1000 + runs + h), kFrames));
     noise = 0.5 * relative_rmse(halves[0].mean(), halves[1].mean());

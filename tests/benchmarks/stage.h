@@ -18,10 +18,11 @@ class SampledHalf;
 namespace maquette::bench {
 
 struct Options {
-  std::string data;     ///< folder with scenes/, environments/, measured/; empty: what needs it is left out and named
-  std::string program;  ///< maquette itself, for figures of whole processes
-  std::string scratch;  ///< references and expanded tables are kept here between runs
-  std::string charts;   ///< folder for charts of what is measured, by gnuplot; empty: none
+  std::string
+      data;  ///< folder with scenes/, environments/, measured/; empty: figures that need it are reported as absent
+  std::string program;            ///< maquette itself, for figures of whole processes
+  std::string scratch;            ///< references and expanded tables are kept here between runs
+  std::string charts;             ///< folder for charts of what is measured, by gnuplot; empty: none
   std::vector<std::string> only;  ///< cases by part of their name; empty: all
   std::vector<std::pair<std::string, std::string>> settings;
   int repeats = 3;
@@ -31,7 +32,7 @@ struct Options {
   bool wants(const std::string& name) const;
 };
 
-/// One line of the table: what must be reached and what was.
+/// One line of the table: target and measured value.
 struct Figure {
   enum class Verdict { met, missed, shown, absent };
   std::string name, target, measured;
@@ -44,7 +45,7 @@ Figure absent(std::string name, std::string target, std::string why);
 /// `value` with three significant digits.
 std::string number(double value);
 
-/// What one picture is made of.
+/// The input of one picture.
 struct Case {
   std::string name = {}, scene = {}, camera = {}, material = {};
   std::string environment = "builtin:clear-sky";
@@ -62,7 +63,7 @@ inline Clock operator+(const Clock& a, const Clock& b) { return {a.wall_ms + b.w
 
 struct Reference {
   Image picture;
-  Image halves[2];     ///< of independent seeds; the picture is their mean
+  Image halves[2];     ///< with independent seeds; the picture is their mean
   double noise = 0.0;  ///< its own relative RMSE, from the difference of its two halves
 };
 
@@ -70,11 +71,12 @@ struct Reference {
 class Stage {
  public:
   explicit Stage(const Options& options);
-  /// Changes only what differs from the case before.
+  /// Changes only what differs from the previous case.
   void show(const Case& c);
   FrameRequest request(const std::string& mode, int samples, std::uint32_t seed = 0) const;
   /// What modes `uniform` and `bandwidth` converge to: very bright texels by quadrature, everything else by mode
-  /// uniform at a high count. Kept on disk by what the scene is made of. Two halves of other seeds and other grids.
+  /// uniform at a high count. Stored on disk under a key of the scene's content. Two halves with different seeds and
+  /// grids.
   const Reference& reference();
   Image draw_uniform(int samples, std::uint32_t seed, int frames = 1);
   Renderer& renderer() { return *renderer_; }
@@ -103,7 +105,7 @@ class Stage {
 /// Camera of a node of the scene; without a name the first one, or one that frames the bounds.
 CameraView find_camera(const Scene& scene, const std::string& name);
 
-/// relative RMSE against the reference, its noise taken out.
+/// relative RMSE against the reference, with the reference's noise removed.
 double error_against(const Image& picture, const Reference& reference);
 double relative_rmse(const Image& picture, const Image& reference);
 

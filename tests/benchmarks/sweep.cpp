@@ -17,8 +17,8 @@ Curve sorted_by_time(Curve curve, bool cpu) {
   return curve;
 }
 
-/// Only the points that are better than all faster ones: of frames on their own, and of accumulated ones. Between two
-/// points of one kind lies what that kind would have reached; between points of both kinds lies nothing.
+/// Only the points that are better than all faster ones, separately for single and for accumulated frames. Between two
+/// points of one kind the curve is interpolated, but not between points of both kinds.
 std::array<Curve, 2> lower_envelopes(const Curve& curve, bool cpu) {
   std::array<Curve, 2> envelopes;
   for (const SweepPoint& p : sorted_by_time(curve, cpu)) {
@@ -91,7 +91,7 @@ void log_point(const std::string& name, const std::string& mode, const SweepPoin
       100.0 * p.prediction_ms / std::max(p.frame_ms, 1e-9), 100.0 * p.prediction_cpu_ms / std::max(p.cpu_ms, 1e-9));
 }
 
-/// A frame that keeps nothing of the one before.
+/// A frame that reuses nothing of the one before.
 FrameRequest whole_frame(Stage& stage, const std::string& mode, int samples, std::uint32_t seed) {
   FrameRequest r = stage.request(mode, samples, seed);
   r.settings.set_from_text("shading.reuse", "false");
@@ -110,15 +110,15 @@ Trial one_frame(Stage& stage, const std::string& mode, int samples, std::uint32_
   return trial;
 }
 
-/// After how many frames a run is looked at.
-bool is_looked_at(int frame) {
+/// Whether a run is measured after so many frames.
+bool is_checkpoint(int frame) {
   const auto n = static_cast<unsigned>(frame);
   return std::has_single_bit(n) || (n % 3 == 0 && std::has_single_bit(n / 3));
 }
 
 constexpr int kRunSamples = 64;
 
-/// A trial for each time that the run is looked at.
+/// A trial for each checkpoint of the run.
 std::vector<Trial> one_run(Stage& stage, const std::string& mode, std::uint32_t seed, double until,
                            const Reference& reference) {
   Renderer& renderer = stage.renderer();
@@ -134,14 +134,15 @@ std::vector<Trial> one_run(Stage& stage, const std::string& mode, std::uint32_t 
     trial.stats = stats;
     trial.stats.shading_samples = samples;
     add_frame(stats, &trial);
-    if (!is_looked_at(trial.frames)) continue;
+    if (!is_checkpoint(trial.frames)) continue;
     trial.error = error_against(renderer.read_radiance(), reference);
     trials.push_back(trial);
   } while (trials.back().error >= until && 0.5 * trial.time.cpu_ms <= 1e3 * stage.options().sweep_seconds);
   return trials;
 }
 
-/// Frames this short are drawn so many times as often: one that another program disturbed must not be the median.
+/// Frames this short are repeated so many times more often, so that a disturbance by another program does not become
+/// the median.
 constexpr double kQuick_ms = 150.0;
 constexpr int kQuickRepeats = 3;
 
@@ -149,7 +150,7 @@ constexpr int kQuickRepeats = 3;
 
 std::vector<Curve> accumulate(Stage& stage, const std::vector<std::string>& modes, double until,
                               const Reference& reference) {
-  std::vector<std::vector<std::vector<Trial>>> trials(modes.size());  // [mode][look][repeat]
+  std::vector<std::vector<std::vector<Trial>>> trials(modes.size());  // [mode][checkpoint][repeat]
   for (int repeat = 0; repeat < stage.options().repeats; ++repeat)
     for (std::size_t m = 0; m < modes.size(); ++m) {
       const std::vector<Trial> run =
@@ -159,8 +160,8 @@ std::vector<Curve> accumulate(Stage& stage, const std::vector<std::string>& mode
     }
   std::vector<Curve> curves(modes.size());
   for (std::size_t m = 0; m < modes.size(); ++m)
-    for (const std::vector<Trial>& look : trials[m]) {
-      curves[m].push_back(summarise(look, kRunSamples, look.front().frames));
+    for (const std::vector<Trial>& repeats : trials[m]) {
+      curves[m].push_back(summarise(repeats, kRunSamples, repeats.front().frames));
       curves[m].back().accumulated = true;
       log_point(stage.current().name, modes[m], curves[m].back());
     }

@@ -21,8 +21,8 @@ std::string percent(double share) { return number(100.0 * share) + " %"; }
 struct Pairs {
   std::vector<double> predicted, measured;
   std::vector<double> marks;  ///< of a window: its noise over its variation; of a quad: its material
-  std::vector<glm::ivec2> places;
-  std::size_t windows = 0;  ///< with those left out because noise hides their variation
+  std::vector<glm::ivec2> pixels;
+  std::size_t windows = 0;  ///< including those left out because noise hides their variation
   void append(const Pairs& other) {
     predicted.insert(predicted.end(), other.predicted.begin(), other.predicted.end());
     measured.insert(measured.end(), other.measured.begin(), other.measured.end());
@@ -34,8 +34,8 @@ struct Agreement {
   double rank = 0.0, under = 0.0, ratio = 0.0, ratio_10 = 0.0, ratio_90 = 0.0;
 };
 
-/// Values below `floor` cannot be told from it by the measurement, so both count as the floor: a pair is
-/// under-estimated only if the prediction is below a measurement above the floor.
+/// The measurement cannot tell values below `floor` from it, so both count as the floor: a pair is under-estimated only
+/// if the prediction is below a measurement above the floor.
 Agreement agree(const Pairs& pairs, double floor) {
   Agreement a;
   std::vector<double> ratios, predicted = pairs.predicted, measured = pairs.measured;
@@ -64,7 +64,7 @@ struct Definition {
   const char* name;
   test::LocalBandwidthOptions options;
   test::Pooling pooling;
-  std::optional<test::Places> scaled = {};  ///< windows from 16 to 128 pixels in place of one length
+  std::optional<test::WindowFilter> scaled = {};  ///< windows from 16 to 128 pixels instead of one size
   double floor() const { return scaled ? test::kScaledFloor : test::measured_floor(options); }
 };
 
@@ -72,8 +72,8 @@ std::vector<Definition> definitions() {
   using test::Pooling;
   std::vector<Definition> d;
   test::LocalBandwidthOptions plain;
-  d.push_back({"16 to 128 px, off edges by the longest", plain, Pooling::variation, test::Places::off_longest});
-  d.push_back({"16 to 128 px, off edges by its own", plain, Pooling::variation, test::Places::off_own});
+  d.push_back({"16 to 128 px, off edges by the longest", plain, Pooling::variation, test::WindowFilter::off_longest});
+  d.push_back({"16 to 128 px, off edges by its own", plain, Pooling::variation, test::WindowFilter::off_own});
   d.push_back({"32 px, centre", plain, Pooling::centre});
   d.push_back({"32 px, mean", plain, Pooling::mean});
   d.push_back({"32 px, variation", plain, Pooling::variation});
@@ -125,10 +125,10 @@ Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Defi
     pairs.predicted.push_back(test::pooled_prediction(views.bandwidth, reference.picture, w, window, d.pooling));
     pairs.measured.push_back(std::max(w.nu_x, w.nu_y));
     pairs.marks.push_back(w.noise);
-    pairs.places.push_back({w.x, w.y});
+    pairs.pixels.push_back({w.x, w.y});
   };
   if (d.scaled) {
-    for (const auto& w : test::measure_scaled_bandwidth(a, b, views.smooth, *d.scaled)) add(w.place, w.window);
+    for (const auto& w : test::measure_scaled_bandwidth(a, b, views.smooth, *d.scaled)) add(w.bandwidth, w.window);
     pairs.windows = pairs.predicted.size();
     return pairs;
   }
@@ -139,8 +139,8 @@ Pairs bandwidth_pairs(const Views& views, const Reference& reference, const Defi
   return pairs;
 }
 
-/// Variance of one sample: n times the variance of frames of n samples over many seeds, over quads as the prediction
-/// is.
+/// Variance of one sample: n times the variance of frames of n samples over many seeds, over quads as in the
+/// prediction.
 Pairs variance_pairs(Stage& stage, const Views& views, int samples, int seeds) {
   const Case& c = stage.current();
   Renderer& renderer = stage.renderer();
@@ -172,7 +172,7 @@ Pairs variance_pairs(Stage& stage, const Views& views, int samples, int seeds) {
       pairs.predicted.push_back(views.variance.at(x, y));
       pairs.measured.push_back(measured);
       pairs.marks.push_back(views.material.at(x, y));
-      pairs.places.push_back({x, y});
+      pairs.pixels.push_back({x, y});
     }
   }
   return pairs;
@@ -184,8 +184,8 @@ void write_pairs(const Stage& stage, const std::string& what, const Pairs& pairs
   for (const char c : name) path += c == '/' ? '-' : c;
   if (FILE* file = std::fopen((path + ".csv").c_str(), "w")) {
     for (std::size_t i = 0; i < pairs.predicted.size(); ++i)
-      std::fprintf(file, "%g,%g,%g,%d,%d\n", pairs.predicted[i], pairs.measured[i], pairs.marks[i], pairs.places[i].x,
-                   pairs.places[i].y);
+      std::fprintf(file, "%g,%g,%g,%d,%d\n", pairs.predicted[i], pairs.measured[i], pairs.marks[i], pairs.pixels[i].x,
+                   pairs.pixels[i].y);
     std::fclose(file);
   }
 }
@@ -211,7 +211,7 @@ std::shared_ptr<Environment> make_wave_sky(int m) {
   return sky;
 }
 
-/// Longitude of what a mirror sphere of radius 1 at the origin shows at a pixel of its equator.
+/// Longitude of the sky that a mirror sphere of radius 1 at the origin shows at a pixel of its equator.
 double reflected_longitude(const FrameRequest& r, double x) {
   const double distance = glm::length(glm::dvec3(r.camera.eye));
   const double u = (2.0 * x / r.width - 1.0) * std::tan(0.5 * r.camera.fov_y_rad) * r.width / r.height;
@@ -237,9 +237,9 @@ Figures measure_mirror(Stage& stage) {
     for (int y = c.height / 2 - 3; y <= c.height / 2 + 2; ++y) {
       for (int x = c.width * 3 / 10; x < c.width * 7 / 10; ++x) {
         if (predicted.at(x, y, 3) < 1.0f) continue;
-        double turn = reflected_longitude(r, x + 1.0) - reflected_longitude(r, x);
-        turn = std::abs(std::remainder(turn, 2.0 * kPi));
-        ratios.push_back(predicted.at(x, y) / (m / (2.0 * kPi) * turn));
+        double rotation = reflected_longitude(r, x + 1.0) - reflected_longitude(r, x);
+        rotation = std::abs(std::remainder(rotation, 2.0 * kPi));
+        ratios.push_back(predicted.at(x, y) / (m / (2.0 * kPi) * rotation));
       }
     }
     const double ratio = test::median(ratios);
@@ -251,7 +251,7 @@ Figures measure_mirror(Stage& stage) {
   }
   figures.push_back(judged("mirror sphere under cos(m phi), worst m", "within 20 %", percent(worst), worst <= 0.2));
   Case back = c;
-  back.environment = "builtin:studio";  // the stage does not know of the skies above
+  back.environment = "builtin:studio";  // the stage does not know the skies above
   stage.show(back);
   return figures;
 }
@@ -260,7 +260,7 @@ Figures measure_mirror(Stage& stage) {
 
 namespace {
 
-/// Of one set of cases together.
+/// Sums over one set of cases.
 struct Sums {
   std::vector<Pairs> bandwidth = std::vector<Pairs>(definitions().size());
   Pairs variance;
@@ -269,7 +269,7 @@ struct Sums {
 Figures measure_case(Stage& stage, Case c, Sums* sums) {
   constexpr int kSamples = 64;
   Figures figures;
-  c.plain = true;  // light is what is interpolated, and what the prediction is of
+  c.plain = true;  // light is interpolated, and the prediction is for light
   stage.show(c);
   const Views views = predict(stage, kSamples);
   const std::vector<Definition> all = definitions();
@@ -317,7 +317,7 @@ Figures measure_validation(Stage& stage) {
   };
   Sums sky, grace;
   measure(quality_cases(stage.options()), &sky);
-  measure(research_cases(stage.options()), &grace);  // many small lamps: what the paper validated under
+  measure(research_cases(stage.options()), &grace);  // many small lamps: the paper's validation
   show_sums("all", sky, &figures);
   show_sums("under Grace", grace, &figures);
   if (sky.variance.predicted.empty()) return figures;

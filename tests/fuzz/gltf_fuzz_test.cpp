@@ -25,7 +25,7 @@ Bytes read_bytes(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// A small scene with a cage, a patch, textures and variants, as save_glb writes it.
+/// A small scene with a cage, a patch, textures and variants, written by save_glb.
 Scene small_scene() {
   Scene scene;
   scene.images.push_back({"texel", 1, 1, {1, 2, 3, 4}});
@@ -73,7 +73,7 @@ void expect_sound(const Scene& scene) {
   }
 }
 
-/// Loads damaged copies: each must load as a sound scene or throw one line. Returns how many loaded.
+/// Loads damaged copies: each must load as a valid scene or throw one line. Returns how many loaded.
 int load_damaged(const Bytes& original, int rounds, std::uint32_t seed) {
   const std::filesystem::path path =
       std::filesystem::temp_directory_path() / ("maquette-fuzz-" + std::to_string(::getpid()) + ".glb");
@@ -84,7 +84,7 @@ int load_damaged(const Bytes& original, int rounds, std::uint32_t seed) {
     const int flips = 1 + static_cast<int>(random() % 4);
     for (int flip = 0; flip < flips; ++flip) {
       char& byte = bytes[random() % bytes.size()];
-      // A digit stays a digit half of the time: the damage then gets past the JSON parser.
+      // Half of the time a digit becomes another digit: the damage then passes the JSON parser.
       byte = byte >= '0' && byte <= '9' && random() % 2 ? static_cast<char>('0' + random() % 10)
                                                         : static_cast<char>(random());
     }

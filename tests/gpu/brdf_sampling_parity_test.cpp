@@ -13,7 +13,7 @@ namespace {
 
 using namespace maquette;
 
-/// wo.xy and two random numbers in; direction, density, coordinates, density asked again and the cell's index out.
+/// In: wo.xy and two random numbers. Out: direction, density, coordinates, density computed again, index of the cell.
 std::string parity_shader() {
   return "#version 450 core\n"
          "layout(local_size_x = 64) in;\n"
@@ -54,7 +54,7 @@ GLuint build_program(const std::string& source) {
   return program;
 }
 
-/// The sampler and the coordinates are the same lines on both sides; this shows that the driver's arithmetic agrees.
+/// Both sides compile the same source of sampler and coordinates; this tests that the driver's arithmetic agrees.
 TEST(BrdfSamplingParity, ShaderAndHostAgree) {
   const GlContext context = GlContext::create_headless();
   const GLuint program = build_program(parity_shader());
@@ -91,7 +91,7 @@ TEST(BrdfSamplingParity, ShaderAndHostAgree) {
       const glm::vec3 difference = glm::abs(coordinates - glm::vec3(outputs[3 * i + 1]));
       if (difference.x > 0.03f || difference.y > 2e-3f) ++other_coordinates;
     }
-    // A number on the edge of a cell may fall to either side.
+    // A number on the border of a cell may be in either cell.
     EXPECT_LT(other_direction, 8) << name;
     EXPECT_LT(other_density, 8) << name;
     EXPECT_LT(other_asked, 80) << name;

@@ -79,7 +79,7 @@ glm::vec3 mean_of(const Image& image, int y0, int y1) {
   return sum / std::max(count, 1.0f);
 }
 
-/// A flat floor by the BRDFs of its cells is the floor by its material: Lambert under an even sky.
+/// A flat floor shaded by the BRDFs of its cells looks the same as shaded by its material: Lambert under an even sky.
 TEST_F(CellBrdfReflections, FlatLambertCellsAreLambert) {
   renderer_.set_scene(std::make_shared<const Scene>(before_a_mirror(false)));
   renderer_.set_environment(constant_sky(1.0f));
@@ -89,12 +89,12 @@ TEST_F(CellBrdfReflections, FlatLambertCellsAreLambert) {
   EXPECT_GT(stats_.gpu_bytes.at("cell_brdfs"), 0u);
   EXPECT_GT(stats_.technique.at("cell_layers"), 0.0);
   EXPECT_NEAR(cells.g, own.g, 0.05f * own.g);
-  // mixed: none of the flat cells is asked
+  // mixed: the flat cells' BRDFs are not used
   const glm::vec3 mixed = mean_of(draw("octree", "mixed"), 0, 64);
   EXPECT_NEAR(mixed.g, own.g, 0.01f * own.g);
 }
 
-/// Plates lower than a cell: without BRDFs their cells are floor, with them they are red from the side.
+/// Plates lower than a cell: without BRDFs their cells show the floor, with them they are red from the side.
 TEST_F(CellBrdfReflections, FineStructureKeepsItsMeanColour) {
   renderer_.set_scene(std::make_shared<const Scene>(before_a_mirror(true)));
   renderer_.set_environment(constant_sky(1.0f));

@@ -1,4 +1,4 @@
-// What the eye gets to see: edges against a sky that the display cannot show, in the window and in PNG.
+// The displayed picture: edges against a sky that is too bright for the display, in the window and in PNG.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ class Display : public ::testing::Test {
     request_.settings.set_from_text("shading.visibility", "none");
   }
 
-  /// What the window shows.
+  /// The picture as the window shows it.
   Image presented() {
     const Texture window = Texture::make_2d("window", GL_RGBA8, kWidth, kHeight);
     GLuint name = 0;
@@ -77,7 +77,7 @@ class Display : public ::testing::Test {
     return image;
   }
 
-  /// Pixels that are neither surface nor sky have the display's mean of both, by how much they see of each.
+  /// Pixels with both surface and sky have the mean of both displayed values, weighted by their shares.
   void expect_smooth_edges(int points) {
     const Image radiance = renderer_.read_radiance(), display = renderer_.read_display(0.0f, "linear"),
                 window = presented();

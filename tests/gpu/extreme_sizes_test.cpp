@@ -51,7 +51,7 @@ class ExtremeSizes : public ::testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Modes, ExtremeSizes, ::testing::Values("uniform", "bandwidth", "splitsum", "sg"),
                          [](const auto& mode) { return mode.param; });
 
-TEST_P(ExtremeSizes, OnePixelAndThinPicturesAreSound) {
+TEST_P(ExtremeSizes, OnePixelAndThinPicturesAreFinite) {
   const auto sky = std::make_shared<Environment>(load_environment("builtin:studio"));
   for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 9}, {301, 1}}) {
     const Image image = draw_sphere(GetParam(), width, height, sky);
@@ -67,7 +67,7 @@ class SceneSizes : public ExtremeSizes {};
 INSTANTIATE_TEST_SUITE_P(Modes, SceneSizes, ::testing::Values("uniform", "bandwidth"),
                          [](const auto& mode) { return mode.param; });
 
-TEST_P(SceneSizes, BakedVisibilityDoesNotKnowThem) {
+TEST_P(SceneSizes, BakedVisibilityDoesNotDependOnThem) {
   // An open box of triangles as fine as a car's: 1.5 cm, and 1.5e-8 m where the scene is that small.
   const auto picture = [&](float scale) {
     Scene scene = test::box_scene(5, 128, test::matte(glm::vec3(0.5f)));
@@ -104,13 +104,13 @@ class LargePicture : public ::testing::Test {
   GlContext context_ = GlContext::create_headless();
 };
 
-TEST_F(LargePicture, EightThousandPixelsWideIsSound) {
+TEST_F(LargePicture, EightThousandPixelsWideIsComplete) {
   const auto sky = std::make_shared<Environment>(load_environment("builtin:studio"));
   const Image image = draw_sphere("bandwidth", 7680, 4320, sky);
   ASSERT_EQ(image.width, 7680);
   ASSERT_EQ(image.height, 4320);
   EXPECT_TRUE(is_sound(image));
-  // Every pixel shows the sphere and some light of the studio: no pass may stop at a list's length.
+  // Every pixel shows the sphere and some light of the studio: no pass may be cut short by the length of a list.
   for (std::size_t i = 0; i < image.data.size(); i += 4) {
     ASSERT_EQ(image.data[i + 3], 1.0f) << "pixel " << i / 4;
     ASSERT_GT(image.data[i + 1], 0.0f) << "pixel " << i / 4;
@@ -154,7 +154,7 @@ TEST_F(LargePicture, SixteenThousandTexelEnvironmentKeepsItsEnergy) {
   EXPECT_TRUE(is_sound(image));
 }
 
-TEST(WorkLists, HoldWhatEveryPassNeedsAtLeast) {
+TEST(WorkLists, AreLongEnoughForEveryPass) {
   const GlContext context = GlContext::create_headless();
   for (const auto& [width, height] : {std::pair{1, 1}, {7680, 1}, {640, 360}, {301, 977}})
     for (const int side : {1, 2})
@@ -168,7 +168,7 @@ TEST(WorkLists, HoldWhatEveryPassNeedsAtLeast) {
       }
 }
 
-/// Lists of work are as large as frames have asked for.
+/// Work lists grow to the size that frames have needed.
 TEST(WorkLists, GrowWithoutLosingASample) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

@@ -1,4 +1,4 @@
-// A mesh mirror while patches are being fitted to it: frames do not wait, and say what they do without.
+// A mesh mirror while patches are being fitted to it: frames do not wait, and list what is missing.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace maquette {
 namespace {
 
-/// A mirror that bulges, with a name of its own.
+/// A curved mirror with its own name.
 void add_mirror(Scene* scene, const std::string& name, float x, float bend) {
   Primitive p = test::make_grid({x - 0.4f, -0.4f, -1.0f}, {0.8f, 0, 0}, {0, 0.8f, 0}, 12, 0);
   for (std::size_t i = 0; i < p.positions.size(); ++i) {
@@ -99,7 +99,7 @@ TEST_F(FittedPatches, OtherMirrorsAreDrawnMeanwhile) {
   EXPECT_GT(of_all, of_part + 200u);
 }
 
-/// A picture that is being averaged begins anew when the patches are there, and not at every frame before.
+/// Averaging restarts when the patches are ready, and not at every frame before.
 TEST_F(FittedPatches, ThePictureFollows) {
   renderer_.set_scene(std::make_shared<Scene>(two_mirrors(0.0f)));
   FrameRequest request = bezier_request();
@@ -107,7 +107,7 @@ TEST_F(FittedPatches, ThePictureFollows) {
   renderer_.finish_background_work(request);
   EXPECT_EQ(renderer_.render(request, true).accumulated_frames, 1);
   EXPECT_EQ(renderer_.render(request, true).accumulated_frames, 2);
-  // Another technique has no use for them.
+  // Another technique does not use them.
   std::shared_ptr<Scene> other = std::make_shared<Scene>(two_mirrors(0.2f));
   renderer_.set_scene(other);
   renderer_.render(request, true);
@@ -116,7 +116,7 @@ TEST_F(FittedPatches, ThePictureFollows) {
   EXPECT_TRUE(renderer_.background_work().empty());
 }
 
-/// A mesh of no area is refused when that is known, and in every frame from then on.
+/// A mesh without area is refused as soon as this is known, and in every frame from then on.
 TEST_F(FittedPatches, ARefusalComesLater) {
   Scene scene = two_mirrors(0.2f);
   for (glm::vec3& p : scene.meshes[1].primitives[0].positions) p = {0.5f, p.y, -1.0f};

@@ -1,5 +1,5 @@
-// The G-buffer that is kept while camera and surfaces rest: every frame with it equals the same frame drawn from
-// nothing, and it is drawn anew exactly when something changed that it holds.
+// Reuse of the G-buffer while camera and surfaces do not change: every frame with it equals the same frame drawn
+// without reuse, and it is drawn again exactly when something that it depends on has changed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ Material plain(const std::string& name, const glm::vec4& color) {
   return m;
 }
 
-/// A wavy sheet: it has curvature to find.
+/// A wavy sheet, for its curvature.
 Primitive make_sheet(const glm::vec3& corner, int side, int material) {
   Primitive p;
   p.material = material;
@@ -45,7 +45,7 @@ Primitive make_sheet(const glm::vec3& corner, int side, int material) {
   return p;
 }
 
-/// Two sheets side by side; variant 0 gives the left one another material.
+/// Two sheets side by side; variant 0 has another material on the left one.
 std::shared_ptr<Scene> two_sheets() {
   auto scene = std::make_shared<Scene>();
   scene->materials = {plain("left", {0.6f, 0.3f, 0.2f, 1.0f}), plain("right", {0.2f, 0.3f, 0.6f, 1.0f}),
@@ -85,13 +85,13 @@ class KeptGbuffer : public ::testing::Test {
     draw();
   }
 
-  /// Draws with what is kept, compares with the same frame from nothing, and returns whether anything was kept.
+  /// Draws with reuse, compares with the same frame drawn without, and returns whether anything was reused.
   bool draw() {
     const FrameStats stats = renderer_.render(request_);
     const Image kept = renderer_.read_radiance();
-    FrameRequest anew = request_;
-    anew.settings.set("shading.reuse", false);
-    const FrameStats full = renderer_.render(anew);
+    FrameRequest without_reuse = request_;
+    without_reuse.settings.set("shading.reuse", false);
+    const FrameStats full = renderer_.render(without_reuse);
     EXPECT_EQ(kept.data, renderer_.read_radiance().data);
     EXPECT_TRUE(timed(full, "raster") && timed(full, "gbuffer"));
     EXPECT_EQ(timed(stats, "raster"), timed(stats, "gbuffer"));
@@ -106,11 +106,11 @@ class KeptGbuffer : public ::testing::Test {
   static bool timed(const FrameStats& stats, const std::string& pass) {
     return std::any_of(stats.passes.begin(), stats.passes.end(), [&](const PassTime& p) { return p.name == pass; });
   }
-  /// From nothing, so that no point of it is kept either.
+  /// Drawn without reuse, so that no point of it is kept either.
   Image picture() {
-    FrameRequest anew = request_;
-    anew.settings.set("shading.reuse", false);
-    renderer_.render(anew);
+    FrameRequest without_reuse = request_;
+    without_reuse.settings.set("shading.reuse", false);
+    renderer_.render(without_reuse);
     return renderer_.read_radiance();
   }
 
@@ -133,7 +133,7 @@ TEST_F(KeptGbuffer, HoldsWhileOnlyTheLightChanges) {
   EXPECT_TRUE(draw());
 }
 
-TEST_F(KeptGbuffer, HoldsWhileAPaintIsSwappedForAnother) {
+TEST_F(KeptGbuffer, HoldsWhileAMaterialIsSwapped) {
   const auto counts = [&] { return std::pair(renderer_.facts().measured_count, renderer_.facts().analytic_count); };
   EXPECT_EQ(counts(), std::pair(0, 2));
   renderer_.set_material("left", "builtin:paint-red-metallic");
@@ -148,7 +148,7 @@ TEST_F(KeptGbuffer, HoldsWhileAPaintIsSwappedForAnother) {
   EXPECT_EQ(counts(), std::pair(0, 2));
 }
 
-TEST_F(KeptGbuffer, IsDrawnAnewWhenASurfaceChanges) {
+TEST_F(KeptGbuffer, IsDrawnAgainWhenASurfaceChanges) {
   renderer_.set_material("right", "builtin:glass");
   EXPECT_FALSE(draw());
   renderer_.set_material("right", "");
@@ -157,17 +157,17 @@ TEST_F(KeptGbuffer, IsDrawnAnewWhenASurfaceChanges) {
   EXPECT_FALSE(draw());
   renderer_.set_node_visible(1, true);
   EXPECT_FALSE(draw());
-  Primitive bent = scene_->meshes[0].primitives[0];
-  for (glm::vec3& p : bent.positions) p.z += 0.2f * p.y;
-  renderer_.update_mesh(0, bent.positions, bent.normals);
+  Primitive deformed = scene_->meshes[0].primitives[0];
+  for (glm::vec3& p : deformed.positions) p.z += 0.2f * p.y;
+  renderer_.update_mesh(0, deformed.positions, deformed.normals);
   EXPECT_FALSE(draw());
-  auto repainted = two_sheets();
-  repainted->materials[0].base_color = {0.9f, 0.9f, 0.1f, 1.0f};
-  renderer_.set_scene(repainted);
+  auto recoloured = two_sheets();
+  recoloured->materials[0].base_color = {0.9f, 0.9f, 0.1f, 1.0f};
+  renderer_.set_scene(recoloured);
   EXPECT_FALSE(draw());
 }
 
-TEST_F(KeptGbuffer, IsDrawnAnewWhenTheViewChanges) {
+TEST_F(KeptGbuffer, IsDrawnAgainWhenTheViewChanges) {
   request_.camera.eye.x += 0.01f;
   EXPECT_FALSE(draw());
   request_.camera.fov_y_rad *= 1.1f;
@@ -182,7 +182,7 @@ TEST_F(KeptGbuffer, IsDrawnAnewWhenTheViewChanges) {
   EXPECT_TRUE(draw());
 }
 
-/// A window shows the picture between two frames, by triangles of its own.
+/// A window presents the picture between two frames, which draws other triangles.
 TEST_F(KeptGbuffer, MirrorsShowTheSameAfterThePictureWasShown) {
   scene_ = two_sheets();
   scene_->materials[1].metallic = 1.0f;
@@ -192,7 +192,7 @@ TEST_F(KeptGbuffer, MirrorsShowTheSameAfterThePictureWasShown) {
   renderer_.set_scene(scene_);
   request_.reflections = "raytraced";
   request_.reflectors = {"mirror"};
-  request_.settings.set("shading.reuse", false);  // rays are traced anew
+  request_.settings.set("shading.reuse", false);  // rays are traced again
   renderer_.render(request_);
   const Image before = renderer_.read_debug_view("reflection_distance");
   ASSERT_GT(*std::max_element(before.data.begin(), before.data.end()), 0.5f) << "the mirror shows the other sheet";
@@ -221,7 +221,7 @@ TEST_F(KeptGbuffer, FollowsTheVariantThroughSwaps) {
   EXPECT_EQ(first.data, picture().data);
 }
 
-/// Three wavy panes of other tints, each in front of a part of the one behind, over a wall that fills half of the view.
+/// Three wavy panes of different tints, each in front of a part of the next, over a wall that fills half of the view.
 std::shared_ptr<Scene> three_panes() {
   auto scene = std::make_shared<Scene>();
   scene->materials = {plain("wall", {0.6f, 0.3f, 0.2f, 1.0f})};
@@ -244,15 +244,15 @@ std::shared_ptr<Scene> three_panes() {
   return scene;
 }
 
-TEST_F(KeptGbuffer, KeepsPanesThatShowWhatDrawnOnesShow) {
+TEST_F(KeptGbuffer, KeptPanesLookLikeDrawnOnes) {
   renderer_.set_scene(three_panes());
   request_.mode = "uniform";
   const auto compare = [&](bool kept) {
     const FrameStats stats = renderer_.render(request_);
     const Image picture = renderer_.read_radiance();
-    FrameRequest anew = request_;
-    anew.settings.set("shading.reuse", false);
-    const FrameStats full = renderer_.render(anew);
+    FrameRequest without_reuse = request_;
+    without_reuse.settings.set("shading.reuse", false);
+    const FrameStats full = renderer_.render(without_reuse);
     const Image drawn = renderer_.read_radiance();
     if (kept) {
       EXPECT_GT(stats.gpu_bytes.at("glass"), full.gpu_bytes.at("glass"));

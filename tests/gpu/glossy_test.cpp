@@ -1,5 +1,5 @@
-// Glossy opaque surfaces that mirror the scene through the octree: against closed forms, the path tracer, and what is
-// there without.
+// Glossy opaque surfaces that mirror the scene through the octree: against closed forms, the path tracer, and the
+// picture without them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -98,7 +98,7 @@ bool has_pass(const FrameStats& stats, const std::string& name) {
   return false;
 }
 
-/// Of one pixel: where its mirrored ray meets the wall, in double.
+/// Where a pixel's mirrored ray hits the wall, in double.
 struct MirroredPoint {
   double cosine = 0.0;
   glm::dvec3 wall{0.0};
@@ -131,7 +131,7 @@ std::optional<MirroredPoint> trace_pixel(const FrameRequest& r, int x, int y) {
   return point;
 }
 
-/// Two coordinates of a wall's point are inside; how far the farther one is from the corner.
+/// Distance of a point on a wall from the nearest corner, by the larger of its two coordinates.
 double inside_of_edge(const glm::dvec3& wall) {
   double second = 0.0, first = 0.0;
   for (int c = 0; c < 3; ++c) {
@@ -146,14 +146,14 @@ double inside_of_edge(const glm::dvec3& wall) {
   return 1.0 - second;
 }
 
-/// A closed room whose walls have known radiances and light nothing by themselves: what the sphere shows is its
-/// reflectance times that of the wall that its mirrored ray meets, and nothing without the octree.
+/// A closed room whose walls have known radiances and are not light sources: the sphere shows its reflectance times the
+/// radiance of the wall that its mirrored ray hits, and is black without the octree.
 TEST_P(Glossy, ASphereShowsAClosedRoomOfKnownRadiance) {
   const glm::dvec3 f0(0.9, 0.8, 0.7);
   set(room_with_sphere(
           6, [](int k) { return unlit(wall_color(k)); }, metal(glm::vec3(f0), 0.02f)),
       test::constant_sky(3.0f));
-  // Between the pixels of a coarse picture walls blend.
+  // Walls are interpolated between the pixels of a coarse picture.
   for (const auto& [resolution, margin, least] :
        {std::tuple("full", 0.12, 800), std::tuple("half", 0.3, 500), std::tuple("quarter", 0.55, 200)}) {
     SCOPED_TRACE(resolution);
@@ -189,8 +189,8 @@ TEST_P(Glossy, ASphereShowsAClosedRoomOfKnownRadiance) {
   }
 }
 
-/// All around is as bright as the sky: a white mirror shows one, whether its ray meets a wall, the sky, or the border
-/// between them, where masks are coarse. Nothing may count twice.
+/// All surroundings are as bright as the sky: a white mirror shows one, whether its ray hits a wall, the sky, or the
+/// border between them, where visibility maps are coarse. No light may count twice.
 TEST_P(Glossy, WhereAllIsWhiteNothingCountsTwice) {
   set(room_with_sphere(
           5, [](int) { return unlit(glm::vec3(1.0f)); }, metal(glm::vec3(1.0f), 0.1f)),
@@ -213,7 +213,7 @@ TEST_P(Glossy, WhereAllIsWhiteNothingCountsTwice) {
       }
     EXPECT_GT(count, 800.0);
     EXPECT_NEAR(sum / count, 1.0, std::string(visibility) == "traced" ? 0.03 : 0.06);
-    EXPECT_LT(bright, 0.03 * count);  // a lobe half of which sees the sky, and whose ray meets the wall beside it
+    EXPECT_LT(bright, 0.03 * count);  // a lobe whose half sees the sky while its ray hits the wall
   }
 }
 
@@ -241,7 +241,7 @@ TEST_P(Glossy, ASphereInARoomIsNearerToThePathTracer) {
   for (int y = 0; y < request.height; ++y)
     for (int x = 0; x < request.width; ++x) {
       const auto point = trace_pixel(request, x, y);
-      // Masks are too coarse for the outline of the opening, cells of edges hold two walls.
+      // Visibility maps are too coarse for the outline of the opening, and cells at edges contain two walls.
       if (!point || point->cosine < 0.2 || point->wall.y > 0.2 || inside_of_edge(point->wall) < 0.1) continue;
       for (int c = 0; c < 3; ++c) {
         const auto t = static_cast<double>(truth.at(x, y, c));
@@ -252,13 +252,13 @@ TEST_P(Glossy, ASphereInARoomIsNearerToThePathTracer) {
       }
     }
   EXPECT_GT(count, 2000.0);
-  EXPECT_LT(error_with, 0.6 * error_without);  // both with the noise of the paths
+  EXPECT_LT(error_with, 0.6 * error_without);  // both include the noise of the paths
   EXPECT_LT(error_with, 0.08 * level);
   RecordProperty("with", std::to_string(error_with / level));
   RecordProperty("without", std::to_string(error_without / level));
 }
 
-/// Off, or with nothing glossy in view: no pass, no memory, and the very picture of a renderer that never had it.
+/// Off, or with nothing glossy in view: no pass, no memory, and the same picture as from a renderer that never used it.
 TEST_P(Glossy, WhatIsNotNeededCostsNothing) {
   const auto wall = [](int) { return test::matte(glm::vec3(0.6f)); };
   set(room_with_sphere(5, wall, metal(glm::vec3(0.9f), 0.2f)), test::constant_sky(1.0f));
@@ -290,7 +290,7 @@ TEST_P(Glossy, WhatIsNotNeededCostsNothing) {
   EXPECT_EQ(seen.data, draw(away).picture.data);
 }
 
-/// A named part mirrors whatever octree.glossy says, and it alone; techniques without cells refuse it.
+/// Only a named part mirrors, whatever octree.glossy is; techniques without cells refuse it.
 TEST_P(Glossy, ANamedPartMirrors) {
   Scene scene = room_with_sphere(
       6, [](int k) { return unlit(wall_color(k)); }, metal(glm::vec3(0.9f), 0.1f));

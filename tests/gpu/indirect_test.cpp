@@ -135,8 +135,8 @@ TEST_P(Indirect, AMirrorShowsTheLightOfTheRoom) {
   }
 }
 
-/// While the light turns the picture lies between bakes of where it stood and where it is going to stand; at rest it is
-/// what it would have been without a turn.
+/// While the environment rotates the picture is interpolated between bakes for an earlier and a later rotation; at rest
+/// it is the picture for the final rotation.
 TEST_P(Indirect, ALightThatTurnsIsFollowed) {
   const auto scene = std::make_shared<Scene>(room());
   const auto sky = test::sky_of(128, 64, [](const glm::dvec3& d) {

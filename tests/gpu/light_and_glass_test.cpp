@@ -51,7 +51,7 @@ FrameRequest request_of(const std::string& mode, const std::string& visibility) 
   return r;
 }
 
-/// The only place that draws: nothing that is drawn may hold NaN or make a GL error.
+/// All tests draw by this function: no picture may contain NaN or cause a GL error.
 Image draw(Renderer* renderer, const FrameRequest& request) {
   EXPECT_TRUE(renderer->finish_background_work(request));
   renderer->render(request);
@@ -62,7 +62,7 @@ Image draw(Renderer* renderer, const FrameRequest& request) {
   return image;
 }
 
-/// A ray along the edge where two walls meet may go either way: a few samples in 10,000.
+/// A ray along the edge between two walls may hit or miss: a few samples in 10,000.
 constexpr double kLeak = 5e-4;
 
 double mean(const Image& image) {
@@ -150,7 +150,7 @@ TEST_P(LightAndGlass, EmptySceneHasNothingToBake) {
   EXPECT_NEAR(mean(draw(&renderer, request_of(GetParam(), "baked"))), 2.0, 0.01);
 }
 
-/// The roof is pushed aside: the old bake stays until the new one is there.
+/// The roof is moved aside: the old bake is used until the new one is ready.
 TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
   const auto scene = std::make_shared<Scene>(box_scene(6));
   Renderer renderer;
@@ -188,7 +188,7 @@ TEST_P(LightAndGlass, PunctualLightsMeetTheClosedForm) {
     renderer.set_scene(std::make_shared<Scene>(scene));
     renderer.set_environment(constant_sky(0.0f));
     FrameRequest request = request_of(GetParam(), "none");
-    request.env_scale = 7.0f;  // does not touch the scene's lights
+    request.env_scale = 7.0f;  // does not affect the scene's lights
     request.camera.eye = {0.0f, 3.0f, 0.0f};
     request.camera.target = {0.0f, 0.0f, 0.0f};
     request.camera.up = {0.0f, 0.0f, -1.0f};
@@ -198,7 +198,7 @@ TEST_P(LightAndGlass, PunctualLightsMeetTheClosedForm) {
   }
 }
 
-/// A square that glows over the middle of the floor: E = L * 4 * view factor of a quarter * pi.
+/// An emissive square over the middle of the floor: E = L * 4 * view factor of a quarter * pi.
 TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
   Scene scene = floor_scene();
   Material lamp = matte("lamp", 0.0f);
@@ -221,7 +221,7 @@ TEST_P(LightAndGlass, GlowingSquareMeetsTheClosedForm) {
   EXPECT_NEAR(mean(draw(&renderer, request)), expected, 0.02 * expected);
 }
 
-/// A lamp almost touching the floor: no sample may stand for more than a few mirrors of it.
+/// A lamp almost touching the floor: no sample may be larger than a few times the lamp's radiance.
 TEST_P(LightAndGlass, LampCloseToASurfaceMakesNoFireflies) {
   Scene scene = floor_scene();
   Material lamp = matte("lamp", 0.0f);
@@ -238,8 +238,8 @@ TEST_P(LightAndGlass, LampCloseToASurfaceMakesNoFireflies) {
   EXPECT_LE(*std::max_element(image.data.begin(), image.data.end()), 2.0f * 5.0f);
 }
 
-/// A dim strip of many triangles on the floor, a strong lamp far away: chosen by power alone the strip was found once
-/// in a thousand samples and was a thousand times too bright there.
+/// A dim strip of many triangles on the floor, a strong lamp far away: selected by power alone, the strip was sampled
+/// once in a thousand samples, and was then a thousand times too bright.
 TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   Scene scene = floor_scene();
   Material glow = matte("strip", 0.0f);
@@ -272,7 +272,7 @@ TEST_P(LightAndGlass, DimLampsBesideASurfaceMakeNoFireflies) {
   EXPECT_NEAR(mean(one), mean(converged), 0.1 * mean(converged));  // the foot of the strip is interpolated, too
 }
 
-/// At night, where a few samples for 64 of the sky would be all noise.
+/// At night a few light samples for 64 of the sky would give only noise.
 TEST_P(LightAndGlass, LampsThatOutshineTheSkyHaveAsManySamples) {
   Scene scene = floor_scene();
   for (int k = 0; k < 8; ++k) {
@@ -314,7 +314,7 @@ Scene pane_scene(const glm::vec4& tint) {
   return scene;
 }
 
-/// Furnace: what a clear pane takes from the light behind it gives back by the mirrored light.
+/// Furnace: a clear pane removes as much light from behind as it adds by reflection.
 TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
   for (int msaa : {1, 4}) {
     Renderer renderer;
@@ -331,7 +331,8 @@ TEST_P(LightAndGlass, ClearPaneVanishesInAConstantSky) {
   }
 }
 
-/// A pane above a black floor mirrors the whole sky upwards and nothing downwards: each face by its own masks.
+/// A pane above a black floor mirrors the whole sky upwards and nothing downwards: each face has its own visibility
+/// map.
 TEST_P(LightAndGlass, PaneMirrorsWhatItsFaceSees) {
   Scene scene = floor_scene();
   scene.materials[0] = matte("black", 0.0f);
@@ -374,8 +375,8 @@ TEST_P(LightAndGlass, TintedPaneTransmitsAndReflectsByFresnel) {
   EXPECT_NEAR(renderer.read_radiance().at(24, 24, 2), image.at(24, 24, 2), 2e-3f);
 }
 
-/// A dark glass sphere, whose near half hides the far one: its layers cover each other in the order of their distance,
-/// whatever the order of its triangles. The reference finds them by rays.
+/// A dark glass sphere, whose near half covers the far one: its layers are drawn in the order of their distance,
+/// whatever the order of its triangles. The reference uses rays.
 TEST_P(LightAndGlass, PaneThatCoversItselfIsDrawnFromBackToFront) {
   const auto sky = test::sky_of(64, 32, [](const glm::dvec3& d) { return glm::dvec3(1.0 + 9.0 * (d.y > 0.0)); });
   Scene scene = test::sphere_of(pane_scene(glm::vec4(0.3f, 0.3f, 0.3f, 1.0f)).materials[0]);
@@ -452,7 +453,7 @@ TEST_P(LightAndGlass, ResourcesAreReleased) {
     if (round % 5 == 0) {
       draw(&renderer, request);
     } else {
-      renderer.render(request);  // goes away while its bake runs
+      renderer.render(request);  // destroyed while its bake runs
     }
   }
   int buffers = 0, textures = 0, framebuffers = 0, programs = 0, arrays = 0;

@@ -112,7 +112,7 @@ TEST_P(LookupModes, MeasuredTableShowsItsAlbedoUnderAConstantSky) {
   renderer.set_environment(constant_sky(1.0f));
   renderer.render(sphere_request(*scene, GetParam()));
   const Image image = renderer.read_radiance();
-  // Two reflectances cannot follow every table over all elevations; sg has a factor for each of them.
+  // Two reflectances cannot match every measured material at all elevations; sg has a factor for each elevation.
   const float tolerance = std::string(GetParam()) == "sg" ? 0.04f : 0.15f;
   for (int c = 0; c < 3; ++c) {
     const float albedo = tables.albedo[0][c];
@@ -160,17 +160,17 @@ TEST_P(LookupModes, CoatAndSheenAgreeWithUniform) {
   }
 }
 
-TEST_P(LookupModes, TurningTheLightIsTurningTheMap) {
+TEST_P(LookupModes, RotatingTheEnvironmentIsRotatingTheMap) {
   const auto spotted = [](const glm::dvec3& d) {
     const double spot = 20.0 * std::exp(60.0 * (glm::dot(d, glm::normalize(glm::dvec3(0.3, 0.5, 0.8))) - 1.0));
     return smooth_radiance(d) + glm::dvec3(spot, 0.5 * spot, 0.1 * spot);
   };
   const auto sky = make_sky(64, spotted);
-  auto turned = std::make_shared<Environment>(*sky);
+  auto rotated = std::make_shared<Environment>(*sky);
   for (int y = 0; y < sky->height; ++y)
     for (int x = 0; x < sky->width; ++x) {
       // From +Z towards +X: to the left by a quarter of the map.
-      turned->rgb[static_cast<std::size_t>(y * 64 + x)] = sky->rgb[static_cast<std::size_t>(y * 64 + (x + 16) % 64)];
+      rotated->rgb[static_cast<std::size_t>(y * 64 + x)] = sky->rgb[static_cast<std::size_t>(y * 64 + (x + 16) % 64)];
     }
   Renderer renderer;
   Material material;
@@ -185,7 +185,7 @@ TEST_P(LookupModes, TurningTheLightIsTurningTheMap) {
   renderer.render(request);
   const Image by_rotation = renderer.read_radiance();
   request.env_rotation_rad = 0.0f;
-  renderer.set_environment(turned);
+  renderer.set_environment(rotated);
   renderer.render(request);
   EXPECT_LT(relative_error(renderer.read_radiance(), by_rotation), 0.01);
   EXPECT_GT(relative_error(still, by_rotation), 0.1);

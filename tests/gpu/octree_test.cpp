@@ -8,8 +8,8 @@
 #include "render/gl/context.h"
 #include "render/octree/octree_buffers.h"
 #include "render/octree/octree_build.h"
-#include "render/octree/octree_kind.h"
 #include "render/octree/octree_shared.h"
+#include "render/octree/octree_kind.h"
 #include "render/renderer.h"
 #include "tests/support/octree_rays.h"
 #include "tests/support/test_scenes.h"
@@ -63,7 +63,7 @@ TEST(OctreeOnGpu, WalksAsTheCpuDoes) {
     const RayRecord& r = rays[i];
     const auto hit = shared::octree_trace(frame, {r.origin, r.direction, r.t_min, r.t_max, r.t_box, r.width, r.spread});
     met += hit.node >= 0;
-    if (hit.node != hits[i].node) ++differ;  // another rounding of a ray that touches an edge
+    if (hit.node != hits[i].node) ++differ;  // different rounding of a ray along an edge
     if (hit.node == hits[i].node && hit.node >= 0) {
       EXPECT_NEAR(hit.t, hits[i].t, 1e-4f);
     }
@@ -112,8 +112,8 @@ class TracedVisibility : public ::testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(Modes, TracedVisibility, ::testing::Values("uniform", "bandwidth"),
                          [](const auto& mode) { return mode.param; });
 
-/// A mirror in a box whose roof has a gap: most of what it shows is light by way of other surfaces, baked by vertex.
-/// Cells know it as the triangles of `raytraced` do.
+/// A mirror in a box whose roof has a gap: most of what it shows is indirect light, baked per vertex. Cells show it
+/// like the triangles of `raytraced`.
 TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   const GlContext context = GlContext::create_headless();
   Scene scene = *box(5);
@@ -141,7 +141,7 @@ TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   const Image direct = draw_mirror("raytraced", "none"), rays = draw_mirror("raytraced", "baked"),
               rays_m = renderer.read_debug_view("reflection_distance"), cells = draw_mirror("octree", "baked"),
               cells_m = renderer.read_debug_view("reflection_distance");
-  // Where two walls share a cell, it is a solid with a normal between theirs.
+  // A cell that contains two walls is a solid with a normal between theirs.
   const auto is_corner = [&](std::size_t i) { return std::abs(cells_m.data[i] - rays_m.data[i]) > 2e-3f; };
   int corners = 0;
   double indirect_sum = 0.0, sum = 0.0, apart = 0.0;
@@ -157,8 +157,8 @@ TEST(OctreeReflections, CellsKnowTheLightBakedByVertex) {
   EXPECT_LT(corners, 250);
 }
 
-/// While the camera of a window looks away for a moment the octree stays, in a single picture it does not, and a user
-/// who turns to another technique has the memory back at once.
+/// In a window the octree is kept while the camera looks away for a moment, for a single picture it is not; its memory
+/// is released at once when another technique is selected.
 TEST(OctreeReflections, StayWhileTheCameraLooksAway) {
   const GlContext context = GlContext::create_headless();
   for (const bool interactive : {true, false}) {
@@ -221,8 +221,9 @@ TEST_P(TracedVisibility, OpenPlaneDoesNotShadowItself) {
   EXPECT_NEAR(draw(&renderer, request), 0.5, 0.01);
 }
 
-/// Under an open-topped box of height 2: the view factor of its 2 x 2 opening. Baked masks are allowed 20 %, rays 3.
-/// Source: Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3 (a quarter, from its corner).
+/// Under an open-topped box of height 2: the view factor of its 2 x 2 opening. Baked visibility may err by 20 %, rays
+/// by 3. Source: Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3 (a quarter, from its
+/// corner).
 TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
   Renderer renderer;
   renderer.set_scene(box(5));
@@ -238,7 +239,7 @@ TEST_P(TracedVisibility, OpenTopLightsTheFloorByItsViewFactor) {
   EXPECT_NEAR(draw(&renderer, request), 0.5 * factor, 0.03 * 0.5 * factor);
 }
 
-/// A wall moves; the picture follows without another scene.
+/// A wall moves; the picture follows without loading the scene again.
 TEST_P(TracedVisibility, FollowsChangedGeometry) {
   Renderer renderer;
   renderer.set_scene(box(6));

@@ -17,7 +17,7 @@ namespace {
 constexpr float kAngle = 0.01f, kFootprint = 0.02f;
 constexpr int kSamples = 8, kTile = 8;
 
-/// A made-up prediction: patches of three materials, holes of sky, some quads without a prediction.
+/// A synthetic prediction: patches of three materials, holes of sky, some quads without a prediction.
 struct Predicted {
   int width, height, quads_x, quads_y;
   std::vector<float> depth;
@@ -54,7 +54,7 @@ struct Predicted {
     return glm::ivec2(-1);
   }
 
-  /// What bandwidth.comp says of a quad, tap by tap: 5 x 5 quads of its material, the border's repeated beyond it.
+  /// The result of bandwidth.comp for a quad, tap by tap: 5 x 5 quads of its material, with the border repeated.
   glm::vec4 pooled(int x, int y) const {
     const glm::ivec2 p = visible(x, y);
     if (p.x < 0) return glm::vec4(0.0f);
@@ -110,7 +110,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   const Texture near = texture_of(GL_RGBA32F, GL_RGBA, GL_FLOAT, in.quads_x, in.quads_y, in.near);
   const unsigned footprint = std::bit_cast<unsigned>(kFootprint);
   const std::vector<glm::uvec4> flat(in.energy.size(), glm::uvec4(footprint, footprint, 0u, 0u));
-  const Texture bend = texture_of(GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, in.quads_x, in.quads_y, flat);
+  const Texture curvature = texture_of(GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, in.quads_x, in.quads_y, flat);
   const Texture pyramid = Texture::make_2d("pyramid", GL_RGBA32F, in.quads_x, in.quads_y, 2);
   const Texture axes = Texture::make_2d("axes", GL_RGBA16F, in.quads_x, in.quads_y);
 
@@ -120,7 +120,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   glBindTextureUnit(9, depth.get());
   glBindTextureUnit(18, energy.get());
   glBindTextureUnit(28, near.get());
-  glBindTextureUnit(31, bend.get());
+  glBindTextureUnit(31, curvature.get());
   glBindImageTexture(0, pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(1, axes.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
   glBindImageTexture(2, pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -142,7 +142,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   };
   for (int y = 0; y < in.quads_y; ++y)
     for (int x = 0; x < in.quads_x; ++x) {
-      // At the border the last quads stand for those beyond it; taps two apart count them less often.
+      // At the border the last quads replace those beyond it; with taps two apart they count less often.
       if (first_only && (std::min(x, y) < 2 || x >= in.quads_x - 2 || y >= in.quads_y - 2)) continue;
       const glm::vec4 expected = in.pooled(x, y), found = fine[in.quad(x, y)];
       EXPECT_TRUE(near_to(found, expected)) << x << ", " << y << ": " << found.x << " " << found.y << " " << found.z

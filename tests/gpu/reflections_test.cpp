@@ -1,4 +1,4 @@
-// What reflectors show, technique by technique, against the rays of `raytraced`; and what they must not show.
+// Reflections of each technique against the rays of `raytraced`, and cases in which nothing may be reflected.
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ void add_box(Scene* scene, const glm::vec3& low, const glm::vec3& high, int mate
     add(scene, side, "box");
 }
 
-/// What stands before the mirror: two boxes on a floor of two colours.
+/// The scene in front of the mirror: two boxes on a floor of two colours.
 Scene room() {
   Scene scene;
   scene.materials = {plain("grey", glm::vec3(0.5f)), plain("red", {0.8f, 0.1f, 0.05f}),
@@ -57,7 +57,7 @@ Scene room() {
   return scene;
 }
 
-/// A mirror 2 m wide and 1.2 m high, at its sides bent towards the eye by `bend` metres.
+/// A mirror 2 m wide and 1.2 m high, curved towards the eye at its sides by `bend` metres.
 void add_patch(Scene* scene, float bend) {
   BezierPatch patch;
   patch.name = "mirror";
@@ -114,7 +114,7 @@ Image draw_reflection(Renderer* renderer, const FrameRequest& request) {
 
 struct Difference {
   double mean = 0.0;   ///< of the absolute difference, against the mean of the reference
-  double share = 0.0;  ///< of the reflector's pixels that differ by a tenth of that mean
+  double share = 0.0;  ///< share of the reflector's pixels that differ by more than a tenth of that mean
 };
 
 Difference compare(const Image& image, const Image& reference) {
@@ -149,7 +149,7 @@ class Reflections : public ::testing::Test {
     install_debug_output();
     renderer_.set_environment(std::make_shared<Environment>(make_clear_sky()));
   }
-  /// Holds a technique to what rays show; what failed is written beside the test.
+  /// Compares a technique with traced rays; pictures of a failure are written beside the test.
   void expect_near_rays(const FrameRequest& request, double mean, double share) {
     FrameRequest exact = request;
     exact.reflections = "raytraced";
@@ -187,9 +187,9 @@ TEST_F(Reflections, BezierShowsWhatRaysShow) {
   }
 }
 
-/// Bowls that fold the room over: what is not marked is what rays show, what differs is marked, and the picture and the
-/// stats say so.
-TEST_F(Reflections, BezierMarksWhatItDoesNotVouchFor) {
+/// Bowls that show parts of the room several times: unmarked pixels agree with rays, pixels that differ are marked as
+/// low confidence, and the picture and the stats show it.
+TEST_F(Reflections, BezierMarksLowConfidence) {
   const auto view = [&](const FrameRequest& request, const std::string& name) {
     draw_reflection(&renderer_, request);
     return renderer_.read_debug_view(name);
@@ -199,9 +199,9 @@ TEST_F(Reflections, BezierMarksWhatItDoesNotVouchFor) {
     Scene scene = room();
     add_patch(&scene, bend);
     renderer_.set_scene(std::make_shared<Scene>(scene));
-    const Image image = view(request_of("bezier"), "reflection"), doubt = renderer_.read_debug_view("reflection_doubt");
+    const Image image = view(request_of("bezier"), "reflection"), marks = renderer_.read_debug_view("reflection_doubt");
     const Image exact = view(request_of("raytraced"), "reflection");
-    double certain = 0.0, doubtful = 0.0, wrong = 0.0;
+    double certain = 0.0, low_confidence = 0.0, wrong = 0.0;
     for (std::size_t i = 0; i < exact.data.size(); i += 4) {
       if (exact.data[i + 3] <= 0.0f) continue;
       float difference = 0.0f, level = 0.01f;
@@ -209,23 +209,23 @@ TEST_F(Reflections, BezierMarksWhatItDoesNotVouchFor) {
         difference = std::max(difference, std::abs(image.data[i + c] - exact.data[i + c]));
         level = std::max(level, exact.data[i + c]);
       }
-      const bool marked = doubt.data[i] > 0.0f;
-      (marked ? doubtful : certain) += 1.0;
+      const bool marked = marks.data[i] > 0.0f;
+      (marked ? low_confidence : certain) += 1.0;
       wrong += !marked && difference > 0.1f * level ? 1.0 : 0.0;
     }
-    EXPECT_GT(doubtful, 200.0);
+    EXPECT_GT(low_confidence, 200.0);
     EXPECT_GT(certain, 200.0);
     EXPECT_LT(wrong, 0.004 * certain);
     FrameRequest hatched = request_of("bezier"), plain = hatched;
     plain.settings.set_from_text("reflections.mark", "none");
-    EXPECT_EQ(renderer_.render(hatched).technique.at("uncertain_pixels"), doubtful);
+    EXPECT_EQ(renderer_.render(hatched).technique.at("uncertain_pixels"), low_confidence);
     const Image with = renderer_.read_radiance();
     renderer_.render(plain);
     const Image without = renderer_.read_radiance();
     double changed = 0.0;
     for (std::size_t i = 0; i < with.data.size(); i += 4) changed += with.data[i] < without.data[i] ? 1.0 : 0.0;
-    EXPECT_GT(changed, 0.1 * doubtful);
-    EXPECT_LT(changed, 0.4 * doubtful);
+    EXPECT_GT(changed, 0.1 * low_confidence);
+    EXPECT_LT(changed, 0.4 * low_confidence);
   }
 }
 
@@ -244,7 +244,7 @@ TEST_F(Reflections, TriangleShowsWhatRaysShow) {
   }
 }
 
-/// A mesh with normals, coarse enough that its rays are far from a smooth surface's.
+/// A mesh with normals, so coarse that its rays differ much from those of a smooth surface.
 TEST_F(Reflections, AMeshReflectsByItsNormals) {
   for (const float bend : {0.15f, -0.3f}) {
     SCOPED_TRACE(bend);
@@ -262,8 +262,8 @@ TEST_F(Reflections, AMeshReflectsByItsNormals) {
   }
 }
 
-/// A mirror of very many triangles before a scene of very many: refused, not drawn for minutes.
-TEST_F(Reflections, TriangleRefusesWhatWouldTakeMinutes) {
+/// A mirror of very many triangles in a scene of very many: refused instead of drawn for minutes.
+TEST_F(Reflections, TriangleRefusesScenesThatWouldTakeMinutes) {
   Scene scene = room();
   add_mesh_mirror(&scene, 0.3f, 200);
   add(&scene, make_grid({-1.0f, -1.0f, 1.0f}, {2, 0, 0}, {0, 2, 0}, 250, 0));
@@ -288,7 +288,7 @@ TEST_F(Reflections, APlaneMirrorIsExact) {
 
 constexpr const char* kTechniques[] = {"raytraced", "bezier", "triangle", "octree"};
 
-/// A patch with one edge drawn together to a point.
+/// A patch with one edge collapsed to a point.
 TEST_F(Reflections, ACollapsedEdgeReflects) {
   Scene scene = room();
   add_patch(&scene, 0.15f);
@@ -330,7 +330,7 @@ TEST_F(Reflections, AReflectorBehindTheEyeCostsNothing) {
   }
 }
 
-TEST_F(Reflections, TheEyeOnTheSurfaceIsSound) {
+TEST_F(Reflections, TheEyeOnTheSurfaceIsFinite) {
   Scene scene = room();
   add_patch(&scene, 0.15f);
   renderer_.set_scene(std::make_shared<Scene>(scene));
@@ -342,7 +342,7 @@ TEST_F(Reflections, TheEyeOnTheSurfaceIsSound) {
   }
 }
 
-/// Nothing stands before the mirror: it shows the sky, and no technique finds a triangle.
+/// Nothing is in front of the mirror: it shows the sky, and no technique finds a triangle.
 TEST_F(Reflections, AnEmptyReflectionShowsTheSky) {
   Scene scene;
   scene.materials.assign(4, mirror_metal());
@@ -351,7 +351,7 @@ TEST_F(Reflections, AnEmptyReflectionShowsTheSky) {
   for (const char* technique : kTechniques) expect_near_rays(request_of(technique), 1e-4, 1e-4);
 }
 
-/// Which way a mirror's normals point, and whether a file has any, does not matter to what it shows.
+/// A reflection does not depend on the side to which the normals point, or whether the file has any.
 TEST_F(Reflections, FlippedAndMissingNormalsReflect) {
   for (const bool flipped : {false, true}) {
     SCOPED_TRACE(flipped);
@@ -369,7 +369,7 @@ TEST_F(Reflections, FlippedAndMissingNormalsReflect) {
   }
 }
 
-/// Two sheets and a rim, whose normals are those of the sheets: each has patches of its own.
+/// Two sheets and a rim that shares their normals: each sheet has its own patches.
 TEST_F(Reflections, AClosedPaneReflects) {
   Scene scene = room();
   add_mesh_mirror(&scene, -0.15f, 24);
@@ -391,7 +391,7 @@ TEST_F(Reflections, AClosedPaneReflects) {
   EXPECT_LT(renderer_.render(request).technique.at("fit_error_mm"), 0.2);
 }
 
-TEST_F(Reflections, ViewsTellWhatTheSearchTook) {
+TEST_F(Reflections, ViewsShowTheCostOfTheSearch) {
   Scene scene = room();
   add_patch(&scene, 0.15f);
   renderer_.set_scene(std::make_shared<Scene>(scene));
@@ -417,7 +417,7 @@ TEST_F(Reflections, ViewsTellWhatTheSearchTook) {
   EXPECT_LE(range("reflection_root").second, 3.0f);
 }
 
-/// A wall 4 m before a flat mirror, seen by way of it: where its image stands behind the mirror.
+/// A wall 4 m in front of a flat mirror, seen in it: the distance of its image behind the mirror.
 TEST_F(Reflections, DistancesAreThoseOfTheMirrorImage) {
   Scene scene;
   scene.materials.assign(3, plain("grey", glm::vec3(0.5f)));
@@ -445,7 +445,7 @@ TEST_F(Reflections, DistancesAreThoseOfTheMirrorImage) {
   }
 }
 
-/// While only the light turns the hits are shaded anew and not found again; when the eye moves they are.
+/// While only the environment rotates the hits are reused and shaded again; when the eye moves they are traced again.
 TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
   Scene scene = room();
   add_patch(&scene, 0.15f);
@@ -461,9 +461,9 @@ TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
     request.env_rotation_rad = 1.0f;
     EXPECT_FALSE(finds_hits(renderer_.render(request)));
     const Image kept = renderer_.read_radiance();
-    FrameRequest anew = request;
-    anew.settings.set_from_text("shading.reuse", "false");
-    EXPECT_TRUE(finds_hits(renderer_.render(anew)));
+    FrameRequest without_reuse = request;
+    without_reuse.settings.set_from_text("shading.reuse", "false");
+    EXPECT_TRUE(finds_hits(renderer_.render(without_reuse)));
     EXPECT_EQ(kept.data, renderer_.read_radiance().data);
     request.camera.eye.x += 0.05f;
     EXPECT_TRUE(finds_hits(renderer_.render(request)));
@@ -471,7 +471,7 @@ TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
   }
 }
 
-/// What the picture before showed only decides what is looked at first: a jump of the eye leaves nothing behind.
+/// The previous picture only affects the order of the search: after a jump of the eye nothing of it remains.
 TEST_F(Reflections, APictureDoesNotDependOnTheOneBefore) {
   Scene scene = room();
   add_patch(&scene, -0.15f);
@@ -489,7 +489,7 @@ TEST_F(Reflections, APictureDoesNotDependOnTheOneBefore) {
   }
 }
 
-/// A closed box under a bright sky: with shadows nothing in it is lit, and the mirror has nothing to show.
+/// A closed box under a bright sky: with shadows nothing in it is lit, and the mirror stays black.
 TEST_F(Reflections, AMirrorInAClosedBoxStaysDark) {
   Scene scene;
   scene.materials = {plain("wall", glm::vec3(0.5f)), plain("red", glm::vec3(1.0f)), plain("blue", glm::vec3(1.0f)),
@@ -520,7 +520,7 @@ TEST_F(Reflections, AMirrorInAClosedBoxStaysDark) {
     }
 }
 
-/// A pane before a bright sky that mirrors a dim room, and a lamp as small as a hand in it.
+/// A pane in front of a bright sky that mirrors a dim room with a lamp of the size of a hand.
 Scene pane_before_the_sky(float lamp_cdm2) {
   Scene scene;
   scene.materials = {plain("grey", glm::vec3(0.3f)), plain("red", {0.8f, 0.1f, 0.05f}), plain("lamp", glm::vec3(0.0f)),
@@ -551,8 +551,9 @@ double flip_with_sky(Image image, Image reference) {
   return measure_error(image, reference).figures.flip.value();
 }
 
-/// Before a bright sky many mirrored rays are not followed, and nobody sees it; what is bright is followed.
-TEST_F(Reflections, RaysThatNobodySeesAreSkipped) {
+/// In front of a bright sky many mirrored rays are skipped without a visible difference; rays to bright parts are
+/// traced.
+TEST_F(Reflections, RaysWithoutVisibleEffectAreSkipped) {
   double share[2] = {};
   for (const float lamp : {0.0f, 2e5f}) {
     SCOPED_TRACE(lamp);
@@ -582,8 +583,8 @@ TEST_F(Reflections, RaysThatNobodySeesAreSkipped) {
   EXPECT_LT(share[1], share[0] - 0.03) << "what mirrors the lamp is to be followed";
 }
 
-/// Where the question costs more than the answer, and where pictures are measured, every ray is followed, and the plan
-/// says why.
+/// If the test for skipping would cost more than it saves, and in pictures for measurements, every ray is traced, and
+/// the plan says why.
 TEST_F(Reflections, ThePlanSaysWhyNoRayIsSkipped) {
   renderer_.set_scene(std::make_shared<Scene>(pane_before_the_sky(0.0f)));
   for (const char* technique : {"raytraced", "bezier", "triangle", "octree"}) {
@@ -598,8 +599,8 @@ TEST_F(Reflections, ThePlanSaysWhyNoRayIsSkipped) {
   }
 }
 
-/// A lamp as a thin upright bar, mirrored at about 60 degrees in a flat pane 5 mm thick: its two images are as far
-/// apart as the paths say that Snell's law unfolds, height (tan theta) + 2 t tan(theta') each.
+/// A lamp as a thin upright bar, mirrored at about 60 degrees in a flat pane 5 mm thick: the distance of its two images
+/// follows from the paths unfolded by Snell's law, height (tan theta) + 2 t tan(theta') each.
 TEST_F(Reflections, APaneShowsALampTwice) {
   constexpr double kWay = 2.0, kHeights = 1.2, kThickness = 0.005, kIndex = 1.52;
   Scene scene;
@@ -657,8 +658,8 @@ Material clear_glass() {
   return m;
 }
 
-/// The second image of thick, wedged panes as rays show it: bent both ways, flat, and a mesh; beside the first by
-/// several pixels, so that what takes one for the other fails.
+/// The second image of thick, wedged panes agrees with rays: panes curved both ways, flat, and a mesh. It is several
+/// pixels from the first, so a technique that confuses both fails.
 TEST_F(Reflections, SecondImagesAreWhereRaysShowThem) {
   const auto second_image = [&](const FrameRequest& request) {
     draw_reflection(&renderer_, request);

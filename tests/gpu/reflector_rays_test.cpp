@@ -1,4 +1,4 @@
-// Rays of reflectors: exact however coarsely a patch is drawn, and none left over from another frame.
+// Rays of reflectors: exact even for a coarsely drawn patch, and none left from another frame.
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
@@ -62,7 +62,7 @@ FrameRequest request_of(const std::string& technique, const std::string& resolut
   return r;
 }
 
-/// From the eye on the z axis by way of the mirror to the wall.
+/// The path from the eye on the z axis via the mirror to the wall.
 double exact_distance_m(double eye_z, const glm::dvec3& ray) {
   // (eye_z + k) + 1 = kBend k^2 (x^2 + y^2 / 2) along z = eye_z - k.
   const double a = kBend * (ray.x * ray.x + 0.5 * ray.y * ray.y), depth = eye_z + 1.0;
@@ -86,7 +86,7 @@ class ReflectorRays : public ::testing::Test {
   }
 };
 
-/// Held to the closed form, not to the triangles that the patch is drawn by.
+/// Compared with the closed form, not with the triangles by which the patch is drawn.
 TEST_F(ReflectorRays, OfACoarselyDrawnPatchAreExact) {
   const Scene scene = mirror_before_wall();
   const std::unique_ptr<Renderer> renderer = make_renderer(scene);
@@ -114,7 +114,7 @@ TEST_F(ReflectorRays, OfACoarselyDrawnPatchAreExact) {
   }
 }
 
-/// Only tiles with rays are drawn: what other tiles held before must not be seen.
+/// Only tiles with rays are drawn: old contents of other tiles must not be visible.
 TEST_F(ReflectorRays, AJumpOfTheEyeLeavesNothingBehind) {
   const Scene scene = mirror_before_wall();
   const std::pair<const char*, const char*> cases[] = {

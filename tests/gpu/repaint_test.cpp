@@ -1,4 +1,5 @@
-// A swap of paint: the points of all other materials are kept, and the picture tends to what a fresh renderer shows.
+// A swap of a material: the points of all other materials are kept, and the picture converges to that of a new
+// renderer.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +22,7 @@ Material named(const std::string& name, Material material) {
 }
 
 /// An open box whose floor, back and sides are of three materials.
-std::shared_ptr<Scene> painted_box() {
+std::shared_ptr<Scene> box_of_three_materials() {
   auto scene = std::make_shared<Scene>(test::box_scene(4, 24, test::matte({0.6f, 0.5f, 0.4f})));
   scene->materials[0].name = "floor";
   scene->materials.push_back(named("back", test::matte({0.2f, 0.3f, 0.7f})));
@@ -53,16 +54,16 @@ class Repaint : public ::testing::Test {
     for (int f = 0; f < frames; ++f) renderer->render(r, true);
     return renderer->read_radiance();
   }
-  /// What a renderer shows that never knew another paint.
-  Image fresh(const FrameRequest& r, const std::vector<std::pair<std::string, std::string>>& paints, int frames) {
+  /// The picture of a new renderer, which never had another material.
+  Image fresh(const FrameRequest& r, const std::vector<std::pair<std::string, std::string>>& replaced, int frames) {
     Renderer renderer;
     begin(&renderer);
-    for (const auto& [name, source] : paints) renderer.set_material(name, source);
+    for (const auto& [name, source] : replaced) renderer.set_material(name, source);
     renderer.finish_background_work(r);
     return draw(&renderer, r, frames);
   }
   static double difference(const Image& a, const Image& b) { return compare_images(a, b).relative_rmse.value(); }
-  /// Pixels that differ although `material` is not seen in them, and those that differ where it is.
+  /// Numbers of differing pixels without and with `material`.
   std::pair<int, int> changed_pixels(const Image& a, const Image& b, int material) {
     const Image materials = renderer_.read_debug_view("material");
     std::pair<int, int> changed;
@@ -81,12 +82,12 @@ class Repaint : public ::testing::Test {
   void TearDown() override { EXPECT_TRUE(take_gl_errors().empty()); }
 
   GlContext context_ = GlContext::create_headless();
-  std::shared_ptr<Scene> scene_ = painted_box();
+  std::shared_ptr<Scene> scene_ = box_of_three_materials();
   std::shared_ptr<Environment> sky_ = std::make_shared<Environment>(load_environment("builtin:clear-sky"));
   Renderer renderer_;
 };
 
-TEST_F(Repaint, OtherMaterialsAreLeftAsTheyAre) {
+TEST_F(Repaint, OtherMaterialsAreUnchanged) {
   const FrameRequest r = request();
   for (const int frames : {0, 5}) {
     renderer_.set_material("back", "");
@@ -95,30 +96,30 @@ TEST_F(Repaint, OtherMaterialsAreLeftAsTheyAre) {
     const FrameStats stats = renderer_.render(r, frames > 0);
     EXPECT_TRUE(kept_points(stats));
     const auto [others, own] = changed_pixels(before, renderer_.read_radiance(), 1);
-    // While pictures accumulate, shaded points are filled as well, by weights that a quad of two materials shares.
+    // While pictures accumulate, shaded points are interpolated too, with weights that a quad of two materials shares.
     EXPECT_LE(others, frames > 0 ? 10 : 0);
     EXPECT_GT(own, 500) << frames;
   }
 }
 
-TEST_F(Repaint, TheFirstFrameErrsLittleMoreThanOneFromNothing) {
+TEST_F(Repaint, TheFirstFrameErrsLittleMoreThanOneWithoutReuse) {
   const FrameRequest r = request();
   renderer_.set_material("back", "builtin:rubber-black");
   draw(&renderer_, r);
   renderer_.set_material("back", "builtin:paint-red-metallic");
   const Image swapped = draw(&renderer_, r);
-  FrameRequest anew = r;
-  anew.settings.set("shading.reuse", false);
-  const Image from_nothing = draw(&renderer_, anew);
+  FrameRequest without_reuse = r;
+  without_reuse.settings.set("shading.reuse", false);
+  const Image drawn_without_reuse = draw(&renderer_, without_reuse);
   FrameRequest converging = r;
   converging.mode = "uniform";
   converging.samples = 1024;
   const Image truth = draw(&renderer_, converging, 8);
-  EXPECT_LT(difference(swapped, truth), 1.6 * difference(from_nothing, truth));
+  EXPECT_LT(difference(swapped, truth), 1.6 * difference(drawn_without_reuse, truth));
 }
 
 TEST_F(Repaint, PicturesConvergeToThoseOfAFreshRenderer) {
-  // In one order and another, several at a time, back again, while pictures accumulate and between single frames.
+  // In different orders, several at a time, and back, while pictures accumulate and between single frames.
   const FrameRequest r = request();
   const std::string red = "builtin:paint-red-metallic", chrome = "builtin:metal-chrome",
                     rubber = "builtin:rubber-black";
@@ -133,11 +134,11 @@ TEST_F(Repaint, PicturesConvergeToThoseOfAFreshRenderer) {
   renderer_.set_material("floor", "");
   renderer_.set_material("back", red);
   const Image swapped = draw(&renderer_, r, 24);
-  const std::vector<std::pair<std::string, std::string>> paints{{"back", red}, {"sides", chrome}};
-  const Image once = fresh(r, paints, 24);
+  const std::vector<std::pair<std::string, std::string>> replaced{{"back", red}, {"sides", chrome}};
+  const Image once = fresh(r, replaced, 24);
   FrameRequest other = r;
   other.seed = 5;
-  const double noise = difference(fresh(other, paints, 24), once);
+  const double noise = difference(fresh(other, replaced, 24), once);
   RecordProperty("apart", std::to_string(difference(swapped, once)));
   RecordProperty("noise", std::to_string(noise));
   EXPECT_LT(difference(swapped, once), 1.3 * noise);
@@ -145,7 +146,7 @@ TEST_F(Repaint, PicturesConvergeToThoseOfAFreshRenderer) {
 }
 
 TEST_F(Repaint, IndirectLightFollows) {
-  // The floor gets a dark paint: less light on the walls, although their own points are kept.
+  // The floor gets a dark material: less light on the walls, although their own points are kept.
   FrameRequest r = request();
   r.settings.set_from_text("shading.visibility", "baked");
   renderer_.finish_background_work(r);
@@ -154,19 +155,19 @@ TEST_F(Repaint, IndirectLightFollows) {
   EXPECT_TRUE(kept_points(renderer_.render(r, true)));
   renderer_.finish_background_work(r);
   const FrameStats stats = renderer_.render(r, true);
-  EXPECT_GT(stats.accumulated_frames, 1) << "its news is no reason to begin anew";
+  EXPECT_GT(stats.accumulated_frames, 1) << "an update of the indirect light must not restart the accumulation";
   const Image swapped = draw(&renderer_, r, 16);
-  const std::vector<std::pair<std::string, std::string>> paints{{"floor", "builtin:rubber-black"}};
-  const Image once = fresh(r, paints, 16);
+  const std::vector<std::pair<std::string, std::string>> replaced{{"floor", "builtin:rubber-black"}};
+  const Image once = fresh(r, replaced, 16);
   FrameRequest other = r;
   other.seed = 5;
-  const double noise = difference(fresh(other, paints, 16), once);
+  const double noise = difference(fresh(other, replaced, 16), once);
   EXPECT_LT(difference(swapped, once), 1.3 * noise);
   EXPECT_GT(difference(white, once), 3.0 * noise);
 }
 
-TEST_F(Repaint, WhatIsSeenThroughAndInGlassFollows) {
-  auto scene = painted_box();
+TEST_F(Repaint, PicturesThroughAndInGlassFollow) {
+  auto scene = box_of_three_materials();
   Material pane = named("pane", Material());
   pane.glass = true;
   pane.ior = 1.5f;
@@ -182,16 +183,16 @@ TEST_F(Repaint, WhatIsSeenThroughAndInGlassFollows) {
     renderer_.set_material("back", "builtin:paint-red-metallic");
     renderer_.set_material("sides", "builtin:rubber-black");
     const Image swapped = draw(&renderer_, r, 16);
-    const std::vector<std::pair<std::string, std::string>> paints{{"back", "builtin:paint-red-metallic"},
-                                                                  {"sides", "builtin:rubber-black"}};
-    const Image once = fresh(r, paints, 16);
+    const std::vector<std::pair<std::string, std::string>> replaced{{"back", "builtin:paint-red-metallic"},
+                                                                    {"sides", "builtin:rubber-black"}};
+    const Image once = fresh(r, replaced, 16);
     FrameRequest other = r;
     other.seed = 5;
-    EXPECT_LT(difference(swapped, once), 1.3 * difference(fresh(other, paints, 16), once)) << reflections;
+    EXPECT_LT(difference(swapped, once), 1.3 * difference(fresh(other, replaced, 16), once)) << reflections;
   }
 }
 
-/// Largest difference over 1 + the value: panes that are kept with the G-buffer round otherwise than drawn ones.
+/// Largest difference relative to 1 + the value: kept panes are rounded differently from drawn ones.
 double largest_difference(const Image& a, const Image& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.data.size(); ++i)
@@ -199,13 +200,13 @@ double largest_difference(const Image& a, const Image& b) {
   return largest;
 }
 
-TEST_F(Repaint, NothingIsKeptBesideAnyOtherChange) {
+TEST_F(Repaint, NothingIsKeptWithAnyOtherChange) {
   const auto begins_anew = [&](const FrameRequest& r, const char* what) {
     EXPECT_FALSE(kept_points(renderer_.render(r))) << what;
     const Image picture = renderer_.read_radiance();
-    FrameRequest anew = r;
-    anew.settings.set("shading.reuse", false);
-    EXPECT_LT(largest_difference(picture, draw(&renderer_, anew)), 1e-4) << what;
+    FrameRequest without_reuse = r;
+    without_reuse.settings.set("shading.reuse", false);
+    EXPECT_LT(largest_difference(picture, draw(&renderer_, without_reuse)), 1e-4) << what;
   };
   FrameRequest r = request();
   bool red = false;
@@ -227,9 +228,9 @@ TEST_F(Repaint, NothingIsKeptBesideAnyOtherChange) {
   begins_anew(r, "environment");
   draw(&renderer_, r);
   swap();
-  Primitive bent = scene_->meshes[0].primitives[0];
-  for (glm::vec3& p : bent.positions) p.y += 0.1f * p.x;
-  renderer_.update_mesh(0, bent.positions, bent.normals);
+  Primitive deformed = scene_->meshes[0].primitives[0];
+  for (glm::vec3& p : deformed.positions) p.y += 0.1f * p.x;
+  renderer_.update_mesh(0, deformed.positions, deformed.normals);
   begins_anew(r, "dent");
   draw(&renderer_, r);
   swap();
@@ -251,8 +252,8 @@ TEST_F(Repaint, NothingIsKeptBesideAnyOtherChange) {
   begins_anew(r, "several points a pixel");
 }
 
-TEST_F(Repaint, TexturesOfTheOldMaterialLeaveNoTrace) {
-  auto scene = painted_box();
+TEST_F(Repaint, TexturesOfTheOldMaterialDisappear) {
+  auto scene = box_of_three_materials();
   TextureImage checks;
   checks.width = checks.height = 8;
   for (int i = 0; i < 64; ++i) {

@@ -108,7 +108,7 @@ TEST_F(SharedFormulas, VisibilityReadsTheSameBits) {
     different += got[i].y != static_cast<float>(shared::visibility_bit(glm::vec3(c.direction))) ? 1 : 0;
     different += got[i].z != static_cast<float>(place.word) ? 1 : 0;
   }
-  EXPECT_LE(different, 12);  // a direction on the border of two cells may round to either
+  EXPECT_LE(different, 12);  // a direction on the border of two cells may be rounded to either
 }
 
 TEST_F(SharedFormulas, LightsSampleTheSame) {

@@ -1,5 +1,5 @@
-// A program is compiled once, whatever ran before it: a software device would compile it anew for each state that it
-// finds in its texture slots (Renderer::Impl::settle_slots).
+// A program is compiled once, whatever ran before it: a software device would compile it again for each state of
+// its texture slots (Renderer::Impl::settle_slots).
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -21,7 +21,7 @@ double cpu_ms(const FrameStats& stats, const std::string& name) {
 }
 
 TEST(TextureSlots, AFrameAfterOthersCompilesNothing) {
-  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // before there is a context: compiling shall cost what it costs
+  setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // before the context is created, so that compilation is not cached
   const GlContext context = GlContext::create_headless();
   if (!query_device().software) GTEST_SKIP() << "other drivers compile a program once";
   install_debug_output();

@@ -1,5 +1,5 @@
-// The kernel of upsampling (shaders/bandwidth/fill.comp) tap by tap in double, and what it is for: what varies across a
-// diagonal only.
+// The upsampling kernel (shaders/bandwidth/fill.comp) tap by tap in double, and its purpose: pictures that vary only
+// across a diagonal.
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +29,7 @@ constexpr float kPixelAngle = 0.01f;
 
 std::size_t at(int x, int y) { return static_cast<std::size_t>(y * kWidth + x); }
 
-/// A picture to fill: one ray a pixel from the eye at the origin along -z.
+/// A picture to interpolate: one ray a pixel from the eye at the origin along -z.
 struct Grid {
   std::vector<glm::uvec2> guide{static_cast<std::size_t>(kWidth * kHeight)};
   std::vector<glm::u8vec4> marks{static_cast<std::size_t>(kWidth * kHeight), glm::u8vec4(0, 0, 0, 1)};
@@ -56,12 +56,12 @@ struct Grid {
 
 enum class Pass { between, middle, quads };
 
-/// What a point that was shaded brings where it is interpolated too: a mean of nothing after 4 items.
+/// Input of a shaded point that is interpolated too: a mean of 0 after 4 items.
 struct Own {
-  std::vector<float> residual;  ///< out
+  std::vector<float> residual;  ///< output
 };
 
-/// fill.comp over the whole grid, one level.
+/// Runs fill.comp over the whole grid for one level.
 std::vector<glm::vec4> filled(const Grid& grid, int level, Pass pass, Own* own = nullptr) {
   const auto texture = [](GLenum internal, GLenum format, GLenum type, int w, int h, const auto& values) {
     Texture t = Texture::make_2d("test", internal, w, h);
@@ -117,7 +117,7 @@ std::vector<glm::vec4> filled(const Grid& grid, int level, Pass pass, Own* own =
   return values;
 }
 
-/// The same for one point, by the definition.
+/// The same for one point, from the definition.
 class TapByTap {
  public:
   TapByTap(const Grid& grid, const std::vector<glm::vec4>& before, int level)
@@ -138,7 +138,8 @@ class TapByTap {
     return sum / weights;
   }
 
-  /// Of a quad of 2 x 2 points, its first one coarser: each of the others from the two or four coarser ones around.
+  /// A quad of 2 x 2 points whose first point is of a coarser level: each other point from the two or four coarser ones
+  /// around.
   glm::dvec3 in_quad(int x, int y, int dx, int dy) const {
     const std::array<double, 4> shares = shares_at(x, y);
     glm::dvec3 sum(0.0);
@@ -147,17 +148,18 @@ class TapByTap {
       for (const int sy : {-1, 1}) {
         if ((dx == 0 && sx > 0) || (dy == 0 && sy > 0)) continue;
         const int qx = x + sx * dx, qy = y + sy * dy;
-        const double turned = dx + dy < 2 ? 1.0 : 0.5 * (shares[0] + shares[1]) + (sx == sy ? shares[2] : shares[3]);
+        const double diagonal_weight =
+            dx + dy < 2 ? 1.0 : 0.5 * (shares[0] + shares[1]) + (sx == sy ? shares[2] : shares[3]);
         const double w = weight(x, y, qx, qy, 1.0);
         if (w <= 1e-4) continue;
-        sum += w * turned * value(qx, qy);
-        weights += w * turned;
+        sum += w * diagonal_weight * value(qx, qy);
+        weights += w * diagonal_weight;
       }
     return sum / weights;
   }
 
  private:
-  /// How much x, y, (1, 1) and (1, -1) count.
+  /// Weights of the axes x, y, (1, 1) and (1, -1).
   std::array<double, 4> shares_at(int x, int y) const {
     const glm::vec4 m = grid_.axes[static_cast<std::size_t>(y / 2 * (kWidth / 2) + x / 2)];
     const double nx = m.x, ny = m.y, both = nx * nx + ny * ny + 2e-8, cross = 2.0 * static_cast<double>(m.z) * nx * ny;
@@ -205,7 +207,7 @@ class TapByTap {
       const glm::dvec3 low = glm::min(glm::min(v[0], v[1]), glm::min(v[2], v[3]));
       return {glm::max((9.0 * (v[1] + v[2]) - v[0] - v[3]) / 16.0, 0.5 * low), 2.0};
     }
-    // Kept as square roots, in 8 bits.
+    // Stored as square roots, in 8 bits.
     for (double& weight : w) weight = std::pow(std::floor(std::sqrt(weight) * 254.0 + 0.5) / 254.0, 2.0);
     return {(w[1] * v[1] + w[2] * v[2]) / std::max(w[1] + w[2], 1e-12), w[1] + w[2]};
   }
@@ -232,13 +234,13 @@ TEST(Upsampling, AgreesWithTapByTap) {
   Grid grid;
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      // Two materials, holes of sky, steps of depth and normals that tilt from point to point.
+      // Two materials, holes of sky, steps of depth, and normals that vary from point to point.
       const float depth = unit(random) < 0.03f ? 0.0f : 1.0f + (x > 40 ? 0.02f : 0.0f) + 0.004f * unit(random);
       const glm::vec3 normal =
           glm::normalize(glm::vec3(0.5f * unit(random) - 0.25f, 0.5f * unit(random) - 0.25f, 1.0f));
       grid.set_surface(x, y, depth, normal, y > 30 && x < 30 ? 2u : 1u);
       grid.radiance[at(x, y)] = glm::vec4(std::exp(3.0f * unit(random)), unit(random), 1e4f * unit(random), 1.0f);
-      if (unit(random) < 0.2f) grid.marks[at(x, y)].x = 1;  // shaded: stays as it is
+      if (unit(random) < 0.2f) grid.marks[at(x, y)].x = 1;  // shaded: unchanged
       if (depth <= 0.0f) grid.marks[at(x, y)] = glm::u8vec4(0);
     }
   for (glm::vec4& m : grid.axes)
@@ -268,13 +270,13 @@ TEST(Upsampling, AgreesWithTapByTap) {
       if (pass != Pass::middle) each_filled(level, false, check);
       if (pass != Pass::between) each_filled(level, true, check);
       EXPECT_GT(count, 100 >> (2 * level));
-      // A weight beside the middle of two codes may get either.
+      // A weight near the middle of two codes may be rounded to either.
       EXPECT_LE(off, count / 50) << "level " << level << ", pass " << static_cast<int>(pass) << " of " << count;
     }
 }
 
-/// While frames accumulate a point that was shaded is judged by its neighbours if there are two of them in a row,
-/// whichever way the kernel is turned, and by no single one.
+/// While frames accumulate a shaded point is compared with its neighbours if two of them are in a row, for every
+/// orientation of the kernel, and never with a single one.
 TEST(Upsampling, PointsAreJudgedByTwoNeighboursInARow) {
   const GlContext context = GlContext::create_headless();
   constexpr int kX = 21, kY = 21;  // in the middle of four
@@ -293,7 +295,7 @@ TEST(Upsampling, PointsAreJudgedByTwoNeighboursInARow) {
   for (const Kind& kind : kinds)
     for (const float correlation : {-1.0f, 0.0f, 1.0f})
       for (const Pass pass : {Pass::middle, Pass::quads}) {
-        if (pass == Pass::quads && std::string(kind.name).find("along") == 0) continue;  // it asks corners alone
+        if (pass == Pass::quads && std::string(kind.name).find("along") == 0) continue;  // it uses only corners
         Grid grid;
         for (glm::vec4& m : grid.axes) m = glm::vec4(0.1f, 0.1f, correlation, 0.0f);
         for (int y = 0; y < kHeight; ++y)
@@ -316,7 +318,8 @@ TEST(Upsampling, PointsAreJudgedByTwoNeighboursInARow) {
       }
 }
 
-/// Steep waves across either diagonal: what the coarser points hold along it is exact, between two in a row nothing is.
+/// Steep waves across either diagonal: interpolation along the diagonal is exact, between two points in a row it is
+/// wrong.
 TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
   const GlContext context = GlContext::create_headless();
   for (const int level : {0, 1})
@@ -326,7 +329,7 @@ TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           grid.set_surface(x, y, 1.0f, glm::vec3(0.0f, 0.0f, 1.0f), 1u);
-          // Finer points hold what the first dispatch makes of a wave that it cannot see.
+          // Finer points contain the first dispatch's values for a wave that it cannot resolve.
           const bool coarse = (x >> level) % 2 == 0 && (y >> level) % 2 == 0;
           grid.radiance[at(x, y)] = glm::vec4(coarse ? static_cast<float>(wave(x, y)) : 2.0f);
         }
@@ -349,9 +352,8 @@ TEST(Upsampling, FollowsAFootprintThatIsStretchedAlongADiagonal) {
     }
 }
 
-/// A cylinder about the eye's axis of sight, its own axis turned by `angle_deg` from the screen's right towards its
-/// top.
-Scene turned_cylinder(double angle_deg) {
+/// A cylinder across the viewing axis, its own axis rotated by `angle_deg` from the screen's right towards its top.
+Scene rotated_cylinder(double angle_deg) {
   constexpr int kSides = 256;
   const double c = std::cos(glm::radians(angle_deg)), s = std::sin(glm::radians(angle_deg));
   Primitive p;
@@ -372,13 +374,13 @@ Scene turned_cylinder(double angle_deg) {
   return scene;
 }
 
-/// From the raster on: which way the footprint lies is found on screen.
-TEST(Upsampling, TheFootprintLiesAlongACylinderWhicheverWayItIsTurned) {
+/// The whole frame: the orientation of the footprint is computed on screen.
+TEST(Upsampling, TheFootprintFollowsARotatedCylinder) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;
   renderer.set_environment(test::sky_with_lamp(glm::vec3(1.0f), glm::vec3(8.0f)));
   for (const double angle : {0.0, 20.0, 45.0, 80.0, 110.0, 135.0, 170.0}) {
-    renderer.set_scene(std::make_shared<Scene>(turned_cylinder(angle)));
+    renderer.set_scene(std::make_shared<Scene>(rotated_cylinder(angle)));
     FrameRequest request;
     request.width = request.height = 96;
     request.mode = "bandwidth";

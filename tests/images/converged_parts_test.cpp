@@ -1,4 +1,4 @@
-// The parts of a converged picture, each against something slower: quadrature in double, mode uniform, exact means.
+// The parts of a converged picture, each against a slower computation: quadrature in double, mode uniform, exact means.
 #include "tests/support/converged_parts.h"
 
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ TEST_F(ConvergedParts, LampsAndSunAgreeWithQuadrature) {
   for (const Environment& all : {make_hall(), load_environment("builtin:clear-sky")}) {
     const SplitEnvironment split = split_environment(all);
     ASSERT_GT(split.bright.size(), 4u);
-    // Their light alone, as a map of its own.
+    // Their light alone, as a separate map.
     Environment lamps = *split.rest;
     lamps.rgb.assign(lamps.rgb.size(), glm::vec3(0.0f));
     for (const BrightCell& cell : split.bright)
@@ -78,7 +78,7 @@ TEST_F(ConvergedParts, LampsAndSunAgreeWithQuadrature) {
       const double coarse = relative_rmse(shade_cells(renderer_, split.bright, coarse_grid(split), true), exact);
       std::cout << all.name << ", " << material << ": fine grid " << 100.0 * fine << " %, coarse " << 100.0 * coarse
                 << " %\n";
-      // One pixel mirrors the sun: there the product's packed tables and floats show.
+      // One pixel mirrors the sun: there the rounding of packed tables and floats is visible.
       const double bound = all.name == "hall" ? 0.003 : 0.01;
       EXPECT_LT(fine, bound) << material;
       EXPECT_LT(coarse, bound + 0.001) << material;
@@ -124,7 +124,7 @@ TEST_F(ConvergedParts, SinglePixelsAreSampledAsModeUniformDoes) {
   EXPECT_LT(worst, 4.8);  // sums of 24 over the root of their squares, 1,000 of them: never above 4.9
 }
 
-/// Most runs of a pixel see nothing, a few see a lamp: what adaptive counts are biased by.
+/// In most runs the samples of a pixel miss the lamp, in a few they hit it: this biases adaptive counts.
 TEST(SampledHalf, CountsDoNotBiasTheMean) {
   std::mt19937 random(11);
   std::bernoulli_distribution lamp(0.1);
@@ -163,7 +163,7 @@ TEST(SampledHalf, CountsDoNotBiasTheMean) {
   const double deviation = std::sqrt(squares / kTrials);
   std::cout << "by the other half's variance " << crossed << ", by its own " << own << ", +- " << deviation << '\n';
   EXPECT_LT(std::abs(crossed), 4.0 * deviation);
-  EXPECT_LT(own, -10.0 * deviation);  // so the test would see it
+  EXPECT_LT(own, -10.0 * deviation);  // so the test would detect a bias
 }
 
 }  // namespace

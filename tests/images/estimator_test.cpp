@@ -53,7 +53,8 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
     const std::string material = std::string("builtin:") + name;
     show(material);
     ASSERT_GT(test::peak_over_mean(*sky_), 1e4);
-    // One pixel mirrors the sun at fifty times the mean: two halves of other seeds tell noise from bias there.
+    // One pixel mirrors the sun at fifty times the mean: there two halves with different seeds separate noise from
+    // bias.
     Image halves[2] = {Image(kSide, kSide, 4), Image(kSide, kSide, 4)}, picture(kSide, kSide, 4);
     for (std::uint32_t seed = 0; seed < 8; ++seed) {
       const Image part = draw(request("uniform", 4096, seed, kSide), 4);
@@ -63,7 +64,7 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
       }
     }
     const double noise = 0.5 * difference(halves[0], halves[1]);
-    // Shaded as the G-buffer has it: its 16-bit normals alone move a sun's mirror image by some tenths of a per cent.
+    // With the G-buffer's rounded values: its 16-bit normals change a sun's mirror image by some tenths of a per cent.
     const Image normals = renderer_.read_debug_view("normal");
     const test::SphereQuadrature exact =
         test::integrate_sphere(*sky_, load_brdf(material), {4.5, 0.5236, kSide}, &normals);
@@ -76,8 +77,8 @@ TEST_F(Estimator, AgreesWithQuadratureUnderASun) {
 }
 
 TEST_F(Estimator, UniformGoesOnWithItsSequence) {
-  // Frames that are averaged take the samples of one long frame, but for the rounding of the two strategies' counts.
-  // Samples of their own would differ as much as those of another seed. Over seeds: few pixels mirror the sun.
+  // Averaged frames use the samples of one long frame, except for the rounding of the two strategies' counts.
+  // Independent samples would differ as much as those of another seed. Over seeds, because few pixels mirror the sun.
   show("builtin:paint-red-metallic");
   double own = 0.0, others = 0.0;
   for (int seed = 5; seed < 11; ++seed) {
@@ -90,8 +91,8 @@ TEST_F(Estimator, UniformGoesOnWithItsSequence) {
 }
 
 TEST_F(Estimator, BandwidthConvergesToUniform) {
-  // Nothing may stay of the interpolation of early frames, of the wrong predictions, or of the choice of sample counts
-  // by what was measured.
+  // No bias may remain from the interpolation of early frames, from wrong predictions, or from sample counts that
+  // depend on measured samples.
   for (const char* material : {"builtin:matte-white", "builtin:paint-red-metallic"}) {
     show(material);
     const auto mean = [](const Image& a, const Image& b) {
@@ -104,7 +105,7 @@ TEST_F(Estimator, BandwidthConvergesToUniform) {
     const Image uniform = mean(one, other);
     const FrameRequest r = request("bandwidth", 128, 6, 64), again = request("bandwidth", 128, 7, 64);
     const double early = difference(draw(r), uniform);
-    // Every point is shaded itself by then. Of two seeds: a single one has 0.4 to 0.7 % of noise itself.
+    // Every point has been shaded by then. With two seeds: a single one has 0.4 to 0.7 % of noise.
     const Image first = draw(r, 79);
     const double late = difference(mean(first, draw(again, 80)), uniform);
     EXPECT_LT(late, 0.5 * early) << material;
@@ -114,8 +115,9 @@ TEST_F(Estimator, BandwidthConvergesToUniform) {
 }
 
 TEST_F(Estimator, ShallowCreasesAreNotFilledOver) {
-  // Facets that turn by 0.2 rad: one smooth surface for the bilateral weights, but what lies on a crease is not between
-  // its neighbours however dense these are. Filled, it kept 11 % of error at any count of samples.
+  // Facets at angles of 0.2 rad: one smooth surface for the bilateral weights, but a point on a crease is not
+  // interpolated correctly however dense its neighbours are. Interpolated, it kept 11 % of error at any count of
+  // samples.
   show("builtin:matte-white");
   Scene scene;
   scene.materials.push_back(test::matte(glm::vec3(0.8f)));
@@ -133,8 +135,8 @@ TEST_F(Estimator, ShallowCreasesAreNotFilledOver) {
 }
 
 TEST_F(Estimator, WhatMasksCoverWithinAFewPixelsIsNotFilledOver) {
-  // Walls behind plates that mirror them: long triangles, strips a few pixels wide over which the masks turn over, and
-  // triangles that see the wall. What the masks' variation at the vertices asks for misses where the strips begin.
+  // Walls behind plates that mirror them: long triangles, strips a few pixels wide over which visibility changes, and
+  // triangles that see the wall. The bandwidth from the maps' variation at the vertices misses where the strips begin.
   show("builtin:matte-white");
   Scene scene;
   Material chrome;
@@ -168,8 +170,8 @@ TEST_F(Estimator, WhatMasksCoverWithinAFewPixelsIsNotFilledOver) {
   const Image converged = draw(seen("uniform", 1024), 2);
   const double error = difference(draw(seen("bandwidth", 1024)), converged);
   RecordProperty("error", std::to_string(error));
-  EXPECT_LT(error, 0.05);  // 0.026; without looking at what is open 0.23
-  // A paint that mirrors in place of one that does not: what was found for that one is of no use.
+  EXPECT_LT(error, 0.05);  // 0.026; without the test of visibility 0.23
+  // A material that mirrors replaces one that does not: the old material's kept results are not valid for it.
   renderer_.set_material("*", "builtin:metal-chrome");
   const Image in_chrome = draw(seen("uniform", 1024), 2);
   renderer_.set_material("*", "builtin:matte-white");
@@ -181,8 +183,8 @@ TEST_F(Estimator, WhatMasksCoverWithinAFewPixelsIsNotFilledOver) {
 }
 
 TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
-  // Under an even sky all that varies is the texture, and interpolation works on what is left of a picture without it.
-  // A dark texel's gloss is as bright as a bright one's.
+  // Under an even sky only the texture varies, and interpolation works on the picture without the texture.
+  // The specular reflection of a dark texel is as bright as that of a bright one.
   show("builtin:matte-white");
   Scene scene;
   Material material = test::matte(glm::vec3(1.0f));
@@ -209,7 +211,7 @@ TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
   EXPECT_LT(error, 0.02);
 }
 
-// Of an edge pixel's four points those are filled that have a neighbour on their own surface, and none from nothing.
+// Of an edge pixel's four points only those with a neighbour on their own surface are interpolated.
 TEST_F(Estimator, PointsOfEdgePixelsAreFilledFromTheirOwnSide) {
   show("builtin:matte-white");
   Scene scene;
@@ -233,7 +235,7 @@ TEST_F(Estimator, PointsOfEdgePixelsAreFilledFromTheirOwnSide) {
   EXPECT_LT(renderer_.render(few).shaded_pixels, renderer_.render(all).shaded_pixels / 2);
 }
 
-/// The prediction draws half of its few samples from the lobe whatever the material; shading draws a fifth to seven
+/// The prediction draws half of its few samples from the lobe for every material; shading draws a fifth to seven
 /// eighths.
 TEST_F(Estimator, PredictedVarianceIsThatOfTheSharesShadingDraws) {
   constexpr int kSide = 128, kSamples = 64, kSeeds = 16;
@@ -282,14 +284,14 @@ TEST_F(Estimator, EveryPointIsShadedInTheEnd) {
   };
   draw(r);
   EXPECT_LT(shaded_share(), 0.8);
-  // Needed or not: interpolation could be wrong where nobody looked.
+  // Even where it is not needed: interpolation could be wrong where no point has been shaded.
   draw(r, 65);
   EXPECT_EQ(shaded_share(), 1.0);
 }
 
 TEST_F(Estimator, LargerPicturesTakeNoMoreSamplesForTheSameBlocks) {
-  // Twice as wide and high, the same part of the view is blocks of the next level: four times the pixels of each, so
-  // that as many samples leave as much error. In proportion to the block's side alone they took twice as many.
+  // In a picture twice as wide and high the same part of the view has blocks of the next level, with four times the
+  // pixels, so the same samples give the same error. In proportion to the block's side alone there were twice as many.
   show("builtin:matte-white", "builtin:studio");
   const auto samples_of = [&](int side) {
     const FrameStats stats = renderer_.render(request("bandwidth", 64, 5, side), false);
@@ -301,7 +303,7 @@ TEST_F(Estimator, LargerPicturesTakeNoMoreSamplesForTheSameBlocks) {
 }
 
 TEST_F(Estimator, SamplesGoWhereTheSpreadIs) {
-  // The sun's mirror image deviates a thousand times as much as the rest: measured, it takes the samples.
+  // The sun's mirror image deviates a thousand times as much as the rest: once measured, it gets most samples.
   show("builtin:metal-chrome");
   const FrameRequest r = request("bandwidth", 64, 6, 64);
   draw(r, 4);
@@ -311,7 +313,7 @@ TEST_F(Estimator, SamplesGoWhereTheSpreadIs) {
     if (picture.data[i] > picture.data[brightest]) brightest = i;
   const Image samples = renderer_.read_debug_view("samples");
   EXPECT_GT(samples.data[brightest], 2048.0f);
-  // The seed decides every bit of a picture of many frames too, light samples drawn anew included.
+  // The seed determines every bit of a picture of many frames, including light samples.
   const Image first = draw(r, 3);
   draw(request("bandwidth", 64, 7, 64), 4);
   draw(r, 4);
@@ -342,7 +344,7 @@ TEST_F(Estimator, AccumulationReducesTheError) {
 }
 
 TEST_F(Estimator, FramesGoOnWithTheSequence) {
-  // The sequence goes on from frame to frame: 16 x 64 samples are as good as 1024 at once.
+  // The sequence continues from frame to frame: 16 x 64 samples are as good as 1024 at once.
   show("builtin:matte-white");
   const Image converged = draw(request("uniform", 2048, 5, 48), 8);
   const double at_once = difference(draw(request("uniform", 1024, 4, 48)), converged);

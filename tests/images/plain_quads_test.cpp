@@ -1,5 +1,5 @@
-// With several points a pixel most quads are filled and completed as one (shaders/bandwidth/quads.comp): what varies
-// within them must still be seen.
+// With several points a pixel most quads are interpolated and completed as one (shaders/bandwidth/quads.comp):
+// variation inside them must still be visible.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ Primitive wall(float z, int material) {
   return p;
 }
 
-/// An even, unlit wall: without noise, so that both modes must show the same.
+/// An even, unlit wall: without noise, so that both modes must give the same picture.
 Scene unlit_wall() {
   Scene scene;
   scene.materials = {test::matte(glm::vec3(0.8f))};
@@ -30,7 +30,7 @@ Scene unlit_wall() {
   return scene;
 }
 
-/// Texels of a third of a pixel's width, of chance.
+/// Random texels of a third of a pixel's width.
 void add_texture(Scene* scene) {
   TextureImage noise;
   noise.width = noise.height = 256;
@@ -93,7 +93,7 @@ TEST(PlainQuads, ShowTheColoursOfVertices) {
   expect_same(scene, 2e-5);
 }
 
-/// A pane with edges over texels: drawn over the points in the first frame and kept from then on.
+/// A pane with edges over texels: drawn in the first frame and reused from then on.
 TEST(PlainQuads, ShowWhatIsBehindPanes) {
   Scene scene = unlit_wall();
   add_texture(&scene);
@@ -101,7 +101,7 @@ TEST(PlainQuads, ShowWhatIsBehindPanes) {
   pane.glass = true;
   scene.materials.push_back(pane);
   test::add(&scene, test::make_grid({-0.31f, -0.27f, 0.4f}, {0.7f, 0.11f, 0}, {-0.07f, 0.6f, 0}, 2, 1));
-  expect_same(scene, 0.1);  // within the pixels of its edge the texels count by their quad's mean
+  expect_same(scene, 0.1);  // inside the pixels of its edge texels are replaced by the mean of their quad
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Where a compiler was seen to err; CMakeLists.txt leaves out the optimisations that did.
+// Tests of known compiler faults; CMakeLists.txt disables the optimisations that cause them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace maquette {
 struct LeftByFloat {
   double x, y;
 };
-/// What float leaves of two doubles. Neither inlined nor for this file alone: the compiler cannot do it beforehand.
+/// Rounding errors of two doubles in float. Not inlined and with external linkage, so that the compiler cannot evaluate
+/// it beforehand.
 [[gnu::noinline]] LeftByFloat left_by_float(const LeftByFloat& v) {
   const float x = static_cast<float>(v.x), y = static_cast<float>(v.y);
   return {v.x - static_cast<double>(x), v.y - static_cast<double>(y)};
@@ -33,7 +34,7 @@ struct Three {
 };
 Three three(std::size_t i) { return {static_cast<float>(i), static_cast<float>(i), static_cast<float>(i)}; }
 
-/// Not inlined, so that the caller has to say what is in memory.
+/// Not inlined, so that the caller has to store its values to memory.
 [[gnu::noinline]] void repeat_first(Three* values, std::size_t count) {
   for (std::size_t i = 1; i < count; ++i) values[i] = values[i - 1];
 }
@@ -41,7 +42,7 @@ Three three(std::size_t i) { return {static_cast<float>(i), static_cast<float>(i
   for (std::size_t i = 0; i + 1 < count; ++i) values[i] = values[i + 1];
 }
 
-/// GCC 12.2 at -O2, modref: takes what is stored before the call for dead.
+/// GCC 12.2 at -O2, modref: treats stores before the call as dead.
 TEST(Compiler, KeepsWhatACalleeReads) {
   constexpr std::size_t kCount = 4;
   const volatile std::size_t count = kCount;
@@ -54,8 +55,8 @@ TEST(Compiler, KeepsWhatACalleeReads) {
   for (std::size_t i = 0; i + 1 < kCount; ++i) EXPECT_EQ(values[i].b, static_cast<float>(i + 1)) << i;
 }
 
-/// Algorithms that move elements through memory of their own or over each other, against indices that are moved the
-/// same way. GCC 12.2 at -O3, loop vectoriser, loses elements of stable_partition in nine tries of ten.
+/// Algorithms that move elements through temporary memory or over each other, against indices that are moved in the
+/// same way. GCC 12.2 at -O3, loop vectoriser, loses elements of stable_partition in nine of ten rounds.
 template <typename Vector>
 class CompilerMoves : public testing::Test {
  protected:
@@ -68,8 +69,8 @@ class CompilerMoves : public testing::Test {
   }
   static std::size_t index_of(const Vector& v) { return static_cast<std::size_t>(v.x) / 4; }
 
-  /// `move(all, middle, rank)` on the elements and on their indices; `middle`: a place among them, `rank(v)`: of one, 0
-  /// to 7.
+  /// Runs `move(all, middle, rank)` on the elements and on their indices; `middle`: a position in the sequence,
+  /// `rank(v)`: 0 to 7.
   template <typename Move>
   void compare(const Move& move) {
     for (int round = 0; round < 2000; ++round) {

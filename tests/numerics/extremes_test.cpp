@@ -22,8 +22,7 @@ glm::vec3 to_floor(double degrees) {
   return glm::vec3(glm::dvec3(-std::sin(t), -std::cos(t), 0.0));
 }
 
-/// A surface that sees nothing but a constant sky shows its albedo; a ray that meets the surface that it starts on
-/// would show less.
+/// A surface under a constant sky shows its albedo; a ray that hits the surface that it starts on shows less.
 void expect_half(const Primitive& primitive, const glm::vec3& at, double height, const char* what) {
   const auto scene = trace(scene_of(primitive, matte(glm::vec3(0.5f))), constant_sky(1.0f));
   double worst = 0.0;
@@ -37,7 +36,7 @@ void expect_half(const Primitive& primitive, const glm::vec3& at, double height,
   std::printf("%s: largest difference %.6f\n", what, worst);
 }
 
-TEST(Extremes, RaysOnThinAndLargeTrianglesDoNotMeetTheirOwnSurface) {
+TEST(Extremes, RaysOnThinAndLargeTrianglesDoNotHitTheirOwnSurface) {
   const auto floor_at = [](float half, const glm::vec3& center) {
     return quad(center + glm::vec3(-half, 0, half), {2 * half, 0, 0}, {0, 0, -2 * half});
   };
@@ -58,7 +57,7 @@ TEST(Extremes, RaysOnThinAndLargeTrianglesDoNotMeetTheirOwnSurface) {
   EXPECT_NEAR(mean_radiance(*scene, {}, at + 5.0f * n, -n, 4096).mean.y, 0.5, 5e-4);
 }
 
-/// The same box, a million times smaller and larger.
+/// The same box, scaled by 1e-6 and 1e6.
 TEST(Extremes, SizeOfTheSceneDoesNotMatter) {
   const auto picture = [](float scale) {
     Scene scene = load_scene("builtin:cornell");
@@ -91,7 +90,7 @@ TEST(Extremes, SizeOfTheSceneDoesNotMatter) {
   }
 }
 
-/// Views down to 89.99 degrees: the table's albedo is the answer where it is known, and nothing leaves [0, 1].
+/// Views down to 89.99 degrees: the albedo equals that of the table where it is known, and stays in [0, 1].
 TEST(Extremes, GrazingViewsOfMeasuredMaterials) {
   for (const char* name : {"paint-red-metallic", "metal-chrome", "leather-black", "matte-white"}) {
     Material material;
@@ -139,7 +138,7 @@ TEST(Extremes, SunOfAMillionTimesTheSky) {
   EXPECT_NEAR(seen.mean.y / expected, 1.0, 2e-3 + 4.0 * seen.deviation / expected);
 }
 
-/// A million paths into one pixel. The tracer's own sums against what one float would hold.
+/// A million paths in one pixel: the tracer's sums against a float sum.
 TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   const auto scene =
       trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), matte(glm::vec3(1.0f / 3.0f))), constant_sky(0.1f));
@@ -148,9 +147,9 @@ TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   request.width = request.height = 1;
   ReferencePicture picture(scene, request);
   ASSERT_TRUE(picture.add(1 << 19));
-  // What is left is the sequence's own error; a float sum of as many would be off by 1e-4.
+  // The remaining error is that of the sequence; a float sum of as many paths would be off by 1e-4.
   EXPECT_NEAR(picture.mean().at(0, 0, 1) / (0.1 / 3.0), 1.0, 1e-5);
-  // What one float makes of it, and what the running mean of the GPU's frames makes of it (compose.comp).
+  // Compared with a float sum, and with the running mean of the GPU's frames (compose.comp).
   std::mt19937 random(1);
   std::exponential_distribution<double> exponential(1.0);
   double exact = 0.0;

@@ -43,7 +43,7 @@ struct SlabView {
   }
 };
 
-/// Between y = 0 and y = -thickness, so wide that no ray meets an edge; both normals outwards.
+/// A slab between y = 0 and y = -thickness, so wide that no ray hits an edge; both normals point outwards.
 Scene slab(float thickness, const Material& material) {
   constexpr float kHalf = 500.0f;
   Primitive slab = quad({-kHalf, 0, kHalf}, {2 * kHalf, 0, 0}, {0, 0, -2 * kHalf});
@@ -58,7 +58,7 @@ struct Shares {
   double reflected, transmitted;
 };
 
-/// All bounces between the faces of a slab, per polarisation; `inside`: transmittance of one crossing.
+/// All bounces between the faces of a slab, for each polarisation; `inside`: transmittance of one crossing.
 Shares slab_shares(double theta, double inside) {
   const double n = kIndex, c = std::cos(theta), t = std::sqrt(1.0 - std::sin(theta) * std::sin(theta) / (n * n));
   Shares shares{0.0, 0.0};
@@ -95,8 +95,8 @@ TEST(Glass, SolidSlabFollowsFresnelWithAllItsBounces) {
   }
 }
 
-/// Thin panes above each other, more than a ray keeps waiting, each of which takes the same.
-TEST(Glass, ShadowRaysLoseAtEveryPaneOfAStack) {
+/// A stack of thin panes, more than a ray stores at a time, each with the same transmittance.
+TEST(Glass, EveryPaneOfAStackAttenuatesShadowRays) {
   const auto through = [](int count, const Material& last) {
     Scene scene = scene_of(quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), glass(0.0f, 0.0f));
     scene.materials.push_back(last);
@@ -120,7 +120,7 @@ TEST(Glass, ShadowRaysLoseAtEveryPaneOfAStack) {
   }
 }
 
-/// Closed glass that absorbs nothing is not seen in a furnace, total reflection inside included.
+/// Closed glass without absorption is invisible in a furnace, total internal reflection included.
 TEST(Glass, SolidBodiesVanishInAFurnace) {
   const auto sky = half_sky(1.0, 1.0);
   for (const float ior : {1.1f, 1.52f, 2.4f}) {
@@ -137,20 +137,20 @@ TEST(Glass, SolidBodiesVanishInAFurnace) {
   }
 }
 
-/// What leaves a ball of glass on the axis: straight through both faces, after k reflections inside for even k
-/// forwards.
-TEST(Glass, BallPassesAndMirrorsWhatItsAxisSays) {
+/// Radiance of a glass ball along its axis: straight through both faces, and forwards after an even number k of inner
+/// reflections.
+TEST(Glass, BallTransmitsAndReflectsAlongItsAxis) {
   const auto sky = sky_of(64, 32, [](const glm::dvec3& d) { return glm::dvec3(d.z > 0.0 ? 1.0 : 0.0); });
   const auto scene = trace(scene_of(fine_sphere(256), glass(1.0f, 0.0f)), sky);
   const double r = std::pow((kIndex - 1.0) / (kIndex + 1.0), 2);
   const double forwards = (1.0 - r) * (1.0 - r) / (1.0 - r * r);
-  // Towards -z nothing shines: only what comes back does.
+  // There is no light towards -z: only what is reflected back counts.
   EXPECT_NEAR(mean_radiance(*scene, {}, {1e-3f, 1e-3f, 3.0f}, {0, 0, -1}, 16384).mean.y, 1.0 - forwards, 1e-3);
   EXPECT_NEAR(mean_radiance(*scene, {}, {1e-3f, 1e-3f, -3.0f}, {0, 0, 1}, 16384).mean.y, forwards, 1e-3);
 }
 
-/// A lossless rough pane in a furnace shows what its facets do not hide: the albedo of a GGX lobe whose facets reflect
-/// all, by brute force over the hemisphere.
+/// A lossless rough pane in a furnace shows the albedo of a GGX lobe with fully reflecting facets, computed by brute
+/// force over the hemisphere: only masking and shadowing lose energy.
 double facet_albedo(double cosine, double alpha) {
   const glm::dvec3 wo(std::sqrt(1.0 - cosine * cosine), 0.0, cosine);
   constexpr int kTheta = 1500, kPhi = 720;
@@ -184,7 +184,7 @@ TEST(Glass, RoughPaneShowsItsFacetsAlbedoInAFurnace) {
   }
 }
 
-/// Rough solid glass loses only what facets hide from facets, and what it mirrors and passes is never more than came.
+/// Rough solid glass loses energy only by masking and shadowing, and never gains any.
 TEST(Glass, RoughSolidKeepsItsEnergy) {
   for (const auto& [roughness, least] : {std::pair{0.1f, 0.995}, {0.3f, 0.97}, {0.6f, 0.75}}) {
     const auto scene = trace(slab(0.1f, glass(0.1f, roughness)), half_sky(1.0, 1.0));

@@ -1,4 +1,4 @@
-// What interpolation is worth (shaders/shared/interpolation.glsl) against simulated points whose errors are known.
+// The weights of interpolated values (shaders/shared/interpolation.glsl), against simulated points with known errors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,9 @@ struct Errors {
   double own = 0.0, interpolated = 0.0, both = 0.0, best = 0.0;
 };
 
-/// Pools of `count` points with `items` items each, whose interpolated values are off by `bias` (deviations of one
-/// item), in a picture whose typical kappa is `typical`. The variance of an item is known only from the items.
+/// Pools of `count` points with `items` items each, whose interpolated values are off by `bias` (in standard deviations
+/// of one item), in a picture whose typical kappa is `typical`. The variance of an item is estimated only from the
+/// items.
 Errors simulate(int count, int items, double bias, float typical, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -26,7 +27,7 @@ Errors simulate(int count, int items, double bias, float typical, std::uint32_t 
     std::vector<double> own(static_cast<std::size_t>(count)), other = own;
     glm::vec4 sums(0.0f);
     for (std::size_t i = 0; i < own.size(); ++i) {
-      own[i] = std::sqrt(fall) * normal(random);  // the truth is 0
+      own[i] = std::sqrt(fall) * normal(random);  // the true value is 0
       other[i] = bias * normal(random);
       double variance = 0.0;
       for (int k = 1; k < items; ++k) variance += std::pow(normal(random), 2.0) / (items - 1);
@@ -44,7 +45,7 @@ Errors simulate(int count, int items, double bias, float typical, std::uint32_t 
   return e;
 }
 
-TEST(InterpolationWorth, BothTogetherErrHardlyMoreThanOwnMeansWhereThePictureMisleads) {
+TEST(InterpolationWeights, MixIsHardlyWorseThanOwnMeansWhereInterpolationIsWrong) {
   for (const int count : {3, 6, 40})
     for (const int items : {3, 8, 30})
       for (const double bias : {0.0, 0.03, 0.2, 1.0, 10.0}) {
@@ -57,7 +58,7 @@ TEST(InterpolationWorth, BothTogetherErrHardlyMoreThanOwnMeansWhereThePictureMis
       }
 }
 
-TEST(InterpolationWorth, AFewPointsAreNearTheBestWeightsWhereThePictureIsRight) {
+TEST(InterpolationWeights, FewPointsAreNearTheBestWeightsWhereInterpolationIsRight) {
   for (const int count : {1, 3, 6})
     for (const int items : {3, 8, 30})
       for (const double bias : {0.0, 0.03, 0.2, 1.0}) {
@@ -72,9 +73,9 @@ TEST(InterpolationWorth, AFewPointsAreNearTheBestWeightsWhereThePictureIsRight) 
       }
 }
 
-/// Two items with lamps in them are as far apart as any two numbers are: what a mean of both is off by is no error of
+/// Two items that contain lamps differ as much as any two random numbers: the error of their mean is not an error of
 /// interpolation.
-TEST(InterpolationWorth, NoiseOfTwoIndependentItemsDoesNotPassForAnErrorOfInterpolation) {
+TEST(InterpolationWeights, NoiseOfTwoItemsIsNotCountedAsInterpolationError) {
   std::mt19937 random(7);
   std::normal_distribution<float> normal;
   glm::vec4 sums(0.0f);
@@ -85,7 +86,7 @@ TEST(InterpolationWorth, NoiseOfTwoIndependentItemsDoesNotPassForAnErrorOfInterp
   EXPECT_LT(shared::own_weight(2.0f, shared::pooled_kappa(sums, 0.0f)), 0.03f);
 }
 
-TEST(InterpolationWorth, EarlyNoiseJoinsTheLateOne) {
+TEST(InterpolationWeights, EarlyNoiseJoinsTheLateOne) {
   EXPECT_FLOAT_EQ(shared::noise_fall(1.0f), 1.0f);
   EXPECT_FLOAT_EQ(shared::noise_fall(2.0f), 0.5f);
   EXPECT_FLOAT_EQ(shared::noise_fall(25.0f), 1.0f / 125.0f);
@@ -99,15 +100,15 @@ TEST(InterpolationWorth, EarlyNoiseJoinsTheLateOne) {
   }
 }
 
-TEST(InterpolationWorth, TakesWhatItIsToldWhereNothingWasMeasured) {
+TEST(InterpolationWeights, UsesTheGivenKappaWhereNothingWasMeasured) {
   for (const float kappa : {0.0f, 0.3f, shared::kNeverInterpolate})
     EXPECT_EQ(shared::pooled_kappa(glm::vec4(0.0f), kappa), kappa);
   EXPECT_EQ(shared::own_weight(2.0f, 0.0f), 0.0f);
   EXPECT_EQ(shared::own_weight(2.0f, shared::kNeverInterpolate), 1.0f);
 }
 
-TEST(InterpolationWorth, WhatStandsOutIsShownAsItself) {
-  // Around it interpolation errs by a fifth of an item's deviation.
+TEST(InterpolationWeights, OutliersKeepTheirOwnMeans) {
+  // In the neighbourhood, interpolation is wrong by a fifth of an item's standard deviation.
   constexpr float kKappa = 0.04f;
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
@@ -134,13 +135,13 @@ TEST(InterpolationWorth, WhatStandsOutIsShownAsItself) {
       }
     }
   }
-  EXPECT_EQ(shared::point_kappa(kKappa, 4.0f, -1.0f, 1.0f), kKappa);  // not known
+  EXPECT_EQ(shared::point_kappa(kKappa, 4.0f, -1.0f, 1.0f), kKappa);  // unknown
   EXPECT_EQ(shared::point_kappa(kKappa, 4.0f, 1e6f, 0.0f), kKappa);
   EXPECT_LE(shared::point_kappa(kKappa, 4.0f, 1e30f, 1e-30f), shared::kNeverInterpolate);
 }
 
-TEST(InterpolationWorth, OwnMeansWinInTheEnd) {
-  // However small the measured error, a point that goes on is shown as itself.
+TEST(InterpolationWeights, OwnMeansWinInTheEnd) {
+  // However small the measured error, a point that keeps accumulating is shown with its own mean in the end.
   for (const float kappa : {1e-5f, 1e-2f, 1.0f}) {
     const float enough = shared::interpolation_items(kappa);
     EXPECT_NEAR(shared::own_weight(enough, kappa), 0.5f, 1e-3f) << kappa;
@@ -149,7 +150,7 @@ TEST(InterpolationWorth, OwnMeansWinInTheEnd) {
   }
 }
 
-TEST(InterpolationWorth, PointsEnterAtTheLargestSpacingThatDividesThem) {
+TEST(InterpolationWeights, PointsEnterAtTheLargestSpacingThatDividesThem) {
   for (int top = 0; top <= 4; ++top)
     for (int y = 0; y < 40; ++y)
       for (int x = 0; x < 40; ++x) {

@@ -30,7 +30,7 @@ TEST(LocalBandwidth, WaveHasItsFrequencyAlongItsAxis) {
     ASSERT_EQ(windows.size(), 25u);
     for (const WindowBandwidth& w : windows) {
       EXPECT_NEAR(w.nu_x, frequency, 0.0015);
-      EXPECT_LT(w.nu_y, 0.012);  // only the window itself, undone
+      EXPECT_LT(w.nu_y, 0.012);  // only the window's own width, after correction
     }
   }
 }
@@ -54,15 +54,15 @@ TEST(LocalBandwidth, WhiteNoiseFillsTheBand) {
     return static_cast<double>(state >> 8) / 16777216.0;
   });
   for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), {}))
-    EXPECT_NEAR(w.nu_x, 0.475 - 0.03, 0.02);  // 95 % of all frequencies, less what a wave reads above its own
+    EXPECT_NEAR(w.nu_x, 0.475 - 0.03, 0.02);  // 95 % of all frequencies, less the excess that a wave reads
   LocalBandwidthOptions quadrature;
   quadrature.undo_window = UndoWindow::quadrature;
   for (const WindowBandwidth& w : measure_local_bandwidth(image, image, std::vector<bool>(64 * 64, true), quadrature))
     EXPECT_NEAR(w.nu_x, 0.475, 0.02);
 }
 
-/// Sums of waves of any phase and size: what is limited to a bandwidth above the floor never reads much more than it.
-TEST(LocalBandwidth, WhatIsLimitedReadsNoMore) {
+/// Sums of waves of any phase and size: a signal limited to a bandwidth above the floor never reads much more than it.
+TEST(LocalBandwidth, BandLimitedSignalsReadNoMore) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   const LocalBandwidthOptions options;
@@ -98,7 +98,7 @@ TEST(LocalBandwidth, WavesLongerThanAWindowMeasureTheFloor) {
   }
 }
 
-TEST(LocalBandwidth, NoiseOfTwoHalvesIsNoBandwidth) {
+TEST(LocalBandwidth, IndependentNoiseIsNoBandwidth) {
   unsigned state = 1;
   const auto noisy = [&](int x, int) {
     state = state * 1664525u + 1013904223u;
@@ -112,9 +112,9 @@ TEST(LocalBandwidth, NoiseOfTwoHalvesIsNoBandwidth) {
   }
 }
 
-/// Half of the window is even light of the wave's own mean: its spectrum is the wave's, and so must the prediction's
-/// weight be.
-TEST(LocalBandwidth, PredictionsCountByWhatVaries) {
+/// Half of the window is constant at the wave's mean: its spectrum is that of the wave, and so the prediction has to be
+/// weighted towards the wave.
+TEST(LocalBandwidth, PredictionsAreWeightedByVariation) {
   const auto wave = [](int x) {  // fades in, so that its beginning is no edge
     const double fade = 0.5 - 0.5 * std::cos(2.0 * kPi * (x + 0.5 - 16) / 16.0);
     return x < 16 ? 0.0 : fade * std::cos(2.0 * kPi * 0.2 * x);
@@ -140,30 +140,31 @@ TEST(LocalBandwidth, LeavesOutWindowsWithExcludedPixels) {
   EXPECT_EQ(windows.size(), 25u - 9u);
 }
 
-/// Waves of known length: below the floor of 32 pixels one is told from the other, below that of all it is the floor.
+/// Waves of known length: below the floor of 32 pixels they can still be told apart, below the floor of all scales they
+/// read the floor.
 TEST(LocalBandwidth, ScalesTellLongWaves) {
   const std::vector<bool> all(160 * 160, true);
   double before = 0.0;
   for (const double frequency : {0.018, 0.025, 0.035, 0.06, 0.12, 0.25}) {
     const Image image = make_picture(160, 160, [&](int, int y) { return 2.0 + std::cos(2.0 * kPi * frequency * y); });
     double largest = 0.0;
-    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, Places::off_longest)) {
-      EXPECT_NEAR(s.place.nu_y, frequency, 0.2 * frequency);  // short windows read their longest waves a little off
-      largest = std::max(largest, s.place.nu_y);
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, WindowFilter::off_longest)) {
+      EXPECT_NEAR(s.bandwidth.nu_y, frequency, 0.2 * frequency);  // short windows read their longest waves a little off
+      largest = std::max(largest, s.bandwidth.nu_y);
     }
     EXPECT_GT(largest, 1.1 * before) << frequency;
     before = largest;
   }
   const Image slow = make_picture(160, 160, [](int, int y) { return 2.0 + std::cos(2.0 * kPi * 0.004 * y); });
-  for (const ScaledBandwidth& s : measure_scaled_bandwidth(slow, slow, all, Places::off_longest)) {
-    EXPECT_LE(s.place.nu_y, kScaledFloor);
+  for (const ScaledBandwidth& s : measure_scaled_bandwidth(slow, slow, all, WindowFilter::off_longest)) {
+    EXPECT_LE(s.bandwidth.nu_y, kScaledFloor);
     EXPECT_EQ(s.window, 128);
   }
 }
 
-/// Noise limited to a disc of frequencies, mirrored by a sphere, pressed into a dent, folded: what is seen of it at a
-/// pixel has the bandwidth of the noise times the stretch of the map.
-TEST(LocalBandwidth, ScalesKnowWarpedNoise) {
+/// Noise limited to a disc of frequencies, reflected by a sphere, a dent, a fold: its bandwidth at a pixel is that of
+/// the noise times the stretch of the mapping.
+TEST(LocalBandwidth, ScalesMeasureWarpedNoise) {
   constexpr int kSide = 160;
   constexpr double kBoxOfDisc = 0.805;  // 95 % of a disc's area lies within this share of its radius along an axis
   const auto sphere = [](glm::dvec2 p) {
@@ -202,9 +203,10 @@ TEST(LocalBandwidth, ScalesKnowWarpedNoise) {
                std::max(glm::length(map(p + dx) - map(p - dx)), glm::length(map(p + dy) - map(p - dy)));
       });
       for (const ScaledBandwidth& s :
-           measure_scaled_bandwidth(image, image, std::vector<bool>(kSide * kSide, true), Places::off_longest)) {
-        exact.push_back(std::max(kScaledFloor, pooled_prediction(known, image, s.place, s.window, Pooling::variation)));
-        measured.push_back(std::max({kScaledFloor, s.place.nu_x, s.place.nu_y}));
+           measure_scaled_bandwidth(image, image, std::vector<bool>(kSide * kSide, true), WindowFilter::off_longest)) {
+        exact.push_back(
+            std::max(kScaledFloor, pooled_prediction(known, image, s.bandwidth, s.window, Pooling::variation)));
+        measured.push_back(std::max({kScaledFloor, s.bandwidth.nu_x, s.bandwidth.nu_y}));
         ratios.push_back(exact.back() / measured.back());
       }
     }
@@ -214,7 +216,7 @@ TEST(LocalBandwidth, ScalesKnowWarpedNoise) {
   EXPECT_GT(percentile(ratios, 0.1), 0.7);
 }
 
-/// A step blurred twice as far has half the bandwidth, at every size between the floor and the grid.
+/// A step with twice the blur has half the bandwidth, at every size between the floor and the grid.
 TEST(LocalBandwidth, ScalesFollowTheBlurOfAStep) {
   const std::vector<bool> all(160 * 160, true);
   double before = 0.0;
@@ -222,8 +224,8 @@ TEST(LocalBandwidth, ScalesFollowTheBlurOfAStep) {
     const Image image =
         make_picture(160, 160, [&](int x, int) { return 2.0 + std::erf((x - 79.5) / (std::numbers::sqrt2 * sigma)); });
     double nearest = 0.0;
-    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, Places::off_longest))
-      if (s.place.x == 80) nearest = std::max(nearest, s.place.nu_x);
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(image, image, all, WindowFilter::off_longest))
+      if (s.bandwidth.x == 80) nearest = std::max(nearest, s.bandwidth.nu_x);
     if (before > 0.0) {
       EXPECT_NEAR(nearest / before, 2.0, 0.5) << sigma;
     }
@@ -231,26 +233,26 @@ TEST(LocalBandwidth, ScalesFollowTheBlurOfAStep) {
   }
 }
 
-TEST(LocalBandwidth, ScalesTakeThePlacesThatTheyAreAskedFor) {
-  // Usable for 128 pixels in the left half; in the right one a gap leaves room for windows of 32.
+TEST(LocalBandwidth, ScalesFollowTheWindowFilter) {
+  // Usable for windows of 128 pixels in the left half; in the right one a gap leaves room for windows of 32.
   std::vector<bool> usable(320 * 128, true);
   for (int y = 0; y < 128; ++y) usable[static_cast<std::size_t>(y * 320 + 240)] = false;
   const Image wave = make_picture(320, 128, [](int x, int) { return 2.0 + std::cos(2.0 * kPi * 0.2 * x); });
-  const auto on_right = [&](Places places) {
+  const auto on_right = [&](WindowFilter filter) {
     int count = 0;
-    for (const ScaledBandwidth& s : measure_scaled_bandwidth(wave, wave, usable, places)) {
-      EXPECT_GT(std::abs(s.place.x + 0.5 - 240.5) + 0.5, 0.5 * s.window);
+    for (const ScaledBandwidth& s : measure_scaled_bandwidth(wave, wave, usable, filter)) {
+      EXPECT_GT(std::abs(s.bandwidth.x + 0.5 - 240.5) + 0.5, 0.5 * s.window);
       EXPECT_LE(s.window, 32);
-      count += s.place.x > 240;
+      count += s.bandwidth.x > 240;
     }
     return count;
   };
-  EXPECT_EQ(on_right(Places::off_longest), 0);
-  EXPECT_GT(on_right(Places::off_own), 50);
+  EXPECT_EQ(on_right(WindowFilter::off_longest), 0);
+  EXPECT_GT(on_right(WindowFilter::off_own), 50);
 }
 
 TEST(LocalBandwidth, FindsGeometricEdges) {
-  // A plane seen at a slant, one step in depth at x = 20, one of material at x = 40.
+  // A slanted plane, with a step in depth at x = 20 and a change of material at x = 40.
   Image depth(64, 16, 4, 1.0f), normal(64, 16, 4, 1.0f), material(64, 16, 4, 1.0f);
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 64; ++x) {

@@ -55,8 +55,8 @@ struct FloorView {
 };
 Primitive floor_quad(float half = 50.0f) { return quad({-half, 0, half}, {2 * half, 0, 0}, {0, 0, -2 * half}); }
 
-/// Every material of the library shows its albedo in a furnace, found by quadrature of the table: for a lossless one
-/// that is 1.
+/// Every material of the library shows its albedo in a furnace, which is computed by quadrature of the table; 1 for a
+/// lossless material.
 TEST(PathTracer, EveryBuiltInMaterialShowsItsAlbedoInAFurnace) {
   double worst = 0.0;
   for (const BuiltinBrdf& entry : builtin_brdfs()) {
@@ -80,7 +80,7 @@ TEST(PathTracer, EveryBuiltInMaterialShowsItsAlbedoInAFurnace) {
   std::printf("furnace, library: worst %.5f\n", worst);
 }
 
-/// What reflects everything is not seen in a furnace: white Lambert, perfect mirror, clear pane.
+/// Lossless surfaces are invisible in a furnace: white Lambert, perfect mirror, clear pane.
 TEST(PathTracer, LosslessSurfacesVanishInAFurnace) {
   Material mirror;
   mirror.metallic = 1.0f;
@@ -127,7 +127,7 @@ TEST(PathTracer, LambertSphereUnderACosineSky) {
   EXPECT_LT(std::sqrt(square) / mean, 2e-3);
 }
 
-/// A mirror shows the sky in the mirror direction; its lobe of 0.06 degrees blurs nothing of a sky of four waves.
+/// A mirror shows the sky in the mirror direction; its lobe of 0.06 degrees does not blur a sky of four waves.
 TEST(PathTracer, MirrorSphereShowsTheSky) {
   const auto radiance = [](const glm::dvec3& d) { return 1.0 + 0.8 * d.x * d.z + 0.5 * d.y; };
   const auto sky = sky_of(512, 256, [&](const glm::dvec3& d) { return glm::dvec3(radiance(d)); });
@@ -155,7 +155,7 @@ TEST(PathTracer, MirrorSphereShowsTheSky) {
   EXPECT_LT(relative, 3e-3);
 }
 
-/// Check values of a clear pane, n = 1.52, both faces: reflected from the bright half, and let through from it.
+/// Known values of a clear pane, n = 1.52, both faces: reflection of the bright half, and transmission from it.
 TEST(PathTracer, PaneFollowsFresnel) {
   Material pane = matte(glm::vec3(1.0f));
   pane.glass = true;
@@ -184,9 +184,8 @@ TEST(PathTracer, PaneFollowsFresnel) {
   }
 }
 
-/// The box against the linear system. Both judge and judged are known: the noise of the paths is measured, and taken
-/// out of the error.
-TEST(PathTracer, CornellBoxMeetsTheLinearSystem) {
+/// The box against the linear system. The noise of the paths is measured and removed from the error.
+TEST(PathTracer, CornellBoxMatchesTheLinearSystem) {
   const Radiosity radiosity(cornell_triangles(), {.largest_edge = 0.8, .rays = 1024, .light_cells = 16});
   const auto scene = trace(load_scene("builtin:cornell"), constant_sky(0.0f));
   const CornellView view(12);
@@ -196,7 +195,7 @@ TEST(PathTracer, CornellBoxMeetsTheLinearSystem) {
   for (const CornellPixel& pixel : view.pixels(radiosity)) {
     const glm::dvec3 expected =
         pixel.hit.albedo / std::numbers::pi * radiosity.irradiance(pixel.hit.position, pixel.hit.normal, 4096);
-    // From a hundredth of the way to the camera: nothing lies between.
+    // Starts at a hundredth of the way to the camera: nothing is in between.
     const glm::dvec3 eye = pixel.hit.position + 0.01 * (glm::dvec3(0.0, 2.73, 10.8) - pixel.hit.position);
     const MeanRadiance seen =
         mean_radiance(*scene, {}, glm::vec3(eye), glm::vec3(glm::normalize(pixel.hit.position - eye)), paths,
@@ -221,7 +220,7 @@ TEST(PathTracer, CornellBoxMeetsTheLinearSystem) {
 
 /// The restricted reference (direct light of the environment, no visibility) against quadrature of the same tables and
 /// texels.
-TEST(PathTracer, RestrictedReferenceMeetsQuadrature) {
+TEST(PathTracer, RestrictedReferenceMatchesQuadrature) {
   const auto sky = std::make_shared<const Environment>(load_environment("builtin:studio"));
   const EnvironmentMoments moments(*sky);
   for (const char* name : {"matte-white", "leather-tan", "paint-red-metallic"}) {

@@ -54,7 +54,7 @@ const BrdfTable& lambert() {
   return kTable;
 }
 
-/// A chrome-like lobe: exp(-(tan / width)^2) / (pi width^2 cos^4), near-normalised.
+/// A lobe like that of chrome: exp(-(tan / width)^2) / (pi width^2 cos^4), nearly normalised.
 const BrdfTable& chrome() {
   static const BrdfTable kTable = make_table([](double theta_h, double theta_d, double) {
     const double width = 0.004;
@@ -65,8 +65,8 @@ const BrdfTable& chrome() {
   return kTable;
 }
 
-/// Paint-like: two lobes of different width over a coloured base.
-const BrdfTable& paint() {
+/// Like metallic paint: two lobes of different width over a coloured base.
+const BrdfTable& two_lobes() {
   static const BrdfTable kTable = make_table([](double theta_h, double theta_d, double phi_d) {
     const auto lobe = [&](double width) {
       return std::exp(-std::pow(std::tan(theta_h) / width, 2.0)) / (width * width);
@@ -93,7 +93,8 @@ double relative_difference(const glm::dvec3& a, const glm::dvec3& b) {
   return std::max({d.x, d.y, d.z});
 }
 
-/// Independent of the map's tree: midpoints over the half vector, theta_h on the table's own square-root scale.
+/// Independent of the map's tree: midpoint rule over the half vector, with theta_h on the table's own square-root
+/// scale.
 glm::dvec3 integrate_over_half_vectors(const Environment& environment, const BrdfTable& table,
                                        const SurfacePoint& point, int theta_count, int phi_count) {
   const glm::dvec3 t = glm::normalize(glm::cross(glm::dvec3(0.1, 0.9, 0.4), point.normal));
@@ -181,7 +182,7 @@ TEST(Quadrature, AgreesWithHalfVectorIntegrationUnderASun) {
   const Environment sunny = make_sunny(256, 128);
   const EnvironmentMoments sky(sunny);
   const glm::dvec3 to_sun = direction_from_latlong(256 / 3 + 0.7, 128 / 4 + 0.5, 256, 128);
-  for (const BrdfTable* table : {&paint(), &chrome()}) {
+  for (const BrdfTable* table : {&two_lobes(), &chrome()}) {
     for (double offset : {0.0, 0.02, 0.3}) {  // the mirror direction from the sun
       SurfacePoint point = make_point(0.8, 2.0, {0.1, 0.9, 0.3});
       point.wo = glm::normalize(glm::dvec3(0.3, 0.8, -0.2));
@@ -189,12 +190,13 @@ TEST(Quadrature, AgreesWithHalfVectorIntegrationUnderASun) {
       point.normal = glm::normalize(glm::normalize(to_sun + point.wo) + 0.5 * offset * aside);
       const DirectQuadrature got = evaluate_direct(sky, *table, point);
       const glm::dvec3 exact = integrate_over_half_vectors(sunny, *table, point, 2200, 1000);
-      EXPECT_LT(relative_difference(got.radiance, exact), 1e-3) << (table == &paint() ? "paint " : "chrome ") << offset;
+      EXPECT_LT(relative_difference(got.radiance, exact), 1e-3)
+          << (table == &two_lobes() ? "two lobes " : "chrome ") << offset;
     }
   }
 }
 
-/// What the judge rests on: ten times the effort moves nothing, for three tables under the sun.
+/// The quadrature is converged: ten times the effort does not change it, for three tables under the sun.
 TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
   const Environment sunny = make_sunny(1024, 512);
   const EnvironmentMoments sky(sunny);
@@ -210,8 +212,8 @@ TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
       points.push_back(point);
     }
   }
-  for (const BrdfTable* table : {&lambert(), &paint(), &chrome()}) {
-    const char* name = table == &lambert() ? "lambert" : table == &paint() ? "paint" : "chrome";
+  for (const BrdfTable* table : {&lambert(), &two_lobes(), &chrome()}) {
+    const char* name = table == &lambert() ? "lambert" : table == &two_lobes() ? "two lobes" : "chrome";
     std::vector<double> worst(points.size());
     std::vector<std::size_t> evaluations(points.size());
     tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
@@ -231,21 +233,21 @@ TEST(Quadrature, ConvergedAtItsDefaultTolerance) {
   }
 }
 
-TEST(Quadrature, RotationTurnsTheSky) {
+TEST(Quadrature, RotatesTheSky) {
   const Environment sunny = make_sunny(128, 64);
   const EnvironmentMoments sky(sunny);
   SurfacePoint point = make_point(0.9, 0.3, {0.2, 0.9, 0.4});
-  const DirectQuadrature still = evaluate_direct(sky, paint(), point);
+  const DirectQuadrature still = evaluate_direct(sky, two_lobes(), point);
   const double angle = 1.1;
-  const auto turn = [&](const glm::dvec3& d) {
+  const auto rotate = [&](const glm::dvec3& d) {
     return glm::dvec3(std::cos(angle) * d.x + std::sin(angle) * d.z, d.y,
                       std::cos(angle) * d.z - std::sin(angle) * d.x);
   };
-  SurfacePoint turned = point;
-  turned.normal = turn(point.normal);
-  turned.wo = turn(point.wo);
-  turned.env_rotation_rad = angle;
-  EXPECT_LT(relative_difference(evaluate_direct(sky, paint(), turned).radiance, still.radiance), 1e-9);
+  SurfacePoint rotated = point;
+  rotated.normal = rotate(point.normal);
+  rotated.wo = rotate(point.wo);
+  rotated.env_rotation_rad = angle;
+  EXPECT_LT(relative_difference(evaluate_direct(sky, two_lobes(), rotated).radiance, still.radiance), 1e-9);
 }
 
 TEST(Quadrature, VisibilityHidesItsPart) {

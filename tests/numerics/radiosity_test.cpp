@@ -1,4 +1,4 @@
-// The radiosity solver that judges the path tracer, judged itself: against closed forms, and against itself refined.
+// The radiosity solver that checks the path tracer, checked itself: against closed forms, and against a finer solution.
 #include "tests/support/radiosity.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(Radiosity, ParallelSquaresExchangeTheirFormFactor) {
   EXPECT_NEAR(mean / (kPi * kPi), 0.199825, 2e-4);
 }
 
-/// In a closed box whose walls all shine and reflect alike, exitance is E / (1 - rho) everywhere.
+/// In a closed box with equal emission and albedo of all walls, exitance is E / (1 - rho) everywhere.
 TEST(Radiosity, ClosedFurnaceIsTheGeometricSeries) {
   std::vector<DiffuseTriangle> triangles;
   const double rho = 0.7, emission = 2.0;
@@ -54,7 +54,7 @@ TEST(Radiosity, ClosedFurnaceIsTheGeometricSeries) {
   EXPECT_NEAR(e.x / (kPi * emission / (1.0 - rho)), 1.0, 2e-3);
 }
 
-/// The judge's own error on the Cornell box, as docs/numerics/path-tracer.md states it.
+/// The solver's own error on the Cornell box, as docs/numerics/path-tracer.md states it.
 TEST(Radiosity, CornellBoxIsConverged) {
   const auto triangles = cornell_triangles();
   const double coarse_edge = std::getenv("MAQUETTE_TEST_EFFORT") ? 0.7 : 1.0;  // m

@@ -1,4 +1,4 @@
-// Reflection points on patches and triangles: small sets of the campaigns that the benchmark runs in full, and single
+// Reflection points on patches and triangles: small runs of the campaigns that the benchmark runs in full, and single
 // cases.
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-/// What GCC 12 makes of dvec3(vec3(v)) with superword vectorisation is v.
+/// GCC 12's superword vectorisation turns dvec3(vec3(v)) into v.
 TEST(FloatRounding, RoundsEveryComponent) {
   const glm::dvec3 v(0.1, 0.2, 0.3), rounded = glm::dvec3(glm::vec3(v));
   for (int i = 0; i < 3; ++i) {
@@ -36,24 +36,24 @@ TEST(BezierReflection, FindsTheMinimumOfAnExhaustiveSearch) {
   EXPECT_LE(r.steps_quantile(0.99), 5);
 }
 
-/// What is certified has one reflection point: the exhaustive search never finds a second.
+/// A certified case has one reflection point: the exhaustive search never finds a second.
 TEST(BezierReflection, CertificateMeansOneMinimum) {
   const BezierCampaign r = run_bezier_campaign(4000, 12);
   EXPECT_EQ(r.several, 0u) << r.failures;
   EXPECT_GT(r.uncertified, 0u) << "the concave side beyond the caustics was not tried";
 }
 
-/// Against central differences of the points that the search finds, in double.
+/// Against central differences of the reflection points that the search finds, in double.
 TEST(BezierReflection, DerivativeIsThatOfTheReflectionPoint) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   int compared = 0;
   for (int n = 0; n < 400; ++n) {
     std::array<glm::dvec3, 16> points;
-    const double bend = 0.3 * uniform(random);
+    const double curvature = 0.3 * uniform(random);
     for (std::size_t k = 0; k < 16; ++k) {
       const double x = static_cast<double>(k % 4) / 1.5 - 1.0, y = static_cast<double>(k / 4) / 1.5 - 1.0;
-      points[k] = {x, 0.7 * y, bend * (x * x + 0.5 * y * y) + 0.02 * uniform(random)};
+      points[k] = {x, 0.7 * y, curvature * (x * x + 0.5 * y * y) + 0.02 * uniform(random)};
     }
     const ReflectorPatch patch = make_reflector_patch(points);
     const glm::dvec3 eye = glm::dvec3(uniform(random), uniform(random), 2.0) - patch.origin;
@@ -79,8 +79,8 @@ TEST(BezierReflection, DerivativeIsThatOfTheReflectionPoint) {
   EXPECT_GT(compared, 100);
 }
 
-/// A bowl of radius 1 seen from its middle focuses at 1: an object beyond is marked, one before is not.
-TEST(BezierReflection, CausticIsKnown) {
+/// A bowl of radius 1 seen from a distance of 2 focuses at 2 / 3: an object beyond is marked, one before is not.
+TEST(BezierReflection, CausticIsDetected) {
   std::array<glm::dvec3, 16> points;
   for (std::size_t j = 0; j < 4; ++j)
     for (std::size_t i = 0; i < 4; ++i) {
@@ -96,11 +96,11 @@ TEST(BezierReflection, CausticIsKnown) {
   const auto sides = make_reflector_nodes(patch, eye);
   ASSERT_EQ(sides.size(), 1u);
   const glm::vec3 origin(patch.origin);
-  EXPECT_TRUE(choose_start(sides[0], glm::vec3(eye), glm::vec3(0.0f, 0.05f, 0.3f) - origin).certified);
-  EXPECT_FALSE(choose_start(sides[0], glm::vec3(eye), glm::vec3(0.0f, 0.05f, 1.5f) - origin).certified);
+  EXPECT_TRUE(best_start(sides[0], glm::vec3(eye), glm::vec3(0.0f, 0.05f, 0.3f) - origin).certified);
+  EXPECT_FALSE(best_start(sides[0], glm::vec3(eye), glm::vec3(0.0f, 0.05f, 1.5f) - origin).certified);
 }
 
-TEST(BezierReflection, BadPatchesAreToldAndStayFinite) {
+TEST(BezierReflection, BadPatchesAreReportedAndStayFinite) {
   std::array<glm::dvec3, 16> points;
   points.fill({1.0, 2.0, 3.0});
   EXPECT_TRUE(make_reflector_patch(points).degenerate);
@@ -118,7 +118,7 @@ TEST(BezierReflection, BadPatchesAreToldAndStayFinite) {
     if (n % 7 == 0) eye = glm::vec3(bezier_position(patch.exact, {0.1, 0.2}));  // the eye on the surface
     if (n % 11 == 0) p = eye;
     for (const ReflectorNodes& side : make_reflector_nodes(patch, glm::dvec3(eye))) {
-      const auto r = reflection_point(patch.single, eye, p, choose_start(side, eye, p), true);
+      const auto r = reflection_point(patch.single, eye, p, best_start(side, eye, p), true);
       ASSERT_TRUE(std::isfinite(r.x.x + r.x.y + r.length + r.position.x + r.position.y + r.position.z));
     }
   }
@@ -134,8 +134,8 @@ TEST(TriangleReflection, FindsEverySimpleRootOfLongDouble) {
 }
 
 /// The variant that the source rejects: directions in two planes (scaled to height 1 above the triangle) give a linear
-/// equation for k, and a wrong point at grazing angles. The error is that of the reflected direction in the triangle's
-/// middle.
+/// equation for k, and a wrong point at grazing angles. The error is that of the reflected direction in the middle of
+/// the triangle.
 TEST(TriangleReflection, TwoPlaneDirectionsFailAtGrazingAngles) {
   const auto error_rad = [](double elevation, bool two_planes) {
     const glm::dvec3 t[3] = {{-0.05, -0.03, 0.0}, {0.05, -0.03, 0.0}, {0.0, 0.06, 0.0}};

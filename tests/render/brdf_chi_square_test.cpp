@@ -1,6 +1,6 @@
-// Chi-square tests of the sampler of measured tables: every built-in material and tables made to break it, in every row
-// of view elevations. Bins are of the half vector, with edges of their own inside the sampler's cells; what they expect
-// is the integral of the density that brdf_sample_pdf answers, which is constant over solid angle of h within a cell.
+// Chi-square tests of the sampler of measured tables: every built-in material and special tables, in every row of view
+// elevations. Bins are of the half vector, with their own edges inside the sampler's cells; the expected counts are the
+// integral of the density of brdf_sample_pdf, which is constant over solid angle of h within a cell.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ std::vector<NamedTable> adversarial_tables() {
   return tables;
 }
 
-/// View and normal with the half vector's frame: 0 along x is the azimuth of the view.
+/// View and normal in the half vector's frame: azimuth 0, along x, is that of the view.
 struct View {
   glm::dvec3 wo;
   glm::dvec2 azimuth;
@@ -63,7 +63,7 @@ struct View {
 
 View view_at(double theta, double phi) {
   const glm::dvec2 azimuth(std::cos(phi), std::sin(phi));
-  // Rounded as the sampler sees it.
+  // Rounded in the same way as in the sampler.
   const glm::dvec3 exact(std::sin(theta) * azimuth.x, std::sin(theta) * azimuth.y, std::cos(theta));
   const glm::dvec3 wo{glm::vec3(exact)};
   return {wo, azimuth};
@@ -93,7 +93,7 @@ struct HalfBins {
   static constexpr std::size_t kCount = std::size_t{kThetaBins} * 2 * kPhiSlices;
 };
 
-/// Integral of the density over a piece of a cell, one side; split where the horizon crosses it.
+/// Integral of the density over a piece of a cell, on one side; split where the horizon crosses it.
 double piece_mass(BrdfSampler& sampler, const View& view, const glm::dvec2& t, const glm::dvec2& phi) {
   int above = 0;
   for (int k = 0; k < 9; ++k) {
@@ -143,7 +143,7 @@ void add_expected(BrdfSampler& sampler, const View& view, const HalfBins& bins, 
   }
 }
 
-/// One row of elevations, one view inside it. Returns p.
+/// Tests one row of elevations with one view inside it. Returns p.
 test::ChiSquare test_view(BrdfSampler& sampler, const View& view, std::uint32_t seed, std::size_t samples) {
   const HalfBins bins(sampler, sampler.brdf_elevation(glm::vec3(view.wo)));
   std::vector<double> expected(HalfBins::kCount + 1, 0.0), counted(expected.size(), 0.0);
@@ -166,13 +166,13 @@ test::ChiSquare test_view(BrdfSampler& sampler, const View& view, std::uint32_t 
                  q = sum.y * view.azimuth.x - sum.x * view.azimuth.y;
     counted[bins.index(t, std::atan2(q, c))] += 1.0;
   }
-  // Light directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), a tenth of
-  // a mirror's cell.
+  // Light directions are floats: close to the horizon the tangent of theta_h has an error of 6e-8 / cos(theta_o), a
+  // tenth of a mirror's cell.
   return test::chi_square(expected, counted, 5.0, view.wo.z < 0.02 ? 0.3 : 0.0);
 }
 
-/// Every row of elevations once, somewhere inside it. Six million comparisons in a campaign of a thousand runs: a false
-/// alarm in 1e-9 of one test is one in about two hundred campaigns.
+/// Every row of elevations once, at some view inside it. A campaign of a thousand runs makes six million comparisons:
+/// with a false positive rate of 1e-9 per test, one campaign in about two hundred fails by chance.
 void expect_rows(const NamedTable& named) {
   BrdfTables tables;
   compute_importance(SymmetricBrdf(named.table), tables);
@@ -197,7 +197,7 @@ TEST(BrdfChiSquare, TablesMadeToBreakIt) {
   for (const NamedTable& named : adversarial_tables()) expect_rows(named);
 }
 
-/// The test itself: a sampler that draws one cell too often is found.
+/// Tests the test itself: it detects a sampler that draws one cell too often.
 TEST(BrdfChiSquare, FindsAWrongDensity) {
   const std::vector<double> expected(50, 200.0);
   std::vector<double> counted(expected);

@@ -11,7 +11,7 @@ namespace {
 
 using namespace maquette;
 
-/// f(theta_h, theta_d, phi_d) at bin centres; hash 0, so that no fit comes from the cache.
+/// f(theta_h, theta_d, phi_d) at bin centres; hash 0, so that no fit is read from the cache.
 BrdfTable tabulate(const std::function<glm::dvec3(double, double, double)>& f) {
   BrdfTable table;
   table.rgb.reserve(kBrdfEntryCount);
@@ -39,15 +39,15 @@ BrdfTable ggx_table(const glm::dvec3& diffuse, const glm::dvec3& f0, double alph
   });
 }
 
-/// Without a hash: neither read from nor written to the cache.
+/// Without a hash nothing is read from or written to the cache.
 BrdfTable builtin_uncached(const std::string& name) {
   BrdfTable table = make_builtin_brdf(name);
   table.hash = 0;
   return table;
 }
 
-/// What mirrors is told from what is diffuse: its albedo, where it looks, how wide it is.
-TEST(Lobes, FindWhatMirrors) {
+/// Separates the mirroring part from the diffuse part: its albedo, direction and width.
+TEST(Lobes, SeparateTheMirroringPart) {
   for (const double alpha : {0.01, 0.04, 0.09}) {
     SCOPED_TRACE(alpha);
     const glm::dvec3 f0(0.04, 0.3, 0.9);
@@ -91,7 +91,7 @@ TEST(GgxFit, RecoversItsOwnModel) {
   }
 }
 
-TEST(GgxFit, LambertAndBlackAreSound) {
+TEST(GgxFit, LambertAndBlackAreValid) {
   const GgxFit lambert = fit_ggx(builtin_uncached("matte-white"));
   EXPECT_NEAR(lambert.diffuse.y, 0.8f, 0.05f);
   EXPECT_LT(lambert.relative_error, 0.05f);
@@ -124,7 +124,7 @@ TEST(SgFit, RecoversItsOwnModel) {
   }
 }
 
-TEST(SgFit, BlackAndChromeAreSound) {
+TEST(SgFit, BlackAndChromeAreValid) {
   const SgFit black = fit_sg(tabulate([](double, double, double) { return glm::dvec3(0.0); }));
   EXPECT_EQ(black.lobes.size(), 3u);
   EXPECT_EQ(black.diffuse.y + black.lobes[0].amplitude.y, 0.0f);
@@ -137,8 +137,7 @@ TEST(SgFit, BlackAndChromeAreSound) {
   }
 }
 
-/// A material with a metallic lobe is told apart from a dull one, and the colour-changing paint is what SG fits cannot
-/// follow.
+/// A material with a metallic lobe is distinguished from a dull one; the SG fit is worst for the colour-changing paint.
 TEST(Fits, ErrorsRankMaterials) {
   EXPECT_LT(fit_ggx(builtin_uncached("plastic-matte-grey")).relative_error, 0.15f);
   EXPECT_GT(fit_ggx(builtin_uncached("plastic-matte-grey")).alpha, 0.2f);

@@ -1,4 +1,4 @@
-// Queries prepared side by side against the same ones prepared alone.
+// Queries prepared in SIMD lanes, against the same queries prepared one by one.
 #include "render/reference/brdf_lanes.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ glm::vec3 awkward_direction(std::mt19937* random, const glm::vec3& other) {
   return glm::normalize(glm::vec3(side(*random), side(*random), height));
 }
 
-TEST(BrdfLanes, AreTheSharedFormulas) {
+TEST(BrdfLanes, MatchTheSharedFormulas) {
   std::mt19937 random(3);
   const BrdfTables none;
   shared::BrdfSampler sampler(none);
@@ -40,28 +40,28 @@ TEST(BrdfLanes, AreTheSharedFormulas) {
     }
     lanes.compute();
     for (std::size_t i = 0; i < BrdfLanes::kCount; ++i) {
-      const PackedBrdf::Place place = lanes.place(i);
-      const PackedBrdf::Place alone = PackedBrdf::place_of(shared::merl_cell(shared::merl_coordinates(wi[i], wo[i])));
-      for (std::size_t corner = 0; corner < 8; ++corner) ASSERT_EQ(place.entry(corner), alone.entry(corner));
-      ASSERT_EQ(place.fraction, alone.fraction);
+      const PackedBrdf::Cell cell = lanes.cell(i);
+      const PackedBrdf::Cell alone = PackedBrdf::cell_of(shared::merl_cell(shared::merl_coordinates(wi[i], wo[i])));
+      for (std::size_t corner = 0; corner < 8; ++corner) ASSERT_EQ(cell.entry(corner), alone.entry(corner));
+      ASSERT_EQ(cell.fraction, alone.fraction);
       const auto half = sampler.half_vector_place(wo[i], wi[i]);
-      ASSERT_EQ(lanes.places.t[i], half.t);
-      ASSERT_EQ(lanes.places.phi[i], half.phi);
-      ASSERT_EQ(lanes.places.length_sum[i], half.length_sum);
-      ASSERT_EQ(lanes.places.elevation[i], sampler.brdf_elevation(wo[i]));
+      ASSERT_EQ(lanes.coordinates.t[i], half.t);
+      ASSERT_EQ(lanes.coordinates.phi[i], half.phi);
+      ASSERT_EQ(lanes.coordinates.length_sum[i], half.length_sum);
+      ASSERT_EQ(lanes.coordinates.elevation[i], sampler.brdf_elevation(wo[i]));
     }
   }
 }
 
-/// Any number of them, measured materials and others among each other.
-TEST(BrdfLanes, BatchesPrepareWhatEachQueryPreparesAlone) {
+/// Any number of queries, measured and other materials mixed.
+TEST(BrdfLanes, BatchesMatchSingleQueries) {
   std::mt19937 random(4);
-  Material painted, matte = test::white_lambert();
-  painted.measured = "builtin:paint-red-metallic";
+  Material measured, matte = test::white_lambert();
+  measured.measured = "builtin:paint-red-metallic";
   const auto scene_of = [](const Material& m) {
     return build_path_scene({.scene = test::sphere_of(m), .environment = test::constant_sky(1.0f)});
   };
-  const std::array scenes{scene_of(painted), scene_of(matte)};
+  const std::array scenes{scene_of(measured), scene_of(matte)};
   for (std::size_t count = 0; count < 40; ++count) {
     std::deque<SurfacePoint> points;
     std::deque<ScatteringQuery> queries;

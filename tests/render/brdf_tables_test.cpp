@@ -53,7 +53,7 @@ BrdfTable lopsided() {
 BrdfTable black() {
   return tabulate([](double, double, double) { return glm::vec3(0.0f); });
 }
-/// All energy in the first bin of theta_h: a mirror as far as the format can say.
+/// All energy in the first bin of theta_h: the closest to a mirror that the format allows.
 BrdfTable mirror() {
   return tabulate([](double h, double, double) { return glm::vec3(h < 3e-4 ? 1e6f : 0.0f); });
 }
@@ -62,7 +62,7 @@ glm::dvec3 direction(double theta, double phi) {
   return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
 }
 
-TEST(ThetaCells, MassesAddUpAndChoicesFollowThem) {
+TEST(ThetaCells, MassesSumToOneAndSamplingFollowsThem) {
   const BrdfTables none;
   BrdfSampler sampler(none);
   double sum = 0.0;
@@ -201,8 +201,8 @@ TEST(Sampler, ChiSquareOfAWideLobe) {
 }
 TEST(Sampler, ChiSquareOfALopsidedTable) { expect_chi_square(lopsided(), 0.9, 2.0); }
 
-/// A narrow lobe is tested in its own coordinates: the cells of theta_h, and phi_h, are hit as often as their mass
-/// says.
+/// A narrow lobe is tested in its own coordinates: the cells of theta_h, and phi_h, are sampled in proportion to their
+/// mass.
 TEST(Sampler, ChiSquareOfANarrowLobeAndAMirrorOverCells) {
   for (const BrdfTable& brdf : {mirror(), lobe(0.004, 0.01f)}) {
     const BrdfTables tables = compute_brdf_tables(brdf);
@@ -222,7 +222,7 @@ TEST(Sampler, ChiSquareOfANarrowLobeAndAMirrorOverCells) {
       }
       const glm::dvec3 sum = glm::dvec3(sample.wi) + glm::dvec3(wo);
       const double tangent_squared = (sum.x * sum.x + sum.y * sum.y) / (sum.z * sum.z);
-      // 1 - cos, by its series where the subtraction would cancel.
+      // 1 - cos by its series, where the subtraction would cancel.
       const double exact = tangent_squared < 1e-3 ? 0.5 * tangent_squared * (1.0 - 0.75 * tangent_squared)
                                                   : 1.0 - sum.z / glm::length(sum);
       for (int k = 0; k < kThetaCellCount; ++k) {
@@ -233,7 +233,8 @@ TEST(Sampler, ChiSquareOfANarrowLobeAndAMirrorOverCells) {
       }
     }
     EXPECT_LT(invalid, 0.03 * kSamples);
-    // The half vector is found again from float directions (1e-7 rad): cells of the mirror's lobe are merged by eight.
+    // The half vector is recomputed from float directions (error 1e-7 rad), so eight cells of the mirror's lobe are
+    // merged into one bin.
     double statistic = 0.0;
     int freedom = 0;
     for (int k = 0; k < 80; k += 8) {
@@ -269,7 +270,7 @@ TEST(Sampler, CellsAreTheLastThatHaveBegun) {
   }
 }
 
-TEST(Sampler, DensityOfASampleIsTheDensityAskedLater) {
+TEST(Sampler, DensityOfASampleEqualsItsEvaluation) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   const BrdfTables tables = compute_brdf_tables(lobe(0.05, 0.02f));
@@ -296,7 +297,7 @@ TEST(Albedo, LambertIsExactAtEveryElevation) {
   }
 }
 
-/// E[f cos / pdf] is the albedo found by quadrature: two independent routes.
+/// E[f cos / pdf] is the albedo by quadrature: two independent computations.
 TEST(Albedo, MonteCarloThroughTheSamplerAgrees) {
   for (const BrdfTable& brdf : {lambert(), lobe(0.004, 0.05f), lobe(0.1, 0.01f), lopsided()}) {
     const BrdfTables tables = compute_brdf_tables(brdf);
@@ -319,7 +320,8 @@ TEST(Albedo, MonteCarloThroughTheSamplerAgrees) {
       const double deviation = std::sqrt(std::max(sum_squares / kSamples - mean * mean, 0.0) / kSamples);
       const double expected = static_cast<double>(tables.albedo[static_cast<std::size_t>(i)].y);
       EXPECT_NEAR(mean, expected, 4.5 * deviation + 2e-3 * expected) << "elevation " << i;
-      // The tables fit: the relative standard deviation of one sample stays small (Lambert by cosine would have 0).
+      // The importance tables match: the relative standard deviation of one sample is small (for Lambert with cosine
+      // sampling it would be 0).
       EXPECT_LT(deviation * std::sqrt(kSamples) / mean, 0.5) << "elevation " << i;
     }
   }
@@ -365,7 +367,8 @@ TEST(Bandwidth, CosinesAreFoundInTheirBand) {
 }
 
 TEST(Bandwidth, IsLocal) {
-  // A narrow lobe at 0 does not make the far side of the table sharp, nor does a diffuse base blur the lobe.
+  // A narrow lobe at 0 does not raise the bandwidth at the far side of the table, nor does a diffuse base lower that of
+  // the lobe.
   const std::vector<float> bandwidth = compute_bandwidth(lobe(0.004, 0.2f));
   const auto at = [&](int h) { return bandwidth[static_cast<std::size_t>(h * kThetaDCount + 30)]; };
   EXPECT_GT(at(2), 20.0f);

@@ -35,7 +35,7 @@ Scene two_places() {
 CellBrdfJob job_of(const Scene& scene, const std::string& path) {
   CellBrdfJob job;
   job.octree = make_octree_job(scene, -1, 5);
-  job.octree.options.detail = 0;  // as everywhere where cells have BRDFs
+  job.octree.options.detail = 0;  // as always when cells have BRDFs
   job.octree.path = path;
   job.octree.must_load = true;
   job.materials = scene.materials;
@@ -62,7 +62,7 @@ TEST_F(CellBrdfBake, FlatCellsOfOneMaterialShareAndOthersHaveTheirOwn) {
   EXPECT_LT(std::sqrt(brdfs.area_error / brdfs.area_energy), 0.15);
 }
 
-TEST_F(CellBrdfBake, ANewPaintBakesItsOwnBricksAndNoGeometry) {
+TEST_F(CellBrdfBake, ANewMaterialBakesOnlyItsBricks) {
   Scene scene = two_places();
   const CellBrdfJob first = job_of(scene, "");
   const CellBrdfs before = run(first);
@@ -103,7 +103,7 @@ TEST_F(CellBrdfBake, AnInterruptedBakeResumes) {
   EXPECT_TRUE(whole.complete);
   EXPECT_EQ(whole.brdfs.cell_count(), rest.cell_count());
   EXPECT_EQ(run(job).reused, rest.bricks.size());
-  // Before the compression is there, nothing is kept, and nothing is broken.
+  // Before the compression is written, nothing is kept, and nothing fails.
   std::filesystem::remove(cell_brdf_file_path(file));
   cancel = true;
   EXPECT_FALSE(run_cell_brdf_job(job, cancel, {}));
@@ -121,7 +121,7 @@ TEST_F(CellBrdfBake, RefusesDamagedFiles) {
   EXPECT_THROW(run(job), Error);
   CellBrdfJob cached = job;
   cached.octree.must_load = false;
-  EXPECT_GT(run(cached).baked_cells, 0u);  // of the cache: as good as absent
+  EXPECT_GT(run(cached).baked_cells, 0u);  // from the cache: as if absent
   bake.attributes["kind"] = "octree";
   save_bake_file(brdf_file, bake);
   EXPECT_THROW(load_cell_brdf_file(brdf_file), Error);
@@ -149,7 +149,7 @@ TEST(OctreeInterest, NamesNodesAndBoxes) {
     EXPECT_THROW(find_interest(wrong, scene, geometry), UsageError) << wrong;
 }
 
-/// A seat that moves builds the bricks that it leaves and enters, no others.
+/// A seat that moves rebuilds the bricks that it leaves and enters, and no others.
 TEST(OctreeBuild, AMovedPartRebuildsWhereItWasAndIs) {
   const Scene scene = two_places();
   OctreeJob job = make_octree_job(scene, -1, 6);

@@ -30,7 +30,7 @@ glm::dvec3 lit(const Eigen::VectorXf& v, int i, int j) {
   return {v[pair], v[pair + 1], v[pair + 2]};
 }
 
-/// The T of Fig. 11.13: a base of one colour, an upright of another.
+/// The T of Fig. 11.13: a base of one colour and an upright of another.
 CellContent t_shape() {
   CellContent t;
   t.polygons = {rectangle({0.0, 0.5, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}),
@@ -61,7 +61,7 @@ CellContent random_content(unsigned seed) {
 TEST(CellDirections, LookupsFindTheirPixelsAndWeighTheSphereOnce) {
   for (int i = 0; i < kCellDirections; ++i) {
     const glm::vec3 d = glm::normalize(shared::cell_direction(i));
-    if ((d.z < 0.0f) != (i >= kCellDirections / 2)) continue;  // beyond the horizon: the other map's
+    if ((d.z < 0.0f) != (i >= kCellDirections / 2)) continue;  // beyond the horizon: belongs to the other map
     const auto at = shared::cell_lookup(d);
     int nearest = at.first + (at.x > 0.5f ? 1 : 0) + (at.y > 0.5f ? shared::kCellSide : 0);
     EXPECT_EQ(nearest, i);
@@ -70,14 +70,14 @@ TEST(CellDirections, LookupsFindTheirPixelsAndWeighTheSphereOnce) {
   double sum = 0.0;
   for (float w : cell_solid_angles()) sum += static_cast<double>(w);
   EXPECT_NEAR(sum, 4.0 * kPi, 1e-3);
-  // A constant is interpolated exactly, the cosine nearly.
+  // A constant is interpolated exactly, the cosine approximately.
   double cosine = 0.0;
   for (int i = 0; i < kCellDirections; ++i)
     cosine += static_cast<double>(cell_solid_angles()[static_cast<std::size_t>(i)]) * std::max(direction(i).z, 0.0);
   EXPECT_NEAR(cosine, kPi, 0.03 * kPi);
 }
 
-/// The table that bakes read, against the formulas.
+/// Compares the table that bakes use with the formulas.
 TEST(CellMaterial, TheTableIsTheBrdf) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> u(0.0f, 1.0f);
@@ -114,7 +114,7 @@ TEST(CellBrdf, AnEmptyCellIsTransparent) {
   EXPECT_EQ(v.squaredNorm(), 0.0f);
 }
 
-/// Part of a plane: what is seen is its projected area, and the light that it sends is Lambert's.
+/// Part of a plane: the visible area is the projected area, and the reflected light is Lambert's.
 TEST(CellBrdf, AFlatLambertCellIsLambert) {
   CellContent content;
   content.polygons = {rectangle({0.1, 0.4, 0.2}, {0.0, 0.0, 0.7}, {0.6, 0.0, 0.0})};
@@ -137,9 +137,9 @@ TEST(CellBrdf, AFlatLambertCellIsLambert) {
   }
 }
 
-TEST(CellBrdf, AWhiteCellKeepsWhatItGets) {
-  // Under even light of 1 a white convex cell has radiance 1 wherever it is seen; one with hollows has less, never
-  // more.
+TEST(CellBrdf, AWhiteCellConservesEnergy) {
+  // Under uniform light of 1 a convex white cell has radiance 1 in every visible direction; one with concavities has
+  // less, never more.
   const auto omega = cell_solid_angles();
   for (int hollow = 0; hollow < 2; ++hollow) {
     CellContent content = t_shape();
@@ -158,8 +158,8 @@ TEST(CellBrdf, AWhiteCellKeepsWhatItGets) {
   }
 }
 
-/// A bent, glossy cell, turned around its normal and mirrored: in its own frame it stays the same.
-TEST(CellBrdf, TheFrameTurnsWithTheCell) {
+/// A curved, glossy cell, rotated about its normal and mirrored: in its own frame it stays the same.
+TEST(CellBrdf, TheFrameRotatesWithTheCell) {
   Material gloss;
   gloss.metallic = 1.0f;
   gloss.roughness = 0.3f;
@@ -171,7 +171,7 @@ TEST(CellBrdf, TheFrameTurnsWithTheCell) {
   for (int k = 0; k < 16; ++k) {
     std::vector<CellSample> samples;
     const double angle = 0.4 * k, side = k & 1 ? -1.0 : 1.0;
-    for (int i = 0; i < 24; ++i) {  // a bow that bends farther to one side, and a little across
+    for (int i = 0; i < 24; ++i) {  // an arc that curves more to one side, and a little across
       const double bend = -0.5 + 1.3 * i / 23.0, x = std::sin(bend), z = side * 0.2 * i / 23.0;
       const glm::dvec3 n = glm::normalize(glm::dvec3(x, std::cos(bend), z));
       samples.push_back(
@@ -180,11 +180,11 @@ TEST(CellBrdf, TheFrameTurnsWithTheCell) {
            1.0 / 24.0,
            i});
     }
-    const auto vector = [&](const CellTurn& turn) {
+    const auto vector = [&](const CellRotation& turn) {
       return compute_cell_brdf(samples, reflectance, cell_frame(up, turn), {});
     };
-    const CellTurn turn = find_cell_turn(samples, up);
-    EXPECT_LT(turn.steps, 1u << CellTurn::kBits);
+    const CellRotation turn = find_cell_rotation(samples, up);
+    EXPECT_LT(turn.steps, 1u << CellRotation::kBits);
     const Eigen::VectorXf own = vector(turn), plain = vector({});
     if (k == 0) first = own, first_plain = plain;
     most = std::max(most, static_cast<double>((own - first).norm() / first.norm()));
@@ -194,8 +194,8 @@ TEST(CellBrdf, TheFrameTurnsWithTheCell) {
   EXPECT_GT(most_plain, 0.2);
 }
 
-/// Against an eye far away that looks at the cell, for the T and for random cells of matte and glossy pieces.
-TEST(CellBrdf, IsWhatAnEyeFarAwaySees) {
+/// Compares with a distant eye that looks at the cell, for the T and for random cells of matte and glossy pieces.
+TEST(CellBrdf, MatchesADistantEye) {
   for (unsigned seed = 0; seed < 8; ++seed) {
     const CellContent content = seed == 0 ? t_shape() : random_content(seed);
     const glm::vec3 normal =
@@ -206,7 +206,7 @@ TEST(CellBrdf, IsWhatAnEyeFarAwaySees) {
     for (int j = 0; j < kCellDirections; j += 5) lights.push_back(frame * direction(j));
     double difference = 0.0, total = 0.0;
     for (int i = 0; i < kCellDirections; i += 7) {
-      const auto view = test::look_at_cell(content, frame * direction(i), lights, 160);
+      const auto view = test::compute_cell_view(content, frame * direction(i), lights, 160);
       EXPECT_NEAR(seen(v, i), view.seen, 0.02) << seed << " " << i;
       for (std::size_t k = 0; k < lights.size(); ++k) {
         difference += glm::length(lit(v, i, static_cast<int>(5 * k)) - view.lit[k]);
@@ -217,8 +217,8 @@ TEST(CellBrdf, IsWhatAnEyeFarAwaySees) {
   }
 }
 
-/// What a material index and a mean normal cannot say: from above only the base, from the side the upright, and half
-/// of the cell is air.
+/// What a material index and a mean normal cannot represent: from above only the base is visible, from the side the
+/// upright, and half of the cell is empty.
 TEST(CellBrdf, TheTChangesColourAndTransparencyWithTheView) {
   const Eigen::VectorXf v = test::bake_content(t_shape(), {0.0f, 1.0f, 0.0f}, 1000);
   const glm::dmat3 frame(cell_frame({0.0f, 1.0f, 0.0f}));
@@ -242,8 +242,8 @@ TEST(CellBrdf, TheTChangesColourAndTransparencyWithTheView) {
   EXPECT_NEAR(seen(v, side) / static_cast<double>(shared::cell_outline(d)), 0.5, 0.1);
 }
 
-/// Compressed on the T turned and scaled at random, the T itself comes back.
-TEST(CellBrdf, LocalPcaKeepsTheT) {
+/// A compression fitted to randomly rotated and scaled copies of the T reproduces the T itself.
+TEST(CellBrdf, LocalPcaReproducesTheT) {
   constexpr int kTraining = 120;
   Eigen::MatrixXf vectors(kCellBrdfDimension, kTraining);
   std::mt19937 random(3);
@@ -262,7 +262,7 @@ TEST(CellBrdf, LocalPcaKeepsTheT) {
   const Eigen::VectorXf t = test::bake_content(t_shape(), {0.0f, 1.0f, 0.0f}, 256);
   const double energy = static_cast<double>(measure.dot(t.cwiseAbs2()));
   EXPECT_LT(std::sqrt(pca.error(t) / energy), 0.08);
-  // The bake file's way: means and components out, and in again.
+  // The path through a bake file: means and components are written and read.
   Eigen::MatrixXf means(kCellBrdfDimension, pca.cluster_count());
   Eigen::MatrixXf components(kCellBrdfDimension, 4 * pca.cluster_count());
   for (int k = 0; k < pca.cluster_count(); ++k) {

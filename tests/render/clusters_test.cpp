@@ -42,7 +42,7 @@ TEST(Clusters, HoldEveryTriangleOnceAndKeepTheirLimits) {
   EXPECT_EQ(triangles.size(), geometry.indices.size() / 3);
 }
 
-/// Spheres that a ray of the beam meets, near and far, narrow beams and wide ones: none may be given up.
+/// Spheres that a ray of the beam meets, near and far, with narrow and wide beams: none may be rejected.
 TEST(Clusters, NoSphereIsMissedThatARayMeets) {
   std::mt19937 random(5);
   std::normal_distribution<float> normal;

@@ -54,7 +54,7 @@ TEST(CoarsePatches, KnowTheTessellation) {
     EXPECT_NE(sides.u, sides.v);
     EXPECT_EQ(static_cast<std::uint32_t>((sides.u + 1) * (sides.v + 1)), g.items[0].vertex_count);
     EXPECT_EQ(static_cast<std::uint32_t>(6 * sides.u * sides.v), g.items[0].index_count);
-    // The last vertex of the first row, and the first of the second one.
+    // The last vertex of the first row, and the first of the second row.
     const auto last = static_cast<std::size_t>(sides.u);
     EXPECT_EQ(g.uv0[last], glm::vec2(1.0f, 0.0f));
     EXPECT_EQ(g.uv0[last + 1], glm::vec2(0.0f, 1.0f / static_cast<float>(sides.v)));
@@ -81,12 +81,12 @@ TEST(CoarsePatches, NoVertexIsFartherThanTheLevelSays) {
         most = std::max(most, nearest);
       }
       EXPECT_LE(most, level.deviation_m + 1e-6f);
-      EXPECT_GT(most, 0.1f * level.deviation_m);  // a bound that says nothing would keep all triangles
+      EXPECT_GT(most, 0.1f * level.deviation_m);  // a useless bound would keep all triangles
     }
   }
 }
 
-/// Face culling goes by it.
+/// Face culling depends on it.
 TEST(CoarsePatches, AreWoundAsThePatch) {
   for (const glm::mat4& world : {kTurned, kMirrored}) {
     const FlatGeometry g = curved_pane(world);
@@ -102,7 +102,7 @@ TEST(CoarsePatches, AreWoundAsThePatch) {
   }
 }
 
-TEST(CoarsePatches, TheLevelIsAsFineAsItsNearestVertexAsks) {
+TEST(CoarsePatches, TheLevelIsAsFineAsItsNearestVertexNeeds) {
   const FlatGeometry g = curved_pane(kTurned);
   const CoarsePatch patch = make_coarse_patches(g).of_item.at(0);
   std::mt19937 random(3);

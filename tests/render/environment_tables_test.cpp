@@ -53,7 +53,7 @@ double integrate_luminance(const Environment& e) {
   return sum;
 }
 
-/// nu_L at a direction (the cell it lies in).
+/// nu_L of the cell that contains a direction.
 double bandwidth_at(const EnvironmentTables& t, const glm::dvec3& d) {
   const glm::dvec2 p = latlong_from_direction(d, t.bandwidth_width, t.bandwidth_height);
   const int x = std::min(static_cast<int>(p.x), t.bandwidth_width - 1);
@@ -72,15 +72,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// As mode `uniform` draws them, with a node at every `1 / refinement` of a texel.
+/// Samples as mode `uniform` does, with a node at every `1 / refinement` of a texel.
 std::vector<EnvironmentSample> sample(const Environment& e, const EnvironmentTables& t, std::uint32_t seed,
                                       std::size_t count, int refinement = 1) {
   return sample_environment(e, t, pack_sky(e, packing_bias(e), refinement), seed, count);
 }
 
 TEST(EnvironmentImportance, OneHotTexelIntegratesRight) {
-  // In the middle, on the seam, at both poles: the light spills half a texel in every direction by bilinear
-  // interpolation.
+  // In the middle, on the seam, at both poles: bilinear interpolation spreads the light by half a texel in every
+  // direction.
   for (const auto& [x, y] : {std::pair{13, 7}, {0, 8}, {31, 9}, {5, 0}, {17, 15}}) {
     const Environment e = hot_texel(32, 16, x, y);
     const EnvironmentTables t = compute_environment_tables(e);
@@ -146,8 +146,8 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
     const glm::dvec2 p = latlong_from_direction(s.direction, 8, 4);
     counts[static_cast<std::size_t>(std::min(static_cast<int>(p.y), 3) * 8 + std::min(static_cast<int>(p.x), 7))] +=
         1.0;
-    // A grey texel over its pdf is the light of the whole sphere, whichever texel was chosen, but for what
-    // sin(latitude) changes within a cell.
+    // A grey texel over its pdf is the light of the whole sphere, whichever texel was sampled, except for the variation
+    // of sin(latitude) within a cell.
     if (p.y > 0.25 && p.y < 3.75) {
       const double ratio = luminance(s.radiance) / static_cast<double>(s.pdf);
       ASSERT_NEAR(ratio / t.luminance_integral, 1.0, 0.2) << p.y;
@@ -163,12 +163,13 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
   double chi_square = 0.0;
   for (std::size_t i = 0; i < counts.size(); ++i)
     chi_square += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i];
-  // 31 degrees of freedom: 61 would be one in a thousand for random samples; these are better spread than random ones.
+  // 31 degrees of freedom: 61 has a probability of one in a thousand for random samples; these are more uniform than
+  // random ones.
   EXPECT_LT(chi_square, 31.0);
 }
 
-TEST(EnvironmentImportance, TexelsAreChosenByTheirShareOfTheLight) {
-  // Two texels of 1 and 3 side by side: on the edge between them the brighter one is chosen three times as often.
+TEST(EnvironmentImportance, TexelsAreSampledByTheirShareOfTheLight) {
+  // Two texels of 1 and 3 side by side: on the edge between them the brighter one is sampled three times as often.
   const Environment e = make_environment(2, 1, [](const glm::dvec3&, int x, int) { return x == 0 ? 1.0 : 3.0; });
   const EnvironmentTables t = compute_environment_tables(e);
   double bright = 0.0, expected = 0.0;
@@ -193,11 +194,11 @@ TEST(EnvironmentImportance, RunsOfConsecutiveSamplesAreWellSpread) {
       const double v = 0.5 - 0.5 * static_cast<double>(d.y);
       boxes.insert(std::min(static_cast<int>(v * 16), 15) * 16 + std::min(static_cast<int>(u * 16), 15));
     }
-    EXPECT_GE(boxes.size(), 254u);  // the direction is rounded to float: a sample on a border may fall over it
+    EXPECT_GE(boxes.size(), 254u);  // directions are rounded to float: a sample on a border may move across it
   }
 }
 
-TEST(EnvironmentImportance, SeedsDecideAlone) {
+TEST(EnvironmentImportance, DependsOnTheSeedAlone) {
   const Environment e = hot_texel(32, 16, 4, 4, 1.0);
   const EnvironmentTables t = compute_environment_tables(e);
   const auto a = sample(e, t, 1, 64), b = sample(e, t, 1, 128), c = sample(e, t, 2, 64);
@@ -205,7 +206,7 @@ TEST(EnvironmentImportance, SeedsDecideAlone) {
   EXPECT_NE(a[63].direction, c[63].direction);
 }
 
-// Samples are found in an order of their own, cell by cell.
+// Samples are computed cell by cell, in a different order.
 TEST(EnvironmentImportance, ListHoldsTheSequenceInItsOrder) {
   const Environment e = make_environment(
       64, 32, [](const glm::dvec3& d, int x, int y) { return 1.0 + d.y + (x == 0 && y == 9 ? 1e5 : 0.0); });
@@ -220,7 +221,7 @@ TEST(EnvironmentImportance, ListHoldsTheSequenceInItsOrder) {
   }
 }
 
-TEST(EnvironmentImportance, ExtremesAreSound) {
+TEST(EnvironmentImportance, ExtremesAreFinite) {
   const Environment black = make_environment(32, 16, [](const glm::dvec3&, int, int) { return 0.0; });
   const EnvironmentTables dark = compute_environment_tables(black);
   EXPECT_EQ(dark.luminance_integral, 0.0);
@@ -234,7 +235,7 @@ TEST(EnvironmentImportance, ExtremesAreSound) {
   for (const EnvironmentSample& s : sample(one, t, 0, 100)) EXPECT_NEAR(s.pdf, 1.0 / (4.0 * kPi), 1e-6);
   EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
 
-  // Far below and above float's comfortable range. What is packed ends at 1e-33 (a step of 2^-110), tables do not.
+  // Far outside the usual range of float. Packed values end at 1e-33 (a step of 2^-110), tables do not.
   for (const double scale : {1e-38, 1e-29, 1e15}) {
     const Environment e = make_environment(
         32, 16, [&](const glm::dvec3&, int x, int y) { return x == 3 && y == 3 ? scale : scale * 1e-3; });
@@ -273,7 +274,7 @@ TEST(WaveletBandwidth, TransformKeepsEnergyAndKillsRamps) {
   for (std::size_t i = 0; i < 64; ++i) signal[i] = 3.0f + 0.5f * static_cast<float>(i);
   d4_detail(signal.data(), 64, 1, 2, detail.data());
   for (std::size_t i = 0; i + 1 < 32; ++i)
-    EXPECT_NEAR(detail[i], 0.0f, 1e-4f);  // the last one sees the jump of the period
+    EXPECT_NEAR(detail[i], 0.0f, 1e-4f);  // the last one contains the jump at the period
 }
 
 TEST(WaveletBandwidth, LevelEnergiesFollowTheResponseEverywhere) {
@@ -330,10 +331,10 @@ TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
     const double expected = m / (2.0 * kPi);
     const std::vector<double> equator = row_of(t, 0.3);
     EXPECT_NEAR(median(equator) / expected, 1.0, 0.2) << m;
-    // In the dark troughs of a slow cosine the clipping of far brighter light shows.
+    // In the dark troughs of a slow cosine the far brighter light is clipped.
     EXPECT_LT(*std::max_element(equator.begin(), equator.end()) / expected, m < 14 ? 3.0 : 1.4) << m;
     EXPECT_GT(*std::min_element(equator.begin(), equator.end()) / expected, 0.75) << m;
-    // On smaller circles of latitude the same period takes a smaller angle.
+    // On smaller circles of latitude the same period covers a smaller angle.
     EXPECT_NEAR(median(row_of(t, 60.0)) * std::cos(60.0 * kPi / 180.0) / expected, 1.0, 0.25) << m;
   }
 }
@@ -357,7 +358,7 @@ TEST(EnvironmentBandwidth, ContrastAndScaleDoNotMatter) {
   };
   EXPECT_NEAR(nu(1.0, 1.0) / nu(1e5, 1.0), 1.0, 1e-3);
   EXPECT_NEAR(nu(1.0, 1.0) / nu(1.0, 0.2), 1.0, 0.05);
-  EXPECT_EQ(nu(1.0, 0.005), 0.0);  // below what counts as a change
+  EXPECT_EQ(nu(1.0, 0.005), 0.0);  // below the threshold of a change
 }
 
 TEST(EnvironmentBandwidth, AConstantSkyHasNone) {
@@ -366,15 +367,15 @@ TEST(EnvironmentBandwidth, AConstantSkyHasNone) {
   EXPECT_EQ(*std::max_element(t.bandwidth.begin(), t.bandwidth.end()), 0.0f);
 }
 
-/// nu_L as lobe k sees it, in the middle column.
+/// nu_L through lobe k, in the middle column.
 double seen_at(const EnvironmentTables& t, int row, std::size_t k) {
   const int cell = row * t.bandwidth_width + t.bandwidth_width / 2;
   return static_cast<double>(t.seen_bandwidth[static_cast<std::size_t>(cell) * kSeenBandwidthCount + k]);
 }
 
-/// A sky of the elevation alone, seen through Gaussian lobes: what is seen is known (erf), and its own local bandwidth
-/// is what the tables of the sharp sky must give, averaged over the lobe by energy as shading does. min(nu_L, nu_rho)
-/// is not it.
+/// A sky that depends on the elevation alone, filtered by Gaussian lobes: the result is known in closed form (erf). The
+/// tables of the sharp sky must give the filtered sky's local bandwidth, averaged over the lobe by energy as shading
+/// does. min(nu_L, nu_rho) would be wrong.
 TEST(EnvironmentBandwidth, AnEdgeSeenThroughALobeHasTheBandwidthOfItsBlur) {
   constexpr int kWidth = 512, kHeight = 256;
   const auto elevation_of = [](double row, int height) { return kPi * (0.5 - row / height); };
@@ -415,7 +416,7 @@ TEST(EnvironmentBandwidth, AnEdgeSeenThroughALobeHasTheBandwidthOfItsBlur) {
   }
 }
 
-TEST(EnvironmentBandwidth, ALobeLeavesWavesAloneThatItCarries) {
+TEST(EnvironmentBandwidth, ALobeKeepsWavesWithinItsBandwidth) {
   for (const int m : {9, 21, 55}) {
     const EnvironmentTables t = compute_environment_tables(make_environment(
         256, 128, [&](const glm::dvec3& d, int, int) { return 1.0 + 0.5 * std::cos(m * std::acos(d.y)); }));
@@ -428,8 +429,8 @@ TEST(EnvironmentBandwidth, ALobeLeavesWavesAloneThatItCarries) {
   }
 }
 
-/// Narrower lobes see no less, none sees more than there is, and none makes anything of a constant.
-TEST(EnvironmentBandwidth, NarrowerLobesSeeMore) {
+/// Narrower lobes have no lower bandwidth, none exceeds that of the light, and a constant has none.
+TEST(EnvironmentBandwidth, NarrowerLobesKeepMoreBandwidth) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   const EnvironmentTables noise = compute_environment_tables(make_environment(
@@ -456,7 +457,7 @@ TEST(EnvironmentBandwidth, ASunRaisesOnlyItsNeighbourhood) {
   const EnvironmentTables plain =
       compute_environment_tables(make_environment(1024, 512, [&](const glm::dvec3& d, int, int) { return sky(d); }));
   const EnvironmentTables sunny = compute_environment_tables(make_environment(1024, 512, with_sun));
-  // The disc is 0.012 rad wide: its bandwidth is of the order of 1 / 0.024 cycles per radian.
+  // The disc is 0.012 rad wide: its bandwidth is about 1 / 0.024 cycles per radian.
   EXPECT_GT(bandwidth_at(sunny, sun), 20.0);
   EXPECT_LT(bandwidth_at(plain, sun), 2.0);
   double farthest_raised = 0.0;

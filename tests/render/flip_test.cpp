@@ -17,7 +17,7 @@ namespace {
 using Vec = std::array<double, 3>;
 constexpr double kPi = std::numbers::pi;
 
-// A second FLIP, written straight from the papers: in double, with two-dimensional kernels, pixel by pixel.
+// An independent FLIP, implemented directly from the papers: in double, with two-dimensional kernels, pixel by pixel.
 namespace slow {
 
 Vec xyz(const Vec& c) {
@@ -191,7 +191,7 @@ TEST(FlipLdr, AgreesWithTheSlowVersion) {
 }
 
 TEST(FlipLdr, WhatIsFinerThanTheEyeIsSeenLess) {
-  // The same squared difference as a checkerboard of one pixel and as an even veil.
+  // The same squared difference as a checkerboard of one pixel and as a uniform veil.
   Image grey(64, 64, 3, 0.5f), veil(64, 64, 3, 0.6f), fine(64, 64, 3);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x)
@@ -228,7 +228,7 @@ TEST(FlipHdr, ExposuresGoFromTheBrightestToTheMedian) {
   const FlipExposures e = flip_exposures(image);
   EXPECT_NEAR(e.stop_ev - e.start_ev, 4.0, 1e-9);  // 64 over the median 4
   EXPECT_EQ(e.count, 4);
-  // The brightest pixel is shown at 0.85 of the curve at the first exposure.
+  // at the first exposure the brightest pixel is displayed at 0.85 of the curve
   const double x = 64.0 * std::exp2(e.start_ev);
   EXPECT_NEAR((0.9036 * x * x + 0.018 * x) / (0.8748 * x * x + 0.354 * x + 0.14), 0.85, 1e-6);
 }
@@ -261,7 +261,7 @@ TEST(FlipHdr, DoesNotDependOnTheUnit) {
   EXPECT_NEAR(mean(flip_hdr_map(a, b)), mean(flip_hdr_map(a2, b2)), 1e-5);
 }
 
-TEST(FlipHdr, DarkPicturesHaveAnAnswer) {
+TEST(FlipHdr, DarkPicturesHaveAResult) {
   // More than half is black: the median would be 0, the exposures infinite.
   Image mostly(10, 10, 3);
   for (int x = 0; x < 10; ++x)

@@ -39,7 +39,8 @@ TEST(Fresnel, ClearPaneKeepsEnergyAndTintedOneLosesIt) {
   EXPECT_NEAR(shared::fresnel_pane(0.0f, 1.52f, 1.0f).x, 1.0f, 1e-5f);
 }
 
-/// Against Stokes' sums in long double, whose digits make up for what 1 - r^2 loses at grazing incidence.
+/// Compares with Stokes' sums in long double, whose precision compensates the cancellation in 1 - r^2 at grazing
+/// incidence.
 TEST(Fresnel, PaneKeepsItsDigitsFromGrazingToNormalIncidence) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -84,7 +85,7 @@ TEST(Fresnel, EqualsTheSeriesOfBounces) {
   }
 }
 
-/// Flat parallel faces: the second ray is parallel to the first, d sin(2 theta) / sqrt(n^2 - sin^2 theta) beside it.
+/// Flat parallel faces: the second ray is parallel to the first, displaced by d sin(2 theta) / sqrt(n^2 - sin^2 theta).
 TEST(Pane, SecondImageOfParallelFacesIsDisplaced) {
   constexpr float kThickness = 0.005f, kIndex = 1.52f;
   for (const float degrees : {5.0f, 30.0f, 45.0f, 60.0f, 70.0f, 85.0f}) {
@@ -101,8 +102,9 @@ TEST(Pane, SecondImageOfParallelFacesIsDisplaced) {
   }
 }
 
-/// A wedge of angle alpha turns the second ray: sin(out) = n sin(theta' + 2 alpha), near 2 n alpha at normal incidence.
-TEST(Pane, SecondImageOfAWedgeIsTurned) {
+/// A wedge of angle alpha rotates the second ray: sin(out) = n sin(theta' + 2 alpha), about 2 n alpha at normal
+/// incidence.
+TEST(Pane, SecondImageOfAWedgeIsRotated) {
   constexpr float kIndex = 1.52f;
   for (const float alpha : {1e-3f, -1e-3f, 0.01f})
     for (const float degrees : {0.0f, 20.0f, 60.0f}) {

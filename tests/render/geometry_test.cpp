@@ -33,7 +33,7 @@ glm::vec3 face_normal(const FlatGeometry& flat, std::size_t triangle) {
       glm::cross(flat.positions[t[1]] - flat.positions[t[0]], flat.positions[t[2]] - flat.positions[t[0]]));
 }
 
-void expect_sound(const FlatGeometry& flat) {
+void expect_valid(const FlatGeometry& flat) {
   for (std::size_t i = 0; i < flat.positions.size(); ++i) {
     EXPECT_NEAR(glm::length(flat.normals[i]), 1.0f, 1e-5f);
     EXPECT_NEAR(glm::length(glm::vec3(flat.tangents[i])), 1.0f, 1e-5f);
@@ -44,7 +44,7 @@ void expect_sound(const FlatGeometry& flat) {
 
 TEST(Flatten, FillsWhatIsMissing) {
   const FlatGeometry flat = flatten(scene_of(quad()));
-  expect_sound(flat);
+  expect_valid(flat);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LT(glm::length(flat.normals[i] - glm::vec3(0, 0, 1)), 1e-6f);
     EXPECT_LT(glm::length(flat.tangents[i] - glm::vec4(1, 0, 0, 1)), 1e-6f);
@@ -61,7 +61,7 @@ TEST(Flatten, WeighsNormalsByArea) {
   const FlatGeometry flat = flatten(scene_of(roof));
   EXPECT_LT(glm::length(flat.normals[0] - glm::normalize(glm::vec3(3, 1, 0))), 1e-6f);
   EXPECT_LT(glm::length(flat.normals[2] - glm::vec3(0, 1, 0)), 1e-6f);
-  expect_sound(flat);
+  expect_valid(flat);
 }
 
 TEST(Flatten, RewindsMirroredInstances) {
@@ -97,18 +97,18 @@ TEST(Flatten, TransformsNormalsUnderNonUniformScale) {
   EXPECT_LT(glm::length(flat.normals[0] - face_normal(flat, 0)), 1e-6f);
 }
 
-TEST(Flatten, StaysSoundAtExtremeScalesAndForDegenerateTriangles) {
+TEST(Flatten, StaysFiniteAtExtremeScalesAndForDegenerateTriangles) {
   for (const float scale : {1e-6f, 1.0f, 1e6f}) {
     Primitive primitive = quad();
     primitive.positions.push_back({2, 2, 0});  // belongs only to a triangle without area
     primitive.uvs[0].push_back({0.5f, 0.5f});
     primitive.indices.insert(primitive.indices.end(), {4, 4, 4});
     const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(scale))));
-    expect_sound(flat);
+    expect_valid(flat);
     EXPECT_LT(glm::length(flat.normals[0] - glm::vec3(0, 0, 1)), 1e-6f);
     EXPECT_LT(glm::length(flat.tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
   }
-  expect_sound(flatten(scene_of(quad(), glm::mat4(0.0f))));  // scaled to nothing
+  expect_valid(flatten(scene_of(quad(), glm::mat4(0.0f))));  // scaled to nothing
 }
 
 TEST(Flatten, ListsInstancesAndPatchesAndSkipsTheHidden) {

@@ -42,7 +42,7 @@ void add_mesh(Scene* scene, Primitive primitive, const Material& material) {
   scene->nodes.push_back(node);
 }
 
-/// Grid of (n + 1)^2 vertices; front where position and normal say.
+/// Grid of (n + 1)^2 vertices; the front face follows from position and normal.
 Primitive lattice(int n, const std::function<glm::vec3(float, float)>& position,
                   const std::function<glm::vec3(const glm::vec3&)>& normal) {
   Primitive p;
@@ -95,9 +95,9 @@ std::vector<IndirectRadiance> solve(const Baked& b, const IndirectSky& sky) {
   return solve_indirect(*b.links, *b.visibility, sky, IndirectBounces::all, nullptr, kGoOn)->radiance;
 }
 
-/// In a spherical cavity every point sends to every other alike. Under a constant sky of radiance L the open half gives
-/// pi L / 2, the bowl itself sees itself with the other half: E = (pi L / 2) / (1 - rho / 2). Source: the integrating
-/// sphere; Jacquez and Kuppenheim 1955, "Theory of the Integrating Sphere".
+/// In a spherical cavity every point illuminates all others equally. Under a constant sky of radiance L the open half
+/// gives pi L / 2, and the other half of what a point sees is the bowl itself: E = (pi L / 2) / (1 - rho / 2). Source:
+/// the integrating sphere; Jacquez and Kuppenheim 1955, "Theory of the Integrating Sphere".
 TEST(IndirectBake, BowlUnderAConstantSkyIsAnIntegratingSphere) {
   const auto sky = make_sky(64, 32, [](double, double) { return glm::vec3(2.0f); });
   for (const float rho : {0.3f, 0.8f}) {
@@ -107,14 +107,14 @@ TEST(IndirectBake, BowlUnderAConstantSkyIsAnIntegratingSphere) {
     double mean = 0.0, square = 0.0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
-      if (b.links->points.points[i].position.y > 0.1f) continue;  // the rim's own vertices see half of it only
+      if (b.links->points.points[i].position.y > 0.1f) continue;  // vertices on the rim see only half of the bowl
       const double e = kPi * static_cast<double>(radiance[i].mean.x);
       mean += e;
       square += (e / expected - 1.0) * (e / expected - 1.0);
       ++count;
     }
     ASSERT_GT(count, 800u);
-    // 2 % are the facets of the bowl and the 256 directions of the sky.
+    // The facets of the bowl and the 256 directions of the sky cause errors of up to 2 %.
     EXPECT_NEAR(mean / static_cast<double>(count) / expected, 1.0, 0.03) << rho;
     EXPECT_LT(std::sqrt(square / static_cast<double>(count)), 0.04) << rho;
   }
@@ -132,7 +132,7 @@ TEST(IndirectBake, NothingIsAddedWhereNothingIsSeen) {
   for (const IndirectRadiance& r : radiance) EXPECT_EQ(r.mean, glm::vec3(0.0f));
 }
 
-/// Floor before a red wall under a sun that shines on the wall: red light, from the wall's side.
+/// Floor in front of a red wall that a sun illuminates: red light, from the direction of the wall.
 Scene corner() {
   Scene scene;
   add_mesh(&scene,
@@ -157,7 +157,7 @@ std::shared_ptr<Environment> sun_at(double longitude, double latitude) {
   });
 }
 
-TEST(IndirectBake, LightComesFromTheWallThatTheSunMeets) {
+TEST(IndirectBake, LightComesFromTheSunlitWall) {
   const Baked b = bake(corner());
   // atan2(x, z) = pi/2 is +x; the sun 30 degrees above it lights the wall and the floor.
   const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
@@ -175,7 +175,7 @@ TEST(IndirectBake, LightComesFromTheWallThatTheSunMeets) {
   EXPECT_LT(along, -0.5 * reds);  // towards -x, where the wall is
 }
 
-TEST(IndirectBake, TurningTheSkyNeedsNoRays) {
+TEST(IndirectBake, RotatingTheSkyNeedsNoRays) {
   const Baked b = bake(corner());
   const double turn = 2.0 * kPi / 256 * 29;  // whole texels
   const auto turned = solve(b, {sun_at(kPi / 2 - turn, 0.5), static_cast<float>(turn), 1.0f});
@@ -189,8 +189,9 @@ TEST(IndirectBake, TurningTheSkyNeedsNoRays) {
   EXPECT_LT(difference, 0.03 * sum);
 }
 
-/// Bounce by bounce, each under the sky of its own time, light ends where all bounces under the last sky do.
-TEST(IndirectBake, StepsFollowALightThatTurns) {
+/// One bounce at a time, each under a different sky: after the last sky has stayed for some bounces the light equals
+/// the full solution for it.
+TEST(IndirectBake, StepsFollowARotatingSky) {
   const Baked b = bake(bowl(0.8f));
   const auto sky = sun_at(kPi / 2, 0.9);
   const auto solved = [&](float rotation_rad) {
@@ -215,7 +216,7 @@ TEST(IndirectBake, StepsFollowALightThatTurns) {
   EXPECT_LT(difference(s, end), 2e-3);
 }
 
-/// The sky is summed by blocks of texels; one texel after the other gives the same cells.
+/// The sky is summed in blocks of texels; summing single texels gives the same cells.
 TEST(IndirectBake, BlocksOfTexelsAreTheSky) {
   const auto sky = make_sky(1024, 512, [](double lon, double lat) {
     return glm::vec3(lat > 0.0 && std::abs(lon - 0.7) < 0.004 && std::abs(lat - 0.5) < 0.004 ? 5e4f : 1.0f,
@@ -270,9 +271,9 @@ TEST(IndirectBake, SameAtAnyThreadCountAndFiniteUnderASun) {
   EXPECT_GT(largest, 1e6);
 }
 
-/// What the linear radiance loses against the rays that it was fitted to: irradiance of normals that a normal map tilts
+/// Error of the linear radiance against the rays that it was fitted to: irradiance for normals that a normal map tilts
 /// by 30 degrees.
-TEST(IndirectBake, TiltedNormalsAreServed) {
+TEST(IndirectBake, TiltedNormalsAreAccurate) {
   const Baked b = bake(corner(), 1 << 19);
   const auto radiance = solve(b, {sun_at(kPi / 2, 0.5), 0.0f, 1.0f});
   double constant = 0.0, linear = 0.0, sum = 0.0;
@@ -284,8 +285,8 @@ TEST(IndirectBake, TiltedNormalsAreServed) {
     for (int k = 0; k < 8; ++k) {
       const double phi = k * kPi / 4.0;
       const glm::vec3 n(0.5f * static_cast<float>(std::cos(phi)), 0.8660254f, 0.5f * static_cast<float>(std::sin(phi)));
-      // Irradiance / pi by the rays: they are spread by the cosine to p.normal. Only the wall shines, evenly enough for
-      // its mean.
+      // Irradiance / pi by the rays, which are cosine-distributed about p.normal. Only the wall reflects light, and
+      // uniformly enough to use its mean.
       double truth = 0.0;
       for (std::size_t r = 0; r < rays; ++r) {
         const glm::vec3 w = frame.to_world(indirect_ray_direction(static_cast<int>(r), static_cast<int>(rays)));
@@ -336,7 +337,7 @@ TEST(IndirectShared, PackingKeepsMeanAndGradient) {
   EXPECT_EQ(shared::unpack_indirect(glm::uvec4(0u), 5).mean, glm::vec3(0.0f));
 }
 
-TEST(IndirectKind, ASkyThatTurnsIsSeenAndOldSurfacesAreNot) {
+TEST(IndirectKind, ARotatedSkyIsUsedAndOldSurfacesAreNot) {
   const Baked b = bake(corner(), 1 << 16), other = bake(bowl(0.5f), 1 << 16);
   BakeWorker<IndirectJob, IndirectResult> worker(std::make_shared<IndirectKind>(), IndirectKind::spares);
   const auto sky = sun_at(kPi / 2, 0.5);

@@ -5,7 +5,7 @@
 namespace maquette {
 namespace {
 
-TEST(LargePages, AreAskedForOnceAndLeaveWhatTheUserDecided) {
+TEST(LargePages, AreRequestedOnceAndKeepTheUsersChoice) {
   EXPECT_EQ(tunables_with_large_pages(nullptr), "glibc.malloc.hugetlb=1");
   EXPECT_EQ(tunables_with_large_pages(""), "glibc.malloc.hugetlb=1");
   EXPECT_EQ(tunables_with_large_pages("glibc.malloc.tcache_count=0"),

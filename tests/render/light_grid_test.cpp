@@ -1,4 +1,4 @@
-// Lights chosen by what they may bring to a place: exact probabilities, none forgotten, none a surprise.
+// Lights chosen by the illuminance that they may cause: exact probabilities, no light left out, no outliers.
 #include "render/lights/light_grid.h"
 
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ LightList strip_and_lamp() {
   return list_of(lights, powers);
 }
 
-/// Bound of what a light brings to a point, without cosines at the point.
+/// Bound of a light's illuminance at a point, without the cosine at the point.
 double flux_at(const LightRecord& light, const glm::dvec3& p) {
   if (light.kind == shared::kLightDirectional) return static_cast<double>(light.color.y);
   const glm::dvec3 to = glm::dvec3(light.position) - p;
@@ -90,7 +90,7 @@ void check_rows(const LightList& list) {
     std::fill(times.begin(), times.end(), 0);
     for (int k = 0; k < grid.stride; ++k) {
       const std::size_t at = row * static_cast<std::size_t>(grid.stride) + static_cast<std::size_t>(k);
-      // Whole steps: a number of 24 bits below it is drawn as often as the difference says.
+      // Whole steps: a number of 24 bits is below the entry exactly as often as the difference says.
       ASSERT_TRUE(whole(grid.cumulative[at]));
       if (before < 1.0f) {
         ASSERT_GT(grid.cumulative[at], before) << row << " " << k;
@@ -123,7 +123,7 @@ void check_rows(const LightList& list) {
     for (std::size_t i = 0; i < grid.lights.size(); ++i) {
       const double p = static_cast<double>(light_probability(grid, cell, i));
       const double by_power = list.lights[static_cast<std::size_t>(grid.order[i])].selection_pdf;
-      // Single steps of 2^-24 are rounded; what is larger keeps its quarter.
+      // Single steps of 2^-24 are rounded; larger probabilities keep their quarter by power.
       if (by_power > 1e-5) {
         EXPECT_GT(p, 0.24 * by_power) << i;
       }
@@ -133,12 +133,12 @@ void check_rows(const LightList& list) {
   }
 }
 
-TEST(LightGrid, ProbabilitiesAreWhatIsDrawn) {
+TEST(LightGrid, ProbabilitiesMatchTheTables) {
   check_rows(strip_and_lamp());
   check_rows(list_of({point_at({1, 2, 3}, 5.0f)}, {1.0}));
   check_rows(list_of({sun()}, {1.0}));
   check_rows(list_of({sun(), sun(), point_at({0, 0, 0}, 1.0f)}, {1e9, 1.0, 1e-9}));
-  // All in one place, far away, tiny and huge scenes.
+  // All at one point, far away, tiny and huge scenes.
   check_rows(list_of({point_at({1, 1, 1}, 1.0f), point_at({1, 1, 1}, 2.0f)}, {1.0, 2.0}));
   check_rows(list_of({point_at({1e6f, 0, 0}, 1.0f), point_at({1e6f, 1, 0}, 2.0f)}, {1.0, 2.0}));
   std::mt19937 random(7);
@@ -155,8 +155,9 @@ TEST(LightGrid, ProbabilitiesAreWhatIsDrawn) {
   }
 }
 
-// In every cell, one of few lights among many: what is drawn is what is said, to the light of least power.
-TEST(LightGrid, LightsAreDrawnAsOftenAsSaid) {
+// In every cell, with few lights among many: lights are drawn with the stated probability, down to the one of least
+// power.
+TEST(LightGrid, DrawsFollowTheProbabilities) {
   std::mt19937 random(31);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   std::vector<LightRecord> lights{sun()};
@@ -171,7 +172,7 @@ TEST(LightGrid, LightsAreDrawnAsOftenAsSaid) {
     constexpr int kDraws = 1 << 18;
     std::vector<int> times(lights.size());
     for (int i = 0; i < kDraws; ++i) {
-      // Stratified in what chooses the node.
+      // Stratified in the number that chooses the node.
       const float u = (static_cast<float>(i) + unit(random)) / static_cast<float>(kDraws);
       const LightPick pick = choose_light(grid, cell, u, static_cast<std::uint32_t>(random()));
       ASSERT_LT(pick.index, lights.size());
@@ -193,8 +194,8 @@ TEST(LightGrid, LightsAreDrawnAsOftenAsSaid) {
   EXPECT_LT(light_cell(grid, nowhere), grid.lux.size());
 }
 
-TEST(LightGrid, WhatIsNearIsNoSurprise) {
-  // Second moment of one sample over the square of the truth: 1 would be a perfect choice, and its root is how far a
+TEST(LightGrid, NearLightsMakeNoOutliers) {
+  // Second moment of one sample over the squared true value: 1 would be a perfect choice, and its root is how far a
   // single sample may stand out. By power alone it is thousands beside the strip.
   const LightList list = strip_and_lamp();
   const LightGrid grid = build_light_grid(list);
@@ -235,21 +236,21 @@ LightRecord triangle_at(const glm::vec3& position, const glm::vec3& edge1, const
   return light;
 }
 
-/// Luminous flux on the side that it shines to.
+/// Luminous flux on the emitting side.
 double power_of(const LightRecord& light) {
   return 1.5707963 * static_cast<double>(light.color.y) *
          glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
 }
 
-/// What a one-sided triangle brings to a point, without the cosine there; 0 from behind.
+/// Illuminance by a one-sided triangle at a point, without the cosine there; 0 from behind.
 double lux_at(const LightRecord& light, const glm::dvec3& p) {
   const glm::dvec3 a(light.direction), b(light.edge2), to = p - glm::dvec3(light.position) - (a + b) / 3.0;
   const double facing = 0.5 * glm::dot(glm::cross(a, b), to) / glm::length(to);
   return facing > 0.0 ? static_cast<double>(light.color.y) * facing / glm::dot(to, to) : 0.0;
 }
 
-// Headlamps in front of a cabin: nothing of them shines back on what its display lights.
-TEST(LightGrid, WhatShinesElsewhereIsHardlyDrawn) {
+// Headlamps in front of a cabin do not light what its display lights.
+TEST(LightGrid, LightsThatFaceAwayAreHardlyDrawn) {
   std::vector<LightRecord> lights;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -269,9 +270,9 @@ TEST(LightGrid, WhatShinesElsewhereIsHardlyDrawn) {
   }
 }
 
-// Whatever may be lit, near and far and beyond the inner cells: no light that reaches a point is much rarer than by
-// power, and what the cell says of the light there is what arrives.
-TEST(LightGrid, WhatReachesAPointIsDrawn) {
+// At all points, near and far and beyond the inner cells: no light that reaches a point is much rarer than by power,
+// and the lux of the cell is close to the true value.
+TEST(LightGrid, LightsThatReachAPointAreDrawn) {
   std::mt19937 random(23);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   const auto vector = [&] { return 2.0f * glm::vec3(unit(random), unit(random), unit(random)) - 1.0f; };
@@ -310,8 +311,8 @@ TEST(LightGrid, WhatReachesAPointIsDrawn) {
   }
 }
 
-// Far outside the grid a light that is seen at a flat angle from near it may shine straight at a point.
-TEST(LightGrid, TheLayerAroundGoesOn) {
+// A light that is seen at a grazing angle from points near it may shine straight at a point far outside the grid.
+TEST(LightGrid, OuterLayerIsUnbounded) {
   std::vector<LightRecord> lights;
   std::vector<double> powers;
   for (int i = 0; i < 64; ++i) {

@@ -1,4 +1,4 @@
-// What surfaces draw the sky by, against sums over the sky in double.
+// Sampling of the sky by surfaces, against sums over the sky in double.
 #include "render/reference/light_guide.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class LightGuideTest : public testing::Test {
   LightGuideTest() { options_.env_rotation_rad = 0.8f; }
   const EnvironmentPartition& partition() const { return *scene_->environment.partition; }
 
-  /// As after many rays of which some leaves' were all blocked, and others' of random use.
+  /// As after many rays, where all rays to some leaves were blocked and the others had random transmittances.
   void teach(std::uint32_t cell) {
     for (int leaf = 0; leaf < partition().leaf_count(); ++leaf)
       for (int ray = 0; ray < 40; ++ray) guide_.record(cell, leaf, leaf % 3 == 0 ? 0.0f : uniform_(random_));
@@ -42,14 +42,14 @@ class LightGuideTest : public testing::Test {
   std::shared_ptr<const PathScene> scene_ = build_path_scene(
       {.scene = test::sphere_of(Material()), .environment = test::sky_with_lamp(glm::vec3(1.0f), glm::vec3(1e4f))});
   PathOptions options_;
-  LightGuide guide_{*scene_->environment.partition, PlaceGrid(glm::vec3(0.0f), 1.0f)};
+  LightGuide guide_{*scene_->environment.partition, HashGrid(glm::vec3(0.0f), 1.0f)};
 };
 
-TEST_F(LightGuideTest, ChoosesLeavesAsOftenAsItSays) {
+TEST_F(LightGuideTest, ChoosesLeavesByTheirProbability) {
   teach(17);
   for (int round = 0; round < 50; ++round) {
     LeafShares shares;
-    guide_.look(17, random_normal(), &shares);
+    guide_.compute_shares(17, random_normal(), &shares);
     std::vector<double> before{0.0};
     for (int leaf = 0; leaf < partition().leaf_count(); ++leaf)
       before.push_back(before.back() + static_cast<double>(shares.probability(leaf)));
@@ -57,7 +57,7 @@ TEST_F(LightGuideTest, ChoosesLeavesAsOftenAsItSays) {
     for (int k = 0; k < 2000; ++k) {
       const float u =
           k < 4 ? std::array{0.0f, 0x1p-24f, 0.5f, 0x1.fffffep-1f}[static_cast<std::size_t>(k)] : uniform_(random_);
-      const LeafShares::Choice c = shares.choose(u);
+      const LeafShares::Choice c = shares.choose_leaf(u);
       ASSERT_GE(c.leaf, 0);
       ASSERT_LT(c.leaf, partition().leaf_count());
       ASSERT_GT(c.probability, 0.0f);
@@ -72,8 +72,8 @@ TEST_F(LightGuideTest, ChoosesLeavesAsOftenAsItSays) {
   }
 }
 
-/// Sums round: at the end of a block whose last leaves are dark, and at the end of all. In every other round those of
-/// the blocks are added in pairs, which may sink by a rounding where a block is dark.
+/// Sums are rounded at the end of a block whose last leaves are dark, and at the end of all. In every other round the
+/// sums of the blocks are added in pairs, and may decrease by a rounding error where a block is dark.
 TEST(LeafShares, NeverChoosesDarkLeaves) {
   std::mt19937 random(8);
   std::uniform_real_distribution<float> uniform(0.0f, 0x1.fffffep-1f);
@@ -86,7 +86,7 @@ TEST(LeafShares, NeverChoosesDarkLeaves) {
       for (int i = 0; i < LeafShares::kBlock; ++i) {
         const bool lamp = uniform(random) < lit || block * LeafShares::kBlock + i == round % kLeaves;
         if (lamp) inside += std::exp2(-20.0f * uniform(random));
-        shares.cumulative[LeafShares::place_of(block * LeafShares::kBlock + i) + LeafShares::kBlocks] = inside;
+        shares.cumulative[LeafShares::index_of(block * LeafShares::kBlock + i) + LeafShares::kBlocks] = inside;
       }
       shares.begins[static_cast<std::size_t>(block) + 1] = inside;
     }
@@ -99,7 +99,7 @@ TEST(LeafShares, NeverChoosesDarkLeaves) {
       float u =
           k < LeafShares::kBlocks ? std::min(shares.begins[k + 1] / shares.sum(), 0x1.fffffep-1f) : uniform(random);
       if (k % 2 == 1) u = std::nextafter(u, 0.0f);
-      const LeafShares::Choice c = shares.choose(u);
+      const LeafShares::Choice c = shares.choose_leaf(u);
       ASSERT_GT(c.probability, 0.0f) << round << " " << k;
       ASSERT_EQ(c.probability, shares.probability(c.leaf)) << round << " " << k;
       ASSERT_GE(c.within, 0.0f);
@@ -108,8 +108,8 @@ TEST(LeafShares, NeverChoosesDarkLeaves) {
   }
 }
 
-/// A leaf's mean of the cosine above the horizon lies in what its extent allows, and no direction is without density.
-TEST_F(LightGuideTest, LeavesFaceASurfaceByTheirDirections) {
+/// A leaf's mean cosine above the horizon is within what its extent allows, and every direction has a density.
+TEST_F(LightGuideTest, MeanCosinesMatchTheLeaves) {
   int below = 0, cut = 0;
   for (int round = 0; round < 40; ++round) {
     const glm::vec3 normal = random_normal();
@@ -139,9 +139,9 @@ TEST_F(LightGuideTest, LeavesFaceASurfaceByTheirDirections) {
   EXPECT_GT(cut, 100);
 }
 
-/// Irradiance of a surface by what it draws, whatever its place believes to see, against the sum over the map's texels:
-/// by plain importance, by a guide, and by a guide from directions that were drawn before.
-TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
+/// Irradiance of a surface by its samples, for any learned visibility, against the sum over the map's texels: by plain
+/// importance, by a guide, and by a guide with presampled directions.
+TEST_F(LightGuideTest, SamplesAreUnbiasedWithTheStatedDensity) {
   teach(3);
   const EnvironmentLight plain(scene_->environment, options_);
   PresampledEnvironment samples(plain, partition().leaf_count(), 1u << 20, 7);
@@ -150,8 +150,8 @@ TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
       sampled(scene_->environment, options_, &guide_, &samples);
   for (const glm::vec3& normal : {glm::vec3(0.0f, 1.0f, 0.0f), glm::normalize(glm::vec3(0.3f, -0.8f, 0.5f)),
                                   glm::normalize(glm::vec3(-1.0f, 0.02f, 0.1f))}) {
-    LeafShares looked;
-    guided.look(3, normal, &looked);
+    LeafShares leaf_shares;
+    guided.compute_shares(3, normal, &leaf_shares);
     double expected = 0.0;
     constexpr int kFine = 2048;
     for (int y = 0; y < kFine / 2; ++y)
@@ -164,7 +164,7 @@ TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
           expected += static_cast<double>(cosine * plain.radiance_and_density(direction).x) * solid;
       }
     for (const EnvironmentLight* light : {&plain, &guided, &sampled}) {
-      const LeafShares* shares = light == &plain ? nullptr : &looked;
+      const LeafShares* shares = light == &plain ? nullptr : &leaf_shares;
       double drawn = 0.0;
       int compared = 0, alike = 0;
       constexpr std::uint32_t kDraws = 1u << 16;
@@ -174,10 +174,10 @@ TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
           PathSampler::Pairs numbers;
           for (std::uint32_t i = 0; i < choices.size(); ++i) numbers.index[i] = k + i;
           PathSampler::draw(9, &numbers);
-          light->choose(numbers, shares ? 3 : LightGuide::kNoCell, shares, 0, choices);
+          light->choose_directions(numbers, shares ? 3 : LightGuide::kNoCell, shares, 0, choices);
         }
         LightDraw draw;
-        light->take(choices[k % choices.size()], &draw);
+        light->draw_chosen(choices[k % choices.size()], &draw);
         ASSERT_EQ(draw.texel < 0, light == &sampled);
         if (draw.texel >= 0) light->fill(&draw, shares);
         ASSERT_GT(draw.pdf, 0.0f);
@@ -193,19 +193,19 @@ TEST_F(LightGuideTest, DrawsAreUnbiasedAndOfTheDensityThatIsTold) {
   }
 }
 
-TEST(PlaceGrid, FloorsAndLevelsAreTheLibrarys) {
+TEST(HashGrid, FloorsAndLevelsMatchTheLibrary) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> exponent(-30.0f, 30.0f), uniform(-1.0f, 1.0f);
   for (int i = 0; i < 20000; ++i) {
     const float v = uniform(random) * std::exp2(exponent(random));
-    ASSERT_EQ(PlaceGrid::whole_below(v), static_cast<std::int32_t>(std::floor(v))) << v;
+    ASSERT_EQ(HashGrid::whole_below(v), static_cast<std::int32_t>(std::floor(v))) << v;
     const auto whole = static_cast<float>(i - 10000);
-    ASSERT_EQ(PlaceGrid::whole_below(whole), i - 10000);
+    ASSERT_EQ(HashGrid::whole_below(whole), i - 10000);
   }
-  EXPECT_EQ(PlaceGrid::whole_below(-0.0f), 0);
-  EXPECT_EQ(PlaceGrid::whole_below(1e30f), 2000000000);
-  EXPECT_EQ(PlaceGrid::whole_below(-1e30f), -2000000000);
-  const PlaceGrid grid(glm::vec3(0.0f), 5.0f);
+  EXPECT_EQ(HashGrid::whole_below(-0.0f), 0);
+  EXPECT_EQ(HashGrid::whole_below(1e30f), 2000000000);
+  EXPECT_EQ(HashGrid::whole_below(-1e30f), -2000000000);
+  const HashGrid grid(glm::vec3(0.0f), 5.0f);
   for (int i = 0; i < 20000; ++i) {
     const double distance = std::exp2(static_cast<double>(exponent(random)));
     const double level = std::log2(std::max(0.12 * distance / 0.005, 1.0));
@@ -226,7 +226,7 @@ SurfacePoint surface_of(const TracedMaterial& material, const shared::AnalyticMa
 }
 
 /// Closed form: the cosine over the hemisphere is pi, and its square 2 pi / 3.
-TEST(DrawScattering, AllLobesTogetherHaveTheDensityThatIsTold) {
+TEST(DrawScattering, AllLobesTogetherHaveTheStatedDensity) {
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
   const TracedMaterial material;
@@ -234,7 +234,7 @@ TEST(DrawScattering, AllLobesTogetherHaveTheDensityThatIsTold) {
     const auto analytic =
         shared::make_analytic(glm::vec3(0.5f), 0.0f, 0.3f + 0.7f * uniform(random), 1.5f, 1.0f, glm::vec3(1.0f), 1.0f,
                               0.3f + 0.7f * uniform(random), glm::vec3(0.0f), 0.0f);
-    // Some without a coat, without a base lobe, or with shares that round to nothing.
+    // Some without a coat, without a base lobe, or with shares that round to 0.
     glm::vec3 weights(0.2f + uniform(random), trial % 4 == 1 ? 0.0f : uniform(random),
                       trial % 4 == 2 ? 0.0f : uniform(random));
     if (trial % 4 == 3) weights.y *= 1e-8f;
@@ -255,8 +255,8 @@ TEST(DrawScattering, AllLobesTogetherHaveTheDensityThatIsTold) {
   }
 }
 
-/// Half of 256 points of a sequence lie in half of the square, and one in each cell of 8 x 16 of it.
-TEST(DrawScattering, PointsAreSpreadInEachLobe) {
+/// Half of the 256 points of a sequence lie in one half of the square, and one in each cell of 8 x 16 cells there.
+TEST(DrawScattering, PointsAreWellDistributedInEachLobe) {
   const TracedMaterial material;
   const auto analytic = shared::make_analytic(glm::vec3(0.5f), 0.0f, 0.5f, 1.5f, 1.0f, glm::vec3(1.0f), 0.0f, 0.0f,
                                               glm::vec3(0.0f), 0.0f);
@@ -268,9 +268,9 @@ TEST(DrawScattering, PointsAreSpreadInEachLobe) {
       if (choice.u.x >= 0.5f) continue;
       const glm::vec3 wi = draw_scattering(p, choice).wi;  // of the Lambert lobe
       const float radius2 = wi.x * wi.x + wi.y * wi.y;
-      const float turn = std::atan2(wi.y, wi.x) * 0.15915494f;
+      const float azimuth = std::atan2(wi.y, wi.x) * 0.15915494f;
       const int column = std::min(static_cast<int>(8.0f * radius2), 7);
-      const int row = std::min(static_cast<int>(16.0f * (turn < 0.0f ? turn + 1.0f : turn)), 15);
+      const int row = std::min(static_cast<int>(16.0f * (azimuth < 0.0f ? azimuth + 1.0f : azimuth)), 15);
       ++counts[static_cast<std::size_t>(16 * column + row)];
     }
     for (const int count : counts) EXPECT_EQ(count, 1) << seed;

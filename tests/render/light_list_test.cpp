@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The same lines in double.
+/// The same source in double.
 namespace exact {
 using dvec2 = glm::dvec2;
 using dvec3 = glm::dvec3;
@@ -72,7 +72,7 @@ TEST(LightFormulas, PointFollowsTheInverseSquareAtAnyScale) {
   }
 }
 
-TEST(LightFormulas, PointAtThePlaceOfTheLightIsDark) {
+TEST(LightFormulas, PointAtThePositionOfTheLightIsDark) {
   LightRecord light{};
   light.kind = shared::kLightPoint;
   light.color = glm::vec3(1.0f);
@@ -162,7 +162,7 @@ TEST(LightFormulas, TriangleGivesLambertsIrradianceAndItsSolidAngle) {
   }
 }
 
-TEST(LightFormulas, TriangleShinesToOneSideUnlessBothAreAskedFor) {
+TEST(LightFormulas, TriangleEmitsToOneSideUnlessDoubleSided) {
   const LightRecord one = triangle({0, 1, 0}, {1, 1, 0}, {0, 1, 1});  // normal -y: down
   const LightRecord both = triangle({0, 1, 0}, {1, 1, 0}, {0, 1, 1}, true);
   const glm::vec2 u(0.4f, 0.6f);
@@ -320,7 +320,7 @@ TEST(LightList, PunctualLightsTakeTheirNode) {
   spot.intensity = 7.0f;
   spot.inner_cone_rad = 0.2f;
   spot.outer_cone_rad = 0.4f;
-  glm::mat4 local(3.0f);  // turned so that -z goes to -y, scaled by 3, moved
+  glm::mat4 local(3.0f);  // rotated so that -z goes to -y, scaled by 3, moved
   local[0] = glm::vec4(3, 0, 0, 0);
   local[1] = glm::vec4(0, 0, -3, 0);
   local[2] = glm::vec4(0, 3, 0, 0);
@@ -349,7 +349,7 @@ TEST(LightList, PunctualLightsTakeTheirNode) {
   EXPECT_EQ(build_light_list(lit.scene, lit.geometry, -1).lights.size(), 1u);
 }
 
-/// The power that the selection follows is the flux that the formulas send out, per kind of light.
+/// The power that selection uses is the flux that the formulas emit, for each kind of light.
 TEST(LightList, SelectionFollowsTheFlux) {
   LitScene lit;
   PunctualLight spot;
@@ -382,7 +382,7 @@ TEST(LightList, SelectionFollowsTheFlux) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(list.lights[i].selection_pdf, flux[i] / all, 0.01) << i;
 }
 
-TEST(LightList, KeepsTheStrongestTrianglesAndSaysWhatItDropped) {
+TEST(LightList, KeepsTheStrongestTrianglesAndReportsTheDroppedPower) {
   LitScene lit;
   lit.geometry = FlatGeometry{};
   for (int i = 0; i < 100; ++i) {

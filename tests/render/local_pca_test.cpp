@@ -19,7 +19,8 @@ Eigen::MatrixXf random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned 
   return m;
 }
 
-/// `clusters` flats of `rank` dimensions, `spread` apart, with noise; the columns of one cluster follow each other.
+/// `clusters` affine subspaces of `rank` dimensions, `spread` apart, with noise; the columns of one cluster are
+/// consecutive.
 Eigen::MatrixXf flats(int dimension, int clusters, int rank, int each, float noise) {
   Eigen::MatrixXf all(dimension, clusters * each);
   for (int k = 0; k < clusters; ++k) {
@@ -49,13 +50,13 @@ TEST(LocalPca, OneClusterIsTheSingularValueDecomposition) {
   }
 }
 
-/// Tall and wide matrices, and the size where eigenvectors come from random projections.
+/// Tall and wide matrices, and sizes where the eigenvectors are computed from random projections.
 TEST(LocalPca, EverySizeFindsTheSameSubspace) {
   for (const auto& [rows, columns] : {std::pair{300, 40}, std::pair{40, 300}, std::pair{1100, 1200}}) {
     const Eigen::MatrixXf x =
         random_matrix(rows, 3, 5) * random_matrix(3, columns, 6) + 0.01f * random_matrix(rows, columns, 7);
     const LocalPca pca = LocalPca::fit(x, {}, {.clusters = 1, .components = 3});
-    // What is left is the noise, less the three directions that were fitted to it.
+    // The residual is the noise, minus the three directions that were fitted to it.
     const double noise = 1e-4 * static_cast<double>(rows);
     EXPECT_NEAR(mean_error(pca, x), noise, 0.15 * noise) << rows;
     const Eigen::MatrixXf b = pca.components(0);
@@ -72,7 +73,7 @@ TEST(LocalPca, FindsClustersThatAreFlats) {
   for (int k = 0; k < 6; ++k)
     for (int i = 1; i < 80; ++i) apart += pca.encode(x.col(80 * k)).cluster != pca.encode(x.col(80 * k + i)).cluster;
   EXPECT_EQ(apart, 0);
-  // One PCA of the same weights cannot: that is what clusters are for.
+  // A single PCA with as many weights cannot do this: it needs the clusters.
   const LocalPca global = LocalPca::fit(x, {}, {.clusters = 1, .components = 2});
   EXPECT_GT(mean_error(global, x), 100.0 * mean_error(pca, x));
 }
@@ -85,7 +86,7 @@ TEST(LocalPca, TheErrorNeverGrows) {
     EXPECT_LE(pca.history()[i], pca.history()[i - 1] * (1.0 + 1e-5)) << i;
 }
 
-/// Each solid angle counts once: a dimension that is split into two halves of its measure changes nothing.
+/// Each solid angle counts once: splitting a dimension into two halves of its measure changes nothing.
 TEST(LocalPca, SplittingADimensionChangesNothing) {
   const Eigen::MatrixXf x = flats(8, 3, 2, 60, 0.1f);
   Eigen::VectorXf measure(8);
@@ -102,7 +103,7 @@ TEST(LocalPca, SplittingADimensionChangesNothing) {
   EXPECT_GT(whole, 0.0);
 }
 
-TEST(LocalPca, WhatCountsNothingDoesNotDisturb) {
+TEST(LocalPca, DimensionsOfWeightZeroHaveNoEffect) {
   Eigen::MatrixXf x = flats(10, 2, 1, 50, 0.0f);
   x.row(4) = 1000.0f * random_matrix(1, x.cols(), 8);
   Eigen::VectorXf measure = Eigen::VectorXf::Ones(10);
@@ -112,7 +113,7 @@ TEST(LocalPca, WhatCountsNothingDoesNotDisturb) {
   EXPECT_EQ(pca.decode(pca.encode(x.col(3)))[4], 0.0f);
 }
 
-TEST(LocalPca, FittedOnASampleServesTheRest) {
+TEST(LocalPca, FittedToASampleEncodesTheRest) {
   const Eigen::MatrixXf x = flats(20, 4, 2, 400, 0.02f);
   Eigen::MatrixXf sample(20, 200);
   for (int i = 0; i < 200; ++i) sample.col(i) = x.col(8 * i + 3);

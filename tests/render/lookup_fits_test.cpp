@@ -40,7 +40,7 @@ TEST(SgAlbedo, AgreesWithBruteForce) {
     }
 }
 
-TEST(SgAlbedo, TableHoldsIt) {
+TEST(SgAlbedo, TableMatchesIt) {
   const Image table = sg_albedo_table(32);
   const double sharpness = std::exp2(kSgTableLog2Begin + (kSgTableLog2End - kSgTableLog2Begin) * 10.0 / 31.0);
   const double root = 20.5 / 32.0;
@@ -74,7 +74,7 @@ TEST(SplitsumFit, FindsTheReflectancesThatMadeAnAlbedo) {
   GgxFit shape;
   shape.diffuse = {0.1f, 0.0f, 0.05f};
   shape.alpha = (20.5f / 64.0f) * (20.5f / 64.0f);
-  shape.specular = glm::vec3(0.9f);  // whatever the shape's fit said
+  shape.specular = glm::vec3(0.9f);  // instead of the fitted value
   const glm::vec3 f0(0.04f, 0.5f, 0.0f), f90(1.0f, 0.7f, 0.3f);
   std::vector<glm::vec3> albedo;
   for (int i = 0; i < 64; ++i) {

@@ -12,7 +12,7 @@ using maquette::shared::merl_atan;
 using maquette::shared::merl_cell;
 using maquette::shared::merl_coordinates;
 
-/// The definition by rotations, in double: a different route from the shared code.
+/// The definition by rotations, in double: an implementation independent of the shared code.
 glm::dvec3 coordinates_by_rotation(const glm::dvec3& wi, const glm::dvec3& wo) {
   const glm::dvec3 h = glm::normalize(wi + wo);
   const double theta_h = std::atan2(std::hypot(h.x, h.y), h.z);
@@ -37,8 +37,8 @@ double periodic_difference(double a, double b) {
   return std::min(d, 180.0 - d);
 }
 
-/// Tolerances in bins. phi_d is meaningless where h = n or wi = wo; there it is compared by the length it moves across
-/// h.
+/// Tolerances in bins. phi_d is undefined where h = n or wi = wo; there the comparison uses the distance by which it
+/// moves across h.
 void expect_agreement(const glm::vec3& wi, const glm::vec3& wo, double tolerance) {
   const glm::vec3 actual = merl_coordinates(wi, wo);
   const glm::dvec3 expected = coordinates_by_rotation(wi, wo);

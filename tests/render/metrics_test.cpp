@@ -22,7 +22,7 @@ TEST(Metrics, FollowTheirDefinitions) {
   EXPECT_NEAR(*f.relative_rmse, rmse / 2.0, 1e-6);
   EXPECT_NEAR(*f.psnr, 20.0 * std::log10(2.0 / rmse), 1e-5);
   EXPECT_NEAR(*f.relmse, 0.36 / (4.0 + 0.04) / 6.0, 1e-6);
-  EXPECT_FALSE(f.flip);  // only measure_error looks at neighbours
+  EXPECT_FALSE(f.flip);  // only measure_error uses neighbouring pixels
   EXPECT_EQ(f.pixel_count, 2u);
 }
 
@@ -100,7 +100,7 @@ TEST(MeasureError, BrokenPixelsDoNotSpread) {
   EXPECT_NE(picture.at(21, 20, 0), 1.0f);
 }
 
-TEST(MeasureError, BlackBrokenAndEmptyHaveAnAnswer) {
+TEST(MeasureError, BlackBrokenAndEmptyHaveAResult) {
   const ErrorReport black = measure_error(Image(8, 8, 3, 0.1f), Image(8, 8, 3));
   EXPECT_FALSE(black.figures.relative_rmse);
   EXPECT_GT(*black.figures.flip, 0.0);
@@ -128,7 +128,7 @@ TEST(MeasureError, TheSkyDoesNotCount) {
     }
   const ErrorFigures f = measure_error(image, reference).figures;
   EXPECT_EQ(*f.rmse, 0.0);
-  EXPECT_LT(*f.flip, 0.35);  // only what the eye's filter carries over the edge
+  EXPECT_LT(*f.flip, 0.35);  // only what the filter of the eye spreads over the edge
   EXPECT_EQ(f.pixel_count, 32u * 24u);
 }
 

@@ -1,4 +1,4 @@
-// What finer cells are for, and what is seen of cells that need none.
+// What finer cells improve, and the visibility of cells that need none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ float even_cell_m(const Octree& octree) {
   return octree.side_m / std::exp2(static_cast<float>(octree.depth - octree.detail));
 }
 
-/// Against counting the points of a fine grid over a face whose plane above or below them is in the cube.
+/// Compares with counting the points of a fine grid on a face whose plane above or below them is inside the cube.
 TEST(OctreeClip, PlaneSectionsHaveTheirArea) {
   EXPECT_DOUBLE_EQ(plane_section_area({0, 2, 0}, {0.3, 1.2, 9.0}, {0, 1, 0}, 1.0), 1.0);
   EXPECT_DOUBLE_EQ(plane_section_area({0, 2, 0}, {0.3, 2.2, 9.0}, {0, 1, 0}, 1.0), 0.0);
@@ -56,8 +56,8 @@ TEST(OctreeClip, PlaneSectionsHaveTheirArea) {
   }
 }
 
-/// A cell's plane reaches through all of the cell: where the surface ends, that must not be far. (Half of a brick's
-/// cells are cut at most, so that a few of a tip's remain.)
+/// A cell's plane extends through all of the cell: where the surface ends, it must not extend far beyond. (At most half
+/// of a brick's cells are split, so a few of a tip's cells stay coarse.)
 TEST(OctreeDetail, SurfacesEndWhereTheyEnd) {
   Primitive triangle;
   triangle.material = 0;
@@ -66,7 +66,7 @@ TEST(OctreeDetail, SurfacesEndWhereTheyEnd) {
   Scene scene;
   scene.materials.emplace_back();
   test::add(&scene, triangle, "triangle");
-  const auto outside_m = [&](const glm::vec3& p) {  // farther than the nearest of the edges, seen from above
+  const auto outside_m = [&](const glm::vec3& p) {  // distance to the nearest of the edges, seen from above
     float most = -1e9f;
     for (std::size_t k = 0; k < 3; ++k) {
       const glm::vec3 a = triangle.positions[k], d = triangle.positions[(k + 1) % 3] - a, q = p - a;
@@ -93,7 +93,7 @@ TEST(OctreeDetail, SurfacesEndWhereTheyEnd) {
   EXPECT_LT(far[1], far[0] / 20);
 }
 
-/// Behind a sheet lies another material, nearer to many cells' middles than what hides it.
+/// Behind a sheet is another material, closer to the centres of many cells than the sheet that hides it.
 TEST(OctreeSurface, WhatIsHiddenStaysHidden) {
   Scene scene;
   scene.materials.resize(2);
@@ -111,15 +111,15 @@ TEST(OctreeSurface, WhatIsHiddenStaysHidden) {
     ASSERT_GE(hit.node, 0);
     const glm::vec3 at = ray.origin + hit.t * ray.direction;
     wrong += shared::octree_surface(frame, hit, at, ray.direction).material != 0;
-    frame.detail = 0;  // any cell may then hold more than its own material
+    frame.detail = 0;  // with that, a cell may hold more than its own material
     wrong_without += shared::octree_surface(frame, hit, at, ray.direction).material != 0;
   }
   EXPECT_EQ(wrong, 0u);
   EXPECT_GT(wrong_without, 100u);
 }
 
-/// At the outline of a tube cells face away, and are not its back; a sheet from behind shows its back.
-TEST(OctreeSurface, RimsAreNotBacks) {
+/// At the silhouette of a tube cells face away, but are not back faces; a sheet seen from behind shows its back face.
+TEST(OctreeSurface, SilhouettesAreNotBackFaces) {
   Primitive tube;
   tube.material = 0;
   constexpr int kSides = 96;
@@ -162,8 +162,9 @@ TEST(OctreeSurface, RimsAreNotBacks) {
   }
 }
 
-/// From where the walks to eight neighbours part, they end as from the root; also beyond the tree's sides.
-TEST(OctreeSurface, NeighboursShareTheirWalk) {
+/// From the node where the paths to eight neighbours separate, traversal ends at the same nodes as from the root; also
+/// outside the tree.
+TEST(OctreeSurface, NeighboursShareTheirTraversal) {
   Scene scene = build_builtin_scene("sphere");
   test::add(&scene, test::make_grid({-2, -1.3f, -2}, {4, 0, 0}, {0, 0.1f, 4}, 8, 0), "board");
   const Octree octree = build(scene, 5, 2);

@@ -37,7 +37,7 @@ OctreeResult run(const OctreeJob& job) {
 
 using OctreeFileTest = testing::TemporaryFolder;
 
-TEST_F(OctreeFileTest, ComesBackAsItWas) {
+TEST_F(OctreeFileTest, RoundTrips) {
   const std::string file = path("octree.exr");
   const OctreeResult built = run(make_job(file));
   const OctreeFile loaded = load_octree_file(file);

@@ -13,7 +13,7 @@
 namespace maquette {
 namespace {
 
-/// The same lines in double.
+/// The same source in double.
 namespace exact {
 using namespace glm;
 using shared::octree_plane_word;
@@ -29,13 +29,13 @@ inline int clamp(int v, int low, int high) { return std::clamp(v, low, high); }
 #undef vec3
 }  // namespace exact
 
-/// Owns what a source refers to.
+/// Owns the inputs of an OctreeSource.
 struct Model {
   Scene scene;
   FlatGeometry geometry;
   std::vector<int> materials;
   std::vector<bool> transmits;
-  std::unique_ptr<OctreePaint> paint;
+  std::unique_ptr<OctreePaint> textures;
 
   explicit Model(Scene s) : scene(std::move(s)) {
     geometry = flatten(scene);
@@ -47,9 +47,9 @@ struct Model {
       const int m = materials.back();
       transmits.push_back(m >= 0 && scene.materials[static_cast<std::size_t>(m)].glass);
     }
-    paint = std::make_unique<OctreePaint>(scene, scene.materials);
+    textures = std::make_unique<OctreePaint>(scene, scene.materials);
   }
-  OctreeSource source() const { return {geometry, materials, transmits, *paint}; }
+  OctreeSource source() const { return {geometry, materials, transmits, *textures}; }
   double area() const {
     double sum = 0.0;
     for (std::size_t i = 0; i < geometry.items.size(); ++i) {
@@ -124,8 +124,8 @@ struct Answer {
   int node = -1;
 };
 
-/// Every leaf against the ray, in double, straight from the definitions: the first chord that has length and meets what
-/// is in its cell. `slack` widens (or narrows) chords and slabs by that much of a cell.
+/// Reference: every leaf is intersected with the ray, in double, directly by definition: the first chord of positive
+/// length that meets the surface of its cell. `slack` widens (or narrows) chords and slabs by that fraction of a cell.
 Answer brute_force(const Octree& octree, const std::vector<Box>& boxes, const shared::OctreeRay& ray, double slack) {
   Answer best;
   const double cells_per_m = std::exp2(octree.depth) / static_cast<double>(octree.side_m);
@@ -176,8 +176,8 @@ exact::OctreeRay exact_ray(const shared::OctreeRay& r) {
   return {r.origin, r.direction, r.t_min, r.t_max, r.t_box, r.width, r.spread};
 }
 
-/// Random rays, and those that break walks: axis-parallel, diagonal through corners, along edges, from grid points,
-/// starting inside.
+/// Random rays, and difficult ones: axis-parallel, diagonal through corners, along edges, from grid points, starting
+/// inside.
 std::vector<shared::OctreeRay> hard_rays(const Octree& octree, int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> u(-1.0f, 1.0f);
@@ -270,14 +270,14 @@ TEST(OctreeBuild, NormalsAndPlanesOfASphere) {
     if (!plane.planar) continue;
     const glm::dvec3 n = glm::normalize(plane.normal);
     EXPECT_GT(glm::dot(n, glm::normalize(center)), 0.995);
-    // The plane's foot below the cell's centre lies on the unit sphere.
+    // The foot of the perpendicular from the cell's centre lies on the unit sphere.
     const glm::dvec3 foot = center + cell * plane.normal * (plane.offset / glm::dot(plane.normal, plane.normal));
     EXPECT_NEAR(glm::length(foot), 1.0, 0.06 * cell + 1e-3);
   }
   EXPECT_GT(planar, all * 9 / 10);
 }
 
-/// A floor at y = 0.3 over [0, 1]^2 of two materials, whose border goes from `x0` at z = 0 to `x1` at z = 1.
+/// A floor at y = 0.3 over [0, 1]^2 of two materials, with a border from `x0` at z = 0 to `x1` at z = 1.
 Octree two_materials(float x0, float x1, int depth) {
   Primitive left, right;
   left.positions = {{0, 0.3f, 0}, {x0, 0.3f, 0}, {x1, 0.3f, 1}, {0, 0.3f, 1}};
@@ -301,11 +301,12 @@ TEST(OctreeBuild, TakesTheMaterialOfTheLargestArea) {
   int counts[2] = {};
   for (const OctreeCell& leaf : list_leaves(octree))
     ++counts[shared::octree_unpack_color(octree.colors[leaf.node]).material];
-  EXPECT_EQ(counts[0], 3 * 8);  // of 8 columns of cells; the fourth, from 0.375 to 0.5, is mostly the large one's
+  EXPECT_EQ(counts[0],
+            3 * 8);  // of 8 columns of cells; the fourth, from 0.375 to 0.5, mostly belongs to the larger material
   EXPECT_EQ(counts[1], 5 * 8);
 }
 
-/// A screen of the size of its housing's face, a little before it: every cell shows the screen, in its own colour.
+/// A screen of the size of its housing's face, a little in front of it: every cell shows the screen, in its own colour.
 TEST(OctreeBuild, MaterialIsTheOneInFront) {
   const auto quad = [](float z, int material, float shade) {
     Primitive p;
@@ -318,7 +319,7 @@ TEST(OctreeBuild, MaterialIsTheOneInFront) {
   };
   Scene scene = scene_of(quad(0.0f, 0, 1.0f));
   scene.meshes[0].primitives.push_back(quad(0.001f, 1, 0.25f));
-  scene.meshes[0].primitives.push_back(quad(0.9f, 1, 0.25f));  // so that no cell ends between the two
+  scene.meshes[0].primitives.push_back(quad(0.9f, 1, 0.25f));  // so that no cell border lies between the two
   scene.materials.resize(2);
   const Model model(std::move(scene));
   OctreeOptions options;
@@ -390,7 +391,7 @@ TEST(OctreeBuild, CellsOfMuchDetailAreFiner) {
   for (const OctreeCell& leaf : list_leaves(octree)) {
     EXPECT_GE(leaf.level, 5);
     if (leaf.level == 5) continue;
-    // Of the corner, of where the materials meet, and of the stripe.
+    // At the corner, at the border of the materials, and along the stripe.
     const glm::dvec3 middle =
         glm::dvec3(octree.corner) + (glm::dvec3(leaf.coordinate) + 0.5) * std::exp2(5 - leaf.level) * cell;
     const bool corner = std::max(middle.x, middle.y) < cell, meeting = std::abs(middle.x - 0.4) < cell,
@@ -402,8 +403,7 @@ TEST(OctreeBuild, CellsOfMuchDetailAreFiner) {
   EXPECT_LT(octree.node_count(), 3 * even.node_count());
 }
 
-/// Where nothing is finer the levels for it are not there, and where the memory does not suffice cells stay as they
-/// are.
+/// Without finer cells the levels for them are removed; when the memory is insufficient cells stay as they are.
 TEST(OctreeBuild, DetailCostsNothingWhereThereIsNoneOrNoRoom) {
   const auto same = [](const Octree& a, const Octree& b) { return a.words == b.words && a.colors == b.colors; };
   Primitive plate;
@@ -496,7 +496,7 @@ TraceCount compare_with_brute_force(const Octree& octree, int rays, unsigned see
     const Answer narrow = brute_force(octree, boxes, ray, -1e-3), wide = brute_force(octree, boxes, ray, 1e-3);
     ++count.rays;
     count.hits += hit.node >= 0;
-    // Cells that the ray does more than touch must be met, and none that it does not even touch may be.
+    // Cells that the ray clearly crosses must be hit, and cells that it does not touch must not.
     const auto wrong = [&](double t, int node) {
       const double tolerance = 4e-3 / cells_per_m * (1.0 + 1e-3 * glm::length(glm::dvec3(ray.origin)) * cells_per_m);
       if (node < 0) return narrow.node >= 0;
@@ -509,7 +509,7 @@ TraceCount compare_with_brute_force(const Octree& octree, int rays, unsigned see
   return count;
 }
 
-TEST(OctreeTrace, MeetsTheLeafThatBruteForceMeets) {
+TEST(OctreeTrace, HitsTheLeafThatBruteForceHits) {
   for (int depth : {1, 2, 4, 6}) {
     const Model model(soup(60, 7));
     OctreeOptions options;
@@ -549,7 +549,7 @@ TEST(OctreeTrace, MeetsCellsOfDetail) {
   EXPECT_GT(count.hits, 100);
 }
 
-/// Walks to every leaf that there is, and to none where there is none.
+/// Traversal finds every existing leaf, and no others.
 TEST(OctreeSurface, FindsNodesByTheirCoordinates) {
   const Model model(plates());
   OctreeOptions options;
@@ -576,7 +576,7 @@ TEST(OctreeSurface, FindsNodesByTheirCoordinates) {
   EXPECT_EQ(shared::octree_node_at(shared::octree_root(octree.depth), {0, side, 0}, octree.depth).node, -1);
 }
 
-/// Normals of a sphere between the means of its cells are several times nearer to the true ones than the means.
+/// For a sphere, interpolated normals are several times closer to the true ones than the mean normals of the cells.
 TEST(OctreeSurface, InterpolatesNormals) {
   const Model model(build_builtin_scene("sphere"));
   OctreeOptions options;
@@ -607,14 +607,14 @@ TEST(OctreeSurface, InterpolatesNormals) {
   EXPECT_LT(largest, 0.03);  // half a cell is 0.03 rad
 }
 
-/// Where two materials meet at a slant, the border is nearer to the true one than the cells are wide.
+/// Where two materials meet at a slant, the border is closer to the true one than the size of the cells.
 TEST(OctreeSurface, BordersOfMaterialsRunThroughCells) {
   const Octree octree = two_materials(0.3f, 0.6f, 4);
   shared::octree_view = {octree.words.data(), octree.planes.data(), octree.colors.data()};
   const double cell = static_cast<double>(octree.side_m) / 16.0;
   std::mt19937 random(2);
   std::uniform_real_distribution<float> u(0.1f, 0.9f);
-  double farthest[2] = {};  // of a wrong material from the border: of the cells, and of what is seen
+  double farthest[2] = {};  // largest distance of a wrong material from the border: of the cells, and of the lookup
   for (int i = 0; i < 5000; ++i) {
     shared::OctreeRay ray{};
     ray.origin = {u(random), 1.0f, u(random)};

@@ -16,7 +16,7 @@ glm::dvec3 entry(const BrdfTable& table, int theta_h, int theta_d, int phi_d) {
   return table.rgb[static_cast<std::size_t>(shared::merl_index(theta_h, theta_d, phi_d))];
 }
 
-/// The table itself in double, and the sum of what its entries may err by.
+/// The table itself in double, and the sum of the allowed errors of its entries.
 struct Exact {
   glm::dvec3 value{0.0};
   double bound = 0.0;
@@ -47,7 +47,7 @@ shared::MerlCell random_cell(std::mt19937* random) {
   return shared::merl_cell({unit(*random) * 90.0f - 0.5f, unit(*random) * 90.0f - 0.5f, unit(*random) * 180.0f - 0.5f});
 }
 
-TEST(PackedBrdf, EveryEntryIsWhereInterpolationLooksForIt) {
+TEST(PackedBrdf, EveryEntryIsWhereInterpolationReadsIt) {
   BrdfTable table = empty_table();
   // Whole numbers below 65,536 are kept as they are.
   for (std::size_t i = 0; i < table.rgb.size(); ++i) table.rgb[i] = glm::vec3(i % 65521 + 1, i % 499, i % 32749);
@@ -56,12 +56,12 @@ TEST(PackedBrdf, EveryEntryIsWhereInterpolationLooksForIt) {
     for (int d = 0; d < kThetaDCount; ++d)
       for (int phi = 0; phi < kPhiDCount; ++phi) {
         const shared::MerlCell cell = shared::merl_cell(glm::vec3(h, d, phi));
-        const glm::vec3 value = packed.look_up(PackedBrdf::place_of(cell));
+        const glm::vec3 value = packed.look_up(PackedBrdf::cell_of(cell));
         ASSERT_EQ(glm::dvec3(value), entry(table, h, d, phi)) << h << " " << d << " " << phi;
       }
 }
 
-/// Values of fifteen orders of magnitude beside each other, single channels, zeros.
+/// Neighbouring values of fifteen orders of magnitude, single channels, zeros.
 TEST(PackedBrdf, ErrsByTheRoundingOfItsEntriesAlone) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
@@ -76,8 +76,8 @@ TEST(PackedBrdf, ErrsByTheRoundingOfItsEntriesAlone) {
     for (int i = 0; i < 200000; ++i) {
       const shared::MerlCell cell = random_cell(&random);
       const Exact exact = interpolate(table, cell);
-      const glm::dvec3 error = glm::abs(glm::dvec3(packed.look_up(PackedBrdf::place_of(cell))) - exact.value);
-      // The rounding of eight floats beside the entries' own.
+      const glm::dvec3 error = glm::abs(glm::dvec3(packed.look_up(PackedBrdf::cell_of(cell))) - exact.value);
+      // The rounding of eight floats in addition to that of the entries.
       ASSERT_LE(largest(error), exact.bound * (1.0 + 1e-1)) << most;
     }
   }
@@ -95,18 +95,18 @@ TEST(PackedBrdf, RoundingDoesNotShiftTheMean) {
       const shared::MerlCell cell = random_cell(&random);
       const glm::dvec3 exact = interpolate(table, cell).value;
       const double scale = std::max(largest(exact), most * 0x1p-31);
-      const glm::dvec3 error = (glm::dvec3(packed.look_up(PackedBrdf::place_of(cell))) - exact) / scale;
+      const glm::dvec3 error = (glm::dvec3(packed.look_up(PackedBrdf::cell_of(cell))) - exact) / scale;
       sum += error;
       exact_sum += exact / scale;
       square += error * error;
     }
     EXPECT_LE(largest(glm::abs(sum)) / largest(exact_sum), 1e-6) << name;
-    // Even rounding errors of the shortest mantissa.
+    // Even the rounding errors of the shortest mantissa.
     EXPECT_LE(std::sqrt(largest(square) / 200000.0), 1.0 / (32768.0 * std::sqrt(12.0))) << name;
   }
 }
 
-/// The largest float, values that round up to the next exponent, and those below every normal float.
+/// The largest float, values that round up to the next exponent, and values below the normal floats.
 TEST(PackedBrdf, EndsOfTheRange) {
   BrdfTable table = empty_table();
   const std::array<float, 6> ends{3.4028235e38f, 0x1.fffffep100f, 0x1.fffffep-1f, 0x1p-126f, 0x1p-140f, 0x1p-149f};
@@ -114,7 +114,7 @@ TEST(PackedBrdf, EndsOfTheRange) {
     table.rgb[static_cast<std::size_t>(shared::merl_index(static_cast<int>(10 * i), 5, 7))] = glm::vec3(ends[i]);
   const PackedBrdf packed(table);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const float value = packed.look_up(PackedBrdf::place_of(shared::merl_cell(glm::vec3(10 * i, 5, 7)))).x;
+    const float value = packed.look_up(PackedBrdf::cell_of(shared::merl_cell(glm::vec3(10 * i, 5, 7)))).x;
     EXPECT_TRUE(std::isfinite(value)) << i;
     EXPECT_NEAR(value, ends[i], static_cast<double>(ends[i]) * 0x1p-16 + 0x1p-127) << i;
   }
@@ -123,7 +123,7 @@ TEST(PackedBrdf, EndsOfTheRange) {
 TEST(PackedBrdf, BlackStaysBlack) {
   const PackedBrdf packed(empty_table());
   std::mt19937 random(3);
-  for (int i = 0; i < 100; ++i) EXPECT_EQ(packed.look_up(PackedBrdf::place_of(random_cell(&random))), glm::vec3(0.0f));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(packed.look_up(PackedBrdf::cell_of(random_cell(&random))), glm::vec3(0.0f));
 }
 
 }  // namespace

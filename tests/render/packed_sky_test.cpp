@@ -20,7 +20,7 @@ Environment noisy_map(int width, int height, double spread, std::uint32_t seed) 
   return e;
 }
 
-/// What a shader finds there on the average over its choice, in double.
+/// Expected value of the shader's lookup over its random selection, in double.
 glm::dvec3 mean_of_nodes(const PackedSky& sky, double u, double v) {
   const double x = u * sky.columns - static_cast<double>(sky.offset),
                y = v * sky.spans - static_cast<double>(sky.offset);
@@ -43,7 +43,7 @@ TEST(PackedSky, NodesHoldTheBilinearMapAtEverySpacing) {
       const PackedSky sky = pack_sky(e, packing_bias(e), refinement);
       ASSERT_EQ(sky.words.size(), static_cast<std::size_t>(sky.columns * (sky.last_row + 1)));
       for (int i = 0; i < 2000; ++i) {
-        // Every eighth on an edge or a centre of the map, poles and seam among them.
+        // Every eighth point is on an edge or a centre of the map, poles and seam included.
         double u = uniform(random), v = uniform(random);
         if (i % 8 == 0) u = std::floor(u * 2 * width) / (2 * width);
         if (i % 8 < 2) v = std::round(v * 2 * height) / (2 * height);
@@ -66,8 +66,8 @@ TEST(PackedSky, CloserNodesDifferLess) {
   double before = INFINITY;
   for (const int refinement : {1, 2, 4}) {
     const PackedSky sky = pack_sky(e, packing_bias(e), refinement);
-    // Mean square that the choice between neighbours of a row adds: weights even in [0, 1) leave a sixth of the
-    // difference squared.
+    // Variance added by the selection between neighbours of a row: weights uniform in [0, 1) give a sixth of the
+    // squared difference.
     double sum = 0.0;
     for (int y = 0; y <= sky.last_row; ++y)
       for (int x = 0; x < sky.columns; ++x) {
@@ -81,7 +81,7 @@ TEST(PackedSky, CloserNodesDifferLess) {
 }
 
 TEST(PackedSky, LampsKeepTheirPower) {
-  // Lamps of four equal texels in a sky a thousandth as bright: equal roundings of all of them would shift their power
+  // Lamps of four equal texels in a sky a thousand times darker: rounding all of them equally would change their power
   // by up to 1/511.
   std::mt19937 random(11);
   std::uniform_real_distribution<float> value(0.5f, 1.0f);
@@ -97,7 +97,7 @@ TEST(PackedSky, LampsKeepTheirPower) {
     glm::dvec3 sum(0.0);
     for (int y = 4; y <= 12; ++y)
       for (int x = 4; x <= 12; ++x) sum += glm::dvec3(sky.at(x, y));
-    // Nodes at half texels: each texel's tent sums to 2 x 2 of it, and what of the sky is around counts the rest.
+    // Nodes at half texels: the weights of each texel's tent sum to 2 x 2; the sky around accounts for the rest.
     const glm::dvec3 truth = 16.0 * glm::dvec3(lamp) + (81.0 - 16.0) * 1e-3;
     for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(sum[c] / truth[c] - 1.0));
   }
@@ -113,7 +113,7 @@ TEST(PackedSky, RefinementKeepsTheGridBelowItsLimit) {
 }
 
 TEST(PackedSky, ListsOfCloserNodesSumToTheSameLight) {
-  // A lamp of one texel among noise: by the list, light over density is the integral whatever the spacing.
+  // A lamp of one texel in noise: averaged over the list, light over density is the integral, whatever the spacing.
   Environment e = noisy_map(32, 16, 0.5, 5);
   e.rgb[8 * 32 + 31] = glm::vec3(3000.0f, 2000.0f, 1000.0f);
   const EnvironmentTables tables = compute_environment_tables(e);
@@ -134,7 +134,7 @@ TEST(PackedSky, ListsOfCloserNodesSumToTheSameLight) {
   }
 }
 
-// What the list says through a lobe around some direction is what the map says, node by node or not.
+// Integrals through a lobe are the same by list and by map, with and without random node selection.
 TEST(PackedSky, ListsAgreeThroughALobe) {
   const Environment e = noisy_map(32, 16, 0.5, 8);
   const EnvironmentTables tables = compute_environment_tables(e);

@@ -1,4 +1,5 @@
-// Fits on a thread of their own: what comes is what the fit itself gives, and what nobody wants ends.
+// Fits on a background thread: their results equal those of a direct fit, and fits that are no longer needed are
+// cancelled.
 #include "render/bezier/patch_fit_store.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@ PatchFitPart wavy_part(std::uint64_t hash, int side) {
   return {.hash = hash, .positions = p.positions, .normals = p.normals, .uvs = {}, .indices = p.indices, .cage = {}};
 }
 
-TEST(PatchFitStore, GivesWhatTheFitGives) {
+TEST(PatchFitStore, MatchesADirectFit) {
   const PatchFitPart part = wavy_part(7, 12);
   PatchFitStore store;
   const auto make_part = [&](std::size_t) { return part; };
@@ -37,7 +38,7 @@ TEST(PatchFitStore, GivesWhatTheFitGives) {
   const PatchFit direct = fit_patches(part.positions, part.normals, part.uvs, part.indices);
   ASSERT_EQ(fit->patches.size(), direct.patches.size());
   for (std::size_t k = 0; k < direct.patches.size(); ++k) EXPECT_EQ(fit->patches[k].points, direct.patches[k].points);
-  // What is there is not made again, what is not named any more is forgotten.
+  // Existing fits are not computed again, and fits that are no longer requested are discarded.
   int made = 0;
   const auto make_other = [&](std::size_t) {
     ++made;
@@ -55,7 +56,7 @@ TEST(PatchFitStore, GivesWhatTheFitGives) {
   EXPECT_EQ(store.find(7), nullptr);
 }
 
-TEST(PatchFitStore, WhatNobodyWaitsForIsNotShown) {
+TEST(PatchFitStore, CancelledFitsAreNotShown) {
   PatchFitStore store;
   store.want({1}, [](std::size_t) { return wavy_part(1, 40); });
   store.want({2}, [](std::size_t) { return wavy_part(2, 4); });
@@ -67,24 +68,24 @@ TEST(PatchFitStore, WhatNobodyWaitsForIsNotShown) {
   store.cancel();
   store.wait();
   EXPECT_FALSE(store.update());
-  // Asked for again, it comes.
+  // Requested again, it is delivered.
   store.want({1}, [](std::size_t) { return wavy_part(1, 4); });
   store.wait();
   EXPECT_TRUE(store.update());
   EXPECT_NE(store.find(1), nullptr);
 }
 
-/// The fit asks often whether it is to end, and ends within a few of those questions on each thread.
+/// The fit polls often for cancellation, and ends within a few polls on each thread.
 TEST(PatchFitStore, AStoppedFitEndsSoon) {
   const PatchFitPart part = wavy_part(1, 40);
-  const auto questions_of = [&](int stop_after) {
-    std::atomic<int> questions{0};
-    fit_patches(part.positions, part.normals, {}, part.indices, {.stop = [&] { return ++questions > stop_after; }});
-    return questions.load();
+  const auto polls_of = [&](int stop_after) {
+    std::atomic<int> polls{0};
+    fit_patches(part.positions, part.normals, {}, part.indices, {.stop = [&] { return ++polls > stop_after; }});
+    return polls.load();
   };
-  const int all = questions_of(1000000);
+  const int all = polls_of(1000000);
   EXPECT_GT(all, 300);
-  for (const int stop_after : {0, 3, 30, 150}) EXPECT_LT(questions_of(stop_after), stop_after + 60);
+  for (const int stop_after : {0, 3, 30, 150}) EXPECT_LT(polls_of(stop_after), stop_after + 60);
 }
 
 TEST(PatchFitStore, ProgressGrowsToTheEnd) {

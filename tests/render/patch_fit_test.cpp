@@ -1,5 +1,5 @@
-// Patches fitted to meshes: known surfaces come back, bad meshes are told, and the error that is stated is the one that
-// is there: held against a search of the patch that shares nothing with the fit.
+// Patches fitted to meshes: known surfaces are reproduced, bad meshes are reported, and the stated error is the true
+// one, compared with an independent search for the nearest point.
 #include "render/bezier/patch_fit.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace maquette {
 namespace {
 
-/// A pane of 1.2 by 0.7 m, bent both ways, its border curved and its control points uneven.
+/// A pane of 1.2 by 0.7 m, curved in both directions, with a curved border and uneven control points.
 BezierPatch uneven_pane(std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(-1.0f, 1.0f);
@@ -43,7 +43,7 @@ Primitive mesh_of(const std::function<glm::dvec3(double, double)>& at, std::uint
   return mesh;
 }
 
-/// Distance from one patch, by a grid and a descent along the axes.
+/// Distance from one patch, by a grid search and a descent along the axes.
 double distance_from(const FittedPatch& patch, const glm::dvec3& point) {
   const ReflectorPatch ready = make_reflector_patch(patch.points);
   const glm::dvec3 at = point - ready.origin;
@@ -83,8 +83,8 @@ PatchFit fit_mesh(const Primitive& mesh) {
   return fit_patches(mesh.positions, mesh.normals, mesh.uvs[0], mesh.indices);
 }
 
-/// Every triangle has a patch, its corners are where their parameters say, and no vertex is farther from its patch than
-/// is stated, nor all nearer by a twentieth.
+/// Every triangle has a patch, its corners are where their parameters say, no vertex is farther from its patch than
+/// stated, and the stated distance is reached within a twentieth.
 void expect_true(const PatchFit& fit, const Primitive& mesh, double rounding_m) {
   ASSERT_EQ(fit.triangles.size(), mesh.indices.size() / 3);
   double most = 0.0;
@@ -98,7 +98,7 @@ void expect_true(const PatchFit& fit, const Primitive& mesh, double rounding_m) 
       const glm::dvec3 at(mesh.positions[mesh.indices[3 * t + k]]);
       const double stated = glm::length(bezier_position(ready.exact, triangle.x[k]) + ready.origin - at);
       EXPECT_LE(stated, fit.largest_m + rounding_m);
-      if (stated < 0.9 * fit.largest_m) continue;  // only the farthest decide
+      if (stated < 0.9 * fit.largest_m) continue;  // only the largest decide
       if (looked_at.size() < 40) most = std::max(most, distance_from(patch, at));
       looked_at.emplace_back(mesh.indices[3 * t + k], triangle.patch);
     }
@@ -124,7 +124,7 @@ TEST(PatchFit, RecoversAPatchFromItsMesh) {
   }
 }
 
-/// A cap of a sphere is no bicubic: what is stated is what is missed, a deep one takes several patches.
+/// A cap of a sphere is no bicubic: the stated error is the true one, and a deep cap takes several patches.
 TEST(PatchFit, KnownSurfacesMeetTheTolerance) {
   constexpr double kRadius = 0.5;
   const auto cap = [](double half_angle) {
@@ -154,12 +154,12 @@ TEST(PatchFit, KnownSurfacesMeetTheTolerance) {
   }
 }
 
-TEST(PatchFit, SizeAndPlaceDoNotMatter) {
+TEST(PatchFit, SizeAndPositionDoNotMatter) {
   for (const double scale : {1e-6, 1.0, 1e6}) {
     SCOPED_TRACE(scale);
-    const glm::dvec3 place = scale * glm::dvec3(3.0, -2.0, 1.0);
+    const glm::dvec3 offset = scale * glm::dvec3(3.0, -2.0, 1.0);
     const Primitive mesh = mesh_of(
-        [&](double u, double v) { return place + scale * glm::dvec3(0.5 * u, 0.3 * v, 0.1 * u * u - 0.05 * v * v); },
+        [&](double u, double v) { return offset + scale * glm::dvec3(0.5 * u, 0.3 * v, 0.1 * u * u - 0.05 * v * v); },
         20);
     const PatchFit fit = fit_patches(mesh.positions, {}, {}, mesh.indices);
     EXPECT_GE(fit.patches.size(), 1u);
@@ -183,7 +183,7 @@ TEST(PatchFit, HolesAndTrimmedOutlinesAreFitted) {
 }
 
 /// Two sheets 4 mm apart and the rim between them.
-TEST(PatchFit, AClosedBodyIsTakenApart) {
+TEST(PatchFit, AClosedBodyIsSplitIntoSheets) {
   Primitive body;
   const auto add = [&](const Primitive& part) {
     const auto first = static_cast<std::uint32_t>(body.positions.size());
@@ -222,7 +222,7 @@ TEST(PatchFit, NoiseIsSmoothedAndStated) {
   EXPECT_LT(distance_from(fit, tessellate_patch(patch, 9).positions), 1.5e-4);
 }
 
-TEST(PatchFit, BadMeshesAreToldOrFitted) {
+TEST(PatchFit, BadMeshesAreReportedOrFitted) {
   const Primitive mesh = tessellate_patch(uneven_pane(5), 12);
   const auto fit = [&](auto&& spoil) {
     Primitive bad = mesh;
@@ -245,7 +245,7 @@ TEST(PatchFit, BadMeshesAreToldOrFitted) {
   });
   EXPECT_LT(flipped.normal_rad, 1e-4);
   EXPECT_TRUE(fit([](Primitive* p) { p->normals.clear(); }).met);
-  EXPECT_TRUE(fit([](Primitive* p) {  // normals that lie decide nothing
+  EXPECT_TRUE(fit([](Primitive* p) {  // wrong normals do not matter
                 for (std::size_t k = 0; k < p->normals.size(); ++k)
                   p->normals[k] = glm::normalize(glm::vec3(std::sin(7.3f * static_cast<float>(k)), 1.0f, 0.2f));
               })
@@ -255,7 +255,7 @@ TEST(PatchFit, BadMeshesAreToldOrFitted) {
                 for (std::uint32_t k = 0; k + 2 < 60; k += 3) p->indices.insert(p->indices.end(), {k, k, k + 1});
               })
                   .met);
-  EXPECT_GE(fit([](Primitive* p) {  // one edge drawn together to a point
+  EXPECT_GE(fit([](Primitive* p) {  // one edge collapsed to a point
               for (std::size_t i = 0; i < 13; ++i) p->positions[i] = p->positions[0];
             })
                 .patches.size(),
@@ -263,7 +263,7 @@ TEST(PatchFit, BadMeshesAreToldOrFitted) {
   EXPECT_TRUE(fit([](Primitive* p) { p->indices.resize(12); }).met);  // fewer vertices than control points
 }
 
-/// A subdivision surface as it is gets its own patches, wherever its node stands; a dented one is no longer it.
+/// An unmodified subdivision surface gets its own patches, whatever the transform of its node; a dented one does not.
 TEST(PatchFit, SubdivisionSurfacesGiveTheirPatches) {
   SubdivisionCage cage;  // 6 x 6 quads of a bowl, open
   for (int j = 0; j <= 6; ++j)
@@ -297,7 +297,7 @@ TEST(PatchFit, SubdivisionSurfacesGiveTheirPatches) {
   }
 }
 
-/// A part of a patch is the patch there.
+/// A sub-patch equals the patch there.
 TEST(PatchFit, PartsOfAPatchAreThePatch) {
   std::mt19937 random(9);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -312,7 +312,7 @@ TEST(PatchFit, PartsOfAPatchAreThePatch) {
     for (int n = 0; n < 20; ++n) {
       const glm::dvec2 x(uniform(random), uniform(random)),
           at = glm::mix(glm::dvec2(within), glm::dvec2(within.z, within.w), 0.5 * x + 0.5);
-      if (std::max(std::abs(at.x), std::abs(at.y)) > 1.0) continue;  // whole goes on straight there
+      if (std::max(std::abs(at.x), std::abs(at.y)) > 1.0) continue;  // beyond that `whole` is continued linearly
       const glm::dvec3 d =
           bezier_position(whole.exact, at) + whole.origin - bezier_position(part.exact, x) - part.origin;
       EXPECT_LT(glm::length(d), 1e-12);

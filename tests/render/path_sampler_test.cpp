@@ -5,7 +5,7 @@
 namespace maquette {
 namespace {
 
-TEST(PathSampler, PairsSideBySideAreThoseOneByOne) {
+TEST(PathSampler, PairsInLanesMatchSinglePairs) {
   std::uint32_t word = 1;
   const auto next = [&] { return word = mix_seed(word, 7); };
   for (int trial = 0; trial < 2000; ++trial) {

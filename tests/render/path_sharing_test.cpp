@@ -1,4 +1,4 @@
-// Light shared by the paths of a tile against paths that are alone, where neighbouring pixels see different things.
+// Light shared by the paths of a tile, against paths without sharing, where neighbouring pixels see different things.
 #include "render/reference/path_sharing.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ glm::vec3 direction_through(const PathScene& scene, const PictureRequest& r, int
       shared::camera_ray(camera.forward, camera.right * camera.tan_x, camera.up * camera.tan_y, {ndc.x, -ndc.y}));
 }
 
-/// A room that is open above and in front, of one matt material (0), under a sky with a lamp.
+/// A room that is open above and in front, with one matte material (0), under a sky with a lamp.
 Scene room() { return box_scene(4, 1, matte({0.8f, 0.6f, 0.4f})); }
 int add_material(Scene* scene, const Material& material) {
   scene->materials.push_back(material);
@@ -56,7 +56,7 @@ Primitive wall_piece(const glm::vec3& origin, const glm::vec3& a, const glm::vec
   return p;
 }
 
-/// Every pixel, and all of them together, against single radiances, which share nothing and learn nothing.
+/// Compares every pixel, and all of them together, with single radiances, which share and learn nothing.
 void expect_same_picture(const Scene& scene, int paths, const PictureRequest& request, double noise = 0.06) {
   const auto traced =
       build_path_scene({.scene = scene, .environment = sky_with_lamp({0.5f, 0.7f, 1.0f}, glm::vec3(300.0f))});
@@ -94,7 +94,7 @@ void expect_same_picture(const Scene& scene, int paths, const PictureRequest& re
   EXPECT_NEAR(sum / sum_alone, 1.0, 0.002 + 4.0 * std::sqrt(spread) / sum_alone);
 }
 
-/// Of pixels close by, and of some far from each other.
+/// With pixels close together, and with some far apart.
 void expect_same(const Scene& scene, int paths, double noise = 0.06) {
   for (const float fov : {0.08f, 1.0f}) {
     SCOPED_TRACE(fov);
@@ -104,7 +104,7 @@ void expect_same(const Scene& scene, int paths, double noise = 0.06) {
 
 TEST(PathSharing, EmptyRoom) { expect_same(room(), 1024); }
 
-/// What one side's points see is hidden from the other's: a red wall, and a lamp that lights one side alone.
+/// What is visible from one side is hidden from the other: a red wall, and a lamp that lights one side only.
 TEST(PathSharing, PartitionBetweenThePixels) {
   Scene scene = room();
   const int red = add_material(&scene, double_sided(matte({0.9f, 0.1f, 0.1f})));
@@ -119,8 +119,8 @@ TEST(PathSharing, LowEdgeAcrossTheTile) {
   expect_same(scene, 2048);
 }
 
-/// A metal nearly a mirror beside matt paint, in one tile, both seen in the walls.
-TEST(PathSharing, MirrorBesideMatt) {
+/// Metals, one nearly a mirror and one rougher, beside the matte floor in one tile, also seen by way of the walls.
+TEST(PathSharing, MirrorBesideMatte) {
   for (const float roughness : {0.1f, 0.4f}) {
     Scene scene = room();
     Material metal;
@@ -134,19 +134,19 @@ TEST(PathSharing, MirrorBesideMatt) {
   }
 }
 
-/// Walls of paint: what their gloss sends depends on who looks.
+/// Coated walls: their glossy reflection depends on the viewer.
 TEST(PathSharing, GlossySecondSurfaces) {
   Scene scene = room();
-  Material& paint = scene.materials[0];
-  paint.specular = 1.0f;
-  paint.roughness = 0.3f;
-  paint.clearcoat = 1.0f;
-  paint.clearcoat_roughness = 0.2f;
-  paint.sheen_color = glm::vec3(0.3f);
+  Material& wall = scene.materials[0];
+  wall.specular = 1.0f;
+  wall.roughness = 0.3f;
+  wall.clearcoat = 1.0f;
+  wall.clearcoat_roughness = 0.2f;
+  wall.sheen_color = glm::vec3(0.3f);
   expect_same(scene, 2048);
 }
 
-/// Panes and a veil between first and second surfaces, for some of the pixels.
+/// Panes and a translucent sheet between first and second surfaces, for some of the pixels.
 TEST(PathSharing, ThinThingsBetween) {
   Material pane;
   pane.glass = true;
@@ -156,7 +156,7 @@ TEST(PathSharing, ThinThingsBetween) {
   Material veil = matte({0.2f, 0.9f, 0.2f});
   veil.base_color.a = 0.5f;
   veil.alpha_mode = AlphaMode::blend;
-  Material nothing = pane;  // takes no light, and is a pane all the same
+  Material nothing = pane;  // transmits everything, but is still a pane
   nothing.base_color = glm::vec4(1.0f);
   nothing.ior = 1.0f;
   for (const Material& between : {double_sided(pane), double_sided(nothing), double_sided(veil)}) {
@@ -176,8 +176,8 @@ Scene halved_floor(const glm::vec3& walls, const glm::vec3& left, const glm::vec
   return scene;
 }
 
-/// A glowing sheet that is dim beside the sky is asked for by some of the paths alone, and met by others by chance;
-/// single radiances ask for it always.
+/// A glowing sheet that is dim beside the sky gets shadow rays from some paths only, and others hit it by chance;
+/// single radiances always send a shadow ray to it.
 TEST(PathSharing, LampsThatAreDimBesideTheSky) {
   Scene scene = room();
   Material glowing;
@@ -188,12 +188,12 @@ TEST(PathSharing, LampsThatAreDimBesideTheSky) {
   expect_same(scene, 8192, 0.1);
 }
 
-/// A path that brings nothing to its own pixel may bring something to others.
+/// A path that contributes nothing to its own pixel may contribute to others.
 TEST(PathSharing, PureColoursBesideEachOther) {
   expect_same(halved_floor({0.0f, 1.0f, 0.0f}, {1.0f, 0.0f, 0.0f}, glm::vec3(1.0f)), 1024, 0.1);
 }
 
-/// Roulette by what a dark pixel takes of its light would make the bright ones beside it noisier than they are alone.
+/// Roulette by the weights of dark pixels alone would make bright neighbours noisier than without sharing.
 TEST(PathSharing, DarkPixelsDoNotThinOutBrightOnes) {
   const Scene scene = halved_floor(glm::vec3(0.9f), glm::vec3(0.02f), glm::vec3(0.9f));
   expect_same(scene, 4096, 0.1);
@@ -222,7 +222,7 @@ TEST(PathSharing, MeasuredSurfaces) {
   expect_same(scene, 2048);
 }
 
-/// A lamp as second surface, which itself scatters.
+/// A lamp as second surface, which also scatters.
 TEST(PathSharing, Emitters) {
   Scene scene = room();
   Material lamp = double_sided(matte(glm::vec3(0.7f)));
@@ -232,7 +232,7 @@ TEST(PathSharing, Emitters) {
   expect_same(scene, 1024);
 }
 
-/// Normals that lean far from their triangles are turned towards whoever looks, and differently for each.
+/// Normals far from their triangles' are changed to face the viewer, differently for each viewer.
 TEST(PathSharing, LeaningNormals) {
   Scene scene = room();
   for (Mesh& mesh : scene.meshes)
@@ -242,8 +242,8 @@ TEST(PathSharing, LeaningNormals) {
   expect_same(scene, 2048);
 }
 
-/// In a close corner second surfaces are as near as can be, and 1 over the square of their distance is endless: no
-/// pixel stands out all the same, and all are right.
+/// In a corner, second surfaces are arbitrarily near, and 1 over the squared distance is unbounded: still no pixel
+/// stands out, and all are correct.
 TEST(PathSharing, CornerMakesNoFireflies) {
   Scene scene = room();
   PictureRequest request = floor_request();
@@ -265,7 +265,7 @@ TEST(PathSharing, CornerMakesNoFireflies) {
   EXPECT_LT(static_cast<double>(most), 5.0 * sum);
 }
 
-/// A tile of pixels that see the same floor against a pixel that is alone: what walls send is most of the noise.
+/// A tile of pixels that see the same floor, against a single pixel: light from walls is most of the noise.
 TEST(PathSharing, LeavesLessNoise) {
   const auto traced =
       build_path_scene({.scene = room(), .environment = sky_with_lamp(glm::vec3(0.0f), glm::vec3(300.0f))});

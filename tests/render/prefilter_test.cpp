@@ -139,7 +139,7 @@ TEST(Prefilter, PolesAndSeamAreSmooth) {
   }
 }
 
-TEST(Prefilter, ExtremesAreSound) {
+TEST(Prefilter, ExtremesAreFinite) {
   const Environment black = make_environment(32, [](const glm::dvec3&, int, int) { return glm::dvec3(0.0); });
   for (const Image& map : prefilter_ggx(black, 3))
     for (const float v : map.data) ASSERT_EQ(v, 0.0f);

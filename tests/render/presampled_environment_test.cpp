@@ -1,4 +1,4 @@
-// Directions drawn beforehand against the tables that they were drawn from.
+// Precomputed directions, compared with the tables from which they were sampled.
 #include "render/reference/presampled_environment.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ class PresampledEnvironmentTest : public testing::Test {
   PathOptions options_;
 };
 
-TEST_F(PresampledEnvironmentTest, HoldsWhatTheEnvironmentSaysOfItsDirections) {
+TEST_F(PresampledEnvironmentTest, MatchesTheEnvironmentAtItsDirections) {
   const EnvironmentLight light(traced(), options_);
   PresampledEnvironment samples(light, leaves(), 1u << 20, 7);
   samples.prepare(1);
@@ -41,7 +41,7 @@ TEST_F(PresampledEnvironmentTest, HoldsWhatTheEnvironmentSaysOfItsDirections) {
     ASSERT_NEAR(glm::length(s.direction), 1.0f, 1e-5f);
     if (!(s.density > 0.0f)) continue;
     const glm::vec4 told = light.radiance_and_density(s.direction);
-    // Directions at a texel's edge may round to the neighbour, whose density is its own.
+    // Directions at a texel's edge may be rounded to the neighbouring texel, which has another density.
     const glm::vec3 own = shared::latlong_turn(s.direction, std::cos(0.8f), -std::sin(0.8f));
     const EnvironmentLookup found = traced().look_up(own);
     if (traced().partition->leaf_at(found.x, found.y) != leaf) continue;
@@ -50,11 +50,11 @@ TEST_F(PresampledEnvironmentTest, HoldsWhatTheEnvironmentSaysOfItsDirections) {
     ++compared;
   }
   EXPECT_GT(compared, 19000);
-  // The rest lies at the edge of a texel of another density.
+  // The rest lies at the edge of a texel of a different density.
   EXPECT_GT(alike, 0.99 * compared);
 }
 
-/// The mean of light over density in a leaf, times the leaf's probability, is the leaf's share of all light.
+/// The mean of light over density in a leaf, times the probability of the leaf, is the leaf's share of all light.
 TEST_F(PresampledEnvironmentTest, IntegratesTheSky) {
   const EnvironmentLight light(traced(), options_);
   PresampledEnvironment samples(light, leaves(), 1u << 20, 3);
@@ -72,7 +72,7 @@ TEST_F(PresampledEnvironmentTest, IntegratesTheSky) {
           sum += static_cast<double>(traced().partition->probability(leaf)) * s.radiance.y / s.density;
       }
   const double mean = sum / (kSide * kSide * kSets);
-  // The same by a fine grid of directions, even in longitude and in the sine of the latitude.
+  // The same by a fine grid of directions, uniform in longitude and in the sine of the latitude.
   double exact = 0.0;
   constexpr int kRows = 1024, kColumns = 2048;
   for (int y = 0; y < kRows; ++y)
@@ -91,7 +91,7 @@ TEST_F(PresampledEnvironmentTest, FewPixelsGetFewDirectionsAndLaterPathsOthers) 
   few.prepare(2 * PresampledEnvironment::kPathsASet);
   again.prepare(1);
   again.prepare(2 * PresampledEnvironment::kPathsASet);
-  // Of the first set two numbers in the same eighth meet the same direction.
+  // Two numbers in the same eighth map to the same direction of the first set.
   EXPECT_EQ(few.at(0, 0, {0.01f, 0.01f}).direction, few.at(63, 0, {0.12f, 0.1f}).direction);
   EXPECT_NE(few.at(0, 0, {0.01f, 0.01f}).direction, few.at(0, 0, {0.13f, 0.01f}).direction);
   EXPECT_NE(few.at(64, 0, {0.01f, 0.01f}).direction, few.at(64, 0, {0.1f, 0.01f}).direction);

@@ -40,7 +40,7 @@ struct Pairs {
   }
 };
 
-/// Trilinear in float through the formulas that the GPU runs.
+/// Trilinear in float with the functions that the GPU runs.
 glm::dvec3 evaluate_in_float(const BrdfTable& table, const glm::dvec3& wi, const glm::dvec3& wo) {
   const shared::MerlCell cell = shared::merl_cell(shared::merl_coordinates(glm::vec3(wi), glm::vec3(wo)));
   glm::dvec3 sum(0.0);
@@ -54,7 +54,7 @@ glm::dvec3 evaluate_in_float(const BrdfTable& table, const glm::dvec3& wi, const
   return sum;
 }
 
-/// Largest relative difference of f(wi, wo) and f(wo, wi), over the larger and a floor.
+/// Largest relative difference of f(wi, wo) and f(wo, wi), relative to the larger one plus a floor.
 struct Asymmetry {
   double in_double = 0.0, in_float = 0.0;
 };
@@ -86,8 +86,8 @@ TEST(Reciprocity, EveryBuiltInTable) {
 
 using LoadedReciprocity = TemporaryFolder;
 
-/// phi_d is folded into [0, pi) by reciprocity, whatever a file holds: noise without any symmetry, unmeasured entries,
-/// through the writer and the loader.
+/// phi_d is folded into [0, pi) by reciprocity, whatever the file contains: noise without symmetry and unmeasured
+/// entries, written and loaded.
 TEST_F(LoadedReciprocity, OfARoughTable) {
   std::mt19937 random(test::test_seed(31));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -101,8 +101,8 @@ TEST_F(LoadedReciprocity, OfARoughTable) {
   EXPECT_GT(loaded.unmeasured_count, 100000u);
   const Asymmetry worst = measure(loaded, 20000);
   EXPECT_LT(worst.in_double, 1e-8);
-  // Neighbours differ by four decades: a rounding of 1e-5 of a bin shows as that much of the larger one over the
-  // smaller.
+  // Neighbouring entries differ by four decades: a rounding error of 1e-5 of a bin is amplified by the ratio of the
+  // larger to the smaller.
   EXPECT_LT(worst.in_float, 0.2);
 }
 
@@ -163,10 +163,10 @@ double albedo(const analytic::AnalyticMaterial& m, double cos_o) {
   return sum;
 }
 
-/// Metals keep within what they receive. glTF mixes the Lambert lobe with (1 - F(h)), which does not know that grazing
-/// light is nearly all reflected above it: a white dielectric gives back more than it receives towards the horizon.
-/// That is the specification's own formula; docs/numerics/materials.md states how much, and this test holds it there.
-/// Sheen is added on top without the albedo scaling that its extension recommends.
+/// Metals do not reflect more than they receive. glTF mixes the Lambert lobe with (1 - F(h)), which ignores that
+/// grazing light is almost entirely reflected by the specular lobe above: towards the horizon a white dielectric
+/// reflects more than it receives. That is the specification's own formula; docs/numerics/materials.md states by how much, and
+/// this test keeps that bound. Sheen is added without the albedo scaling that its extension recommends.
 TEST(Energy, AnalyticLobesReflectNoMoreThanTheyReceive) {
   for (const Lobe& lobe : lobes()) {
     double towards_horizon = 0.0, elsewhere = 0.0;

@@ -104,7 +104,7 @@ TEST(Reference, SameForAnyThreadCountAndAnyPortions) {
   EXPECT_NE(all.mean().data, other.mean().data);
 }
 
-TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
+TEST(Reference, StopsAtOnceAndContinuesWhereItStopped) {
   const Scene scene = load_scene("builtin:cornell");
   const auto traced = build_path_scene({.scene = scene, .environment = constant_sky(1.0f)});
   ReferencePicture stopped(traced, sphere_request(32)), whole(traced, sphere_request(32));
@@ -125,8 +125,9 @@ TEST(Reference, StopsAtOnceAndGoesOnWhereItStopped) {
   EXPECT_EQ(none.mean().data, whole.mean().data);
 }
 
-/// Large enough that guides are trained before the first path: whenever that is stopped, the picture is the same.
-TEST(Reference, TrainingGoesOnWhereItStopped) {
+/// Large enough that guides are trained before the first path: the picture is the same whenever the training is
+/// stopped.
+TEST(Reference, TrainingContinuesWhereItStopped) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
   ReferencePicture stopped(traced, sphere_request(128)), whole(traced, sphere_request(128));
   bool cut = false;
@@ -145,7 +146,7 @@ TEST(Reference, TrainingGoesOnWhereItStopped) {
   EXPECT_EQ(stopped.counts().paths, 128u * 128u) << "training paths are left out";
 }
 
-/// Against pictures that are too small for training, over the same area: within the noise of both.
+/// Against pictures that are too small for training, over the same area: equal within the noise of both.
 TEST(Reference, TrainingIsUnbiased) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
   constexpr int kSeeds = 8;
@@ -174,8 +175,8 @@ TEST(Reference, TrainingIsUnbiased) {
   EXPECT_LT(error(0), 0.002 * mean[0]) << "or the comparison says nothing";
 }
 
-/// A picture cut short is one of nearly as many paths at every pixel, in both transports.
-TEST(Reference, WhatIsStoppedHasItsPixelsAlike) {
+/// A stopped picture has nearly the same number of paths at every pixel, in both transports.
+TEST(Reference, StoppedPicturesHaveSimilarCounts) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(1.0f)});
   for (const Transport transport : {Transport::direct, Transport::full}) {
     PictureRequest request = sphere_request(32);
@@ -189,7 +190,7 @@ TEST(Reference, WhatIsStoppedHasItsPixelsAlike) {
   }
 }
 
-/// Counts that follow the spread leave the mean where it was: over many seeds, both ways agree within their noise.
+/// Adaptive counts do not change the mean: over many seeds, both ways agree within their noise.
 TEST(Reference, AdaptivePathsAreUnbiased) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(0.0f)});
   PictureRequest request = sphere_request(16);
@@ -212,8 +213,9 @@ TEST(Reference, AdaptivePathsAreUnbiased) {
   EXPECT_LT(noise, 0.01 * mean[0]) << "too noisy to tell";
 }
 
-/// Where one half of a picture is hard and the other easy, the paths go to the hard one, and all keep some; soon, too.
-TEST(Reference, AdaptivePathsGoWhereTheSpreadIs) {
+/// Where one half of a picture is noisy and the other is not, most paths soon go to the noisy half, and all pixels keep
+/// some.
+TEST(Reference, AdaptivePathsGoWhereTheNoiseIs) {
   const auto traced = build_path_scene({.scene = load_scene("builtin:cornell"), .environment = constant_sky(0.0f)});
   PictureRequest request = sphere_request(32);
   request.camera.eye = {0.0f, 2.73f, 10.8f};
@@ -239,8 +241,7 @@ TEST(Reference, AdaptivePathsGoWhereTheSpreadIs) {
   }
 }
 
-/// Time is up in the middle of the first pass: every pixel has a value all the same, and the picture goes on from
-/// there.
+/// The deadline ends the first pass: every pixel still has a value, and the picture continues from there.
 TEST(Reference, DeadlineWithinAPassLeavesAPicture) {
   const auto traced = build_path_scene({.scene = sphere_of(white_lambert()), .environment = constant_sky(1.0f)});
   ReferencePicture hurried(traced, sphere_request(64)), whole(traced, sphere_request(64));
@@ -255,7 +256,7 @@ TEST(Reference, DeadlineWithinAPassLeavesAPicture) {
   EXPECT_EQ(hurried.mean().data, whole.mean().data);
 }
 
-/// A lamp mirrored in a pane onto a floor: what finds it sooner does not change how bright it is.
+/// A lamp reflected by a pane onto a floor: the guide that finds it sooner does not change its brightness.
 TEST(Reference, GuideToMirroredLampsIsUnbiased) {
   Scene scene = load_scene("builtin:plate");
   Material pane;
@@ -312,7 +313,7 @@ TEST(Reference, GuideToMirroredLampsIsUnbiased) {
   EXPECT_LT(noise, 0.03 * plain) << "too noisy to tell";
 }
 
-/// Rays that hit the surface they start on come back dark.
+/// Rays that hit their own surface would be dark.
 TEST(Reference, RaysLeaveTheirSurfaceAtEveryScale) {
   for (const float scale : {1e-6f, 1.0f, 1e6f}) {
     Scene scene = sphere_of(white_lambert());

@@ -1,4 +1,5 @@
-// Chi-square tests of the samplers other than that of measured tables: analytic lobes, the environment, lights.
+// Chi-square tests of the samplers for analytic lobes, the environment, and lights. Measured tables have a test of
+// their own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -105,7 +106,7 @@ test::ChiSquare test_analytic(const analytic::AnalyticMaterial& m, double theta,
     counted[HalfBins::index(std::log(std::max(std::hypot(sum.x, sum.y), 1e-300) / sum.z), std::atan2(sum.y, sum.x))] +=
         1.0;
   }
-  // Directions are floats: beside the horizon the tangent of theta_h is known to 6e-8 / cos(theta_o), and a mirror's
+  // Directions are floats: near the horizon the tangent of theta_h is accurate to 6e-8 / cos(theta_o), and a mirror's
   // lobe is 1e-3 wide.
   return test::chi_square(expected, counted, 20.0, theta > 1.565 ? 0.03 : 0.0);
 }
@@ -159,8 +160,8 @@ double cell_solid_angle(int y, int width, int height) {
   return 2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height));
 }
 
-/// Every lobe that has a share gets a sample, and none is off its share by more than such a sample each costs.
-TEST(AnalyticLobes, CountsShareOutTheSamples) {
+/// Every lobe with a share gets a sample, and no count is off by more than these extra samples.
+TEST(AnalyticLobes, CountsFollowTheShares) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   for (int i = 0; i < 20000; ++i) {
@@ -178,8 +179,8 @@ TEST(AnalyticLobes, CountsShareOutTheSamples) {
   }
 }
 
-/// One number picks a lobe with its share and is even over it.
-TEST(AnalyticLobes, ChoiceStretchesItsNumberOverTheShare) {
+/// One number selects a lobe in proportion to its share, and is uniform within it.
+TEST(AnalyticLobes, ChoiceRescalesItsNumberWithinTheShare) {
   const glm::vec3 weights(0.5f, 0.125f, 0.375f);
   for (const auto& [u, lobe, within] : {std::tuple{0.0f, 0, 0.0f},
                                         {0.25f, 0, 0.5f},
@@ -208,7 +209,7 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
       expected[i] *= static_cast<double>(samples);
     }
     EXPECT_NEAR(total, 1.0, 1e-5) << name;
-    // A low-discrepancy run is spread better than chance: the statistic is then small, never large.
+    // A low-discrepancy run is more uniform than chance: the statistic is then small, never large.
     const auto list = sample_environment(environment, tables, pack_sky(environment, packing_bias(environment), 2),
                                          test::test_seed(21), samples);
     for (const EnvironmentSample& s : list) {
@@ -218,7 +219,7 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
       const int y = std::clamp(static_cast<int>((0.5 - latitude / kPi) * tables.height), 0, tables.height - 1);
       counted[static_cast<std::size_t>(y * tables.width + x)] += 1.0;
     }
-    // Directions are floats: at a cell's edge one may be found next door.
+    // Directions are floats: at a cell's edge one may fall into the neighbour.
     double misplaced = 0.0;
     for (std::size_t i = 0; i < cells; ++i)
       if (expected[i] == 0.0) misplaced += std::exchange(counted[i], 0.0);
@@ -228,9 +229,9 @@ TEST(EnvironmentChiSquare, SamplesFollowTheDensity) {
   }
 }
 
-/// What the cumulative tables really draw, cell by cell, against the density that estimators divide by: no sampling at
-/// all.
-TEST(EnvironmentChiSquare, CumulativeTablesDrawWhatTheDensitySays) {
+/// The exact probabilities of the cumulative tables, cell by cell, against the density that estimators divide by,
+/// without any sampling.
+TEST(EnvironmentChiSquare, CumulativeTablesMatchTheDensity) {
   for (const auto& [name, environment] : environments()) {
     const EnvironmentTables tables = compute_environment_tables(environment);
     const auto width = static_cast<std::size_t>(tables.width), height = static_cast<std::size_t>(tables.height);
@@ -263,7 +264,7 @@ double bilinear(const std::array<double, 9>& texels, double x, double y) {
   return sum;
 }
 
-TEST(EnvironmentChiSquare, PlacesWithinACellFollowBilinearLight) {
+TEST(EnvironmentChiSquare, PositionsWithinACellFollowBilinearLight) {
   constexpr int kSide = 8;
   std::mt19937 random(test::test_seed(31));
   std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -296,13 +297,13 @@ TEST(EnvironmentChiSquare, PlacesWithinACellFollowBilinearLight) {
     const auto result = test::chi_square(expected, counted);
     EXPECT_GT(result.p, kLeastP) << round << ", statistic " << result.statistic << " of " << result.freedom;
   }
-  // Nothing shines: any place will do, but one in the cell.
+  // No light: any position in the cell is correct.
   const glm::dvec2 dark = TexelCell([](int, int) { return 0.0; }).warp({0.25, 0.75});
   EXPECT_EQ(dark.x, 0.25);
   EXPECT_EQ(dark.y, 0.75);
 }
 
-TEST(LightChiSquare, PointsOnATriangleAreEven) {
+TEST(LightChiSquare, PointsOnATriangleAreUniform) {
   constexpr int kSide = 12;
   std::vector<double> expected(kSide * kSide, 0.0), counted(expected.size(), 0.0);
   const std::size_t samples = test::test_samples(100000);
@@ -325,9 +326,9 @@ TEST(LightChiSquare, PointsOnATriangleAreEven) {
   EXPECT_EQ(result.outside, 0);
 }
 
-/// The shader draws u as a whole number of 2^-24: each light's true probability is a count of those below its entry,
-/// exactly.
-TEST(LightChiSquare, EachLightIsChosenAsOftenAsItSays) {
+/// The shader draws u as an integer multiple of 2^-24: each light's true probability is exactly the count of those
+/// below its entry.
+TEST(LightChiSquare, EachLightIsChosenByItsProbability) {
   Scene scene;
   const auto add = [&](PunctualLight::Kind kind, float intensity) {
     PunctualLight light;
@@ -350,7 +351,7 @@ TEST(LightChiSquare, EachLightIsChosenAsOftenAsItSays) {
     const double below = std::ceil(static_cast<double>(light.cdf) * 0x1p24);
     const double drawn = (below - before) * 0x1p-24;
     const double said = static_cast<double>(light.selection_pdf);
-    // It is drawn, and with the very probability that its contribution is divided by.
+    // It is drawn, with exactly the probability that its contribution is divided by.
     EXPECT_GE(said, 0x1p-24);
     EXPECT_EQ(drawn, said);
     sum += said;

@@ -24,14 +24,14 @@ std::string message_of(const Call& call) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-TEST(Settings, DeclarationsAreSound) {
+TEST(Settings, DeclarationsAreValid) {
   std::set<std::string> names;
   for (const SettingDeclaration& declaration : setting_declarations()) {
     EXPECT_TRUE(names.insert(declaration.name).second) << declaration.name << " twice";
     EXPECT_NE(declaration.name.find('.'), std::string::npos) << declaration.name;
     EXPECT_FALSE(declaration.help.empty()) << declaration.name;
     EXPECT_LE(declaration.min, declaration.max) << declaration.name;
-    // The default itself must be a legal value, from text as well.
+    // The default itself must be a legal value, also when given as text.
     Settings settings;
     settings.set_from_text(declaration.name, to_text(declaration.default_value));
     EXPECT_EQ(settings.get(declaration.name), declaration.default_value) << declaration.name;
@@ -82,7 +82,7 @@ TEST(Settings, UnknownNamesGetTheNearest) {
                        "did you mean shading.visibility?"));
   EXPECT_TRUE(contains(message_of<UsageError>([&] { settings.set_from_text("shading.visibility", "bakd"); }),
                        "did you mean baked?"));
-  // Names of later versions are known, and never taken silently.
+  // Names reserved for later versions are known, and never accepted silently.
   EXPECT_TRUE(
       contains(message_of<Error>([&] { settings.set_from_text("slf.texels", "8"); }), "not available in this version"));
 }

@@ -65,7 +65,7 @@ TEST(Latlong, RoundTrips) {
   }
 }
 
-TEST(Latlong, TurnIsPositiveFromZTowardsX) {
+TEST(Latlong, RotationIsPositiveFromZTowardsX) {
   EXPECT_LT(angle_between(shared::latlong_turn({0, 0, 1}, 0.0f, 1.0f), {1, 0, 0}), 1e-6);
   const glm::vec3 d(0.36f, 0.48f, 0.8f);
   const glm::vec3 there = shared::latlong_turn(d, std::cos(0.7f), std::sin(0.7f));

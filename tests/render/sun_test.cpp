@@ -1,4 +1,4 @@
-// The sun apart from the rest of the sky: its samples add up to the bilinear light of its texels.
+// The sun is sampled apart from the rest of the sky: its samples sum to the bilinear light of its texels.
 #include "render/environment/sun.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ glm::vec3& texel(Environment& e, int x, int y) { return e.rgb[static_cast<std::s
 
 double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
-/// The integral of luminance times (1, direction) over the tents of texels that `rest` lacks, on a grid of 64 x 64 a
-/// texel.
+/// The integral of luminance times (1, direction) over the tents of texels that are missing in `rest`, on a grid of 64
+/// x 64 per texel.
 glm::dvec4 quadrature(const Environment& whole, const Environment& rest, int bias) {
   constexpr double kPi = std::numbers::pi;
   constexpr int kSide = 64;
@@ -88,7 +88,7 @@ TEST(SunApart, WhatIsLeftIsTheRest) {
   EXPECT_NEAR(sun->solid_angle_sr, 4.0 * std::numbers::pi * std::numbers::pi / (2.0 * 512 * 256), 0.6 * 1.5e-4);
 }
 
-TEST(SunApart, SeveralAreToldFromOne) {
+TEST(SunApart, SeveralAreDistinguishedFromOne) {
   EXPECT_TRUE(sun_of(load_environment("builtin:clear-sky"))->compact);
   Environment e = sky(512, 256, 1.0f);
   texel(e, 511, 80) = texel(e, 0, 80) = glm::vec3(1e6f);  // on both sides of the seam
@@ -110,7 +110,7 @@ TEST(SunApart, SkiesWithoutOneHaveNone) {
   EXPECT_FALSE(sun_of(e));  // a lamp of many degrees
 }
 
-// By its light: a dim edge hardly lowers it, and a sky alone has none.
+// Weighted by light: a dim edge hardly lowers it, and a sky without sun has none.
 TEST(SunApart, MeanLuminanceIsThatOfItsLight) {
   const auto mean_of = [](const Environment& e) {
     return static_cast<double>(mean_sun_luminance(e, compute_environment_tables(e).luminance_integral));

@@ -30,10 +30,11 @@ TEST(Tonemap, KnownValues) {
   EXPECT_NEAR(map_one(glm::vec3(1.0f), 0.0f, "reinhard").x, srgb(0.5), 1e-6);
   // Khronos specification: below 0.8 - 0.04 a colour with its minimum at 0.04 or more only loses 0.04.
   EXPECT_NEAR(map_one({0.5f, 0.2f, 0.1f}, 0.0f, "pbr-neutral").x, srgb(0.46), 1e-6);
-  // And a base colour under white light that was encoded with the F90 offset comes back: peak compression by hand.
+  // A base colour under white light that was encoded with the F90 offset is reproduced; peak compression computed by
+  // hand.
   const double peak = 2.0 - 0.04, compressed = 1.0 - 0.24 * 0.24 / (peak + 0.24 - 0.76);
   EXPECT_NEAR(map_one(glm::vec3(2.0f), 0.0f, "pbr-neutral").x, srgb(compressed), 1e-6);
-  // Hill's rational fit by hand for grey, whose colour stays grey (rows of both matrices sum to 1).
+  // Hill's rational fit computed by hand for grey, which stays grey (rows of both matrices sum to 1).
   const double x = 0.18, fit = (x * (x + 0.0245786) - 0.000090537) / (x * (0.983729 * x + 0.4329510) + 0.238081);
   EXPECT_NEAR(map_one(glm::vec3(0.18f), 0.0f, "aces").x, srgb(fit), 2e-4);
   // AgX has its pivot at middle grey: half of a display of gamma 2.2.
@@ -96,7 +97,7 @@ TEST(Exposure, ALitGreyIsWellExposedUnderAnyLight) {
   uniform.height = 16;
   uniform.rgb.assign(512, glm::vec3(1.0f));
   const double ev = static_cast<double>(suggest_exposure_ev(uniform));
-  // A white sky must not burn out, a grey in it must not be dark.
+  // A white sky must not be overexposed, nor a grey in it dark.
   EXPECT_LT(std::exp2(ev), 1.0);
   EXPECT_GT(std::exp2(ev), 0.3);
   for (glm::vec3& rgb : uniform.rgb) rgb *= 1024.0f;
@@ -138,7 +139,7 @@ TEST(Exposure, MeteringBrightensDarkPicturesByAtMostTwoStopsAndDimsGlare) {
   EXPECT_FLOAT_EQ(meter_exposure_ev(picture, -2.0f), 0.0f);
   fill(8.0f);  // lit by lamps, not by the environment
   EXPECT_NEAR(meter_exposure_ev(picture, 0.0f), std::log2(0.3f / 8.004f), 1e-4f);
-  // Sky (alpha 0) and broken pixels do not count.
+  // Sky (alpha 0) and invalid pixels do not count.
   fill(0.12f);
   for (int x = 0; x < 4; ++x) picture.at(x, 0, 3) = picture.at(x, 0, 0) = 0.0f;
   picture.at(2, 2, 1) = std::numeric_limits<float>::quiet_NaN();

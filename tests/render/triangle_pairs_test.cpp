@@ -1,5 +1,5 @@
-// Pairs of triangles against what a pair must be, and rays through the quads that they make against every triangle in
-// turn, in double.
+// Tests of the properties of triangle pairs, and of rays through the quads that they make, against every triangle
+// separately, in double.
 #include "render/reference/triangle_pairs.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ struct Model {
   std::uint32_t count() const { return static_cast<std::uint32_t>(indices.size() / 3); }
 };
 
-/// A height field of side^2 cells, two triangles each, in random order and turned at random.
+/// A height field of side^2 cells, two triangles each, in random order with randomly rotated corners.
 Model terrain(std::uint32_t side, float height, std::mt19937* random) {
   Model model;
   std::uniform_real_distribution<float> lift(-height, height);
@@ -55,7 +55,7 @@ bool is_rotation(const Corners& a, const Corners& b) {
   return a == b || a == Corners{b[1], b[2], b[0]} || a == Corners{b[2], b[0], b[1]};
 }
 
-/// Pairs all triangles of a model; everything that holds for any model is expected here.
+/// Pairs all triangles of a model and checks everything that holds for any model.
 TrianglePairs pair_all(Model* model) {
   const Model before = *model;
   std::vector<std::uint32_t> all(model->count());
@@ -91,7 +91,7 @@ TEST(TrianglePairs, NearlyAllOfARoughSurfaceArePaired) {
   EXPECT_GT(pair_all(&model).pair_count, 3400u);  // of 3,600
 }
 
-TEST(TrianglePairs, TakeOnlyTheTrianglesThatAreAsked) {
+TEST(TrianglePairs, PairOnlyTheGivenTriangles) {
   std::mt19937 random(3);
   Model model = terrain(8, 0.1f, &random);
   const std::vector<std::uint32_t> before = model.indices;
@@ -144,8 +144,8 @@ TEST(TrianglePairs, CreasesAreNoPairs) {
   EXPECT_EQ(pair_all(&model).pair_count, 0u);
 }
 
-/// Nearest hit of all triangles, in double (Moeller and Trumbore 1997). Not sure where a ray passes an edge so closely
-/// that it may go either way.
+/// Nearest hit of all triangles, in double (Moeller and Trumbore 1997). Unsure where a ray passes so close to an edge
+/// that rounding decides.
 struct ExactHit {
   double distance = 1e30;
   std::uint32_t triangle = kNoTriangle;
@@ -194,18 +194,18 @@ void expect_nearest_hits(bool soup) {
   std::mt19937 random(soup ? 11 : 12);
   const auto scene = build_path_scene({.scene = rough_scene(soup, &random), .environment = test::constant_sky(1.0f)});
   EXPECT_EQ(scene->quads, !soup);
-  std::uniform_real_distribution<float> place(0.0f, 12.0f), side(-1.0f, 1.0f);
+  std::uniform_real_distribution<float> coordinate(0.0f, 12.0f), side(-1.0f, 1.0f);
   int hits = 0, second_halves = 0;
   for (int i = 0; i < 20000; ++i) {
     const glm::vec3 direction(side(random), side(random), side(random));
-    const Ray ray{{place(random), side(random) * 2.0f, place(random)}, glm::normalize(direction)};
+    const Ray ray{{coordinate(random), side(random) * 2.0f, coordinate(random)}, glm::normalize(direction)};
     const RayKind kind = i % 2 == 0 ? RayKind::camera : RayKind::path;
     const ExactHit exact = nearest(*scene, ray, kind == RayKind::path);
     if (!exact.sure) continue;
     RayHit hit;
     ASSERT_EQ(intersect(*scene, ray, kind, 0, &hit), exact.triangle != kNoTriangle) << i;
     if (kind == RayKind::path) {
-      EXPECT_EQ(is_clear(*scene, ray), exact.triangle == kNoTriangle) << i;
+      EXPECT_EQ(is_unoccluded(*scene, ray), exact.triangle == kNoTriangle) << i;
     }
     if (exact.triangle == kNoTriangle) continue;
     ++hits;
@@ -215,7 +215,7 @@ void expect_nearest_hits(bool soup) {
     const glm::vec3 at =
         p[0] * (1.0f - hit.barycentric.x - hit.barycentric.y) + p[1] * hit.barycentric.x + p[2] * hit.barycentric.y;
     EXPECT_LT(glm::distance(at, ray.origin + ray.direction * hit.distance), 1e-4f) << i;
-    second_halves += hit.triangle < 2 * scene->pair_count[PathScene::kStops] && hit.triangle % 2 == 1 ? 1 : 0;
+    second_halves += hit.triangle < 2 * scene->pair_count[PathScene::kOpaque] && hit.triangle % 2 == 1 ? 1 : 0;
   }
   EXPECT_GT(hits, 4000);
   if (!soup) {
@@ -223,7 +223,7 @@ void expect_nearest_hits(bool soup) {
   }
 }
 
-TEST(TrianglePairs, RaysMeetWhatTheyMeetTriangleByTriangle) { expect_nearest_hits(false); }
+TEST(TrianglePairs, RaysHitTheSameTrianglesAsOneByOne) { expect_nearest_hits(false); }
 TEST(TrianglePairs, SoupsAreTracedAsTriangles) { expect_nearest_hits(true); }
 
 TEST(TrianglePairs, NoRaySlipsThroughTheDiagonalsOrEdges) {

@@ -40,7 +40,7 @@ struct TriangleCase {
   glm::dvec3 a, b, c;  ///< m, seen from the origin
 };
 
-/// Whether directions to a triangle come as their densities say, and meet it where they say.
+/// Checks that directions to a triangle have the stated density and hit it at the stated point.
 void expect_even_directions(const TriangleCase& seen, std::size_t samples, std::mt19937& random) {
   constexpr int kSide = 8;  // of equal triangles along an edge
   const auto& [name, corner_a, corner_b, corner_c] = seen;
@@ -85,12 +85,12 @@ void expect_even_directions(const TriangleCase& seen, std::size_t samples, std::
 
 class TriangleViews : public testing::TestWithParam<TriangleCase> {};
 
-TEST_P(TriangleViews, AreDrawnEvenlyOverTheirSolidAngle) {
+TEST_P(TriangleViews, AreSampledUniformlyOverTheirSolidAngle) {
   std::mt19937 random(test::test_seed(11));
   expect_even_directions(GetParam(), test::test_samples(100000), random);
 }
 
-TEST(TriangleView, RandomTrianglesAreDrawnEvenlyOverTheirSolidAngle) {
+TEST(TriangleView, RandomTrianglesAreSampledUniformlyOverTheirSolidAngle) {
   std::mt19937 random(test::test_seed(12));
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const auto size = [&](double least, double most) {
@@ -138,7 +138,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-TEST(TriangleView, ShinesToOneSideUnlessBothAreAskedFor) {
+TEST(TriangleView, EmitsToOneSideUnlessDoubleSided) {
   const glm::dvec3 a(0, 1, 0), b(1, 1, 0), c(0, 1, 1);  // normal -y: down
   EXPECT_GT(TriangleView(triangle(a, b, c, false), {0.2f, 0.0f, 0.2f}).solid_angle(), 0.0);
   EXPECT_EQ(TriangleView(triangle(a, b, c, false), {0.2f, 2.0f, 0.2f}).solid_angle(), 0.0);
@@ -148,13 +148,13 @@ TEST(TriangleView, ShinesToOneSideUnlessBothAreAskedFor) {
   EXPECT_EQ(TriangleView(triangle(a, a, a, true), {0.2f, 0.0f, 0.2f}).solid_angle(), 0.0);  // a point
 }
 
-/// Rounded, they lie on either side of it, and would see a hemisphere full of its light.
+/// Rounding puts its points on either side of its plane, where they would see a hemisphere full of its light.
 TEST(TriangleView, ItsOwnPointsDoNotSeeIt) {
   std::mt19937 random(test::test_seed(13));
   std::uniform_real_distribution<float> unit(0.0f, 1.0f);
   const auto vector = [&] { return glm::vec3(unit(random), unit(random), unit(random)) * 2.0f - 1.0f; };
   for (int trial = 0; trial < 2000; ++trial) {
-    // Every other one around the origin, where a point is small and its rounding is not.
+    // Every other triangle around the origin, where coordinates are small but their rounding errors are not.
     const bool around = trial % 2 == 1;
     const glm::vec3 a = 3.0f * vector(), b = a + vector(), c = around ? -(a + b) : a + vector();
     const LightRecord light = triangle(a, b, c, true);

@@ -76,7 +76,7 @@ void transform(FlatGeometry* g, float scale, const glm::vec3& shift) {
   for (glm::vec3& p : g->positions) p = p * scale + shift;
 }
 
-/// Share of the hemisphere of `normal`, weighted by cosine, that the bits leave open.
+/// Share of the hemisphere of `normal`, weighted by cosine, that is open by the bits.
 double open_share(const VisibilityBake& bake, std::size_t vertex, const glm::vec3& normal) {
   double open = 0.0;
   double all = 0.0;
@@ -90,7 +90,7 @@ double open_share(const VisibilityBake& bake, std::size_t vertex, const glm::vec
   return open / all;
 }
 
-/// Double, all triangles, no acceleration. Nearest parameter of a hit with t > t_min, or infinity.
+/// Reference in double: all triangles, no acceleration. Nearest parameter of a hit with t > t_min, or infinity.
 double cast_ray(const FlatGeometry& g, const glm::dvec3& o, const glm::dvec3& d, double* edge_margin) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i + 2 < g.indices.size(); i += 3) {
@@ -134,7 +134,7 @@ TEST(VisibilityBake, InsideOfAClosedBoxSeesNothing) {
   }
 }
 
-TEST(VisibilityBake, ScaleAndPlaceDoNotMatter) {
+TEST(VisibilityBake, ScaleAndPositionDoNotMatter) {
   FlatGeometry g;
   add_box(&g, {-0.5f, 0.0f, -0.5f}, {0.5f, 1.0f, 0.5f});
   add_grid(&g, {-2.0f, 0.0f, -2.0f}, {0.0f, 0.0f, 4.0f}, {4.0f, 0.0f, 0.0f}, 8);
@@ -185,7 +185,7 @@ TEST(VisibilityBake, AgreesWithBruteForceInRandomScenes) {
   EXPECT_LT(open, compared * 4 / 5);
 }
 
-/// Infinite wall of height H at distance D from a floor point: it hides (1 - cos(atan(H / D))) / 2 of the
+/// An infinite wall of height H at distance D from a point of the floor hides (1 - cos(atan(H / D))) / 2 of the
 /// cosine-weighted sky.
 TEST(VisibilityBake, WallAtAKnownDistanceHidesItsClosedForm) {
   FlatGeometry g;
@@ -206,7 +206,7 @@ TEST(VisibilityBake, WallAtAKnownDistanceHidesItsClosedForm) {
   EXPECT_LT(std::sqrt(square / count), 0.02);
 }
 
-/// The row of floor vertices exactly on the foot of the wall belongs to the floor's side of it.
+/// Floor vertices exactly at the foot of the wall belong to the side of the wall on which the floor is.
 TEST(VisibilityBake, VertexOnAnotherSurfaceTakesItsOwnSide) {
   FlatGeometry g;
   add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {1.0f, 0.0f, 0.0f}, 10);  // x in [-1, 0]
@@ -224,7 +224,7 @@ TEST(VisibilityBake, VertexOnAnotherSurfaceTakesItsOwnSide) {
   }
 }
 
-/// A tall box beside a low one, sides touching; the low one's top edge lies on the tall one's side.
+/// A tall box beside a low one, with touching sides; the top edge of the low one lies on the tall one's side.
 TEST(VisibilityBake, TouchingBoxes) {
   FlatGeometry g;
   add_box(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.5f, 1.0f});
@@ -241,7 +241,7 @@ TEST(VisibilityBake, TouchingBoxes) {
       }
     }
   }
-  // The low box's face towards the tall one touches it: dark.
+  // The low box's face that touches the tall one is dark.
   const std::size_t side = g.items[1].first_vertex;
   for (std::size_t v = side; v < side + 4; ++v) EXPECT_LT(open_share(bake, v, {1.0f, 0.0f, 0.0f}), 0.05);
 }
@@ -258,7 +258,7 @@ TEST(VisibilityBake, CoincidentPanelsDoNotHideEachOther) {
 }
 
 /// One sheet as roof over a closed room: lit above, dark below, from the same vertices.
-TEST(VisibilityBake, OneSheetServesBothSides) {
+TEST(VisibilityBake, OneSheetHasTwoSides) {
   FlatGeometry g;
   add_grid(&g, {-1.0f, 1.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 8);
   add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f});
@@ -310,10 +310,10 @@ TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
       const glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
       if (glm::dot(d, normal) <= 0.0f) continue;
       const shared::VisibilityCorner around = shared::visibility_corner(d);
-      const shared::VisibilityPlace place = shared::visibility_place(around.lower);
+      const shared::VisibilityPlace address = shared::visibility_place(around.lower);
       for (int corner = 0; corner < 3; ++corner) {
-        const std::uint32_t word = sides[c[corner]][0][static_cast<std::size_t>(place.word)];
-        closed += shared::visibility_bits(word, place.shift) == glm::vec4(1.0f) ? 0.0 : 1.0;
+        const std::uint32_t word = sides[c[corner]][0][static_cast<std::size_t>(address.word)];
+        closed += shared::visibility_bits(word, address.shift) == glm::vec4(1.0f) ? 0.0 : 1.0;
       }
       tried += 3;
     }
@@ -328,7 +328,7 @@ TEST(VisibilityBake, PanesDimWhatIsBehindThem) {
   add_grid(&g, {-9.0f, 0.1f, -8.0f}, {0.0f, 0.0f, 18.0f}, {18.0f, 0.0f, 0.0f});
   const auto mean = [&](const Passage& passage) {
     const auto bake = bake_visibility(g, {false, true}, {Passage{}, passage}, kRun);
-    EXPECT_EQ(bake->transmittance[4].y, 1.0f);  // below is no pane
+    EXPECT_EQ(bake->transmittance[4].y, 1.0f);  // no pane below
     EXPECT_EQ(open_share(*bake, 4, {0.0f, 1.0f, 0.0f}), 1.0);
     return static_cast<double>(bake->transmittance[4].x);
   };
@@ -384,7 +384,7 @@ TEST(VisibilityBake, BadGeometryIsLeftOut) {
   EXPECT_TRUE(bake_opaque(empty).vertices.empty());
 }
 
-/// Long thin triangles: needles of 10 m by 10 micrometres make up the floor; it must not shade itself.
+/// Long thin triangles: a floor of needles of 10 m by 10 micrometres must not shadow itself.
 TEST(VisibilityBake, NeedlesDoNotShadeThemselves) {
   FlatGeometry g;
   for (int i = 0; i < 200; ++i) {
@@ -472,7 +472,7 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   EXPECT_EQ(first->vertices, second->vertices);
   EXPECT_EQ(first->bandwidth, second->bandwidth);
   EXPECT_EQ(first->transmittance, second->transmittance);
-  // Another geometry or another pane is another entry.
+  // Another geometry, or other panes, have another cache entry.
   int other = 0;
   transmits[1] = true;
   load(&other);
@@ -482,7 +482,7 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   EXPECT_GT(other, 1);
   passages[1] = {};
   transmits[1] = false;
-  // Damage in the middle, then a cut: baked again, with the same result.
+  // A damaged entry, then a truncated one: baked again with the same result.
   for (const bool cut : {false, true}) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
       if (!entry.is_regular_file()) continue;
@@ -505,7 +505,7 @@ TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
   }
 }
 
-/// Bits that close column by column of cells along x: 16 columns over `length`, so a known change per metre.
+/// Bits that close column by column of cells along x: 16 columns over `length`, hence a known change per metre.
 TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
   for (int n : {16, 64}) {
     FlatGeometry g;
@@ -516,7 +516,7 @@ TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
     std::vector<VisibilityBits> bits(points.points.size());
     for (std::size_t v = 0; v < g.positions.size(); ++v) {
       for (int b = 0; b < 256; ++b) {
-        // Direction b opens where x passes a threshold spread evenly by b.
+        // Direction b opens where x passes a threshold; the thresholds are evenly spaced over b.
         const float threshold = length * (static_cast<float>((b * 97) % 256) + 0.5f) / 256.0f;
         if (g.positions[v].x > threshold)
           bits[points.point_of_vertex[v]][static_cast<std::size_t>(b / 32)] |= 1u << (b % 32);
@@ -525,7 +525,7 @@ TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
     const std::vector<float> bandwidth = compute_visibility_bandwidth(points, bits);
     double sum = 0.0;
     for (float value : bandwidth) sum += value;
-    // Everything turns over once along `length`: half a cycle.
+    // Every bit changes once along `length`: half a cycle.
     EXPECT_NEAR(sum / static_cast<double>(bandwidth.size()), 0.5 / 0.8, 0.2 * 0.5 / 0.8) << n;
   }
 }

@@ -15,16 +15,16 @@ bool is_open(const VisibilityBits& bits, const glm::ivec2& cell) {
   return ((bits[b >> 5] >> (b & 31u)) & 1u) != 0;
 }
 
-/// As shaders read it.
+/// The bits as shaders read them.
 float value_towards(const VisibilitySides& sides, std::size_t side, const glm::vec3& d) {
   const shared::VisibilityCorner corner = shared::visibility_corner(d);
-  const shared::VisibilityPlace place = shared::visibility_place(corner.lower);
-  const std::uint32_t word = sides[side].at(static_cast<std::size_t>(place.word));
-  return glm::dot(shared::visibility_shares(corner.fraction), shared::visibility_bits(word, place.shift));
+  const shared::VisibilityPlace address = shared::visibility_place(corner.lower);
+  const std::uint32_t word = sides[side].at(static_cast<std::size_t>(address.word));
+  return glm::dot(shared::visibility_shares(corner.fraction), shared::visibility_bits(word, address.shift));
 }
 
-/// What a side's cells hold, cell by cell: for those below the horizon, in three rows, the nearest neighbour known
-/// before.
+/// Expected content of a side, cell by cell: cells below the horizon repeat, in three rows, the nearest neighbour with
+/// a known value.
 std::array<bool, 256> obvious_side(const VisibilityBits& bits, const glm::vec3& n) {
   std::array<glm::vec3, 256> direction;
   std::array<bool, 256> known{}, side{};
@@ -67,8 +67,8 @@ class VisibilitySidesTest : public ::testing::Test {
   }
 };
 
-/// Every bit that shaders may read, of random masks and planes, some along the axes.
-TEST_F(VisibilitySidesTest, HoldWhatIsFoundCellByCell) {
+/// Every bit that shaders may read, of random bits and planes, some along the axes.
+TEST_F(VisibilitySidesTest, MatchACellByCellConstruction) {
   for (int trial = 0; trial < 3000; ++trial) {
     glm::vec3 n = direction();
     if (trial % 3 == 0) {
@@ -81,9 +81,9 @@ TEST_F(VisibilitySidesTest, HoldWhatIsFoundCellByCell) {
       const std::array<bool, 256> expected = obvious_side(bits, side == 0 ? n : -n);
       for (int y = -1; y < 16; ++y)
         for (int x = -1; x < 16; ++x) {
-          const shared::VisibilityPlace place = shared::visibility_place({x, y});
+          const shared::VisibilityPlace address = shared::visibility_place({x, y});
           const glm::vec4 found =
-              shared::visibility_bits(sides[side].at(static_cast<std::size_t>(place.word)), place.shift);
+              shared::visibility_bits(sides[side].at(static_cast<std::size_t>(address.word)), address.shift);
           for (int k = 0; k < 4; ++k) {
             const glm::ivec2 cell = shared::visibility_wrap({x + (k & 1), y + (k >> 1)});
             ASSERT_EQ(found[k] > 0.5f, expected[static_cast<std::size_t>(cell.y * 16 + cell.x)])
@@ -94,8 +94,8 @@ TEST_F(VisibilitySidesTest, HoldWhatIsFoundCellByCell) {
   }
 }
 
-/// Far above the horizon both sides read the map itself, folds and corners included.
-TEST_F(VisibilitySidesTest, AboveTheHorizonStandsTheMap) {
+/// Far above the horizon both sides read the map itself, including folds and corners.
+TEST_F(VisibilitySidesTest, AboveTheHorizonIsTheMap) {
   for (int trial = 0; trial < 20000; ++trial) {
     glm::vec3 d = direction();
     if (trial % 4 == 0) d = glm::normalize(glm::vec3(0.1f * d.x, -1.0f, 0.1f * d.z));     // the corners
@@ -113,7 +113,7 @@ TEST_F(VisibilitySidesTest, AboveTheHorizonStandsTheMap) {
   }
 }
 
-/// What looks upwards sees nothing of what the other side sees, from a plane that leans by 0.2 rad as well.
+/// Lookups in upward directions do not read the other side, also for a plane that leans by 0.2 rad.
 TEST_F(VisibilitySidesTest, TheOtherSideIsNotSeen) {
   std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
   int near_horizon = 0;
@@ -139,9 +139,9 @@ TEST_F(VisibilitySidesTest, TheOtherSideIsNotSeen) {
   EXPECT_GT(near_horizon, 5000);
 }
 
-/// On a floor, whose horizon runs through the middles of cells, and one that leans a little: half of the sky is open
-/// above, and the same half below, up to its edges.
-TEST_F(VisibilitySidesTest, AFloorsHorizonKeepsItsPlace) {
+/// On a floor whose horizon passes through the centres of cells, and on one that leans a little: half of the sky above
+/// is open, and the same half below, up to their edges.
+TEST_F(VisibilitySidesTest, AFloorsHorizonKeepsItsPosition) {
   for (const glm::vec3& n : {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::normalize(glm::vec3(0.02f, 1.0f, -0.01f))}) {
     VisibilityBits bits{};
     for (int b = 0; b < 256; ++b) {
@@ -151,7 +151,7 @@ TEST_F(VisibilitySidesTest, AFloorsHorizonKeepsItsPlace) {
     const VisibilitySides sides = visibility_sides({bits}, {n})[0];
     for (int i = 0; i < 64; ++i) {
       const float azimuth = (static_cast<float>(i) + 0.5f) * 6.2831853f / 64.0f;
-      if (std::abs(std::cos(azimuth)) < 0.5f) continue;  // an edge of the open part is near
+      if (std::abs(std::cos(azimuth)) < 0.5f) continue;  // close to an edge of the open part
       for (const float elevation : {0.05f, 0.0f, -0.05f, -0.1f}) {
         const glm::vec3 d(std::cos(azimuth), elevation * n.y, std::sin(azimuth));
         EXPECT_NEAR(value_towards(sides, 0, glm::normalize(d)), std::cos(azimuth) > 0.0f ? 1.0f : 0.0f, 1e-6)
@@ -161,9 +161,9 @@ TEST_F(VisibilitySidesTest, AFloorsHorizonKeepsItsPlace) {
   }
 }
 
-/// Below the horizon stands what is seen close by above it.
-TEST_F(VisibilitySidesTest, TheHorizonGoesOnBelow) {
-  int tried = 0, wrong = 0;  // neighbours lie far apart at the map's corners
+/// Below the horizon the cells repeat the visibility close above it.
+TEST_F(VisibilitySidesTest, TheHorizonContinuesBelow) {
+  int tried = 0, wrong = 0;  // neighbours are far apart at the map's corners
   for (int trial = 0; trial < 2000; ++trial) {
     const glm::vec3 n = direction(), towards = direction();
     VisibilityBits bits{};
@@ -175,7 +175,7 @@ TEST_F(VisibilitySidesTest, TheHorizonGoesOnBelow) {
     const VisibilitySides sides = visibility_sides({bits}, {n})[0];
     glm::vec3 d = direction();
     d = glm::normalize(d - n * glm::dot(n, d));
-    if (std::abs(glm::dot(d, towards)) < 0.7f) continue;  // an edge of the open part is near
+    if (std::abs(glm::dot(d, towards)) < 0.7f) continue;  // close to an edge of the open part
     d = std::cos(0.15f) * d - std::sin(0.15f) * n;
     wrong += std::abs(value_towards(sides, 0, d) - (glm::dot(d, towards) > 0.0f ? 1.0f : 0.0f)) > 0.1f ? 1 : 0;
     ++tried;
@@ -184,7 +184,7 @@ TEST_F(VisibilitySidesTest, TheHorizonGoesOnBelow) {
   EXPECT_LT(wrong, tried / 50);
 }
 
-/// The value moves steadily with the direction: the blend of the cells' middles comes back to it, across folds as well.
+/// The value varies linearly with the direction: interpolation of the cell centres reproduces it, also across folds.
 TEST_F(VisibilitySidesTest, SharesAreBilinearAcrossTheFold) {
   double worst = 0.0;
   for (int trial = 0; trial < 4000; ++trial) {
@@ -204,7 +204,7 @@ TEST_F(VisibilitySidesTest, SharesAreBilinearAcrossTheFold) {
   EXPECT_LT(worst, 0.09);
 }
 
-TEST_F(VisibilitySidesTest, CellsHoldTheirMiddles) {
+TEST_F(VisibilitySidesTest, InterpolationReproducesCellCentres) {
   for (int b = 0; b < 256; ++b)
     EXPECT_EQ(shared::visibility_bit(shared::visibility_cell_direction({b % 16, b / 16})), b);
 }

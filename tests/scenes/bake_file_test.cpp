@@ -26,7 +26,7 @@ BakeFile sample_file() {
 
 using BakeFileTest = testing::TemporaryFolder;
 
-TEST_F(BakeFileTest, ComesBackAsItWas) {
+TEST_F(BakeFileTest, RoundTrips) {
   const std::string file_path = path("bake.exr");
   const BakeFile file = sample_file();
   save_bake_file(file_path, file);
@@ -53,7 +53,7 @@ TEST_F(BakeFileTest, NamesWhatIsDamaged) {
     try {
       const BakeFile file = load_bake_file(file_path);
       EXPECT_EQ(file.integers(file_path, "nodes", "plane"),
-                std::vector<std::uint32_t>(10000, 7u));  // a byte that says nothing
+                std::vector<std::uint32_t>(10000, 7u));  // an arbitrary byte of the data
     } catch (const Error& e) {
       EXPECT_NE(std::string(e.what()).find("bake.exr"), std::string::npos);
       ++refused;

@@ -7,7 +7,7 @@
 namespace maquette {
 namespace {
 
-/// De Casteljau's construction: no polynomial in common with the code under test.
+/// De Casteljau's construction: shares no polynomial with the code under test.
 glm::dvec3 casteljau(std::array<glm::dvec3, 4> p, double t) {
   for (std::size_t last = 3; last > 0; --last)
     for (std::size_t i = 0; i < last; ++i) p[i] = (1.0 - t) * p[i] + t * p[i + 1];
@@ -63,7 +63,7 @@ TEST(BezierPatch, SidesFollowTheCurvature) {
   }
 }
 
-/// By a turn of 0.3 rad from one edge to the other, and straight across: as many quads as each direction needs.
+/// Curved by 0.3 rad from one edge to the other, and straight across: each direction gets the quads that it needs.
 TEST(BezierPatch, EachSideHasItsOwnCount) {
   BezierPatch bent, other;  // along u, along v
   for (std::size_t i = 0; i < 16; ++i) {
@@ -117,7 +117,7 @@ TEST(BezierPatch, TrianglesFaceAlongTheNormals) {
   }
 }
 
-/// One edge collapsed to a point, as at the pole of a dome: du vanishes there, the normal must not.
+/// One edge collapsed to a point, as at the pole of a dome: du vanishes there, but the normal must not.
 TEST(BezierPatch, KeepsANormalAtACollapsedEdge) {
   BezierPatch patch = bumpy_patch(3);
   for (std::size_t i = 0; i < 4; ++i) patch.points[i] = glm::vec3(1.5f, 0.0f, 1.0f);
@@ -126,7 +126,7 @@ TEST(BezierPatch, KeepsANormalAtACollapsedEdge) {
   EXPECT_GT(glm::dot(mesh.normals[4], mesh.normals[9 + 4]), 0.8f);
 }
 
-TEST(BezierPatch, APointIsStillSound) {
+TEST(BezierPatch, ADegeneratePatchIsStillValid) {
   const Primitive mesh = tessellate_patch(BezierPatch{}, 0);
   ASSERT_EQ(mesh.positions.size(), 4u);
   for (const glm::vec3& normal : mesh.normals) EXPECT_EQ(normal, glm::vec3(0.0f, 1.0f, 0.0f));

@@ -105,10 +105,10 @@ TEST(BrdfLibrary, LooksLikeItsName) {
   }
 }
 
-/// The colour of the flakes turns with the angle: green or red seen straight, another hue towards grazing.
+/// The colour of the flakes changes with the angle: green or red at normal incidence, another hue towards grazing.
 TEST(BrdfLibrary, FlopPaintsChangeHue) {
   const auto ratio = [](const char* name, double theta) {
-    // 12 degrees beside the mirror direction, where flakes and not the coat reflect.
+    // 12 degrees beside the mirror direction, where the flakes reflect and not the coat.
     const glm::dvec3 f =
         evaluate_brdf(make_builtin_brdf(name), direction(theta + 0.2, 3.14159265), direction(theta, 0.0));
     return f / (f.x + f.y + f.z);

@@ -19,7 +19,7 @@ namespace {
 
 class BuiltinScene : public testing::TestWithParam<const char*> {};
 
-TEST_P(BuiltinScene, IndicesAndAttributesAreSound) {
+TEST_P(BuiltinScene, IndicesAndAttributesAreValid) {
   const Scene scene = build_builtin_scene(GetParam());
   EXPECT_EQ(scene.name, "builtin:" + std::string(GetParam()));
   EXPECT_FALSE(scene.cameras.empty());
@@ -55,7 +55,7 @@ TEST_P(BuiltinScene, NormalsAgreeWithTheWinding) {
         total += size;
         if (glm::dot(area, p.normals[a] + p.normals[b] + p.normals[c]) > 0.0f) agreeing += size;
       }
-      // Rims at sharp corners of an outline may fold over themselves; nothing larger may.
+      // Rims at sharp corners of an outline may overlap themselves; larger overlaps are errors.
       EXPECT_GT(agreeing, 0.99 * total) << mesh.name;
       EXPECT_LT(static_cast<double>(degenerate), 0.01 * static_cast<double>(p.indices.size() / 3) + 1.0) << mesh.name;
     }
@@ -202,7 +202,7 @@ TEST(Cockpit, WindshieldIsConvexOutsideWithItsRake) {
   const glm::vec3 normal = surface.normals[middle];
   EXPECT_GT(normal.y, 0.0f);
   EXPECT_GT(normal.z, 0.0f) << "the outside faces forwards and up";
-  // The pane's tangent in the middle plane leans from the vertical as its normal leans from the horizontal.
+  // In the middle plane the pane's tangent leans from the vertical as its normal leans from the horizontal.
   EXPECT_NEAR(glm::degrees(std::atan2(normal.y, normal.z)), 60.0f, 5.0f);
   for (std::size_t i = 0; i < surface.positions.size(); ++i)
     for (std::size_t j = 0; j < surface.positions.size(); j += 7)

@@ -11,8 +11,8 @@
 
 namespace maquette::test {
 
-/// Catmull-Clark in double, straight from the paper's rules and slow: the yardstick for the evaluator.
-/// Source: Catmull and Clark 1978; creases with whole sharpness as DeRose et al. 1998, section 3.
+/// Catmull-Clark in double, directly from the rules of the paper, and slow: the reference for the evaluator.
+/// Source: Catmull and Clark 1978; creases of integer sharpness as in DeRose et al. 1998, section 3.
 struct ReferenceMesh {
   using Edge = std::array<int, 2>;
   std::vector<glm::dvec3> points;

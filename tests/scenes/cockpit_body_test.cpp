@@ -1,4 +1,4 @@
-// What shows on the car from outside: the skin is smooth where it should be, gaps are gaps, and nothing gapes.
+// The outside of the car: the skin is smooth where it should be, and gaps have the right width.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using builtin::hood_outline;
 using builtin::skin_normal;
 using modelling::Vec3;
 
-/// Where the skin is on the line from `outside` along `inwards`.
+/// Intersection of the skin with the line from `outside` along `inwards`.
 Vec3 skin_from(const Vec3& outside, const Vec3& inwards, double length) {
   double a = 0.0, b = length;
   while (b - a > 1e-9) {
@@ -54,7 +54,7 @@ double height_over(const Primitive& surface, double x, double z) {
 }
 
 TEST(CockpitBody, TheTailIsSmoothFromSillToDeck) {
-  // What the skin turns by within 2 mm: some degrees where it is round, more only in a crease.
+  // Change of the skin's normal within 2 mm: a few degrees where it is rounded, more only in a crease.
   for (double x = 0.0; x < 0.65; x += 0.05) {
     Vec3 last(0.0);
     for (double y = 0.45; y < 0.94; y += 0.002) {
@@ -69,7 +69,7 @@ TEST(CockpitBody, TheTailIsSmoothFromSillToDeck) {
 TEST(CockpitBody, BonnetAndWingsAreApart) {
   const Scene scene = build_builtin_scene("cockpit");
   const auto outline = [](const glm::vec3& p) { return hood_outline({std::abs(p.x), p.y, p.z}); };
-  // Of what shows: their rims go on below the skin.
+  // Only the visible parts: their rims continue below the skin.
   const auto shows = [](const glm::vec3& p) { return p.z > 1.0f && p.y > 0.55f && car_body(Vec3(p)) > -0.0034; };
   double bonnet = -1.0, around = 1.0;
   for (const glm::vec3& p : part(scene, "hood").positions)

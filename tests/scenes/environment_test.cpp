@@ -96,7 +96,7 @@ TEST_F(EnvironmentFile, OtherAspectsAreReadWithAWarning) {
 }
 
 TEST_F(EnvironmentFile, AHugeMapIsReducedWithItsEnergyKept) {
-  // 16400 is no multiple of the reduced width, so cells straddle texels. One hot texel and one broken texel.
+  // 16400 is no multiple of the reduced width, so cells straddle texels. One very bright texel and one invalid texel.
   constexpr int kWidth = 16400;
   constexpr int kHeight = 8;
   Image image(kWidth, kHeight, 3, 1.0f);
@@ -152,14 +152,14 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
       }
     }
   }
-  // The disc's direct normal illuminance is the model's, whatever the grid; the sky is a clear one's.
+  // The disc's direct normal illuminance equals the model's, whatever the grid; the sky is that of a clear day.
   EXPECT_NEAR(sun_lx, 127500.0 * std::exp(-0.21 / std::sin(40.0 * kPi / 180.0)), 500.0);
   EXPECT_GT(sky_mean, 2000.0);
   EXPECT_LT(sky_mean, 12000.0);
   EXPECT_GT(sky_lx, 8000.0);
   EXPECT_LT(sky_lx, 30000.0);
   EXPECT_GT(peak, 1e4 * sky_mean);
-  // Blue overhead, and a ground that reflects the light it gets.
+  // Blue overhead, and a ground that reflects the incident light.
   const glm::dvec3 zenith = evaluate_environment(e, {0, 1, 0});
   EXPECT_GT(zenith.z, 1.3 * zenith.x);
   const double ground = luminance(evaluate_environment(e, {0, -1, 0}));

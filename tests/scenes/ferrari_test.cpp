@@ -8,7 +8,7 @@
 namespace maquette {
 namespace {
 
-/// The real car beside the checkout: Draco streams in 51 primitives.
+/// The real car, if present beside the checkout: Draco streams in 51 primitives.
 TEST(Ferrari, LoadsWholeFromDraco) {
   const std::filesystem::path path =
       std::filesystem::path(MAQUETTE_SOURCE_DIR) / "../shared/data/scenes/ferrari458.glb";

@@ -12,15 +12,15 @@ class GltfBadInput : public test::GltfFixture {
  protected:
   GltfBadInput() {
     add_quad();
-    sound_ = root_;
+    valid_root_ = root_;
   }
-  /// Breaks one member of a sound file and expects an error that says so.
+  /// Breaks one member of a valid file and expects an error that says so.
   void expect_fault(const std::string& pointer, const test::Json& value, const std::string& fault) {
-    root_ = sound_;
+    root_ = valid_root_;
     root_[test::Json::json_pointer(pointer)] = value;
     expect_error(fault);
   }
-  test::Json sound_;
+  test::Json valid_root_;
 };
 
 TEST_F(GltfBadInput, FilesThatAreNoScenes) {
@@ -89,12 +89,12 @@ TEST_F(GltfBadInput, BadAccessors) {
   expect_fault("/bufferViews/0/byteOffset", 9007199254740992, "bufferViews[0]");
 }
 
-/// Counts that no data backs must not be allocated.
+/// Counts without data behind them must not be allocated.
 TEST_F(GltfBadInput, AbsurdCounts) {
   root_["accessors"][0].erase("bufferView");
   root_["accessors"][0]["count"] = 9007199254740992;
   expect_error("without a bufferView");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["accessors"][0]["sparse"] = {{"count", 4000000000},
                                      {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
                                      {"values", {{"bufferView", 0}}}};
@@ -130,7 +130,7 @@ TEST_F(GltfBadInput, MissingBuffers) {
   expect({{{"byteLength", 3}, {"uri", "data:nothing"}}}, "no comma");
 }
 
-/// A missing picture costs its textures, not the scene.
+/// A missing image only removes its textures, not the scene.
 TEST_F(GltfBadInput, MissingOrDamagedImages) {
   root_["images"] =
       test::Json::parse(R"([{"uri": "gone.png"}, {"uri": "data:image/png;base64,AAAA"}, {"bufferView": 0}, {}])");
@@ -172,7 +172,7 @@ TEST_F(GltfBadInput, AChainOfManyNodesIsFine) {
 TEST_F(GltfBadInput, BadTransforms) {
   expect_fault("/nodes/0/matrix", {1, 2, 3}, "nodes[0].matrix: expected 16 numbers");
   expect_fault("/nodes/0/translation", {0, 1e30, 0}, "beyond 1e12");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["nodes"][0]["rotation"] = {0, 0, 0, 0};
   root_["nodes"][0]["scale"] = {0, 0, 0};
   expect_warning(load(), "rotation of length zero");
@@ -218,7 +218,7 @@ TEST_F(GltfBadInput, NothingToSee) {
   const std::vector<char> bytes = std::exchange(bytes_, {});
   root_ = test::Json::parse(R"({"asset": {"version": "2.0"}})");
   expect_warning(load(), "nothing to see");
-  root_ = sound_;
+  root_ = valid_root_;
   bytes_ = bytes;
   root_["meshes"][0]["primitives"][0]["attributes"] = test::Json::object();
   expect_warning(load(), "has no POSITION");
@@ -235,12 +235,12 @@ TEST_F(GltfBadInput, ExtremeScales) {
 
 TEST_F(GltfBadInput, BadMaterials) {
   root_["materials"] = test::Json::parse(R"([{"name": "m"}])");
-  sound_ = root_;
+  valid_root_ = root_;
   expect_fault("/materials/0/pbrMetallicRoughness", 3, "materials[0].pbrMetallicRoughness: expected an object");
   expect_fault("/materials/0/emissiveFactor", {1, 2}, "materials[0].emissiveFactor: expected 3 numbers");
   expect_fault("/materials/0/doubleSided", "yes", "materials[0].doubleSided: expected true or false");
   expect_fault("/materials/0/extras/maquette/measured", 5, "materials[0].extras.maquette.measured: expected text");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["materials"][0] =
       test::Json::parse(R"({"alphaMode": "SHINY", "pbrMetallicRoughness": {"roughnessFactor": 7}})");
   const Scene scene = load();
@@ -253,13 +253,13 @@ TEST_F(GltfBadInput, BadMaterials) {
 TEST_F(GltfBadInput, BadCamerasLightsAndVariants) {
   root_["cameras"] = test::Json::parse(R"([{"type": "perspective", "perspective": {"yfov": 9, "znear": 0.1}}])");
   expect_error("cameras[0].perspective.yfov");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["extensions"]["KHR_lights_punctual"]["lights"] = test::Json::parse(R"([{"type": "laser"}])");
   expect_error("\"laser\" is not directional, point or spot");
   root_["extensions"]["KHR_lights_punctual"]["lights"] = test::Json::parse(R"([{"type": "point"}])");
   root_["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 1;
   expect_error("nodes[0]: names light 1 of 1");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["materials"] = test::Json::parse("[{}]");
   primitive()["extensions"]["KHR_materials_variants"]["mappings"] =
       test::Json::parse(R"([{"material": 0, "variants": [0]}])");
@@ -280,10 +280,10 @@ TEST_F(GltfBadInput, BadExtras) {
   cage["face_indices"] = {0, 1, 2, 3};
   cage["levels"] = 99;
   expect_error("levels");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["extras"]["maquette"]["bezier_patches"] = test::Json::parse(R"([{"points": [1, 2, 3]}])");
   expect_error("bezier_patches[0].points: has 1 points, expected 16");
-  root_ = sound_;
+  root_ = valid_root_;
   root_["nodes"][0]["extras"]["maquette"]["bezier_patch"] = 0;
   expect_error("nodes[0].extras.maquette.bezier_patch: is out of range");
 }

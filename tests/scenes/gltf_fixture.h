@@ -17,7 +17,7 @@ namespace maquette::test {
 
 using Json = nlohmann::json;
 
-/// Builds small glTF files as JSON and bytes, in a folder of its own that is removed at the end.
+/// Builds small glTF files as JSON and bytes, in a separate folder that is removed at the end.
 class GltfFixture : public ::testing::Test {
  protected:
   GltfFixture() {

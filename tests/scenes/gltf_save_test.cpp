@@ -144,7 +144,7 @@ void expect_equal(const Scene& a, const Scene& b) {
   EXPECT_EQ(a.variants, b.variants);
 }
 
-/// A scene with every member away from its default.
+/// A scene in which every member differs from its default.
 Scene everything() {
   Scene scene;
   scene.variants = {"red", "blue"};
@@ -255,7 +255,7 @@ TEST_F(GltfSave, LoadingGivesBackEverything) {
   save_glb(path("all.glb"), scene);
   const Scene loaded = load_gltf(path("all.glb"));
   expect_equal(scene, loaded);
-  // Seven of the material's textures are kept for saving but not shaded: one warning each, and no other.
+  // Seven of the material's textures are kept for saving but not used in shading: one warning each, and no others.
   EXPECT_EQ(loaded.warnings.size(), 7u);
   for (const std::string& warning : loaded.warnings)
     EXPECT_NE(warning.find("is kept but not shaded"), std::string::npos) << warning;
@@ -290,7 +290,7 @@ TEST_F(GltfSave, LeavesNothingHalfWritten) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
-/// A cage whose stored surface is missing or out of date is evaluated anew.
+/// A cage whose stored surface is missing or outdated is evaluated again.
 TEST_F(GltfSave, RebuildsASurfaceThatDoesNotFitItsCage) {
   Scene scene = everything();
   const Primitive expected = scene.meshes[1].primitives[0];

@@ -87,7 +87,7 @@ TEST_F(Gltf, ReadsAllComponentTypes) {
   EXPECT_TRUE(scene_.warnings.empty());
 }
 
-/// KHR_mesh_quantization: integer positions as they are, padded to four bytes, scaled by the node.
+/// KHR_mesh_quantization: unchanged integer positions, padded to four bytes, scaled by the node.
 TEST_F(Gltf, ReadsQuantizedMeshes) {
   add_quad();
   root_["extensionsUsed"] = root_["extensionsRequired"] = {"KHR_mesh_quantization"};
@@ -133,7 +133,7 @@ TEST_F(Gltf, BuildsTheNodeTree) {
   EXPECT_EQ(scene.nodes[1].parent, 0);
   EXPECT_EQ(scene.nodes[1].children, std::vector<int>{2});
   const auto world = compute_world_transforms(scene);
-  // Handle: (1,0,0), scaled by 2 along x, turned a quarter about +y (x to -z), moved.
+  // Handle: (1,0,0), scaled by 2 along x, rotated by 90 degrees about +y (x to -z), translated.
   EXPECT_LT(glm::distance(glm::vec3(world[2][3]), glm::vec3(1, 2, 1)), 1e-6f);
   expect_warning(scene, "only the default of 2 scenes");
 }
@@ -367,17 +367,17 @@ TEST_F(GltfDraco, DecodesBothEncodings) {
 
 TEST_F(GltfDraco, NamesDamage) {
   add_draco_box(draco::MESH_EDGEBREAKER_ENCODING);
-  const test::Json sound = root_;
+  const test::Json valid_root = root_;
   const std::vector<char> bytes = bytes_;
   bytes_.assign(bytes.size(), 'x');
   expect_error("meshes[0].primitives[0]: its Draco data cannot be decoded");
   bytes_ = bytes;
   root_["bufferViews"][0]["byteLength"] = 20;
   expect_error("meshes[0].primitives[0]: its Draco data");
-  root_ = sound;
+  root_ = valid_root;
   primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"]["POSITION"] = 77;
   expect_error("has no attribute 77");
-  root_ = sound;
+  root_ = valid_root;
   primitive()["extensions"]["KHR_draco_mesh_compression"]["bufferView"] = 9;
   expect_error("bufferView: 9 is out of range");
 }

@@ -134,7 +134,7 @@ TEST_F(ImageIo, LuminanceWithChromaIsConverted) {
 }
 
 TEST_F(ImageIo, RadianceAgreesWithStb) {
-  // Width 5 has no run-length encoding, 40 has; stb_image is the second opinion.
+  // Width 5 has no run-length encoding, 40 has; stb_image is the independent reader.
   for (const int width : {5, 40, 300}) {
     Image image = random_image(width, 270, 3);
     for (int x = 0; x < width; ++x) image.at(x, 9, 0) = image.at(x, 9, 1) = image.at(x, 9, 2) = 0.25f;  // a run
@@ -189,7 +189,7 @@ TEST_F(ImageIo, DamagedBytesNeverCrash) {
         const Image read_back = load_hdr_image(write(std::string("bad-") + name, bytes));
         EXPECT_EQ(read_back.data.size(), read_back.index(0, read_back.height));
       } catch (const Error&) {
-        // Refused: just as good.
+        // an error is just as good
       }
     }
   }

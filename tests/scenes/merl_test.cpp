@@ -24,7 +24,7 @@ std::size_t entry(int theta_h, int theta_d, int phi_d) {
   return static_cast<std::size_t>(phi_d + kPhiDCount * (theta_d + kThetaDCount * theta_h));
 }
 
-/// A .binary in memory; values are what the file stores (before MERL's scales).
+/// A .binary in memory; values as stored in the file (before MERL's scales).
 struct RawTable {
   std::vector<std::byte> bytes = std::vector<std::byte>(kHeader + 3 * kEntries * sizeof(double));
   RawTable() {
@@ -56,7 +56,7 @@ class MerlTest : public ::testing::Test {
     write_file_atomically(path_, bytes);
     return load_merl(path_);
   }
-  /// One line that names the file; the message must hold `part`.
+  /// One line that names the file; the message must contain `part`.
   void expect_error(const std::vector<std::byte>& bytes, const std::string& part) const {
     try {
       load(bytes);
@@ -92,7 +92,7 @@ TEST_F(MerlTest, UnmeasuredEntriesTakeTheLastMeasuredOfTheirColumn) {
   EXPECT_EQ(table.unmeasured_count, 90u * 30u * 180u + 2u);
   EXPECT_FLOAT_EQ(table.rgb[entry(5, 89, 10)].x, 5.0f + 5900.0f);
   EXPECT_FLOAT_EQ(table.rgb[entry(5, 59, 10)].x, 5.0f + 5900.0f);
-  // Before the first measured one: the first.
+  // Before the first measured value: that value.
   EXPECT_FLOAT_EQ(table.rgb[entry(3, 0, 7)].x, 3.0f + 200.0f);
   EXPECT_FLOAT_EQ(table.rgb[entry(3, 1, 7)].x, 3.0f + 200.0f);
 }
@@ -179,11 +179,11 @@ TEST(EvaluateBrdf, ReturnsEntriesAtBinCentresAndIsReciprocal) {
     const double theta_h = std::pow((h + 0.5) / 90.0, 2) * glm::half_pi<double>();
     const double theta_d = (d + 0.5) / 90.0 * glm::half_pi<double>(), phi_d = (p + 0.5) / 180.0 * glm::pi<double>();
     const glm::dvec3 local(std::sin(theta_d) * std::cos(phi_d), std::sin(theta_d) * std::sin(phi_d), std::cos(theta_d));
-    const auto place = [&](const glm::dvec3& v) {  // rotate z to the half vector
+    const auto rotated = [&](const glm::dvec3& v) {  // rotate z to the half vector
       return glm::dvec3(v.x * std::cos(theta_h) + v.z * std::sin(theta_h), v.y,
                         -v.x * std::sin(theta_h) + v.z * std::cos(theta_h));
     };
-    const glm::dvec3 wi = place(local), wo = place({-local.x, -local.y, local.z});
+    const glm::dvec3 wi = rotated(local), wo = rotated({-local.x, -local.y, local.z});
     if (wi.z <= 0.01 || wo.z <= 0.01) continue;
     ++compared;
     const double expected = static_cast<double>(table.rgb[entry(h, d, p)].x);

@@ -1,4 +1,4 @@
-// Limit surfaces as bicubic patches, against the limit positions and normals of the evaluator.
+// Limit surfaces as bicubic patches, compared with the limit positions and normals of the evaluator.
 #include "scenes/subdivision_patches.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace maquette {
 namespace {
 
-/// A ring of `n` x `m` quads, closed both ways: every vertex regular.
+/// A ring of `n` x `m` quads, closed in both directions: every vertex is regular.
 SubdivisionCage torus(int n, int m) {
   SubdivisionCage cage;
   std::mt19937 random(7);
@@ -64,7 +64,8 @@ glm::dvec3 bezier(const std::array<glm::dvec3, 16>& points, const glm::dvec2& x)
   return cubic(rows[0], rows[1], rows[2], rows[3], 0.5 * x.y + 0.5);
 }
 
-/// From the patch near a parameter, by a descent along the axes: a cap runs through its surface at a pace of its own.
+/// Nearest point of the patch to a parameter, by a descent along the axes: the parametrisation of a cap differs from
+/// that of its surface.
 double distance_near(const std::array<glm::dvec3, 16>& points, glm::dvec2 x, const glm::dvec3& to) {
   double best = glm::length(bezier(points, x) - to);
   for (double step = 0.2; step > 1e-3; step *= 0.5)

@@ -39,7 +39,7 @@ SubdivisionCage cube(float half = 1.0f) {
   return cage;
 }
 
-/// A prism over an n-gon; the lid is one face of n corners, the bottom is open if asked for.
+/// A prism over an n-gon; the lid is one face of n corners, the bottom is optionally open.
 SubdivisionCage prism(int n, bool open) {
   SubdivisionCage cage;
   std::vector<int> lid, floor;
@@ -83,8 +83,7 @@ void shake(SubdivisionCage* cage, std::uint32_t seed, float by) {
   for (glm::vec3& p : cage->positions) p += glm::vec3(offset(random), offset(random), offset(random));
 }
 
-/// Every vertex of the surface is the limit of a vertex of the slow reference at the same level, and the other way
-/// round.
+/// Every vertex of the surface is the limit of a vertex of the slow reference at the same level, and vice versa.
 void expect_matches_reference(const SubdivisionCage& cage) {
   ReferenceMesh mesh(cage);
   for (int level = 0; level < cage.levels; ++level) mesh = mesh.refined();
@@ -123,7 +122,7 @@ TEST(Subdivision, ReachesTheLimitOfOpenRandomCages) {
     shake(&cage, static_cast<std::uint32_t>(10 + n), 0.15f);
     expect_matches_reference(cage);
   }
-  SubdivisionCage sheet;  // one face: its corners stay
+  SubdivisionCage sheet;  // one face: its corners stay in place
   sheet.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.3f}, {0, 1, 0}};
   sheet.face_sizes = {4};
   sheet.face_indices = {0, 1, 2, 3};
@@ -141,7 +140,7 @@ TEST(Subdivision, ReachesTheLimitWithCreases) {
   }
 }
 
-/// The analytic normals against a much finer refinement: at level 7 the facets have turned by about a degree at most.
+/// The analytic normals against a much finer refinement: at level 7 the facets have rotated by about a degree at most.
 TEST(Subdivision, NormalsMatchAMuchFinerMesh) {
   SubdivisionCage cage = prism(5, false);
   cage.levels = 1;
@@ -187,7 +186,7 @@ TEST(Subdivision, CubeCornersGoWhereTheLimitMaskSays) {
   EXPECT_EQ(corners, 8);
 }
 
-/// A uniform bicubic B-spline over a grid that is closed both ways, in double.
+/// A uniform bicubic B-spline over a grid that is closed in both directions, in double.
 struct TorusSpline {
   int around, across;
   std::vector<glm::vec3> points;
@@ -261,7 +260,8 @@ TEST(Subdivision, CurvatureOfATorusIsItsTubes) {
   }
 }
 
-/// Irregular vertices have no second derivative; the fit must still say "about a sphere of this size".
+/// Irregular vertices have no second derivative; the fitted curvature must still be about that of a sphere of this
+/// size.
 TEST(Subdivision, CurvatureIsSaneOnASphereLikeCube) {
   SubdivisionCage cage = cube(0.5f);
   cage.levels = 4;
@@ -323,7 +323,7 @@ TEST(Subdivision, ScalesWithItsCage) {
   }
 }
 
-TEST(Subdivision, StaysSoundWhenControlPointsCoincide) {
+TEST(Subdivision, StaysFiniteWhenControlPointsCoincide) {
   SubdivisionCage cage = cube();
   for (const std::size_t i : {0, 1, 2, 3}) cage.positions[i] = cage.positions[0];
   for (const glm::vec3& normal : evaluate(cage).normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);

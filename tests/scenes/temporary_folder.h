@@ -12,7 +12,7 @@
 
 namespace maquette::testing {
 
-/// A folder of its own for each test, removed after it.
+/// A separate folder for each test, removed after it.
 class TemporaryFolder : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -43,7 +43,7 @@ class TemporaryFolder : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// The message that `call` throws as `Exception`; fails when it does not.
+/// The message of the `Exception` that `call` throws; fails when there is none.
 template <class Exception, class Call>
 std::string message_of(const Call& call) {
   try {

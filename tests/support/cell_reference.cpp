@@ -46,8 +46,8 @@ ClipPolygon rectangle(const glm::dvec3& corner, const glm::dvec3& u, const glm::
   return p;
 }
 
-CellView look_at_cell(const CellContent& content, const glm::dvec3& view, const std::vector<glm::dvec3>& lights,
-                      int side) {
+CellView compute_cell_view(const CellContent& content, const glm::dvec3& view, const std::vector<glm::dvec3>& lights,
+                           int side) {
   CellView result;
   result.lit.assign(lights.size(), glm::dvec3(0.0));
   const glm::dmat3 screen = any_basis(view);

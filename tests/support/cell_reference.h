@@ -16,16 +16,16 @@ struct CellContent {
 /// A rectangle by a corner and two edges.
 ClipPolygon rectangle(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v);
 
-/// C(v) and E(v, l) of a cell by what an eye far away sees of it: `side`^2 parallel rays over its outline, each against
-/// every polygon, and a shadow ray from each hit to each light. Slow and in double.
+/// C(v) and E(v, l) of a cell as a distant eye sees it: `side`^2 parallel rays over its outline, each tested against
+/// every polygon, and a shadow ray from each hit to each light. Slow, in double.
 struct CellView {
   double seen = 0.0;            ///< C(v)
   std::vector<glm::dvec3> lit;  ///< E(v, lights[i])
 };
-CellView look_at_cell(const CellContent& content, const glm::dvec3& view, const std::vector<glm::dvec3>& lights,
-                      int side);
+CellView compute_cell_view(const CellContent& content, const glm::dvec3& view, const std::vector<glm::dvec3>& lights,
+                           int side);
 
-/// The same by the product's own way: samples of the surface.
+/// The same by the product's own method: samples of the surface.
 Eigen::VectorXf bake_content(const CellContent& content, const glm::vec3& normal, int samples);
 
 }  // namespace maquette::test

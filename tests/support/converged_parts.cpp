@@ -17,7 +17,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kBrightOverMean = 50.0;
 constexpr std::size_t kMaxBrightTexels = 256;
 constexpr int kMaxPoints = 1600;
-/// Pieces a side of a cell that holds the mirror direction, at most.
+/// Most pieces along a side of a cell that contains the mirror direction.
 constexpr int kMaxPointsASide = 24;
 
 double luminance(const glm::dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
@@ -46,7 +46,7 @@ std::vector<std::size_t> bright_texels(const Environment& e) {
   return bright;
 }
 
-/// The square whose upper left texel is (x, y), with all - rest at its corners.
+/// The square whose upper left texel is (x, y), with the difference of all and rest at its corners.
 BrightCell cell_between(const Environment& all, const Environment& rest, int x, int y) {
   BrightCell cell{glm::vec4(x, y, 0.0f, 0.0f), {}};
   for (int k = 0; k < 4; ++k) {
@@ -57,7 +57,7 @@ BrightCell cell_between(const Environment& all, const Environment& rest, int x, 
   return cell;
 }
 
-/// What load_point, the BRDFs and the estimator need, from the shader's own files.
+/// The code that load_point, the BRDFs and the estimator need, from the shader's own files.
 std::string shared_source(bool measured) {
   std::string text =
       "#version 450 core\n#define MEASURED " + std::string(measured ? "1" : "0") + "\nlayout(local_size_x = 64) in;\n";
@@ -79,18 +79,19 @@ layout(binding = 31) uniform samplerBuffer t_cells;
 uniform int u_cell_count;
 uniform int u_points_a_side;
 uniform float u_spacing;
-/// Lobes are taken to be no narrower than this (rad, of directions); at grazing angles they are, across the plane of view and normal.
+/// Least width of a lobe (rad, of directions). At grazing angles, lobes are narrower across the plane of view and
+/// normal.
 const float kLobeCore_rad = 0.001, kLeastCosine = 0.1;
 
 #if MEASURED
-/// What measured_brdf gives on the average over xi.
+/// Mean of measured_brdf over xi.
 vec3 brdf(Point p, vec3 wi) {
   vec3 c = merl_coordinates(wi, p.wo);
   vec2 whole = floor(c.yz), part = c.yz - whole;
   vec3 sum = vec3(0.0);
   for (int k = 0; k < 4; ++k) {
     vec2 corner = vec2(k & 1, k >> 1);
-    // xi below 1 - part stays at the lower neighbour: the middle of each interval stands for it.
+    // For xi below 1 - part the lower neighbour is used: the middle of each interval stands for it.
     vec2 xi = mix(0.5 * (vec2(1.0) - part), vec2(1.0) - 0.5 * part, corner);
     vec2 weight = mix(vec2(1.0) - part, part, corner);
     sum += weight.x * weight.y * measured_brdf(p.slot, wi, p.wo, xi);
@@ -121,10 +122,10 @@ void main() {
     vec3 cell = vec3(0.0);
     for (int k = 0; k < side * side; ++k) {
       vec2 part = (vec2(k % side, k / side) + 0.5) * step;
-      vec2 place = (corner + part) * texel;
-      vec3 wi = to_local(p, direction_from_latlong_uv(place));
+      vec2 uv = (corner + part) * texel;
+      vec3 wi = to_local(p, direction_from_latlong_uv(uv));
       vec3 light = mix(mix(l00, l10, part.x), mix(l01, l11, part.x), part.y);
-      cell += wi.z > 0.0 ? brdf(p, wi) * (wi.z * sin(3.14159265 * place.y)) * light : vec3(0.0);
+      cell += wi.z > 0.0 ? brdf(p, wi) * (wi.z * sin(3.14159265 * uv.y)) * light : vec3(0.0);
     }
     sum += cell * (step * step);
   }
@@ -158,9 +159,9 @@ void main() {
 GlName<ProgramTraits> compile_kernel(const std::string& source) {
   const char* text = source.c_str();
   GlName<ProgramTraits> program(glCreateShaderProgramv(GL_COMPUTE_SHADER, 1, &text));
-  GLint linked = 0;
-  glGetProgramiv(program.get(), GL_LINK_STATUS, &linked);
-  if (linked) return program;
+  GLint link_status = 0;
+  glGetProgramiv(program.get(), GL_LINK_STATUS, &link_status);
+  if (link_status) return program;
   std::string log(4096, '\0');
   glGetProgramInfoLog(program.get(), static_cast<GLsizei>(log.size()), nullptr, log.data());
   throw Error("converged picture", "its kernel does not compile: " + log);
@@ -170,7 +171,7 @@ void set_int(const GlName<ProgramTraits>& program, const char* name, int value) 
   glProgramUniform1i(program.get(), glGetUniformLocation(program.get(), name), value);
 }
 
-/// One invocation a pixel; what each gives.
+/// Runs one invocation a pixel and returns their results.
 std::vector<glm::vec4> run_kernel(const GlName<ProgramTraits>& program, const std::vector<std::uint32_t>& pixels) {
   const Buffer list = Buffer::from("pixels", pixels);
   const Buffer out("light of pixels", pixels.size() * sizeof(glm::vec4));
@@ -202,7 +203,7 @@ SplitEnvironment split_environment(const Environment& environment) {
   for (const std::size_t i : bright) is_bright[i] = true;
   const auto width = static_cast<std::size_t>(all.width);
   for (const std::size_t i : bright) {
-    // The nearest ordinary texel of the row takes its place.
+    // Replaced by the nearest ordinary texel of the row.
     const std::size_t row = i / width * width, column = i % width;
     for (std::size_t step = 1; step < width; ++step) {
       const std::size_t left = row + (column + width - step) % width, right = row + (column + step) % width;
@@ -213,7 +214,7 @@ SplitEnvironment split_environment(const Environment& environment) {
   }
   rest->name += " without its brightest texels";
   rest->hash = content_hash(std::as_bytes(std::span(rest->rgb)), 1);
-  std::vector<std::size_t> cells;  // lower corners of the squares that a bright texel is a corner of
+  std::vector<std::size_t> cells;  // lower corners of the squares that have a bright texel as corner
   for (const std::size_t i : bright)
     for (std::size_t k = 0; k < 4; ++k) {
       const std::size_t column = (i % width + width - (k & 1)) % width;

@@ -7,52 +7,54 @@
 #include "render/gl/objects.h"
 #include "render/renderer.h"
 
-/// The parts of a converged picture: a few very bright texels (a sun, lamps) by quadrature, everything else by samples,
-/// most of them where they are needed.
+/// A converged picture in two parts: a few very bright texels (a sun, lamps) by quadrature, and everything else by
+/// samples, most of them where the picture is noisy.
 namespace maquette::test {
 
-/// The square between four texel centres, and the light that is taken out of it: bilinear between the corners.
+/// The square between four texel centres, and the radiance that is removed from it: bilinear between the corners.
 struct BrightCell {
   glm::vec4 corner;    ///< xy: the upper left texel's column and row, of the map
   glm::vec4 light[4];  ///< rgb, stored units: upper left, upper right, lower left, lower right
 };
 
-/// The environment in two summands: one to be rendered, one to be integrated in full, as it is and not as tables pack
-/// it.
+/// The environment as a sum: one part to be rendered, one to be integrated exactly, from the original texels rather
+/// than the packed tables.
 struct SplitEnvironment {
-  std::shared_ptr<const Environment> rest;  ///< without its brightest texels
-  std::vector<BrightCell> bright;           ///< what was taken away
+  std::shared_ptr<const Environment> rest;
+  std::vector<BrightCell> bright;  ///< what was removed
 };
-/// Takes away the texels above 50 times the mean, at most 256; without such `rest` is all and `bright` is empty.
+/// Removes the texels above 50 times the mean, at most 256. If there are none, `rest` is the whole environment and
+/// `bright` is empty.
 SplitEnvironment split_environment(const Environment& environment);
 
-/// How finely cells are cut: into points_a_side^2 pieces, finer where that is more than `spacing` of what a cell is
-/// away from the mirror direction.
+/// Resolution of the cells: points_a_side^2 pieces, and more near the mirror direction, where a piece must not exceed
+/// `spacing` times the cell's distance from it.
 struct CellGrid {
   int points_a_side = 2;
   float spacing = 0.1f;
 };
-/// Grids of two halves whose difference tells the error of either, at most some 1,600 points far from the lobe.
+/// Grids for two halves whose difference gives the error of either; at most some 1,600 points far from the lobe.
 CellGrid coarse_grid(const SplitEnvironment& split);
 CellGrid fine_grid(const SplitEnvironment& split);
 
-/// Reflected light of `cells` at every point of the last frame's G-buffer, by the product's own point and BRDF
-/// formulas without any random choice. RGB in cd/m2, alpha as the view's.
+/// Light of `cells` reflected at every point of the last frame's G-buffer, by the product's own point and BRDF
+/// formulas, without random choices. RGB in cd/m2, alpha as in the view.
 Image shade_cells(Renderer& renderer, const std::vector<BrightCell>& cells, const CellGrid& grid, bool all_measured);
 
-/// The estimator of mode uniform at single pixels, with measured materials alone, no lamps, no visibility.
+/// The estimator of mode uniform at single pixels, for measured materials only, without lamps and visibility.
 class PixelSampler {
  public:
   PixelSampler();
-  /// The mean of `samples` at each of `pixels` (x | y << 16), cd/m2. The G-buffer, the seed and the light samples are
-  /// those of the last frame that was drawn.
+  /// Mean of `samples` samples at each of `pixels` (x
+  ///
+  /// y << 16), cd/m2. Uses the G-buffer, the seed and the light samples of the last frame.
   std::vector<glm::vec3> draw(const std::vector<std::uint32_t>& pixels, int samples) const;
 
  private:
   GlName<ProgramTraits> program_;
 };
 
-/// Runs of the same length at every pixel of one half of a picture, and how many a pixel had.
+/// Averages runs of equal length at every pixel of one half of a picture, and counts the runs of each pixel.
 class SampledHalf {
  public:
   SampledHalf() = default;
@@ -60,14 +62,14 @@ class SampledHalf {
   void add(const Image& run);
   void add(const std::vector<std::uint32_t>& pixels, const std::vector<glm::vec3>& run);
   const Image& mean() const { return mean_; }
-  /// The `count` pixels where one more run of this half is worth most, by the variance that whole runs of `other` saw:
-  /// a half whose counts depended on its own values would be biased.
+  /// The `count` pixels where one more run of this half reduces the error most, by the variance of the whole runs of
+  /// `other`: counts that depended on this half's own values would make it biased.
   std::vector<std::uint32_t> neediest(const SampledHalf& other, std::size_t count) const;
 
  private:
-  /// Returns what it adds to the sum of squared deviations.
+  /// Returns the increase of the sum of squared deviations.
   double add(std::size_t pixel, const glm::vec3& value);
-  /// Variance of a run, of the pixel and its neighbours together.
+  /// Variance of one run, from the pixel and its neighbours.
   double variance(int x, int y) const;
   Image mean_;
   double whole_runs_ = 0.0;

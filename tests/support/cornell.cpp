@@ -8,11 +8,11 @@
 namespace maquette::test {
 namespace {
 
-/// Of the scene's camera; see scenes/builtin.cpp.
+/// The scene's camera; see scenes/builtin.cpp.
 constexpr double kEyeY = 2.73, kEyeZ = 10.8, kFovDegrees = 39.3;
 
-/// Nearer than this to a wall that it does not lie on, a point sees so little of the other wall that elements of it are
-/// too coarse.
+/// Least distance from walls that a point does not lie on. Nearer points see so little of the wall that its elements
+/// are too coarse.
 constexpr double kCorner_m = 0.15;
 
 bool is_in_corner(const SurfaceHit& hit) {
@@ -21,7 +21,7 @@ bool is_in_corner(const SurfaceHit& hit) {
          (n.z < 0.99 && p.z + 2.796 < kCorner_m);
 }
 
-/// A flat lattice of (n + 1)^2 vertices is two triangles: the solver splits them as finely as it wants.
+/// A flat lattice of (n + 1)^2 vertices becomes two triangles: the solver splits them as finely as it needs.
 std::vector<std::uint32_t> merged_indices(const Primitive& primitive) {
   const auto side = static_cast<std::uint32_t>(std::lround(std::sqrt(static_cast<double>(primitive.positions.size()))));
   const bool lattice =
@@ -71,13 +71,13 @@ std::vector<CornellPixel> CornellView::pixels(const Radiosity& radiosity) const 
                                  -1.0);
       const auto hit = radiosity.first_hit({0.0, kEyeY, kEyeZ}, direction);
       if (!hit || !hit->front || hit->emission != glm::dvec3(0.0) || is_in_corner(*hit)) continue;
-      // Walls and tops are parallel to an axis, sides of the boxes upright: bevels are neither.
+      // Walls and tops are parallel to an axis, and sides of the boxes are upright; bevels are neither.
       const glm::dvec3 n = glm::abs(hit->normal);
       if (n.y > 1e-4 && n.y < 1.0 - 1e-6) continue;
       if (n.y < 0.5 && hit->position.y > 0.004 && std::max(n.x, n.z) < 0.9999) {
-        // Turned by 17 and 17.5 degrees: an upright bevel lies 45 degrees further.
-        const double turn = std::atan2(std::min(n.x, n.z), std::max(n.x, n.z));
-        if (turn > 0.4) continue;
+        // The boxes are rotated by 17 and 17.5 degrees; an upright bevel by 45 degrees more.
+        const double angle = std::atan2(std::min(n.x, n.z), std::max(n.x, n.z));
+        if (angle > 0.4) continue;
       }
       list.push_back({x, y, *hit});
     }

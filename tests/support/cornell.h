@@ -18,8 +18,8 @@ struct CornellPixel {
 class CornellView {
  public:
   explicit CornellView(int side) : side_(side) {}
-  /// Pixels that see the front of a flat surface, 15 cm from where walls meet; the bevels of the boxes, smoothly
-  /// shaded, are left out.
+  /// Pixels that see the front of a flat surface, at least 15 cm from where walls meet. The smoothly shaded bevels of
+  /// the boxes are excluded.
   std::vector<CornellPixel> pixels(const Radiosity& radiosity) const;
   int side() const { return side_; }
 

@@ -13,9 +13,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Energy over |frequency| of windowed lines, frequencies k / (4 * side): 4 times oversampled, so that the share that
-/// is sought falls between close points. Found from the lines' correlations, whose cosine transform it is (Wiener and
-/// Khinchin), because those of all lines can be added up first.
+/// Energy over
+///
+/// frequency
+///
+/// of windowed lines, at frequencies k / (4 * side): oversampled 4 times, so that the wanted share of the energy falls
+/// between close points. Computed from the lines' correlations by a cosine transform (Wiener and Khinchin), because the
+/// correlations of all lines can be summed first.
 class LineSpectrum {
  public:
   explicit LineSpectrum(int side) : side_(side), bins_(2 * side + 1) {
@@ -35,7 +39,7 @@ class LineSpectrum {
       for (std::size_t lag = 0; i + lag < la.size(); ++lag) sums[lag] += la[i] * lb[i + lag] + lb[i] * la[i + lag];
     }
   }
-  /// Of a correlation, [bins]: the real cross spectrum.
+  /// The real cross spectrum of a correlation, [bins].
   std::vector<double> energies(const std::vector<double>& correlation) const {
     std::vector<double> energy(static_cast<std::size_t>(bins_), 0.0);
     for (int k = 0; k < bins_; ++k) {
@@ -72,8 +76,8 @@ std::vector<double> hann(int side) {
   return w;
 }
 
-/// Bandwidth of a line without the window's own: what a wave of a quarter of the sampling rate reads above it, or what
-/// a constant reads.
+/// Bandwidth of a line without the window's own: what a wave at a quarter of the sampling rate reads above its
+/// frequency, or what a constant reads.
 class WindowUndoer {
  public:
   WindowUndoer(const LineSpectrum& spectrum, const std::vector<double>& w, const LocalBandwidthOptions& options)
@@ -98,7 +102,7 @@ class WindowUndoer {
   double own_ = 0.0;
 };
 
-/// Number of excluded pixels in any rectangle, from sums over all rectangles at the origin.
+/// Number of excluded pixels in any rectangle, by a summed-area table.
 class ExcludedCount {
  public:
   ExcludedCount(const std::vector<bool>& usable, int width, int height)
@@ -233,7 +237,7 @@ double pooled_prediction(const Image& prediction, const Image& picture, const Wi
 
 namespace {
 
-/// measured_floor of each scale; found once, because that takes a second.
+/// measured_floor of each scale; computed once, because it takes a second.
 const std::array<double, kWindowScales.size()>& scale_floors() {
   static const auto floors = [] {
     std::array<double, kWindowScales.size()> f{};
@@ -250,29 +254,29 @@ const std::array<double, kWindowScales.size()>& scale_floors() {
 }  // namespace
 
 std::vector<ScaledBandwidth> measure_scaled_bandwidth(const Image& a, const Image& b, const std::vector<bool>& usable,
-                                                      Places places, int stride) {
+                                                      WindowFilter filter, int stride) {
   assert(8 % stride == 0);  // the middles of all windows lie on one grid
-  struct Place {
+  struct Location {
     ScaledBandwidth read;
     bool told = false, off_longest = false;
   };
-  std::map<std::pair<int, int>, Place> found;
+  std::map<std::pair<int, int>, Location> found;
   for (std::size_t k = 0; k < kWindowScales.size(); ++k) {
     LocalBandwidthOptions options;
     options.window = kWindowScales[k];
     options.stride = stride;
     const bool longest = k + 1 == kWindowScales.size();
     for (const WindowBandwidth& w : measure_local_bandwidth(a, b, usable, options)) {
-      Place& place = found[{w.y, w.x}];
-      place.off_longest = longest;
-      if (place.told || w.noise > kMostNoise) continue;
-      place.told = longest || std::max(w.nu_x, w.nu_y) > scale_floors()[k];
-      place.read = {w, kWindowScales[k]};
+      Location& location = found[{w.y, w.x}];
+      location.off_longest = longest;
+      if (location.told || w.noise > kMostNoise) continue;
+      location.told = longest || std::max(w.nu_x, w.nu_y) > scale_floors()[k];
+      location.read = {w, kWindowScales[k]};
     }
   }
   std::vector<ScaledBandwidth> result;
-  for (const auto& [at, place] : found)
-    if (place.told && (place.off_longest || places == Places::off_own)) result.push_back(place.read);
+  for (const auto& [at, location] : found)
+    if (location.told && (location.off_longest || filter == WindowFilter::off_own)) result.push_back(location.read);
   return result;
 }
 
@@ -288,8 +292,8 @@ std::vector<bool> smooth_surface_pixels(const Image& depth, const Image& normal,
         const int dx = 1 - axis, dy = axis;
         const float d = depth.at(x, y), a = depth.at(x - dx, y - dy), b = depth.at(x + dx, y + dy);
         // Reciprocal depth is linear over a plane.
-        const float bend = std::abs(1.0f / std::max(a, 1e-30f) + 1.0f / std::max(b, 1e-30f) - 2.0f / d) * d;
-        good = a > 0.0f && b > 0.0f && bend < 0.01f && material.at(x - dx, y - dy) == material.at(x, y) &&
+        const float curvature = std::abs(1.0f / std::max(a, 1e-30f) + 1.0f / std::max(b, 1e-30f) - 2.0f / d) * d;
+        good = a > 0.0f && b > 0.0f && curvature < 0.01f && material.at(x - dx, y - dy) == material.at(x, y) &&
                material.at(x + dx, y + dy) == material.at(x, y) && glm::dot(n(x - dx, y - dy), n(x, y)) > 0.95f &&
                glm::dot(n(x + dx, y + dy), n(x, y)) > 0.95f;
       }

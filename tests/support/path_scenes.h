@@ -70,7 +70,7 @@ inline Primitive fine_sphere(int rings) {
 
 struct MeanRadiance {
   glm::dvec3 mean{0.0};
-  double deviation = 0.0;  ///< of the mean of Y, from 16 runs of the sequence
+  double deviation = 0.0;  ///< standard deviation of the mean of Y, from 16 runs of the sequence
 };
 
 /// Mean of `count` paths along one ray.

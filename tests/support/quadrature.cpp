@@ -11,12 +11,12 @@ namespace {
 
 using Moments = EnvironmentMoments::Moments;
 constexpr double kPi = std::numbers::pi;
-/// No cell starts wider than this, nor wider than half its distance from the lobe's centre plus kLobeCore.
+/// Largest width of an initial cell; it is also at most half the distance from the lobe's centre plus kLobeCore.
 constexpr double kLargestCell_rad = 0.16;
 constexpr double kLobeCore_rad = 4e-4;
-/// A cell with more than this share of the hemisphere's light starts smaller in proportion, down to kSmallestStart_rad:
-/// tables are rough at the scale of their bins (1 degree), which an error estimate at a few nodes around a sun can
-/// miss.
+/// A cell with more than this share of the hemisphere's light starts proportionally smaller, down to
+/// kSmallestStart_rad: tables are rough at the scale of their bins (1 degree), which an error estimate from a few nodes
+/// around a sun can miss.
 constexpr double kOrdinaryShare = 1e-3;
 constexpr double kSmallestStart_rad = 0.003;
 constexpr int kSmallestLevel = -24;
@@ -88,7 +88,8 @@ Moments EnvironmentMoments::bilinear_moments(double x, double y, double side) co
   Moments m{};
   if (x >= width_ || y >= height_) return m;  // blocks that overhang the map
   const double h = 0.5 * side;
-  const double low = 0.25;  // corners come from inside the cell, so that the lookup's floor cannot slip over its edge
+  const double low =
+      0.25;  // corners are taken inside the cell, so that the lookup's floor cannot round across its edge
   glm::dvec3 corner[4];
   for (int k = 0; k < 4; ++k) {
     corner[k] = radiance(x + side * (low + 0.5 * (k & 1)), y + side * (low + 0.5 * (k >> 1)));
@@ -159,7 +160,7 @@ class Integrator {
       order_.pop();
       split(worst);
     }
-    // The running sums have lost digits to the first, large estimates.
+    // The running sums have lost digits because the first estimates are large.
     glm::dvec3 value(0.0);
     double error = 0.0;
     for (const Cell& cell : cells_) {
@@ -317,11 +318,11 @@ DirectQuadrature integrate_environment(const EnvironmentMoments& environment,
 
 DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf,
                                  const SurfacePoint& point, const DirectQuadratureOptions& options) {
-  // Into the frame of the unturned map.
+  // Into the frame of the map, without rotation.
   const double c = std::cos(point.env_rotation_rad);
   const double s = std::sin(point.env_rotation_rad);
   const auto unturn = [c, s](const glm::dvec3& d) { return glm::dvec3(c * d.x - s * d.z, d.y, c * d.z + s * d.x); };
-  const auto turn = [c, s](const glm::dvec3& d) { return glm::dvec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x); };
+  const auto rotate = [c, s](const glm::dvec3& d) { return glm::dvec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x); };
   const glm::dvec3 n = unturn(point.normal);
   const glm::dvec3 wo = unturn(point.wo);
   if (glm::dot(n, wo) <= 0.0) return {};
@@ -334,7 +335,7 @@ DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const Br
     const glm::dvec3 wi = to_local(w);
     if (wi.z <= 0.0) return glm::dvec3(0.0);
     const glm::dvec3 f = evaluate_brdf(brdf, wi, wo_local) * wi.z;
-    return point.visibility ? f * point.visibility(turn(w)) : f;
+    return point.visibility ? f * point.visibility(rotate(w)) : f;
   };
   return integrate_environment(environment, weight, n, 2.0 * glm::dot(n, wo) * n - wo, options);
 }

@@ -11,10 +11,10 @@
 
 namespace maquette::test {
 
-/// Moments of the environment's bilinear radiance over square blocks of texels, for product integration: where the
-/// rest of the integrand is a biquadratic polynomial over a block the integral is exact, however rough the radiance is.
+/// Moments of the environment's bilinear radiance over square blocks of texels, for product integration: where the rest
+/// of the integrand is a biquadratic polynomial over a block, the integral is exact for any radiance.
 ///
-/// Level l is a cell of 2^l half texels: level 0 and all below are bilinear; levels 2 and up are stored (54 bytes a
+/// Level l is a cell of 2^l half texels: levels 0 and below are bilinear; levels 2 and up are stored (54 bytes a
 /// texel).
 class EnvironmentMoments {
  public:
@@ -50,7 +50,7 @@ struct DirectQuadratureOptions {
 
 struct DirectQuadrature {
   glm::dvec3 radiance{0.0};
-  double relative_error = 0.0;  ///< estimate; above the tolerance when max_cells was reached
+  double relative_error = 0.0;  ///< estimate; larger than the tolerance if max_cells was reached
   std::size_t evaluations = 0;
 };
 
@@ -67,12 +67,12 @@ struct SurfacePoint {
   glm::dvec3 wo{0.0, 1.0, 0.0};      ///< unit, to the viewer
   /// Environment rotation about +Y, positive from +Z towards +X.
   double env_rotation_rad = 0.0;
-  /// Share of a direction that is unoccluded (world); none: everything.
+  /// Unoccluded share of a world direction; none: 1 everywhere.
   std::function<double(const glm::dvec3&)> visibility;
 };
 
-/// Reflected radiance: integral of L f cos. In double, from evaluate_brdf and the environment's own texels; knows
-/// nothing of samples. Costs 10 to 40 ms on one core (50,000 to 100,000 evaluations).
+/// Reflected radiance: integral of L f cos. In double, from evaluate_brdf and the environment's own texels; uses no
+/// samples. Costs 10 to 40 ms on one core (50,000 to 100,000 evaluations).
 DirectQuadrature evaluate_direct(const EnvironmentMoments& environment, const BrdfTable& brdf,
                                  const SurfacePoint& point, const DirectQuadratureOptions& options = {});
 

@@ -23,7 +23,7 @@ struct Element {
   std::uint32_t triangle = 0;
 };
 
-constexpr std::size_t kDimensions = 6;  // direction, place on the element, place on a light
+constexpr std::size_t kDimensions = 6;  // direction, point on the element, point on a light
 
 /// Additive recurrence of the generalised golden ratio in six dimensions. Source: Roberts 2018, "The Unreasonable
 /// Effectiveness of Quasirandom Sequences".
@@ -79,7 +79,7 @@ struct Radiosity::Impl {
   std::vector<DiffuseTriangle> triangles;
   std::vector<Element> elements;
   std::vector<glm::dvec3> indirect;   ///< irradiance of each element less its direct part
-  std::vector<std::uint32_t> lights;  ///< triangles that shine
+  std::vector<std::uint32_t> lights;  ///< emitting triangles
   RadiosityOptions options;
   double extent = 1.0, residual = 0.0;
   RTCDevice device = rtcNewDevice(nullptr);
@@ -118,7 +118,7 @@ struct Radiosity::Impl {
         rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, 3 * elements.size()));
     auto* indices = static_cast<std::uint32_t*>(
         rtcSetNewGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, elements.size()));
-    if (!positions || !indices) throw std::runtime_error("radiosity: the ray tracer could not take the elements");
+    if (!positions || !indices) throw std::runtime_error("radiosity: the ray tracer ran out of memory");
     glm::dvec3 low(1e300), high(-1e300);
     for (std::size_t i = 0; i < elements.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -161,7 +161,7 @@ struct Radiosity::Impl {
     if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
     return {ray.hit.primID, static_cast<double>(ray.ray.tfar)};
   }
-  bool reaches(const glm::dvec3& from, const glm::dvec3& to) const {
+  bool is_unoccluded(const glm::dvec3& from, const glm::dvec3& to) const {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     const glm::dvec3 d = to - from;
@@ -195,7 +195,7 @@ struct Radiosity::Impl {
           for (int k = 0; k < (i + j + 1 < cells ? 2 : 1); ++k) {
             const double third = k ? 2.0 / 3.0 : 1.0 / 3.0;
             const double share = triangle_irradiance(p, n, {at(i + k, j + k), at(i + 1, j), at(i, j + 1)});
-            if (share > 0.0 && reaches(origin, at(i + third, j + third))) sum += light.emission * share;
+            if (share > 0.0 && is_unoccluded(origin, at(i + third, j + third))) sum += light.emission * share;
           }
         }
       }
@@ -203,7 +203,7 @@ struct Radiosity::Impl {
     return sum;
   }
 
-  /// One point of one light, chosen evenly.
+  /// One point of one light, sampled uniformly.
   glm::dvec3 sample_direct(const glm::dvec3& p, const glm::dvec3& n, double u, double v) const {
     if (lights.empty()) return glm::dvec3(0.0);
     const auto count = static_cast<double>(lights.size());
@@ -212,16 +212,16 @@ struct Radiosity::Impl {
     const glm::dvec3 doubled = glm::cross(light.corners[1] - light.corners[0], light.corners[2] - light.corners[0]);
     const glm::dvec3 to = point_of_triangle(light.corners, u * count - static_cast<double>(k), v) - p;
     const double d2 = glm::dot(to, to), facing = -glm::dot(doubled, to), above = glm::dot(n, to);
-    if (facing <= 0.0 || above <= 0.0 || !reaches(p + n * (kOffset * extent), p + to)) return glm::dvec3(0.0);
+    if (facing <= 0.0 || above <= 0.0 || !is_unoccluded(p + n * (kOffset * extent), p + to)) return glm::dvec3(0.0);
     return light.emission * (0.5 * count * facing * above / (d2 * d2));
   }
 
   struct Seen {
     std::int64_t element = -1;
-    bool back = false;  ///< the back of a surface: inside a solid that stands on this one
+    bool back = false;  ///< back face of a surface: inside a solid that stands on this one
     glm::dvec3 position{0.0};
   };
-  /// What a cosine-distributed ray meets from the side that is seen.
+  /// What a cosine-distributed ray hits on the visible side.
   Seen see(const glm::dvec3& p, const glm::dvec3& n, double u, double v) const {
     const glm::dvec3 d = cosine_direction(n, u, v), origin = p + n * (kOffset * extent);
     const Hit hit = trace(origin, d);
@@ -244,7 +244,7 @@ struct Radiosity::Impl {
         const auto u = point_of_sequence(static_cast<std::uint64_t>(r), (std::uint64_t{options.seed} << 32) + i);
         const glm::dvec3 p = point_of_triangle(e.corners, u[2], u[3]);
         const Seen seen = see(p, e.normal, u[0], u[1]);
-        // The part of the floor that a box stands on is not seen and must not darken the rest of its element.
+        // The part of the floor under a box is not visible and must not darken the rest of its element.
         if (seen.back) continue;
         ++valid;
         arriving += sampled ? sample_direct(p, e.normal, u[4], u[5]) : r < 16 ? direct(p, e.normal) : glm::dvec3(0.0);

@@ -20,11 +20,11 @@ using bezier_double::bezier_jet;
 using bezier_double::SurfaceJet;
 using Patch = ReflectorPatch;
 
-constexpr std::size_t kEnough = 4000;  // characters on failures
+constexpr std::size_t kEnough = 4000;  // most characters in the list of failures
 constexpr double kNearest_m = 0.01;    // nearer, a float does not hold the direction to 1e-4 rad
 constexpr double kGrazing =
     0.003;  // cosine of incidence, 89.83 degrees: beyond, a float's straight line is a reflection
-constexpr double kBorder = 0.999;  // nearer to the border than this either answer is right
+constexpr double kBorder = 0.999;  // nearer to the border than this, either answer is accepted
 
 struct Random {
   std::mt19937_64 engine;
@@ -36,7 +36,7 @@ struct Random {
   }
 };
 
-/// Powers of x = 2 u - 1 to Bernstein, the inverse of make_reflector_patch.
+/// Converts from powers of x = 2 u - 1 to Bernstein form, the inverse of make_reflector_patch.
 std::array<glm::dvec3, 4> bernstein(const std::array<glm::dvec3, 4>& c) {
   return {c[0] - c[1] + c[2] - c[3], c[0] - c[1] / 3.0 - c[2] / 3.0 + c[3], c[0] + c[1] / 3.0 - c[2] / 3.0 - c[3],
           c[0] + c[1] + c[2] + c[3]};
@@ -73,7 +73,7 @@ std::optional<Patch> random_patch(Random& random) {
     for (std::size_t j = 0; j < 4; ++j) points[4 * j + i] = glm::dvec3(glm::vec3(column[j]));
   }
   Patch patch = make_reflector_patch(points);
-  // The judge sees what the float code sees: the rounded coefficients.
+  // The reference uses the rounded coefficients, as the float code does.
   for (std::size_t k = 0; k < 16; ++k) patch.exact.c[k] = glm::dvec3(patch.single.c[k]);
   if (patch.convex_side == 0.0 || patch.flat) return std::nullopt;
   return patch;
@@ -82,7 +82,7 @@ std::optional<Patch> random_patch(Random& random) {
 struct Setup {
   Patch patch;
   glm::dvec3 eye{0.0};
-  double side = 1.0;  ///< that is judged
+  double side = 1.0;  ///< that is tested
   ReflectorNodes nodes;
 };
 
@@ -99,7 +99,7 @@ std::optional<Setup> random_setup(Random& random, bool concave) {
   setup.eye = glm::dvec3(glm::vec3(jet.p + random.log_uniform(0.05, 10.0) * direction));
   for (const ReflectorNodes& nodes : make_reflector_nodes(setup.patch, setup.eye))
     if (nodes.side == static_cast<float>(setup.side)) setup.nodes = nodes;
-  if (setup.nodes.nodes.empty()) return std::nullopt;  // the eye sees this side at no node
+  if (setup.nodes.nodes.empty()) return std::nullopt;  // the eye sees this side from no node
   return setup;
 }
 
@@ -124,7 +124,7 @@ double law_error_rad(const Setup& setup, const glm::dvec2& x, const glm::dvec3& 
   return std::atan2(glm::length(glm::cross(out, to)), glm::dot(out, to));
 }
 
-/// Newton's method from where the descent in double stopped, to the last digits. Leaves `x` where that does not
+/// Newton's method from the end of the descent in double, to the last digits. Leaves `x` unchanged if it does not
 /// converge.
 glm::dvec2 polished(const Setup& setup, const glm::dvec3& p, const glm::dvec2& x) {
   glm::dvec2 at = x;
@@ -143,7 +143,7 @@ glm::dvec2 polished(const Setup& setup, const glm::dvec3& p, const glm::dvec2& x
   return x;
 }
 
-/// Every reflection point that is a minimum: descent in double from each grid point that no neighbour undercuts.
+/// Every reflection point that is a minimum: descent in double from each grid point that is lower than its neighbours.
 std::vector<bezier_double::ReflectionPoint> exhaustive_minima(const Setup& setup, const glm::dvec3& p) {
   constexpr int kGrid = 25;
   std::array<double, static_cast<std::size_t>(kGrid) * kGrid> length;
@@ -193,10 +193,10 @@ void note_failure(const char* what, const Setup& setup, const glm::dvec3& p, con
   out->failures += text.str() + '\n';
 }
 
-/// False when the case lies beyond a caustic: then it is marked, and counts as nothing else.
+/// False when the case lies beyond a caustic: it is then counted as uncertified only.
 bool judge(const Setup& setup, const glm::dvec3& p, BezierCampaign* out) {
   const glm::vec3 eye(setup.eye), object(p);
-  const bezier_float::BezierStart start = choose_start(setup.nodes, eye, object);
+  const bezier_float::BezierStart start = best_start(setup.nodes, eye, object);
   if (!start.certified) {
     ++out->uncertified;
     return false;
@@ -217,7 +217,7 @@ bool judge(const Setup& setup, const glm::dvec3& p, BezierCampaign* out) {
     ++out->inside;
     out->steps[static_cast<std::size_t>(std::min(r.steps, 49))]++;
     const double law = inside ? law_error_rad(setup, glm::dvec2(r.x), p) : 3.2;
-    // The same point, told by the parameter or, where the minimum is flat, by the path length.
+    // The same point, by its parameter or, where the minimum is flat, by the path length.
     const bool same = inside && (glm::length(glm::dvec2(r.x) - minima[0].x) < 0.02 ||
                                  static_cast<double>(r.length) < minima[0].length * (1.0 + 1e-6));
     if (!same) {

@@ -21,19 +21,19 @@ struct SpherePixel {
   glm::dvec3 radiance{0.0};
 };
 struct SphereQuadrature {
-  std::vector<SpherePixel> pixels;  ///< whose centre rays hit the sphere
+  std::vector<SpherePixel> pixels;  ///< pixels whose centre ray hits the sphere
   double estimated_error = 0.0;     ///< root mean square of the quadrature's own relative estimates
 };
 
 /// Direct light at the pixel centres by evaluate_direct, on all cores: 10 to 40 ms of one core a pixel. With `normals`
-/// (a debug view of the same size) those are shaded instead of the sphere's own, where both exist.
+/// (a debug view of the same size), these are used in place of the sphere's own, where both exist.
 SphereQuadrature integrate_sphere(const Environment& environment, const BrdfTable& brdf, const SphereView& view,
                                   const Image* normals = nullptr);
 
-/// Over R, G, B of the pixels that the picture covers, over the mean luminance of the quadrature.
+/// Relative RMSE over R, G, B of the pixels that the picture covers, relative to the mean luminance of the quadrature.
 double relative_rmse(const Image& picture, const SphereQuadrature& quadrature);
 
-/// Brightest texel's luminance over the mean over the sphere.
+/// Luminance of the brightest texel over the mean over the sphere.
 double peak_over_mean(const Environment& environment);
 
 }  // namespace maquette::test

@@ -8,7 +8,7 @@
 #include "scenes/environment.h"
 #include "scenes/scene.h"
 
-/// Small scenes that many tests are made of.
+/// Small scenes for many tests.
 namespace maquette::test {
 
 /// `side` x `side` quads from `corner`; normal along cross(u, v).
@@ -29,7 +29,7 @@ inline Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const gl
   return p;
 }
 
-/// At the root, as a mesh of its own.
+/// Adds a root node with a mesh of its own.
 inline Node* add(Scene* scene, Primitive primitive, const std::string& name = {}) {
   Node node;
   node.name = name;
@@ -41,7 +41,7 @@ inline Node* add(Scene* scene, Primitive primitive, const std::string& name = {}
   return &scene->nodes.back();
 }
 
-/// The first `walls` of six around [-1, 1]^3, of `side` x `side` quads, to be seen from inside: floor, back, left,
+/// The first `walls` of six walls of the box [-1, 1]^3, of `side` x `side` quads, facing inwards: floor, back, left,
 /// right, front, roof. Material 0.
 inline Scene box_scene(int walls, int side, const Material& material) {
   Scene scene;
@@ -53,7 +53,7 @@ inline Scene box_scene(int walls, int side, const Material& material) {
   return scene;
 }
 
-/// The unit sphere, all of it of one material.
+/// The unit sphere with one material.
 inline Scene sphere_of(const Material& material) {
   Scene scene = load_scene("builtin:sphere");
   for (Material& m : scene.materials) {
@@ -64,7 +64,7 @@ inline Scene sphere_of(const Material& material) {
   return scene;
 }
 
-/// Lambert's reflector without a specular part.
+/// A Lambertian material without specular reflection.
 inline Material matte(const glm::vec3& albedo) {
   Material m;
   m.base_color = glm::vec4(albedo, 1.0f);
@@ -84,7 +84,7 @@ inline std::shared_ptr<Environment> constant_sky(const glm::vec3& radiance) {
   return sky;
 }
 inline std::shared_ptr<Environment> constant_sky(float radiance) { return constant_sky(glm::vec3(radiance)); }
-/// An uneven sky of that colour with a lamp of four texels, and one dark quarter.
+/// An uneven sky of colour `color` with a lamp of four texels, and one quarter dark.
 inline std::shared_ptr<Environment> sky_with_lamp(const glm::vec3& color, const glm::vec3& lamp) {
   auto environment = std::make_shared<Environment>();
   environment->width = 64;

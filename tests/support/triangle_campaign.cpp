@@ -20,7 +20,7 @@ using Long = long double;
 using Vec = glm::vec<3, Long, glm::defaultp>;
 
 constexpr Long kSimple = 1e3L;
-constexpr std::size_t kEnough = 4000;  // characters on failures
+constexpr std::size_t kEnough = 4000;  // most characters in the list of failures
 
 struct Random {
   std::mt19937_64 engine;
@@ -41,7 +41,7 @@ glm::dvec3 mirrored(const glm::dvec3& eye, const glm::dvec3& t, const glm::dvec3
   return in - 2.0 * glm::dot(in, n) * n;
 }
 
-/// Triangles of 1 mm to 1 m; every kind of trouble gets its share.
+/// Triangles of 1 mm to 1 m, with a share for every kind of degeneracy.
 Case random_case(Random& random) {
   const int kind = static_cast<int>(random.uniform(0.0, 8.0));
   const double size = random.log_uniform(1e-3, 1.0);
@@ -77,7 +77,7 @@ Case random_case(Random& random) {
   return out;
 }
 
-/// The cubic in long double from the very floats.
+/// The cubic in long double, from the float data.
 struct Reference {
   Vec e1, e2, f1, f2, d1, q, n0, n1, n2;
   std::array<Long, 4> c;
@@ -96,8 +96,8 @@ struct Reference {
   }
   Long value(Long k) const { return c[0] + k * (c[1] + k * (c[2] + k * c[3])); }
   Long slope(Long k) const { return c[1] + k * (2 * c[2] + 3 * k * c[3]); }
-  /// Of a root with respect to the data: relative change of k against relative change of the cubic's terms, before they
-  /// cancel in its coefficients.
+  /// Condition number of a root: relative change of k over relative change of the cubic's terms, before they cancel in
+  /// its coefficients.
   Long condition(Long k) const {
     const auto terms = [](const Vec& a, const Vec& b) { return glm::dot(glm::abs(a), glm::abs(b)); };
     const Long s = std::abs(k * slope(k));
@@ -105,13 +105,13 @@ struct Reference {
         terms(n0, q) + k * (terms(n1, q) + terms(n0, d1) + k * (terms(n2, q) + terms(n1, d1) + k * terms(n2, d1)));
     return s > 0 ? sum / s : INFINITY;
   }
-  /// Distance of the object from the plane that the triangle has become at k.
+  /// Distance of the object from the plane of the projected triangle at k.
   Long residual(Long k) const {
     const Vec n = n0 + k * (n1 + k * n2);
     const Long length = glm::length(n);
     return length > 0 ? std::abs(value(k)) / length : 0;
   }
-  /// Of the triangle that the rays have made of it after k.
+  /// Size of the projected triangle at k.
   Long size_at(Long k) const { return std::max(glm::length(e1 + k * f1), glm::length(e2 + k * f2)); }
   Long outside(Long k) const {
     const Vec a = e1 + k * f1, b = e2 + k * f2, r = q - k * d1, n = glm::cross(a, b);
@@ -119,7 +119,8 @@ struct Reference {
                beta = glm::dot(glm::cross(a, r), n) / nn;
     return std::max({-alpha, -beta, alpha + beta - 1});
   }
-  /// By halving between the extrema, in k up to 1 and in 1 / k beyond: no formula in common with the code under test.
+  /// Roots by bisection between the extrema, in k up to 1 and in 1 / k beyond: shares no formula with the code under
+  /// test.
   std::vector<Long> positive_roots() const {
     std::vector<Long> roots;
     for (int reversed = 0; reversed < 2; ++reversed) {
@@ -183,7 +184,7 @@ void judge(const Case& x, TriangleCampaign* out) {
       ++out->not_finite;
     } else if (reference.condition(k) > kSimple) {
       ++out->other_roots;
-      // A float k is known to its last bit, however long the ray.
+      // A float k is only accurate to its last bit, however long the ray.
       const Long residual = std::max<Long>(reference.residual(k) - k * 0x1p-23L, 0) / reference.size_at(k);
       out->worst_stray = std::max(out->worst_stray, static_cast<double>(residual));
       if (residual > 1e-4L) {

@@ -15,15 +15,15 @@ struct ScreenPicture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
-/// Mean absolute difference (0 to 255) of blocks of 8 x 8 pixels: little of the noise that averaging still removes.
+/// Mean absolute difference (0 to 255) of blocks of 8 x 8 pixels, which average out most of the noise.
 double difference(const ScreenPicture& a, const ScreenPicture& b, const Rect& rect);
 /// Standard deviation of the luma over a rectangle: 0 for an empty area.
 double contrast(const ScreenPicture& picture, const Rect& rect);
 
-/// A screen of its own (Xvfb on a free display), the program running on it, and a mouse and keyboard (xdotool).
+/// A separate screen (Xvfb on a free display), the program running on it, and a mouse and keyboard (xdotool).
 class Desktop {
  public:
-  /// Empty when Xvfb, xdotool and ImageMagick are there, else what is missing.
+  /// Empty when Xvfb, xdotool and ImageMagick are installed, else what is missing.
   static std::string missing_tools();
   /// Throws std::runtime_error when the screen does not come up.
   Desktop(int width, int height);
@@ -33,14 +33,14 @@ class Desktop {
 
   void start(const std::vector<std::string>& arguments);
   bool running();
-  /// Waits for the program's end at most so long; its exit code, or -1.
+  /// Waits for the program's end, at most for this time; its exit code, or -1.
   int wait_for_exit(double seconds);
   ScreenPicture grab() const;
   /// One xdotool call, as in {"mousemove", "10", "20", "click", "1"}.
   void input(const std::vector<std::string>& arguments) const;
   void move(float x, float y) const;
   void click(const Rect& rect) const;
-  /// Waits until the screen looks as asked, polling; false after `seconds`.
+  /// Polls until the screen meets the condition; false after `seconds`.
   bool wait_until(const std::function<bool(const ScreenPicture&)>& done, double seconds) const;
   /// What the program wrote to standard error.
   std::string errors() const;

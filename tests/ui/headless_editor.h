@@ -8,7 +8,7 @@
 
 namespace maquette::test {
 
-/// The panels without a window and without OpenGL: frames are laid out and thrown away, the mouse is set by hand.
+/// The panels without a window and without OpenGL: frames are laid out but not drawn, the mouse is set by the test.
 class HeadlessEditor {
  public:
   HeadlessEditor(float width, float height, float scale = 1.0f) {

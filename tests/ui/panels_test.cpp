@@ -110,7 +110,7 @@ TEST(Panels, ToolbarFitsSideBySide) {
   }
 }
 
-TEST(Panels, AMaterialTakesAPaintByTwoClicks) {
+TEST(Panels, TwoClicksReplaceAMaterial) {
   const Scene scene = small_scene();
   HeadlessEditor editor(1280.0f, 720.0f);
   editor.facts.scene = &scene;

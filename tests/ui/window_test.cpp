@@ -1,4 +1,4 @@
-// The real window on a screen of its own, driven by a real mouse and keyboard.
+// The real window on a separate screen, driven by mouse and keyboard events.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,11 +26,11 @@ using test::ScreenPicture;
 
 constexpr float kWidth = 960.0f, kHeight = 440.0f;  // small: software draws it
 const char* const kSize = "960x440";
-constexpr double kPatience_s = 40.0;  // of a loaded machine; nothing waits so long on an idle one
-constexpr double kSettle_s = 8.0;     // a picture that is still noisy then is taken as it is
-constexpr double kSeen = 0.6;         // mean difference that a change of the picture at least makes
+constexpr double kPatience_s = 40.0;  // for a loaded machine; an idle one is much faster
+constexpr double kSettle_s = 8.0;     // a picture that is still noisy after this time is used anyway
+constexpr double kSeen = 0.6;         // least mean difference of a change of the picture
 
-/// Where the controls are: the same panels laid out here, with the same scene.
+/// Positions of the controls, from laying out the same panels with the same scene.
 class Controls {
  public:
   explicit Controls(const Scene& scene) : editor_(kWidth, kHeight) {
@@ -73,8 +73,8 @@ class Window : public testing::Test {
     return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; },
                                 kPatience_s);
   }
-  /// A picture that stays as it is for a second, but for what averaging still changes. Shorter would take the picture
-  /// of a loaded machine before its next frame.
+  /// A picture that has not changed for a second, except by averaging. With a shorter time a loaded machine might not
+  /// have drawn its next frame yet.
   ScreenPicture settled(const Rect& rect) {
     using Clock = std::chrono::steady_clock;
     ScreenPicture last = desktop_->grab();
@@ -108,7 +108,7 @@ TEST_F(Window, MouseAndKeysChangeThePicture) {
   desktop_->input({"keydown", "ctrl", "mousedown", "1"});
   desktop_->move(cx + 120.0f, cy);
   desktop_->input({"mouseup", "1", "keyup", "ctrl"});
-  EXPECT_TRUE(wait_for_change(before, middle)) << "Ctrl and drag turn the light";
+  EXPECT_TRUE(wait_for_change(before, middle)) << "Ctrl and drag rotate the light";
   EXPECT_TRUE(wait_for_change(before, controls.item("rotation"), 0.2)) << "and the slider shows it";
 
   before = settled(middle);
@@ -123,7 +123,7 @@ TEST_F(Window, MouseAndKeysChangeThePicture) {
   EXPECT_TRUE(desktop_->wait_until(
       [&](const ScreenPicture& p) { return difference(before, p, middle) < 0.5 * difference(before, dented, middle); },
       kPatience_s))
-      << "undo takes the dent back";
+      << "undo removes the dent";
   desktop_->input({"key", "d"});
 
   desktop_->input({"key", "ctrl+q"});
@@ -131,7 +131,7 @@ TEST_F(Window, MouseAndKeysChangeThePicture) {
   EXPECT_EQ(desktop_->errors(), "");
 }
 
-TEST_F(Window, APaintIsTwoClicks) {
+TEST_F(Window, TwoClicksReplaceAMaterial) {
   const Scene scene = load_scene("builtin:sphere");
   Controls controls(scene);
   const Rect picture = controls.picture(), middle = middle_of(picture);
@@ -141,16 +141,18 @@ TEST_F(Window, APaintIsTwoClicks) {
   desktop_->click(controls.item("material/" + scene.materials.front().name));
   controls.state().selected_material = 0;
   const std::string current = scene.materials.front().measured;
-  const std::string paint = "builtin:" + builtin_brdfs()[current.ends_with(builtin_brdfs()[1].name) ? 2 : 1].name;
-  ASSERT_TRUE(wait_for_change(before, controls.item("library/" + paint), 2.0)) << "the library opens";
-  desktop_->click(controls.item("library/" + paint));
-  EXPECT_TRUE(wait_for_change(before, middle)) << "the sphere takes the paint";
-  const ScreenPicture painted = settled(middle);
+  const std::string source = "builtin:" + builtin_brdfs()[current.ends_with(builtin_brdfs()[1].name) ? 2 : 1].name;
+  ASSERT_TRUE(wait_for_change(before, controls.item("library/" + source), 2.0)) << "the library opens";
+  desktop_->click(controls.item("library/" + source));
+  EXPECT_TRUE(wait_for_change(before, middle)) << "the sphere shows the new material";
+  const ScreenPicture replaced = settled(middle);
   desktop_->click(controls.item("undo"));
   EXPECT_TRUE(desktop_->wait_until(
-      [&](const ScreenPicture& p) { return difference(before, p, middle) < 0.5 * difference(before, painted, middle); },
+      [&](const ScreenPicture& p) {
+        return difference(before, p, middle) < 0.5 * difference(before, replaced, middle);
+      },
       kPatience_s))
-      << "undo takes it back";
+      << "undo restores the old material";
 }
 
 TEST_F(Window, AnErrorIsShownAndThePictureStays) {

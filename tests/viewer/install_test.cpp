@@ -15,12 +15,12 @@ TEST(Install, ProgramRunsFromAnywhere) {
   ASSERT_EQ(install.exit_code, 0) << install.error;
   const std::string program = prefix.file("bin/maquette");
   EXPECT_EQ(run_in_folder("/", program, {"--version"}).exit_code, 0);
-  // Shaders come from the program itself, not from a folder beside it.
+  // Shaders are embedded in the program, not read from a folder.
   const ProgramResult render = run_in_folder(
       "/", program, {"render", "builtin:sphere", "--size", "16x16", "--samples", "4", "-o", prefix.file("a.png")});
   EXPECT_EQ(render.exit_code, 0) << render.error;
   EXPECT_GT(read_text(prefix.file("a.png")).size(), 60u);
-  // The cockpit as a file shows what the built-in one shows.
+  // The cockpit as a file gives the same picture as the built-in one.
   for (const char* scene : {"builtin:cockpit", "cockpit.glb"}) {
     const std::string source = scene[0] == 'b' ? scene : prefix.file(std::string("share/maquette/") + scene);
     const ProgramResult picture =

@@ -16,7 +16,7 @@ using Words = std::vector<std::string>;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-/// Runs and expects a failure with one line on standard error that holds `part`.
+/// Runs and expects a failure with one line on standard error that contains `part`.
 void expect_failure(const Words& words, int code, const std::string& part,
                     const std::map<std::string, std::string>& environment = {}) {
   const ProgramResult result = run_maquette(words, environment);

@@ -1,4 +1,4 @@
-// `bezier.draw=points` on the cockpit's windshield: vertices stand where rays see them.
+// `bezier.draw=points` on the cockpit's windshield: vertices are drawn where rays hit them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 class ReflectedPoints : public ::testing::Test {
  protected:
-  /// Metres from the pane to what each pixel mirrors; 0 where it is the sky, or no pane.
+  /// Metres from the pane to the surface that each pixel mirrors; 0 for the sky, or without a pane.
   Image distances(const std::string& technique, const std::string& draw) {
     FrameRequest r;
     r.mode = "splitsum";
@@ -66,8 +66,8 @@ TEST_F(ReflectedPoints, StandWhereRaysSeeThem) {
       before += nearest < 1e30f && d < 0.97f * nearest;
     }
   EXPECT_GT(count, 2000);
-  // Through the gaps between them points are seen that surfaces hide (every other one in this view); before what a ray
-  // meets there is nothing.
+  // Points behind surfaces are visible through the gaps between other points (every other one in this view), but none
+  // is nearer than the hit of the ray.
   EXPECT_GT(seen, count / 3);
   EXPECT_LT(before, count / 100);
 }

@@ -54,7 +54,7 @@ int interrupted_report(const std::string& folder) {
 TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
   const TemporaryFolder folder;
   ASSERT_EQ(interrupted_report(folder.path().string()), 1) << read_text(folder.file("errors"));
-  EXPECT_NE(read_text(folder.file("errors")).find("the same command goes on"), std::string::npos);
+  EXPECT_NE(read_text(folder.file("errors")).find("the same command continues"), std::string::npos);
   const Json first = Json::parse(read_text(folder.file("report.json")));
   EXPECT_TRUE(first["interrupted"]);
   const std::size_t points = first["points"].size();
@@ -67,7 +67,7 @@ TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
   const Json json = Json::parse(read_text(folder.file("report.json")));
   EXPECT_FALSE(json["interrupted"]);
   EXPECT_GT(json["points"].size(), points);
-  EXPECT_EQ(json["points"][0], first["points"][0]);  // taken over, not measured again
+  EXPECT_EQ(json["points"][0], first["points"][0]);  // reused, not measured again
   EXPECT_FALSE(json["machine"]["processor"].get<std::string>().empty());
   EXPECT_FALSE(json["left_out"].empty());
   for (const Json& reference : json["references"]) EXPECT_GT(reference["samples"], 0);
@@ -75,7 +75,7 @@ TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), json["points"].size() + 1);
   for (const std::string& name : folder.names()) EXPECT_EQ(name.find(".part"), std::string::npos) << name;
 
-  // No room on the disk: one line, and what was there is still there.
+  // No space on the disk: one line, and the old file is unchanged.
   const ProgramResult full =
       run_in_folder(".", "bash",
                     {"-c", "trap '' XFSZ; ulimit -f 2; exec \"$@\"", "bash", MAQUETTE_PROGRAM, "report",

@@ -92,7 +92,7 @@ TEST(ReportFigures, MeansAreGeometricOverTheCameras) {
 }
 
 TEST(ReportFigures, TheNoiseOfTheReferenceIsNoError) {
-  // A picture 0.1 off a truth of 1; halves with noise of 0.2 around the truth.
+  // A picture with an error of 0.1 against a truth of 1; reference halves with noise of 0.2 around the truth.
   std::mt19937 random(7);
   std::normal_distribution<float> noise(0.0f, 0.2f);
   Image picture(200, 100, 3, 1.1f);
@@ -244,7 +244,7 @@ TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
   }
 }
 
-/// Error and time of shadows by each means, beside each other: only where something shadows the sky.
+/// Error and time of the kinds of visibility side by side: only where something shadows the sky.
 TEST(ReportSweep, ShadowsAreComparedWhereThereAreSome) {
   const auto compared = [](const char* scene, const char* asked) {
     Settings settings;

@@ -107,7 +107,7 @@ TEST(Session, ANarrowPictureKeepsTheWidthOfACamera) {
   options.width = 200;
   EXPECT_FLOAT_EQ(make_request(scene, options).camera.fov_y_rad, 0.5f);
   options.width = 90;
-  options.fov_deg = 20.0f;  // asked for: taken as it is
+  options.fov_deg = 20.0f;  // requested: used unchanged
   EXPECT_NEAR(make_request(scene, options).camera.fov_y_rad, 0.34906585f, 1e-6f);
 }
 
@@ -175,16 +175,16 @@ TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
   environment.width = 64;
   environment.height = 32;
   environment.rgb.assign(2048, glm::vec3(0.6f));
-  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"), "") << "no lamps";
+  EXPECT_EQ(units_warning(scene, environment, 1.0f, "--env-scale"), "") << "no lamps";
   scene.materials.front().emissive = glm::vec3(400.0f);
-  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"),
+  EXPECT_EQ(units_warning(scene, environment, 1.0f, "--env-scale"),
             "about 0.6 cd/m2 on average, the scene's lamps up to 400: as at night. If the file is in units of its own, "
             "--env-scale 800 lights it as a hall");
-  EXPECT_EQ(doubt_about_units(scene, environment, 800.0f, "--env-scale"), "");
-  EXPECT_EQ(doubt_about_units(scene, environment, 0.0f, "--env-scale"), "") << "dark on purpose";
+  EXPECT_EQ(units_warning(scene, environment, 800.0f, "--env-scale"), "");
+  EXPECT_EQ(units_warning(scene, environment, 0.0f, "--env-scale"), "") << "dark on purpose";
   environment.rgb.assign(2048, glm::vec3(0.0f));
-  EXPECT_EQ(doubt_about_units(scene, environment, 1.0f, "--env-scale"), "") << "black on purpose";
-  EXPECT_EQ(doubt_about_units(load_scene("builtin:cockpit"), load_environment("builtin:studio"), 1e-9f, ""), "")
+  EXPECT_EQ(units_warning(scene, environment, 1.0f, "--env-scale"), "") << "black on purpose";
+  EXPECT_EQ(units_warning(load_scene("builtin:cockpit"), load_environment("builtin:studio"), 1e-9f, ""), "")
       << "in cd/m2";
 }
 

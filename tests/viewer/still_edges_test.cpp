@@ -1,5 +1,5 @@
-// When the window's picture gets smooth edges: at rest, unseen until it is as good as what is in sight, and never in
-// the way.
+// When the window's picture gets smooth edges: once nothing moves, hidden until it has no more noise than the picture
+// on screen, and without delaying anything else.
 #include "viewer/still_edges.h"
 
 #include <gtest/gtest.h>
@@ -10,21 +10,21 @@ namespace {
 /// A window that draws ten frames a second.
 struct Window {
   StillEdges edges;
-  StillEdges::Turn turn;
+  StillEdges::Input input;
   int samples = 1;
 
-  Window() { turn.still_samples = 4; }
+  Window() { input.still_samples = 4; }
 
-  /// One turn: as WindowPicture does.
+  /// One iteration, as in WindowPicture.
   void draw(bool changed = false, bool disturbed = false) {
-    turn.changed = changed || disturbed;
-    turn.disturbed = disturbed;
+    input.changed = changed || disturbed;
+    input.disturbed = disturbed;
     const int before = samples;
-    samples = edges.choose(turn);
-    turn.frames = disturbed || samples != before ? 1 : turn.frames + 1;
-    turn.now_s += 0.1;
+    samples = edges.next_samples(input);
+    input.frames = disturbed || samples != before ? 1 : input.frames + 1;
+    input.now_s += 0.1;
   }
-  bool hidden() const { return edges.hidden(turn.frames); }
+  bool hidden() const { return edges.hidden(input.frames); }
 };
 
 TEST(StillEdges, ComeOnceThePictureRestsAndAsGoodAsItWas) {
@@ -42,7 +42,7 @@ TEST(StillEdges, ComeOnceThePictureRestsAndAsGoodAsItWas) {
   }
   EXPECT_EQ(window.samples, 4);
   EXPECT_FALSE(window.hidden());
-  EXPECT_EQ(unseen, StillEdges::kMostHeld - 1);  // the next one is as good
+  EXPECT_EQ(unseen, StillEdges::kMostHeld - 1);  // the next one has no more noise
 }
 
 TEST(StillEdges, AMoveTakesThemAway) {
@@ -53,18 +53,18 @@ TEST(StillEdges, AMoveTakesThemAway) {
   EXPECT_EQ(window.samples, 1);
   EXPECT_FALSE(window.hidden());
   for (int f = 0; f < 100; ++f) {
-    window.draw(true, true);  // a move that goes on
+    window.draw(true, true);  // a move that continues
     EXPECT_EQ(window.samples, 1);
   }
 }
 
-TEST(StillEdges, APaintIsSeenAtOnceAndKeepsThem) {
+TEST(StillEdges, ASwappedMaterialIsVisibleAtOnceAndKeepsThem) {
   Window window;
   for (int f = 0; f < 40; ++f) window.draw();
   window.draw(true, false);
   EXPECT_EQ(window.samples, 4);
   EXPECT_FALSE(window.hidden());
-  // While they are drawn behind the picture, too: it shows another paint.
+  // The same while they are still hidden: the picture shows another material.
   window.draw(true, true);
   for (int f = 0; f < 60 && !window.hidden(); ++f) window.draw();
   ASSERT_TRUE(window.hidden());
@@ -75,13 +75,13 @@ TEST(StillEdges, APaintIsSeenAtOnceAndKeepsThem) {
 
 TEST(StillEdges, WaitForWhatNeedsThePictureAsItIs) {
   Window window;
-  window.turn.may_begin = false;
+  window.input.may_begin = false;
   for (int f = 0; f < 60; ++f) window.draw();
   EXPECT_EQ(window.samples, 1);
-  window.turn.may_begin = true;
+  window.input.may_begin = true;
   window.draw();
   EXPECT_EQ(window.samples, 4);
-  window.turn.may_begin = false;  // what has begun goes on
+  window.input.may_begin = false;  // what has begun continues
   window.draw();
   EXPECT_EQ(window.samples, 4);
 }
@@ -103,13 +103,13 @@ TEST(StillEdges, WhatCannotBeDrawnIsNotTriedAgain) {
 
 TEST(StillEdges, NothingHappensWhereNoMoreIsAskedFor) {
   Window window;
-  window.turn.moving_samples = window.turn.still_samples = 4;
+  window.input.moving_samples = window.input.still_samples = 4;
   for (int f = 0; f < 60; ++f) {
     window.draw();
     EXPECT_EQ(window.samples, 4);
     EXPECT_FALSE(window.hidden());
   }
-  window.turn.still_samples = 1;
+  window.input.still_samples = 1;
   window.draw(true, true);
   EXPECT_EQ(window.samples, 4);
 }

@@ -16,8 +16,8 @@ namespace maquette::report {
 
 namespace {
 
-/// Told apart by people who see few colours, on white and black and beside the grey front. Source: Okabe and Ito 2008,
-/// some lightened or darkened for both grounds, three added.
+/// Distinguishable for colour-blind people, on white and on black, and from the grey front. Source: Okabe and Ito 2008,
+/// some lightened or darkened for both backgrounds, three added.
 constexpr const char* kColors[] = {"#e06c1f", "#2f86d0", "#18a076", "#c267a0", "#b8930f",
                                    "#7a5cc9", "#56b4e9", "#c0392b", "#7f9a2e", "#a0674b"};
 constexpr double kMargin = 1.35;
@@ -38,7 +38,7 @@ struct Range {
 };
 
 /// `("1" 1, "2" 2, ...)`: finer over less than a decade, 1-2-5 over up to three, else powers of ten. `scale` and `unit`
-/// are of the labels, which are formats: a percent sign is two.
+/// apply to the labels. Labels are format strings, so a percent sign must be doubled.
 std::string tics(const Range& range, double scale, const std::string& unit) {
   const double decades = std::log10(range.high / range.low);
   std::vector<double> digits = {1.0, 2.0, 5.0};
@@ -186,7 +186,7 @@ std::optional<std::string> draw_script(const std::string& name, const std::strin
   }
   std::filesystem::remove(part, error);
   if (code == 0 && svg.find("</svg>") != std::string::npos) {
-    // The script in the folder draws the file that is there.
+    // The script stored in the folder draws the file of that folder.
     write_text(script_file, script_for(name + ".svg"));
     write_text(svg_file, svg);
     return svg;

@@ -24,7 +24,7 @@ struct Chart {
 /// Over all cameras, then camera by camera; those without points are left out.
 std::vector<Chart> list_charts(const Report& report);
 
-/// What gnuplot is given; draws `svg_file`. Text and axes in the placeholder colour kChartInk.
+/// The gnuplot script that draws `svg_file`. Text and axes have the placeholder colour kChartInk.
 std::string gnuplot_script(const Chart& chart, const std::string& svg_file);
 inline constexpr const char* kChartInk = "#010203";
 
@@ -32,7 +32,7 @@ inline constexpr const char* kChartInk = "#010203";
 /// fails. Throws Error when the folder cannot be written.
 std::optional<std::string> draw_chart(const Chart& chart, const std::string& folder, std::string* problem);
 
-/// The same of any script; `script_for` is given the SVG file that it is to draw.
+/// The same for any script; the argument of `script_for` is the SVG file that it must draw.
 std::optional<std::string> draw_script(const std::string& name, const std::string& folder,
                                        const std::function<std::string(const std::string& svg_file)>& script_for,
                                        std::string* problem);

@@ -18,11 +18,11 @@ namespace {
 
 /// Share of the budget that references may take.
 constexpr double kReferenceShare = 0.4;
-/// Of that, for full transport: it converges more slowly.
+/// Share of that for full light transport, which converges more slowly.
 constexpr double kFullShare = 0.65;
-/// Kept for charts and page: of the budget, and at most seconds.
+/// Reserved for charts and page: a share of the budget, and at most this many seconds.
 constexpr double kWritingShare = 0.08, kMostWriting_s = 12.0;
-/// A step that changes the error by less tells nothing new.
+/// A relative change of the error below this counts as none.
 constexpr double kSameError = 0.005;
 constexpr int kIdleSteps = 2;
 constexpr std::uint32_t kFirstSeed = 1;
@@ -39,7 +39,7 @@ std::string file_name(const std::string& text) {
   return name;
 }
 
-/// A picture for the page: the sky is shown, not transparent.
+/// A picture for the page: the sky is opaque.
 Image shown(const Image& radiance, float exposure_ev, const std::string& tonemap) {
   Image picture = tone_map(radiance, exposure_ev, tonemap);
   for (std::size_t i = 3; picture.channels == 4 && i < picture.data.size(); i += 4) picture.data[i] = 1.0f;
@@ -126,7 +126,7 @@ void Conductor::make_reflection_reference(std::size_t camera, Report* report) {
   try {
     judge = obtain_reflection_reference(studio_, folder_, cameras_[camera], *raytraced);
   } catch (const Error& error) {
-    why = error.what();  // more reflectors than are drawn at once; the modes go on
+    why = error.what();  // more reflectors than can be drawn at once; the modes are still measured
   }
   if (!judge) {
     report->skipped.push_back("reflections, camera " + cameras_[camera].name + ": " + why);
@@ -158,11 +158,11 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
           ladders.push_back({c, t, {Scope::reflection}, 0.0, 0, 0, {}, false});
         continue;
       }
-      if (!technique.visibility.empty()) {  // without shadows all are alike
+      if (!technique.visibility.empty()) {  // without shadows they all draw the same picture
         ladders.push_back({c, t, {Scope::model}, 0.0, 0, 0, {}, false});
         continue;
       }
-      // The restricted settings of the shared techniques show in the plan; those of its own need not.
+      // The plan shows restricted settings that techniques share, but not necessarily the technique's own.
       const bool same = find_mode(technique.mode).restricted_settings.empty() &&
                         passes(technique, Scope::estimator) == passes(technique, Scope::model);
       if (same)
@@ -178,7 +178,7 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
 FrameRequest Conductor::request(const Ladder& ladder, const QualityStep& step) const {
   FrameRequest request = studio_->request(cameras_[ladder.camera]);
   request.seed = kFirstSeed;
-  // Where several scopes judge the same picture, any will do.
+  // If several scopes judge the same picture, any of them can be used.
   return request_of(std::move(request), techniques_[ladder.technique], step, ladder.scopes.back());
 }
 
@@ -197,7 +197,7 @@ void Conductor::climb(Ladder* ladder, int step, Report* report) {
     ladder->over = true;
     return;
   }
-  if (take_over(ladder, step, report)) return;
+  if (reuse_earlier_points(ladder, step, report)) return;
   const QualityStep& quality = technique.steps[static_cast<std::size_t>(step)];
   const double growth = ladder->last_samples > 0 && quality.samples > 0
                             ? static_cast<double>(quality.samples) / ladder->last_samples
@@ -213,7 +213,7 @@ void Conductor::climb(Ladder* ladder, int step, Report* report) {
   measure(ladder, step, report);
 }
 
-bool Conductor::take_over(Ladder* ladder, int step, Report* report) {
+bool Conductor::reuse_earlier_points(Ladder* ladder, int step, Report* report) {
   const QualityStep& quality = techniques_[ladder->technique].steps[static_cast<std::size_t>(step)];
   const FrameRequest frame = request(*ladder, quality);
   std::vector<Point> points;
@@ -223,7 +223,7 @@ bool Conductor::take_over(Ladder* ladder, int step, Report* report) {
     points.push_back(*known);
   }
   note_progress(ladder, quality, points);
-  report->taken_over += static_cast<int>(points.size());
+  report->reused += static_cast<int>(points.size());
   for (Point& point : points) report->points.push_back(std::move(point));
   return true;
 }
@@ -238,7 +238,7 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
     studio_->renderer().finish_background_work(frame);
     measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
   } catch (const Error& error) {
-    // What only drawing shows, such as a mirror that no patches fit. The others go on.
+    // Some errors show only when drawing, such as a mirror that no patches fit. The others are still measured.
     report->skipped.push_back(technique.name + ", camera " + cameras_[ladder->camera].name + ": " + error.what());
     ladder->over = true;
     return;
@@ -266,21 +266,21 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
   for (Point& point : points) report->points.push_back(std::move(point));
 }
 
-/// The ladder ends where the reference cannot tell more, or where the error no longer falls.
+/// The ladder ends where the error is below the reference's noise, or no longer falls.
 void Conductor::note_progress(Ladder* ladder, const QualityStep& step, const std::vector<Point>& points) {
   ladder->last_ms = points.front().time_ms.median;
   ladder->last_samples = step.samples;
-  bool news = false;
+  bool changed = false;
   const auto differs = [](double now, double before) { return std::abs(now - before) > kSameError * before; };
   for (const Point& point : points) {
     const Ladder::Errors errors{point.relative_rmse ? point.relative_rmse->median : 0.0,
                                 point.figures.flip.value_or(0.0)};
     const auto last = ladder->last_errors.find(point.scope);
-    news = news || last == ladder->last_errors.end() || differs(errors.flip, last->second.flip) ||
-           (!point.below_noise && differs(errors.relative_rmse, last->second.relative_rmse));
+    changed = changed || last == ladder->last_errors.end() || differs(errors.flip, last->second.flip) ||
+              (!point.below_noise && differs(errors.relative_rmse, last->second.relative_rmse));
     ladder->last_errors[point.scope] = errors;
   }
-  ladder->idle_steps = news ? 0 : ladder->idle_steps + 1;
+  ladder->idle_steps = changed ? 0 : ladder->idle_steps + 1;
   ladder->over = ladder->idle_steps >= kIdleSteps;
 }
 

@@ -13,23 +13,23 @@
 
 namespace maquette::report {
 
-/// Measures everything of a report within its budget, cheap qualities of all cameras and techniques first, so that what
-/// an interruption leaves is even.
+/// Measures everything of a report within its budget. Cheap qualities of all cameras and techniques come first, so that
+/// an interrupted report is balanced.
 class Conductor {
  public:
-  /// `say(line)` hears of each result.
+  /// `say(line)` is called for each result.
   Conductor(Studio* studio, Journal* journal, std::string folder, std::function<void(const std::string&)> say);
   /// Fills cameras, techniques, points, references, left_out and skipped of the report.
   void run(Report* report);
 
  private:
-  /// One technique before one camera in one scope, or in both when it draws the same picture for them.
+  /// One technique with one camera in one scope, or in several for which it draws the same picture.
   struct Ladder {
     std::size_t camera = 0, technique = 0;
     std::vector<Scope> scopes;
     double last_ms = 0.0;  ///< a frame of the last step
     int last_samples = 0;
-    int idle_steps = 0;  ///< that told nothing new
+    int idle_steps = 0;  ///< consecutive steps that did not change the error
     struct Errors {
       double relative_rmse = 0.0, flip = 0.0;
     };
@@ -43,7 +43,7 @@ class Conductor {
   void make_reflection_reference(std::size_t camera, Report* report);
   std::vector<Ladder> make_ladders() const;
   void climb(Ladder* ladder, int step, Report* report);
-  bool take_over(Ladder* ladder, int step, Report* report);
+  bool reuse_earlier_points(Ladder* ladder, int step, Report* report);
   void measure(Ladder* ladder, int step, Report* report);
   void note_progress(Ladder* ladder, const QualityStep& step, const std::vector<Point>& points);
   FramePlan plan_of(const SweptTechnique& technique, Scope scope) const;

@@ -9,10 +9,10 @@
 #include "render/renderer.h"
 #include "scenes/scene.h"
 
-/// Names of cached results by everything that they depend on.
+/// Keys of cached results, from everything that they depend on.
 namespace maquette::report {
 
-/// Grows by what is mixed in; equal sequences give equal keys.
+/// A hash of the values that are mixed in; equal sequences give equal keys.
 class ContentKey {
  public:
   ContentKey& mix(std::string_view text);

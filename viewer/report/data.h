@@ -11,19 +11,18 @@
 #include "render/metrics.h"
 #include "render/frame/plan.h"
 
-/// What a report holds, as plain values: measured by measure.h, written by write_data.h, charts.h and page.h.
+/// The contents of a report, as plain values: measured by measure.h, written by write_data.h, charts.h and page.h.
 namespace maquette::report {
 
 /// What an error is measured against.
 enum class Scope {
   estimator,   ///< unshadowed direct light, which the technique claims to compute: its own error
-  model,       ///< all light paths: what the picture lacks of the truth
-  reflection,  ///< the picture with `raytraced` reflections at full resolution: what a reflector technique misses of
-               ///< them
+  model,       ///< all light paths: includes the error of effects that the technique leaves out
+  reflection,  ///< the picture with `raytraced` reflections at full resolution: the error of a reflector technique
 };
 inline constexpr Scope kScopes[] = {Scope::estimator, Scope::model, Scope::reflection};
 std::string scope_name(Scope scope);
-/// Throws std::out_of_range for a name that is none.
+/// Throws std::out_of_range for an unknown name.
 Scope scope_from_name(const std::string& name);
 
 struct Spread {
@@ -45,9 +44,9 @@ struct Point {
   double cpu_ms = 0.0;  ///< median, all threads
   std::size_t gpu_bytes = 0;
   std::size_t shading_samples = 0;      ///< of one frame
-  std::optional<Spread> relative_rmse;  ///< the reference's own noise taken out; absent: a black reference
-  bool below_noise = false;             ///< the reference cannot tell this error from its own
-  ErrorFigures figures;                 ///< of the first repeat, noise left in
+  std::optional<Spread> relative_rmse;  ///< without the reference's own noise; absent: a black reference
+  bool below_noise = false;             ///< this error is not distinguishable from that of the reference
+  ErrorFigures figures;                 ///< of the first repeat, including noise
   std::string picture;                  ///< PNG in the report's folder; empty in the scope estimator
   std::string difference;               ///< FLIP in false colours
 };
@@ -62,7 +61,7 @@ struct ReferenceEntry {
   double seconds = 0.0;
 };
 
-/// What the plan of a technique leaves out, or why it does not take part at all (`what` is then its name).
+/// What the plan of a technique leaves out, or why the technique is not measured at all (`what` is then its name).
 struct LeftOutEntry {
   std::string technique;
   std::string what, why;
@@ -92,7 +91,7 @@ struct Report {
   std::vector<NamedValue> machine;
   std::vector<std::string> skipped;  ///< what was not measured, and why, one line each
   double budget_s = 0.0, seconds = 0.0;
-  int measured_now = 0, taken_over = 0;  ///< points of this run, points of earlier runs
+  int measured_now = 0, reused = 0;  ///< points of this run, points of earlier runs
   bool interrupted = false;
 
   bool has(Scope scope) const {

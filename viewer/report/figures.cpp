@@ -41,7 +41,7 @@ std::optional<Spread> error_of(const Point& point, Metric metric) {
   return Spread{*point.figures.flip, *point.figures.flip, *point.figures.flip};
 }
 
-/// Log-log charts have no zero.
+/// Log-log charts cannot show zero.
 constexpr double kLeastError = 1e-9;
 
 }  // namespace

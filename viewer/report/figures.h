@@ -6,7 +6,7 @@
 
 #include "viewer/report/data.h"
 
-/// What is read off the measured points.
+/// Curves, Pareto fronts and times to an error, from the measured points.
 namespace maquette::report {
 
 enum class Metric { relative_rmse, flip };
@@ -40,8 +40,8 @@ struct FrontPoint {
 };
 std::vector<FrontPoint> pareto_front(const std::vector<Curve>& curves);
 
-/// Time at which the best error so far falls to `target`: log-log between the two points around it. The first point's
-/// time when that is good enough already; nothing when no point is.
+/// Time at which the best error so far falls to `target`: interpolated log-log between the two points around it. The
+/// first point's time if its error is low enough already; nothing if no point's is.
 std::optional<double> time_to_error(const Curve& curve, double target);
 double best_error(const Curve& curve);
 

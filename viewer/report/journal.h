@@ -13,13 +13,13 @@ namespace maquette::report {
 /// run loses at most one.
 class Journal {
  public:
-  /// Reads what is there. A damaged file is set aside as progress.json.damaged, and `note` says so.
+  /// Reads the file if there is one. A damaged file is renamed to progress.json.damaged, and `note` says so.
   explicit Journal(const std::string& folder);
   const std::string& note() const { return note_; }
 
   std::optional<Point> find_point(const std::string& key) const;
   std::optional<ReferenceEntry> find_reference(const std::string& key) const;
-  /// They write the file. Throw Error when it cannot be written; what was there stays.
+  /// These write the file. They throw Error when it cannot be written; the old file then stays.
   void add_point(const std::string& key, const Point& point);
   void add_reference(const std::string& key, const ReferenceEntry& entry);
 

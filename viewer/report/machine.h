@@ -7,7 +7,7 @@
 
 namespace maquette::report {
 
-/// Program, processor, cores, memory, system, load at this moment, graphics device: what a time depends on.
+/// What a time depends on: program, processor, cores, memory, system, present load, graphics device.
 std::vector<NamedValue> describe_machine(const DeviceInfo& device);
 
 }  // namespace maquette::report

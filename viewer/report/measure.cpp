@@ -10,7 +10,7 @@ namespace maquette::report {
 
 namespace {
 
-/// An error within so many times the reference's noise says little.
+/// An error below this many times the reference's noise is not reliable.
 constexpr double kTrusted = 1.5;
 constexpr int kMoreFrames = 8;
 constexpr double kMoreTime_ms = 300.0;
@@ -35,7 +35,7 @@ Measurement measure_frames(Renderer* renderer, const FrameRequest& request, cons
     measurement.wall_ms.push_back(measurement.stats.frame_ms);
     measurement.pictures.push_back(renderer->read_radiance());
   }
-  // Short frames vary most: more of them are timed, as long as that is quick.
+  // Short frames vary most: more of them are timed, within a time limit.
   double spent_ms = 0.0;
   for (int i = 0; i < kMoreFrames && spent_ms + measurement.wall_ms.back() < kMoreTime_ms; ++i) {
     const double begin = process_cpu_ms();

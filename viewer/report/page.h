@@ -14,8 +14,8 @@ struct PageInput {
   std::string chart_problem;                  ///< why there are none; empty: all is well
 };
 
-/// One HTML page that holds its pictures, charts and style itself: it can be mailed. Pictures that cannot be read are
-/// left out with a note.
+/// One self-contained HTML page with its pictures, charts and style, which can be mailed. Pictures that cannot be read
+/// are left out with a note.
 std::string page_html(const PageInput& input);
 
 }  // namespace maquette::report

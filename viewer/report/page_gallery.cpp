@@ -8,14 +8,14 @@ namespace maquette::report {
 
 namespace {
 
-/// One frame time that every technique comes near to: 2.5 times the time of the slowest one's fastest point.
+/// A frame time that every technique can meet: 2.5 times the fastest point of the slowest technique.
 double common_time_ms(const std::vector<const Point*>& points, const Report& report) {
   double time = 0.0;
   for (const TechniqueEntry& technique : report.techniques) {
     double fastest = INFINITY;
     for (const Point* point : points)
       if (point->technique == technique.name) fastest = std::min(fastest, point->time_ms.median);
-    // The path tracer is slower by another order: it must not decide for the others.
+    // The path tracer is slower by orders of magnitude, and is ignored here.
     if (std::isfinite(fastest) && technique.name != "reference") time = std::max(time, 2.5 * fastest);
   }
   return time;
@@ -139,12 +139,12 @@ std::string summary_section(const PageInput& input) {
   html += "</ul>\n<p class=\"small\">" + std::to_string(report.points.size()) + " points on " +
           std::to_string(report.cameras.size()) + (many ? " cameras" : " camera") + ", " +
           time_text(1e3 * report.seconds) + " of a budget of " + time_text(1e3 * report.budget_s) + " in this run; " +
-          std::to_string(report.taken_over) + " points are of earlier runs.";
+          std::to_string(report.reused) + " points are of earlier runs.";
   html += "</p>\n";
   if (report.interrupted)
-    html += "<p class=\"warn\">The run was interrupted: the same command goes on from here.</p>\n";
+    html += "<p class=\"warn\">The run was interrupted: the same command continues from here.</p>\n";
   else if (!report.skipped.empty())
-    html += "<p class=\"warn\">Not everything was measured, see below; the same command goes on from here.</p>\n";
+    html += "<p class=\"warn\">Not everything was measured, see below; the same command continues from here.</p>\n";
   if (!input.chart_problem.empty()) html += "<p class=\"warn\">" + escape(input.chart_problem) + "</p>\n";
   return html + "</div>\n";
 }

@@ -88,12 +88,11 @@ std::optional<std::string> data_address(const std::string& path, const std::stri
 }
 
 std::string chart_figure(const std::string& svg, const std::string& title) {
-  // As an image of its own its marks and names cannot clash with those of other charts; the theme reaches it all the
-  // same.
+  // Embedded as an image, so that its ids cannot clash with those of other charts; it still follows the theme.
   std::string themed = svg;
   for (const char* ink : {"rgb(  1,   2,   3)", "#010203", "rgb(1,2,3)"})
     themed = replace_all(themed, ink, "currentColor");
-  // gnuplot's groups name a colour of their own for currentColor.
+  // gnuplot's groups set their own value of currentColor.
   for (const char* own : {" color=\"black\"", " color=\"gray\""}) themed = replace_all(themed, own, "");
   const std::size_t tag_end = themed.find('>', themed.find("<svg"));
   themed.insert(tag_end + 1,
@@ -120,7 +119,7 @@ std::string time_table(const Report& report, const std::string& camera, Scope sc
   if (curves.empty()) return "<p class=\"note\">Nothing was measured.</p>\n";
   std::vector<double> targets = metric == Metric::flip ? std::vector<double>{0.3, 0.2, 0.1, 0.05, 0.02}
                                                        : std::vector<double>{0.5, 0.2, 0.1, 0.05, 0.02, 0.01};
-  // Columns that nothing reaches say nothing.
+  // Columns without any entry are left out.
   std::erase_if(targets, [&](double target) {
     return std::none_of(curves.begin(), curves.end(),
                         [&](const Curve& c) { return time_to_error(c, target).has_value(); });
@@ -213,14 +212,14 @@ std::string reading_section() {
   return R"html(<h2>How to read it</h2>
 <p><b>Estimator error</b> compares a technique with a reference that computes the same thing: light straight from the sky and
 the lamps, without shadows. It is the technique's own error, and more time makes it smaller. <b>Model error</b> compares the
-picture as a user gets it with all light paths: what the technique leaves out (shadows, light by way of other surfaces) stays,
+picture as a user gets it with all light paths: effects that the technique leaves out (shadows, indirect light) remain errors,
 however long it runs. <b>Reflection error</b> compares a reflector technique with a ray for every pixel of every reflector, both in
 mode splitsum, which has no noise: what is wrong or missing in the mirrored picture, over the whole picture, sky included.</p>
 <p><b>Relative RMSE</b> is the root of the mean square difference over R, G and B, divided by the mean luminance of the
 reference, over the pixels that show a surface. The reference is traced in two halves of independent seeds, and the square is the product of the
 differences to both, so that its noise does not count as error. A few pixels that mirror
-the sun can be nearly all of it. <b>FLIP</b> (Andersson et al. 2021, HDR) is what a person sees who alternates between both pictures at 67 pixels a degree: 0
-nothing, 1 the most; it forgives a single bright pixel. <b>SSIM</b>: Wang et al. 2004, on the picture as displayed.</p>
+the sun can be nearly all of it. <b>FLIP</b> (Andersson et al. 2021, HDR) is the difference that a person sees who alternates between both pictures at 67 pixels a degree: 0
+none, 1 the largest; a single bright pixel counts little. <b>SSIM</b>: Wang et al. 2004, on the picture as displayed.</p>
 <p>A <b>time</b> is that of one frame, the median of the repeats after a warm-up; bars show the smallest and largest. The grey steps are
 the <b>Pareto front</b>: no other point there is both faster and better. A dashed line is the reference's own noise: errors near it are
 not to be trusted. Times to an error are read between two points, log-log.</p>

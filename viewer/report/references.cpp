@@ -17,8 +17,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t kSeeds[2] = {101, 202};  // other ones than those of the frames that are judged
-/// Of the path tracer with its shading, on a slow core. Measured: 1 to 2 million on an AMD EPYC.
+constexpr std::uint32_t kSeeds[2] = {101, 202};  // different from those of the frames that are judged
+/// Rays of the path tracer, with shading, on a slow core. Measured: 1 to 2 million on an AMD EPYC.
 constexpr double kRaysPerCoreSecond = 0.8e6;
 constexpr double kPatience = 1.5;
 constexpr int kFirstPaths = 4;  // a pixel and half
@@ -46,9 +46,9 @@ PictureRequest picture_request(const FrameRequest& frame, Scope scope, std::uint
   return request;
 }
 
-/// Paths a pixel and half that the time is worth on an idle machine: of the scene's own count of rays, so that two runs
-/// with the same budget trace the same paths. A power of two.
-int choose_paths(const ReferencePicture& first, double seconds) {
+/// Paths a pixel and half that fit the time on an idle machine. Computed from the scene's count of rays and not from
+/// measured times, so that two runs with the same budget trace the same paths. A power of two.
+int paths_for_time(const ReferencePicture& first, double seconds) {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   const double rays = seconds * cores * kRaysPerCoreSecond / 2.0;  // of one half
   const double rays_of_a_path = static_cast<double>(first.counts().rays) / first.samples();
@@ -56,8 +56,8 @@ int choose_paths(const ReferencePicture& first, double seconds) {
   return static_cast<int>(std::bit_floor(static_cast<unsigned>(paths)));
 }
 
-/// Doubles the paths up to what the time is worth, or until the noise is low enough; ends early when the machine is so
-/// busy that it takes far longer.
+/// Doubles the paths until they fill the time or the noise is low enough; ends early when the machine is so busy that
+/// this takes far longer.
 Judge trace(Studio* studio, const ReferenceOrder& order, const FrameRequest& frame) {
   ReferencePicture halves[2] = {ReferencePicture(studio->path_scene(), picture_request(frame, order.scope, kSeeds[0])),
                                 ReferencePicture(studio->path_scene(), picture_request(frame, order.scope, kSeeds[1]))};
@@ -74,7 +74,7 @@ Judge trace(Studio* studio, const ReferenceOrder& order, const FrameRequest& fra
     judge.entry.samples = halves[0].samples() + halves[1].samples();
     for (int h = 0; h < 2; ++h) judge.halves[h] = halves[h].mean();
     judge.entry.noise = own_noise(judge.halves);
-    wanted = std::max(wanted, choose_paths(halves[0], order.seconds));
+    wanted = std::max(wanted, paths_for_time(halves[0], order.seconds));
     // The next round takes as long as all before.
     if (judge.entry.noise <= order.target_noise || 2 * halves[0].samples() > wanted ||
         2.0 * judge.entry.seconds > kPatience * order.seconds)
@@ -139,7 +139,7 @@ Judge obtain_reference(Studio* studio, Journal* journal, const std::string& fold
   judge.entry.camera = order.camera.name;
   judge.entry.scope = order.scope;
   judge.entry.file = half_file(id, 0);
-  if (InterruptGuard::asked()) return judge;  // half done: not to be taken for a reference later
+  if (InterruptGuard::asked()) return judge;  // unfinished: must not be stored as a reference
   std::filesystem::create_directories(folder + "/references");
   for (int h = 0; h < 2; ++h)
     save_exr(path(h), judge.halves[h],
@@ -159,7 +159,7 @@ std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::stri
   Judge judge;
   judge.key = key.text();
   judge.picture = studio->renderer().read_radiance();
-  // Panes before the sky count too: what they mirror is all that this is about.
+  // Panes in front of the sky are included, because only reflections are judged here.
   for (std::size_t i = 3; judge.picture.channels == 4 && i < judge.picture.data.size(); i += 4)
     judge.picture.data[i] = 1.0f;
   for (Image& half : judge.halves) half = judge.picture;

@@ -9,7 +9,7 @@
 
 namespace maquette::report {
 
-/// A picture to judge others by: the mean of two of equal effort and independent seeds.
+/// A reference picture: the mean of two halves with equal effort and independent seeds.
 struct Judge {
   Image picture;
   Image halves[2];
@@ -29,14 +29,14 @@ struct ReferenceOrder {
 /// reference; at least a tenth of the plain error, where noise makes the mean negative.
 std::optional<double> noise_free_error(const Image& picture, const Judge& judge);
 
-/// The reference of one camera in scope estimator (unshadowed direct light) or model (all light paths): from the folder
-/// when an earlier run made it for the same content, else computed and kept there. Throws Error when it cannot be
-/// written.
+/// The reference of one camera in scope estimator (unshadowed direct light) or model (all light paths): read from the
+/// folder if an earlier run made it for the same content, else computed and stored there. Throws Error when it cannot
+/// be written.
 Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order);
 
 /// The reflector technique that judges the others.
 inline constexpr const char* kReflectionReference = "raytraced";
-/// One frame with reflections by `raytraced` at its best step, without noise; kept in the folder. Nothing when no
+/// One frame with reflections by `raytraced` at its best step, without noise; stored in the folder. Nothing when no
 /// reflector is in view. Throws Error when it cannot be written.
 std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::string& folder, const SweptCamera& camera,
                                                  const SweptTechnique& raytraced);

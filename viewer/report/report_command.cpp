@@ -23,7 +23,7 @@ namespace {
 using namespace report;
 namespace fs = std::filesystem;
 
-/// One line that is written over on a terminal; elsewhere a line every few seconds.
+/// One line that is overwritten on a terminal; elsewhere a new line every few seconds.
 class Progress {
  public:
   explicit Progress(double budget_s) : budget_s_(budget_s) {}
@@ -61,7 +61,7 @@ void write_outputs(const std::string& folder, const Report& report, std::string*
   write_text(folder + "/report.html", page_html(page));
 }
 
-/// What the window's error budget works with.
+/// Error curves for the window's error budget.
 BudgetCurves budget_curves(const Report& report) {
   BudgetCurves curves;
   for (const Scope scope : {Scope::estimator, Scope::model}) {
@@ -107,16 +107,16 @@ int run_report(const CommandLine& line) {
     report.machine = describe_machine(studio.device());
     Conductor conductor(&studio, &journal, folder, [&](const std::string& text) { progress.say(text); });
     conductor.run(&report);
-    store_curves(studio.look_key(), budget_curves(report));
+    store_curves(studio.appearance_key(), budget_curves(report));
   }
   std::string chart_problem;
   write_outputs(folder, report, &chart_problem);
   if (!chart_problem.empty()) std::fprintf(stderr, "warning: %s\n", chart_problem.c_str());
   std::printf("%s/report.html: %zu points (%d of this run, %d of earlier ones), %.0f s\n", folder.c_str(),
-              report.points.size(), report.measured_now, report.taken_over, report.seconds);
+              report.points.size(), report.measured_now, report.reused, report.seconds);
   if (report.interrupted)
     throw Error("maquette report", "interrupted after " + std::to_string(report.points.size()) + " points",
-                "the same command goes on from there");
+                "the same command continues from there");
   return 0;
 }
 

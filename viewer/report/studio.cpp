@@ -39,7 +39,7 @@ Scene Studio::overridden_scene() const {
   return scene;
 }
 
-std::uint64_t Studio::look_key() const { return curves_key(overridden_scene(), *environment_); }
+std::uint64_t Studio::appearance_key() const { return curves_key(overridden_scene(), *environment_); }
 
 const std::shared_ptr<const PathScene>& Studio::path_scene() {
   if (path_scene_) return path_scene_;

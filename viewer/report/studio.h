@@ -12,7 +12,7 @@
 
 namespace maquette::report {
 
-/// Scene, environment and renderer of one report, with a context of its own.
+/// Scene, environment and renderer of one report, with its own context.
 class Studio {
  public:
   /// Throws Error (scene, environment, material, graphics).
@@ -25,13 +25,13 @@ class Studio {
   Renderer& renderer() { return *renderer_; }
   /// The scene with the materials of the options.
   Scene overridden_scene() const;
-  /// For rays; made when first asked for.
+  /// For rays; built on first use.
   const std::shared_ptr<const PathScene>& path_scene();
-  /// Of scene, materials in use and environment.
+  /// Key of the scene, the materials in use and the environment.
   const ContentKey& key() const { return key_; }
-  /// Of the scene as it looks, for curves_key's readers.
-  std::uint64_t look_key() const;
-  /// One frame as the options ask, seen by `camera`.
+  /// Key of the scene's appearance, as the window computes it (curves_key).
+  std::uint64_t appearance_key() const;
+  /// The request of one frame with the options, seen by `camera`.
   FrameRequest request(const SweptCamera& camera) const;
 
  private:

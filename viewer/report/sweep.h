@@ -10,7 +10,7 @@
 #include "viewer/options.h"
 #include "viewer/report/data.h"
 
-/// What is to be measured: cameras, techniques from the registry, their quality steps.
+/// What a report measures: cameras, techniques from the registry, their quality steps.
 namespace maquette::report {
 
 struct SweptCamera {
@@ -27,15 +27,15 @@ struct SweptTechnique {
   TechniqueKind kind = TechniqueKind::mode;
   std::vector<QualityStep> steps;      ///< at least one
   std::optional<std::string> refused;  ///< why it cannot draw this scene with these settings
-  std::string mode;                    ///< that draws it; of a reflector technique kReflectionMode
-  std::string visibility;              ///< shading.visibility in place of what was asked for; empty: that
+  std::string mode;                    ///< that draws it; kReflectionMode for a reflector technique
+  std::string visibility;              ///< replaces shading.visibility; empty: as requested
 };
 /// Every registered mode and reflector technique, those that cannot draw the scene with the reason; where something
 /// shadows the sky, mode bandwidth once more with each other visibility (bandwidth-none, -baked, -traced).
 /// `reflectors`: named by the options.
 std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors);
 
-/// The mode that draws the pictures with reflections: one without noise, so that they differ by the reflections alone.
+/// The mode for pictures with reflections: one without noise, so that they differ only in the reflections.
 inline constexpr const char* kReflectionMode = "splitsum";
 
 /// `64 samples`, `octree.depth 8`, `default`.

@@ -1,4 +1,4 @@
-#include "render/octree/octree_paint.h"
+#include "render/octree/octree_textures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace maquette {
 
 namespace {
 
-/// Cells are millimetres wide: finer texels than these are averaged when the chain is made.
+/// Finer texels are averaged when the mip chain is made: cells are millimetres wide.
 constexpr int kMaxSide = 512;
 
 float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
@@ -29,7 +29,7 @@ std::shared_ptr<const OctreePaint::Chain> OctreePaint::make_chain(const TextureI
   auto chain = std::make_shared<Chain>();
   float code[256];
   for (int i = 0; i < 256; ++i) code[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-  // Straight to the first level that is kept: the mean of the texels under each of its own.
+  // Starts with the first level that is kept, each texel the mean of those that it covers.
   Level level;
   level.width = std::min(image.width, kMaxSide);
   level.height = std::min(image.height, kMaxSide);
@@ -75,8 +75,8 @@ OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materi
   std::map<int, std::uint64_t> hashes;
   for (const Material& material : materials) {
     Entry entry;
-    entry.masked = material.alpha_mode == AlphaMode::mask;
-    const bool glows = material.emissive != glm::vec3(0.0f) && material.emissive_texture && !entry.masked;
+    entry.alpha_masked = material.alpha_mode == AlphaMode::mask;
+    const bool glows = material.emissive != glm::vec3(0.0f) && material.emissive_texture && !entry.alpha_masked;
     entry.reference = glows ? material.emissive_texture : material.base_color_texture;
     entry.alpha = material.base_color.a;
     entry.cutoff = material.alpha_cutoff;
@@ -99,7 +99,7 @@ OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materi
                                static_cast<float>(r.wrap_t)};
       entry.content = content_hash(std::as_bytes(std::span(numbers)), hashes[image]);
     }
-    if (entry.masked) {
+    if (entry.alpha_masked) {
       const float mask[] = {entry.alpha, entry.cutoff};
       entry.content = content_hash(std::as_bytes(std::span(mask)), entry.content);
     }

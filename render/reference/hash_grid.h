@@ -9,9 +9,9 @@
 
 namespace maquette {
 
-/// Places of a scene by the side that a surface there faces: cells of a hash grid, finer near the eye. Guides keep what
-/// they learn by cell; two places may share one.
-struct PlaceGrid {
+/// A hash grid over positions and the axis that a surface faces; cells are finer near the eye. Guides store what they
+/// learn by cell. Two regions of the scene may share a cell.
+struct HashGrid {
   static constexpr std::uint32_t kNoCell = 0xffffffffu;
   static constexpr std::uint32_t kCells = 1u << 15;
   static constexpr float kAngle = 0.12f;  ///< side of a cell over its distance from the eye
@@ -19,14 +19,14 @@ struct PlaceGrid {
   glm::vec3 eye{0.0f};
   float finest_m = 1.0f;
 
-  PlaceGrid(const glm::vec3& eye_at, float scene_radius)
+  HashGrid(const glm::vec3& eye_at, float scene_radius)
       : eye(eye_at), finest_m(std::max(scene_radius * 1e-3f, 1e-30f)) {}
-  /// Sides go in powers of two of the finest, so that places near each other agree.
+  /// Cell sides are powers of two of the finest, so that neighbouring positions agree.
   int level(const glm::vec3& position) const {
     const float wanted = std::max(kAngle * glm::length(position - eye) / finest_m, 1.0f);
-    return std::min(static_cast<int>(std::bit_cast<std::uint32_t>(wanted) >> 23) - 127, 20);  // its exponent
+    return std::min(static_cast<int>(std::bit_cast<std::uint32_t>(wanted) >> 23) - 127, 20);  // exponent of the float
   }
-  /// Floor, by conversion: the library's is a call.
+  /// Floor, without a library call.
   static std::int32_t whole_below(float v) {
     const float bounded = v > -2e9f ? v < 2e9f ? v : 2e9f : -2e9f;
     const auto whole = static_cast<std::int32_t>(bounded);

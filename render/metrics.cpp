@@ -10,7 +10,7 @@
 #include "render/false_color.h"
 #include "render/metrics/flip.h"
 #include "render/metrics/ssim.h"
-#include "render/renderer.h"
+#include "render/tonemap.h"
 #include "scenes/error.h"
 
 namespace maquette {

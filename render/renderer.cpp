@@ -6,9 +6,12 @@
 
 #include "render/bezier/patch_fit.h"
 #include "render/frame/constants.h"
+#include "render/glass/panes.h"
 #include "render/glossy/glossy.h"
 #include "render/layers/layer_set.h"
+#include "render/picture/composer.h"
 #include "render/picture/presenter.h"
+#include "render/reflections/reflections.h"
 #include "render/shading/picture_mode.h"
 #include "render/tonemap.h"
 #include "render/views/debug_views.h"
@@ -293,7 +296,7 @@ void Renderer::Impl::carry_out(const FrameRequest& request, const FramePlan& pla
   const float blend = averages_points ? 1.0f : 1.0f / static_cast<float>(start.accumulated + 1);
   targets.composer.begin(plan, layers[0].radiance, blend);
   std::vector<ComposedLayer> composed;
-  for (std::size_t k = 0; k < layers.size(); ++k) composed.push_back({drawn[k], layers[k].indirect});
+  for (std::size_t k = 0; k < layers.size(); ++k) composed.push_back({drawn[k], [this, k, &context] { return layers[k].indirect.bind(context); }});
   const MirroredScene mirrored{context,
                                drawn,
                                parts,
@@ -349,8 +352,17 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
                       const FrameContext& frame_context = mirrored.frame;
                       *recorded = mirrors.panes.record(
                           {frame_context, mirrored.layers, parts, mirrors.reflectors}, composer.behind_panes());
-                      composer.compose({frame_context, composed, targets.sky, *recorded ? &mirrors.panes : nullptr,
-                                        frame_context.plan.glossy ? &mirrors.glossy.light() : nullptr});
+                      ComposeScene scene_of{frame_context, composed, targets.sky};
+                      if (frame_context.plan.glossy) scene_of.glossy_light = &mirrors.glossy.light();
+                      if (!*recorded) return composer.compose(scene_of);
+                      const Panes& panes = mirrors.panes;
+                      const RecordedPanes in_place{panes.covered_tiles(), panes.bare_tiles(),
+                                                   [&](const Program& program) {
+                                                     panes.bind_recorded(program,
+                                                                         frame_context.request.env_rotation_rad);
+                                                   }};
+                      scene_of.panes = &in_place;
+                      composer.compose(scene_of);
                     }});
   if (!plan.reflections.empty())
     passes.push_back(mirrors.reflections.pass(mirrored, *registry.find_reflector(plan.reflections), surfaces,
@@ -462,15 +474,12 @@ bool Renderer::finish_background_work(const FrameRequest& asked) {
 std::vector<BackgroundWork> Renderer::background_work() const {
   const Impl& s = *impl_;
   std::vector<BackgroundWork> work;
-  const SceneBakes& bakes = s.bakes;
-  const PatchFitStore& fits = s.mirrors.reflectors.patch_fits();
-  if (bakes.visibility().busy()) work.push_back({"visibility", bakes.visibility().progress()});
-  if (bakes.indirect().busy()) work.push_back({"indirect", bakes.indirect().progress()});
-  if (fits.busy()) work.push_back({"patch_fit", fits.progress()});
-  if (bakes.octree().busy()) work.push_back({"octree", bakes.octree().progress()});
-  if (bakes.octree().cells_busy()) work.push_back({"cell_brdfs", bakes.octree().cells_progress()});
+  std::vector<const Bake*> bakes = s.bakes.list();
+  bakes.insert(bakes.begin() + 2, &s.mirrors.reflectors.patch_fits());
+  for (const Bake* bake : bakes)
+    if (bake->busy()) work.push_back({bake->name(), bake->progress()});
   if (!s.shows_whole_picture()) return work;
-  if (const std::optional<double> progress = s.whole.mode->progress()) work.push_back({"trace", *progress});
+  if (const std::optional<double> progress = s.whole.mode->progress()) work.push_back({s.last.plan.passes.front().name, *progress});
   return work;
 }
 

@@ -10,6 +10,7 @@
 #include "render/frame/stats.h"
 #include "render/geometry.h"
 #include "render/technique/registry.h"
+#include "render/tonemap.h"
 #include "render/views/pick.h"
 #include "scenes/brdf.h"
 #include "scenes/environment.h"
@@ -96,10 +97,5 @@ Image debug_view_picture(const Image& values, const std::string& name);
 
 /// Every combination of shader and defines that some plan of the registry's techniques asks for.
 std::vector<ShaderVariant> all_shader_variants(const Registry& registry = builtin_registry());
-
-/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then the mean over the
-/// `side` x `side` points of each pixel, then sRGB. Same formulas as the shader.
-Image tone_map(const Image& points, float exposure_ev, const std::string& tonemap, int side = 1);
-const std::vector<std::string>& tonemap_names();
 
 }  // namespace maquette

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/renderer.h"
 #include "scenes/error.h"
 
 #ifndef MAQUETTE_FN

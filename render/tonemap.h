@@ -1,9 +1,17 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "scenes/environment.h"
 #include "scenes/image.h"
 
 namespace maquette {
+
+/// `linear`, `reinhard`, `aces`, `agx`, `pbr-neutral`. Exposure first, then the curve, then the mean over the
+/// `side` x `side` points of each pixel, then sRGB. Same formulas as the shader.
+Image tone_map(const Image& points, float exposure_ev, const std::string& tonemap, int side = 1);
+const std::vector<std::string>& tonemap_names();
 
 /// Suggested exposure in EV (the picture is multiplied by 2^EV) for a scene lit by `environment`: an 18 % grey that
 /// faces the light is displayed at the linear value 0.2, unless the sky's log-average would then be overexposed (above

@@ -27,6 +27,7 @@ struct Edits {
   std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
   std::set<int> hidden_nodes;
   std::set<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
+  std::map<std::string, std::string> part_modes;  ///< path of a node -> shading mode of it and of what is below it
   bool operator==(const Edits&) const = default;
 };
 
@@ -59,8 +60,8 @@ struct MeterFacts {
 struct EditorState {
   Edits edits;
   CameraView camera;
-  std::string mode = "bandwidth";
-  std::string reflections = "off";  ///< reflector technique
+  std::string mode = builtin_registry().default_mode;
+  std::string reflections = kNoReflections;  ///< reflector technique
   Settings settings;
   int msaa = 1;        ///< samples a pixel
   int still_msaa = 4;  ///< once nothing moves, if more
@@ -99,6 +100,7 @@ struct Message {
 
 /// Read-only results from the renderer and the session.
 struct EditorFacts {
+  const Registry* registry = &builtin_registry();
   const Scene* scene = nullptr;
   const FrameStats* stats = nullptr;  ///< of the last frame, nullptr before the first
   std::vector<std::string> cameras;   ///< bookmarks, in order of the keys 1 to 9

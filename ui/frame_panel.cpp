@@ -78,15 +78,26 @@ void draw_timings(Ui& ui) {
   }
 }
 
-void draw_plan(const FramePlan& plan) {
+void plan_entry(const std::string& name, const std::string& why, bool done) {
+  ImGui::TextColored(done ? kAccent : kDim, "%s", glyph("\u25b8", ">"));
+  ImGui::SameLine(0.0f, scaled(5.0f));
+  ImGui::TextUnformatted(name.c_str());
+  ImGui::Indent();
+  dim_text(why);
+  ImGui::Unindent();
+}
+
+/// The passes in their order, those that this frame did not need dimmed and with the reason; then what else it has.
+void draw_plan(const FramePlan& plan, const std::vector<SkippedPass>& skipped) {
   for (const PlannedPass& pass : plan.passes) {
-    ImGui::TextColored(kAccent, "%s", glyph("\u25b8", ">"));
-    ImGui::SameLine(0.0f, scaled(5.0f));
-    ImGui::TextUnformatted(pass.name.c_str());
-    ImGui::Indent();
-    dim_text(pass.reason);
-    ImGui::Unindent();
+    const auto skip = std::find_if(skipped.begin(), skipped.end(), [&](const SkippedPass& s) {
+      return s.name == pass.name && s.layer == pass.layer;
+    });
+    const bool parts = plan.layers.size() > 1 && pass.layer >= 0;
+    const std::string mode = parts ? " (" + plan.layers[static_cast<std::size_t>(pass.layer)].mode + ")" : "";
+    plan_entry(pass.name + mode, skip == skipped.end() ? pass.reason : "skipped: " + skip->why, skip == skipped.end());
   }
+  for (const Feature& feature : plan.features) plan_entry(feature.name, feature.reason, true);
   if (plan.left_out.empty()) return;
   ImGui::Spacing();
   ImGui::TextUnformatted("Left out");
@@ -119,7 +130,7 @@ void draw_messages(Ui& ui) {
 void draw_frame_panel(Ui& ui) {
   if (ui.facts.stats) {
     if (section("Timings")) draw_timings(ui);
-    if (section("Plan")) draw_plan(ui.facts.stats->plan);
+    if (section("Plan")) draw_plan(ui.facts.stats->plan, ui.facts.stats->skipped);
     if (section("Memory", false)) {
       std::size_t total = 0;
       for (const auto& [name, bytes] : ui.facts.stats->gpu_bytes) {

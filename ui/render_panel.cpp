@@ -19,7 +19,7 @@ void scale_combo(const char* id, float* scale, int count) {
 void draw_mode(Ui& ui) {
   row_label("Mode");
   if (ImGui::BeginCombo("##mode", ui.state.mode.c_str())) {
-    for (const TechniqueInfo& technique : techniques()) {
+    for (const Technique& technique : ui.facts.registry->techniques) {
       if (technique.kind != TechniqueKind::mode) continue;
       if (ImGui::Selectable(technique.name.c_str(), technique.name == ui.state.mode)) ui.state.mode = technique.name;
       mark_item(ui, "mode/" + technique.name);
@@ -29,7 +29,7 @@ void draw_mode(Ui& ui) {
   } else {
     mark_item(ui, "mode");
   }
-  for (const TechniqueInfo& technique : techniques())
+  for (const Technique& technique : ui.facts.registry->techniques)
     if (technique.name == ui.state.mode) dim_text(technique.help);
 }
 
@@ -44,8 +44,8 @@ void draw_reflections(Ui& ui) {
     mark_item(ui, "reflections/" + name);
     tooltip(help);
   };
-  choice("off", "mirrors and glass show the sky only");
-  for (const TechniqueInfo& technique : techniques())
+  choice(kNoReflections, "mirrors and glass show the sky only");
+  for (const Technique& technique : ui.facts.registry->techniques)
     if (technique.kind == TechniqueKind::reflector) choice(technique.name, technique.help);
   ImGui::EndCombo();
 }
@@ -53,7 +53,7 @@ void draw_reflections(Ui& ui) {
 /// Selection of the parts that reflect: by clicks in the picture; the scene tree shows them.
 void draw_reflector_picking(Ui& ui) {
   EditorState& state = ui.state;
-  if (state.reflections == "off") {
+  if (state.reflections == kNoReflections) {
     if (state.tool == Tool::reflect) state.tool = Tool::camera;
     return;
   }
@@ -72,17 +72,19 @@ void draw_reflector_picking(Ui& ui) {
 }
 
 /// Whether a technique's settings change this picture.
-bool has_effect(const EditorState& state, const TechniqueInfo& technique) {
-  if (technique.kind == TechniqueKind::mode) return technique.name == state.mode;
-  if (technique.name == "octree" && state.settings.get_string("shading.visibility") == "traced") return true;
-  if (technique.kind == TechniqueKind::reflector) return technique.name == state.reflections;
-  return technique.name != "reflections" || state.reflections != "off";
+bool has_effect(const Ui& ui, const Technique& technique) {
+  const Registry& registry = *ui.facts.registry;
+  const Technique& mode = registry.find_mode(ui.state.mode);
+  const Technique* reflector = registry.find_reflector(ui.state.reflections);
+  if (technique.has_effect) return technique.has_effect(mode, reflector, ui.state.settings);
+  if (technique.kind == TechniqueKind::mode) return &technique == &mode;
+  return technique.kind == TechniqueKind::shared || &technique == reflector;
 }
 
 void draw_settings(Ui& ui) {
   bool any = false;
-  for (const TechniqueInfo& technique : techniques()) {
-    if (!has_effect(ui.state, technique) || technique.settings.empty()) continue;
+  for (const Technique& technique : ui.facts.registry->techniques) {
+    if (!has_effect(ui, technique) || technique.settings.empty()) continue;
     dim_text(technique.name);
     for (const SettingDeclaration& declaration : technique.settings) {
       setting_row(ui, declaration);

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+#include "render/parts/parts.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {
@@ -46,6 +47,33 @@ void visibility_box(Ui& ui, int index) {
   mark_item(ui, "visible/" + ui.facts.scene->nodes[static_cast<std::size_t>(index)].name);
 }
 
+/// The shading mode of a part, chosen from a menu at its line.
+void mode_menu(Ui& ui, int index) {
+  const Scene& scene = *ui.facts.scene;
+  if (!ImGui::BeginPopupContextItem("mode")) return;
+  const std::string path = node_path(scene, index);
+  std::map<std::string, std::string>& modes = ui.state.edits.part_modes;
+  const auto own = modes.find(path);
+  dim_text("Shading mode of " + scene.nodes[static_cast<std::size_t>(index)].name);
+  if (ImGui::MenuItem("as above", nullptr, own == modes.end())) modes.erase(path);
+  mark_item(ui, "part mode/as above");
+  for (const Technique& technique : ui.facts.registry->techniques) {
+    if (technique.kind != TechniqueKind::mode || technique.can.traces_picture) continue;
+    if (ImGui::MenuItem(technique.name.c_str(), nullptr, own != modes.end() && own->second == technique.name))
+      modes[path] = technique.name;
+    mark_item(ui, "part mode/" + technique.name);
+  }
+  ImGui::EndPopup();
+}
+
+/// What is said of a node behind its name.
+std::string notes_of(const Ui& ui, int index) {
+  std::string notes = ui.facts.reflecting.contains(index) ? "  (reflects)" : "";
+  if (ui.state.edits.part_modes.empty()) return notes;
+  const auto mode = ui.state.edits.part_modes.find(node_path(*ui.facts.scene, index));
+  return mode == ui.state.edits.part_modes.end() ? notes : notes + "  [" + mode->second + "]";
+}
+
 /// One line; true when its children are to be drawn.
 bool draw_line(Ui& ui, int index, bool leaf, bool open) {
   const Scene& scene = *ui.facts.scene;
@@ -59,9 +87,10 @@ bool draw_line(Ui& ui, int index, bool leaf, bool open) {
   const char* kind = kind_of(scene, node);
   const bool reflects = ui.facts.reflecting.contains(index);
   const bool expanded = ImGui::TreeNodeEx("##node", flags, "%s%s", node.name.empty() ? "(no name)" : node.name.c_str(),
-                                          reflects ? "  (reflects)" : "");
+                                          notes_of(ui, index).c_str());
   if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) select_node(ui, index);
   mark_item(ui, "node/" + node.name);
+  mode_menu(ui, index);
   if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, index) : ""));
   return expanded && !leaf;
 }

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "render/bake/registry.h"
+#include "render/technique/registry.h"
 #include "viewer/command_line.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
@@ -26,7 +26,7 @@ std::function<void(const std::string&, double)> print_progress() {
 }  // namespace
 
 int run_bake(const CommandLine& line) {
-  const BakeCommand& command = find_bake_command(line.files.front());
+  const BakeCommand command = builtin_registry().find_bake(line.files.front());
   SceneOptions options = line.options;
   if (line.files.size() > 1) options.scene = line.files[1];
   if (!options.output.empty()) prepare_folder("--output", options.output);

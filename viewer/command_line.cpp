@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "render/bake/registry.h"
+#include "render/technique/registry.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -14,8 +14,8 @@ namespace {
 
 std::string bake_names() {
   std::vector<std::string> names, later;
-  for (const BakeCommand& command : bake_commands()) names.push_back(command.name);
-  for (const LaterName& mode : later_modes()) later.push_back(mode.name);
+  for (const BakeCommand& command : builtin_registry().bakes()) names.push_back(command.name);
+  for (const LaterName& mode : builtin_registry().later_modes) later.push_back(mode.name);
   return join(names) + (later.empty() ? "" : " (" + join(later, " and ") + " arrive with a later version)");
 }
 
@@ -142,9 +142,9 @@ void check_combinations(const CommandLine& line) {
   if (line.command != "render" || line.help) return;
   if (options.output.empty() && options.stats.empty())
     throw UsageError("", "render needs a file to write to", "add --output FILE.exr or FILE.png");
-  if (!options.reflectors.empty() && options.reflections == "off")
+  if (!options.reflectors.empty() && options.reflections == kNoReflections)
     throw UsageError("--reflector " + options.reflectors.front(), "nothing reflects while --reflections is off",
-                     "add --reflections, one of " + join(technique_names(TechniqueKind::reflector)));
+                     "add --reflections, one of " + join(builtin_registry().names(TechniqueKind::reflector)));
   const bool accumulates = options.time_s || options.target_error;
   if (options.frames > 0 && accumulates)
     throw UsageError("--frames", "it excludes --time and --target-error", "leave one out");

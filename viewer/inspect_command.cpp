@@ -10,6 +10,7 @@
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "render/parts/parts.h"
 #include "viewer/json_values.h"
 #include "viewer/report_text.h"
 #include "viewer/session.h"
@@ -110,9 +111,12 @@ Json inspect_scene(const CommandLine& line) {
         {{"name", material.name.empty() ? "(unnamed)" : material.name}, {"kind", material_kind(material)}});
   json["warnings"] = scene->warnings;
   json["gpu_bytes"] = memory_json(*scene);
+  ViewInfo view{options.width, options.height, options.msaa, options.reflections};
+  view.part_modes = options.part_modes;
+  layers_of_nodes(*scene, options.part_modes, {});  // names every node
   const FramePlan made =
-      plan(facts, options.mode, options.settings, {options.width, options.height, options.msaa, options.reflections});
-  json["mode"] = made.mode;
+      plan(facts, options.mode, options.settings, view);
+  json["mode"] = made.shading().mode;
   json["plan"] = plan_json(made);
   json["left_out"] = left_out_json(made);
   return json;

@@ -12,7 +12,32 @@ Json number(const std::optional<double>& value) { return value ? number(*value) 
 
 Json plan_json(const FramePlan& plan) {
   Json json = Json::array();
-  for (const PlannedPass& pass : plan.passes) json.push_back({{"pass", pass.name}, {"reason", pass.reason}});
+  const auto add_passes = [&](const std::vector<PlannedPass>& passes) {
+    for (const PlannedPass& pass : passes) {
+      Json entry = {{"pass", pass.name}, {"reason", pass.reason}};
+      if (plan.layers.size() > 1 && pass.layer >= 0)
+        entry["mode"] = plan.layers[static_cast<std::size_t>(pass.layer)].mode;
+      if (!pass.reads.empty()) entry["reads"] = pass.reads;
+      if (!pass.writes.empty()) entry["writes"] = pass.writes;
+      json.push_back(entry);
+    }
+  };
+  add_passes(plan.preparations);
+  add_passes(plan.passes);
+  for (const Feature& feature : plan.features) json.push_back({{"feature", feature.name}, {"reason", feature.reason}});
+  return json;
+}
+
+Json skipped_json(const std::vector<SkippedPass>& skipped) {
+  Json json = Json::array();
+  for (const SkippedPass& pass : skipped) json.push_back({{"pass", pass.name}, {"why", pass.why}});
+  return json;
+}
+
+Json modes_json(const FramePlan& plan) {
+  Json json = {{"*", plan.shading().mode}};
+  for (const ShadingPlan& layer : plan.layers)
+    for (const std::string& node : layer.nodes) json[node] = layer.mode;
   return json;
 }
 

@@ -62,9 +62,9 @@ Section option_section(const std::string& command) {
 
 Section mode_section() {
   Section section{"Shading modes", "", {}};
-  for (const TechniqueInfo& technique : techniques())
+  for (const Technique& technique : builtin_registry().techniques)
     if (technique.kind == TechniqueKind::mode) section.entries.push_back({technique.name, technique.help});
-  for (const LaterName& later : later_modes())
+  for (const LaterName& later : builtin_registry().later_modes)
     section.entries.push_back({later.name, later.help + "; not available in this version"});
   return section;
 }

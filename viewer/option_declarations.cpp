@@ -176,6 +176,16 @@ std::vector<OptionDeclaration> light_and_material_options() {
   };
 }
 
+/// NODE=MODE; the last '=' counts, as nodes may have one in their names.
+PartMode parse_part_mode(const std::string& text) {
+  const std::size_t split = text.rfind('=');
+  if (split == std::string::npos || split == 0)
+    throw UsageError("--mode-of", "\"" + text + "\" is not NODE=MODE", "for example --mode-of Seat=" + builtin_registry().default_mode);
+  const PartMode part{text.substr(0, split), text.substr(split + 1)};
+  builtin_registry().find_mode(part.mode, "--mode-of");
+  return part;
+}
+
 std::vector<OptionDeclaration> camera_options() {
   using O = SceneOptions;
   return {
@@ -197,7 +207,7 @@ std::vector<OptionDeclaration> quality_options() {
   using O = SceneOptions;
   return {
       one_picture(shared(
-          "--samples", "N", "shading samples a shaded pixel, scaled by the prediction in bandwidth (64)",
+          "--samples", "N", "shading samples a shaded pixel, scaled where a mode predicts them (64)",
           [](O* o, const std::string& t) { o->samples = static_cast<int>(parse_count(t, "--samples", 1, 65536)); })),
       one_picture(shared("--seed", "N", "of the sample sequence (0)",
                          [](O* o, const std::string& t) {
@@ -234,13 +244,18 @@ std::vector<OptionDeclaration> technique_options() {
   using O = SceneOptions;
   return {
       one_picture(plan_option(shared("--mode", "MODE",
-                                     "shading mode: " + join(technique_names(TechniqueKind::mode)) + " (bandwidth)",
-                                     [](O* o, const std::string& t) { o->mode = find_mode(t).name; }))),
+                                     "shading mode: " + join(builtin_registry().names(TechniqueKind::mode)) + " (" + builtin_registry().default_mode + ")",
+                                     [](O* o, const std::string& t) { o->mode = builtin_registry().find_mode(t).name; }))),
+      one_picture(plan_option(shared(
+          "--mode-of", "NODE=MODE",
+          "shading mode of a node, by name or path (names from a root joined by /), and of what is below it; of nested "
+          "ones the innermost counts",
+          [](O* o, const std::string& t) { o->part_modes.push_back(parse_part_mode(t)); }, true))),
       one_picture(plan_option(shared("--reflections", "NAME",
                                      "reflector technique of mirrors and glass: off, " +
-                                         join(technique_names(TechniqueKind::reflector)) + " (off)",
+                                         join(builtin_registry().names(TechniqueKind::reflector)) + " (off)",
                                      [](O* o, const std::string& t) {
-                                       find_reflector_technique(t);
+                                       builtin_registry().find_reflector(t);
                                        o->reflections = t;
                                      }))),
       shared(

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/settings.h"
+#include "render/technique/registry.h"
 
 namespace maquette {
 
@@ -22,9 +22,10 @@ struct Dent {
 /// What the shared options of `view` and `render` say; the defaults are the program's defaults.
 struct SceneOptions {
   std::string scene = "builtin:cockpit";
-  std::string mode = "bandwidth";
-  std::string reflections = "off";
+  std::string mode = builtin_registry().default_mode;
+  std::string reflections = kNoReflections;
   std::vector<std::string> reflectors;
+  std::vector<PartMode> part_modes;  ///< `--mode-of NODE=MODE`
   std::string environment = "builtin:clear-sky";
   float env_rotation_deg = 0.0f;
   float env_scale = 1.0f;            ///< cd/m2 per stored unit

@@ -121,10 +121,14 @@ bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOpti
   }
 }
 
+bool traces_picture(const FrameRequest& request) {
+  return builtin_registry().find_mode(request.mode).can.traces_picture;
+}
+
 std::string time_text(const RenderReport& report, const FrameRequest& request, bool accumulates) {
   const FrameStats& last = report.frames.back();
   char text[64];
-  if (accumulates && request.mode == "reference")
+  if (accumulates && traces_picture(request))
     std::snprintf(text, sizeof text, "%.3g paths a pixel in %.1f s",
                   static_cast<double>(last.shading_samples) / (static_cast<double>(request.width) * request.height),
                   report.total_s);
@@ -203,7 +207,7 @@ int run_render(const CommandLine& line) {
       options.reference.empty() && (options.output.empty() || picture_format(options.output) == PictureFormat::png);
   const bool accumulates = options.time_s || options.target_error;
   // A few paths in each frame, which share the camera's rays: frames have little overhead, and the loop stops in time.
-  if (request.mode == "reference" && accumulates && options.samples == 0) request.samples = 8;
+  if (traces_picture(request) && accumulates && options.samples == 0) request.samples = 8;
   renderer.finish_background_work(request);
 
   RenderReport report;

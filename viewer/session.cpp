@@ -235,6 +235,7 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.variant = find_variant(scene, options.variant);
   request.reflections = options.reflections;
   request.reflectors = options.reflectors;
+  request.part_modes = options.part_modes;
   request.settings = options.settings;
   return request;
 }

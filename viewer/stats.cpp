@@ -62,6 +62,7 @@ std::string stats_json(const SceneOptions& options, const FrameRequest& request,
   json["scene"] = options.scene;
   json["environment"] = options.environment;
   json["mode"] = request.mode;
+  json["modes"] = modes_json(last.plan);
   json["reflections"] = options.reflections;
   json["size"] = {request.width, request.height};
   json["msaa"] = request.msaa;
@@ -80,6 +81,7 @@ std::string stats_json(const SceneOptions& options, const FrameRequest& request,
   json["technique"] = Json::object();
   for (const auto& [name, value] : last.technique) json["technique"][name] = number(value);
   json["plan"] = plan_json(last.plan);
+  json["skipped"] = skipped_json(last.skipped);
   json["left_out"] = left_out_json(last.plan);
   if (report.error) json["error"] = error_json(*report.error);
   return json.dump(2) + "\n";

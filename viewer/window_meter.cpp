@@ -121,7 +121,7 @@ void WindowMeter::judge(WindowSession* session, const WindowPicture& picture, do
 }
 
 void WindowMeter::continue_curve(WindowSession* session, const WindowPicture& picture) {
-  const TechniqueInfo& mode = find_mode(picture.drawn().mode);
+  const Technique& mode = builtin_registry().find_mode(picture.drawn().mode);
   if (curve_step_ == 0) curve_ = {"this view, just measured", {}};
   bool over = mode.quality_steps.empty();
   FrameRequest request = picture.drawn();

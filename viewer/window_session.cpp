@@ -71,6 +71,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   seed_ = options.seed;
   state.reflections = options.reflections;
   state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
+  for (const PartMode& part : options.part_modes) state.edits.part_modes[part.node] = part.mode;
   for (const auto& [name, source] : options.materials) {
     renderer_.set_material(name, source);
     remember(&brdf_files_, source);
@@ -387,6 +388,9 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.variant = state.edits.variant;
   request.reflections = state.reflections;
   request.reflectors = {state.edits.reflectors.begin(), state.edits.reflectors.end()};
+  // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
+  if (!renderer_.registry().find_mode(state.mode).can.traces_picture)
+    for (const auto& [node, mode] : state.edits.part_modes) request.part_modes.push_back({node, mode});
   request.settings = state.settings;
   request.display = true;
   return request;

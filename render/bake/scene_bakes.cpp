@@ -158,10 +158,10 @@ void SceneBakes::bind() const {
 }
 
 void SceneBakes::add_bytes(std::map<std::string, std::size_t>* bytes) const {
-  if (visibility_.ready()) (*bytes)["visibility"] = visibility_.bytes();
-  if (indirect_.ready()) (*bytes)["indirect"] = indirect_.bytes();
-  if (octree_.ready()) (*bytes)["octree"] = octree_.bytes();
-  if (octree_.cells()) (*bytes)["cell_brdfs"] = octree_.cell_bytes();
+  if (visibility_.ready()) (*bytes)[visibility_.name()] = visibility_.bytes();
+  if (indirect_.ready()) (*bytes)[indirect_.name()] = indirect_.bytes();
+  if (octree_.ready()) (*bytes)[octree_.name()] = octree_.bytes();
+  if (octree_.cells()) (*bytes)[octree_.cell_bake().name()] = octree_.cell_bytes();
 }
 
 void SceneBakes::add_counters(std::map<std::string, double>* counters) const {

@@ -48,6 +48,11 @@ class SceneBakes {
   Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_); }
   Key all() const { return Key::of(without_indirect(), indirect_revision_); }
 
+  /// All of them, for the status line and those who wait.
+  std::vector<const Bake*> list() const {
+    return {&visibility_, &indirect_, &octree_, &octree_.cell_bake()};
+  }
+
   void bind() const;
   void add_bytes(std::map<std::string, std::size_t>* bytes) const;
   void add_counters(std::map<std::string, double>* counters) const;

@@ -184,8 +184,9 @@ std::vector<Pass> BandwidthMode::passes(const LayerContext& layer) {
   passes.push_back(pass({"measure"}, [this, &layer] { measure(layer); }));
   passes.push_back(pass({"mark", "shade"}, [this, &layer] { shade(layer); }));
   passes.push_back(pass({"upsample"}, [this, &layer] {
-    upsampling_.fill(layer, prediction_.axes(), sampled_.marks(), accumulation_ ? &*accumulation_ : nullptr,
-                     tiles(layer), layer.constants.size.w);
+    std::function<void()> bind_own;
+    if (accumulation_) bind_own = [this] { accumulation_->bind_for_filling(); };
+    upsampling_.fill(layer, prediction_.axes(), sampled_.marks(), bind_own, tiles(layer), layer.constants.size.w);
   }));
   return passes;
 }

@@ -93,13 +93,13 @@ void Upsampling::fill_levels(const LayerContext& layer, Step step, bool own, con
 }
 
 void Upsampling::fill(const LayerContext& layer, const Texture& axes, const Texture& marks,
-                      const Accumulation* accumulation, const TileList& tiles, int levels) {
+                      const std::function<void()>& bind_own, const TileList& tiles, int levels) {
   glBindTextureUnit(21, axes.get());
   glBindTextureUnit(23, marks.get());
   glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   glBindImageTexture(2, weights_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
-  const bool own = accumulation != nullptr;
-  if (own) accumulation->bind_for_filling();
+  const bool own = static_cast<bool>(bind_own);
+  if (own) bind_own();
   // From the second frame on that shows the same surfaces.
   const bool kept = layer.surfaces.kept();
   const std::pair now(layer.surfaces.revision(), levels);

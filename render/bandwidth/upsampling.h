@@ -1,10 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "render/bandwidth/accumulation.h"
 #include "render/shading/shading_mode.h"
 
 namespace maquette {
@@ -13,9 +13,10 @@ namespace maquette {
 class Upsampling {
  public:
   void fit(const GridSize& size);
-  /// `accumulation`: points that were shaded take part in what is interpolated at them; null: they stay as they are.
+  /// `bind_own`: binds what is known of shaded points, which then take part in what is interpolated at them; null: they
+  /// stay as they are.
   /// `tiles`: where points are to be filled; coarse levels are filled everywhere. `levels`: that are interpolated.
-  void fill(const LayerContext& layer, const Texture& axes, const Texture& marks, const Accumulation* accumulation,
+  void fill(const LayerContext& layer, const Texture& axes, const Texture& marks, const std::function<void()>& bind_own,
             const TileList& tiles, int levels);
   const QuadList& plain_quads() const { return plain_quads_; }
   const QuadList& mixed_quads() const { return mixed_quads_; }

@@ -34,7 +34,7 @@ struct Pass {
   std::function<Key()> key = {};
   /// Why this frame does not need it; an empty string: it does. May be null.
   std::function<std::string()> skip = {};
-  std::function<void()> run;
+  std::function<void()> run = {};
 };
 
 }  // namespace maquette

@@ -12,6 +12,9 @@ namespace maquette {
 
 namespace {
 
+// LeftOut::decided_by, where it is no setting or option.
+constexpr const char *kScene = "scene", *kView = "view", *kMode = "mode", *kStatus = "status";
+
 /// What the decisions below share.
 struct Planning {
   const PlanInput& in;
@@ -20,10 +23,10 @@ struct Planning {
 
   void add(PlannedPass pass) const { plan->passes.push_back(std::move(pass)); }
   void feature(const std::string& name, const std::string& reason) const { plan->features.push_back({name, reason}); }
-  void leave_out(const std::string& what, const std::string& why) const {
+  void leave_out(const std::string& what, const std::string& why, const std::string& decided_by) const {
     const bool known = std::any_of(plan->left_out.begin(), plan->left_out.end(),
                                    [&](const LeftOut& left_out) { return left_out.what == what; });
-    if (!known) plan->left_out.push_back({what, why});
+    if (!known) plan->left_out.push_back({what, why, decided_by});
   }
 };
 
@@ -43,22 +46,23 @@ std::string not_ready(const std::string& what, const BakeStatus& bake) {
 void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   if (mode.can.traces_picture) return;  // its own rays; add_passes says so
   const std::string& asked = p.in.settings.get_string("shading.visibility");
-  if (!mode.can.shadows) return p.leave_out("visibility", "mode " + mode.name + " knows none");
+  if (!mode.can.shadows) return p.leave_out("visibility", "mode " + mode.name + " knows none", kMode);
   if (asked == "traced") {
-    if (!p.in.status.octree.ready) return p.leave_out("visibility", "its octree is not built yet");
+    if (!p.in.status.octree.ready) return p.leave_out("visibility", "its octree is not built yet", kStatus);
     shading->visibility = "traced";
     return p.feature("visibility", "shading.visibility is traced: the samples' rays go through the octree");
   }
   if (asked == "baked" || (asked == "auto" && p.in.facts.enclosed)) {
-    if (!p.in.status.has_geometry) return p.leave_out("visibility", "nothing is there to occlude");
+    if (!p.in.status.has_geometry) return p.leave_out("visibility", "nothing is there to occlude", kScene);
     if (!p.in.status.visibility.ready)
-      return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility));
+      return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility), kStatus);
     shading->visibility = "baked";
     return p.feature("visibility", asked == "baked"
                                        ? "shading.visibility is baked"
                                        : "the scene closes the eye in: without it light comes through the roof");
   }
-  p.leave_out("visibility", asked == "none" ? "shading.visibility is none" : "the scene does not close the eye in");
+  if (asked == "none") return p.leave_out("visibility", "shading.visibility is none", "shading.visibility");
+  p.leave_out("visibility", "the scene does not close the eye in", kScene);
 }
 
 /// Whether the settings want baked shadows, ready or not.
@@ -70,30 +74,24 @@ bool wants_baked(const Planning& p, const Technique& mode) {
 /// Indirect light fills what the sky's shadows leave black; without shadows there is nothing to fill.
 void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   if (mode.can.traces_picture) return;
-  std::string why;
-  if (!mode.can.indirect)
-    why = "mode " + mode.name + " knows none";
-  else if (p.in.settings.get_string("shading.indirect") == "none")
-    why = "shading.indirect is none";
-  else if (p.in.settings.get_string("shading.visibility") == "traced")
-    why = "it goes with baked shadows, and shading.visibility is traced";
-  else if (!wants_baked(p, mode))
-    why = "nothing shadows the sky, so there is nothing that it would fill";
-  else if (shading->visibility != "baked")
-    why = "it waits for the bake of visibility";
-  else if (!p.in.status.indirect.ready)
-    why = not_ready("its bake is", p.in.status.indirect);
-  if (why.empty())
-    shading->indirect = "baked";
-  else
-    p.leave_out("indirect", why);
+  const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("indirect", why, by); };
+  if (!mode.can.indirect) return leave_out("mode " + mode.name + " knows none", kMode);
+  if (p.in.settings.get_string("shading.indirect") == "none")
+    return leave_out("shading.indirect is none", "shading.indirect");
+  if (p.in.settings.get_string("shading.visibility") == "traced")
+    return leave_out("it goes with baked shadows, and shading.visibility is traced", "shading.visibility");
+  if (!wants_baked(p, mode))
+    return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
+  if (shading->visibility != "baked") return leave_out("it waits for the bake of visibility", kStatus);
+  if (!p.in.status.indirect.ready) return leave_out(not_ready("its bake is", p.in.status.indirect), kStatus);
+  shading->indirect = "baked";
 }
 
 void decide_lights(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   const bool shines = p.in.facts.has_punctual_lights || p.in.facts.has_emissive_meshes;
-  if (!shines) return p.leave_out("lights", "the scene has no lights and nothing that glows");
-  if (!mode.can.lights) return p.leave_out("lights", "mode " + mode.name + " knows the environment only");
-  if (!p.in.status.lights_count) return p.leave_out("lights", "what glows is too dim to count");
+  if (!shines) return p.leave_out("lights", "the scene has no lights and nothing that glows", kScene);
+  if (!mode.can.lights) return p.leave_out("lights", "mode " + mode.name + " knows the environment only", kMode);
+  if (!p.in.status.lights_count) return p.leave_out("lights", "what glows is too dim to count", kScene);
   shading->lights = true;
   p.feature("lights",
             p.in.facts.has_emissive_meshes ? "emissive surfaces light the scene" : "the scene has lights of its own");
@@ -107,50 +105,50 @@ void decide_reflections(const Planning& p, bool traces_picture) {
   const int seen = view.reflectors_in_view >= 0 ? view.reflectors_in_view : reflectors;
   if (!p.in.status.fitting.empty() && p.reflector && !traces_picture)
     p.leave_out("patch_fit", "patches are being fitted to " + p.in.status.fitting + ": " +
-                                 percent_done(p.in.status.fit_progress));
-  if (!p.reflector) return p.leave_out("reflections", "--reflections off");
+                                 percent_done(p.in.status.fit_progress),
+                kStatus);
+  if (!p.reflector) return p.leave_out("reflections", "--reflections off", "--reflections");
   if (traces_picture)
-    return p.leave_out("reflections", "mode " + p.plan->layers[0].mode + " follows the mirrored paths itself");
-  if (p.in.status.all_fitting) return p.leave_out("reflections", "their patches are not fitted yet");
+    return p.leave_out("reflections", "mode " + p.plan->layers[0].mode + " follows the mirrored paths itself",
+                       kMode);
+  if (p.in.status.all_fitting) return p.leave_out("reflections", "their patches are not fitted yet", kStatus);
   if (reflectors == 0)
     return p.leave_out("reflections",
-                       "the scene marks no reflector and has no pane of glass; name a mirror with --reflector");
-  if (seen == 0) return p.leave_out("reflections", "no reflector is in view");
+                       "the scene marks no reflector and has no pane of glass; name a mirror with --reflector", kScene);
+  if (seen == 0) return p.leave_out("reflections", "no reflector is in view", kView);
   if (p.reflector->can.needs_octree && !p.in.status.octree.ready)
-    return p.leave_out("reflections", "their octree is not built yet");
+    return p.leave_out("reflections", "their octree is not built yet", kStatus);
   p.plan->reflections = p.reflector->name;
   p.feature("reflections", std::to_string(seen) + " of " + std::to_string(reflectors) +
                                " reflectors may be seen, technique " + p.reflector->name);
 }
 
 /// Mirrored light of other surfaces takes the place of what is baked of it, and fills what shadows leave black.
-std::string why_not_glossy(const Planning& p, const Technique& mode) {
+void decide_glossy(const Planning& p, const Technique& mode) {
   const Settings& settings = p.in.settings;
   const double roughness = settings.get_double("octree.glossy");
   const int in_view = p.in.view.glossy_in_view;
   const ShadingPlan& shading = p.plan->layers.front();
-  const std::string& asked = settings.get_string("shading.visibility");
   const bool any = in_view >= 0 ? in_view > 0
                                 : roughness > 0.0 && static_cast<double>(p.in.facts.least_roughness) <= roughness;
-  if (mode.can.traces_picture) return "mode " + mode.name + " follows the mirrored paths itself";
+  const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("glossy", why, by); };
+  if (mode.can.traces_picture) return leave_out("mode " + mode.name + " follows the mirrored paths itself", kMode);
   if (!p.reflector || !p.reflector->can.mirrors_glossy)
-    return "only a reflector technique with cells in an octree has cells for them";
-  if (roughness == 0.0 && in_view <= 0) return "octree.glossy is 0, and no such part is named with --reflector";
+    return leave_out("only a reflector technique with cells in an octree has cells for them", "--reflections");
+  if (roughness == 0.0 && in_view <= 0)
+    return leave_out("octree.glossy is 0, and no such part is named with --reflector", "octree.glossy");
   if (!mode.can.shadows)
-    return "mode " + mode.name + " knows no shadows, so the sky shines where surfaces would be mirrored";
-  if (settings.get_string("shading.indirect") == "none") return "shading.indirect is none";
-  if (asked != "traced" && !wants_baked(p, mode))
-    return "nothing shadows the sky, so it shines where surfaces would be mirrored";
-  if (!any) return "no opaque surface in view is as smooth as octree.glossy asks";
-  if (!p.in.status.octree.ready) return "its octree is not built yet";
-  if (shading.visibility == "none") return "it waits for the bake of visibility";
-  if (shading.visibility == "baked" && shading.indirect != "baked") return "it waits for the bake of indirect light";
-  return {};
-}
-
-void decide_glossy(const Planning& p, const Technique& mode) {
-  const std::string why = why_not_glossy(p, mode);
-  if (!why.empty()) return p.leave_out("glossy", why);
+    return leave_out("mode " + mode.name + " knows no shadows, so the sky shines where surfaces would be mirrored",
+                     kMode);
+  if (settings.get_string("shading.indirect") == "none")
+    return leave_out("shading.indirect is none", "shading.indirect");
+  if (settings.get_string("shading.visibility") != "traced" && !wants_baked(p, mode))
+    return leave_out("nothing shadows the sky, so it shines where surfaces would be mirrored", "shading.visibility");
+  if (!any) return leave_out("no opaque surface in view is as smooth as octree.glossy asks", kView);
+  if (!p.in.status.octree.ready) return leave_out("its octree is not built yet", kStatus);
+  if (shading.visibility == "none") return leave_out("it waits for the bake of visibility", kStatus);
+  if (shading.visibility == "baked" && shading.indirect != "baked")
+    return leave_out("it waits for the bake of indirect light", kStatus);
   p.plan->glossy = true;
 }
 
@@ -165,14 +163,16 @@ void decide_octree(const Planning& p) {
   else if (p.plan->glossy)
     p.feature("octree", "the mirrored rays of glossy surfaces go through it");
   else if (!p.in.status.octree.ready)
-    p.leave_out("octree", not_ready("it is", p.in.status.octree));
+    p.leave_out("octree", not_ready("it is", p.in.status.octree), kStatus);
   else if (p.in.status.keeps_octree)
-    p.leave_out("octree", "nothing in view goes through it; kept for some frames more");
+    p.leave_out("octree", "nothing in view goes through it; kept for some frames more", kView);
   else
-    p.leave_out("octree", "neither shading.visibility=traced nor a reflector technique asks for one");
+    p.leave_out("octree", "neither shading.visibility=traced nor a reflector technique asks for one",
+                "--reflections");
   if ((!reflected && !p.plan->glossy) || p.in.settings.get_string("octree.brdf") == "none") return;
   if (!p.in.status.cell_brdfs.ready)
-    return p.leave_out("cell_brdfs", "their bake is not ready yet: " + percent_done(p.in.status.cell_brdfs.progress));
+    return p.leave_out("cell_brdfs", "their bake is not ready yet: " + percent_done(p.in.status.cell_brdfs.progress),
+                       kStatus);
   p.plan->cell_brdfs = true;
   p.feature("cell_brdfs", "octree.brdf is " + p.in.settings.get_string("octree.brdf"));
 }
@@ -219,7 +219,7 @@ void add_reflection_passes(const Planning& p) {
     p.add({"skip", "mirrored rays that bring less than reflections.skip of what is seen through the pane",
            {"rays", "radiance"}, {"rays"}});
   else
-    p.leave_out("skip", p.in.status.follows_all_rays);
+    p.leave_out("skip", p.in.status.follows_all_rays, "reflections.skip");
   p.reflector->add_passes(p.in, nullptr, p.plan);
   p.add({"reflected shade", "what the mirrored rays hit, by the mode of the part that is hit", {"hits"},
          {"reflections"}});
@@ -234,7 +234,7 @@ void add_picture_passes(const Planning& p, bool averages_points) {
   if (p.plan->glass)
     p.add({"glass", "panes and blended surfaces, back to front", {"triangles", "picture", "reflections"}, {"picture"}});
   else
-    p.leave_out("glass", "no material transmits or blends");
+    p.leave_out("glass", "no material transmits or blends", kScene);
   const bool averages_over_panes = p.plan->glass && !averages_points && !first;
   if (several || parts || averages_over_panes)
     p.add({"filter",
@@ -244,17 +244,17 @@ void add_picture_passes(const Planning& p, bool averages_points) {
   if (several)
     p.feature("multisampling", std::to_string(p.in.view.msaa) + " samples a pixel were asked for");
   else
-    p.leave_out("multisampling", "one sample a pixel was asked for");
+    p.leave_out("multisampling", "one sample a pixel was asked for", "--msaa");
 }
 
 void note_absent_features(const Planning& p) {
   const SceneFacts& facts = p.in.facts;
-  if (!facts.has_normal_maps) p.leave_out("normal_maps", "no material has one");
-  if (!facts.has_mask) p.leave_out("alpha_mask", "no material is cut out");
-  if (facts.measured_count == 0) p.leave_out("measured_materials", "every material is analytic");
-  if (!facts.has_sheen) p.leave_out("sheen", "no material without a table has it");
-  if (!facts.has_clearcoat) p.leave_out("clearcoat", "no material without a table has it");
-  if (!facts.has_subdivision) p.leave_out("subdivision", "no mesh has a control cage");
+  if (!facts.has_normal_maps) p.leave_out("normal_maps", "no material has one", kScene);
+  if (!facts.has_mask) p.leave_out("alpha_mask", "no material is cut out", kScene);
+  if (facts.measured_count == 0) p.leave_out("measured_materials", "every material is analytic", kScene);
+  if (!facts.has_sheen) p.leave_out("sheen", "no material without a table has it", kScene);
+  if (!facts.has_clearcoat) p.leave_out("clearcoat", "no material without a table has it", kScene);
+  if (!facts.has_subdivision) p.leave_out("subdivision", "no mesh has a control cage", kScene);
 }
 
 // --- the whole ---
@@ -318,11 +318,11 @@ void plan_traced_picture(const Planning& p, const Technique& mode) {
   if (p.plan->glass)
     p.feature("glass", "panes mirror and let pass what rays find");
   else
-    p.leave_out("glass", "no material transmits or blends");
+    p.leave_out("glass", "no material transmits or blends", kScene);
   if (p.in.view.msaa > 1)
     p.feature("multisampling", std::to_string(p.in.view.msaa) + " samples a pixel were asked for");
   else
-    p.leave_out("multisampling", "one sample a pixel was asked for");
+    p.leave_out("multisampling", "one sample a pixel was asked for", "--msaa");
   decide_octree(p);
 }
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/part_mode.h"
+#include "render/frame/request.h"
 #include "render/frame/pass.h"
 #include "render/frame/status.h"
 #include "render/scene_state/facts.h"
@@ -19,7 +19,7 @@ struct ViewInfo {
   int width = 640;
   int height = 360;
   int msaa = 1;
-  std::string reflections = "off";
+  std::string reflections = kNoReflections;
   int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
   int reflectors_in_view = -1;  ///< of them; -1: not known, all
   bool mirrors = false;         ///< some reflector is opaque
@@ -30,6 +30,8 @@ struct ViewInfo {
 struct LeftOut {
   std::string what;  ///< a word of docs/vocabulary.md
   std::string why;
+  /// What decided it, as data: the name of a setting or option, or `scene`, `view`, `mode`, `status`.
+  std::string decided_by = {};
 };
 
 /// Something that the frame has or does besides its passes.

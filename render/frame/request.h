@@ -12,6 +12,9 @@
 
 namespace maquette {
 
+/// What `reflections` says where no technique draws mirrors and glass.
+inline constexpr const char* kNoReflections = "off";
+
 /// Everything one frame depends on besides scene, environment and materials.
 struct FrameRequest {
   std::string mode = {};  ///< empty: the registry's default
@@ -24,7 +27,7 @@ struct FrameRequest {
   float env_rotation_rad = 0.0f;
   float env_scale = 1.0f;
   int variant = -1;
-  std::string reflections = "off";      ///< reflector technique
+  std::string reflections = kNoReflections;  ///< reflector technique
   std::vector<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
   /// Parts of the scene that have another shading mode than the rest; of nested ones the innermost counts.
   std::vector<PartMode> part_modes = {};

@@ -134,10 +134,12 @@ void Texture::upload(int level, int width, int height, GLenum format, GLenum typ
 
 namespace {
 
-/// From MAQUETTE_SHADERS (hot reload in development) when it is set, else from the program itself.
+/// From disk where the path is absolute (a technique that is not of this program), or below MAQUETTE_SHADERS (hot reload
+/// in development) when that is set; else from the program itself.
 std::string read_shader(const std::string& path) {
-  if (const char* folder = std::getenv("MAQUETTE_SHADERS")) {
-    std::ifstream file(std::filesystem::path(folder) / path);
+  const char* folder = std::getenv("MAQUETTE_SHADERS");
+  if (folder || std::filesystem::path(path).is_absolute()) {
+    std::ifstream file(std::filesystem::path(folder ? folder : "") / path);
     std::stringstream text;
     if (file && text << file.rdbuf()) return text.str();
   }

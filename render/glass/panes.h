@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "render/parts/parts.h"
-#include "render/reflections/reflections.h"
+#include "render/reflections/reflected_picture.h"
+#include "render/reflections/reflector_set.h"
+#include "render/shading/layer.h"
 
 namespace maquette {
 

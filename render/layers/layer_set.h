@@ -6,7 +6,6 @@
 
 #include "render/indirect/indirect_pass.h"
 #include "render/parts/parts.h"
-#include "render/picture/composer.h"
 #include "render/shading/layer.h"
 
 namespace maquette {

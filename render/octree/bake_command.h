@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/bake/registry.h"
+#include "render/bake/bake_command.h"
 
 namespace maquette {
 

@@ -1,5 +1,6 @@
 #include "render/octree/technique.h"
 
+#include "render/octree/bake_command.h"
 #include "render/octree/octree.h"
 #include "render/octree/reflections.h"
 
@@ -51,7 +52,13 @@ Technique octree_technique() {
        .help = "folder of `maquette bake octree`; empty: the cache"},
   };
   info.can = {.needs_octree = true, .mirrors_glossy = true, .skips_rays = true, .skips_cheap_rays = true};
+  info.has_effect = [](const Technique& mode, const Technique* reflector, const Settings& settings) {
+    return (reflector && reflector->can.needs_octree) ||
+           (mode.can.shadows && settings.get_string("shading.visibility") == "traced");
+  };
   info.make_reflector = make_octree_reflections;
+  info.bakes = {octree_bake_command()};
+  info.views = {{"glossy", "what glossy surfaces mirror", ViewColors::radiance}};
   info.shader_variants = octree_reflection_shader_variants;
   info.quality_steps = {{.settings = {{"octree.depth", 7}, {"reflections.resolution", std::string("quarter")}}},
                         {.settings = {{"octree.depth", 8}, {"reflections.resolution", std::string("half")}}},

@@ -23,6 +23,16 @@ void walk(const Scene& scene, int node, const std::string& above, const std::fun
 
 }  // namespace
 
+std::string node_path(const Scene& scene, int node) {
+  std::string path;
+  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
+    const Node& n = scene.nodes[static_cast<std::size_t>(i)];
+    path = path.empty() ? n.name : n.name + "/" + path;
+    i = n.parent;
+  }
+  return path;
+}
+
 std::vector<int> layers_of_nodes(const Scene& scene, const std::vector<PartMode>& part_modes,
                                  const std::vector<std::string>& layer_modes) {
   std::vector<int> named(scene.nodes.size(), -1), layers(scene.nodes.size(), 0);

@@ -8,6 +8,9 @@
 
 namespace maquette {
 
+/// Names of a node and of those above it, from a root on, joined by '/'.
+std::string node_path(const Scene& scene, int node);
+
 /// Layer of each node: that of the nearest ancestor, or itself, that `part_modes` name; the first layer's else. A node is
 /// named by its name, all that have it, or by its path from a root, names joined by '/'. `layer_modes`: mode of each
 /// layer. Throws UsageError for a node that is not in the scene, with the nearest names.

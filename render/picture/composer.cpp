@@ -75,8 +75,8 @@ void Composer::draw_sky(const ComposeScene& scene) {
   if (!frame.plan.glass) sky_ = now;  // panes are drawn over the very points
   glBindTextureUnit(0, frame.raster.triangle().get());
   glBindImageTexture(0, behind_panes().get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  const Program& program = frame.programs.get(sky_variant(scene.recorded_panes != nullptr));
-  if (scene.recorded_panes) scene.recorded_panes->bind_recorded(program, frame.request.env_rotation_rad);
+  const Program& program = frame.programs.get(sky_variant(scene.panes != nullptr));
+  if (scene.panes) scene.panes->bind(program);
   dispatch_tiles(program, scene.sky.tiles, kPerPoint);
 }
 
@@ -95,7 +95,7 @@ const Program& Composer::program_of(const ComposeScene& scene, const ComposedLay
   const bool glossy = scene.glossy_light && composed.layer.context.index == 0;
   const ShaderVariant variant = compose_variant(stage, info.without_base_factor, bakes, panes, glossy);
   const Program& program = scene.frame.programs.get(quads ? listed(variant) : variant);
-  if (panes) scene.recorded_panes->bind_recorded(program, scene.frame.request.env_rotation_rad);
+  if (panes) scene.panes->bind(program);
   if (bakes == 2) program.set("u_later", scene.frame.bakes.indirect().blend());
   return program;
 }
@@ -104,7 +104,7 @@ void Composer::compose_layer(const ComposeScene& scene, const ComposedLayer& com
   const LayerContext& layer = composed.layer.context;
   if (several_) layer.surfaces.bind();
   if (in_picture_) glBindTextureUnit(24, layer.radiance.get());
-  const std::size_t bakes = layer.plan.indirect == "baked" ? composed.indirect.bind(scene.frame) : 0;
+  const std::size_t bakes = layer.plan.indirect == "baked" ? composed.bind_indirect() : 0;
   if (scene.glossy_light && layer.index == 0) glBindTextureUnit(54, scene.glossy_light->get());
   glBindImageTexture(0, in_picture_ ? picture_.get() : layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   if (composed.layer.mode.compose_info(scene.frame.scene).plain_quads)
@@ -118,7 +118,7 @@ void Composer::compose_layer(const ComposeScene& scene, const ComposedLayer& com
 
 void Composer::compose_quads(const ComposeScene& scene, const ComposedLayer& composed, std::size_t bakes) {
   const ComposeInfo info = composed.layer.mode.compose_info(scene.frame.scene);
-  const bool panes = scene.recorded_panes, glossy = scene.glossy_light && composed.layer.context.index == 0;
+  const bool panes = scene.panes, glossy = scene.glossy_light && composed.layer.context.index == 0;
   const Program& plain = program_of(scene, composed, 3, bakes, true, panes);
   plain.set("u_least_points", bakes > 0 || glossy || panes || scene.frame.scene.buffers().has_colors() ? 4 : 1);
   dispatch_quads(plain, *info.plain_quads, 1);
@@ -132,9 +132,9 @@ void Composer::compose_tiles(const ComposeScene& scene, const ComposedLayer& com
     if (in_picture_) program.set("u_blend", blend_);
     dispatch_tiles(program, tiles, kPerPoint);
   };
-  const Panes* panes = scene.recorded_panes;
-  complete(panes ? panes->bare_tiles() : composed.layer.context.surfaces.tiles(), false);
-  if (panes) complete(panes->covered_tiles(), true);
+  const RecordedPanes* panes = scene.panes;
+  complete(panes ? panes->bare_tiles : composed.layer.context.surfaces.tiles(), false);
+  if (panes) complete(panes->covered_tiles, true);
 }
 
 void Composer::filter(ProgramCache* programs) {

@@ -1,10 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "render/glass/panes.h"
-#include "render/indirect/indirect_pass.h"
 #include "render/parts/parts.h"
 #include "render/shading/layer.h"
 
@@ -13,7 +12,15 @@ namespace maquette {
 /// What one layer adds to the picture.
 struct ComposedLayer {
   const DrawnLayer& layer;
-  const IndirectPass& indirect;
+  /// Binds its indirect light of each bake that the frame lies between (shaders/shading/compose.comp); their count.
+  std::function<std::size_t()> bind_indirect;
+};
+
+/// Panes that are drawn in the same step as the points behind them.
+struct RecordedPanes {
+  const TileList& covered_tiles;  ///< of surfaces: with a pane before them somewhere
+  const TileList& bare_tiles;     ///< and without
+  std::function<void(const Program&)> bind;
 };
 
 /// What a picture is composed of besides its layers.
@@ -21,7 +28,7 @@ struct ComposeScene {
   const FrameContext& frame;
   const std::vector<ComposedLayer>& layers;
   const SkyTiles& sky;
-  const Panes* recorded_panes = nullptr;  ///< those that are drawn in the same step; null: none
+  const RecordedPanes* panes = nullptr;   ///< null: they are drawn afterwards, or there are none
   const Texture* glossy_light = nullptr;  ///< of the first layer
 };
 

@@ -7,17 +7,11 @@
 #include <vector>
 
 #include "render/reflections/mirrored_rays.h"
+#include "render/reflections/reflected_picture.h"
 #include "render/reflections/skipping.h"
 #include "scenes/image.h"
 
 namespace maquette {
-
-/// What a pass that draws panes needs to know of the reflected picture.
-struct ReflectedPicture {
-  bool drawn = false;
-  bool has_ghost = false;     ///< a second image, mirrored by the panes' back faces
-  bool low_confidence = false;  ///< there are pixels where the technique's confidence is low
-};
 
 /// What panes and mirrors show of the scene: their rays, the hits that a technique finds, and the hits' shading.
 class Reflections {

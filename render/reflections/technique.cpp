@@ -1,5 +1,7 @@
 #include "render/reflections/technique.h"
 
+#include "render/reflections/reflections.h"
+
 namespace maquette {
 
 Technique reflections_technique() {
@@ -45,6 +47,8 @@ Technique reflections_technique() {
            "in pictures for the eye a mirrored ray is not followed where what it may bring at most is this share of "
            "what is seen through the pane; 0: all are followed. Never in EXR files and reports"},
   };
+  info.views = Reflections::views();
+  info.shader_variants = Reflections::shader_variants;
   info.has_effect = [](const Technique&, const Technique* reflector, const Settings&) { return reflector != nullptr; };
   return info;
 }

@@ -27,6 +27,7 @@ Technique shading_technique() {
            "neither changes, and in mode bandwidth what points have gathered while only the light turns or paint is "
            "swapped; false draws every frame from nothing"},
   };
+  info.views = {{"shaded"}, {"level"}, {"samples"}};
   info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};
   return info;
 }

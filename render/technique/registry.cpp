@@ -88,6 +88,25 @@ const Technique* Registry::first_that(TechniqueKind kind, bool Capabilities::* c
   return nullptr;
 }
 
+std::vector<BakeCommand> Registry::bakes() const {
+  std::vector<BakeCommand> all;
+  for (const Technique& technique : techniques) all.insert(all.end(), technique.bakes.begin(), technique.bakes.end());
+  return all;
+}
+
+BakeCommand Registry::find_bake(const std::string& name) const {
+  std::vector<std::string> known;
+  for (const BakeCommand& command : bakes()) {
+    if (command.name == name) return command;
+    known.push_back(command.name);
+  }
+  for (const LaterName& later : later_modes) {
+    if (later.name == name) throw Error("maquette bake " + name, "this bake is not available in this version");
+    known.push_back(later.name);
+  }
+  throw UsageError("maquette bake " + name, "there is no such bake", did_you_mean(name, known));
+}
+
 std::vector<DebugViewInfo> Registry::views() const {
   std::vector<DebugViewInfo> all;
   for (const Technique& technique : techniques)

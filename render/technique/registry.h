@@ -29,12 +29,12 @@ struct Registry {
   std::vector<std::string> names(TechniqueKind kind) const;
   /// The first mode or reflector technique that can do something, or nullptr.
   const Technique* first_that(TechniqueKind kind, bool Capabilities::* capability) const;
+  std::vector<BakeCommand> bakes() const;
+  /// Throws UsageError for an unknown name ("did you mean ...") and Error for one that arrives with a later version.
+  BakeCommand find_bake(const std::string& name) const;
   /// Debug views of all techniques, in their order.
   std::vector<DebugViewInfo> views() const;
 };
-
-/// What `--reflections` says where no technique draws mirrors and glass.
-inline constexpr const char* kNoReflections = "off";
 
 /// The techniques of this program. Adding one is one line in registry.cpp.
 const Registry& builtin_registry();

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/bake/bake_command.h"
 #include "render/frame/plan.h"
 #include "render/settings.h"
 #include "render/technique/debug_view.h"
@@ -89,6 +90,8 @@ struct Technique {
   std::function<std::vector<ShaderVariant>()> shader_variants = {};
   /// Debug views (`--view`) that it adds.
   std::vector<DebugViewInfo> views = {};
+  /// What `maquette bake` can make for it.
+  std::vector<BakeCommand> bakes = {};
 };
 
 }  // namespace maquette

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "render/false_color.h"
-#include "render/renderer.h"
+#include "render/tonemap.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {

@@ -174,7 +174,7 @@ Figures measure_outlines(Stage& stage) {
     return std::sqrt(3.0) * cell_m / nearest_m / px_rad;
   };
   Figures figures;
-  for (const std::string& technique : technique_names(TechniqueKind::reflector)) {
+  for (const std::string& technique : builtin_registry().names(TechniqueKind::reflector)) {
     if (technique == kReference) continue;
     const std::string name = "reflected outlines, " + technique + ", 1280 x 720";
     const bool cells = technique == "octree";
@@ -263,7 +263,7 @@ Figures measure_added_times(Stage& stage) {
   stage.show(kDriver);
   std::vector<std::string> names;
   std::vector<FrameRequest> requests;
-  for (const std::string& technique : technique_names(TechniqueKind::reflector)) {
+  for (const std::string& technique : builtin_registry().names(TechniqueKind::reflector)) {
     for (const char* resolution : {"full", "half", "quarter"}) {
       names.push_back(technique + " at " + resolution + " resolution");
       requests.push_back(request_of(stage, technique, resolution));
@@ -365,7 +365,7 @@ Figures measure_scene_sizes(Stage& stage) {
   Renderer renderer;
   renderer.set_environment(std::make_shared<Environment>(load_environment(kDriver.environment)));
   Figures figures;
-  std::vector<std::string> names = technique_names(TechniqueKind::reflector);
+  std::vector<std::string> names = builtin_registry().names(TechniqueKind::reflector);
   std::vector<CostCurve> curves;
   for (const std::string& name : names) curves.push_back({name, {}});
   for (const int triangles : {10000, 100000, 1000000}) {

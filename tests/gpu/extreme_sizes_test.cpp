@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "render/frame_targets.h"
+#include "render/shading/work_lists.h"
 #include "render/gl/context.h"
 #include "render/metrics.h"
 #include "render/renderer.h"
@@ -159,12 +159,14 @@ TEST(WorkLists, AreLongEnoughForEveryPass) {
   for (const auto& [width, height] : {std::pair{1, 1}, {7680, 1}, {640, 360}, {301, 977}})
     for (const int side : {1, 2})
       for (const bool bandwidth : {false, true}) {
-        const FrameTargets t = make_frame_targets(width, height, side, bandwidth, false);
-        EXPECT_GE(t.item_capacity, 4 * kMostReflectedItems * t.grid_width()) << "four rows of what is reflected";
-        EXPECT_GE(t.most_items, t.item_capacity);
-        EXPECT_LE(t.most_items, (1 << 27) / 16) << "a storage buffer";
-        const int quads = bandwidth ? t.energy.width() * t.energy.height() / (side > 1 ? 4 : 1) : 0;
-        EXPECT_GE(t.items[1].bytes(), static_cast<std::size_t>(8 * std::max(quads, t.item_capacity)));
+        const GridSize size{width, height, side};
+        const WorkLists t = make_work_lists(size, bandwidth);
+        EXPECT_GE(t.capacity, 4 * kMostReflectedItems * size.grid_width()) << "four rows of what is reflected";
+        EXPECT_GE(t.most, t.capacity);
+        EXPECT_LE(t.most, (1 << 27) / 16) << "a storage buffer";
+        const int all_quads = (size.grid_width() + 1) / 2 * ((size.grid_height() + 1) / 2);
+        const int quads = bandwidth ? all_quads / (side > 1 ? 4 : 1) : 0;
+        EXPECT_GE(t.items[1].bytes(), static_cast<std::size_t>(8 * std::max(quads, t.capacity)));
       }
 }
 

@@ -50,10 +50,10 @@ FrameRequest bezier_request() {
   return r;
 }
 
-std::string why_left_out(const FrameStats& stats, const std::string& what) {
+std::string decided_by(const FrameStats& stats, const std::string& what) {
   const auto found = std::find_if(stats.plan.left_out.begin(), stats.plan.left_out.end(),
                                   [&](const LeftOut& l) { return l.what == what; });
-  return found == stats.plan.left_out.end() ? "" : found->why;
+  return found == stats.plan.left_out.end() ? "" : found->decided_by;
 }
 
 class FittedPatches : public ::testing::Test {
@@ -67,14 +67,16 @@ TEST_F(FittedPatches, FramesDoNotWaitForThem) {
   renderer_.set_scene(std::make_shared<Scene>(two_mirrors(-0.3f)));
   const FrameStats before = renderer_.render(bezier_request());
   EXPECT_TRUE(before.plan.reflections.empty());
-  EXPECT_EQ(why_left_out(before, "reflections"), "their patches are not fitted yet");
-  EXPECT_NE(why_left_out(before, "patch_fit").find("'curved', 'second': "), std::string::npos);
+  EXPECT_TRUE(before.status.all_fitting);
+  EXPECT_EQ(decided_by(before, "reflections"), "status");
+  EXPECT_EQ(before.status.fitting, "'curved', 'second'");
+  EXPECT_EQ(decided_by(before, "patch_fit"), "status");
   EXPECT_EQ(before.gpu_bytes.count("reflections"), 0u);
   EXPECT_TRUE(renderer_.finish_background_work(bezier_request()));
   EXPECT_TRUE(renderer_.background_work().empty());
   const FrameStats after = renderer_.render(bezier_request());
   EXPECT_EQ(after.plan.reflections, "bezier");
-  EXPECT_EQ(why_left_out(after, "patch_fit"), "");
+  EXPECT_EQ(decided_by(after, "patch_fit"), "");
   EXPECT_EQ(after.technique.at("fitted_patches"), 2.0);
 }
 
@@ -83,8 +85,8 @@ TEST_F(FittedPatches, OtherMirrorsAreDrawnMeanwhile) {
   renderer_.set_scene(std::make_shared<Scene>(two_mirrors(0.0f)));
   const FrameStats before = renderer_.render(bezier_request());
   EXPECT_EQ(before.plan.reflections, "bezier");
-  EXPECT_NE(why_left_out(before, "patch_fit").find("'curved': "), std::string::npos);
-  EXPECT_EQ(why_left_out(before, "reflections"), "");
+  EXPECT_EQ(before.status.fitting, "'curved'");
+  EXPECT_EQ(decided_by(before, "reflections"), "");
   const Image part = renderer_.read_debug_view("reflection");
   renderer_.finish_background_work(bezier_request());
   renderer_.render(bezier_request());
@@ -112,7 +114,7 @@ TEST_F(FittedPatches, ThePictureFollows) {
   renderer_.set_scene(other);
   renderer_.render(request, true);
   request.reflections = "off";
-  EXPECT_EQ(why_left_out(renderer_.render(request, true), "patch_fit"), "");
+  EXPECT_EQ(decided_by(renderer_.render(request, true), "patch_fit"), "");
   EXPECT_TRUE(renderer_.background_work().empty());
 }
 

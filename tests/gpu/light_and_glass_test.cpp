@@ -132,14 +132,14 @@ TEST_P(LightAndGlass, PictureIsDrawnWithoutTheBakeUntilItIsReady) {
   renderer.set_environment(constant_sky(1.0f));
   const FrameRequest request = request_of(GetParam(), "baked");
   FrameStats stats = renderer.render(request);
-  if (stats.plan.visibility == "none") {  // the bake may have been quick
+  if (stats.plan.shading().visibility == "none") {  // the bake may have been quick
     const auto& out = stats.plan.left_out;
     EXPECT_TRUE(std::any_of(out.begin(), out.end(), [](const LeftOut& o) { return o.what == "visibility"; }));
   }
   ASSERT_TRUE(renderer.finish_background_work(request));
   EXPECT_TRUE(renderer.background_work().empty());
   stats = renderer.render(request);
-  EXPECT_EQ(stats.plan.visibility, "baked");
+  EXPECT_EQ(stats.plan.shading().visibility, "baked");
   EXPECT_GT(stats.gpu_bytes.at("visibility"), 0u);
 }
 
@@ -164,7 +164,7 @@ TEST_P(LightAndGlass, ChangedGeometryIsBakedAgain) {
   std::vector<glm::vec3> positions = roof.positions;
   for (glm::vec3& p : positions) p.x += 100.0f;
   renderer.update_mesh(5, positions, roof.normals);
-  EXPECT_EQ(renderer.render(request).plan.visibility, "baked");
+  EXPECT_EQ(renderer.render(request).plan.shading().visibility, "baked");
   EXPECT_GT(mean(draw(&renderer, request)), 0.05);
 }
 

@@ -91,7 +91,7 @@ FrameRequest request_of(const std::string& mode) {
 double draw(Renderer* renderer, const FrameRequest& request) {
   EXPECT_TRUE(renderer->finish_background_work(request));
   const FrameStats stats = renderer->render(request);
-  EXPECT_EQ(stats.plan.visibility, "traced");
+  EXPECT_EQ(stats.plan.shading().visibility, "traced");
   EXPECT_GT(stats.gpu_bytes.at("octree"), 0u);
   const Image image = renderer->read_radiance();
   double sum = 0.0;

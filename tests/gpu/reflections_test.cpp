@@ -256,9 +256,10 @@ TEST_F(Reflections, AMeshReflectsByItsNormals) {
     expect_near_rays(request_of("bezier"), 0.002, 0.004);
     const FrameStats stats = renderer_.render(request_of("bezier"));
     EXPECT_LT(stats.technique.at("fit_error_mm"), 0.2);
-    EXPECT_TRUE(std::any_of(stats.plan.passes.begin(), stats.plan.passes.end(), [](const PlannedPass& pass) {
-      return pass.name == "patch_fit" && pass.reason.find("'mirror': 1 patch, ") != std::string::npos;
-    }));
+    ASSERT_EQ(stats.status.fitted.size(), 1u);
+    EXPECT_TRUE(stats.status.fitted[0].starts_with("'mirror': 1 patch, ")) << stats.status.fitted[0];
+    EXPECT_TRUE(std::any_of(stats.plan.features.begin(), stats.plan.features.end(),
+                            [](const Feature& feature) { return feature.name == "patch_fit"; }));
   }
 }
 
@@ -451,8 +452,8 @@ TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
   add_patch(&scene, 0.15f);
   renderer_.set_scene(std::make_shared<Scene>(scene));
   const auto finds_hits = [](const FrameStats& stats) {
-    return std::any_of(stats.plan.passes.begin(), stats.plan.passes.end(),
-                       [](const PlannedPass& p) { return p.name == "projection" || p.name == "rays"; });
+    return std::any_of(stats.passes.begin(), stats.passes.end(),
+                       [](const PassTime& p) { return p.name == "projection" || p.name == "rays"; });
   };
   for (const char* technique : {"raytraced", "bezier", "triangle"}) {
     SCOPED_TRACE(technique);

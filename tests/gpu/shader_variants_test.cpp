@@ -4,6 +4,7 @@
 
 #include "render/gl/context.h"
 #include "render/gl/program_cache.h"
+#include "render/renderer.h"
 
 namespace maquette {
 namespace {

@@ -1,6 +1,6 @@
 // Frames while only the environment rotates: points reuse their history without bias, and start again after every other
 // change.
-#include "render/bandwidth/turning.h"
+#include "render/bandwidth/temporal_reuse.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/frame_targets.h"
+#include "render/gbuffer/tiles.h"
 #include "render/gl/context.h"
 #include "render/metrics.h"
 #include "render/renderer.h"
@@ -262,11 +262,11 @@ TEST(TurningBudget, PointsThatReuseTheirHistoryAreWithinIt) {
 }
 
 TEST(TurningBudget, PointsWithoutHistoryShareIt) {
-  const TurnCost cost{1000.0, 80.0 * 1000.0, 0.0};
+  const ReuseCost cost{1000.0, 80.0 * 1000.0, 0.0};
   const float scale = budgeted_scale(1.0f, cost, 32, 8);
-  EXPECT_NEAR(scale, kTurningBudget * 32.0 / 80.0, 1e-5);
+  EXPECT_NEAR(scale, kReuseBudget * 32.0 / 80.0, 1e-5);
   // Costs are linear in the scale here: at that scale the budget is used up, and the scale stays.
-  const TurnCost then{1000.0, scale * cost.samples, 0.0};
+  const ReuseCost then{1000.0, scale * cost.samples, 0.0};
   EXPECT_NEAR(budgeted_scale(scale, then, 32, 8), scale, 1e-5);
   // Samples with reuse cost more.
   EXPECT_LT(budgeted_scale(1.0f, {1000.0, 80.0 * 1000.0, 8000.0}, 32, 8), scale);

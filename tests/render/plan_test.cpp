@@ -18,10 +18,11 @@
 namespace maquette {
 namespace {
 
+/// Among the passes or the features.
 bool has_pass(const FramePlan& plan, const std::string& name) {
-  for (const PlannedPass& pass : plan.passes)
-    if (pass.name == name) return true;
-  return false;
+  const auto is = [&](const auto& entry) { return entry.name == name; };
+  return std::any_of(plan.passes.begin(), plan.passes.end(), is) ||
+         std::any_of(plan.features.begin(), plan.features.end(), is);
 }
 
 bool leaves_out(const FramePlan& plan, const std::string& what) {
@@ -135,9 +136,9 @@ TEST(Facts, LobesCountWhereAnAnalyticMaterialHasThem) {
   const auto has = [&] {
     const SceneFacts facts = compute_facts(scene, -1);
     const FramePlan made = plan(facts, "uniform", {}, {});
-    EXPECT_EQ(made.sheen, !leaves_out(made, "sheen"));
-    EXPECT_EQ(made.clearcoat, !leaves_out(made, "clearcoat"));
-    return std::pair(made.sheen, made.clearcoat);
+    EXPECT_EQ(made.shading().sheen, !leaves_out(made, "sheen"));
+    EXPECT_EQ(made.shading().clearcoat, !leaves_out(made, "clearcoat"));
+    return std::pair(made.shading().sheen, made.shading().clearcoat);
   };
   EXPECT_EQ(has(), std::pair(false, false));
   scene.materials[1].sheen_color = glm::vec3(0.0f, 0.0f, 0.1f);
@@ -149,17 +150,17 @@ TEST(Facts, LobesCountWhereAnAnalyticMaterialHasThem) {
 TEST(Plan, VisibilityIsDecidedByTheScene) {
   SceneFacts facts;
   Settings settings;
-  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).visibility, "none");
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).shading().visibility, "none");
   EXPECT_TRUE(leaves_out(plan(facts, "bandwidth", settings, {}), "visibility"));
   facts.enclosed = true;
-  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).visibility, "baked");
-  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "baked");
-  EXPECT_EQ(plan(facts, "splitsum", settings, {}).visibility, "none");
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}).shading().visibility, "baked");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).shading().visibility, "baked");
+  EXPECT_EQ(plan(facts, "splitsum", settings, {}).shading().visibility, "none");
   settings.set("shading.visibility", std::string("none"));
-  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "none");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).shading().visibility, "none");
   facts.enclosed = false;
   settings.set("shading.visibility", std::string("baked"));
-  EXPECT_EQ(plan(facts, "uniform", settings, {}).visibility, "baked");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).shading().visibility, "baked");
   EXPECT_TRUE(has_pass(plan(facts, "uniform", settings, {}), "visibility"));
 }
 
@@ -168,8 +169,8 @@ TEST(Plan, TracedVisibilityWantsAnOctree) {
   traced.set("shading.visibility", std::string("traced"));
   for (const char* mode : {"bandwidth", "uniform"}) {
     const FramePlan p = plan({}, mode, traced, {});
-    EXPECT_EQ(p.visibility, "traced");
-    EXPECT_EQ(plan({}, mode, {}, {}).visibility, "none");
+    EXPECT_EQ(p.shading().visibility, "traced");
+    EXPECT_EQ(plan({}, mode, {}, {}).shading().visibility, "none");
     EXPECT_TRUE(has_pass(p, "octree"));
     EXPECT_FALSE(has_pass(plan({}, mode, {}, {}), "octree"));
   }
@@ -183,7 +184,7 @@ TEST(Plan, OctreeReflectionsWantAnOctree) {
   EXPECT_EQ(p.reflections, "octree");
   EXPECT_TRUE(has_pass(p, "octree"));
   EXPECT_TRUE(has_pass(p, "rays"));
-  EXPECT_EQ(p.visibility, "none");
+  EXPECT_EQ(p.shading().visibility, "none");
   view.reflectors_in_view = 0;
   EXPECT_FALSE(has_pass(plan({}, "bandwidth", {}, view), "octree"));
 }
@@ -195,43 +196,43 @@ TEST(Plan, GlossySurfacesMirrorWhereTheSkyHasShadows) {
   ViewInfo view;
   view.reflections = "octree";
   Settings settings;
-  const auto expect_left_out = [&](const std::string& mode, const std::string& word) {
+  const auto expect_left_out = [&](const std::string& mode, const std::string& by) {
     const FramePlan p = plan(facts, mode, settings, view);
     EXPECT_FALSE(p.glossy || has_pass(p, "glossy"));
     for (const LeftOut& out : p.left_out)
       if (out.what == "glossy") {
-        EXPECT_NE(out.why.find(word), std::string::npos) << out.why;
+        EXPECT_EQ(out.decided_by, by) << out.why;
       }
     EXPECT_TRUE(leaves_out(p, "glossy"));
-    EXPECT_TRUE(p.visibility == "traced" || !has_pass(p, "octree")) << "nothing else wants one here";
+    EXPECT_TRUE(p.shading().visibility == "traced" || !has_pass(p, "octree")) << "nothing else wants one here";
   };
   for (const char* mode : {"uniform", "bandwidth"}) {
     const FramePlan p = plan(facts, mode, settings, view);
     EXPECT_TRUE(p.glossy && has_pass(p, "glossy") && has_pass(p, "octree"));
     EXPECT_FALSE(leaves_out(p, "glossy"));
   }
-  expect_left_out("splitsum", "splitsum");
-  expect_left_out("reference", "reference");
+  expect_left_out("splitsum", "mode");
+  expect_left_out("reference", "mode");
   view.glossy_in_view = 0;
-  expect_left_out("uniform", "in view");
+  expect_left_out("uniform", "view");
   view.glossy_in_view = -1;
   facts.least_roughness = 0.45f;
-  expect_left_out("uniform", "smooth");
+  expect_left_out("uniform", "view");
   settings.set("octree.glossy", 0.0);
-  expect_left_out("uniform", "octree.glossy is 0");
+  expect_left_out("uniform", "octree.glossy");
   view.glossy_in_view = 1;
   EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy) << "a named part";
   settings.set("octree.glossy", 0.3);
   settings.set("shading.indirect", std::string("none"));
-  expect_left_out("uniform", "indirect");
+  expect_left_out("uniform", "shading.indirect");
   settings.set("shading.indirect", std::string("baked"));
   settings.set("shading.visibility", std::string("none"));
-  expect_left_out("uniform", "shadows");
+  expect_left_out("uniform", "shading.visibility");
   settings.set("shading.visibility", std::string("traced"));
   EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy);
   for (const char* technique : {"off", "bezier", "triangle", "raytraced"}) {
     view.reflections = technique;
-    expect_left_out("uniform", "octree");
+    expect_left_out("uniform", "--reflections");
   }
 }
 
@@ -295,18 +296,18 @@ TEST(Plan, NeverFallsBack) {
 TEST(Plan, IndirectLightGoesWithShadowsOfTheSky) {
   SceneFacts facts;
   Settings settings;
-  EXPECT_EQ(plan(facts, "uniform", settings, {}).indirect, "none");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).shading().indirect, "none");
   EXPECT_TRUE(leaves_out(plan(facts, "uniform", settings, {}), "indirect")) << "nothing occludes";
   facts.enclosed = true;
   for (const char* mode : {"uniform", "bandwidth"}) {
-    EXPECT_EQ(plan(facts, mode, settings, {}).indirect, "baked");
+    EXPECT_EQ(plan(facts, mode, settings, {}).shading().indirect, "baked");
     EXPECT_TRUE(has_pass(plan(facts, mode, settings, {}), "indirect"));
     EXPECT_FALSE(leaves_out(plan(facts, mode, settings, {}), "indirect"));
   }
   EXPECT_TRUE(leaves_out(plan(facts, "splitsum", settings, {}), "indirect"));
   EXPECT_FALSE(leaves_out(plan(facts, "reference", settings, {}), "indirect")) << "it traces all light";
   settings.set("shading.indirect", std::string("none"));
-  EXPECT_EQ(plan(facts, "uniform", settings, {}).indirect, "none");
+  EXPECT_EQ(plan(facts, "uniform", settings, {}).shading().indirect, "none");
   settings.set("shading.indirect", std::string("baked"));
   settings.set("shading.visibility", std::string("none"));
   EXPECT_TRUE(leaves_out(plan(facts, "uniform", settings, {}), "indirect"));
@@ -322,7 +323,7 @@ TEST(Plan, ASceneThatNeedsLittlePaysLittle) {
   const FramePlan large = plan(rich, "bandwidth", {}, {.msaa = 4});
   for (const char* what : {"texture_bandwidth", "glass", "lights", "multisampling", "visibility"})
     EXPECT_FALSE(leaves_out(large, what)) << what;
-  EXPECT_TRUE(large.texture_bandwidth && large.glass && large.lights);
+  EXPECT_TRUE(large.shading().texture_bandwidth && large.glass && large.shading().lights);
   EXPECT_TRUE(has_pass(large, "multisampling"));
   Settings finest;
   finest.set("bandwidth.max_level", 0);
@@ -334,7 +335,7 @@ TEST(Plan, PrefilteredModesSayThatTheyLeaveLightsOut) {
   facts.has_punctual_lights = facts.has_emissive_meshes = true;
   for (const char* mode : {"splitsum", "sg"}) {
     const FramePlan made = plan(facts, mode, {}, {});
-    EXPECT_FALSE(made.lights) << mode;
+    EXPECT_FALSE(made.shading().lights) << mode;
     EXPECT_TRUE(std::any_of(made.left_out.begin(), made.left_out.end(), [](const LeftOut& out) {
       return out.what == "lights";
     })) << mode;
@@ -362,14 +363,20 @@ TEST(Plan, EverythingHasAReasonAndNothingIsBothInAndOut) {
   rich.has_textures = rich.has_normal_maps = rich.has_mask = rich.has_glass = rich.has_punctual_lights = true;
   rich.has_emissive_meshes = rich.has_subdivision = rich.enclosed = true;
   const std::set<std::string> documented = documented_words();
-  for (const std::string& mode : technique_names(TechniqueKind::mode)) {
+  for (const std::string& mode : builtin_registry().names(TechniqueKind::mode)) {
     for (const SceneFacts& facts : {SceneFacts{}, rich}) {
       for (const int msaa : {1, 4}) {
         const FramePlan made = plan(facts, mode, {}, {.msaa = msaa});
         std::set<std::string> seen;
-        for (const PlannedPass& pass : made.passes) {
-          EXPECT_FALSE(pass.reason.empty());
-          EXPECT_TRUE(seen.insert(pass.name).second) << mode << ": " << pass.name << " twice";
+        for (const std::vector<PlannedPass>& passes : {made.preparations, made.passes}) {
+          for (const PlannedPass& pass : passes) {
+            EXPECT_FALSE(pass.reason.empty());
+            EXPECT_TRUE(seen.insert(pass.name).second) << mode << ": " << pass.name << " twice";
+          }
+        }
+        for (const Feature& feature : made.features) {
+          EXPECT_FALSE(feature.reason.empty());
+          EXPECT_TRUE(seen.insert(feature.name).second) << mode << ": " << feature.name << " twice";
         }
         for (const LeftOut& left_out : made.left_out) {
           EXPECT_FALSE(left_out.why.empty());

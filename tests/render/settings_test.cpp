@@ -89,19 +89,19 @@ TEST(Settings, UnknownNamesGetTheNearest) {
 
 TEST(Registry, EveryNameIsDistinctAndLaterOnesSaySo) {
   std::set<std::string> names;
-  for (const TechniqueInfo& technique : techniques()) {
+  for (const Technique& technique : builtin_registry().techniques) {
     EXPECT_TRUE(names.insert(technique.name).second);
     EXPECT_FALSE(technique.help.empty());
     for (const SettingDeclaration& setting : technique.settings) EXPECT_EQ(setting.name.find(technique.name + "."), 0u);
     if (technique.kind == TechniqueKind::mode) {
-      EXPECT_EQ(find_mode(technique.name).name, technique.name);
+      EXPECT_EQ(builtin_registry().find_mode(technique.name).name, technique.name);
     }
   }
-  for (const LaterName& later : later_modes())
-    EXPECT_TRUE(contains(message_of<Error>([&] { find_mode(later.name); }), "not available in this version"));
-  EXPECT_EQ(find_reflector_technique("off"), nullptr);
-  EXPECT_TRUE(contains(message_of<UsageError>([] { find_mode("unifrom"); }), "did you mean uniform?"));
-  EXPECT_THROW(find_mode("shading"), UsageError);  // settings, not a mode
+  for (const LaterName& later : builtin_registry().later_modes)
+    EXPECT_TRUE(contains(message_of<Error>([&] { builtin_registry().find_mode(later.name); }), "not available in this version"));
+  EXPECT_EQ(builtin_registry().find_reflector("off"), nullptr);
+  EXPECT_TRUE(contains(message_of<UsageError>([] { builtin_registry().find_mode("unifrom"); }), "did you mean uniform?"));
+  EXPECT_THROW(builtin_registry().find_mode("shading"), UsageError);  // settings, not a mode
 }
 
 }  // namespace

@@ -234,8 +234,8 @@ TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
   const SceneFacts facts = compute_facts(build_builtin_scene("cockpit"), -1);
   std::vector<SweptTechnique> swept = swept_techniques(facts, {}, 0);
   std::erase_if(swept, [](const SweptTechnique& t) { return !t.visibility.empty(); });
-  std::vector<std::string> names = technique_names(TechniqueKind::mode);
-  for (const std::string& reflector : technique_names(TechniqueKind::reflector)) names.push_back(reflector);
+  std::vector<std::string> names = builtin_registry().names(TechniqueKind::mode);
+  for (const std::string& reflector : builtin_registry().names(TechniqueKind::reflector)) names.push_back(reflector);
   ASSERT_EQ(swept.size(), names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_EQ(swept[i].name, names[i]);
@@ -296,9 +296,9 @@ TEST(ReportSweep, EstimatorScopeIsRestricted) {
 }
 
 TEST(ReportSweep, ReflectorsAreDrawnByAModeWithoutNoise) {
-  const SweptTechnique bezier{"bezier", "", TechniqueKind::reflector, {{}}, {}, kReflectionMode, {}};
+  const SweptTechnique bezier{"bezier", "", TechniqueKind::reflector, {{}}, {}, reflection_mode(), {}};
   const FrameRequest request = request_of({}, bezier, {}, Scope::reflection);
-  EXPECT_EQ(request.mode, kReflectionMode);
+  EXPECT_EQ(request.mode, reflection_mode());
   EXPECT_EQ(request.reflections, "bezier");
   EXPECT_EQ(request.settings.get_string("shading.visibility"), "auto");
 }
@@ -319,14 +319,14 @@ TEST(ReportReferences, ReflectorsAreJudgedByRays) {
   };
   const SweptCamera driver = swept_cameras(*studio.scene(), options).front();
   const std::optional<Judge> judge =
-      obtain_reflection_reference(&studio, folder.path().string(), driver, technique(kReflectionReference));
+      obtain_reflection_reference(&studio, folder.path().string(), driver, technique(reflection_reference()));
   ASSERT_TRUE(judge);
   EXPECT_EQ(load_hdr_image(folder.file(judge->entry.file)).data, judge->picture.data);
   const auto error = [&](const std::string& name, const QualityStep& step) {
     const FrameRequest request = request_of(studio.request(driver), technique(name), step, Scope::reflection);
     return judge_measurement(measure_frames(&studio.renderer(), request, request, 1), *judge).relative_rmse->median;
   };
-  const SweptTechnique rays = technique(kReflectionReference);
+  const SweptTechnique rays = technique(reflection_reference());
   EXPECT_EQ(error(rays.name, rays.steps.back()), 0.0);
   EXPECT_GT(error(rays.name, rays.steps.front()), 0.0);
   const double bezier = error("bezier", technique("bezier").steps.back());

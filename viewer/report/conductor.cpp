@@ -80,12 +80,14 @@ void Conductor::list_techniques(Report* report) {
       report->left_out.push_back({technique.name, technique.name, *technique.refused});
       continue;
     }
-    report->techniques.push_back({technique.name, technique.help});
+    report->techniques.push_back({technique.name, technique.help,
+                                  technique.kind == TechniqueKind::mode &&
+                                      builtin_registry().find_mode(technique.mode).can.traces_picture});
     for (const LeftOut& left_out : plan_of(technique, Scope::model).left_out)
       report->left_out.push_back({technique.name, left_out.what, left_out.why});
   }
   std::erase_if(techniques_, [](const SweptTechnique& t) { return t.refused.has_value(); });
-  for (const LaterName& later : later_modes())
+  for (const LaterName& later : builtin_registry().later_modes)
     report->left_out.push_back({later.name, later.name, later.help + ": not available in this version"});
 }
 
@@ -119,7 +121,7 @@ void Conductor::make_references(Report* report) {
 
 void Conductor::make_reflection_reference(std::size_t camera, Report* report) {
   const auto raytraced = std::find_if(techniques_.begin(), techniques_.end(),
-                                      [](const SweptTechnique& t) { return t.name == kReflectionReference; });
+                                      [](const SweptTechnique& t) { return t.name == reflection_reference(); });
   if (raytraced == techniques_.end() || InterruptGuard::asked()) return;
   std::optional<Judge> judge;
   std::string why = "no reflector is in view";
@@ -163,7 +165,7 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
         continue;
       }
       // The plan shows restricted settings that techniques share, but not necessarily the technique's own.
-      const bool same = find_mode(technique.mode).restricted_settings.empty() &&
+      const bool same = builtin_registry().find_mode(technique.mode).restricted_settings.empty() &&
                         passes(technique, Scope::estimator) == passes(technique, Scope::model);
       if (same)
         ladders.push_back({c, t, {Scope::estimator, Scope::model}, 0.0, 0, 0, {}, false});

@@ -101,7 +101,7 @@ void mix_request(const FrameRequest& request, ContentKey* key) {
         static_cast<double>(request.env_scale), static_cast<double>(request.variant)})
     key->mix(v);
   key->mix(request.mode);
-  if (request.reflections != "off") {
+  if (request.reflections != kNoReflections) {
     key->mix(request.reflections);
     for (const std::string& node : request.reflectors) key->mix(node);
   }

@@ -78,6 +78,7 @@ struct CameraEntry {
 
 struct TechniqueEntry {
   std::string name, help;
+  bool traces_picture = false;  ///< slower than the others by orders of magnitude
 };
 
 struct Report {

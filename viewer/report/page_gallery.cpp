@@ -16,7 +16,7 @@ double common_time_ms(const std::vector<const Point*>& points, const Report& rep
     for (const Point* point : points)
       if (point->technique == technique.name) fastest = std::min(fastest, point->time_ms.median);
     // The path tracer is slower by orders of magnitude, and is ignored here.
-    if (std::isfinite(fastest) && technique.name != "reference") time = std::max(time, 2.5 * fastest);
+    if (std::isfinite(fastest) && !technique.traces_picture) time = std::max(time, 2.5 * fastest);
   }
   return time;
 }
@@ -52,7 +52,7 @@ std::string gallery(const PageInput& input, const std::string& camera, Scope sco
   std::string html = "<div class=\"gallery\">\n";
   for (const CameraEntry& entry : input.report.cameras)
     if (scope == Scope::model && entry.name == camera && !entry.reference_picture.empty())
-      html += "<figure>" + image(input, entry.reference_picture, "reference") +
+      html += "<figure>" + image(input, entry.reference_picture, "all light paths") +
               "<figcaption><b>reference</b>, all light paths</figcaption></figure>\n";
   const double time = common_time_ms(points, input.report);
   for (const TechniqueEntry& technique : input.report.techniques) {

@@ -122,7 +122,7 @@ Judge obtain_reference(Studio* studio, Journal* journal, const std::string& fold
   const FrameRequest request = studio->request(order.camera);
   ContentKey key = studio->key();
   mix_request(request, &key);
-  key.mix("reference").mix(scope_name(order.scope));
+  key.mix("all light paths").mix(scope_name(order.scope));
   const std::string id = key.text();
   const auto path = [&](int half) { return folder + "/" + half_file(id, half); };
   Judge judge;

@@ -34,11 +34,9 @@ std::optional<double> noise_free_error(const Image& picture, const Judge& judge)
 /// be written.
 Judge obtain_reference(Studio* studio, Journal* journal, const std::string& folder, const ReferenceOrder& order);
 
-/// The reflector technique that judges the others.
-inline constexpr const char* kReflectionReference = "raytraced";
-/// One frame with reflections by `raytraced` at its best step, without noise; stored in the folder. Nothing when no
+/// One frame with reflections by the technique that judges the others (Capabilities::is_exact) at its best step, without noise; stored in the folder. Nothing when no
 /// reflector is in view. Throws Error when it cannot be written.
 std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::string& folder, const SweptCamera& camera,
-                                                 const SweptTechnique& raytraced);
+                                                 const SweptTechnique& exact);
 
 }  // namespace maquette::report

@@ -27,12 +27,10 @@ std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& o
 
 namespace {
 
-/// The mode whose shadows are compared: the few points that it shades make rays through the octree affordable.
-constexpr const char* kShadowedMode = "bandwidth";
-
-void append_visibilities(const SweptTechnique& as_asked, const std::string& visibility,
+/// Of a mode whose shadows are compared: the few points that it shades make rays through the octree affordable.
+void append_visibilities(const SweptTechnique& as_asked, const std::string& visibility, bool sweeps_visibility,
                          std::vector<SweptTechnique>* swept) {
-  if (as_asked.mode != kShadowedMode || visibility == "none") return;
+  if (!sweeps_visibility || visibility == "none") return;
   for (const char* other : {"none", "baked", "traced"}) {
     if (other == visibility) continue;
     SweptTechnique technique = as_asked;
@@ -46,21 +44,21 @@ void append_visibilities(const SweptTechnique& as_asked, const std::string& visi
 }  // namespace
 
 std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings,
-                                             std::size_t reflectors) {
+                                             std::size_t reflectors, const Registry& registry) {
   std::vector<SweptTechnique> swept;
   for (const TechniqueKind kind : {TechniqueKind::mode, TechniqueKind::reflector}) {
-    for (const TechniqueInfo& info : techniques()) {
+    for (const Technique& info : registry.techniques) {
       if (info.kind != kind) continue;
       SweptTechnique technique{info.name, info.help, kind, info.quality_steps, {}, info.name, {}};
-      if (kind == TechniqueKind::reflector) technique.mode = kReflectionMode;
+      if (kind == TechniqueKind::reflector) technique.mode = reflection_mode(registry);
       std::string visibility = "none";
       if (technique.steps.empty()) technique.steps.emplace_back();
       ViewInfo view;
       if (kind == TechniqueKind::reflector) view.reflections = info.name;
       if (reflectors > 0) view.reflectors = static_cast<int>(reflectors);
       try {
-        const FramePlan frame = plan(facts, technique.mode, settings, view);
-        visibility = frame.visibility;
+        const FramePlan frame = plan(facts, technique.mode, settings, view, {}, registry);
+        visibility = frame.shading().visibility;
         const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
                                       [](const LeftOut& l) { return l.what == "reflections"; });
         if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;
@@ -68,10 +66,21 @@ std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Sett
         technique.refused = error.what();
       }
       swept.push_back(technique);
-      append_visibilities(technique, visibility, &swept);
+      append_visibilities(technique, visibility, info.can.sweeps_visibility, &swept);
     }
   }
   return swept;
+}
+
+const std::string& reflection_mode(const Registry& registry) {
+  const Technique* mode = registry.first_that(TechniqueKind::mode, &Capabilities::judges_reflections);
+  return mode ? mode->name : registry.default_mode;
+}
+
+const std::string& reflection_reference(const Registry& registry) {
+  static const std::string kNone;
+  const Technique* exact = registry.first_that(TechniqueKind::reflector, &Capabilities::is_exact);
+  return exact ? exact->name : kNone;
 }
 
 std::string quality_label(const QualityStep& step) {
@@ -80,15 +89,16 @@ std::string quality_label(const QualityStep& step) {
   return label.empty() ? "default" : label;
 }
 
-FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope) {
+FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope,
+                        const Registry& registry) {
   const bool reflector = technique.kind == TechniqueKind::reflector;
   request.mode = technique.mode;
-  request.reflections = reflector ? technique.name : "off";
+  request.reflections = reflector ? technique.name : kNoReflections;
   request.samples = step.samples;
   for (const auto& [name, value] : step.settings) request.settings.set(name, value);
   if (!technique.visibility.empty()) request.settings.set("shading.visibility", technique.visibility);
   if (scope != Scope::estimator) return request;
-  for (const TechniqueInfo& info : techniques())
+  for (const Technique& info : registry.techniques)
     if (info.kind == TechniqueKind::shared || info.name == technique.mode)
       for (const auto& [name, value] : info.restricted_settings) request.settings.set(name, value);
   return request;

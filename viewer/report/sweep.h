@@ -27,21 +27,25 @@ struct SweptTechnique {
   TechniqueKind kind = TechniqueKind::mode;
   std::vector<QualityStep> steps;      ///< at least one
   std::optional<std::string> refused;  ///< why it cannot draw this scene with these settings
-  std::string mode;                    ///< that draws it; kReflectionMode for a reflector technique
+  std::string mode;                    ///< that draws it; reflection_mode() for a reflector technique
   std::string visibility;              ///< replaces shading.visibility; empty: as requested
 };
 /// Every registered mode and reflector technique, those that cannot draw the scene with the reason; where something
 /// shadows the sky, mode bandwidth once more with each other visibility (bandwidth-none, -baked, -traced).
 /// `reflectors`: named by the options.
-std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors);
+std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors,
+                                             const Registry& registry = builtin_registry());
 
 /// The mode for pictures with reflections: one without noise, so that they differ only in the reflections.
-inline constexpr const char* kReflectionMode = "splitsum";
+const std::string& reflection_mode(const Registry& registry = builtin_registry());
+/// The reflector technique that judges the others.
+const std::string& reflection_reference(const Registry& registry = builtin_registry());
 
 /// `64 samples`, `octree.depth 8`, `default`.
 std::string quality_label(const QualityStep& step);
 
 /// One frame: `request` with the technique, the settings of the step, and in the scope estimator the restricted ones.
-FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope);
+FrameRequest request_of(FrameRequest request, const SweptTechnique& technique, const QualityStep& step, Scope scope,
+                        const Registry& registry = builtin_registry());
 
 }  // namespace maquette::report

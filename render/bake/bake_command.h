@@ -34,9 +34,4 @@ struct BakeCommand {
   std::function<void(const BakeRequest&, const BakeControl&)> run;
 };
 
-/// Adding one is one line in registry.cpp.
-const std::vector<BakeCommand>& bake_commands();
-/// Throws UsageError for an unknown name ("did you mean ...") and Error for one that arrives with a later version.
-const BakeCommand& find_bake_command(const std::string& name);
-
 }  // namespace maquette

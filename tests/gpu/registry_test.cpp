@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "render/gl/context.h"
+#include "render/renderer.h"
+#include "render/shading/shading_mode.h"
+#include "render/technique/registry.h"
+#include "tests/support/frame_checks.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+std::shared_ptr<Scene> scene_with_a_mirror() {
+  auto scene = std::make_shared<Scene>(test::box_scene(5, 4, test::matte({0.6f, 0.4f, 0.3f})));
+  Material chrome;
+  chrome.name = "chrome";
+  chrome.metallic = 1.0f;
+  chrome.roughness = 0.0f;
+  scene->materials.push_back(chrome);
+  test::add(scene.get(), test::make_grid({-0.5f, -0.5f, -0.5f}, {1, 0, 0}, {0, 1, 0}, 2, 1), "mirror")->reflector = true;
+  return scene;
+}
+
+FrameRequest request_for(const std::string& mode, const std::string& reflections) {
+  FrameRequest r;
+  r.mode = mode;
+  r.reflections = reflections;
+  r.width = 64;
+  r.height = 48;
+  r.samples = 8;
+  r.camera.eye = {0.2f, 0.1f, 0.9f};
+  r.camera.target = {0.0f, 0.0f, -1.0f};
+  r.settings.set("shading.visibility", std::string("none"));
+  r.settings.set("octree.depth", 6);
+  return r;
+}
+
+struct Drawn {
+  Image picture;
+  FrameStats stats;
+};
+Drawn draw(const Registry& registry, const std::string& mode, const std::string& reflections) {
+  Renderer renderer(registry);
+  renderer.set_scene(scene_with_a_mirror());
+  renderer.set_environment(test::constant_sky(glm::vec3(1.0f)));
+  const FrameRequest request = request_for(mode, reflections);
+  EXPECT_TRUE(renderer.finish_background_work(request));
+  Drawn drawn;
+  drawn.stats = renderer.render(request);
+  drawn.picture = renderer.read_radiance();
+  test::expect_planned_is_done(drawn.stats);
+  return drawn;
+}
+
+/// Nothing outside a technique's folder may depend on what it is called.
+TEST(Registry, NamesOfTechniquesAreOnlyNames) {
+  const GlContext context = GlContext::create_headless();
+  const Registry& own = builtin_registry();
+  Registry renamed = own;
+  for (Technique& technique : renamed.techniques) technique.name = "renamed-" + technique.name;
+  renamed.default_mode = "renamed-" + own.default_mode;
+  std::vector<std::pair<std::string, std::string>> cases;
+  for (const std::string& mode : own.names(TechniqueKind::mode)) cases.emplace_back(mode, kNoReflections);
+  for (const std::string& reflector : own.names(TechniqueKind::reflector)) cases.emplace_back("uniform", reflector);
+  for (const auto& [mode, reflections] : cases) {
+    SCOPED_TRACE(mode + " " + reflections);
+    const Drawn before = draw(own, mode, reflections);
+    const Drawn after =
+        draw(renamed, "renamed-" + mode, reflections == kNoReflections ? reflections : "renamed-" + reflections);
+    EXPECT_EQ(before.picture.data, after.picture.data);
+    ASSERT_EQ(before.stats.plan.passes.size(), after.stats.plan.passes.size());
+    for (std::size_t i = 0; i < before.stats.plan.passes.size(); ++i)
+      EXPECT_EQ(before.stats.plan.passes[i].name, after.stats.plan.passes[i].name);
+    EXPECT_EQ(before.stats.plan.left_out.size(), after.stats.plan.left_out.size());
+    for (const auto& [what, bytes] : before.stats.gpu_bytes) EXPECT_EQ(after.stats.gpu_bytes.count(what), 1u) << what;
+  }
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+/// A mode of the test's own: what is seen is as bright as its number of triangles says.
+class TriangleMode : public ShadingMode {
+ public:
+  explicit TriangleMode(std::string shader) : shader_(std::move(shader)) {}
+  int band_rows(const GridSize& size) const override { return (size.grid_height() + 31) / 32 * 32; }
+  void fit(const GridSize&) override {}
+  void set_constants(const FrameStart&, const ShadingPlan&, FrameConstants*) const override {}
+  std::vector<Pass> passes(const LayerContext& layer) override {
+    return {{.names = {"count"}, .layer = layer.index, .run = [this, &layer] {
+               glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+               dispatch_tiles(layer.frame.programs.get({shader_, "", {}}), layer.surfaces.tiles(), kPerPoint);
+             }}};
+  }
+  void shade_hits(const HitShading&) override {}
+  ShadingCounts counts() const override { return {}; }
+  std::optional<PointValue> view(const std::string& name, const LayerContext&) const override {
+    if (name != "seven") return std::nullopt;
+    return [](int, int) { return glm::vec3(7.0f); };
+  }
+
+ private:
+  std::string shader_;
+};
+
+TEST(Registry, ATechniqueOfOnesOwnDrawsWithoutALineInTheProduct) {
+  const GlContext context = GlContext::create_headless();
+  const std::filesystem::path shader = std::filesystem::path(::testing::TempDir()) / "count.comp";
+  std::ofstream(shader) << R"(layout(local_size_x = 64) in;
+#include "shared/frame.glsl"
+#include "shared/tiles.glsl"
+layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
+void main() {
+  ivec2 pixel = tile_point();
+  if (pixel.x < 0) return;
+  imageStore(o_radiance, pixel, vec4(vec3(float(texelFetch(t_triangle, pixel, 0).x)), 1.0));
+}
+)";
+  Registry registry = builtin_registry();
+  Technique own;
+  own.name = "triangles";
+  own.make_mode = [&] { return std::make_unique<TriangleMode>(shader.string()); };
+  own.add_passes = [](const PlanInput&, ShadingPlan*, FramePlan* plan) {
+    plan->passes.push_back({"count", "the number of the triangle that is seen", {"triangles"}, {"radiance"}});
+  };
+  own.shader_variants = [&] { return std::vector<ShaderVariant>{{shader.string(), "", {}}}; };
+  own.views = {{"seven", "always seven"}};
+  bool baked = false;
+  own.bakes = {{"triangles", "nothing much", [&](const BakeRequest&, const BakeControl&) { baked = true; }}};
+  registry.techniques.push_back(own);
+
+  Renderer renderer(registry);
+  auto scene = std::make_shared<Scene>();
+  scene->materials.push_back(test::matte(glm::vec3(0.5f)));
+  test::add(scene.get(), test::make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 0), "sheet");
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(glm::vec3(0.0f)));
+  FrameRequest request = request_for("triangles", kNoReflections);
+  request.camera.eye = {0.0f, 0.0f, 1.0f};
+  request.camera.target = {0.0f, 0.0f, 0.0f};
+  const FrameStats stats = renderer.render(request);
+  test::expect_planned_is_done(stats);
+  const Image picture = renderer.read_radiance();
+  EXPECT_EQ(picture.at(60, 40, 0), 1.0f) << "below the diagonal";
+  EXPECT_EQ(picture.at(4, 4, 0), 2.0f) << "above it";
+  EXPECT_EQ(renderer.read_debug_view("seven").at(32, 24, 1), 7.0f);
+  const auto variants = all_shader_variants(registry);
+  EXPECT_TRUE(std::any_of(variants.begin(), variants.end(),
+                          [&](const ShaderVariant& v) { return v.path == shader.string(); }));
+  const Settings settings;
+  const std::atomic<bool> cancel{false};
+  registry.find_bake("triangles").run({*scene, -1, settings, {}, ""}, {cancel, {}, {}});
+  EXPECT_TRUE(baked);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+}  // namespace
+}  // namespace maquette

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "render/environment/importance.h"
+#include "render/gl/bindings.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -19,7 +21,7 @@ float effective_solid_angle(const Environment& e, double integral) {
     for (int x = 0; x < e.width; ++x) {
       const glm::vec3& c =
           e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)];
-      const double p = (0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z) / integral;
+      const double p = luminance(glm::dvec3(c)) / integral;
       sum += p * p * texel_sr;
     }
   }
@@ -84,8 +86,8 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
 }  // namespace
 
 void SunBuffers::bind() const {
-  glBindTextureUnit(15, rest_view.get());
-  glBindTextureUnit(23, sun_view.get());
+  glBindTextureUnit(kUnitLightSamples, rest_view.get());
+  glBindTextureUnit(kUnitSunSamples, sun_view.get());
 }
 
 const SunBuffers* EnvironmentBuffers::sun() {
@@ -104,10 +106,10 @@ void EnvironmentBuffers::resample(std::uint32_t seed) {
 }
 
 void EnvironmentBuffers::bind() const {
-  glBindTextureUnit(14, word_view_.get());
-  glBindTextureUnit(15, list_view_.get());
-  glBindTextureUnit(17, bandwidth_view_.get());
-  glBindTextureUnit(64, (node_view_ ? node_view_ : word_view_).get());
+  glBindTextureUnit(kUnitEnvironment, word_view_.get());
+  glBindTextureUnit(kUnitLightSamples, list_view_.get());
+  glBindTextureUnit(kUnitEnvironmentBandwidth, bandwidth_view_.get());
+  glBindTextureUnit(kUnitSkyNodes, (node_view_ ? node_view_ : word_view_).get());
 }
 
 }  // namespace maquette

@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <glm/glm.hpp>
 #include <vector>
 
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN inline
-#endif
+#include "scenes/shared_glsl.h"
 
 namespace maquette {
 namespace shared {
-using namespace glm;
 #include "shared/false_color.glsl"
 }  // namespace shared
 

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/gl/bindings.h"
 #include "render/materials/lobes.h"
-#include "render/rgb9e5_shared.h"
+#include "render/shared_formulas.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -82,7 +84,7 @@ int MaterialStore::slot_of(const std::string& source) {
   phi_.update(slot * kPhiTexels * sizeof(glm::vec2), tables.phi_cells.size() * sizeof(glm::vec2),
               tables.phi_cells.data());
   std::vector<float> albedo;
-  for (const glm::vec3& a : tables.albedo) albedo.push_back(0.2126f * a.x + 0.7152f * a.y + 0.0722f * a.z);
+  for (const glm::vec3& a : tables.albedo) albedo.push_back(luminance(a));
   albedo_.update(slot * kAlbedoCount * sizeof(float), albedo.size() * sizeof(float), albedo.data());
   bandwidth_.update(slot * 8100 * sizeof(float), tables.bandwidth.size() * sizeof(float), tables.bandwidth.data());
   const std::vector<BrdfLobe> rows = compute_lobes(brdf, tables);
@@ -154,12 +156,12 @@ const LobeBound& MaterialStore::lobe_bound(int slot) {
 }
 
 void MaterialStore::bind() const {
-  glBindTextureUnit(10, word_view_.get());
-  glBindTextureUnit(11, theta_view_.get());
-  glBindTextureUnit(12, phi_view_.get());
-  glBindTextureUnit(13, albedo_view_.get());
-  glBindTextureUnit(16, bandwidth_view_.get());
-  glBindTextureUnit(44, lobe_view_.get());
+  glBindTextureUnit(kUnitBrdf, word_view_.get());
+  glBindTextureUnit(kUnitThetaCells, theta_view_.get());
+  glBindTextureUnit(kUnitPhiCells, phi_view_.get());
+  glBindTextureUnit(kUnitAlbedo, albedo_view_.get());
+  glBindTextureUnit(kUnitBrdfBandwidth, bandwidth_view_.get());
+  glBindTextureUnit(kUnitLobes, lobe_view_.get());
 }
 
 }  // namespace maquette

@@ -12,16 +12,12 @@
 #include "render/metrics/ssim.h"
 #include "render/tonemap.h"
 #include "scenes/error.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
 
 std::string size_text(const Image& image) { return std::to_string(image.width) + " x " + std::to_string(image.height); }
-
-double luminance(const float* rgb) {
-  return 0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
-         0.0722 * static_cast<double>(rgb[2]);
-}
 
 void check_comparable(const Image& image, const Image& reference) {
   if (image.width != reference.width || image.height != reference.height)
@@ -89,7 +85,7 @@ void add_notes(const Image& reference, ErrorFigures* f) {
   std::size_t dark = 0;
   for (int y = 0; y < reference.height; ++y)
     for (int x = 0; x < reference.width; ++x)
-      dark += is_counted(reference, x, y) && !(luminance(&reference.data[reference.index(x, y)]) > 0.0) ? 1 : 0;
+      dark += is_counted(reference, x, y) && !(luminance(reference, x, y) > 0.0) ? 1 : 0;
   if (f->relative_rmse && 2 * dark > f->pixel_count)
     f->notes.push_back("more than half of the reference is black: FLIP's exposures follow the pixels with light");
 }
@@ -122,7 +118,7 @@ ErrorFigures compare_images(const Image& image, const Image& reference) {
         continue;
       }
       const auto& e = pixel.expected;
-      luminance_sum += 0.2126 * e[0] + 0.7152 * e[1] + 0.0722 * e[2];
+      luminance_sum += luminance(glm::dvec3(e[0], e[1], e[2]));
       peak = std::max({peak, e[0], e[1], e[2]});
       pixels.push_back(pixel);
     }
@@ -154,7 +150,7 @@ double display_exposure_ev(const Image& reference) {
   std::size_t count = 0;
   for (int y = 0; y < reference.height; ++y) {
     for (int x = 0; x < reference.width; ++x) {
-      const double value = luminance(&reference.data[reference.index(x, y)]);
+      const double value = luminance(reference, x, y);
       if (!is_counted(reference, x, y) || !std::isfinite(value) || !(value > 0.0)) continue;
       sum += std::log2(value);
       ++count;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "render/gl/bindings.h"
 #include "render/texture_atlas.h"
 #include "render/texture_bandwidth.h"
 #include "scenes/error.h"
@@ -203,17 +204,17 @@ void SceneBuffers::set_node_visible(int node, bool visible) {
 }
 
 void SceneBuffers::bind_geometry() const {
-  glBindTextureUnit(4, index_view_.get());
-  glBindTextureUnit(5, vertex_view_.get());
-  glBindTextureUnit(6, triangle_material_view_.get());
-  if (texture_bandwidth_view_) glBindTextureUnit(7, texture_bandwidth_view_.get());
+  glBindTextureUnit(kUnitIndices, index_view_.get());
+  glBindTextureUnit(kUnitVertices, vertex_view_.get());
+  glBindTextureUnit(kUnitTriangleMaterial, triangle_material_view_.get());
+  if (texture_bandwidth_view_) glBindTextureUnit(kUnitTextureBandwidth, texture_bandwidth_view_.get());
 }
 
 void SceneBuffers::bind_materials() const {
-  glBindTextureUnit(1, material_view_.get());
+  glBindTextureUnit(kUnitMaterials, material_view_.get());
   if (texel_view_) {
-    glBindTextureUnit(2, texel_view_.get());
-    glBindTextureUnit(3, texture_record_view_.get());
+    glBindTextureUnit(kUnitTexels, texel_view_.get());
+    glBindTextureUnit(kUnitTextureRecords, texture_record_view_.get());
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/daubechies4.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -35,7 +36,7 @@ std::vector<float> resample(const TextureImage& image, std::size_t n) {
       for (std::size_t v = y0; v < y1; ++v)
         for (std::size_t u = x0; u < x1; ++u) {
           const std::uint8_t* p = &image.rgba[4 * (v * w + u)];
-          sum += 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+          sum += luminance(glm::vec3(p[0], p[1], p[2]));
         }
       out[y * n + x] = sum / (255.0f * static_cast<float>((x1 - x0) * (y1 - y0)));
     }

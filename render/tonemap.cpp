@@ -8,14 +8,10 @@
 #include <numbers>
 
 #include "scenes/error.h"
-
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN inline
-#endif
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace shared {
-using namespace glm;
 #include "shared/tonemap.glsl"
 }  // namespace shared
 
@@ -32,11 +28,6 @@ struct LightSums {
   glm::dvec3 vector{0.0};  ///< the same times direction
 };
 
-double luminance(const glm::vec3& rgb) {
-  return 0.2126 * static_cast<double>(rgb.x) + 0.7152 * static_cast<double>(rgb.y) +
-         0.0722 * static_cast<double>(rgb.z);
-}
-
 LightSums sum_light(const Environment& environment) {
   const auto width = static_cast<std::size_t>(environment.width);
   std::vector<glm::dvec3> around(width);  // horizontal directions of the columns
@@ -48,7 +39,7 @@ LightSums sum_light(const Environment& environment) {
     const double solid_angle = std::sin(theta) * kPi / environment.height * 2.0 * kPi / environment.width;
     LightSums& row = rows[y];
     for (std::size_t x = 0; x < width; ++x) {
-      const double value = luminance(environment.rgb[y * width + x]);
+      const double value = luminance(glm::dvec3(environment.rgb[y * width + x]));
       row.flux += value;
       row.vector += value * around[x];
     }
@@ -72,7 +63,7 @@ double log_average(const Environment& environment, double mean) {
     for (int x = step / 2; x < environment.width; x += step) {
       const auto i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(environment.width) + static_cast<std::size_t>(x);
-      sum += weight * std::log(std::max(1e-4 * mean, luminance(environment.rgb[i])));
+      sum += weight * std::log(std::max(1e-4 * mean, luminance(glm::dvec3(environment.rgb[i]))));
       weights += weight;
     }
   }
@@ -98,9 +89,7 @@ float meter_exposure_ev(const Image& radiance, float environment_ev) {
   for (int y = 0; y < radiance.height; ++y) {
     for (int x = 0; x < radiance.width; ++x) {
       if (radiance.channels > 3 && radiance.at(x, y, 3) < 1.0f) continue;
-      const double value = scale * (0.2126 * static_cast<double>(radiance.at(x, y, 0)) +
-                                    0.7152 * static_cast<double>(radiance.at(x, y, 1)) +
-                                    0.0722 * static_cast<double>(radiance.at(x, y, 2)));
+      const double value = scale * luminance(radiance, x, y);
       if (!std::isfinite(value)) continue;
       sum += std::log2(std::max(value, 0.0) + kFloor);
       ++count;

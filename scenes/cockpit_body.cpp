@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/angles.h"
 #include "scenes/cockpit.h"
 #include "scenes/cockpit_surface.h"
 
@@ -166,7 +167,7 @@ void add_lamps(SceneBuilder* builder, const CockpitMaterials& m, const Primitive
            m.daylight_lamp);
   for (int i = 0; i < 3; ++i) {
     // Projector bowls along the lamp.
-    const double a = (37.0 + 7.5 * i) * kPi / 180.0, y = 0.562 + 0.0024 * (37.0 + 7.5 * i - 30.0);
+    const double a = radians(37.0 + 7.5 * i), y = 0.562 + 0.0024 * (37.0 + 7.5 * i - 30.0);
     double r = 0.5;
     while (lower_body({r * std::sin(a), y, 1.25 + r * std::cos(a)}) < 0.0) r += 0.002;
     r -= 0.038;

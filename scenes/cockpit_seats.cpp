@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/angles.h"
 #include "scenes/builtin.h"
 #include "scenes/cockpit.h"
 
@@ -98,7 +99,7 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
       m.insert, at);
 
   // Backrest: along the recline, heights point forward.
-  const double recline = 23.0 * kPi / 180.0;
+  const double recline = radians(23.0);
   const Vec3 hinge(0.0, 0.335, -0.385), up(0.0, std::cos(recline), -std::sin(recline)),
       forward(0.0, std::sin(recline), std::cos(recline));
   const std::vector<SeatRing> back{

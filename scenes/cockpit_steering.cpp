@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/angles.h"
 #include "scenes/cockpit.h"
 
 namespace maquette::builtin {
@@ -35,7 +36,7 @@ Primitive make_rim() {
 
 /// Flat blade from the hub to the rim along `direction_deg` (clockwise from the top).
 Primitive make_spoke(double direction_deg, double hub_width, double rim_width, double lift) {
-  const double a = direction_deg * kPi / 180.0;
+  const double a = radians(direction_deg);
   const Vec3 out(std::sin(a), std::cos(a), 0.0), side(out.y, -out.x, 0.0);
   const double end = glm::length(rim_centre(a)) - 0.003;
   std::vector<Frame> frames;
@@ -78,7 +79,7 @@ SubdivisionCage make_hub_cage() {
 }  // namespace
 
 void add_steering_wheel(SceneBuilder* builder, const CockpitMaterials& m) {
-  const double tilt = 24.0 * kPi / 180.0;
+  const double tilt = radians(24.0);
   const Vec3 centre(0.37, 0.785, 0.205), towards(0.0, std::sin(tilt), -std::cos(tilt));
   const glm::dmat4 wheel = look_at_frame(centre, centre - towards);
   builder->add_part("steering_wheel_rim", make_rim(), m.soft, wheel);

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/angles.h"
+
 namespace maquette::builtin {
 
 using namespace modelling;
 
 namespace {
-
-double radians(double degrees) { return degrees * kPi / 180.0; }
 
 /// Bulge around a wheel: 0 far away, highest at the edge of the arch.
 double flare(double y, double z) {

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/angles.h"
+#include "scenes/luminance.h"
+
 namespace maquette {
 namespace {
 
@@ -14,7 +17,6 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kWidth = 1024;
 constexpr int kHeight = 512;
 
-double radians(double degrees) { return degrees * kPi / 180.0; }
 double smoothstep(double a, double b, double x) {
   const double t = std::clamp((x - a) / (b - a), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -95,8 +97,7 @@ double sun_illuminance_lx() { return 127500.0 * std::exp(-0.21 / std::sin(radian
 glm::dvec3 sun_radiance() {
   const double solid_angle = 2.0 * kPi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
   const glm::dvec3 tint(1.10, 0.985, 0.85);
-  const double luminance = glm::dot(tint, glm::dvec3(0.2126, 0.7152, 0.0722));
-  return tint * (sun_illuminance_lx() / solid_angle / luminance);
+  return tint * (sun_illuminance_lx() / solid_angle / luminance(tint));
 }
 
 /// Share of the texel's solid angle inside the sun's disc.

@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <utility>
 
+#include "scenes/angles.h"
 #include "scenes/modelling.h"
 
 namespace maquette::modelling {
@@ -60,9 +61,7 @@ void map_box_uvs(Primitive* primitive, double scale) {
 
 glm::dmat4 translation(double x, double y, double z) { return glm::translate(glm::dmat4(1.0), Vec3(x, y, z)); }
 
-glm::dmat4 rotation(double degrees, const Vec3& axis) {
-  return glm::rotate(glm::dmat4(1.0), degrees * kPi / 180.0, axis);
-}
+glm::dmat4 rotation(double degrees, const Vec3& axis) { return glm::rotate(glm::dmat4(1.0), radians(degrees), axis); }
 
 glm::dmat4 look_at_frame(const Vec3& origin, const Vec3& target, const Vec3& up) {
   const Vec3 back = glm::normalize(origin - target), right = glm::normalize(glm::cross(up, back));
@@ -126,7 +125,7 @@ int SceneBuilder::add_patch(const BezierPatch& patch) {
 void SceneBuilder::add_camera(const std::string& name, const Vec3& eye, const Vec3& target, double fov_y_deg) {
   Camera camera;
   camera.name = name;
-  camera.fov_y_rad = static_cast<float>(fov_y_deg * kPi / 180.0);
+  camera.fov_y_rad = static_cast<float>(radians(fov_y_deg));
   camera.aspect = 16.0f / 9.0f;
   scene_.cameras.push_back(camera);
   Node node;

@@ -2,24 +2,19 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "scenes/percent.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {
 
 namespace {
 
-std::string percent(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
-  return text;
-}
-
 void draw_figure(const MeterFacts& meter) {
   if (meter.has_error) {
     ImGui::SetWindowFontScale(1.6f);
-    ImGui::TextUnformatted(percent(meter.error).c_str());
+    ImGui::TextUnformatted(percent_text(meter.error).c_str());
     ImGui::SetWindowFontScale(1.0f);
-    dim_text("relative RMSE, 95 % sure: " + percent(meter.low) + " to " + percent(meter.high));
+    dim_text("relative RMSE, 95 % sure: " + percent_text(meter.low) + " to " + percent_text(meter.high));
     char text[96];
     std::snprintf(text, sizeof text, "%d pixels, %d paths each, %.1f s", meter.pixels, meter.paths, meter.seconds);
     dim_text(text);

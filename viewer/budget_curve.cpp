@@ -7,6 +7,7 @@
 #include <span>
 
 #include "scenes/files.h"
+#include "scenes/percent.h"
 #include "viewer/report/content_key.h"
 
 namespace maquette {
@@ -15,12 +16,6 @@ namespace {
 
 constexpr const char* kKind = "error-curves";
 constexpr int kVersion = 1;
-
-std::string percent(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
-  return text;
-}
 
 }  // namespace
 
@@ -37,11 +32,11 @@ std::optional<BudgetPoint> choose_samples(const BudgetCurve& curve, double budge
   const BudgetPoint best = *std::min_element(
       points.begin(), points.end(), [](const BudgetPoint& a, const BudgetPoint& b) { return a.error < b.error; });
   if (best.samples == 0) {
-    *why = "this mode has no setting that trades time for error; its error is " + percent(best.error);
+    *why = "this mode has no setting that trades time for error; its error is " + percent_text(best.error);
     return std::nullopt;
   }
   if (best.error > budget) {
-    *why = "it cannot be kept: the smallest error measured is " + percent(best.error) + " (" +
+    *why = "it cannot be kept: the smallest error measured is " + percent_text(best.error) + " (" +
            std::to_string(best.samples) + " samples)";
     return std::nullopt;
   }

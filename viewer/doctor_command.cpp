@@ -4,7 +4,6 @@
 #include <embree3/rtcore_config.h>
 #include <imgui.h>
 #include <opensubdiv/version.h>
-#include <spdlog/version.h>
 #include <tbb/version.h>
 #include <unistd.h>
 #include <xxhash.h>
@@ -50,7 +49,6 @@ Json libraries_json() {
       {"nlohmann json",
        version_text(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH)},
       {"CLI11", CLI11_VERSION},
-      {"spdlog", version_text(SPDLOG_VER_MAJOR, SPDLOG_VER_MINOR, SPDLOG_VER_PATCH)},
       {"xxHash", version_text(XXH_VERSION_MAJOR, XXH_VERSION_MINOR, XXH_VERSION_RELEASE)},
   };
 }

@@ -7,6 +7,8 @@
 #include <exception>
 #include <utility>
 
+#include "scenes/luminance.h"
+
 namespace maquette {
 
 namespace {
@@ -20,11 +22,6 @@ constexpr std::uint32_t kSeeds[2] = {7001, 7002};
 
 /// The window's own drawing needs the rest.
 int few_cores() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / 4); }
-
-double luminance(const Image& image, int x, int y) {
-  return 0.2126 * static_cast<double>(image.at(x, y, 0)) + 0.7152 * static_cast<double>(image.at(x, y, 1)) +
-         0.0722 * static_cast<double>(image.at(x, y, 2));
-}
 
 bool same(const PathOptions& a, const PathOptions& b) {
   return a.transport == b.transport && a.env_rotation_rad == b.env_rotation_rad && a.env_scale == b.env_scale &&

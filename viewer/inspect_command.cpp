@@ -7,6 +7,7 @@
 #include "render/materials/brdf_tables.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/luminance.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -23,8 +24,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kHalfPi = 1.5707963267948966;
 const std::vector<std::string> kBuiltinScenes = {"cockpit", "sphere", "plate", "cornell", "seat"};
-
-double luminance(const glm::vec3& rgb) { return 0.2126 * rgb.r + 0.7152 * rgb.g + 0.0722 * rgb.b; }
 
 Json rgb_json(const glm::vec3& rgb) { return {number(rgb.r), number(rgb.g), number(rgb.b)}; }
 
@@ -128,8 +127,8 @@ Json inspect_brdf(const std::string& source) {
   const GgxFit ggx = fit_ggx(table);
   double lowest = INFINITY, highest = 0.0;
   for (const glm::vec3& rgb : table.rgb) {
-    lowest = std::min(lowest, luminance(rgb));
-    highest = std::max(highest, luminance(rgb));
+    lowest = std::min(lowest, luminance(glm::dvec3(rgb)));
+    highest = std::max(highest, luminance(glm::dvec3(rgb)));
   }
   Json json;
   json["kind"] = "BRDF";
@@ -158,7 +157,7 @@ Json inspect_environment(const std::string& source) {
   const Environment environment = load_environment(source);
   const EnvironmentTables tables = load_environment_tables(environment);
   double peak = 0.0;
-  for (const glm::vec3& rgb : environment.rgb) peak = std::max(peak, luminance(rgb));
+  for (const glm::vec3& rgb : environment.rgb) peak = std::max(peak, luminance(glm::dvec3(rgb)));
   const double mean = tables.luminance_integral / (8.0 * kHalfPi);
   Json json;
   json["kind"] = "environment";

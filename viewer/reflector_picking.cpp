@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "render/material_overrides.h"
-#include "render/reference/shared_formulas.h"
 #include "render/reflections/reflectors.h"
+#include "render/shared_formulas.h"
 #include "scenes/subdivision.h"
 
 namespace maquette {

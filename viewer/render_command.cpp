@@ -9,6 +9,7 @@
 #include "render/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "scenes/luminance.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/outputs.h"
@@ -55,7 +56,7 @@ std::optional<Image> load_reference(const SceneOptions& options) {
 /// the difference between the mean of all and that of a half has the variance of the mean of all. Errors that all
 /// frames have in common (interpolation) are not included.
 double estimate_error(const Image& all, const Image& half) {
-  double sum = 0.0, luminance = 0.0;
+  double sum = 0.0, light = 0.0;
   std::size_t count = 0;
   for (int y = 0; y < all.height; ++y) {
     for (int x = 0; x < all.width; ++x) {
@@ -64,14 +65,13 @@ double estimate_error(const Image& all, const Image& half) {
         const double difference = static_cast<double>(all.at(x, y, c)) - static_cast<double>(half.at(x, y, c));
         sum += difference * difference;
       }
-      luminance += 0.2126 * static_cast<double>(all.at(x, y, 0)) + 0.7152 * static_cast<double>(all.at(x, y, 1)) +
-                   0.0722 * static_cast<double>(all.at(x, y, 2));
+      light += luminance(all, x, y);
       ++count;
     }
   }
-  if (count == 0 || luminance <= 0.0) return 0.0;
+  if (count == 0 || light <= 0.0) return 0.0;
   const auto pixels = static_cast<double>(count);
-  return std::sqrt(sum / (3.0 * pixels)) / (luminance / pixels);
+  return std::sqrt(sum / (3.0 * pixels)) / (light / pixels);
 }
 
 /// One frame, or with --frames the measured ones after warm-up. By default each is drawn without results of earlier

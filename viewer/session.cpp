@@ -6,8 +6,10 @@
 #include <limits>
 
 #include "render/tonemap.h"
+#include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/luminance.h"
 #include "scenes/subdivision.h"
 #include "scenes/suggest.h"
 #include "ui/camera_control.h"
@@ -16,8 +18,7 @@ namespace maquette {
 
 namespace {
 
-constexpr float kDegree = 0.017453292519943295f;
-constexpr float kDefaultFov = 40.0f * kDegree;
+constexpr float kDefaultFov = radians(40.0f);
 
 /// The error for a file that is not a scene: names the option for it.
 void check_is_scene(const std::string& path) {
@@ -122,7 +123,7 @@ CameraView choose_camera(const Scene& scene, const SceneOptions& options) {
   const glm::vec3 forward = glm::normalize(view.target - view.eye);
   if (glm::length(glm::cross(forward, view.up)) < 1e-4f)
     view.up = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, -1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
-  if (options.fov_deg) view.fov_y_rad = *options.fov_deg * kDegree;
+  if (options.fov_deg) view.fov_y_rad = radians(*options.fov_deg);
   if (options.fov_deg || options.eye) view.aspect = 0.0f;
   return view;
 }
@@ -198,7 +199,7 @@ std::string units_warning(const Scene& scene, const Environment& environment, fl
   if (environment.name.starts_with("builtin:")) return {};
   double lamps = 0.0;
   for (const Material& material : scene.materials)
-    lamps = std::max(lamps, static_cast<double>(glm::dot(material.emissive, glm::vec3(0.2126f, 0.7152f, 0.0722f))));
+    lamps = std::max(lamps, static_cast<double>(luminance(material.emissive)));
   const double stored = mean_luminance(environment), mean = stored * static_cast<double>(env_scale);
   if (!(mean > 0.0) || mean > kStreetAtNight_cdm2 || lamps < kOutshines * mean) return {};
   const auto rounded = [](double value) {
@@ -230,7 +231,7 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.msaa = options.msaa;
   request.samples = options.samples;
   request.seed = options.seed;
-  request.env_rotation_rad = options.env_rotation_deg * kDegree;
+  request.env_rotation_rad = radians(options.env_rotation_deg);
   request.env_scale = options.env_scale;
   request.variant = find_variant(scene, options.variant);
   request.reflections = options.reflections;

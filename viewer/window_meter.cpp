@@ -10,6 +10,7 @@
 #include "render/false_color.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
+#include "scenes/percent.h"
 
 namespace maquette {
 
@@ -37,12 +38,6 @@ Texture make_texture(const Image& display, const char* label, GLenum filter) {
 
 ImTextureID texture_id(const Texture& texture) {
   return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.get()));
-}
-
-std::string percent(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * value);
-  return text;
 }
 
 }  // namespace
@@ -187,7 +182,7 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
   facts->can_apply = find_setting(samples_setting(session.state.mode)) != nullptr;
   char text[96];
   std::snprintf(text, sizeof text, "%d samples, about %.0f ms a frame, error %s", choice->samples, choice->time_ms,
-                percent(choice->error).c_str());
+                percent_text(choice->error).c_str());
   facts->budget_answer = text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "render/camera.h"
 #include "render/tonemap.h"
+#include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "ui/camera_control.h"
@@ -15,8 +16,6 @@
 namespace maquette {
 
 namespace {
-
-constexpr float kDegree = 0.017453292519943295f;
 
 bool contains_name(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -383,7 +382,7 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.height = std::max(height, 1);
   request.msaa = state.msaa;
   request.seed = seed_;
-  request.env_rotation_rad = state.edits.env_rotation_deg * kDegree;
+  request.env_rotation_rad = radians(state.edits.env_rotation_deg);
   request.env_scale = state.edits.env_scale;
   request.variant = state.edits.variant;
   request.reflections = state.reflections;

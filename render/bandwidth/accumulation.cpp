@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "render/environment_buffers.h"
-#include "render/interpolation_shared.h"
+#include "render/gl/bindings.h"
+#include "render/shared_formulas.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -102,24 +103,24 @@ void Accumulation::clear() {
 }
 
 void Accumulation::forget(const TileList& tiles, ProgramCache* programs) {
-  glBindImageTexture(0, mean_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, spread_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  glBindImageTexture(2, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  glBindImageTexture(3, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageForgottenMean, mean_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageForgottenSpread, spread_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageForgottenDeviation, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageForgottenResidual, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch_tiles(programs->get(kForget), tiles, kPerPoint);
   rate_ = 0.0;
 }
 
 void Accumulation::bind_for_gathering() const {
-  glBindImageTexture(1, mean_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(2, spread_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+  glBindImageTexture(kImageMean, mean_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageSpread, spread_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
 }
 
 void Accumulation::bind_for_filling() const {
-  glBindTextureUnit(18, mean_.get());
-  glBindTextureUnit(19, deviation_.get());
-  glBindTextureUnit(56, worth_.get());
-  glBindImageTexture(1, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindTextureUnit(kUnitMean, mean_.get());
+  glBindTextureUnit(kUnitDeviation, deviation_.get());
+  glBindTextureUnit(kUnitWorth, worth_.get());
+  glBindImageTexture(kImageResidual, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
 }
 
 bool Accumulation::needs_new_light_samples(double rounds) {
@@ -158,14 +159,14 @@ RefineRates Accumulation::measure(const LayerContext& layer, const Texture& pyra
                                   std::size_t visible) {
   const glm::ivec4 sampling = layer.constants.sampling;
   ProgramCache& programs = layer.frame.programs;
-  glBindTextureUnit(18, mean_.get());
-  glBindTextureUnit(19, spread_.get());
-  glBindTextureUnit(21, pyramid.get());
-  glBindTextureUnit(23, marks.get());
-  glBindTextureUnit(57, residual_.get());
-  glBindImageTexture(0, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  glBindImageTexture(1, residuals_.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, sums_.get());
+  glBindTextureUnit(kUnitMean, mean_.get());
+  glBindTextureUnit(kUnitSpread, spread_.get());
+  glBindTextureUnit(kUnitPyramid, pyramid.get());
+  glBindTextureUnit(kUnitMarks, marks.get());
+  glBindTextureUnit(kUnitResidual, residual_.get());
+  glBindImageTexture(kImageDeviation, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageResiduals, residuals_.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTileSums, sums_.get());
   sums_.clear_to_zero();
   dispatch_tiles(programs.get(kMeasure), layer.surfaces.tiles(), kPerTile);
   double deviation = 0.0, share = 0.0, items = 0.0, hungry = 0.0, hungry_items = 0.0;
@@ -184,10 +185,10 @@ RefineRates Accumulation::measure(const LayerContext& layer, const Texture& pyra
   const double least = kLeastShare * deviation / share;
   const double first_rate = rate_ > 0.0 ? rate_ : items / (deviation + least * share);
 
-  glBindTextureUnit(19, deviation_.get());
-  glBindTextureUnit(56, worth_.get());
-  glBindTextureUnit(58, residuals_.get());
-  glBindImageTexture(0, worth_.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
+  glBindTextureUnit(kUnitDeviation, deviation_.get());
+  glBindTextureUnit(kUnitWorth, worth_.get());
+  glBindTextureUnit(kUnitResiduals, residuals_.get());
+  glBindImageTexture(kImageWorth, worth_.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
   sums_.clear_to_zero();
   const Program& weigh = programs.get(kWorth);
   weigh.set("u_items_per_deviation", static_cast<float>(first_rate));

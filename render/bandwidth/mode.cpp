@@ -9,6 +9,7 @@
 #include "render/bandwidth/swapped_tables.h"
 #include "render/bandwidth/temporal_reuse.h"
 #include "render/bandwidth/upsampling.h"
+#include "render/gl/bindings.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -215,11 +216,11 @@ void BandwidthMode::shade_band(const LayerContext& layer, std::size_t band) {
   const Program& mark = programs.get(
       mark_variant(rates_.has_value(), rates_ && textures, repaints_, layer.plan.visibility == "baked"));
   sampled_.lists().bind();
-  glBindImageTexture(0, sampled_.marks().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
+  glBindImageTexture(kImageMarks, sampled_.marks().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   mark.set("u_scouts", accumulation_ ? static_cast<float>(frame_ + 1) / kScoutFrames : 0.0f);
-  glBindTextureUnit(20, prediction_.axes().get());
+  glBindTextureUnit(kUnitAxes, prediction_.axes().get());
   if (rates_) {
-    glBindImageTexture(1, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageMarkedRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     mark.set("u_items_per_deviation", rates_->items_per_deviation);
     mark.set("u_least_deviation", rates_->least_deviation);
   }
@@ -233,7 +234,7 @@ void BandwidthMode::shade_band(const LayerContext& layer, std::size_t band) {
   count_groups(sampled_.lists(), &programs);
   const Program& gather = programs.get(gather_variant(accumulation_.has_value(), textures));
   if (accumulation_) accumulation_->bind_for_gathering();
-  glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   sampled_.shade_lists(layer.frame, layer.plan, counters, shade_variant, gather);
   layer.frame.timer().end("shade");
 }

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "render/bandwidth_shared.h"
+#include "render/gl/bindings.h"
 #include "render/materials/bandwidth.h"
 #include "render/shading/sampled_shading.h"
+#include "render/shared_formulas.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -103,16 +104,16 @@ void Prediction::find_curvature(const LayerContext& layer) {
   glClearTexImage(energy_.get(), 0, GL_RGBA, GL_FLOAT, none);
   glClearTexImage(pyramid_.get(), 0, GL_RGBA, GL_FLOAT, none);
   if (whole_blocks()) glClearTexImage(pyramid_.get(), 1, GL_RGBA, GL_FLOAT, none);
-  glBindImageTexture(0, bend_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(kImageBend, bend_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   dispatch_tiles(layer.frame.programs.get(kCurvature), layer.surfaces.tiles(), kPerQuad);
 }
 
 void Prediction::list_quads(const LayerContext& layer, const PredictedPart& part, WorkLists* lists) const {
-  glBindImageTexture(0, energy_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageEnergy, energy_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   lists->counters.clear_to_zero();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, lists->counters.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists->items[0].get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, lists->items[1].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, lists->counters.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferMeasuredPixels, lists->items[0].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferAnalyticPixels, lists->items[1].get());
   const bool first_only = size_.side > 1;
   dispatch_tiles(layer.frame.programs.get(classify_variant(first_only)), part.tiles, first_only ? kPerTile : kPerBlock,
                  {}, part.share);
@@ -125,41 +126,42 @@ void Prediction::predict(const LayerContext& layer, const PredictedPart& part, W
   if (has_near_terms(layer.plan)) {
     if (!near_terms_)
       near_terms_ = Texture::make_2d("near terms", GL_RGBA32F, energy_.width(), energy_.height());
-    glBindImageTexture(2, near_terms_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    glBindTextureUnit(0, layer.surfaces.triangle().get());
-    glBindTextureUnit(28, near_terms_.get());
+    glBindImageTexture(kImageNear, near_terms_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
+    glBindTextureUnit(kUnitNear, near_terms_.get());
   }
   list_quads(layer, part, lists);
   const SceneFacts& facts = frame.scene.facts();
   for (int list = 0; list < 2; ++list) {
     if ((list == 0 ? facts.measured_count : facts.analytic_count) == 0) continue;
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists->items[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferMeasuredPixels, lists->items[list].get());
     const Program& program = programs.get(predict_variant(layer.plan, list == 0, part.sky_variance));
     program.set("u_list", list);
     if (layer.plan.visibility == "traced") frame.bakes.octree().buffers().set_uniforms(program);
     dispatch_indirect(program, list * 32 + 8);
   }
-  glBindTextureUnit(18, energy_.get());
-  if (layer.plan.texture_bandwidth) glBindTextureUnit(20, layer.surfaces.texture_bandwidth().get());
-  glBindTextureUnit(31, bend_.get());
-  glBindImageTexture(0, pyramid_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, axes_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
+  glBindTextureUnit(kUnitEnergy, energy_.get());
+  if (layer.plan.texture_bandwidth)
+    glBindTextureUnit(kUnitTextureBandwidthMap, layer.surfaces.texture_bandwidth().get());
+  glBindTextureUnit(kUnitBend, bend_.get());
+  glBindImageTexture(kImageBandwidth, pyramid_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageAxes, axes_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
   const bool coarse = whole_blocks();
-  if (coarse) glBindImageTexture(2, pyramid_.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  if (coarse) glBindImageTexture(kImageFirstCoarse, pyramid_.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(programs.get(bandwidth_variant(layer.plan, size_.side > 1, coarse)), part.tiles, kPerBlock, {},
                  part.share);
 }
 
 void Prediction::make_pyramid(ProgramCache* programs) {
   const Program& program = programs->get(kPyramid);
-  glBindTextureUnit(21, pyramid_.get());
+  glBindTextureUnit(kUnitPyramid, pyramid_.get());
   int w = pyramid_.width(), h = pyramid_.height();
   for (int level = 0; w > 1 || h > 1; ++level) {
     w = std::max(1, w / 2);
     h = std::max(1, h / 2);
     if (level == 0 && whole_blocks()) continue;
     program.set("u_level", level);
-    glBindImageTexture(0, pyramid_.get(), level + 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageCoarse, pyramid_.get(), level + 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     dispatch(program, group_count(w, 8), group_count(h, 8));
   }
 }
@@ -173,13 +175,13 @@ void Prediction::find_open(const LayerContext& layer, const TileList* swapped) {
   const std::uint32_t tables = layer.frame.scene.revisions().tables;
   const bool known = open_of_ == key && (swapped || open_tables_ == tables);
   if (!known || swapped) {
-    glBindTextureUnit(0, layer.surfaces.triangle().get());
-    glBindImageTexture(0, open_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
+    glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
+    glBindImageTexture(kImageOpen, open_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
     dispatch_tiles(layer.frame.programs.get(kOpen), known ? *swapped : layer.surfaces.tiles(), kPerPoint);
     open_of_ = key;
     open_tables_ = tables;
   }
-  glBindTextureUnit(65, open_.get());
+  glBindTextureUnit(kUnitOpen, open_.get());
 }
 
 std::size_t Prediction::bytes() const {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -154,14 +156,14 @@ void TemporalReuse::schedule(Band* band) {
   mark.set("u_item_capacity", lists.capacity);
   mark.set("u_sample_scale", 1.0f);
   lists.counters.clear_to_zero();
-  glBindImageTexture(0, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
-  glBindTextureUnit(20, band->axes.get());
+  glBindImageTexture(kImageMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  glBindTextureUnit(kUnitAxes, band->axes.get());
   dispatch_tiles(mark, tiles, kPerBlock, band->number, renewed_share(band->rotation));
   const Program& schedule = layer.frame.programs.get(kSchedule);
-  glBindImageTexture(0, marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
-  glBindTextureUnit(18, history_->mean.get());
-  glBindTextureUnit(19, history_->renewed.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, history_->counters.get());
+  glBindImageTexture(kImageMarks, marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
+  glBindTextureUnit(kUnitHistory, history_->mean.get());
+  glBindTextureUnit(kUnitRenewed, history_->renewed.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTurnCounters, history_->counters.get());
   schedule.set("u_turn_rad", std::abs(band->rotation.angle_rad));
   schedule.set("u_frame_number", static_cast<int>(band->rotation.frame));
   // A band that needs far more than its share gets what fits; what costs far more than its budget is asked for anew.
@@ -201,8 +203,8 @@ void TemporalReuse::shade_items(const Band& band, int list, bool looks_back, uns
   if (count == 0) return;
   const LayerContext& layer = band.layer;
   const WorkLists& lists = band.sampled.lists();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists.items[list].get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, lists.partial[list].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferItems, lists.items[list].get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPartial, lists.partial[list].get());
   const SunBuffers* sun = layer.frame.scene.environment().sun();
   const Program& program =
       layer.frame.programs.get(scheduled_shade_variant(layer.plan, list == 0, looks_back, sun != nullptr));
@@ -218,8 +220,8 @@ void TemporalReuse::shade_sun(const Band& band, int list, unsigned points) {
   const LayerContext& layer = band.layer;
   const SunBuffers* sun = layer.frame.scene.environment().sun();
   if (!sun || points == 0) return;
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, band.sampled.lists().points[list].get());
-  glBindImageTexture(0, history_->sun.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPoints, band.sampled.lists().points[list].get());
+  glBindImageTexture(kImageSun, history_->sun.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const Program& program = layer.frame.programs.get(sun_variant(layer.plan, list == 0));
   set_sun(program, *sun);
   program.set("u_frame_number", static_cast<int>(band.rotation.frame));
@@ -247,9 +249,10 @@ void TemporalReuse::shade_round(Band* band, int round, const unsigned large_item
     if ((round == 0 ? counters[0] : more) == 0) continue;
     shade_items(*band, list, round == 0, 0, round == 0 ? small_items[list] : more);
     if (round == 0) shade_items(*band, list, false, capacity - large, large);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists.points[list].get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, lists.items[list].get());  // the first round lists the second
-    glBindTextureUnit(22, lists.partial_view[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPoints, lists.points[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNextItems,
+                     lists.items[list].get());  // the first round lists the second
+    glBindTextureUnit(kUnitPartial, lists.partial_view[list].get());
     gather.set("u_list", list);
     dispatch(gather, 256, 1);
     sampled.counts.samples += round == 0 ? counters[5] : more << (least_item_log2(layer.constants.sampling.y) + 3);
@@ -268,10 +271,10 @@ void TemporalReuse::shade_band(Band* band) {
   const SunBuffers* sun = layer.frame.scene.environment().sun();
   if (sun) sun->bind();
   for (int list = 0; list < 2; ++list) shade_sun(*band, list, band->counters[8 * list + 1]);
-  if (sun) glBindImageTexture(3, history_->sun.get(), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
-  glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, history_->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(2, history_->renewed.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+  if (sun) glBindImageTexture(kImageGatheredSun, history_->sun.get(), 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageHistory, history_->mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageRenewed, history_->renewed.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
   for (int round = 0; round < 2; ++round) {
     shade_round(band, round, listed.large_items, listed.small_items);
     layer.frame.timer().end("shade");

@@ -1,5 +1,7 @@
 #include "render/bandwidth/upsampling.h"
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -58,9 +60,9 @@ void Upsampling::fit(const GridSize& size) {
 }
 
 void Upsampling::list_quads(const LayerContext& layer) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, quad_counts_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, plain_quads_.quads.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, mixed_quads_.quads.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferQuadCounts, quad_counts_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPlainQuads, plain_quads_.quads.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferMixedQuads, mixed_quads_.quads.get());
   quad_counts_.clear_to_zero();
   dispatch_tiles(layer.frame.programs.get(kQuads), layer.surfaces.tiles(), kPerBlock);
   unsigned counts[2];
@@ -94,10 +96,10 @@ void Upsampling::fill_levels(const LayerContext& layer, Step step, bool own, con
 
 void Upsampling::fill(const LayerContext& layer, const Texture& axes, const Texture& marks,
                       const std::function<void()>& bind_own, const TileList& tiles, int levels) {
-  glBindTextureUnit(21, axes.get());
-  glBindTextureUnit(23, marks.get());
-  glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(2, weights_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
+  glBindTextureUnit(kUnitScreenAxes, axes.get());
+  glBindTextureUnit(kUnitMarks, marks.get());
+  glBindImageTexture(kImageRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageWeights, weights_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
   const bool own = static_cast<bool>(bind_own);
   if (own) bind_own();
   // From the second frame on that shows the same surfaces.

@@ -1,11 +1,7 @@
 #pragma once
 
 // shaders/shared/bezier.glsl compiled as C++, once in float and once in double. The GPU compiles the same source.
-#include <glm/glm.hpp>
-
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN inline
-#endif
+#include "scenes/shared_glsl.h"
 
 namespace maquette::bezier_float {
 using namespace glm;

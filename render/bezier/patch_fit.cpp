@@ -10,7 +10,9 @@
 #include <numbers>
 #include <numeric>
 
+#include "render/bezier/point_cloud.h"
 #include "render/bezier/reflector_patch.h"
+#include "render/bezier/sheets.h"
 #include "scenes/subdivision_patches.h"
 
 namespace maquette {
@@ -23,76 +25,6 @@ using bezier_double::SurfaceJet;
 
 constexpr std::size_t kMaxPatchesPerSheet = 32, kMinTriangles = 16;
 constexpr std::size_t kMaxPoints = 6000;  // of the equation system; the distances are measured at all vertices
-
-/// Vertices of a part in a local frame: centred, scaled to size 1, x and y along the sides of the smallest rectangle
-/// around their projection.
-struct Cloud {
-  std::vector<glm::dvec3> points;
-  std::vector<glm::dvec3> normals;      ///< unit or 0, as many; none where the mesh has none
-  std::vector<std::uint32_t> vertices;  ///< indices into the mesh
-  glm::dvec3 origin{0.0};
-  glm::dmat3 world_from_local{1.0};
-  double scale = 1.0;
-};
-
-glm::dmat3 principal_axes(const std::vector<glm::dvec3>& points, double* flatness) {
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const glm::dvec3& p : points) {
-    const Eigen::Vector3d v(p.x, p.y, p.z);
-    covariance += v * v.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-  const auto axis = [&](int k) {
-    return glm::dvec3(solver.eigenvectors()(0, k), solver.eigenvectors()(1, k), solver.eigenvectors()(2, k));
-  };
-  *flatness = solver.eigenvalues()(1) / std::max(solver.eigenvalues()(2), 1e-300);
-  return {axis(2), glm::cross(axis(0), axis(2)), axis(0)};
-}
-
-/// Returns false for a part without area.
-bool make_cloud(std::span<const glm::vec3> positions, std::span<const glm::vec3> normals,
-                std::span<const std::uint32_t> indices, Cloud* cloud) {
-  cloud->vertices.assign(indices.begin(), indices.end());
-  std::sort(cloud->vertices.begin(), cloud->vertices.end());
-  cloud->vertices.erase(std::unique(cloud->vertices.begin(), cloud->vertices.end()), cloud->vertices.end());
-  for (const std::uint32_t v : cloud->vertices) {
-    cloud->points.emplace_back(positions[v]);
-    cloud->origin += cloud->points.back() / static_cast<double>(cloud->vertices.size());
-  }
-  cloud->scale = 0.0;
-  for (glm::dvec3& p : cloud->points) {
-    p -= cloud->origin;
-    cloud->scale = std::max(cloud->scale, glm::length(p));
-  }
-  if (!(cloud->scale > 0.0) || !std::isfinite(cloud->scale)) return false;
-  double flatness = 0.0;
-  for (glm::dvec3& p : cloud->points) p /= cloud->scale;
-  glm::dmat3 axes = principal_axes(cloud->points, &flatness);
-  if (flatness < 1e-10) return false;  // all on a line
-  constexpr int kAngles = 90;
-  double least = 1e300, best = 0.0;
-  for (int k = 0; k < kAngles; ++k) {
-    const double angle = 0.5 * std::numbers::pi * k / kAngles, c = std::cos(angle), s = std::sin(angle);
-    glm::dvec2 low(1e300), high(-1e300);
-    for (const glm::dvec3& p : cloud->points) {
-      const glm::dvec2 q(glm::dot(p, c * axes[0] + s * axes[1]), glm::dot(p, c * axes[1] - s * axes[0]));
-      low = glm::min(low, q);
-      high = glm::max(high, q);
-    }
-    const double area = (high.x - low.x) * (high.y - low.y);
-    if (area < 0.999 * least) least = area, best = angle;
-  }
-  const double c = std::cos(best), s = std::sin(best);
-  axes = {c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2]};
-  cloud->world_from_local = axes;
-  for (glm::dvec3& p : cloud->points) p = glm::transpose(axes) * p;
-  for (std::size_t n = 0; n < cloud->vertices.size() && !normals.empty(); ++n) {
-    const glm::dvec3 normal = glm::transpose(axes) * glm::dvec3(normals[cloud->vertices[n]]);
-    const double length = glm::length(normal);
-    cloud->normals.push_back(length > 0.0 && std::isfinite(length) ? normal / length : glm::dvec3(0.0));
-  }
-  return true;
-}
 
 using Surface = bezier_double::BezierSurface;
 
@@ -330,64 +262,6 @@ void add_normal_angles(const LocalFit& fit, std::span<const glm::vec3> normals, 
     const glm::dvec3 a = fit.cloud.world_from_local * glm::normalize(local), b = glm::normalize(mesh);
     angles->push_back(std::atan2(glm::length(glm::cross(a, b)), std::abs(glm::dot(a, b))));
   }
-}
-
-/// Groups triangles into smooth sheets: two triangles belong to the same sheet when they share an edge (by position,
-/// not by index) and are nearly coplanar there.
-class Sheets {
- public:
-  Sheets(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices) : parent_(indices.size() / 3) {
-    constexpr double kCrease = 0.9;  // cosine
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    std::map<std::array<float, 3>, std::uint32_t> point_numbers;
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> edges;
-    for (std::size_t t = 0; t < parent_.size(); ++t) {
-      std::array<std::uint32_t, 3> v{};
-      std::array<glm::dvec3, 3> p{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const glm::vec3& at = positions[indices[3 * t + k]];
-        v[k] = point_numbers.emplace(std::array{at.x, at.y, at.z}, static_cast<std::uint32_t>(point_numbers.size()))
-                   .first->second;
-        p[k] = at;
-      }
-      normals_.push_back(glm::cross(p[1] - p[0], p[2] - p[0]));
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto [edge, first] = edges.emplace(std::minmax(v[k], v[(k + 1) % 3]), t);
-        if (first) continue;
-        const glm::dvec3 &a = normals_[t], &b = normals_[edge->second];
-        // A sliver has no reliable plane, so it joins its neighbour.
-        const double sizes = glm::length(a) * glm::length(b);
-        if (std::abs(glm::dot(a, b)) >= kCrease * sizes) parent_[root(t)] = root(edge->second);
-      }
-    }
-  }
-  std::size_t root(std::size_t t) {
-    while (parent_[t] != t) t = parent_[t] = parent_[parent_[t]];
-    return t;
-  }
-  double area(std::size_t t) const { return 0.5 * glm::length(normals_[t]); }
-
- private:
-  std::vector<std::size_t> parent_;
-  std::vector<glm::dvec3> normals_;
-};
-
-/// The sheets as lists of triangle indices, largest first.
-std::vector<std::vector<std::size_t>> find_sheets(std::span<const glm::vec3> positions,
-                                                  std::span<const std::uint32_t> indices) {
-  Sheets sheets(positions, indices);
-  std::map<std::size_t, std::pair<double, std::vector<std::size_t>>> by_root;
-  for (std::size_t t = 0; t < indices.size() / 3; ++t) {
-    auto& [area, triangles] = by_root[sheets.root(t)];
-    area += sheets.area(t);
-    triangles.push_back(t);
-  }
-  std::vector<std::pair<double, std::vector<std::size_t>>> kept;
-  for (auto& [root, sheet] : by_root) kept.push_back(std::move(sheet));
-  std::stable_sort(kept.begin(), kept.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  std::vector<std::vector<std::size_t>> out;
-  for (auto& sheet : kept) out.push_back(std::move(sheet.second));
-  return out;
 }
 
 using Parts = std::array<std::vector<std::size_t>, 2>;

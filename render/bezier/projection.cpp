@@ -10,6 +10,7 @@
 
 #include "render/bezier/patch_fit.h"
 #include "render/bezier/patch_view.h"
+#include "render/gl/bindings.h"
 #include "render/reflections/clusters.h"
 #include "render/reflections/nearest_hits.h"
 #include "scenes/error.h"
@@ -82,8 +83,7 @@ struct ClusterStart {
   glm::vec2 x{0.0f};
   float certified = 0.0f, unused = 0.0f;
   glm::vec4 x_by_position{0.0f}, y_by_position{0.0f};
-  glm::vec4 middle{0.0f};  ///< world, m; radius, m
-  glm::vec4 half_extent{0.0f};
+  glm::vec4 middle{0.0f}, half_extent{0.0f};  ///< world, m; the first has the radius, m, beside it
 };
 
 /// A cluster that may be visible in a part.
@@ -217,12 +217,12 @@ class BezierReflections : public ReflectorTechnique {
     if (texels.empty()) return parts;
     nodes_ = Buffer::from("reflection nodes", texels);
     node_view_ = Texture::make_buffer("reflection nodes", GL_RGBA32F, nodes_);
-    glBindTextureUnit(54, node_view_.get());
+    glBindTextureUnit(kUnitPatchNodes, node_view_.get());
     constexpr std::size_t kMirrorBytes = kMaxReflectors * sizeof(glm::ivec4);
     const std::size_t bytes = kMirrorBytes + records.size() * sizeof(PatchRecord);
     if (!patches_) patches_ = Buffer("patches in view", bytes);
     patches_.update(kMirrorBytes, bytes - kMirrorBytes, records.data());
-    glBindBufferBase(GL_UNIFORM_BUFFER, 1, patches_.get());
+    glBindBufferBase(GL_UNIFORM_BUFFER, kBlockReflectors, patches_.get());
     return parts;
   }
 
@@ -339,8 +339,8 @@ class BezierReflections : public ReflectorTechnique {
     for (const Candidate& c : *candidates) starts_.push_back(c.start);
     start_list_ = Buffer::from("starts", starts_);
     const Buffer boxes("boxes of clusters", starts_.size() * NearestHits::kVisibleBoxBytes);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, boxes.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, start_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferBoxes, boxes.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPatchStarts, start_list_.get());
     const Program& program = frame.programs->get(kBounds);
     set_part(program, part);
     program.set("u_count", static_cast<int>(starts_.size()));
@@ -404,10 +404,10 @@ class BezierReflections : public ReflectorTechnique {
     vertex_list_ = Buffer::from("mirrored vertices", vertices_);
     triangle_list_ = Buffer::from("mirrored triangles", triangles_);
     start_list_ = Buffer::from("starts", starts_);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, projected_.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, counters_.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, vertex_list_.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, start_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferProjections, projected_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferBezierCounters, counters_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPatchVertices, vertex_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPatchStarts, start_list_.get());
     if (!vertices_.empty()) {
       const Program& vertices_program = frame.programs->get(kVertices);
       set_part(vertices_program, part);
@@ -415,7 +415,7 @@ class BezierReflections : public ReflectorTechnique {
       run(vertices_program, static_cast<int>(vertices_.size()));
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
     }
-    glBindTextureUnit(55, projected_view_.get());
+    glBindTextureUnit(kUnitProjected, projected_view_.get());
     if (draws_points(frame))
       draw_points(frame, part);
     else
@@ -428,7 +428,7 @@ class BezierReflections : public ReflectorTechnique {
 
   /// Draws the vertices of `vertex_list_` as points.
   void draw_points(const ReflectionFrame& frame, const Part& part) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_of_vertex_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTriangleOfVertex, triangle_of_vertex_.get());
     hits_.bind_nearest();
     const Program& program = frame.programs->get(kPoints);
     program.set("u_reflector", part.reflector);
@@ -458,12 +458,12 @@ class BezierReflections : public ReflectorTechnique {
         program.set("u_last", level >= levels ? 1 : 0);
         program.set("u_next_counter", level % 2 == 0 ? static_cast<int>(pieces_a) : static_cast<int>(pieces_b));
       }
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 5, pieces_[(level + 1) % 2].get());
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, pieces_[level % 2].get());
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPieces, pieces_[(level + 1) % 2].get());
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNextPieces, pieces_[level % 2].get());
       run(program, count);
       glMemoryBarrier(GL_ALL_BARRIER_BITS);
     };
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, triangle_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferBezierTriangles, triangle_list_.get());
     run_over(kClassify, static_cast<int>(triangles_.size()), 0);
     for (int level = 1; level <= std::max(levels, 1); ++level) {
       const std::size_t from = level % 2 == 1 ? pieces_a : pieces_b, to = level % 2 == 1 ? pieces_b : pieces_a;

@@ -8,8 +8,9 @@
 #include <numbers>
 #include <set>
 
-#include "render/bandwidth_shared.h"
 #include "render/environment/wavelet_bandwidth.h"
+#include "render/shared_formulas.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
@@ -32,8 +33,6 @@ struct Map {
   std::vector<float> values;
   const float* row(std::size_t y) const { return &values[y * width]; }
 };
-
-float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
 /// Luminance resampled to the working size: each texel averages n x n bilinear points; exact box filter for integer
 /// factors.
@@ -63,7 +62,7 @@ Map working_map(const Environment& environment) {
   if (map.values.size() == environment.rgb.size() && nx == 1 && ny == 1) {
     tbb::parallel_for(std::size_t{0}, map.height, [&](std::size_t y) {
       const glm::vec3* row = &environment.rgb[y * map.width];
-      std::transform(row, row + map.width, &map.values[y * map.width], luminance);
+      for (std::size_t x = 0; x < map.width; ++x) map.values[y * map.width + x] = luminance(row[x]);
     });
     return map;
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/luminance.h"
+
 namespace maquette {
 namespace {
 
@@ -18,8 +20,8 @@ struct Weighted {
 };
 
 Weighted weigh(const glm::vec3& rgb, double weight) {
-  const double r = rgb.x, g = rgb.y, b = rgb.z;
-  return {weight * (r + g + b) / 3.0, weight * (0.2126 * r + 0.7152 * g + 0.0722 * b)};
+  const glm::dvec3 c(rgb);
+  return {weight * (c.x + c.y + c.z) / 3.0, weight * luminance(c)};
 }
 
 /// Integrals of the cells of one row; returns the sum of the luminance.

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/environment/directions_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/rgb9e5_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/rgb9e5_shared.h"
+#include "render/shared_formulas.h"
 #include "scenes/environment.h"
 
 namespace maquette {

@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "render/low_discrepancy.h"
-#include "render/reference/shared_formulas.h"
-#include "render/rgb9e5_shared.h"
+#include "render/shared_formulas.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
@@ -20,8 +20,6 @@ struct SunTexel {
   glm::vec3 radiance;
   double power;  ///< luminance times the integral of its tent over the sphere
 };
-
-double luminance(const glm::vec3& c) { return static_cast<double>(shared::luminance(c)); }
 
 /// Integral of cos(latitude) over the tent around row y's centre, over the texels' extents: the tent's second moment
 /// reduces it by 1/12 of the square of a row.
@@ -74,7 +72,7 @@ std::optional<Sun> find_sun(const Environment& environment, double luminance_int
       const glm::vec3& c = environment.rgb[y * width + x];
       // Most texels are much darker: skip the packing.
       if (luminance(c) < 0.5 * sun_luminance) {
-        brightest_other = std::max(brightest_other, luminance(c));
+        brightest_other = std::max(brightest_other, static_cast<double>(luminance(c)));
         continue;
       }
       const glm::vec3 packed = shared::unpack_rgb9e5(shared::pack_rgb9e5(c, bias), bias);

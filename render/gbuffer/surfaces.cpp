@@ -1,6 +1,8 @@
 // What is seen through each grid point, found on screen. Kept from frame to frame while it holds.
 #include "render/gbuffer/surfaces.h"
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -45,7 +47,7 @@ void Surfaces::list_tiles(const Texture& triangles, TileList* surface, TileList*
     if (list->counts.size() != tiles_.counts.size() || list->tiles.bytes() != tiles_.tiles.bytes() ||
         list->band_tiles != tiles_.band_tiles)
       *list = make_tile_list(size_, band_rows_);
-  glBindTextureUnit(0, triangles.get());
+  glBindTextureUnit(kUnitTriangle, triangles.get());
   const Program& program = counter_.begin(programs, kTiles, band_rows_, *surface, sky);
   dispatch_list(program, group_count(size_.grid_width(), kTileSide) * group_count(size_.grid_height(), kTileSide));
   counter_.end(surface, sky);
@@ -67,20 +69,21 @@ void Surfaces::find(const SceneState& scene, const Texture& triangles, SkyTiles*
   const GLuint nothing[4] = {};
   glClearTexImage(depth_.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(guide_.get(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nothing);
-  glBindImageTexture(0, surface_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
-  glBindImageTexture(1, depth_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  glBindImageTexture(3, guide_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
-  if (has_texture_bandwidth_) glBindImageTexture(2, texture_nu_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageSurface, surface_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(kImageDepth, depth_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageGuide, guide_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+  if (has_texture_bandwidth_)
+    glBindImageTexture(kImageTextureBandwidth, texture_nu_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   const SceneBuffers& buffers = scene.buffers();
   dispatch_tiles(programs->get(resolve_variant(buffers.has_textures(), has_texture_bandwidth_, buffers.has_colors())),
                  tiles_, kPerPoint);
 }
 
 void Surfaces::bind() const {
-  if (triangle_) glBindTextureUnit(0, triangle_->get());
-  glBindTextureUnit(8, surface_.get());
-  glBindTextureUnit(9, depth_.get());
-  glBindTextureUnit(26, guide_.get());
+  if (triangle_) glBindTextureUnit(kUnitTriangle, triangle_->get());
+  glBindTextureUnit(kUnitSurface, surface_.get());
+  glBindTextureUnit(kUnitDepth, depth_.get());
+  glBindTextureUnit(kUnitGuide, guide_.get());
 }
 
 }  // namespace maquette

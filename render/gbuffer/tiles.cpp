@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 TileList make_tile_list(const GridSize& size, int band_rows) {
@@ -43,7 +45,7 @@ void order_tiles(TileList* list) {
 
 void dispatch_tiles(const Program& program, const TileList& list, int shift, std::optional<std::size_t> band,
                     TileShare share) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, list.tiles.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTiles, list.tiles.get());
   const std::size_t first = band.value_or(0), last = band ? first + 1 : list.counts.size();
   for (std::size_t b = first; b < last; ++b) {
     const int count = (list.counts[b] - share.first + share.step - 1) / share.step;
@@ -58,7 +60,7 @@ TileCounter::TileCounter(std::size_t bands) : counts_("tile counts", bands * 2 *
 
 const Program& TileCounter::begin(ProgramCache* programs, const ShaderVariant& shader, int band_rows,
                                   const TileList& first, const TileList* second) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, counts_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTileCounts, counts_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, first.tiles.get());
   if (second) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, second->tiles.get());
   counts_.clear_to_zero();
@@ -77,7 +79,7 @@ void TileCounter::end(TileList* first, TileList* second) const {
 }
 
 void dispatch_quads(const Program& program, const QuadList& list, int invocations) {
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, list.quads.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferQuads, list.quads.get());
   program.set("u_quads", list.count);
   dispatch_list(program, invocations * list.count);
 }

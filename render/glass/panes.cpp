@@ -8,6 +8,7 @@
 
 #include "render/depth_order.h"
 #include "render/environment/prefilter.h"
+#include "render/gl/bindings.h"
 #include "render/material_overrides.h"
 #include "render/shading/sampled_shading.h"
 
@@ -162,8 +163,8 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   const GLuint none[4] = {};
   glClearTexImage(r.heads.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, none);
   glClearNamedBufferSubData(r.layers.get(), GL_R32UI, 0, kHeaderBytes, GL_RED_INTEGER, GL_UNSIGNED_INT, none);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, r.layers.get());
-  glBindImageTexture(1, r.heads.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPaneLayers, r.layers.get());
+  glBindImageTexture(kImagePaneHeads, r.heads.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32UI);
   draw_items(scene, drawn, behind, true);
   std::uint32_t count = 0;
   r.layers.read(0, sizeof count, &count);
@@ -172,7 +173,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
     r.covered_tiles = make_tile_list(surfaces.size(), surfaces.band_rows());
     r.bare_tiles = make_tile_list(surfaces.size(), surfaces.band_rows());
     counter_ = TileCounter(r.bare_tiles.counts.size());
-    glBindTextureUnit(50, r.heads.get());
+    glBindTextureUnit(kUnitPaneHeads, r.heads.get());
     const Program& split =
         counter_.begin(&frame.programs, kTiles, surfaces.band_rows(), r.covered_tiles, &r.bare_tiles);
     dispatch_tiles(split, surfaces.tiles(), kPerTile);
@@ -183,8 +184,8 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
 
 void Panes::bind_recorded(const Program& program, float rotation_rad) const {
   constexpr float kTurn_rad = 2.0f * std::numbers::pi_v<float>;
-  glBindTextureUnit(50, recorded_->heads.get());
-  glBindTextureUnit(51, recorded_->layer_view.get());
+  glBindTextureUnit(kUnitPaneHeads, recorded_->heads.get());
+  glBindTextureUnit(kUnitPaneLayers, recorded_->layer_view.get());
   program.set("u_turn", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
 }
 
@@ -218,7 +219,7 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
   glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ZERO, GL_ONE);  // alpha stays: 0 where only the sky is behind
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
-  glBindTextureUnit(29, irradiance_.get());
+  glBindTextureUnit(kUnitIrradiance, irradiance_.get());
   std::vector<std::size_t> two_sided;
   std::copy_if(drawn.begin(), drawn.end(), std::back_inserter(two_sided),
                [&](std::size_t i) { return state.shows_both_sides(i) && !scene.reflectors.is_mirror(i); });

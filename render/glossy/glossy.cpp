@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/gl/bindings.h"
 #include "render/indirect/indirect_pass.h"
 #include "render/octree/reflections.h"
 #include "render/views/read_texture.h"
@@ -104,9 +105,9 @@ void Glossy::cast_rays(const MirroredScene& scene) {
   const Program& program = scene.frame.programs.get(rays_variant(has_measured(scene)));
   set_uniforms(scene, program);
   scene.frame.bakes.octree().buffers().set_uniforms(program);
-  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageLobeWidth, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   dispatch_tiles(program, tiles_, t.divisor == 1 ? kPerPoint : t.divisor == 2 ? kPerFourPoints : kPerBlock);
 }
 
@@ -138,10 +139,10 @@ void Glossy::run(const MirroredScene& scene, const Key& surfaces, bool averages_
   set_uniforms(scene, program);
   program.set("u_lift_m", frame.bakes.octree().buffers().cell_m());
   if (baked) bind_indirect(program, frame.scene, nearest_bake(frame.bakes.indirect()));
-  glBindTextureUnit(49, t.ray_origin.get());
-  glBindTextureUnit(50, t.ray_direction.get());
-  glBindTextureUnit(53, t.mean.get());
-  glBindImageTexture(0, light_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindTextureUnit(kUnitRayOrigin, t.ray_origin.get());
+  glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
+  glBindTextureUnit(kUnitGlossyRadiance, t.mean.get());
+  glBindImageTexture(kImageGlossy, light_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(program, tiles_, kPerPoint);
   frame.timer().end("glossy");
   frame.timer().count_all_as("");

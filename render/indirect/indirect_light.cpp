@@ -8,8 +8,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/indirect/indirect_shared.h"
-#include "render/visibility/visibility_shared.h"
+#include "render/shared_formulas.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -56,7 +56,7 @@ SkyBlock sum_block(const Environment& e, int column, int row, int side) {
     for (int x = column; x < std::min(column + side, e.width); ++x) {
       const glm::vec3& rgb =
           e.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(e.width) + static_cast<std::size_t>(x)];
-      const double light = solid_angle * static_cast<double>(0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z);
+      const double light = solid_angle * static_cast<double>(luminance(rgb));
       if (!(light > 0.0)) continue;
       block.irradiance += solid_angle * glm::dvec3(rgb);
       block.uv += light * glm::dvec2((x + 0.5) / e.width, (y + 0.5) / e.height);

@@ -1,5 +1,7 @@
 #include "render/indirect/indirect_pass.h"
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -20,7 +22,7 @@ std::vector<ShaderVariant> IndirectPass::shader_variants() {
 void bind_indirect(const Program& program, const SceneState& scene, const IndirectKey& key) {
   program.set("u_bias", key.bias);
   program.set("u_back", key.sides == 2 ? static_cast<int>(scene.geometry().positions.size()) : 0);
-  glBindTextureUnit(45, key.view.get());
+  glBindTextureUnit(kUnitIndirect, key.view.get());
 }
 
 const IndirectKey& nearest_bake(const IndirectBuffers& indirect) {
@@ -53,8 +55,8 @@ void IndirectPass::run(const LayerContext& layer, const TileList* changed) {
     drawn_[k] = now;
     const Program& program = frame.programs.get(indirect_variant(frame.scene.facts().measured_count > 0));
     bind_indirect(program, frame.scene, key);
-    glBindTextureUnit(0, layer.surfaces.triangle().get());
-    glBindImageTexture(0, light_[k].get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
+    glBindImageTexture(kImageIndirect, light_[k].get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     dispatch_tiles(program, but_for_tables && changed ? *changed : layer.surfaces.tiles(), kPerPoint);
   }
 }

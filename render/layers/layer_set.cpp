@@ -1,9 +1,11 @@
 #include "render/layers/layer_set.h"
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 void Layer::bind() const {
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block.get());
+  glBindBufferBase(GL_UNIFORM_BUFFER, kBlockFrame, block.get());
   surfaces.bind();
 }
 

@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "render/gl/bindings.h"
 #include "render/gl/objects.h"
 #include "render/lights/light_grid.h"
 
@@ -19,7 +20,7 @@ class LightBuffers {
         buffer_(Buffer::from("lights", texels_of(build_light_grid(list)))),
         view_(Texture::make_buffer("lights", GL_RGBA32F, buffer_)) {}
   int count() const { return count_; }
-  void bind() const { glBindTextureUnit(27, view_.get()); }
+  void bind() const { glBindTextureUnit(kUnitLights, view_.get()); }
   std::size_t bytes() const { return buffer_.bytes(); }
 
  private:

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "render/wide.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -181,8 +182,7 @@ Emitters emitters_of(const std::vector<LightRecord>& lights, const std::vector<d
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const LightRecord& light = lights[i];
     const bool distant = light.kind == shared::kLightDirectional, triangle = light.kind == shared::kLightTriangle;
-    const glm::dvec3 c(light.color);
-    double strength = 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
+    double strength = luminance(glm::dvec3(light.color));
     if (triangle) strength *= 0.5 * glm::length(glm::cross(glm::dvec3(light.direction), glm::dvec3(light.edge2)));
     const Box own = distant ? Box{e.origin, e.origin} : box_of(light);
     const glm::vec3 centre((0.5 * (own.low + own.high) - e.origin) / e.unit_m), normal(normal_of(light));

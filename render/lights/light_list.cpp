@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "scenes/luminance.h"
+
 namespace maquette {
 
 static_assert(sizeof(LightRecord) == 64 && offsetof(LightRecord, kind) == 12 &&
@@ -25,8 +27,6 @@ struct WeightedLight {
   double power = 0.0;
   std::uint32_t triangle = kNoTriangle;
 };
-
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "render/geometry.h"
-#include "render/lights/lights_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/materials/brdf_tables.h"
-#include "render/materials/merl_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette::shared {
 

@@ -5,8 +5,9 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "render/materials/merl_shared.h"
+#include "render/shared_formulas.h"
 #include "scenes/brdf.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -39,8 +40,6 @@ struct SymmetricBrdf {
     return along_d(p) * (1.0f - fx) + along_d(p + kSlice) * fx;
   }
 };
-
-inline float luminance(const glm::vec3& rgb) { return 0.2126f * rgb.x + 0.7152f * rgb.y + 0.0722f * rgb.z; }
 
 /// theta_h of a position in bins from the table's edge (0..90), inverting the square-root spacing.
 inline double theta_h_of_bin_edge(double x) { return (x / kThetaHCount) * (x / kThetaHCount) * kHalfPi; }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/metrics/flip_filters.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
@@ -170,7 +171,7 @@ FlipExposures flip_exposures(const Image& reference) {
   std::vector<float> luminances;
   for (std::size_t i = 0; i < reference.data.size(); i += static_cast<std::size_t>(reference.channels)) {
     const float* p = &reference.data[i];
-    const float y = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+    const float y = luminance(glm::vec3(p[0], p[1], p[2]));
     if (y > 0.0f && std::isfinite(y)) luminances.push_back(y);
   }
   FlipExposures exposures;

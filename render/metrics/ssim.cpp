@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/metrics/planes.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
@@ -16,7 +17,7 @@ Plane luma(const Image& image) {
   Plane plane(image.width, image.height);
   for (std::size_t i = 0; i < plane.data.size(); ++i) {
     const float* p = &image.data[i * static_cast<std::size_t>(image.channels)];
-    plane.data[i] = 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2];
+    plane.data[i] = luminance(glm::vec3(p[0], p[1], p[2]));
   }
   return plane;
 }

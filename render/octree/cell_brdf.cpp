@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "render/octree/octree_shared.h"
-#include "render/reference/shared_formulas.h"
+#include "render/shared_formulas.h"
 #include "scenes/files.h"
 
 namespace maquette {

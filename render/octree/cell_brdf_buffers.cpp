@@ -3,13 +3,13 @@
 #include <bit>
 #include <glm/gtc/packing.hpp>
 
+#include "render/gl/bindings.h"
 #include "render/octree/octree_shared.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr GLuint kFirstUnit = 36;
 constexpr int kTerms = 5;  // mean and components
 
 std::uint64_t half4(const glm::vec4& v) { return glm::packHalf4x16(v); }
@@ -51,8 +51,10 @@ CellBrdfBuffers::CellBrdfBuffers(const CellBrdfIndex& index, const LocalPca& pca
 }
 
 void CellBrdfBuffers::bind() const {
-  const Texture* views[] = {&node_view_, &code_view_, &pair_view_, &seen_view_};
-  for (GLuint k = 0; k < 4; ++k) glBindTextureUnit(kFirstUnit + k, views[k]->get());
+  glBindTextureUnit(kUnitCellOfNode, node_view_.get());
+  glBindTextureUnit(kUnitCellCodes, code_view_.get());
+  glBindTextureUnit(kUnitCellPairs, pair_view_.get());
+  glBindTextureUnit(kUnitCellSeen, seen_view_.get());
 }
 
 }  // namespace maquette

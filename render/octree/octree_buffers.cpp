@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/gl/bindings.h"
 #include "scenes/error.h"
 
 namespace maquette {
 
 namespace {
-
-constexpr GLuint kFirstUnit = 32;
 
 Buffer make_words(const std::string& label, std::vector<std::uint32_t> words) {
   if (words.empty()) words.push_back(0u);
@@ -41,12 +40,12 @@ OctreeBuffers::OctreeBuffers(const Octree& octree) {
 }
 
 void OctreeBuffers::bind() const {
-  glBindTextureUnit(kFirstUnit, word_view_.get());
-  glBindTextureUnit(kFirstUnit + 1, plane_view_.get());
-  glBindTextureUnit(kFirstUnit + 2, color_view_.get());
+  glBindTextureUnit(kUnitOctree, word_view_.get());
+  glBindTextureUnit(kUnitOctreePlanes, plane_view_.get());
+  glBindTextureUnit(kUnitOctreeColors, color_view_.get());
 }
 
-void OctreeBuffers::bind_triangles(unsigned unit) const { glBindTextureUnit(unit, triangle_view_.get()); }
+void OctreeBuffers::bind_triangles() const { glBindTextureUnit(kUnitOctreeTriangles, triangle_view_.get()); }
 
 void OctreeBuffers::set_uniforms(const Program& program) const {
   glProgramUniform4f(program.get(), program.location("u_octree"), grid_.x, grid_.y, grid_.z, grid_.w);

@@ -13,7 +13,7 @@ class OctreeBuffers {
   /// Throws Error when the driver's buffers are too small for it.
   explicit OctreeBuffers(const Octree& octree);
   void bind() const;  ///< units 32 (words), 33 (planes), 34 (colours)
-  void bind_triangles(unsigned unit) const;
+  void bind_triangles() const;
   /// Sets the grid in a program that includes the tables.
   void set_uniforms(const Program& program) const;
   /// Width of cells without much detail.

@@ -15,6 +15,7 @@
 #include "render/octree/octree_triangles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -253,9 +254,9 @@ class Builder {
                      const glm::dvec3& brick_lower) const {
     float low = std::numeric_limits<float>::max(), high = 0.0f;
     const auto add = [&](const glm::vec3& color) {
-      const float luminance = glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)) + kDark;
-      low = std::min(low, luminance);
-      high = std::max(high, luminance);
+      const float value = luminance(color) + kDark;
+      low = std::min(low, value);
+      high = std::max(high, value);
     };
     for (const OctreeFragment& f : pieces) {
       const int material = static_cast<int>(f.material);
@@ -459,107 +460,6 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
   for (std::size_t b = 0; b < count; ++b)
     if (entries[b].key != 0) out.bricks.emplace(static_cast<std::uint32_t>(b), std::move(entries[b]));
   return out;
-}
-
-namespace {
-
-/// Mask and sums of a node above the bricks.
-struct TopNode {
-  std::uint32_t code = 0;
-  std::uint8_t mask = 0;
-  OctreeSums sums;  ///< in finest cells from the node's own lower corner
-};
-
-glm::dvec3 child_offset(std::uint32_t octant, double cell) {
-  return cell * glm::dvec3(octant & 1u, octant >> 1 & 1u, octant >> 2);
-}
-
-std::vector<TopNode> join_top(const std::vector<TopNode>& children, double child_cell) {
-  std::vector<TopNode> nodes;
-  for (std::size_t first = 0; first < children.size();) {
-    TopNode node;
-    node.code = children[first].code >> 3;
-    std::array<OctreeSums, 8> moved;
-    std::array<const OctreeSums*, 8> parts{};
-    for (; first < children.size() && children[first].code >> 3 == node.code; ++first) {
-      const std::uint32_t octant = children[first].code & 7u;
-      moved[octant] = children[first].sums;
-      moved[octant].centroid += moved[octant].area * child_offset(octant, child_cell);
-      parts[octant] = &moved[octant];
-      node.mask = static_cast<std::uint8_t>(node.mask | 1u << octant);
-    }
-    node.sums = join_children(parts, child_cell);
-    nodes.push_back(std::move(node));
-  }
-  return nodes;
-}
-
-}  // namespace
-
-Octree assemble_octree(const OctreeBricks& bricks) {
-  const OctreeGrid& grid = bricks.grid;
-  Octree octree;
-  octree.depth = grid.depth;
-  octree.detail = grid.detail;
-  octree.corner = glm::vec3(grid.corner);
-  octree.side_m = static_cast<float>(grid.side_m);
-  std::vector<const OctreeBrick*> filled;
-  std::vector<std::vector<TopNode>> top(static_cast<std::size_t>(grid.brick_level) + 1);
-  for (const auto& [code, entry] : bricks.bricks) {
-    if (entry.brick.counts.empty()) continue;
-    filled.push_back(&entry.brick);
-    top.back().push_back({code, entry.brick.masks[0], entry.brick.sums});
-  }
-  if (filled.empty()) return octree;
-  for (int level = grid.brick_level - 1; level >= 0; --level) {
-    const auto l = static_cast<std::size_t>(level);
-    top[l] = join_top(top[l + 1], std::exp2(grid.depth - level - 1));
-  }
-  // Drops levels without cells.
-  const auto has_cells = [&](int level) {
-    const auto l = static_cast<std::size_t>(level - grid.brick_level);
-    return std::any_of(filled.begin(), filled.end(), [&](const OctreeBrick* b) { return b->counts[l] > 0; });
-  };
-  while (octree.depth > grid.depth - grid.detail && !has_cells(octree.depth)) --octree.depth, --octree.detail;
-  const auto levels = static_cast<std::size_t>(octree.depth);
-  const auto brick_level = static_cast<std::size_t>(grid.brick_level);
-  std::uint32_t total = 0;
-  for (std::size_t level = 0; level <= levels; ++level) {
-    octree.level_begin[level] = total;
-    if (level < brick_level)
-      total += static_cast<std::uint32_t>(top[level].size());
-    else
-      for (const OctreeBrick* brick : filled) total += brick->counts[level - brick_level];
-  }
-  octree.level_begin[levels + 1] = total;
-  octree.words.reserve(total);
-  octree.colors.reserve(total);
-  octree.triangles.reserve(total);
-  octree.planes.reserve(octree.level_begin[levels]);
-  std::vector<std::size_t> next(filled.size(), 0);  // per brick: its next node
-  for (std::size_t level = 0; level <= levels; ++level) {
-    std::uint32_t child = octree.level_begin[level + 1];
-    const auto add = [&](std::uint32_t mask, const OctreeWords& words) {
-      octree.colors.push_back(words.color);
-      octree.triangles.push_back(words.triangle);
-      if (level == levels) {
-        octree.words.push_back(words.plane);
-        return;
-      }
-      octree.planes.push_back(words.plane);
-      octree.words.push_back(mask << 24 | child);
-      child += static_cast<std::uint32_t>(std::popcount(mask));
-    };
-    if (level < brick_level) {
-      const double cell = std::exp2(grid.depth - static_cast<int>(level));
-      for (const TopNode& node : top[level]) add(node.mask, pack_node(node.sums, glm::dvec3(0.0), cell));
-      continue;
-    }
-    for (std::size_t b = 0; b < filled.size(); ++b)
-      for (std::uint32_t k = 0; k < filled[b]->counts[level - brick_level]; ++k, ++next[b])
-        add(filled[b]->masks[next[b]], filled[b]->words[next[b]]);
-  }
-  return octree;
 }
 
 struct OctreePieces::Impl {

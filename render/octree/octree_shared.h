@@ -1,19 +1,12 @@
 #pragma once
 
 // shaders/shared/octree.glsl compiled as C++: the same source as on the GPU.
-#include <bit>
 #include <cmath>
-#include <cstdint>
-#include <glm/glm.hpp>
 
 #include "render/octree/octree.h"
-
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN inline
-#endif
+#include "render/shared_formulas.h"
 
 namespace maquette::shared {
-using namespace glm;
 
 /// Inputs of the traversal and of surface lookups; set it before a trace on this thread.
 struct OctreeView {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 
+#include "render/gl/bindings.h"
 #include "render/gl/dispatch.h"
 #include "render/octree/octree_buffers.h"
 
@@ -28,19 +29,19 @@ class OctreeReflections : public ReflectorTechnique {
     const Program& program = frame.programs->get(octree_reflect_variant(frame.cells != nullptr, glossy_));
     frame.octree->set_uniforms(program);
     if (glossy_)
-      glBindTextureUnit(54, t.focus.get());
+      glBindTextureUnit(kUnitLobeWidth, t.focus.get());
     else
       set_mirrors(frame, program);
-    frame.octree->bind_triangles(57);
-    glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
-    glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-    glBindImageTexture(2, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
-    glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
-    glBindImageTexture(4, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
+    frame.octree->bind_triangles();
+    glBindImageTexture(kImageSurface, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+    glBindImageTexture(kImageDepth, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+    glBindImageTexture(kImageOctreeTriangle, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    glBindImageTexture(kImageGuide, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+    glBindImageTexture(kImageOctreeEffort, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
     if (frame.cells) prepare_layers(frame, program);
     for (bool again = true; again;) {
       counters_.clear_to_zero();
-      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
+      glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeCounters, counters_.get());
       frame.for_each_ray(program);
       if (!frame.cells) break;
       counters_.read(2 * sizeof(unsigned), sizeof layer_count_, &layer_count_);
@@ -51,8 +52,8 @@ class OctreeReflections : public ReflectorTechnique {
   }
   bool shade_layers(const ReflectionFrame& frame, bool traced, int samples) override {
     if (!frame.cells) return false;
-    glBindTextureUnit(48, frame.targets->layers.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 13, layers_.get());
+    glBindTextureUnit(kUnitOctreeLayers, frame.targets->layers.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeLayers, layers_.get());
     if (layer_count_ == 0) return true;
     const Program& program = frame.programs->get(shade_cells_variant(traced));
     frame.octree->set_uniforms(program);
@@ -78,14 +79,14 @@ class OctreeReflections : public ReflectorTechnique {
   void make_layers(unsigned capacity, const Program& program) {
     layer_capacity_ = std::max(capacity, 64u);
     layers_ = Buffer("cell layers", std::size_t{layer_capacity_} * 16);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 13, layers_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeLayers, layers_.get());
     program.set("u_layer_capacity", static_cast<int>(layer_capacity_));
   }
   void prepare_layers(const ReflectionFrame& frame, const Program& program) {
     ReflectionTargets& t = *frame.targets;
     frame.cells->bind();
     if (!t.layers) t.layers = Texture::make_2d("cell layers", GL_RG32UI, t.width, t.height);
-    glBindImageTexture(5, t.layers.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+    glBindImageTexture(kImageOctreeLayers, t.layers.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
     make_layers(layers_ ? layer_capacity_ : static_cast<unsigned>(t.width * t.height / 2), program);
     program.set("u_all_cells", frame.settings->get_string("octree.brdf") == "all" ? 1 : 0);
   }

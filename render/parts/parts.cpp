@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "render/gl/bindings.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
@@ -98,9 +99,9 @@ void Parts::split(const Texture& triangles, int layer, Texture* own, ProgramCach
     *own = Texture::make_2d("triangles of a layer", GL_R32UI, triangles.width(), triangles.height());
   const Program& program = programs->get(kSplit);
   program.set("u_layer", layer);
-  glBindTextureUnit(0, triangles.get());
-  glBindTextureUnit(7, layer_view_.get());
-  glBindImageTexture(0, own->get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+  glBindTextureUnit(kUnitTriangle, triangles.get());
+  glBindTextureUnit(kUnitTriangleLayers, layer_view_.get());
+  glBindImageTexture(kImageTriangle, own->get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
   dispatch(program, group_count(own->width(), 8), group_count(own->height(), 8));
 }
 
@@ -110,19 +111,19 @@ void Parts::split_hits(const Texture& triangles, const Texture& depths, int laye
     *own = Texture::make_2d("depths of a layer", GL_R32F, triangles.width(), triangles.height());
   const Program& program = programs->get(kSplitHits);
   program.set("u_layer", layer);
-  glBindTextureUnit(0, triangles.get());
-  glBindTextureUnit(7, layer_view_.get());
-  glBindTextureUnit(9, depths.get());
-  glBindImageTexture(0, own->get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindTextureUnit(kUnitTriangle, triangles.get());
+  glBindTextureUnit(kUnitTriangleLayers, layer_view_.get());
+  glBindTextureUnit(kUnitDepth, depths.get());
+  glBindImageTexture(kImageLayerDepth, own->get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch(program, group_count(own->width(), 8), group_count(own->height(), 8));
 }
 
 void Parts::merge(const TileList& tiles, const Texture& depth, const Texture& radiance, const Texture& all_radiance,
                   const Texture& all_depth, ProgramCache* programs) {
-  glBindTextureUnit(9, depth.get());
-  glBindTextureUnit(24, radiance.get());
-  glBindImageTexture(0, all_radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, all_depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindTextureUnit(kUnitDepth, depth.get());
+  glBindTextureUnit(kUnitRadiance, radiance.get());
+  glBindImageTexture(kImageRadiance, all_radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageDepth, all_depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch_tiles(programs->get(kMerge), tiles, kPerPoint);
 }
 

@@ -1,5 +1,7 @@
 #include "render/picture/composer.h"
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -73,8 +75,8 @@ void Composer::draw_sky(const ComposeScene& scene) {
   if (!frame.plan.glass && sky_ == now) return;
   sky_.reset();
   if (!frame.plan.glass) sky_ = now;  // panes are drawn over the very points
-  glBindTextureUnit(0, frame.raster.triangle().get());
-  glBindImageTexture(0, behind_panes().get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindTextureUnit(kUnitTriangle, frame.raster.triangle().get());
+  glBindImageTexture(kImageRadiance, behind_panes().get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const Program& program = frame.programs.get(sky_variant(scene.panes != nullptr));
   if (scene.panes) scene.panes->bind(program);
   dispatch_tiles(program, scene.sky.tiles, kPerPoint);
@@ -103,10 +105,11 @@ const Program& Composer::program_of(const ComposeScene& scene, const ComposedLay
 void Composer::compose_layer(const ComposeScene& scene, const ComposedLayer& composed) {
   const LayerContext& layer = composed.layer.context;
   if (several_) layer.surfaces.bind();
-  if (in_picture_) glBindTextureUnit(24, layer.radiance.get());
+  if (in_picture_) glBindTextureUnit(kUnitRadiance, layer.radiance.get());
   const std::size_t bakes = layer.plan.indirect == "baked" ? composed.bind_indirect() : 0;
-  if (scene.glossy_light && layer.index == 0) glBindTextureUnit(54, scene.glossy_light->get());
-  glBindImageTexture(0, in_picture_ ? picture_.get() : layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  if (scene.glossy_light && layer.index == 0) glBindTextureUnit(kUnitGlossy, scene.glossy_light->get());
+  glBindImageTexture(kImageRadiance, in_picture_ ? picture_.get() : layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE,
+                     GL_RGBA32F);
   if (composed.layer.mode.compose_info(scene.frame.scene).plain_quads)
     compose_quads(scene, composed, bakes);
   else
@@ -140,8 +143,8 @@ void Composer::compose_tiles(const ComposeScene& scene, const ComposedLayer& com
 void Composer::filter(ProgramCache* programs) {
   const Program& program = programs->get(kFilter);
   program.set("u_blend", blend_);
-  glBindTextureUnit(24, grid_->get());
-  glBindImageTexture(0, picture_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindTextureUnit(kUnitRadiance, grid_->get());
+  glBindImageTexture(kImagePicture, picture_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch(program, group_count(size_.width, 8), group_count(size_.height, 8));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "render/gl/bindings.h"
 #include "render/gl/dispatch.h"
 
 namespace maquette {
@@ -21,7 +22,7 @@ void present(const Texture& picture, const glm::ivec4& rectangle, const PresentR
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
-  glBindTextureUnit(24, picture.get());
+  glBindTextureUnit(kUnitPicture, picture.get());
   GLuint empty = 0;
   glCreateVertexArrays(1, &empty);
   const GlName<VertexArrayTraits> vertex_array(empty);
@@ -38,7 +39,7 @@ void TextureSlots::settle(ProgramCache* programs) {
     texture_.upload(0, 1, 1, GL_RED, GL_FLOAT, &zero);
   }
   glBindTextureUnit(0, texture_.get());
-  glBindImageTexture(0, texture_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageNever, texture_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch(programs->get(variant()), 1, 1);
 }
 

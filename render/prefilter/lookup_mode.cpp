@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -56,9 +58,9 @@ class LookupMode : public ShadingMode {
   void run(const ShaderVariant& variant, const Texture& radiance, const Texture& marks, const TileList& tiles,
            ProgramCache& programs) {
     counters_.clear_to_zero();
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, counters_.get());
-    glBindImageTexture(0, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-    glBindImageTexture(1, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, counters_.get());
+    glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageLookupMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
     dispatch_tiles(programs.get(variant), tiles, kPerFourPoints);
   }
   void shade(const LayerContext& layer) {

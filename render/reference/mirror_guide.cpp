@@ -10,6 +10,7 @@
 #include "render/reference/light_sampling.h"
 #include "render/reference/path_sampler.h"
 #include "render/reference/surface.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -35,8 +36,6 @@ std::uint32_t bin_of(const glm::vec3& d, const glm::vec2& offset = glm::vec2(0.0
   const int c = (static_cast<int>(std::floor(column)) + columns) % columns;
   return static_cast<std::uint32_t>(r * columns + c);
 }
-
-float luminance(const glm::vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 }  // namespace
 

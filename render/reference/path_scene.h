@@ -8,11 +8,12 @@
 
 #include "render/environment/environment_tables.h"
 #include "render/lights/light_grid.h"
+#include "render/materials/brdf_sampler.h"
 #include "render/materials/brdf_tables.h"
 #include "render/reference/light_guide.h"
 #include "render/reference/packed_brdf.h"
 #include "render/reference/reference.h"
-#include "render/reference/shared_formulas.h"
+#include "render/shared_formulas.h"
 #include "render/texture_atlas.h"
 
 namespace maquette {

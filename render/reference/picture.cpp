@@ -14,9 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "render/reference/pass_progress.h"
 #include "render/reference/path.h"
+#include "render/reference/pixel_sums.h"
 #include "render/reference/presampled_environment.h"
 #include "scenes/error.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 
@@ -25,23 +28,6 @@ namespace {
 constexpr std::size_t kMostInTile = static_cast<std::size_t>(kTileWidth * kTileHeight);
 static_assert(kMostInTile <= PathGroup::kMost);
 constexpr std::size_t kTilesATask = 16;
-
-/// Sums over the paths of one pixel, in double: a float sum stops growing at 1.7e7 equal terms, and loses the variance
-/// long before.
-struct PixelSums {
-  glm::dvec3 sum{0.0};
-  glm::dvec3 square{0.0};
-  std::uint32_t count = 0;
-  std::uint32_t covered = 0;
-  std::uint64_t rays = 0;
-};
-
-glm::dvec3 variance_of_mean(const PixelSums& p) {
-  if (p.count < 2) return glm::dvec3(0.0);
-  const double n = p.count;
-  const glm::dvec3 variance = glm::max(p.square - p.sum * p.sum / n, glm::dvec3(0.0)) / (n - 1.0);
-  return variance / n;
-}
 
 /// Paths of every pixel before the counts become adaptive; the counts are decided again after each doubling. Two paths
 /// say little about one pixel, but its neighbours contribute as well.
@@ -55,46 +41,6 @@ constexpr double kLargestStep = 0.25;
 constexpr double kLeastRate = 0.25, kMostRate = 6.0;
 constexpr int kSpreadRadius = 3;  ///< radius, in pixels, of the neighbourhood of a tile that decides its count
 constexpr int kBlock = 8;         ///< pixels; the first pass goes from one pixel of each block to all of them
-
-/// Tells when a pass has to end early.
-class Halt {
- public:
-  Halt(std::stop_token stop, const Deadline& deadline) : stop_(std::move(stop)), deadline_(deadline) {}
-  bool operator()() const {
-    return stop_.stop_requested() || (deadline_ && std::chrono::steady_clock::now() >= *deadline_);
-  }
-  const std::stop_token& stop() const { return stop_; }
-
- private:
-  std::stop_token stop_;
-  Deadline deadline_;
-};
-
-/// Standard deviation of one path over the square root of its cost: the optimal number of paths is proportional to it.
-/// Source: Neyman 1934, "On the Two Different Aspects of the Representative Method" (with costs, Sec. 4).
-float spread_of(const PixelSums& p) {
-  if (p.count < 2) return 0.0f;
-  const glm::dvec3 v = variance_of_mean(p);
-  const double a_path = (v.x + v.y + v.z) / 3.0 * p.count;
-  const double cost = std::max(static_cast<double>(p.rays) / p.count, 0.25);
-  return static_cast<float>(std::sqrt(a_path / cost));
-}
-
-/// Reports progress about 100 times.
-class Progress {
- public:
-  Progress(const std::function<void(double)>& report, std::size_t total) : report_(report), total_(total) {}
-  void add(std::size_t count) const {
-    const std::size_t before = done_.fetch_add(count);
-    if (report_ && (before + count) * 100 / total_ != before * 100 / total_)
-      report_(std::min(static_cast<double>(before + count) / static_cast<double>(total_), 1.0));
-  }
-
- private:
-  const std::function<void(double)>& report_;
-  std::size_t total_;
-  mutable std::atomic<std::size_t> done_{0};
-};
 
 std::size_t pixel_count(const PictureRequest& r) {
   return static_cast<std::size_t>(r.width) * static_cast<std::size_t>(r.height);
@@ -519,19 +465,19 @@ Image ReferencePicture::variance() const {
 }
 
 double ReferencePicture::relative_error(bool whole) const {
-  double variance = 0.0, luminance = 0.0;
+  double variance = 0.0, light = 0.0;
   std::size_t count = 0;
   for (const PixelSums& p : impl_->pixels) {
     if (p.count < 2) return 0.0;
     if (!whole && p.covered < p.count) continue;
     const glm::dvec3 v = variance_of_mean(p);
     variance += v.x + v.y + v.z;
-    luminance += (0.2126 * p.sum.x + 0.7152 * p.sum.y + 0.0722 * p.sum.z) / p.count;
+    light += luminance(p.sum) / p.count;
     ++count;
   }
-  if (count == 0 || !(luminance > 0.0)) return 0.0;
+  if (count == 0 || !(light > 0.0)) return 0.0;
   const auto n = static_cast<double>(count);
-  return std::sqrt(variance / (3.0 * n)) / (luminance / n);
+  return std::sqrt(variance / (3.0 * n)) / (light / n);
 }
 
 }  // namespace maquette

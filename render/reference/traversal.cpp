@@ -19,7 +19,7 @@ struct RayContext {
   const PathScene* scene;
   RayKind kind;
   std::uint32_t chance;
-  Passage* passage;  ///< for shadow rays
+  RayPassage* passage;  ///< for shadow rays
 };
 
 bool is_black(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
@@ -83,8 +83,8 @@ void pass_pane(const RTCFilterFunctionNArguments* args) {
   if (context->kind == RayKind::reconnection) return;
   const Candidate c = candidate_of(*context->scene, args);
   __builtin_prefetch(&context->scene->triangles[c.triangle]);
-  Passage& passage = *context->passage;
-  if (passage.pane_count == Passage::kMostPanes) {
+  RayPassage& passage = *context->passage;
+  if (passage.pane_count == RayPassage::kMostPanes) {
     passage.transmittance = transmittance(*context->scene, c.direction, passage);
     passage.pane_count = 0;
     if (is_black(passage.transmittance)) return;
@@ -192,7 +192,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
 
 namespace {
 
-bool passes(const PathScene& scene, const Ray& ray, RayKind kind, Passage* passage) {
+bool passes(const PathScene& scene, const Ray& ray, RayKind kind, RayPassage* passage) {
   if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, true});
   passage->transmittance = glm::vec3(1.0f);
   passage->pane_count = 0;
@@ -209,26 +209,26 @@ bool passes(const PathScene& scene, const Ray& ray, RayKind kind, Passage* passa
 
 }  // namespace
 
-bool find_passage(const PathScene& scene, const Ray& ray, Passage* passage) {
+bool find_passage(const PathScene& scene, const Ray& ray, RayPassage* passage) {
   return passes(scene, ray, RayKind::path, passage);
 }
 
-glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const Passage& passage) {
+glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const RayPassage& passage) {
   glm::vec3 result = passage.transmittance;
   for (std::uint32_t i = 0; i < passage.pane_count; ++i) {
-    const Passage::Pane& pane = passage.panes[i];
+    const RayPassage::Pane& pane = passage.panes[i];
     result *= pane_transmittance(scene, pane.triangle, pane.barycentric, direction);
   }
   return result;
 }
 
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray) {
-  Passage passage;
+  RayPassage passage;
   return find_passage(scene, ray, &passage) ? transmittance(scene, ray.direction, passage) : glm::vec3(0.0f);
 }
 
 bool is_unoccluded(const PathScene& scene, const Ray& ray) {
-  Passage passage;
+  RayPassage passage;
   return passes(scene, ray, RayKind::reconnection, &passage);
 }
 

@@ -32,7 +32,7 @@ void build_hierarchy(PathScene* scene);
 /// Nearest surface that stops the ray; panes do. `chance`: random number that decides about blended surfaces.
 bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit);
 /// What a shadow ray passed through. The transmittance of its panes is computed later, once they are in the cache.
-struct Passage {
+struct RayPassage {
   static constexpr std::uint32_t kMostPanes = 8;  ///< not yet computed
   struct Pane {
     std::uint32_t triangle;
@@ -43,9 +43,9 @@ struct Passage {
   std::array<Pane, kMostPanes> panes;
 };
 /// Whether any light may pass; `passage` is valid only then.
-bool find_passage(const PathScene& scene, const Ray& ray, Passage* passage);
+bool find_passage(const PathScene& scene, const Ray& ray, RayPassage* passage);
 /// Transmittance per channel along `direction`, panes included.
-glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const Passage& passage);
+glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, const RayPassage& passage);
 /// Both in one step: transmittance per channel along a straight line. Panes and blended surfaces attenuate, all other
 /// surfaces block.
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/gl/bindings.h"
 #include "render/indirect/indirect_pass.h"
 #include "render/shading/work_lists.h"
 
@@ -65,15 +66,15 @@ void MirroredRays::bind_constants(const MirroredScene& scene) {
                                    (frame.accumulated + 1) * samples, frame.constants.sampling.w ^ 0x5bd1e995);
   if (!block_) block_ = Buffer("reflection constants", sizeof(FrameConstants));
   block_.update(0, sizeof constants_, &constants_);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block_.get());
-  glBindBufferBase(GL_UNIFORM_BUFFER, 1, scene.reflectors.block().get());
+  glBindBufferBase(GL_UNIFORM_BUFFER, kBlockFrame, block_.get());
+  glBindBufferBase(GL_UNIFORM_BUFFER, kBlockReflectors, scene.reflectors.block().get());
 }
 
 void MirroredRays::list_tiles(ProgramCache* programs, bool rays) {
   ReflectionTargets& t = *targets_;
   if (!tile_count_) tile_count_ = Buffer("reflected tile count", sizeof(unsigned));
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, tile_count_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, t.tiles.tiles.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTileCounts, tile_count_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPaneTiles, t.tiles.tiles.get());
   tile_count_.clear_to_zero();
   dispatch_list(programs->get(list_tiles_variant(rays)), group_count(t.width, kTileSide) * group_count(t.height, kTileSide));
   unsigned count = 0;
@@ -103,14 +104,14 @@ ReflectionFrame MirroredRays::reflection_frame(const MirroredScene& scene, const
 
 void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
   const ReflectionTargets& t = *targets_;
-  glBindTextureUnit(49, t.ray_origin.get());
-  glBindTextureUnit(50, t.ray_direction.get());
+  glBindTextureUnit(kUnitRayOrigin, t.ray_origin.get());
+  glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
   const std::vector<bool> occluding = scene.frame.scene.occluding_items();
   const ReflectionFrame frame = reflection_frame(scene, rule, occluding);
   if (!rule.keeps_hits) find_hits(scene, rule, frame);
-  glBindTextureUnit(0, t.triangle.get());
-  glBindTextureUnit(8, t.surface.get());
-  glBindTextureUnit(9, t.depth.get());
+  glBindTextureUnit(kUnitTriangle, t.triangle.get());
+  glBindTextureUnit(kUnitSurface, t.surface.get());
+  glBindTextureUnit(kUnitDepth, t.depth.get());
   shade_hits(scene, rule);
   complete(scene, rule, frame);
 }
@@ -123,10 +124,10 @@ void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule,
   rule.technique.trace(frame);
   if (rule.technique.resolves()) return;
   const SceneBuffers& buffers = scene.frame.scene.buffers();
-  glBindTextureUnit(0, t.triangle.get());
-  glBindImageTexture(0, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
-  glBindImageTexture(1, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  glBindImageTexture(3, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
+  glBindTextureUnit(kUnitTriangle, t.triangle.get());
+  glBindImageTexture(kImageSurface, t.surface.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(kImageDepth, t.depth.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageGuide, t.guide.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
   dispatch_tiles(scene.frame.programs.get(resolve_variant(buffers.has_textures(), buffers.has_colors())), t.tiles,
                  kPerPoint);
   scene.frame.timer().end("reflected gbuffer");
@@ -142,19 +143,19 @@ void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule
     const ShadingPlan& plan = layer.context.plan;
     if (scene.parts.several()) {
       scene.parts.split_hits(t.triangle, t.depth, layer.context.index, &t.layer_depth, &frame.programs);
-      glBindTextureUnit(9, t.layer_depth.get());
+      glBindTextureUnit(kUnitDepth, t.layer_depth.get());
     }
     layer.mode.shade_hits({frame, plan, t, panes});
     if (plan.indirect != "baked") continue;
     frame.timer().end("reflected shade");
-    glBindTextureUnit(0, t.triangle.get());
-    glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    glBindTextureUnit(kUnitTriangle, t.triangle.get());
+    glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     const Program& program = frame.programs.get(reflected_indirect_variant(frame.scene.facts().measured_count > 0));
     bind_indirect(program, frame.scene, nearest_bake(frame.bakes.indirect()));
     dispatch_tiles(program, t.tiles, kPerPoint);
   }
-  glBindTextureUnit(0, t.triangle.get());
-  glBindTextureUnit(9, t.depth.get());
+  glBindTextureUnit(kUnitTriangle, t.triangle.get());
+  glBindTextureUnit(kUnitDepth, t.depth.get());
 }
 
 void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
@@ -164,11 +165,11 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
   const bool layers = rule.technique.shade_layers(
       frame, first.context.plan.visibility == "traced",
       samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
-  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy));
   if (rule.glossy) {
     program.set("u_blend", rule.blend);
-    glBindImageTexture(1, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    glBindImageTexture(kImageMean, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   }
   dispatch_tiles(program, t.tiles, kPerPoint);
   scene.frame.timer().end("reflected shade");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/camera.h"
+#include "render/gl/bindings.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -103,9 +104,9 @@ void NearestHits::clear_lists() {
 
 void NearestHits::prepare(const Program& program) const {
   glProgramUniform2ui(program.get(), program.location("u_capacity"), list_capacity_, offer_capacity_);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 9, lists_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 10, offers_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 11, large_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOfferLists, lists_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOffers, offers_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferLargeOffers, large_.get());
 }
 
 void NearestHits::find_nearest(const ReflectionFrame& frame, std::size_t count,
@@ -147,9 +148,9 @@ bool NearestHits::resolve(const ReflectionFrame& frame) {
   }
   listed_ = counters[0];
   if (offered_ > offer_capacity_ || listed_ > list_capacity_) return false;
-  glBindTextureUnit(45, list_view_.get());
-  glBindTextureUnit(46, offer_view_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
+  glBindTextureUnit(kUnitOfferLists, list_view_.get());
+  glBindTextureUnit(kUnitOffers, offer_view_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNearest, nearest_.get());
   glUseProgram(frame.programs->get(kResolve).get());
   glDispatchCompute((tiles_ * kTile * kTile + 63) / 64, 1, 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -169,9 +170,9 @@ void NearestHits::bind_far(const ReflectionFrame& frame, std::size_t reflector) 
     far_ = Buffer("tiles of rays", tiles * kFarTileBytes);
     far_view_ = Texture::make_buffer("tiles of rays", GL_RGBA32F, far_);
   }
-  glBindTextureUnit(47, far_view_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, far_.get());
+  glBindTextureUnit(kUnitFarTiles, far_view_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNearest, nearest_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferFarTiles, far_.get());
   const Program& program = frame.programs->get(kFar);
   program.set("u_reflector", static_cast<int>(reflector));
   glUseProgram(program.get());
@@ -188,8 +189,8 @@ std::vector<std::uint32_t> NearestHits::find_visible(const ReflectionFrame& fram
   flags.clear_to_zero();
   const Texture box_view = Texture::make_buffer("boxes", GL_RGBA32F, boxes);
   bind_far(frame, reflector);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, flags.get());
-  glBindTextureUnit(55, box_view.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferVisibleBoxes, flags.get());
+  glBindTextureUnit(kUnitBoxes, box_view.get());
   run_groups(frame, kVisible, count);
   flags.read(0, flags.bytes(), visible.data());
   return visible;
@@ -254,7 +255,7 @@ void NearestHits::find_nearest_planar(const ReflectionFrame& frame, std::size_t 
     prepare(program);
     program.set("u_first", static_cast<int>(begin));
     program.set("u_count", static_cast<int>(end - begin));
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, triangle_list_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPlanarTriangles, triangle_list_.get());
     glUseProgram(program.get());
     glDispatchCompute(static_cast<GLuint>((end - begin + 63) / 64), 1, 1);
     glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -279,16 +280,16 @@ unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned
   program.set("u_group_count", static_cast<int>(seen_.size()));
   if (!seen_.empty()) {
     seen_buffer_.clear_to_zero();
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, seen_buffer_.get());
-    glBindTextureUnit(55, group_view_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferSeenGroups, seen_buffer_.get());
+    glBindTextureUnit(kUnitTriangleGroups, group_view_.get());
   }
-  glBindTextureUnit(54, t.focus.get());
-  glBindImageTexture(0, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
-  glBindImageTexture(1, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
-  glBindImageTexture(2, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  glBindTextureUnit(kUnitFocus, t.focus.get());
+  glBindImageTexture(kImageTriangle, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+  glBindImageTexture(kImageEffort, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
+  glBindImageTexture(kImageDoubt, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
   counters_.clear_to_zero();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, counters_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNearest, nearest_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferHitCounters, counters_.get());
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>((t.width + 7) / 8), static_cast<GLuint>((t.height + 7) / 8), 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "render/gl/bindings.h"
 #include "render/reflections/clusters.h"
 #include "render/reflections/reflector_technique.h"
 
@@ -22,12 +23,12 @@ class NearestHits {
                     const std::function<void(std::size_t, std::size_t)>& offer, const std::function<void()>& accept);
   /// Binds the lists for a program that offers triangles, after bind_far of their reflector.
   void prepare(const Program& program) const;
-  /// Binding 8, for a program that writes the nearest hits itself (shaders/bezier/points.comp).
-  void bind_nearest() const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, nearest_.get()); }
+  /// For a program that writes the nearest hits itself (shaders/bezier/points.comp).
+  void bind_nearest() const { glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNearest, nearest_.get()); }
   /// Finds the hits in one plane mirror from the reflected eye: exact.
   void find_nearest_planar(const ReflectionFrame& frame, std::size_t reflector, const ClusterSet& clusters);
   /// Binds, for tiles of 8 x 8 pixels, row by row, the reflector's rays and the largest distance of the hits found so
-  /// far, m; 0 where the reflector is not visible, 1e30 where some ray has no hit. In texture unit 47.
+  /// far, m; 0 where the reflector is not visible, 1e30 where some ray has no hit. At kUnitFarTiles.
   void bind_far(const ReflectionFrame& frame, std::size_t reflector);
   /// Tests boxes in the scene (shaders/reflections/visible.comp): not 0 when a ray of the reflector may hit the box
   /// before the nearest hit so far. Also binds what bind_far does.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/gl/bindings.h"
 #include "render/views/read_texture.h"
 #include "scenes/error.h"
 
@@ -156,7 +157,7 @@ void Reflections::bind_ghost(const Frame& frame, const Program& rays) {
                      1e-3f * static_cast<float>(settings.get_double("reflections.wedge")));
   if (!ghost_reach_) ghost_reach_ = Buffer("reach of ghosts", kMaxReflectors * sizeof(GhostReach));
   ghost_reach_.clear_to_zero();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, ghost_reach_.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferGhostReach, ghost_reach_.get());
 }
 
 void Reflections::cast_rays(const Frame& frame, MirroredRays* image, bool ghost) {
@@ -164,11 +165,11 @@ void Reflections::cast_rays(const Frame& frame, MirroredRays* image, bool ghost)
   draw_panes(frame, t);
   const float no_ray[4] = {};
   glClearTexImage(t.ray_direction.get(), 0, GL_RGBA, GL_FLOAT, no_ray);
-  glBindTextureUnit(51, t.pane.get());
-  glBindTextureUnit(52, frame.scene.depth.get());
-  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(2, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
+  glBindTextureUnit(kUnitPane, t.pane.get());
+  glBindTextureUnit(kUnitOpaqueDepth, frame.scene.depth.get());
+  glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageFocus, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   const GLubyte certain = 0;
   glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &certain);
   const bool fitted = frame.scene.reflectors.any_fitted();
@@ -178,8 +179,8 @@ void Reflections::cast_rays(const Frame& frame, MirroredRays* image, bool ghost)
   if (fitted) {
     if (!fit_reach_) fit_reach_ = Buffer("reach of fits", kMaxPatches * sizeof(FitReach));
     fit_reach_.clear_to_zero();
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 12, fit_reach_.get());
-    glBindTextureUnit(54, frame.scene.reflectors.fit_triangles().get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferFitReach, fit_reach_.get());
+    glBindTextureUnit(kUnitPatchFits, frame.scene.reflectors.fit_triangles().get());
   }
   rays.set("u_divisor", t.divisor);
   image->list_tiles(&programs, false);
@@ -192,12 +193,12 @@ void Reflections::drop_unseen_rays(const Frame& frame) {
   ProgramCache& programs = scene.frame.programs;
   skipping_.update_light(scene.frame, scene.layers.front().context.plan.visibility != "none");
   probes_.fit(scene.frame.size(), rays_.targets().divisor * kProbeSpacing);
-  glBindTextureUnit(49, rays_.targets().ray_origin.get());
-  glBindTextureUnit(50, rays_.targets().ray_direction.get());
+  glBindTextureUnit(kUnitRayOrigin, rays_.targets().ray_origin.get());
+  glBindTextureUnit(kUnitRayDirection, rays_.targets().ray_direction.get());
   probes_.bind_constants(scene);
   const ReflectionTargets& few = probes_.targets();
-  glBindImageTexture(0, few.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, few.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRayOrigin, few.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRayDirection, few.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const Program& pick = programs.get(kProbes);
   pick.set("u_spacing", kProbeSpacing);
   dispatch(pick, group_count(few.width, 8), group_count(few.height, 8));
@@ -222,12 +223,12 @@ void Reflections::follow(const Frame& frame, MirroredRays* image, bool ghost, bo
 
 ReflectedPicture Reflections::bind(const Settings& settings) {
   const ReflectionTargets& t = rays_.targets();
-  glBindTextureUnit(50, t.ray_direction.get());
-  glBindTextureUnit(53, t.radiance.get());
-  glBindTextureUnit(56, t.doubt.get());
+  glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
+  glBindTextureUnit(kUnitReflection, t.radiance.get());
+  glBindTextureUnit(kUnitDoubt, t.doubt.get());
   const bool ghost = ghost_.has_images();
-  glBindTextureUnit(62, ghost ? ghost_.targets().ray_direction.get() : 0);
-  glBindTextureUnit(63, ghost ? ghost_.targets().radiance.get() : 0);
+  glBindTextureUnit(kUnitGhostDirection, ghost ? ghost_.targets().ray_direction.get() : 0);
+  glBindTextureUnit(kUnitGhost, ghost ? ghost_.targets().radiance.get() : 0);
   return {true, ghost, technique_->doubts() && settings.get_string("reflections.mark") == "hatch"};
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "render/gl/bindings.h"
 #include "render/material_overrides.h"
 
 namespace maquette {
@@ -184,13 +185,13 @@ void Skipping::bind(const MirroredScene& mirrored, const ReflectionTargets& prob
   const std::vector<Reflector>& reflectors = mirrored.reflectors.all();
   if (!counters_) counters_ = Buffer("skipped rays", 2 * sizeof(unsigned));
   counters_.clear_to_zero();
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 8, counters_.get());
-  glBindTextureUnit(56, part_view_.get());
-  glBindTextureUnit(57, bound_view_.get());
-  glBindTextureUnit(58, cover_.get());
-  glBindTextureUnit(59, behind.get());
-  glBindTextureUnit(60, probes.radiance.get());
-  glBindTextureUnit(61, probes.ray_direction.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferSkipCounters, counters_.get());
+  glBindTextureUnit(kUnitReflectorParts, part_view_.get());
+  glBindTextureUnit(kUnitPartBounds, bound_view_.get());
+  glBindTextureUnit(kUnitCover, cover_.get());
+  glBindTextureUnit(kUnitOpaque, behind.get());
+  glBindTextureUnit(kUnitProbes, probes.radiance.get());
+  glBindTextureUnit(kUnitProbeDirections, probes.ray_direction.get());
   std::array<GLint, kMaxReflectors> offsets{};
   std::array<glm::vec3, kMaxReflectors> optics{};
   for (std::size_t k = 0; k < reflectors.size(); ++k) {
@@ -213,9 +214,9 @@ void Skipping::mark(const MirroredScene& scene, const ReflectionTargets& t, cons
   bind(scene, probes, behind, program);
   program.set("u_divisor", t.divisor);
   program.set("u_spacing", spacing);
-  glBindTextureUnit(51, t.pane.get());
-  glBindImageTexture(0, t.ray_origin.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(1, t.ray_direction.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindTextureUnit(kUnitPane, t.pane.get());
+  glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   dispatch_tiles(program, t.tiles, kPerPoint);
 }
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "render/gl/objects.h"
-#include "render/reference/shared_formulas.h"
 #include "render/reflections/mirrored_bound.h"
 #include "render/reflections/mirrored_rays.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "render/environment/prefilter.h"
+#include "render/gl/bindings.h"
 #include "render/prefilter/prefiltered_maps.h"
 #include "render/prefilter/reflectance_tables.h"
 #include "render/sg/fit.h"
@@ -56,10 +57,10 @@ class SgTables : public LookupTables {
   }
 
   void bind() const override {
-    maps_.bind(40);
-    glBindTextureUnit(41, reflectance_.get());
-    if (fit_view_) glBindTextureUnit(42, fit_view_.get());
-    glBindTextureUnit(43, albedo_.get());
+    maps_.bind(kUnitPrefilteredMaps);
+    glBindTextureUnit(kUnitReflectance, reflectance_.get());
+    if (fit_view_) glBindTextureUnit(kUnitLobeFits, fit_view_.get());
+    glBindTextureUnit(kUnitSgAlbedo, albedo_.get());
   }
 
   std::size_t bytes() const override { return maps_.bytes() + reflectance_.bytes() + albedo_.bytes() + fits_.bytes(); }

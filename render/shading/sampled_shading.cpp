@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/gl/bindings.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -94,14 +95,14 @@ void SampledShading::shade_lists(const FrameContext& frame, const ShadingPlan& p
                                  ShaderVariant (*variant)(const ShadingPlan&, bool), const Program& gather) {
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists_.items[list].get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3, lists_.partial[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferItems, lists_.items[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPartial, lists_.partial[list].get());
     const Program& program = frame.programs.get(variant(plan, list == 0));
     program.set("u_list", list);
     if (plan.visibility == "traced") frame.bakes.octree().buffers().set_uniforms(program);
     dispatch_indirect(program, list * 32 + 8);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lists_.points[list].get());
-    glBindTextureUnit(22, lists_.partial_view[list].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPoints, lists_.points[list].get());
+    glBindTextureUnit(kUnitPartial, lists_.partial_view[list].get());
     gather.set("u_list", list);
     dispatch(gather, 256, 1);
   }
@@ -125,12 +126,12 @@ void SampledShading::shade_hit_rows(const HitShading& hits, int first_row, int r
   mark.set("u_sample_scale", 1.0f);
   mark.set("u_frames", hits.frame.accumulated + 1);
   mark.set("u_panes", hits.panes);
-  glBindImageTexture(0, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+  glBindImageTexture(kImageMarks, t.marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
   dispatch_list(mark, group_count(t.width, 4) * group_count(rows, 4));
   unsigned counters[16];
   lists_.counters.read(0, sizeof counters, counters);
   count_groups(lists_, &programs);
-  glBindImageTexture(0, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   shade_lists(hits.frame, hits.plan, counters, shade_hits_variant, programs.get(gather_variant(false, false)));
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "render/gl/bindings.h"
+
 namespace maquette {
 
 namespace {
@@ -18,10 +20,10 @@ void make_item_lists(WorkLists* lists) {
 
 void WorkLists::bind() const {
   for (GLuint k = 0; k < 2; ++k) {
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2 + 2 * k, items[k].get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 3 + 2 * k, points[k].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k == 0 ? kBufferMeasuredItems : kBufferAnalyticItems, items[k].get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k == 0 ? kBufferMeasuredPoints : kBufferAnalyticPoints, points[k].get());
   }
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, counters.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, counters.get());
 }
 
 bool WorkLists::grow(unsigned wanted) {

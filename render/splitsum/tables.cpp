@@ -1,6 +1,7 @@
 #include "render/splitsum/tables.h"
 
 #include "render/environment/prefilter.h"
+#include "render/gl/bindings.h"
 #include "render/prefilter/prefiltered_maps.h"
 #include "render/prefilter/reflectance_tables.h"
 #include "render/splitsum/fit.h"
@@ -41,9 +42,9 @@ class SplitsumTables : public LookupTables {
   }
 
   void bind() const override {
-    maps_.bind(40);
-    glBindTextureUnit(41, table_.get());
-    if (fit_view_) glBindTextureUnit(42, fit_view_.get());
+    maps_.bind(kUnitPrefilteredMaps);
+    glBindTextureUnit(kUnitReflectance, table_.get());
+    if (fit_view_) glBindTextureUnit(kUnitLobeFits, fit_view_.get());
   }
 
   std::size_t bytes() const override { return maps_.bytes() + table_.bytes() + fits_.bytes(); }

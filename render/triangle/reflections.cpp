@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "render/gl/bindings.h"
 #include "render/reflections/nearest_hits.h"
 #include "render/triangle/facets.h"
 #include "scenes/error.h"
@@ -197,16 +198,16 @@ class TriangleReflections : public ReflectorTechnique {
       kept_view_ = Texture::make_buffer("mirrored triangles", GL_RG32UI, kept_buffer_);
     }
     counters_.clear_to_zero();
-    glBindTextureUnit(54, facet_view_.get());
-    glBindTextureUnit(55, pair_view.get());
-    glBindTextureUnit(56, cluster_view_.get());
-    glBindTextureUnit(57, triangle_view_.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, kept_buffer_.get());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 6, counters_.get());
+    glBindTextureUnit(kUnitFacets, facet_view_.get());
+    glBindTextureUnit(kUnitClusterPairs, pair_view.get());
+    glBindTextureUnit(kUnitTriangleClusters, cluster_view_.get());
+    glBindTextureUnit(kUnitClusterTriangles, triangle_view_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferKeptPairs, kept_buffer_.get());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPairCounters, counters_.get());
     const GhostReach& ghost = facets_[pairs.front().x].ghost;
     run(frame.programs->get(kCull), pairs.size(), Cluster::kMaxTriangles);
     const Program& assemble = frame.programs->get(kAssemble);
-    glBindTextureUnit(55, kept_view_.get());
+    glBindTextureUnit(kUnitKeptPairs, kept_view_.get());
     hits_.prepare(assemble);
     glProgramUniform2f(assemble.get(), assemble.location("u_ghost"), ghost.offset_m, ghost.turn);
     run(assemble, read_counters()[kept], 1);

@@ -1,11 +1,8 @@
 #pragma once
 
 // shaders/shared/cubic.glsl and triangle_mirror.glsl compiled as C++: the same source as on the GPU.
-#include <glm/glm.hpp>
+#include "scenes/shared_glsl.h"
 
-#ifndef MAQUETTE_FN
-#define MAQUETTE_FN inline
-#endif
 #ifndef PRECISE
 #define PRECISE  // C++ does not reorder float operations
 #endif

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/gl/bindings.h"
 #include "render/shading/sampled_shading.h"
 
 namespace maquette {
@@ -48,7 +49,7 @@ class UniformMode : public ShadingMode {
     sampled_.counts = {};
     for (std::size_t band = 0; band < layer.surfaces.tiles().counts.size(); ++band) {
       unsigned counters[16];
-      glBindImageTexture(0, sampled_.marks().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
+      glBindImageTexture(kImageMarks, sampled_.marks().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
       sampled_.mark_band({programs.get(kMark), layer.surfaces.tiles(), ~0u}, band, counters);
       layer.frame.timer().end("mark");
       sampled_.counts.visible += counters[6];
@@ -56,7 +57,7 @@ class UniformMode : public ShadingMode {
       sampled_.counts.samples += (static_cast<std::size_t>(counters[0]) + counters[8]) *
                                  static_cast<std::size_t>(layer.constants.sampling.y);
       count_groups(sampled_.lists(), &programs);
-      glBindImageTexture(0, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+      glBindImageTexture(kImageRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
       sampled_.shade_lists(layer.frame, layer.plan, counters, shade_variant,
                            programs.get(gather_variant(false, false)));
       layer.frame.timer().end("shade");

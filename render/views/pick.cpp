@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "render/reference/shared_formulas.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 

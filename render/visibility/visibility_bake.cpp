@@ -12,9 +12,8 @@
 #include <mutex>
 #include <type_traits>
 
-#include "render/fresnel_shared.h"
+#include "render/shared_formulas.h"
 #include "render/visibility/visibility_points.h"
-#include "render/visibility/visibility_shared.h"
 #include "scenes/error.h"
 
 namespace maquette {

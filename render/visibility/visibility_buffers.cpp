@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "render/gl/bindings.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -47,9 +48,9 @@ void VisibilityBuffers::clear() {
 }
 
 void VisibilityBuffers::bind() const {
-  glBindTextureUnit(25, word_view_.get());
-  glBindTextureUnit(30, bandwidth_view_.get());
-  glBindTextureUnit(35, transmittance_view_.get());
+  glBindTextureUnit(kUnitVisibility, word_view_.get());
+  glBindTextureUnit(kUnitVisibilityBandwidth, bandwidth_view_.get());
+  glBindTextureUnit(kUnitTransmittance, transmittance_view_.get());
 }
 
 }  // namespace maquette

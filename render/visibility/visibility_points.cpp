@@ -7,8 +7,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "render/shared_formulas.h"
 #include "render/visibility/visibility_bake.h"
-#include "render/visibility/visibility_shared.h"
 #include "scenes/files.h"
 
 namespace maquette {

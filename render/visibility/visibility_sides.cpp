@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "render/low_discrepancy.h"
-#include "render/visibility/visibility_shared.h"
+#include "render/shared_formulas.h"
 #include "render/wide.h"
 
 namespace maquette {

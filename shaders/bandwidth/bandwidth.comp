@@ -2,24 +2,25 @@
 // pixel along both screen axes and their correlation. One invocation handles a block of 2 x 2 quads, because their 5 x 5 windows share most texels.
 // FIRST_ONLY: only the first quad of every other block is predicted (classify.comp).
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/bandwidth.glsl"
 #include "shared/screen_bend.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 31) uniform usampler2D t_bend;   // of shared/screen_bend.glsl
-layout(binding = 18) uniform sampler2D t_energy;  // predict.comp
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kUnitBend) uniform usampler2D t_bend;     // of shared/screen_bend.glsl
+layout(binding = kUnitEnergy) uniform sampler2D t_energy;  // predict.comp
 #if TEXTURE_BANDWIDTH
-layout(binding = 20) uniform sampler2D t_texture_bandwidth_map;
+layout(binding = kUnitTextureBandwidthMap) uniform sampler2D t_texture_bandwidth_map;
 #endif
 #if NEAR
-layout(binding = 28) uniform sampler2D t_near;
+layout(binding = kUnitNear) uniform sampler2D t_near;
 #endif
-layout(binding = 0, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
-layout(binding = 1, rgba16f) uniform writeonly image2D o_axes;  // nu_x, nu_y (cycles/px), their correlation (screen_bandwidth), nu_theta (cycles/rad)
+layout(binding = kImageBandwidth, rgba32f) uniform writeonly image2D o_bandwidth;  // larger nu (cycles/px), mean radiance, standard deviation of one sample, 1 if visible
+layout(binding = kImageAxes, rgba16f) uniform writeonly image2D o_axes;  // nu_x, nu_y (cycles/px), their correlation (screen_bandwidth), nu_theta (cycles/rad)
 #if COARSE
-layout(binding = 2, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
+layout(binding = kImageFirstCoarse, rgba32f) uniform writeonly image2D o_coarse;  // the pyramid's next level, as pyramid.comp makes it
 #endif
 
 /// The first visible point of a quad represents it, as in classify.comp; x < 0 for none.

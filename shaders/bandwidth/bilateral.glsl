@@ -1,4 +1,5 @@
 // Bilateral weight of a coarse neighbour for a point: distance from the tangent plane, normal, material.
+#include "shared/bindings.glsl"
 struct Guide {
   vec3 position;  // m, relative to the eye
   vec3 normal;
@@ -8,7 +9,7 @@ struct Guide {
   bool valid;
 };
 
-layout(binding = 26) uniform usampler2D t_guide;
+layout(binding = kUnitGuide) uniform usampler2D t_guide;
 
 Guide load_guide(ivec2 pixel) {
   uvec2 packed_guide = texelFetch(t_guide, pixel, 0).xy;

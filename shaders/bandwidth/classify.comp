@@ -1,20 +1,21 @@
 // Lists the quads with a visible surface, those with measured and with analytic materials separately, so that neighbouring invocations run the
 // same code. The first visible point of a quad represents it; which point is tried first alternates from quad to quad.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
 #include "shared/bandwidth.glsl"
 #include "bandwidth/broad.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
-layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) writeonly buffer MeasuredPixels { uint b_measured[]; };
-layout(std430, binding = 4) writeonly buffer AnalyticPixels { uint b_analytic[]; };
-layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;
+layout(std430, binding = kBufferCounters) buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferMeasuredPixels) writeonly buffer MeasuredPixels { uint b_measured[]; };
+layout(std430, binding = kBufferAnalyticPixels) writeonly buffer AnalyticPixels { uint b_analytic[]; };
+layout(binding = kImageEnergy, rgba32f) uniform writeonly image2D o_energy;
 
 void main() {
   ivec2 quads = (u_frame.size.xy + 1) / 2;

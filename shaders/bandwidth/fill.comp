@@ -7,23 +7,24 @@
 // OWN: while nothing moves. Points that were shaded are interpolated too. Their own mean and the interpolated value are weighted by their errors
 // as earlier frames measured them, and the difference of both is stored for the next frame.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
-layout(binding = 21) uniform sampler2D t_axes;  // of screen_bandwidth
-layout(binding = 23) uniform usampler2D t_marks;
+layout(binding = kUnitScreenAxes) uniform sampler2D t_axes;  // of screen_bandwidth
+layout(binding = kUnitMarks) uniform usampler2D t_marks;
 #include "bandwidth/bilateral.glsl"
 #include "shared/bandwidth.glsl"
 #include "shared/screen_bend.glsl"
-layout(binding = 0, rgba32f) uniform image2D io_radiance;
+layout(binding = kImageRadiance, rgba32f) uniform image2D io_radiance;
 #if OWN
 #include "shared/interpolation.glsl"
-layout(binding = 18) uniform sampler2D t_mean;        // mean, number of items
-layout(binding = 19) uniform sampler2D t_deviation;   // of one sample; 0 for what was shaded first in this frame
-layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa
-layout(binding = 1, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
+layout(binding = kUnitMean) uniform sampler2D t_mean;            // mean, number of items
+layout(binding = kUnitDeviation) uniform sampler2D t_deviation;  // of one sample; 0 for what was shaded first in this frame
+layout(binding = kUnitWorth) uniform sampler2DArray t_worth;     // [layer][tile]: kappa
+layout(binding = kImageResidual, r32f) uniform writeonly image2D o_residual;  // squared distance of own mean and interpolated value; -1 for none
 /// With a smaller sum of neighbour weights the interpolated value is ignored. Of two neighbours in a row; mark.comp uses the same limit.
 const float kLeastWeight = 1.1;
 #endif
@@ -33,7 +34,7 @@ const float kLeastWeight = 1.1;
 uniform int u_level;
 
 #if TEXTURES && OWN
-layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
 #include "shared/material_table.glsl"
 #include "bandwidth/base_factor.glsl"
 #endif
@@ -42,7 +43,7 @@ layout(binding = 8) uniform usampler2D t_surface;
 // that image, 16 bits for each of kAxes (or for the only axis): the weights of the two nearest points (8 bits each, as square roots to keep small
 // ones precise), or kCubic.
 #if KEPT || FIND
-layout(binding = 2, rg32ui) uniform uimage2D io_weights;
+layout(binding = kImageWeights, rg32ui) uniform uimage2D io_weights;
 #endif
 const uint kCubic = 0xffffu;  // no weight is coded so
 const float kWeightSteps = 254.0;

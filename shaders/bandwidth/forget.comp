@@ -1,13 +1,14 @@
 // Resets the accumulated results of the points whose material was replaced, while nothing moves.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_mean;
-layout(binding = 1, r32f) uniform writeonly image2D o_spread;
-layout(binding = 2, r32f) uniform writeonly image2D o_deviation;
-layout(binding = 3, r32f) uniform writeonly image2D o_residual;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kImageForgottenMean, rgba32f) uniform writeonly image2D o_mean;
+layout(binding = kImageForgottenSpread, r32f) uniform writeonly image2D o_spread;
+layout(binding = kImageForgottenDeviation, r32f) uniform writeonly image2D o_deviation;
+layout(binding = kImageForgottenResidual, r32f) uniform writeonly image2D o_residual;
 
 void main() {
   ivec2 pixel = tile_point();

@@ -2,6 +2,7 @@
 // shaded when that is the coarsest level, when the predicted spacing is finer than the next coarser grid, or when the coarser points
 // around it lie on other surfaces or across a crease. One invocation handles a 4 x 4 block and appends its points with one atomic per list.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -14,21 +15,21 @@ uniform int u_panes;   // bit k: reflector k lets light through, and so adds lit
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
 #if BANDWIDTH
-layout(binding = 20) uniform sampler2D t_axes;     // w: nu_theta, cycles/rad
-layout(binding = 21) uniform sampler2D t_pyramid;  // level 0: quads
+layout(binding = kUnitAxes) uniform sampler2D t_axes;        // w: nu_theta, cycles/rad
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;  // level 0: quads
 #include "bandwidth/bilateral.glsl"
 #endif
 #if VISIBILITY
-layout(binding = 65) uniform sampler2D t_open;  // of open.comp
+layout(binding = kUnitOpen) uniform sampler2D t_open;  // of open.comp
 #endif
 #if REFINE
-layout(binding = 0, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible, 3 in plain quads
+layout(binding = kImageMarks, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible, 3 in plain quads
 #define o_marks io_marks
 #else
-layout(binding = 0, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible, 3 in plain quads
+layout(binding = kImageMarks, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible, 3 in plain quads
 #endif
 struct Item {
   uint pixel, first_sample;
@@ -39,20 +40,20 @@ struct ShadedPoint {
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
-layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) writeonly buffer MeasuredItems { Item b_measured_items[]; };
-layout(std430, binding = 3) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
-layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
-layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
+layout(std430, binding = kBufferCounters) buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferMeasuredItems) writeonly buffer MeasuredItems { Item b_measured_items[]; };
+layout(std430, binding = kBufferMeasuredPoints) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
+layout(std430, binding = kBufferAnalyticItems) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
+layout(std430, binding = kBufferAnalyticPoints) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
 uniform int u_item_capacity;
 uniform float u_sample_scale;
 #if REFINE
 // While nothing moves: what earlier frames have measured.
-layout(binding = 18) uniform sampler2D t_mean;       // mean, number of items
-layout(binding = 19) uniform sampler2D t_deviation;  // of one sample
-layout(binding = 56) uniform sampler2DArray t_worth;  // [layer][tile]: kappa, sample share
-layout(binding = 57) uniform sampler2D t_residual;
-layout(binding = 1, rgba32f) uniform writeonly image2D o_radiance;
+layout(binding = kUnitMean) uniform sampler2D t_mean;            // mean, number of items
+layout(binding = kUnitDeviation) uniform sampler2D t_deviation;  // of one sample
+layout(binding = kUnitWorth) uniform sampler2DArray t_worth;     // [layer][tile]: kappa, sample share
+layout(binding = kUnitResidual) uniform sampler2D t_residual;
+layout(binding = kImageMarkedRadiance, rgba32f) uniform writeonly image2D o_radiance;
 uniform float u_items_per_deviation;
 uniform float u_least_deviation;
 #endif

@@ -2,17 +2,18 @@
 // pooled with its neighbours' and with the prediction while there are few. For each tile, level and class, the difference between interpolated
 // values and the points' own means. One invocation handles a tile, and sums what the host needs to compute sample counts from deviations.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/interpolation.glsl"
-layout(binding = 18) uniform sampler2D t_mean;    // mean, number of items
-layout(binding = 19) uniform sampler2D t_spread;
-layout(binding = 21) uniform sampler2D t_pyramid;
-layout(binding = 23) uniform usampler2D t_marks;  // shaded, level
-layout(binding = 57) uniform sampler2D t_residual;
-layout(binding = 0, r32f) uniform writeonly image2D o_deviation;  // of one sample; 0 where nothing was shaded
-layout(binding = 1, rgba32f) uniform writeonly image2DArray o_residuals;  // [layer][tile]: sums over points of r^2, noise in it, item variance; count
-layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: sum of deviation * share, sum of share, points that came round the light list, items; their items
+layout(binding = kUnitMean) uniform sampler2D t_mean;  // mean, number of items
+layout(binding = kUnitSpread) uniform sampler2D t_spread;
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;
+layout(binding = kUnitMarks) uniform usampler2D t_marks;  // shaded, level
+layout(binding = kUnitResidual) uniform sampler2D t_residual;
+layout(binding = kImageDeviation, r32f) uniform writeonly image2D o_deviation;  // of one sample; 0 where nothing was shaded
+layout(binding = kImageResiduals, rgba32f) uniform writeonly image2DArray o_residuals;  // [layer][tile]: sums over points of r^2, noise in it, item variance; count
+layout(std430, binding = kBufferTileSums) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: sum of deviation * share, sum of share, points that came round the light list, items; their items
 /// Degrees of freedom of the prediction, and the largest number that one neighbour contributes.
 const float kPredicted = 1.0, kNeighbour = 1.5;
 

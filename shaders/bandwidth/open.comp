@@ -1,20 +1,21 @@
 // Baked visibility of the sky in the mirror direction, at every visible point with a narrow lobe; 1 at other points. Kept until camera, surfaces,
 // materials or visibility maps change.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
 #include "shared/material_table.glsl"
 #include "shared/bandwidth.glsl"
 #include "bandwidth/broad.glsl"
 #include "bandwidth/bilateral.glsl"
 #include "shading/visibility.glsl"
-layout(binding = 0, r8) uniform writeonly image2D o_open;
+layout(binding = kImageOpen, r8) uniform writeonly image2D o_open;
 
 void main() {
   ivec2 pixel = tile_point();

@@ -1,6 +1,7 @@
 // Per 2 x 2 quad: a few samples of the estimator, their bandwidth weighted by energy (L rho cos), and the moments that give
 // the variance of the integrand. All are sums, so that neighbours on the same surface can be pooled.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
@@ -9,6 +10,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shared/bandwidth.glsl"
@@ -18,20 +20,20 @@ layout(local_size_x = 64) in;
 #include "octree/visibility.glsl"
 #elif SHADOWED
 #include "shading/visibility.glsl"
-layout(binding = 30) uniform samplerBuffer t_visibility_bandwidth;  // [vertex], cycles/m
+layout(binding = kUnitVisibilityBandwidth) uniform samplerBuffer t_visibility_bandwidth;  // [vertex], cycles/m
 #endif
 #if SHADOWED || LIGHTS
-layout(binding = 2, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, variance of a sample of the environment's beside them, 1
+layout(binding = kImageNear, rgba32f) uniform writeonly image2D o_near;  // sum w nu_x (cycles/m); of the lights: mean, variance of a sample of the environment's beside them, 1
 #endif
-layout(binding = 16) uniform samplerBuffer t_brdf_bandwidth;         // [slot][theta_h 90][theta_d 90], cycles/rad
-layout(binding = 17) uniform samplerBuffer t_environment_bandwidth;  // [height][width][lobes + 1], cycles/rad: seen through each lobe, then as it is
-layout(binding = 0, rgba32f) uniform writeonly image2D o_energy;     // sum w nu, sum w (lights included), sum t^2 (with the stratum factor), 1 + material
+layout(binding = kUnitBrdfBandwidth) uniform samplerBuffer t_brdf_bandwidth;                // [slot][theta_h 90][theta_d 90], cycles/rad
+layout(binding = kUnitEnvironmentBandwidth) uniform samplerBuffer t_environment_bandwidth;  // [height][width][lobes + 1], cycles/rad: seen through each lobe, then as it is
+layout(binding = kImageEnergy, rgba32f) uniform writeonly image2D o_energy;                 // sum w nu, sum w (lights included), sum t^2 (with the stratum factor), 1 + material
 
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
-layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) readonly buffer Pixels { uint b_pixels[]; };  // every other word
+layout(std430, binding = kBufferCounters) readonly buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferMeasuredPixels) readonly buffer Pixels { uint b_pixels[]; };  // every other word
 uniform int u_list;
 
 struct Result {

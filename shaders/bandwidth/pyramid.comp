@@ -1,7 +1,8 @@
 // One level of the bandwidth pyramid: maximum of the bandwidth, so that interpolation does not miss it; means of radiance and deviation.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 21) uniform sampler2D t_fine;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_coarse;
+#include "shared/bindings.glsl"
+layout(binding = kUnitPyramid) uniform sampler2D t_fine;
+layout(binding = kImageCoarse, rgba32f) uniform writeonly image2D o_coarse;
 uniform int u_level;  // of t_fine
 void main() {
   ivec2 p = ivec2(gl_GlobalInvocationID.xy);

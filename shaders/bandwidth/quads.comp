@@ -2,12 +2,13 @@
 // points of the finest level lie on the same surface as the coarser ones around and are filled from them. compose.comp then computes one value
 // for the quad without comparing surfaces again.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
-layout(binding = 23) uniform usampler2D t_marks;
-layout(std430, binding = 1) buffer Counts { uint b_plain_count, b_mixed_count; };
-layout(std430, binding = 2) writeonly buffer PlainQuads { uint b_plain[]; };
-layout(std430, binding = 3) writeonly buffer MixedQuads { uint b_mixed[]; };
+layout(binding = kUnitMarks) uniform usampler2D t_marks;
+layout(std430, binding = kBufferQuadCounts) buffer Counts { uint b_plain_count, b_mixed_count; };
+layout(std430, binding = kBufferPlainQuads) writeonly buffer PlainQuads { uint b_plain[]; };
+layout(std430, binding = kBufferMixedQuads) writeonly buffer MixedQuads { uint b_mixed[]; };
 
 void main() {
   ivec2 tile = tile_of(int(linear_id()), 2);

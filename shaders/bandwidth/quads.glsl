@@ -1,5 +1,6 @@
 // Quads of 2 x 2 grid points from a list of quads.comp.
-layout(std430, binding = 2) readonly buffer Quads { uint b_quads[]; };  // x | y << 16 of their first points
+#include "shared/bindings.glsl"
+layout(std430, binding = kBufferQuads) readonly buffer Quads { uint b_quads[]; };  // x | y << 16 of their first points
 uniform int u_quads;
 
 /// First point of an entry; x < 0 beyond the list.

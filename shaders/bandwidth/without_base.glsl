@@ -1,6 +1,7 @@
 /// Radiance without the base factor (base_factor.glsl), as it is stored between passes. TEXTURES 0: the radiance itself.
+#include "shared/bindings.glsl"
 #if TEXTURES
-layout(binding = 8) uniform usampler2D t_surface;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
 #include "shared/octahedral.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"

@@ -1,17 +1,18 @@
 // Error of interpolation (kappa) around each tile, by level and class, and the number of work items that the next frame would have at several
 // rates. One invocation handles a tile.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/interpolation.glsl"
-layout(binding = 18) uniform sampler2D t_mean;       // mean, number of items
-layout(binding = 19) uniform sampler2D t_deviation;  // of one sample
-layout(binding = 21) uniform sampler2D t_pyramid;
-layout(binding = 23) uniform usampler2D t_marks;     // shaded, level, -, visible
-layout(binding = 57) uniform sampler2D t_residual;
-layout(binding = 58) uniform sampler2DArray t_residuals;  // measure.comp
-layout(binding = 0, rg32f) uniform writeonly image2DArray o_worth;  // [layer][tile]: kappa, sample share of points entering there
-layout(std430, binding = 1) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: items wanted at kRates rates, each sqrt(2) times the one before
+layout(binding = kUnitMean) uniform sampler2D t_mean;            // mean, number of items
+layout(binding = kUnitDeviation) uniform sampler2D t_deviation;  // of one sample
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;
+layout(binding = kUnitMarks) uniform usampler2D t_marks;     // shaded, level, -, visible
+layout(binding = kUnitResidual) uniform sampler2D t_residual;
+layout(binding = kUnitResiduals) uniform sampler2DArray t_residuals;  // measure.comp
+layout(binding = kImageWorth, rg32f) uniform writeonly image2DArray o_worth;  // [layer][tile]: kappa, sample share of points entering there
+layout(std430, binding = kBufferTileSums) writeonly buffer Sums { vec4 b_sums[]; };  // [2 tile]: items wanted at kRates rates, each sqrt(2) times the one before
 uniform float u_items_per_deviation;  // the first rate
 uniform float u_least_deviation;
 uniform float u_typical[16];  // kappa by layer, of the picture's tiles

@@ -1,8 +1,9 @@
 // Regions on screen where the clusters may be seen in one patch, by projecting the corners of their boxes.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "bezier/project.glsl"
-layout(std430, binding = 2) writeonly buffer Boxes { vec4 b_boxes[]; };  // as reflections/visible.comp reads them
-layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };  // as bezier/vertices.comp has them
+layout(std430, binding = kBufferBoxes) writeonly buffer Boxes { vec4 b_boxes[]; };  // as reflections/visible.comp reads them
+layout(std430, binding = kBufferPatchStarts) readonly buffer Starts { vec4 b_starts[]; };  // as bezier/vertices.comp has them
 uniform int u_count;
 
 const int kSteps = 6;

@@ -1,11 +1,12 @@
 // Scene triangles whose vertices have been projected: invisible ones are dropped, those with straight edges are offered unchanged, the others
 // become the first pieces to be subdivided (bezier/pieces.comp).
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "bezier/corners.glsl"
-layout(binding = 55) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };  // 0: triangles offered, 1: pieces
-layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };  // 4 a piece: three of (m, x.x) | x.y of each, number
-layout(std430, binding = 7) readonly buffer Triangles { uint b_triangles[]; };
+layout(binding = kUnitProjected) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it
+layout(std430, binding = kBufferBezierCounters) buffer Counters { uint b_counters[16]; };  // 0: triangles offered, 1: pieces
+layout(std430, binding = kBufferNextPieces) writeonly buffer Next { vec4 b_next[]; };      // 4 a piece: three of (m, x.x) | x.y of each, number
+layout(std430, binding = kBufferBezierTriangles) readonly buffer Triangles { uint b_triangles[]; };
 uniform int u_count;
 uniform int u_piece_capacity;
 uniform float u_tolerance_px;

@@ -1,10 +1,11 @@
 // Pieces of reflected triangles: edges whose image deviates from a straight line by more than the tolerance are halved. This depends only on
 // the two ends of an edge, so neighbours agree and there are no cracks.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "bezier/corners.glsl"
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };     // 1 and 2: pieces, 7: dropped, 8: pieces offered
-layout(std430, binding = 5) readonly buffer Pieces { vec4 b_pieces[]; };  // 4 a piece: three of (m, x.x) | x.y of each, number
-layout(std430, binding = 6) writeonly buffer Next { vec4 b_next[]; };
+layout(std430, binding = kBufferBezierCounters) buffer Counters { uint b_counters[16]; };  // 1 and 2: pieces, 7: dropped, 8: pieces offered
+layout(std430, binding = kBufferPieces) readonly buffer Pieces { vec4 b_pieces[]; };       // 4 a piece: three of (m, x.x) | x.y of each, number
+layout(std430, binding = kBufferNextPieces) writeonly buffer Next { vec4 b_next[]; };
 uniform int u_count;
 uniform int u_next_counter;
 uniform int u_piece_capacity;

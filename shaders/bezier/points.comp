@@ -1,12 +1,13 @@
 // Draws the vertices as points where the patch shows them: without edges nothing can tear (the robust case of the thesis). The nearest at a
 // pixel is found in three rounds: its distance; clearing what is farther; its triangle.
 layout(local_size_x = 64) in;
-layout(binding = 50) uniform sampler2D t_ray_direction;   // w: reflector + 1
-layout(binding = 55) uniform usamplerBuffer t_projected;  // as bezier/vertices.comp writes it
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };
-layout(std430, binding = 4) readonly buffer Vertices { uvec2 b_vertices[]; };      // vertex, start
-layout(std430, binding = 7) readonly buffer Triangles { uint b_triangles[]; };     // [vertex] a triangle that it is a corner of
-layout(std430, binding = 8) coherent buffer Nearest { uvec2 b_nearest[]; };        // triangle + 1 and effort | complement of m: how far
+#include "shared/bindings.glsl"
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1
+layout(binding = kUnitProjected) uniform usamplerBuffer t_projected;    // as bezier/vertices.comp writes it
+layout(std430, binding = kBufferBezierCounters) buffer Counters { uint b_counters[16]; };
+layout(std430, binding = kBufferPatchVertices) readonly buffer Vertices { uvec2 b_vertices[]; };      // vertex, start
+layout(std430, binding = kBufferTriangleOfVertex) readonly buffer Triangles { uint b_triangles[]; };  // [vertex] a triangle that it is a corner of
+layout(std430, binding = kBufferNearest) coherent buffer Nearest { uvec2 b_nearest[]; };              // triangle + 1 and effort | complement of m: how far
 #include "reflections/tiles.glsl"
 uniform int u_count;
 uniform int u_round;

@@ -1,8 +1,9 @@
 // Projects a scene point to where the eye sees it in one patch: the reflection point by Newton's method, the depth from the path length.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "reflections/reflectors.glsl"
 #include "reflections/ghost.glsl"
-layout(binding = 54) uniform samplerBuffer t_nodes;  // 5 texels a node: render/bezier/projection.cpp writes them
+layout(binding = kUnitPatchNodes) uniform samplerBuffer t_nodes;  // 5 texels a node: render/bezier/projection.cpp writes them
 uniform int u_reflector;
 uniform int u_patch;
 uniform int u_first_node;

@@ -1,13 +1,14 @@
 // Projects the vertices of the clusters that may be seen in one patch.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "bezier/project.glsl"
-layout(binding = 5) uniform samplerBuffer t_vertices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
 // 2 a vertex: px on screen, x | status, in front, steps, distance to the vertex; derivative of the screen position by the vertex, px/m: six halves
-layout(std430, binding = 2) writeonly buffer Projections { uvec4 b_projected[]; };
-layout(std430, binding = 3) buffer Counters { uint b_counters[16]; };
-layout(std430, binding = 4) readonly buffer Vertices { uvec2 b_vertices[]; };  // vertex, start
+layout(std430, binding = kBufferProjections) writeonly buffer Projections { uvec4 b_projected[]; };
+layout(std430, binding = kBufferBezierCounters) buffer Counters { uint b_counters[16]; };
+layout(std430, binding = kBufferPatchVertices) readonly buffer Vertices { uvec2 b_vertices[]; };  // vertex, start
 // 5 a cluster: its middle's parameters, certified | derivatives of both by the position of a point | middle, radius, m | half extent, m
-layout(std430, binding = 5) readonly buffer Starts { vec4 b_starts[]; };
+layout(std430, binding = kBufferPatchStarts) readonly buffer Starts { vec4 b_starts[]; };
 uniform int u_count;
 
 const float kSteepest = 6e4;  // px/m: a half holds no more

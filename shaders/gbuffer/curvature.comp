@@ -1,5 +1,6 @@
 // Per 2 x 2 quad: curvature and footprint of the surface along the screen axes, from the G-buffer, so that geometry may change every frame.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/octahedral.glsl"
@@ -7,9 +8,9 @@ layout(local_size_x = 64) in;
 #include "shared/gbuffer.glsl"
 #include "shared/bandwidth.glsl"
 #include "shared/screen_bend.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_bend;  // of shared/screen_bend.glsl
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kImageBend, rgba32ui) uniform writeonly uimage2D o_bend;  // of shared/screen_bend.glsl
 
 struct Sample {
   vec3 position, normal;

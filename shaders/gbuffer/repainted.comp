@@ -1,12 +1,13 @@
 // Lists the tiles that show a material that was replaced since the frame before. One invocation for each tile that shows a surface.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
-layout(std430, binding = 1) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
-layout(std430, binding = 2) writeonly buffer RepaintedTiles { uint b_repainted_tiles[]; };
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(std430, binding = kBufferTileCounts) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
+layout(std430, binding = kBufferRepaintedTiles) writeonly buffer RepaintedTiles { uint b_repainted_tiles[]; };
 uniform int u_band_rows;  // tiles
 
 void main() {

@@ -1,5 +1,6 @@
 // Surface of each grid point from its triangle: exact intersection of the point's ray, interpolated normal and texture coordinates with
 // analytic derivatives, textured material.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 layout(local_size_x = 64) in;
 #include "shared/tiles.glsl"
@@ -11,16 +12,16 @@ layout(local_size_x = 64) in;
 #if TEXTURES
 #include "shared/texture_table.glsl"
 #endif
-layout(binding = 0) uniform usampler2D t_triangle;
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;  // 4 texels: position, uv0.x | normal, uv0.y | tangent | uv1, colour bits, 0
-layout(binding = 6) uniform usamplerBuffer t_triangle_material;
-layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
-layout(binding = 1, r32f) uniform writeonly image2D o_depth;
-layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;  // 4 texels: position, uv0.x | normal, uv0.y | tangent | uv1, colour bits, 0
+layout(binding = kUnitTriangleMaterial) uniform usamplerBuffer t_triangle_material;
+layout(binding = kImageSurface, rgba32ui) uniform writeonly uimage2D o_surface;
+layout(binding = kImageDepth, r32f) uniform writeonly image2D o_depth;
+layout(binding = kImageGuide, rg32ui) uniform writeonly uimage2D o_guide;
 #if TEXTURE_BANDWIDTH
-layout(binding = 7) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 x 16], cycles per unit of UV
-layout(binding = 2, r32f) uniform writeonly image2D o_texture_bandwidth;  // cycles/m: 1e8 in a scene of a micrometre, beyond half floats
+layout(binding = kUnitTextureBandwidth) uniform samplerBuffer t_texture_bandwidth;  // [texture][16 x 16], cycles per unit of UV
+layout(binding = kImageTextureBandwidth, r32f) uniform writeonly image2D o_texture_bandwidth;  // cycles/m: 1e8 in a scene of a micrometre, beyond half floats
 #endif
 
 void resolve_surface(ivec2 pixel, int triangle) {

@@ -1,14 +1,15 @@
 // Lists the tiles of 8 x 8 grid points that show a surface, and the tiles that show sky; a tile may be in both lists. One invocation a tile.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shading/linear_id.glsl"
-layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 struct Counts {
   uint surface, sky;
 };
-layout(std430, binding = 1) buffer TileCounts { Counts b_counts[]; };  // of each band of rows
-layout(std430, binding = 2) writeonly buffer SurfaceTiles { uint b_surface_tiles[]; };
-layout(std430, binding = 3) writeonly buffer SkyTiles { uint b_sky_tiles[]; };
+layout(std430, binding = kBufferTileCounts) buffer TileCounts { Counts b_counts[]; };  // of each band of rows
+layout(std430, binding = kBufferSurfaceTiles) writeonly buffer SurfaceTiles { uint b_surface_tiles[]; };
+layout(std430, binding = kBufferSkyTiles) writeonly buffer SkyTiles { uint b_sky_tiles[]; };
 uniform int u_band_rows;  // tiles
 const int kTile = 8;
 

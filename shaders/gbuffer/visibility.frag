@@ -1,3 +1,4 @@
+#include "shared/bindings.glsl"
 uniform int u_first_triangle;
 layout(location = 0) out uint o_triangle;
 #if ALPHA_MASK

@@ -1,4 +1,5 @@
 // Rasterises the index of the visible triangle; resolve.comp computes the rest of the G-buffer once per visible point.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 #if ALPHA_MASK

@@ -6,6 +6,7 @@
 // permutations, because software devices run branches that no invocation takes.
 // Blending is o_color + o_through * (what is there), so items are drawn back to front.
 // RECORD: only panes. Nothing is drawn; each point lists what is needed to draw it under other light (glass/kept.glsl).
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/latlong.glsl"
 #include "shared/rgb9e5.glsl"
@@ -15,17 +16,17 @@
 #include "shared/texture_table.glsl"
 uniform int u_texture;  // of the base colour
 #endif
-layout(binding = 29) uniform sampler2D t_irradiance;  // irradiance over pi, latitude-longitude
+layout(binding = kUnitIrradiance) uniform sampler2D t_irradiance;  // irradiance over pi, latitude-longitude
 uniform vec4 u_base;      // base colour, alpha
 uniform vec4 u_emission;  // cd/m2; w: 1 for unlit
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
 #if MIRRORED
-layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
-layout(binding = 53) uniform sampler2D t_reflection;     // what the nearest reflector of each pixel shows, cd/m2
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
+layout(binding = kUnitReflection) uniform sampler2D t_reflection;       // what the nearest reflector of each pixel shows, cd/m2
 uniform int u_reflector;                                 // of this item
-layout(binding = 56) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
-layout(binding = 62) uniform sampler2D t_ghost_direction;  // the same of the second image
-layout(binding = 63) uniform sampler2D t_ghost;
+layout(binding = kUnitDoubt) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
+layout(binding = kUnitGhostDirection) uniform sampler2D t_ghost_direction;  // the same of the second image
+layout(binding = kUnitGhost) uniform sampler2D t_ghost;
 #endif
 in vec3 v_position;
 in vec3 v_normal;
@@ -38,11 +39,11 @@ struct Layer {
   uvec4 behind_uv_share;
   vec4 share_through, through_added;
 };
-layout(std430, binding = 1) buffer Layers {
+layout(std430, binding = kBufferPaneLayers) buffer Layers {
   uint b_count, b_unused[3];
   Layer b_layers[];  // number 1 first
 };
-layout(binding = 1, r32ui) uniform uimage2D io_heads;
+layout(binding = kImagePaneHeads, r32ui) uniform uimage2D io_heads;
 #else
 layout(location = 0, index = 0) out vec4 o_color;
 layout(location = 0, index = 1) out vec4 o_through;

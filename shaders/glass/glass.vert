@@ -1,14 +1,15 @@
 // Panes and blended surfaces. Computes per vertex the visibility of the sky in the mirror direction, which varies slowly.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/octahedral.glsl"
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec2 a_uv;
-layout(binding = 5) uniform samplerBuffer t_vertices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
 #if VISIBILITY == 2
 #include "octree/tables.glsl"
 #elif VISIBILITY
 #include "shared/visibility.glsl"
-layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
+layout(binding = kUnitVisibility) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
 #endif
 out vec3 v_position;  // m, relative to the eye
 out vec3 v_normal;

@@ -1,7 +1,8 @@
 // Panes while camera and surfaces do not change: the layers that glass.frag recorded at each grid point, from front to back. Only the mirrored
 // radiance is looked up again. Needs frame, latlong, rgb9e5 and shading/environment_bilinear included before.
-layout(binding = 50) uniform usampler2D t_pane_heads;       // number of the nearest layer, 0 for none
-layout(binding = 51) uniform usamplerBuffer t_pane_layers;  // as in glass.frag, behind one texel
+#include "shared/bindings.glsl"
+layout(binding = kUnitPaneHeads) uniform usampler2D t_pane_heads;        // number of the nearest layer, 0 for none
+layout(binding = kUnitPaneLayers) uniform usamplerBuffer t_pane_layers;  // as in glass.frag, behind one texel
 uniform float u_turn;  // rotation of the environment, in full turns
 
 vec3 through_panes(ivec2 pixel, vec3 behind) {

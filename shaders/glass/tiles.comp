@@ -1,14 +1,15 @@
 // Splits the tiles that show a surface into those with a pane in front of it, and those without. One invocation a tile.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
-layout(binding = 50) uniform usampler2D t_pane_heads;  // as in kept.glsl
+layout(binding = kUnitPaneHeads) uniform usampler2D t_pane_heads;  // as in kept.glsl
 struct Counts {
   uint covered, bare;
 };
-layout(std430, binding = 1) buffer TileCounts { Counts b_counts[]; };  // of each band of rows
-layout(std430, binding = 2) writeonly buffer CoveredTiles { uint b_covered_tiles[]; };
-layout(std430, binding = 3) writeonly buffer BareTiles { uint b_bare_tiles[]; };
+layout(std430, binding = kBufferTileCounts) buffer TileCounts { Counts b_counts[]; };  // of each band of rows
+layout(std430, binding = kBufferCoveredTiles) writeonly buffer CoveredTiles { uint b_covered_tiles[]; };
+layout(std430, binding = kBufferBareTiles) writeonly buffer BareTiles { uint b_bare_tiles[]; };
 uniform int u_band_rows;  // tiles
 
 void main() {

@@ -1,9 +1,10 @@
 // BRDFs of octree cells (render/octree/cell_brdf_buffers.h): their codes, frames and visible areas. Needs octree/tables.glsl.
+#include "shared/bindings.glsl"
 #include "shared/cell_brdf.glsl"
-layout(binding = 36) uniform usamplerBuffer t_cell_of_node;  // [node], code + 1, 0: none
-layout(binding = 37) uniform usamplerBuffer t_cell_codes;    // cluster (16 bits) and turn (14 bits), mirrored, shared by flat cells; four weights, scale
-layout(binding = 38) uniform samplerBuffer t_cell_pairs;     // [cluster][pair][5]
-layout(binding = 39) uniform samplerBuffer t_cell_seen;      // [cluster][direction][5]
+layout(binding = kUnitCellOfNode) uniform usamplerBuffer t_cell_of_node;  // [node], code + 1, 0: none
+layout(binding = kUnitCellCodes) uniform usamplerBuffer t_cell_codes;     // cluster (16 bits) and turn (14 bits), mirrored, shared by flat cells; four weights, scale
+layout(binding = kUnitCellPairs) uniform samplerBuffer t_cell_pairs;      // [cluster][pair][5]
+layout(binding = kUnitCellSeen) uniform samplerBuffer t_cell_seen;        // [cluster][direction][5]
 
 struct CellCode {
   int cluster;

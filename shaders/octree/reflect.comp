@@ -2,6 +2,7 @@
 // cells as wide as the pixel's cone. GLOSSY: rays of opaque surfaces, with cones as wide as their lobes.
 layout(local_size_x = 64) in;
 #define REFLECTED 1
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -10,20 +11,20 @@ layout(local_size_x = 64) in;
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
 #include "octree/tables.glsl"
-layout(binding = 34) uniform usamplerBuffer t_octree_colors;     // [node]
-layout(binding = 57) uniform usamplerBuffer t_octree_triangles;  // [node], of the geometry
+layout(binding = kUnitOctreeColors) uniform usamplerBuffer t_octree_colors;        // [node]
+layout(binding = kUnitOctreeTriangles) uniform usamplerBuffer t_octree_triangles;  // [node], of the geometry
 uint octree_color_word(int node) { return texelFetch(t_octree_colors, node).x; }
 #include "shared/octree_surface.glsl"
-layout(binding = 0, rgba32ui) uniform writeonly uimage2D o_surface;
-layout(binding = 1, r32f) uniform writeonly image2D o_depth;
-layout(binding = 2, r32ui) uniform writeonly uimage2D o_triangle;
-layout(binding = 4, rg8ui) uniform writeonly uimage2D o_effort;
-layout(binding = 3, rg32ui) uniform writeonly uimage2D o_guide;
-layout(std430, binding = 6) buffer Counters { uint b_rays, b_steps, b_layer_count; };
+layout(binding = kImageSurface, rgba32ui) uniform writeonly uimage2D o_surface;
+layout(binding = kImageDepth, r32f) uniform writeonly image2D o_depth;
+layout(binding = kImageOctreeTriangle, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = kImageOctreeEffort, rg8ui) uniform writeonly uimage2D o_effort;
+layout(binding = kImageGuide, rg32ui) uniform writeonly uimage2D o_guide;
+layout(std430, binding = kBufferOctreeCounters) buffer Counters { uint b_rays, b_steps, b_layer_count; };
 #if CELLS
 #include "octree/cells.glsl"
-layout(std430, binding = 13) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
-layout(binding = 5, rg32ui) uniform writeonly uimage2D o_layers;            // first layer, count | what comes through (half) << 16
+layout(std430, binding = kBufferOctreeLayers) writeonly buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight
+layout(binding = kImageOctreeLayers, rg32ui) uniform writeonly uimage2D o_layers;            // first layer, count | what comes through (half) << 16
 uniform int u_layer_capacity;
 uniform int u_all_cells;  // 0: flat cells of one material use it instead of a cell BRDF
 
@@ -41,7 +42,7 @@ float leave_cell(vec3 origin, vec3 direction, float t, float cell_m) {
 }
 #endif
 #if GLOSSY
-layout(binding = 54) uniform sampler2D t_width;  // rad: half of the lobe lies within
+layout(binding = kUnitLobeWidth) uniform sampler2D t_width;  // rad: half of the lobe lies within
 /// Cells of the surface's own material are skipped while the ray is less than this many cells above it: a curved surface is not as flat
 /// as its cells.
 const float kOwnHeight = 1.0;
@@ -127,6 +128,30 @@ bool has_emissive_texture(int material, vec3 emission) {
   return false;
 }
 
+/// The cell that is met, as gbuffer/resolve.comp stores a surface.
+void store_surface(ivec2 pixel, vec3 origin, vec3 direction, OctreeHit hit, int steps) {
+  OctreeSurface seen = octree_surface(octree_frame(), hit, origin + hit.t * direction, direction);
+  vec3 normal = seen.normal;
+  float facing = -dot(normal, direction);
+  float least = facing < 0.0 ? kRimFacing : kLeastFacing;
+  if (facing < least) normal = normalize(normal - direction * (least - facing));
+  vec4 m0 = material_floats(seen.material, 0), m1 = material_floats(seen.material, 1), m2 = material_floats(seen.material, 2);
+  bool glows = has_emissive_texture(seen.material, m2.rgb);
+  Surface surface;
+  surface.normal = normal;
+  surface.base_color = glows ? m0.rgb : m0.rgb * seen.tint;
+  surface.metallic = m1.x;
+  surface.roughness = m1.y;
+  surface.clearcoat = material_floats(seen.material, 3).x;
+  surface.material = seen.material;
+  float depth = max(hit.t, 1e-30);
+  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * seen.tint : m2.rgb));
+  imageStore(o_depth, pixel, vec4(depth));
+  imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, seen.material), 0u, 0u));
+  imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
+  imageStore(o_triangle, pixel, uvec4(texelFetch(t_octree_triangles, hit.node).x + 1u));
+}
+
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
@@ -201,24 +226,5 @@ void main() {
     store_nothing(pixel, steps);
     return;
   }
-  OctreeSurface seen = octree_surface(octree_frame(), hit, origin.xyz + hit.t * direction.xyz, direction.xyz);
-  vec3 normal = seen.normal;
-  float facing = -dot(normal, direction.xyz);
-  float least = facing < 0.0 ? kRimFacing : kLeastFacing;
-  if (facing < least) normal = normalize(normal - direction.xyz * (least - facing));
-  vec4 m0 = material_floats(seen.material, 0), m1 = material_floats(seen.material, 1), m2 = material_floats(seen.material, 2);
-  bool glows = has_emissive_texture(seen.material, m2.rgb);
-  Surface surface;
-  surface.normal = normal;
-  surface.base_color = glows ? m0.rgb : m0.rgb * seen.tint;
-  surface.metallic = m1.x;
-  surface.roughness = m1.y;
-  surface.clearcoat = material_floats(seen.material, 3).x;
-  surface.material = seen.material;
-  float depth = max(hit.t, 1e-30);
-  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * seen.tint : m2.rgb));
-  imageStore(o_depth, pixel, vec4(depth));
-  imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, seen.material), 0u, 0u));
-  imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));
-  imageStore(o_triangle, pixel, uvec4(texelFetch(t_octree_triangles, hit.node).x + 1u));
+  store_surface(pixel, origin.xyz, direction.xyz, hit, steps);
 }

@@ -2,13 +2,14 @@
 // directions of view and light, chosen with its bilinear weight.
 // Source: Pharr et al. 2024, "Filtering After Shading With Stochastic Texture Filtering", Sec. 4, for this choice.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shading/linear_id.glsl"
 #define REFLECTED 1
 #include "shared/frame.glsl"
 #include "octree/tables.glsl"
 #include "octree/cells.glsl"
-layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
-layout(std430, binding = 13) buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight; then radiance
+layout(binding = kUnitLightSamples) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
+layout(std430, binding = kBufferOctreeLayers) buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight; then radiance
 uniform int u_layer_count;
 uniform int u_samples;
 

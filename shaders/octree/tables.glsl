@@ -1,6 +1,7 @@
 // The octree of the scene (render/octree/octree_buffers) and its traversal.
-layout(binding = 32) uniform usamplerBuffer t_octree;         // [node]
-layout(binding = 33) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
+#include "shared/bindings.glsl"
+layout(binding = kUnitOctree) uniform usamplerBuffer t_octree;               // [node]
+layout(binding = kUnitOctreePlanes) uniform usamplerBuffer t_octree_planes;  // [node above the last level]
 uniform vec4 u_octree;     // corner (m), cells of the last level per metre
 uniform int u_octree_depth;
 uniform int u_octree_detail;  // number of the deepest levels, which only cells with much detail have

@@ -1,5 +1,6 @@
 // Traces a list of rays through the octree; used by tests and the benchmark.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "octree/tables.glsl"
 
 struct RayRecord {
@@ -13,8 +14,8 @@ struct HitRecord {
   float t;
   int node, level, steps;
 };
-layout(std430, binding = 0) readonly buffer Rays { RayRecord b_rays[]; };
-layout(std430, binding = 1) writeonly buffer Hits { HitRecord b_hits[]; };
+layout(std430, binding = kBufferOctreeRays) readonly buffer Rays { RayRecord b_rays[]; };
+layout(std430, binding = kBufferOctreeHits) writeonly buffer Hits { HitRecord b_hits[]; };
 
 void main() {
   uint id = gl_GlobalInvocationID.x;

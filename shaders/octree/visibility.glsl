@@ -1,4 +1,5 @@
 // Visibility of a shading point by rays through the octree, which contains no panes. Replaces shading/visibility.glsl.
+#include "shared/bindings.glsl"
 #include "octree/tables.glsl"
 
 /// A ray starts this far above its surface, in cells: outside the slab of its own cell's plane, including the plane's error.
@@ -20,9 +21,9 @@ VisibilityPoint visibility_point(vec3 position, vec3 normal) {
 /// For reflected points, which may lie on an octree cell instead of a triangle.
 VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) { return visibility_point(position, normal); }
 #else
-layout(binding = 0) uniform usampler2D t_triangle;
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
 
 /// `normal` is the shading normal; the ray's origin is moved along the geometric normal.
 VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {

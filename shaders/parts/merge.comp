@@ -1,11 +1,12 @@
 // Where several shading modes share a frame: copies the points of one layer into the frame's radiance and depth.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
-layout(binding = 9) uniform sampler2D t_depth;  // of the layer
-layout(binding = 24) uniform sampler2D t_radiance;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
-layout(binding = 1, r32f) uniform writeonly image2D o_depth;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;  // of the layer
+layout(binding = kUnitRadiance) uniform sampler2D t_radiance;
+layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
+layout(binding = kImageDepth, r32f) uniform writeonly image2D o_depth;
 
 void main() {
   ivec2 pixel = tile_point();

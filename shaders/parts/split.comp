@@ -1,14 +1,15 @@
 // Where several shading modes share a frame: what of an image of triangles belongs to one layer. The triangles themselves, or, DEPTHS, the depths
 // of what mirrored rays hit.
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 0) uniform usampler2D t_triangle;  // number + 1, 0 for none
-layout(binding = 7) uniform usamplerBuffer t_layers;  // [triangle]
+#include "shared/bindings.glsl"
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;  // number + 1, 0 for none
+layout(binding = kUnitTriangleLayers) uniform usamplerBuffer t_layers;  // [triangle]
 uniform int u_layer;
 #if DEPTHS
-layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 0, r32f) uniform writeonly image2D o_depth;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kImageLayerDepth, r32f) uniform writeonly image2D o_depth;
 #else
-layout(binding = 0, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = kImageTriangle, r32ui) uniform writeonly uimage2D o_triangle;
 #endif
 
 void main() {

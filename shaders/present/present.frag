@@ -1,7 +1,9 @@
 // Draws a picture on screen. SIDE: points a pixel along each axis of the picture. Each point is tone mapped, and a pixel shows their mean:
 // if part of a pixel shows a sky 1,000 times as bright as the rest, the edge would look jagged after tone mapping the mean radiance.
+#include "shared/bindings.glsl"
+#include "shared/luminance.glsl"
 #include "shared/tonemap.glsl"
-layout(binding = 24) uniform sampler2D t_picture;
+layout(binding = kUnitPicture) uniform sampler2D t_picture;
 uniform float u_exposure;
 uniform int u_curve;      // of tonemap.glsl; -1: the picture is display-encoded already
 uniform int u_flip;       // 1: window framebuffers have row 0 at the bottom

@@ -1,7 +1,8 @@
 // Everything that is drawn over the opaque picture, to find the least share of that picture that stays visible.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
-layout(binding = 5) uniform samplerBuffer t_vertices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
 out vec3 v_position;  // m, relative to the eye
 out vec3 v_normal;
 void main() {

@@ -1,12 +1,13 @@
 // For each tile of pixels, of the rays of one reflector: the bounding boxes of their origins and directions, and the largest hit distance.
 // Triangles farther away are invisible.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "reflections/tiles.glsl"
-layout(binding = 49) uniform sampler2D t_ray_origin;
-layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
-layout(std430, binding = 8) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
+layout(binding = kUnitRayOrigin) uniform sampler2D t_ray_origin;
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1
+layout(std430, binding = kBufferNearest) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
 // [row][column] 4 each: lowest origin, m, how far, m | highest origin | lowest direction | highest direction
-layout(std430, binding = 2) writeonly buffer Tiles { vec4 b_tiles[]; };
+layout(std430, binding = kBufferFarTiles) writeonly buffer Tiles { vec4 b_tiles[]; };
 uniform int u_reflector;
 
 void main() {

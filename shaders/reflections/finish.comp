@@ -1,15 +1,16 @@
 // Writes the nearest hit of each pixel to the images that all techniques share.
 layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/bindings.glsl"
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
-layout(std430, binding = 8) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
-layout(binding = 54) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
-layout(binding = 0, r32ui) uniform writeonly uimage2D o_triangle;
-layout(binding = 1, rg8ui) uniform writeonly uimage2D o_effort;
-layout(binding = 2, r8ui) uniform writeonly uimage2D o_doubt;
-layout(std430, binding = 2) buffer Counters { uint b_doubtful; };
-layout(binding = 55) uniform usamplerBuffer t_group;   // of each triangle
-layout(std430, binding = 3) writeonly buffer Seen { uint b_seen[]; };  // [group]
+layout(std430, binding = kBufferNearest) readonly buffer Nearest { uvec2 b_nearest[]; };  // as reflections/resolve.comp has them
+layout(binding = kUnitFocus) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
+layout(binding = kImageTriangle, r32ui) uniform writeonly uimage2D o_triangle;
+layout(binding = kImageEffort, rg8ui) uniform writeonly uimage2D o_effort;
+layout(binding = kImageDoubt, r8ui) uniform writeonly uimage2D o_doubt;
+layout(std430, binding = kBufferHitCounters) buffer Counters { uint b_doubtful; };
+layout(binding = kUnitTriangleGroups) uniform usamplerBuffer t_group;  // of each triangle
+layout(std430, binding = kBufferSeenGroups) writeonly buffer Seen { uint b_seen[]; };  // [group]
 uniform int u_group_count;  // 0: groups are not needed
 uniform uint u_shortest;  // bit k: for reflector k the technique has found only shortest paths
 uniform int u_channel;    // of the effort: 0: steps, 1: root

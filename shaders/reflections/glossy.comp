@@ -2,6 +2,7 @@
 // baked per vertex in the same lobes. Light of the sky is shaded already, by the share that the visibility map gives for the mean
 // direction. The ray's radiance is used for the remaining share only, so that no direction counts twice.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -10,6 +11,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
@@ -19,12 +21,12 @@ layout(local_size_x = 64) in;
 #include "shading/visibility.glsl"
 #include "shading/load_indirect.glsl"
 #else
-layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 #endif
-layout(binding = 49) uniform sampler2D t_ray_origin;     // m; w: depth, 0 for no ray
-layout(binding = 50) uniform sampler2D t_ray_direction;  // unit; w: material + 1
-layout(binding = 53) uniform sampler2D t_met;            // cd/m2
-layout(binding = 0, rgba32f) uniform writeonly image2D o_glossy;
+layout(binding = kUnitRayOrigin) uniform sampler2D t_ray_origin;        // m; w: depth, 0 for no ray
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // unit; w: material + 1
+layout(binding = kUnitGlossyRadiance) uniform sampler2D t_met;          // cd/m2
+layout(binding = kImageGlossy, rgba32f) uniform writeonly image2D o_glossy;
 uniform int u_divisor;
 uniform float u_lift_m;  // largest height above its surface at which a ray starts
 

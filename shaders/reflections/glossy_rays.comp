@@ -1,5 +1,6 @@
 // The mirrored rays of glossy opaque points, one for each block of them: from the point into the mean direction of its lobe.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -8,15 +9,16 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
 #include "shading/lobes.glsl"
 #include "reflections/glossy.glsl"
 #include "octree/visibility.glsl"
-layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;     // m; w: depth, 0 for no ray
-layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;  // unit; w: material + 1
-layout(binding = 2, r16f) uniform writeonly image2D o_width;         // rad: half of the lobe lies within
+layout(binding = kImageRayOrigin, rgba32f) uniform writeonly image2D o_origin;        // m; w: depth, 0 for no ray
+layout(binding = kImageRayDirection, rgba32f) uniform writeonly image2D o_direction;  // unit; w: material + 1
+layout(binding = kImageLobeWidth, r16f) uniform writeonly image2D o_width;            // rad: half of the lobe lies within
 uniform int u_divisor;
 
 /// The k-th candidate point of a block. The middle comes first, so that a narrow strip does not flicker.

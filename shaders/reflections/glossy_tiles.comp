@@ -1,15 +1,16 @@
 // Lists the tiles that may show an opaque surface glossy enough to be traced (conservative). One invocation for each tile that shows a surface.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/material_table.glsl"
 #include "reflections/glossy_parts.glsl"
-layout(binding = 0) uniform usampler2D t_triangle;
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 44) uniform samplerBuffer t_lobes;  // as in shading/lobes.glsl
-layout(std430, binding = 1) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
-layout(std430, binding = 2) writeonly buffer GlossyTiles { uint b_glossy_tiles[]; };
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kUnitLobes) uniform samplerBuffer t_lobes;  // as in shading/lobes.glsl
+layout(std430, binding = kBufferTileCounts) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
+layout(std430, binding = kBufferGlossyTiles) writeonly buffer GlossyTiles { uint b_glossy_tiles[]; };
 uniform int u_band_rows;  // tiles
 
 /// Texels of a table in t_lobes.

@@ -1,6 +1,7 @@
 // Adds each offered triangle that is large on screen to the lists of its tiles whose rays may hit it. One group for each triangle.
 layout(local_size_x = 8) in;
 #define LARGE 1
+#include "shared/bindings.glsl"
 #include "reflections/nearest.glsl"
 uniform int u_count;
 uniform int u_per_row;  // of groups

@@ -1,13 +1,14 @@
 // Lists the tiles of 8 x 8 pixels that show a reflector or, with RAYS, that have mirrored rays, as reflectors may be hidden. One invocation a tile.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #if RAYS
 #define REFLECTED 1
 #endif
 #include "shared/frame.glsl"
 #include "shading/linear_id.glsl"
-layout(binding = 51) uniform usampler2D t_pane;
-layout(std430, binding = 1) buffer TileCounts { uint b_count; };
-layout(std430, binding = 2) writeonly buffer Tiles { uint b_tiles[]; };  // as in shared/tiles.glsl
+layout(binding = kUnitPane) uniform usampler2D t_pane;
+layout(std430, binding = kBufferTileCounts) buffer TileCounts { uint b_count; };
+layout(std430, binding = kBufferPaneTiles) writeonly buffer Tiles { uint b_tiles[]; };  // as in shared/tiles.glsl
 const int kTile = 8;
 
 bool shows(ivec2 pixel) {

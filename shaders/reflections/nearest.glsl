@@ -1,15 +1,16 @@
 // Finds, among the triangles offered for a pixel, the nearest that its mirrored ray hits. A technique offers a triangle with a conservative region on
 // screen, and every tile of the region adds it to its list. reflections/resolve.comp then intersects each pixel's ray with its tile's list, so
 // no triangle is shown where the ray misses it, and edges are exact.
+#include "shared/bindings.glsl"
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
 #include "reflections/ghost.glsl"
 #include "reflections/tile_rays.glsl"
 // counters: nodes, with the heads before them; offers; large ones | [tile] x: first node of its list | [node] offer, next or 0
-layout(std430, binding = 9) coherent buffer Lists { uint b_nodes, b_offers, b_large, b_unused; uvec2 b_lists[]; };
+layout(std430, binding = kBufferOfferLists) coherent buffer Lists { uint b_nodes, b_offers, b_large, b_unused; uvec2 b_lists[]; };
 // 5 an offer: corner, m, triangle + 1 and effort | edge, m, 0 | edge, m, reflector | two corners on screen, px | the third, margin, px
-layout(std430, binding = 10) coherent buffer Offers { uvec4 b_offer[]; };
-layout(std430, binding = 11) coherent buffer Large { uint b_large_offers[]; };
+layout(std430, binding = kBufferOffers) coherent buffer Offers { uvec4 b_offer[]; };
+layout(std430, binding = kBufferLargeOffers) coherent buffer Large { uint b_large_offers[]; };
 uniform uvec2 u_capacity;  // of lists; of offers, which the large ones share
 /// Largest number of tiles whose lists one invocation extends; a larger triangle gets a group of its own (reflections/large.comp).
 #ifndef OWN_TILES

@@ -1,4 +1,5 @@
 // Rasterises the indices of the visible triangle and its reflector; rays.comp computes the mirrored rays once a pixel.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 layout(location = 1) in vec2 a_uv;

@@ -1,7 +1,8 @@
 // Offers triangles for a plane mirror, projected from the mirrored eye: those of the clusters that may be in the mirror's window.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "reflections/nearest.glsl"
-layout(std430, binding = 2) readonly buffer Triangles { uint b_triangles[]; };
+layout(std430, binding = kBufferPlanarTriangles) readonly buffer Triangles { uint b_triangles[]; };
 uniform mat4 u_clip_from_world;  // mirrors first
 uniform vec4 u_plane;            // towards the eye
 uniform vec4 u_window;           // visible part of the mirror: lower and upper corner, px

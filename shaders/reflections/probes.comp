@@ -1,10 +1,11 @@
 // Copies the rays of every u_spacing-th pixel of a reflected picture into a small one.
 layout(local_size_x = 8, local_size_y = 8) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
-layout(binding = 49) uniform sampler2D t_origin;
-layout(binding = 50) uniform sampler2D t_direction;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
-layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
+layout(binding = kUnitRayOrigin) uniform sampler2D t_origin;
+layout(binding = kUnitRayDirection) uniform sampler2D t_direction;
+layout(binding = kImageRayOrigin, rgba32f) uniform writeonly image2D o_origin;
+layout(binding = kImageRayDirection, rgba32f) uniform writeonly image2D o_direction;
 uniform int u_spacing;
 
 void main() {

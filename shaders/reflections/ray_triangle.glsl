@@ -1,8 +1,9 @@
 // Intersection of a pixel's mirrored ray with a triangle of the scene.
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(binding = 49) uniform sampler2D t_ray_origin;
-layout(binding = 50) uniform sampler2D t_ray_direction;  // w: reflector + 1
+#include "shared/bindings.glsl"
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+layout(binding = kUnitRayOrigin) uniform sampler2D t_ray_origin;
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1
 
 /// Tolerance in barycentrics, so that no ray passes between two adjacent triangles by rounding.
 const float kSeam = 1e-5;

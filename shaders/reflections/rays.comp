@@ -1,20 +1,21 @@
 // Mirrored ray of each reflector pixel from its triangle. On a patch the exact surface is intersected, not its triangles.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "reflections/reflectors.glsl"
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(binding = 51) uniform usampler2D t_pane;
-layout(binding = 52) uniform sampler2D t_opaque_depth;  // of the whole grid, along the viewing axis
-layout(binding = 0, rgba32f) uniform writeonly image2D o_origin;
-layout(binding = 1, rgba32f) uniform writeonly image2D o_direction;
-layout(binding = 2, r16f) uniform writeonly image2D o_focus;
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+layout(binding = kUnitPane) uniform usampler2D t_pane;
+layout(binding = kUnitOpaqueDepth) uniform sampler2D t_opaque_depth;  // of the whole grid, along the viewing axis
+layout(binding = kImageRayOrigin, rgba32f) uniform writeonly image2D o_origin;
+layout(binding = kImageRayDirection, rgba32f) uniform writeonly image2D o_direction;
+layout(binding = kImageFocus, r16f) uniform writeonly image2D o_focus;
 #if FITTED
-layout(binding = 54) uniform usamplerBuffer t_fits;  // patch + 1, parameters of the corners: of triangles that patches are fitted to
+layout(binding = kUnitPatchFits) uniform usamplerBuffer t_fits;  // patch + 1, parameters of the corners: of triangles that patches are fitted to
 // [patch] how far the fitted patch's ray is from the mesh's at most, m at its origin and m more for each m along it; 4 plus and 4 minus the
 // largest and least parameters seen; bits of floats
-layout(std430, binding = 12) buffer FitReach { uint b_fits[]; };
+layout(std430, binding = kBufferFitReach) buffer FitReach { uint b_fits[]; };
 #endif
 uniform int u_divisor;
 #if GHOST
@@ -22,7 +23,7 @@ uniform int u_divisor;
 uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
 uniform float u_wedge;            // rad: how much thicker a pane gets upwards
 // [reflector] 2: how far the second ray is from the front's at most, m at its origin and m more for each m along it; bits of floats
-layout(std430, binding = 8) buffer GhostReach { uint b_reach[]; };
+layout(std430, binding = kBufferGhostReach) buffer GhostReach { uint b_reach[]; };
 #endif
 
 struct PanePoint {

@@ -1,11 +1,12 @@
 // The patches of the reflectors (render/renderer_reflections.cpp fills the block).
+#include "shared/bindings.glsl"
 #include "shared/bezier.glsl"
 const int kMaxReflectors = 16, kMaxPatches = 128;
 struct PatchRecord {
   vec4 origin;            // m
   vec4 coefficients[16];  // of BezierSurface
 };
-layout(std140, binding = 1) uniform Reflectors {
+layout(std140, binding = kBlockReflectors) uniform Reflectors {
   // x: number of the patch that it is, -1: a mesh; y: 1: patches are fitted to the mesh; z: what is added to a triangle's number for its
   // record there (reflections/rays.comp)
   ivec4 u_mirrors[kMaxReflectors];

@@ -1,11 +1,12 @@
 // Intersects the ray of each pixel with the triangles on its tile's list. Neighbouring invocations belong to one tile, so they read the list
 // together.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "reflections/ray_triangle.glsl"
 #include "reflections/tiles.glsl"
-layout(binding = 45) uniform usamplerBuffer t_lists;   // Lists of reflections/nearest.glsl, counters first
-layout(binding = 46) uniform usamplerBuffer t_offers;  // Offers there
-layout(std430, binding = 8) buffer Nearest { uvec2 b_nearest[]; };  // [pixel] triangle + 1 and, in the low bits, effort, 0: none | m: how far
+layout(binding = kUnitOfferLists) uniform usamplerBuffer t_lists;  // Lists of reflections/nearest.glsl, counters first
+layout(binding = kUnitOffers) uniform usamplerBuffer t_offers;     // Offers there
+layout(std430, binding = kBufferNearest) buffer Nearest { uvec2 b_nearest[]; };  // [pixel] triangle + 1 and, in the low bits, effort, 0: none | m: how far
 const int kCounterTexels = 2;
 
 void main() {

@@ -1,18 +1,20 @@
 // Finds mirrored rays that need not be traced, because their contribution is invisible against the light transmitted by the pane.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/fresnel.glsl"
-layout(binding = 51) uniform usampler2D t_pane;
-layout(binding = 0, rgba32f) uniform image2D io_origin;
-layout(binding = 1, rgba32f) uniform image2D io_direction;
-layout(binding = 56) uniform usamplerBuffer t_parts;   // [triangle of the reflectors] part
-layout(binding = 57) uniform samplerBuffer t_bounds;   // [part] the brightest small thing that it may mirror, cd/m2
-layout(binding = 60) uniform sampler2D t_probes;       // the reflected picture of few rays, cd/m2
-layout(binding = 61) uniform sampler2D t_probe_directions;  // w: reflector + 1
-layout(binding = 58) uniform sampler2D t_cover;        // share of the opaque picture that comes through at least
-layout(binding = 59) uniform sampler2D t_opaque;       // the opaque picture, on the whole grid
-layout(std430, binding = 8) buffer SkipCounters { uint b_followed, b_skipped; };
+#include "shared/luminance.glsl"
+layout(binding = kUnitPane) uniform usampler2D t_pane;
+layout(binding = kImageRayOrigin, rgba32f) uniform image2D io_origin;
+layout(binding = kImageRayDirection, rgba32f) uniform image2D io_direction;
+layout(binding = kUnitReflectorParts) uniform usamplerBuffer t_parts;  // [triangle of the reflectors] part
+layout(binding = kUnitPartBounds) uniform samplerBuffer t_bounds;      // [part] the brightest small thing that it may mirror, cd/m2
+layout(binding = kUnitProbes) uniform sampler2D t_probes;              // the reflected picture of few rays, cd/m2
+layout(binding = kUnitProbeDirections) uniform sampler2D t_probe_directions;  // w: reflector + 1
+layout(binding = kUnitCover) uniform sampler2D t_cover;    // share of the opaque picture that comes through at least
+layout(binding = kUnitOpaque) uniform sampler2D t_opaque;  // the opaque picture, on the whole grid
+layout(std430, binding = kBufferSkipCounters) buffer SkipCounters { uint b_followed, b_skipped; };
 uniform int u_part_offset[16];  // of a reflector: added to a triangle's number
 uniform vec3 u_optics[16];      // refractive index, largest internal transmittance, 1 for a pane
 uniform float u_contrast;
@@ -27,7 +29,7 @@ float least_behind(ivec2 pixel) {
   for (int k = 0; k < side * side; ++k) {
     ivec2 o = u_divisor > 1 ? (ivec2(k & 3, k >> 2) * (2 * u_divisor - 1)) / 3 - u_divisor / 2 : ivec2(0);
     vec3 c = texelFetch(t_opaque, clamp(pixel * u_divisor + o, ivec2(0), size - 1), 0).rgb;
-    least = min(least, dot(c, vec3(0.2126, 0.7152, 0.0722)));
+    least = min(least, luminance(c));
   }
   return least;
 }

@@ -1,5 +1,6 @@
 // The rays of one reflector by tiles of pixels, as reflections/far.comp writes them.
-layout(binding = 47) uniform samplerBuffer t_tiles;
+#include "shared/bindings.glsl"
+layout(binding = kUnitFarTiles) uniform samplerBuffer t_tiles;
 
 /// Largest hit distance in the tile, m.
 float tile_far(int tile) { return texelFetch(t_tiles, 4 * tile).w; }

@@ -1,10 +1,11 @@
 // Finds the boxes that a pixel's mirrored ray may hit before its present hit, by tiles of pixels. One group for each box.
 layout(local_size_x = 8) in;
+#include "shared/bindings.glsl"
 #include "reflections/tiles.glsl"
 #include "reflections/tile_rays.glsl"
-layout(binding = 50) uniform sampler2D t_ray_direction;
-layout(binding = 55) uniform samplerBuffer t_boxes;  // 3 each: lower corner, m | upper corner, m | two corners on screen, px
-layout(std430, binding = 3) writeonly buffer Visible { uint b_visible[]; };
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;
+layout(binding = kUnitBoxes) uniform samplerBuffer t_boxes;  // 3 each: lower corner, m | upper corner, m | two corners on screen, px
+layout(std430, binding = kBufferVisibleBoxes) writeonly buffer Visible { uint b_visible[]; };
 uniform int u_count;
 uniform int u_per_row;  // of groups
 

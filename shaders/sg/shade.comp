@@ -4,6 +4,7 @@
 // constant; a lobe's energy is its exact integral under a constant sky, from a table, instead of the warped Gaussian's; and the factor
 // of Fresnel and shadowing depends on the view alone: it gives each elevation the albedo of the measured table.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -12,12 +13,13 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
 #include "shared/prefiltered.glsl"
-layout(binding = 42) uniform samplerBuffer t_fits;  // 71 a slot: diffuse | amplitude | sharpness | amplitude ... | 64 view factors
-layout(binding = 43) uniform sampler2D t_sg_albedo;  // x: sqrt(n.v), y: log2 of the sharpness; log of the lobe's albedo
+layout(binding = kUnitLobeFits) uniform samplerBuffer t_fits;  // 71 a slot: diffuse | amplitude | sharpness | amplitude ... | 64 view factors
+layout(binding = kUnitSgAlbedo) uniform sampler2D t_sg_albedo;  // x: sqrt(n.v), y: log2 of the sharpness; log of the lobe's albedo
 
 const int kSgLobes = 3, kFitTexels = 1 + 2 * kSgLobes + kAlbedoEntries;
 const float kTableSize = 64.0, kTableLog2Begin = -4.0, kTableLog2End = 27.0;

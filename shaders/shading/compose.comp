@@ -6,6 +6,7 @@
 // except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
 // interpolated between two (2). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
 // with REFLECTED, accumulates what the mirrored rays of glossy surfaces show.
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #if STAGE == 2
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -19,13 +20,13 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
 #if STAGE == 1 || STAGE >= 3
-layout(binding = 0, rgba32f) uniform image2D io_radiance;
+layout(binding = kImageRadiance, rgba32f) uniform image2D io_radiance;
 #else
-layout(binding = 24) uniform sampler2D t_radiance;
-layout(binding = 0, rgba32f) uniform image2D io_picture;
+layout(binding = kUnitRadiance) uniform sampler2D t_radiance;
+layout(binding = kImagePicture, rgba32f) uniform image2D io_picture;
 uniform float u_blend;  // weight of this frame in the mean
 #endif
 
@@ -40,14 +41,14 @@ uniform float u_blend;  // weight of this frame in the mean
 #include "bandwidth/base_factor.glsl"
 #endif
 #if INDIRECT
-layout(binding = 18) uniform sampler2D t_indirect_light;
+layout(binding = kUnitIndirectLight) uniform sampler2D t_indirect_light;
 #if INDIRECT == 2
-layout(binding = 19) uniform sampler2D t_later_light;
+layout(binding = kUnitLaterLight) uniform sampler2D t_later_light;
 uniform float u_later;  // weight of the later one
 #endif
 #endif
 #if GLOSSY && !defined(REFLECTED)
-layout(binding = 54) uniform sampler2D t_glossy;
+layout(binding = kUnitGlossy) uniform sampler2D t_glossy;
 #endif
 vec3 complete(ivec2 p, vec3 shaded) {
   uvec4 g = texelFetch(t_surface, p, 0);
@@ -100,8 +101,8 @@ vec3 ray_end(ivec2 pixel) { return vec3(0.0); }
 vec3 ray_end(ivec2 pixel) { return sky_radiance(pixel); }
 #endif
 #if LAYERS
-layout(std430, binding = 13) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
-layout(binding = 48) uniform usampler2D t_layers;
+layout(std430, binding = kBufferOctreeLayers) readonly buffer Layers { uvec4 b_layers[]; };  // radiance
+layout(binding = kUnitOctreeLayers) uniform usampler2D t_layers;
 /// Adds the octree cells with BRDFs in front of what the ray ends at.
 vec4 with_layers(ivec2 pixel, vec4 behind) {
   uvec4 list = texelFetch(t_layers, pixel, 0);
@@ -112,8 +113,8 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
 }
 #endif
 #if GLOSSY
-layout(binding = 1, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
-uniform float u_blend;                                 // weight of this frame
+layout(binding = kImageMean, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
+uniform float u_blend;                                          // weight of this frame
 #endif
 void main() {
   ivec2 pixel = tile_point();

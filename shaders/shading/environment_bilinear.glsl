@@ -1,6 +1,7 @@
 // Environment radiance (stored units), bilinear between the four texels around. `d` in the environment's frame, unit.
 // Needs frame, latlong and rgb9e5 included before.
-layout(binding = 14) uniform usamplerBuffer t_environment;  // [height][width], shared exponent
+#include "shared/bindings.glsl"
+layout(binding = kUnitEnvironment) uniform usamplerBuffer t_environment;  // [height][width], shared exponent
 
 vec3 fetch_latlong(int x, int y) {
   return unpack_rgb9e5(texelFetch(t_environment, y * u_frame.environment_size.x + x).x, u_frame.environment_size.z);

@@ -1,19 +1,20 @@
 // Averages the work items of each shaded point. ACCUMULATE: updates the mean of all its items since something last moved, and the
 // spread of the items around that mean, from which the next frame's sample counts follow.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 struct ShadedPoint {
   uint pixel, first_item, item_count, level;
 };
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
-layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) readonly buffer Points { ShadedPoint b_points[]; };
-layout(binding = 22) uniform samplerBuffer t_partial;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
+layout(std430, binding = kBufferCounters) readonly buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferPoints) readonly buffer Points { ShadedPoint b_points[]; };
+layout(binding = kUnitPartial) uniform samplerBuffer t_partial;
+layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
 #if ACCUMULATE
-layout(binding = 1, rgba32f) uniform image2D io_mean;   // mean, number of items
-layout(binding = 2, r32f) uniform image2D io_spread;    // sum of squared deviations of the items, mean over R, G, B
+layout(binding = kImageMean, rgba32f) uniform image2D io_mean;   // mean, number of items
+layout(binding = kImageSpread, r32f) uniform image2D io_spread;  // sum of squared deviations of the items, mean over R, G, B
 #endif
 uniform int u_list;
 #include "bandwidth/without_base.glsl"

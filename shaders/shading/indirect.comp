@@ -2,6 +2,7 @@
 // three fetches a point and no samples. The radiance is linear in the direction, so a lobe reflects exactly its albedo times the radiance in its
 // mean direction.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -10,6 +11,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
@@ -17,9 +19,9 @@ layout(local_size_x = 64) in;
 #include "shading/lobes.glsl"
 #include "shading/load_indirect.glsl"
 #ifdef REFLECTED
-layout(binding = 0, rgba32f) uniform image2D io_radiance;
+layout(binding = kImageRadiance, rgba32f) uniform image2D io_radiance;
 #else
-layout(binding = 0, rgba32f) uniform writeonly image2D o_indirect;
+layout(binding = kImageIndirect, rgba32f) uniform writeonly image2D o_indirect;
 #endif
 vec3 reflect_measured(Point p, IndirectLight light) {
   LobeRow row = lobe_row(p);

@@ -1,7 +1,8 @@
 // Direct light of the scene's lights by sampling. A sample's light is selected by its possible contribution to the point. Only rays shadow it:
 // baked visibility is that of the distant sky, not of a lamp nearby. environment_scale does not affect lights.
+#include "shared/bindings.glsl"
 #include "shared/lights.glsl"
-layout(binding = 27) uniform samplerBuffer t_lights;  // render/lights/light_buffers.h
+layout(binding = kUnitLights) uniform samplerBuffer t_lights;  // render/lights/light_buffers.h
 
 /// A sample of an emissive triangle is clamped to this many times the triangle's radiance. The exact value never exceeds one, but without a limit
 /// samples close to a triangle or in a narrow lobe are fireflies. Energy is lost only nearer than about a fifth of the triangle's size, and

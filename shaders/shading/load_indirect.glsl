@@ -1,6 +1,7 @@
 // Indirect light at a point, interpolated between the vertices it is baked for. Needs shading/visibility.glsl and what that needs.
+#include "shared/bindings.glsl"
 #include "shared/indirect.glsl"
-layout(binding = 45) uniform usamplerBuffer t_indirect;  // [side][vertex], shared/indirect.glsl
+layout(binding = kUnitIndirect) uniform usamplerBuffer t_indirect;  // [side][vertex], shared/indirect.glsl
 uniform int u_bias;
 uniform int u_back;  // first entry of the backs, 0: only fronts are baked
 

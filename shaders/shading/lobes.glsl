@@ -1,7 +1,8 @@
 // Mean directions and albedos of the lobes of a point's material. Needs shading/point.glsl.
 // [slot][64] four texels, in the frame of view and normal (azimuth 0 is the side of the view): albedo, roughness of the specular part | mean
 // direction | albedo of the specular part, angle that contains half of it | its mean direction (render/materials/lobes.h)
-layout(binding = 44) uniform samplerBuffer t_lobes;
+#include "shared/bindings.glsl"
+layout(binding = kUnitLobes) uniform samplerBuffer t_lobes;
 
 /// A local direction (any length) in the world.
 vec3 to_world(Point p, vec3 w) { return world_from_environment(from_local(p, w)); }

@@ -1,20 +1,21 @@
 // One shading point: its surface, frame and material, all in the environment's frame (rotation undone), so that rotating the environment
 // needs no new tables. Needs frame, constants, latlong, octahedral, rgb9e5, gbuffer, material_table, analytic, merl included before.
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 9) uniform sampler2D t_depth;
-layout(binding = 10) uniform usamplerBuffer t_brdf;          // [slot][theta_h][theta_d][phi_d], shared exponent
-layout(binding = 11) uniform samplerBuffer t_theta_cells;    // [slot][elevation][96], t begin and end
-layout(binding = 12) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
-layout(binding = 13) uniform samplerBuffer t_albedo;         // [slot][64], luminance
+#include "shared/bindings.glsl"
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kUnitBrdf) uniform usamplerBuffer t_brdf;              // [slot][theta_h][theta_d][phi_d], shared exponent
+layout(binding = kUnitThetaCells) uniform samplerBuffer t_theta_cells;  // [slot][elevation][96], t begin and end
+layout(binding = kUnitPhiCells) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
+layout(binding = kUnitAlbedo) uniform samplerBuffer t_albedo;           // [slot][64], luminance
 #ifndef SUN_APART
 #define SUN_APART 0  // 1: the sun's light is sampled separately (turning/sun.comp)
 #endif
 #if SUN_APART
-layout(binding = 14) uniform usamplerBuffer t_sky;   // [height][width], shared exponent
+layout(binding = kUnitEnvironment) uniform usamplerBuffer t_sky;   // [height][width], shared exponent
 #else
-layout(binding = 64) uniform usamplerBuffer t_sky;   // [row][column] of nodes, shared exponent
+layout(binding = kUnitSkyNodes) uniform usamplerBuffer t_sky;   // [row][column] of nodes, shared exponent
 #endif
-layout(binding = 15) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, -
+layout(binding = kUnitLightSamples) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, -
 
 const int kBrdfBias = 20;  // up to 1e6 1/sr: mirrors at grazing angles reach 5e5; full precision from 2.4e-4
 const int kBrdfEntries = 1458000, kThetaCells = 96, kPhiCells = 16, kElevations = 32, kAlbedoEntries = 64;

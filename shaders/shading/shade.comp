@@ -2,6 +2,7 @@
 // TURNED: items of shaders/turning (environment rotation). LOOKS_BACK: items of points that reuse their history: each sample is evaluated under
 // the previous rotation as well.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
@@ -10,6 +11,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #ifdef TURNED
@@ -33,11 +35,11 @@ uniform ivec2 u_range;  // first item, number
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, visible, overflow;
 };
-layout(std430, binding = 1) readonly buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferCounters) readonly buffer Counters { List b_lists[2]; };
 uniform int u_list;
 #endif
-layout(std430, binding = 2) readonly buffer Items { Item b_items[]; };
-layout(std430, binding = 3) writeonly buffer Partial { vec4 b_partial[]; };
+layout(std430, binding = kBufferItems) readonly buffer Items { Item b_items[]; };
+layout(std430, binding = kBufferPartial) writeonly buffer Partial { vec4 b_partial[]; };
 
 struct Result {
   vec3 sum;

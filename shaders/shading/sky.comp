@@ -1,5 +1,6 @@
 // Radiance of the points that show the sky, with alpha 0. PANES: recorded panes are drawn over it.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -11,8 +12,8 @@ layout(local_size_x = 64) in;
 #else
 vec3 through_panes(ivec2 pixel, vec3 behind) { return behind; }
 #endif
-layout(binding = 0) uniform usampler2D t_triangle;  // number + 1, 0 for the sky
-layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;  // number + 1, 0 for the sky
+layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
 
 void main() {
   ivec2 pixel = tile_point();

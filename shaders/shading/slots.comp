@@ -1,7 +1,8 @@
-// Uses every texture slot of a program and computes nothing: see Renderer::Impl::settle_slots for the reason.
+// Uses every texture slot of a program and computes nothing: see TextureSlots::settle for the reason.
 layout(local_size_x = 1) in;
+#include "shared/bindings.glsl"
 uniform sampler2D t_slots[32];
-layout(binding = 0, r32f) uniform writeonly image2D o_never;
+layout(binding = kImageNever, r32f) uniform writeonly image2D o_never;
 
 void main() {
   int sum = 0;

@@ -1,11 +1,12 @@
 // Baked visibility at a shading point: the visibility maps of its triangle's vertices, blended by barycentrics. A direction reads one word of each
 // vertex.
+#include "shared/bindings.glsl"
 #include "shared/visibility.glsl"
-layout(binding = 0) uniform usampler2D t_triangle;
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(binding = 25) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
-layout(binding = 35) uniform samplerBuffer t_transmittance;  // [vertex]: of the panes before the sky, side of +n and of -n
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+layout(binding = kUnitVisibility) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
+layout(binding = kUnitTransmittance) uniform samplerBuffer t_transmittance;  // [vertex]: of the panes before the sky, side of +n and of -n
 
 struct VisibilityPoint {
   ivec3 vertices;

@@ -1,7 +1,7 @@
 // glTF 2.0 metallic-roughness with clearcoat, specular, ior and sheen. Local frame z = normal; wi, wo unit.
 // Source: glTF 2.0 specification, Appendix B (GGX, Smith height-correlated masking, Schlick), and the KHR_materials_*
 // extension texts; visible-normal sampling: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
-// Common subset of GLSL and C++ with GLM (render/reference/shared_formulas.h).
+// Needs shared/luminance.glsl before it. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
 // Differs: the diffuse lobe is scaled by (1 - F(h)) as in the specification; energy lost to multiple scattering is not compensated.
 
 #ifndef MAQUETTE_FN
@@ -74,8 +74,6 @@ MAQUETTE_FN float schlick_weight(float cosine) {
   float x2 = x * x;
   return x2 * x2 * x;
 }
-
-MAQUETTE_FN float luminance(vec3 c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }
 
 /// Values of the lobes for one pair of directions.
 struct AnalyticLobes {

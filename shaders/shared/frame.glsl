@@ -1,6 +1,7 @@
+#include "shared/bindings.glsl"
 #include "shared/frame_block.glsl"
 #include "shared/surface_geometry.glsl"
-layout(std140, binding = 0) uniform Frame { FrameConstants u_frame; };
+layout(std140, binding = kBlockFrame) uniform Frame { FrameConstants u_frame; };
 
 /// Ray through a point of the shading grid (in grid units, y down), not normalised: depth 1 along the viewing axis.
 vec3 ray_through(vec2 point) {
@@ -10,8 +11,8 @@ vec3 ray_through(vec2 point) {
 
 #ifdef REFLECTED
 // The G-buffer is that of the surfaces in reflections: each pixel has its own mirrored ray, and depth is measured along it.
-layout(binding = 49) uniform sampler2D t_ray_origin;     // m; w: depth of the pane
-layout(binding = 50) uniform sampler2D t_ray_direction;  // unit; w: reflector + 1, 0 where none is seen, below 0 where it is not followed
+layout(binding = kUnitRayOrigin) uniform sampler2D t_ray_origin;        // m; w: depth of the pane
+layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // unit; w: reflector + 1, 0 where none is seen, below 0 where it is not followed
 vec3 view_origin(ivec2 pixel) { return texelFetch(t_ray_origin, pixel, 0).xyz; }
 vec3 view_ray(ivec2 pixel) { return texelFetch(t_ray_direction, pixel, 0).xyz; }
 #else

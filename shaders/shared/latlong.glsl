@@ -1,6 +1,6 @@
 // Directions and latitude-longitude maps, OpenEXR LATLONG: v = 0 is +Y, the centre (0.5, 0.5) is +Z, longitude atan2(x, z) is
 // +pi at u = 0 and -pi at u = 1. Texel centres are at ((x + 0.5) / W, (y + 0.5) / H).
-// Common subset of GLSL and C++ with GLM (render/environment/directions_shared.h).
+// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

@@ -1,8 +1,9 @@
 // main() of the modes that shade by lookups: the includer defines `vec3 shade(Point p)`, in stored units. Four points an invocation, so that
 // one atomic counts four; sixteen invocations a tile.
-layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
-layout(binding = 1, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
-layout(std430, binding = 1) buffer Counters { uint b_visible, b_shaded; };
+#include "shared/bindings.glsl"
+layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
+layout(binding = kImageLookupMarks, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
+layout(std430, binding = kBufferCounters) buffer Counters { uint b_visible, b_shaded; };
 
 void main() {
   int id = int(linear_id());

@@ -1,5 +1,6 @@
 // Material records: 8 texels of four words each. Written by render/scene_buffers.cpp in the same order.
-layout(binding = 1) uniform usamplerBuffer t_materials;
+#include "shared/bindings.glsl"
+layout(binding = kUnitMaterials) uniform usamplerBuffer t_materials;
 const int kMaterialTexels = 8;
 const uint kMaterialMeasured = 1u, kMaterialTinted = 2u, kMaterialUnlit = 4u, kMaterialDoubleSided = 8u, kMaterialReplaced = 16u;
 

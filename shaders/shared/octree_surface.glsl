@@ -84,8 +84,7 @@ struct OctreeSurface {
 MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 point, vec3 direction) {
   float cells_per_m = tree.cells_per_m / float(1 << (tree.depth - hit.level));
   vec3 g = (point - tree.corner) * cells_per_m - vec3(0.5f);
-  vec3 low = floor(g);
-  vec3 f = g - low;
+  vec3 low = floor(g), f = g - low;
   float weights[8];
   uint colors[8];
   vec3 normals[8];
@@ -102,8 +101,7 @@ MAQUETTE_FN OctreeSurface octree_surface(OctreeFrame tree, OctreeHit hit, vec3 p
   OctreeDescent shared_walk = octree_common(lowest, hit.level);
   // Descents of different length need a loop that is not unrolled. Its results are stored without computed indices, which
   // software devices process separately for each invocation.
-  int nodes[8];
-  int levels[8];
+  int nodes[8], levels[8];
   for (int k = 0; k < 8; ++k) {
     OctreeNode at = octree_node_at(shared_walk, lowest + ivec3(k & 1, (k >> 1) & 1, k >> 2), hit.level);
     for (int j = 0; j < 8; ++j) {

@@ -1,6 +1,7 @@
 // Latitude-longitude maps of render/prefilter/prefiltered_maps.h and the reflectance table of reflectance_tables.h.
-layout(binding = 40) uniform samplerBuffer t_maps;    // texel i: offset, width, height of map i, map count; then the maps
-layout(binding = 41) uniform sampler2D t_reflectance;  // x: n.v, y: roughness; split-sum scale and bias, sheen, diffuse Schlick weight
+#include "shared/bindings.glsl"
+layout(binding = kUnitPrefilteredMaps) uniform samplerBuffer t_maps;    // texel i: offset, width, height of map i, map count; then the maps
+layout(binding = kUnitReflectance) uniform sampler2D t_reflectance;  // x: n.v, y: roughness; split-sum scale and bias, sheen, diffuse Schlick weight
 
 int map_count() { return int(texelFetch(t_maps, 0).w); }
 

@@ -2,7 +2,7 @@
 // down, through the operators of shared/bandwidth.glsl, to weights of interpolation along each direction.
 // Source: Bagher et al. 2012, Sec. 4 (the operators; interpolation by an anisotropic Gaussian). Differs: any direction of the screen, by a quadratic
 // form that agrees with the operators along both axes and both diagonals (docs/numerics/bandwidth.md, "How they are filled").
-// Common subset of GLSL and C++ with GLM (render/bandwidth_shared.h).
+// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

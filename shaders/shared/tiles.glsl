@@ -1,7 +1,8 @@
 // Grid points for passes that skip the sky: 8 x 8 tiles from a list (gbuffer/tiles.comp). A test in each invocation would not be enough, because
 // software devices also run branches that no invocation takes. The includer declares 64 invocations a group, and includes frame.glsl before.
+#include "shared/bindings.glsl"
 #include "shading/linear_id.glsl"
-layout(std430, binding = 7) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
+layout(std430, binding = kBufferTiles) readonly buffer Tiles { uint b_tiles[]; };  // x | y << 16, in tiles
 uniform ivec4 u_tiles;  // first entry, number, step between entries, whether every other entry comes first
 const int kTile = 8;
 

@@ -1,5 +1,6 @@
 // Tone mapping: linear Rec.709 radiance, already multiplied by the exposure, to linear display values in [0, 1]; then sRGB.
-// Common subset of GLSL and C++ with GLM (render/tonemap.cpp).
+// Needs shared/luminance.glsl
+// before it. Common subset of GLSL and C++ with GLM (render/tonemap.cpp).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
@@ -17,8 +18,7 @@ MAQUETTE_FN float tonemap_sane(float v) { return v > 0.0f ? min(v, 1.0e8f) : 0.0
 // x / (1 + x) of the luminance, which preserves hues; values outside the gamut are clipped.
 // Source: Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images", Eq. 3.
 MAQUETTE_FN vec3 tonemap_reinhard(vec3 c) {
-  float luminance = 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;
-  return c * (1.0f / (1.0f + luminance));
+  return c * (1.0f / (1.0f + luminance(c)));
 }
 
 // Source: Stephen Hill's fit of the ACES RRT and ODT (sRGB), as published in MJP's BakingLab, ACES.hlsl.

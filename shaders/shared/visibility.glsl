@@ -1,5 +1,5 @@
 // Directional visibility of one side of a vertex: 16 x 16 cells of the octahedral map, one bit each (render/visibility). Needs
-// shared/octahedral.glsl before it. Common subset of GLSL and C++ with GLM (render/visibility/visibility_shared.h).
+// shared/octahedral.glsl before it. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
 //
 // The map is extended by a border of one cell, which repeats the cells across the map's folds, and is stored in words of 8 x 4 cells that overlap by
 // one cell: the four cells around any direction are in one word. Use, per direction: the word and the position in it, that word of the three

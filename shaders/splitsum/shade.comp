@@ -1,6 +1,7 @@
 // Prefiltered GGX and split sums, the way of most real-time viewers: radiance = (F0 A + F90 B) sky(p, roughness) + diffuse.
 // Source: Karis 2013, "Real Shading in Unreal Engine 4". Measured materials use the GGX lobe fitted to them.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -9,11 +10,12 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #include "shading/point.glsl"
 #include "shared/prefiltered.glsl"
-layout(binding = 42) uniform samplerBuffer t_fits;  // three texels a slot: diffuse, alpha | F0 | F90
+layout(binding = kUnitLobeFits) uniform samplerBuffer t_fits;  // three texels a slot: diffuse, alpha | F0 | F90
 
 const int kGgxLevels = 17;
 

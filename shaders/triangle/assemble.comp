@@ -1,5 +1,6 @@
 // From scene triangles to boxes on screen that contain their whole reflection in one triangle of a mirror.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/cubic.glsl"
 #include "shared/triangle_mirror.glsl"
@@ -7,8 +8,8 @@ layout(local_size_x = 64) in;
 #define LARGE 1
 #define OWN_TILES 64
 #include "reflections/nearest.glsl"
-layout(binding = 55) uniform usamplerBuffer t_kept;  // mirror triangle, triangle
-layout(std430, binding = 6) buffer Counters { uint b_kept_count, b_boxes_made, b_roots, b_footprints; };
+layout(binding = kUnitKeptPairs) uniform usamplerBuffer t_kept;  // mirror triangle, triangle
+layout(std430, binding = kBufferPairCounters) buffer Counters { uint b_kept_count, b_boxes_made, b_roots, b_footprints; };
 uniform int u_count;
 
 /// Barycentrics outside the triangle beyond which a projected vertex is ignored: a triangle's rays extrapolate badly far outside it.

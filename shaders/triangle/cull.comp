@@ -1,13 +1,14 @@
 // From the clusters that may be seen in a triangle of a mirror, keeps the scene triangles that are not outside a plane of its mirrored frustum.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "triangle/facets.glsl"
-layout(binding = 4) uniform usamplerBuffer t_indices;
-layout(binding = 5) uniform samplerBuffer t_vertices;
-layout(binding = 55) uniform usamplerBuffer t_pairs;      // mirror triangle, cluster
-layout(binding = 56) uniform usamplerBuffer t_clusters;   // first triangle, count
-layout(binding = 57) uniform usamplerBuffer t_triangles;  // numbers in the scene
-layout(std430, binding = 2) writeonly buffer Kept { uvec2 b_kept[]; };  // mirror triangle, triangle
-layout(std430, binding = 6) buffer Counters { uint b_kept_count, b_unused[3]; };
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+layout(binding = kUnitClusterPairs) uniform usamplerBuffer t_pairs;          // mirror triangle, cluster
+layout(binding = kUnitTriangleClusters) uniform usamplerBuffer t_clusters;   // first triangle, count
+layout(binding = kUnitClusterTriangles) uniform usamplerBuffer t_triangles;  // numbers in the scene
+layout(std430, binding = kBufferKeptPairs) writeonly buffer Kept { uvec2 b_kept[]; };  // mirror triangle, triangle
+layout(std430, binding = kBufferPairCounters) buffer Counters { uint b_kept_count, b_unused[3]; };
 uniform int u_count;
 
 const int kMostTriangles = 128;  // of a cluster

@@ -1,3 +1,4 @@
 // Triangles of a mirror, as render/triangle/reflections.cpp writes them.
-layout(binding = 54) uniform samplerBuffer t_facets;
+#include "shared/bindings.glsl"
+layout(binding = kUnitFacets) uniform samplerBuffer t_facets;
 const int kFacetTexels = 22;

@@ -2,6 +2,7 @@
 // (mirrored lamps) are listed again, with the sample count for their measured deviation.
 // MORE 0: first round, all points; 1: second round, only the points listed again.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "turning/item.glsl"
 struct Item {
@@ -15,16 +16,16 @@ struct List {
 };
 // A picture never holds NaN or infinity, whatever a table holds.
 vec3 finite(vec3 v) { return any(isnan(v)) || any(isinf(v)) ? vec3(0.0) : v; }
-layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) buffer Points { ShadedPoint b_points[]; };
-layout(std430, binding = 4) writeonly buffer Items { Item b_items[]; };
-layout(binding = 22) uniform samplerBuffer t_partial;
-layout(binding = 21) uniform sampler2D t_pyramid;
-layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
-layout(binding = 1, rgba32f) uniform image2D io_history;  // mean, samples that it is worth
-layout(binding = 2, r32ui) uniform writeonly uimage2D o_renewed;
+layout(std430, binding = kBufferCounters) buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferPoints) buffer Points { ShadedPoint b_points[]; };
+layout(std430, binding = kBufferNextItems) writeonly buffer Items { Item b_items[]; };
+layout(binding = kUnitPartial) uniform samplerBuffer t_partial;
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;
+layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
+layout(binding = kImageHistory, rgba32f) uniform image2D io_history;  // mean, samples that it is worth
+layout(binding = kImageRenewed, r32ui) uniform writeonly uimage2D o_renewed;
 #if SUN_APART
-layout(binding = 3, rgba32f) uniform readonly image2D i_sun;
+layout(binding = kImageGatheredSun, rgba32f) uniform readonly image2D i_sun;
 vec3 sun_at(ivec2 pixel) { return finite(imageLoad(i_sun, pixel).rgb); }
 #else
 vec3 sun_at(ivec2 pixel) { return vec3(0.0); }

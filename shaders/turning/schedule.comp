@@ -6,6 +6,7 @@
 // prediction or a long history add only noise. With correlation rho between both, a history equivalent to N samples and n new
 // ones, the best share is kept = rho N / (N + n); the mean is then equivalent to 1 / (kept^2 / N + (1 + kept^2 - 2 kept rho) / n) samples.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/constants.glsl"
@@ -14,13 +15,13 @@ layout(local_size_x = 64) in;
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
 #include "turning/item.glsl"
-layout(binding = 8) uniform usampler2D t_surface;
-layout(binding = 18) uniform sampler2D t_history;   // mean, samples that it is worth
-layout(binding = 19) uniform usampler2D t_renewed;  // frame that it was last renewed in
-layout(std430, binding = 6) buffer Turned { TurnCounters b_turn; };
-layout(binding = 21) uniform sampler2D t_pyramid;
-layout(binding = 20) uniform sampler2D t_axes;         // w: nu_theta, cycles/rad
-layout(binding = 0, rgba8ui) uniform uimage2D io_marks;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitHistory) uniform sampler2D t_history;   // mean, samples that it is worth
+layout(binding = kUnitRenewed) uniform usampler2D t_renewed;  // frame that it was last renewed in
+layout(std430, binding = kBufferTurnCounters) buffer Turned { TurnCounters b_turn; };
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;
+layout(binding = kUnitAxes) uniform sampler2D t_axes;         // w: nu_theta, cycles/rad
+layout(binding = kImageMarks, rgba8ui) uniform uimage2D io_marks;
 struct Item {
   uint pixel, packed_item;
 };
@@ -30,11 +31,11 @@ struct ShadedPoint {
 struct List {
   uint items, points, groups_x, groups_y, groups_z, samples, more_items, more_points;
 };
-layout(std430, binding = 1) buffer Counters { List b_lists[2]; };
-layout(std430, binding = 2) writeonly buffer MeasuredItems { Item b_measured_items[]; };
-layout(std430, binding = 3) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
-layout(std430, binding = 4) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
-layout(std430, binding = 5) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
+layout(std430, binding = kBufferCounters) buffer Counters { List b_lists[2]; };
+layout(std430, binding = kBufferMeasuredItems) writeonly buffer MeasuredItems { Item b_measured_items[]; };
+layout(std430, binding = kBufferMeasuredPoints) writeonly buffer MeasuredPoints { ShadedPoint b_measured_points[]; };
+layout(std430, binding = kBufferAnalyticItems) writeonly buffer AnalyticItems { Item b_analytic_items[]; };
+layout(std430, binding = kBufferAnalyticPoints) writeonly buffer AnalyticPoints { ShadedPoint b_analytic_points[]; };
 uniform int u_item_capacity;
 uniform float u_sample_scale;
 uniform float u_turn_rad;  // rotation since the frame before, positive

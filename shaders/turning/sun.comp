@@ -1,6 +1,7 @@
 // While the environment rotates: the sun's light at each listed point, sampled separately in every frame. The sun has so few texels that a few
 // samples of them are nearly free of noise, and is so small that visibility and broad lobes hardly vary over it.
 layout(local_size_x = 64) in;
+#include "shared/bindings.glsl"
 #include "shading/linear_id.glsl"
 #include "shared/frame.glsl"
 #include "shared/constants.glsl"
@@ -9,6 +10,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
 #define POINTS_SORTED
@@ -21,10 +23,10 @@ layout(local_size_x = 64) in;
 struct ShadedPoint {
   uint pixel, first_item, item_count, packed_point;
 };
-layout(std430, binding = 2) readonly buffer Points { ShadedPoint b_points[]; };
-layout(binding = 0, rgba32f) uniform writeonly image2D o_sun;
-layout(binding = 23) uniform samplerBuffer t_sun_samples;  // two texels: direction, - | radiance over density, -
-layout(binding = 21) uniform sampler2D t_pyramid;
+layout(std430, binding = kBufferPoints) readonly buffer Points { ShadedPoint b_points[]; };
+layout(binding = kImageSun, rgba32f) uniform writeonly image2D o_sun;
+layout(binding = kUnitSunSamples) uniform samplerBuffer t_sun_samples;  // two texels: direction, - | radiance over density, -
+layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;
 uniform ivec3 u_range;  // points, entries of the list, samples of a point that mirrors no sun
 uniform int u_frame_number;
 

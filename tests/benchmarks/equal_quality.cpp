@@ -9,8 +9,6 @@
 namespace maquette::bench {
 namespace {
 
-std::string percent(double share) { return number(100.0 * share) + " %"; }
-
 double geometric_mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += std::log(v);

@@ -8,6 +8,7 @@
 #include <random>
 #include <type_traits>
 
+#include "render/gl/bindings.h"
 #include "render/octree/octree_buffers.h"
 #include "render/octree/octree_kind.h"
 #include "render/octree/octree_shared.h"
@@ -136,8 +137,8 @@ void measure_scene(Figures* figures, const std::string& name, const Scene& scene
   const Buffer in = Buffer::from("rays", rays.records), out("hits", rays.records.size() * sizeof(HitRecord));
   buffers.bind();
   buffers.set_uniforms(program);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeRays, in.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeHits, out.get());
   std::vector<double> embree_ns, cpu_ns, gpu_ns;
   std::size_t wrong_block = 0, wrong_open = 0, steps = 0;
   const double per_ray = 1e6 / static_cast<double>(std::max<std::size_t>(rays.records.size(), 1));

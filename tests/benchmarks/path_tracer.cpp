@@ -15,6 +15,7 @@
 #include "render/reference/reference.h"
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
+#include "scenes/luminance.h"
 #include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/cornell.h"
@@ -22,8 +23,6 @@
 
 namespace maquette::bench {
 namespace {
-
-std::string percent(double v) { return number(100.0 * v) + " %"; }
 
 /// Prints a figure as soon as it is known: this part takes minutes.
 void keep(Figures* figures, Figure figure) {
@@ -207,16 +206,15 @@ void measure_cornell(Figures* figures) {
   const test::CornellView view(12);
   const std::vector<test::CornellPixel> pixels = view.pixels(radiosity);
   std::vector<double> seen(pixels.size()), exact(pixels.size());
-  const auto y_of = [](const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
   tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t i) {
     const test::SurfaceHit& hit = pixels[i].hit;
-    exact[i] = y_of(hit.albedo / std::numbers::pi * radiosity.irradiance(hit.position, hit.normal, 4096));
+    exact[i] = luminance(hit.albedo / std::numbers::pi * radiosity.irradiance(hit.position, hit.normal, 4096));
     const glm::dvec3 eye = hit.position + 0.01 * (glm::dvec3(0.0, 2.73, 10.8) - hit.position);
     glm::dvec3 sum(0.0);
     for (std::uint32_t k = 0; k < kPaths; ++k)
       sum += glm::dvec3(estimate_radiance(*scene, {}, glm::vec3(eye), glm::vec3(glm::normalize(hit.position - eye)),
                                           static_cast<std::uint32_t>(i + 1), k));
-    seen[i] = y_of(sum / static_cast<double>(kPaths));
+    seen[i] = luminance(sum / static_cast<double>(kPaths));
   });
   double square = 0.0, mean = 0.0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -280,16 +278,16 @@ std::shared_ptr<const PathScene> load_car(const Options& options) {
 /// RMS difference of two pictures with different seeds, which is sqrt(2) times the error of each, over the mean
 /// luminance.
 double pair_error(const Image& a, const Image& b, bool whole) {
-  double square = 0.0, luminance = 0.0;
+  double square = 0.0, light = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < a.data.size(); i += 4) {
     if (!whole && a.data[i + 3] < 1.0f) continue;
     for (std::size_t c = 0; c < 3; ++c) square += std::pow(static_cast<double>(a.data[i + c]) - b.data[i + c], 2.0);
-    luminance += 0.2126 * a.data[i] + 0.7152 * a.data[i + 1] + 0.0722 * a.data[i + 2];
+    light += luminance(glm::dvec3(a.data[i], a.data[i + 1], a.data[i + 2]));
     ++count;
   }
   const auto n = static_cast<double>(count);
-  return std::sqrt(square / (6.0 * n)) / (luminance / n);
+  return std::sqrt(square / (6.0 * n)) / (light / n);
 }
 
 void measure_car(Stage& stage, Figures* figures) {
@@ -328,10 +326,6 @@ struct Outliers {
   double firefly = 0.0;  ///< of pixels that are darker in a picture with another seed: relative to that picture
 };
 
-double luminance_at(const Image& image, int x, int y) {
-  return 0.2126 * image.at(x, y, 0) + 0.7152 * image.at(x, y, 1) + 0.0722 * image.at(x, y, 2);
-}
-
 /// A lamp mirrored in chrome is equally bright in both pictures, because their rays hit the same point. A firefly is
 /// random.
 Outliers largest_outliers(const Image& image, const Image& other) {
@@ -340,8 +334,8 @@ Outliers largest_outliers(const Image& image, const Image& other) {
     for (int x = 1; x + 1 < image.width; ++x) {
       double around = 0.0;
       for (int k = 0; k < 9; ++k)
-        if (k != 4) around += luminance_at(image, x + k % 3 - 1, y + k / 3 - 1) / 8.0;
-      const double here = luminance_at(image, x, y), neighbourhood = std::max(around, luminance_at(other, x, y));
+        if (k != 4) around += luminance(image, x + k % 3 - 1, y + k / 3 - 1) / 8.0;
+      const double here = luminance(image, x, y), neighbourhood = std::max(around, luminance(other, x, y));
       if (around > 0.0) worst.any = std::max(worst.any, here / around);
       if (neighbourhood > 0.0) worst.firefly = std::max(worst.firefly, here / neighbourhood);
     }

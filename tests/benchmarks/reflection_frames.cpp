@@ -9,6 +9,7 @@
 #include "render/octree/octree_kind.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
+#include "scenes/luminance.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
 #include "viewer/report/charts.h"
@@ -77,13 +78,10 @@ constexpr float kStrong = 2.0f, kWeak = 1.5f;
 /// Outlines of reflections: pixels of a reflector whose brightness differs from the neighbour on the right or below by
 /// such a ratio.
 std::vector<glm::ivec2> outline(const Image& reflection, float ratio = kStrong) {
-  const auto luminance = [&](int x, int y) {
-    return 0.2126f * reflection.at(x, y, 0) + 0.7152f * reflection.at(x, y, 1) + 0.0722f * reflection.at(x, y, 2);
-  };
   const auto differs = [&](int x, int y, int x2, int y2) {
     if (!(reflection.at(x, y, 3) > 0.0f && reflection.at(x2, y2, 3) > 0.0f)) return false;
-    const float a = luminance(x, y), b = luminance(x2, y2);
-    return std::max(a, b) > ratio * std::min(a, b);
+    const double a = luminance(reflection, x, y), b = luminance(reflection, x2, y2);
+    return std::max(a, b) > static_cast<double>(ratio) * std::min(a, b);
   };
   std::vector<glm::ivec2> pixels;
   for (int y = 0; y + 1 < reflection.height; ++y)

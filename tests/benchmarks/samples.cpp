@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "scenes/luminance.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
 
@@ -32,7 +33,7 @@ Spread measure_spread(Stage& stage) {
     const Image p = stage.renderer().read_radiance();
     for (std::size_t i = 0; i < count; ++i) {
       const float* rgb = &p.data[4 * i];
-      const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2], d = y - mean[i];
+      const double y = luminance(glm::dvec3(rgb[0], rgb[1], rgb[2])), d = y - mean[i];
       mean[i] += d / (seed + 1);
       square[i] += d * (y - mean[i]);
     }

@@ -41,6 +41,8 @@ std::string number(double value) {
   return text;
 }
 
+std::string percent(double share) { return number(100.0 * share) + " %"; }
+
 Clock now() {
   timespec cpu{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);

@@ -42,8 +42,9 @@ using Figures = std::vector<Figure>;
 Figure judged(std::string name, std::string target, std::string measured, bool met);
 Figure shown(std::string name, std::string measured);
 Figure absent(std::string name, std::string target, std::string why);
-/// `value` with three significant digits.
+/// With three significant digits.
 std::string number(double value);
+std::string percent(double share);
 
 /// The input of one picture.
 struct Case {

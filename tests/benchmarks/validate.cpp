@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "scenes/error.h"
+#include "scenes/luminance.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/local_bandwidth.h"
 
@@ -14,8 +15,6 @@ namespace maquette::bench {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-std::string percent(double share) { return number(100.0 * share) + " %"; }
 
 /// Pairs of predicted and measured values.
 struct Pairs {
@@ -151,7 +150,7 @@ Pairs variance_pairs(Stage& stage, const Views& views, int samples, int seeds) {
     const Image p = renderer.read_radiance();
     for (std::size_t i = 0; i < count; ++i) {
       const float* rgb = &p.data[4 * i];
-      const double y = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+      const double y = luminance(glm::dvec3(rgb[0], rgb[1], rgb[2]));
       sum[i] += y;
       square[i] += y * y;
     }

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <memory>
 
-#include "render/fresnel_shared.h"
 #include "render/gl/context.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
+#include "render/shared_formulas.h"
 #include "tests/support/path_scenes.h"
 #include "tests/support/test_scenes.h"
 

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "render/gl/bindings.h"
 #include "render/gl/context.h"
 #include "render/octree/octree_buffers.h"
 #include "render/octree/octree_build.h"
-#include "render/octree/octree_shared.h"
 #include "render/octree/octree_kind.h"
+#include "render/octree/octree_shared.h"
 #include "render/renderer.h"
 #include "tests/support/octree_rays.h"
 #include "tests/support/test_scenes.h"
@@ -49,8 +50,8 @@ TEST(OctreeOnGpu, WalksAsTheCpuDoes) {
   const Buffer in = Buffer::from("rays", rays), out("hits", rays.size() * sizeof(HitRecord));
   buffers.bind();
   buffers.set_uniforms(program);
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeRays, in.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferOctreeHits, out.get());
   glUseProgram(program.get());
   glDispatchCompute(static_cast<GLuint>((rays.size() + 63) / 64), 1, 1);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);

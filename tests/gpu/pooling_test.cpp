@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/frame/frame_constants.h"
+#include "render/gl/bindings.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 
@@ -114,16 +115,16 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   const Texture pyramid = Texture::make_2d("pyramid", GL_RGBA32F, in.quads_x, in.quads_y, 2);
   const Texture axes = Texture::make_2d("axes", GL_RGBA16F, in.quads_x, in.quads_y);
 
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 7, tiles.get());
-  glBindTextureUnit(8, surface.get());
-  glBindTextureUnit(9, depth.get());
-  glBindTextureUnit(18, energy.get());
-  glBindTextureUnit(28, near.get());
-  glBindTextureUnit(31, curvature.get());
-  glBindImageTexture(0, pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(1, axes.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
-  glBindImageTexture(2, pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindBufferBase(GL_UNIFORM_BUFFER, kBlockFrame, block.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTiles, tiles.get());
+  glBindTextureUnit(kUnitSurface, surface.get());
+  glBindTextureUnit(kUnitDepth, depth.get());
+  glBindTextureUnit(kUnitEnergy, energy.get());
+  glBindTextureUnit(kUnitNear, near.get());
+  glBindTextureUnit(kUnitBend, curvature.get());
+  glBindImageTexture(kImageBandwidth, pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+  glBindImageTexture(kImageAxes, axes.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
+  glBindImageTexture(kImageFirstCoarse, pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const Program program =
       Program::compute("bandwidth/bandwidth.comp", {{"TEXTURE_BANDWIDTH", "0"},
                                                     {"NEAR", "1"},

@@ -1,3 +1,5 @@
+#include "render/shared_formulas.h"
+
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +13,6 @@
 
 #include "render/gl/context.h"
 #include "render/lights/light_list.h"
-#include "render/visibility/visibility_shared.h"
 #include "scenes/files.h"
 #include "test_paths.h"
 

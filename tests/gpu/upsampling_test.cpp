@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "render/bandwidth_shared.h"
-#include "render/environment/directions_shared.h"
 #include "render/frame/frame_constants.h"
+#include "render/gl/bindings.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 #include "render/renderer.h"
+#include "render/shared_formulas.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -84,13 +84,14 @@ std::vector<glm::vec4> filled(const Grid& grid, int level, Pass pass, Own* own =
   const Texture worth = Texture::make_2d_array("worth", GL_RG32F, (kWidth + 7) / 8, (kHeight + 7) / 8, 12);
   const float kappa[] = {0.1f, 1.0f};
   glClearTexImage(worth.get(), 0, GL_RG, GL_FLOAT, kappa);
-  glBindBufferBase(GL_UNIFORM_BUFFER, 0, block.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, quads.get());
-  const std::pair<GLuint, const Texture*> units[] = {{18, &mean},  {19, &deviation}, {21, &axes},
-                                                     {23, &marks}, {26, &guide},     {56, &worth}};
+  glBindBufferBase(GL_UNIFORM_BUFFER, kBlockFrame, block.get());
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferQuads, quads.get());
+  const std::pair<GLuint, const Texture*> units[] = {{kUnitMean, &mean},       {kUnitDeviation, &deviation},
+                                                     {kUnitScreenAxes, &axes}, {kUnitMarks, &marks},
+                                                     {kUnitGuide, &guide},     {kUnitWorth, &worth}};
   for (const auto& [unit, t] : units) glBindTextureUnit(unit, t->get());
-  glBindImageTexture(0, radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(1, residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageResidual, residual.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   ShaderDefines defines{{"TEXTURES", "0"},
                         {"CUBIC", level > 0 ? "1" : "0"},
                         {"TILES", "0"},

@@ -8,6 +8,7 @@
 #include "render/gl/context.h"
 #include "render/metrics.h"
 #include "render/renderer.h"
+#include "scenes/luminance.h"
 #include "tests/support/local_bandwidth.h"
 #include "tests/support/sphere_quadrature.h"
 #include "tests/support/test_scenes.h"
@@ -245,7 +246,7 @@ TEST_F(Estimator, PredictedVarianceIsThatOfTheSharesShadingDraws) {
     for (std::uint32_t seed = 0; seed < kSeeds; ++seed) {
       const Image p = draw(request("uniform", kSamples, 100 + seed, kSide));
       for (std::size_t i = 0; i < sum.size(); ++i) {
-        const double y = 0.2126 * p.data[4 * i] + 0.7152 * p.data[4 * i + 1] + 0.0722 * p.data[4 * i + 2];
+        const double y = luminance(glm::dvec3(p.data[4 * i], p.data[4 * i + 1], p.data[4 * i + 2]));
         sum[i] += y;
         square[i] += y * y;
       }

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <random>
 
 #include "render/materials/brdf_tables.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/angles.h"
 #include "tests/support/path_scenes.h"
 
 namespace maquette::test {
@@ -18,7 +18,7 @@ std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const
 }
 
 glm::vec3 to_floor(double degrees) {
-  const double t = degrees * std::numbers::pi / 180.0;
+  const double t = radians(degrees);
   return glm::vec3(glm::dvec3(-std::sin(t), -std::cos(t), 0.0));
 }
 
@@ -90,7 +90,9 @@ TEST(Extremes, SizeOfTheSceneDoesNotMatter) {
   }
 }
 
-/// Views down to 89.99 degrees: the albedo equals that of the table where it is known, and stays in [0, 1].
+/// Views down to 89.99 degrees: the albedo stays in [0, 1], and at the directions of the table of albedos it equals the
+/// table. Between them, 1.4 degrees apart, the albedo of a lacquer falls by a third. The last direction, at the
+/// horizon, is left out: the quadrature of the table gives that lacquer a fifth too little there.
 TEST(Extremes, GrazingViewsOfMeasuredMaterials) {
   for (const char* name : {"paint-red-metallic", "metal-chrome", "leather-black", "matte-white"}) {
     Material material;
@@ -98,16 +100,21 @@ TEST(Extremes, GrazingViewsOfMeasuredMaterials) {
     const auto scene = trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), material), constant_sky(1.0f));
     BrdfTables tables;
     compute_albedo(SymmetricBrdf(make_builtin_brdf(name)), tables);
+    const auto look = [&](double degrees) {
+      return mean_radiance(*scene, {}, -to_floor(degrees), to_floor(degrees), 8192);
+    };
     for (const double degrees : {88.0, 89.0, 89.9, 89.99}) {
-      const MeanRadiance seen = mean_radiance(*scene, {}, -to_floor(degrees), to_floor(degrees), 8192);
+      const MeanRadiance seen = look(degrees);
       EXPECT_GT(seen.mean.y, 0.0) << name << " at " << degrees;
       EXPECT_LE(seen.mean.y, 1.0 + 5e-3 + 4.0 * seen.deviation) << name << " at " << degrees;
-      const double row = degrees / 90.0 * (kAlbedoCount - 1);
-      const auto i = std::min(static_cast<std::size_t>(row), std::size_t{kAlbedoCount - 2});
-      const double expected = glm::mix(static_cast<double>(tables.albedo[i].y),
-                                       static_cast<double>(tables.albedo[i + 1].y), row - static_cast<double>(i));
+    }
+    for (const int i : {60, 61, 62}) {
+      const double degrees = 90.0 * i / (kAlbedoCount - 1);
+      const MeanRadiance seen = look(degrees);
+      const double expected = tables.albedo[static_cast<std::size_t>(i)].y;
       std::printf("%s at %.2f degrees: %.4f +- %.4f, table %.4f\n", name, degrees, seen.mean.y, seen.deviation,
                   expected);
+      EXPECT_NEAR(seen.mean.y / expected, 1.0, 3e-3 + 4.0 * seen.deviation / expected) << name << " at " << degrees;
     }
   }
 }
@@ -138,7 +145,7 @@ TEST(Extremes, SunOfAMillionTimesTheSky) {
   EXPECT_NEAR(seen.mean.y / expected, 1.0, 2e-3 + 4.0 * seen.deviation / expected);
 }
 
-/// A million paths in one pixel: the tracer's sums against a float sum.
+/// 2^19 paths in one pixel.
 TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   const auto scene =
       trace(scene_of(quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}), matte(glm::vec3(1.0f / 3.0f))), constant_sky(0.1f));
@@ -149,27 +156,6 @@ TEST(Extremes, AMillionSamplesAreSummedWithoutLoss) {
   ASSERT_TRUE(picture.add(1 << 19));
   // The remaining error is that of the sequence; a float sum of as many paths would be off by 1e-4.
   EXPECT_NEAR(picture.mean().at(0, 0, 1) / (0.1 / 3.0), 1.0, 1e-5);
-  // Compared with a float sum, and with the running mean of the GPU's frames (compose.comp).
-  std::mt19937 random(1);
-  std::exponential_distribution<double> exponential(1.0);
-  double exact = 0.0;
-  float sum = 0.0f, mean = 0.0f, mixed = 0.0f;
-  constexpr int kCount = 1000000;
-  for (int i = 0; i < kCount; ++i) {
-    const auto x = static_cast<float>(exponential(random));
-    exact += static_cast<double>(x) / kCount;
-    sum += x;
-    const float a = 1.0f / static_cast<float>(i + 1);
-    mean = mean + (x - mean) * a;
-    mixed = mixed * (1.0f - a) + x * a;
-  }
-  const double of_sum = std::abs(static_cast<double>(sum) / kCount / exact - 1.0);
-  const double of_mixed = std::abs(static_cast<double>(mixed) / exact - 1.0);
-  const double of_mean = std::abs(static_cast<double>(mean) / exact - 1.0);
-  std::printf("1e6 samples in float: sum off by %.2e, running mean by %.2e, as mix() would have it by %.2e\n", of_sum,
-              of_mean, of_mixed);
-  EXPECT_LT(of_mean, 2e-4);
-  EXPECT_LT(of_sum, 1e-3);
 }
 
 }  // namespace

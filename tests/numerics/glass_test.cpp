@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "render/reference/traversal.h"
+#include "scenes/angles.h"
 #include "tests/support/path_scenes.h"
 
 namespace maquette::test {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kIndex = 1.52;
 
 std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {

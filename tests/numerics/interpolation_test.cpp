@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/interpolation_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

@@ -8,6 +8,8 @@
 
 #include "render/materials/brdf_tables.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/angles.h"
+#include "scenes/luminance.h"
 #include "tests/support/chi_square.h"
 #include "tests/support/cornell.h"
 #include "tests/support/path_scenes.h"
@@ -26,9 +28,9 @@ MeanRadiance mean_radiance(const PathScene& scene, const PathOptions& options, c
       sum += glm::dvec3(estimate_radiance(scene, options, origin, direction, seed * 7919u + run, i));
     sum /= static_cast<double>(count / kRuns);
     result.mean += sum / static_cast<double>(kRuns);
-    runs.push_back(0.2126 * sum.x + 0.7152 * sum.y + 0.0722 * sum.z);
+    runs.push_back(luminance(sum));
   }
-  const double mean = 0.2126 * result.mean.x + 0.7152 * result.mean.y + 0.0722 * result.mean.z;
+  const double mean = luminance(result.mean);
   double square = 0.0;
   for (const double r : runs) square += (r - mean) * (r - mean);
   result.deviation = std::sqrt(square / (kRuns * (kRuns - 1.0)));
@@ -36,8 +38,6 @@ MeanRadiance mean_radiance(const PathScene& scene, const PathOptions& options, c
 }
 
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::shared_ptr<const PathScene> trace(const Scene& scene, std::shared_ptr<const Environment> sky) {
   return build_path_scene({.scene = scene, .environment = std::move(sky)});
@@ -70,8 +70,8 @@ TEST(PathTracer, EveryBuiltInMaterialShowsItsAlbedoInAFurnace) {
       const MeanRadiance seen =
           mean_radiance(*scene, {}, view.origin, view.direction, static_cast<std::uint32_t>(test_samples(8192)));
       const glm::dvec3 albedo(tables.albedo[i]);
-      const double expected = 0.2126 * albedo.x + 0.7152 * albedo.y + 0.0722 * albedo.z;
-      const double mean = 0.2126 * seen.mean.x + 0.7152 * seen.mean.y + 0.0722 * seen.mean.z;
+      const double expected = luminance(albedo);
+      const double mean = luminance(seen.mean);
       EXPECT_NEAR(mean, expected, 1e-3 * expected + 4.0 * seen.deviation) << entry.name << " row " << i;
       EXPECT_LT(seen.deviation, 3e-3 * expected) << entry.name << " row " << i;
       worst = std::max(worst, std::abs(mean / expected - 1.0));
@@ -200,11 +200,10 @@ TEST(PathTracer, CornellBoxMatchesTheLinearSystem) {
     const MeanRadiance seen =
         mean_radiance(*scene, {}, glm::vec3(eye), glm::vec3(glm::normalize(pixel.hit.position - eye)), paths,
                       static_cast<std::uint32_t>(count + 1));
-    const auto y = [](const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
-    square += std::pow(y(seen.mean) - y(expected), 2);
+    square += std::pow(luminance(seen.mean) - luminance(expected), 2);
     noise += seen.deviation * seen.deviation;
-    mean += y(expected);
-    seen_mean += y(seen.mean);
+    mean += luminance(expected);
+    seen_mean += luminance(seen.mean);
     ++count;
   }
   ASSERT_GT(count, 70);

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "scenes/luminance.h"
 #include "tests/support/cornell.h"
 
 namespace {
@@ -69,7 +70,7 @@ TEST(Radiosity, CornellBoxIsConverged) {
     };
     const glm::dvec3 a = at(coarse), b = at(fine);
     difference += glm::dot(a - b, a - b) / 3.0;
-    mean += 0.2126 * b.x + 0.7152 * b.y + 0.0722 * b.z;
+    mean += luminance(b);
     ++count;
   }
   ASSERT_GT(count, 140);

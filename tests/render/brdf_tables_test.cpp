@@ -12,6 +12,7 @@
 #include "render/materials/bandwidth.h"
 #include "render/materials/brdf_sampler.h"
 #include "render/materials/symmetric_brdf.h"
+#include "scenes/angles.h"
 #include "scenes/files.h"
 
 namespace {
@@ -329,7 +330,7 @@ TEST(Albedo, MonteCarloThroughTheSamplerAgrees) {
 
 TEST(Bandwidth, GaussianLobesMatchTheirClosedForm) {
   for (double degrees : {0.3, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 28.0}) {
-    const double sigma = degrees * kPi / 180.0;
+    const double sigma = radians(degrees);
     LocalSpectrum spectrum(8);
     std::vector<float> samples;
     for (float angle : spectrum.sample_angles()) {

@@ -10,19 +10,17 @@
 #include <filesystem>
 #include <functional>
 #include <numbers>
-#include <numeric>
 #include <random>
 #include <set>
 
-#include "render/environment/wavelet_bandwidth.h"
 #include "render/low_discrepancy.h"
+#include "scenes/angles.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
 Environment make_environment(int width, int height, const std::function<double(const glm::dvec3&, int, int)>& value) {
   Environment e;
@@ -91,7 +89,7 @@ TEST(EnvironmentImportance, OneHotTexelIntegratesRight) {
     double sum = 0.0;
     for (const EnvironmentSample& s : samples) {
       ASSERT_GT(s.pdf, 0.0f);
-      sum += luminance(s.radiance) / static_cast<double>(s.pdf);
+      sum += luminance(glm::dvec3(s.radiance)) / static_cast<double>(s.pdf);
     }
     EXPECT_NEAR(sum / 16384.0 / expected, 1.0, 5e-3) << x << ' ' << y;
   }
@@ -149,7 +147,7 @@ TEST(EnvironmentImportance, SamplesFollowTheDensity) {
     // A grey texel over its pdf is the light of the whole sphere, whichever texel was sampled, except for the variation
     // of sin(latitude) within a cell.
     if (p.y > 0.25 && p.y < 3.75) {
-      const double ratio = luminance(s.radiance) / static_cast<double>(s.pdf);
+      const double ratio = luminance(glm::dvec3(s.radiance)) / static_cast<double>(s.pdf);
       ASSERT_NEAR(ratio / t.luminance_integral, 1.0, 0.2) << p.y;
       spread += (ratio / t.luminance_integral - 1.0) * (ratio / t.luminance_integral - 1.0) / kCount;
     }
@@ -177,7 +175,7 @@ TEST(EnvironmentImportance, TexelsAreSampledByTheirShareOfTheLight) {
     const double x = latlong_from_direction(s.direction, 2, 1).x - 0.5;
     const double share = x < 1.0 ? std::abs(x) : 2.0 - x;  // bilinear weight of the second
     expected += 3.0 * share / (3.0 * share + 1.0 - share);
-    bright += luminance(s.radiance) > 2.0 ? 1.0 : 0.0;
+    bright += luminance(glm::dvec3(s.radiance)) > 2.0 ? 1.0 : 0.0;
   }
   EXPECT_NEAR(bright / expected, 1.0, 0.01);
 }
@@ -243,7 +241,7 @@ TEST(EnvironmentImportance, ExtremesAreFinite) {
     double sum = 0.0, drawn = 0.0;
     for (const EnvironmentSample& s : sample(e, extreme, 0, 4096)) {
       ASSERT_TRUE(std::isfinite(s.pdf) && s.pdf > 0.0f);
-      sum += luminance(s.radiance) / static_cast<double>(s.pdf) / 4096.0;
+      sum += luminance(glm::dvec3(s.radiance)) / static_cast<double>(s.pdf) / 4096.0;
     }
     for (std::uint32_t i = 0; i < 4096; ++i) {
       const EnvironmentDirection d = sample_environment_direction(e, extreme, reverse_bits(i) * 0x1p-32,
@@ -260,69 +258,6 @@ TEST(EnvironmentImportance, ExtremesAreFinite) {
   }
 }
 
-TEST(WaveletBandwidth, TransformKeepsEnergyAndKillsRamps) {
-  std::mt19937 random(3);
-  std::normal_distribution<float> normal;
-  std::vector<float> signal(64), low(32), detail(32);
-  for (float& v : signal) v = normal(random);
-  d4_low_pass(signal.data(), 64, 1, 2, low.data());
-  d4_detail(signal.data(), 64, 1, 2, detail.data());
-  double before = 0.0, after = 0.0;
-  for (const float v : signal) before += static_cast<double>(v) * static_cast<double>(v);
-  for (std::size_t i = 0; i < 32; ++i) after += static_cast<double>(low[i] * low[i] + detail[i] * detail[i]);
-  EXPECT_NEAR(after / before, 1.0, 1e-5);
-  for (std::size_t i = 0; i < 64; ++i) signal[i] = 3.0f + 0.5f * static_cast<float>(i);
-  d4_detail(signal.data(), 64, 1, 2, detail.data());
-  for (std::size_t i = 0; i + 1 < 32; ++i)
-    EXPECT_NEAR(detail[i], 0.0f, 1e-4f);  // the last one contains the jump at the period
-}
-
-TEST(WaveletBandwidth, LevelEnergiesFollowTheResponseEverywhere) {
-  LevelEnergies energies(1024, 7);
-  for (const double cycles : {5.0, 16.0, 37.0, 64.0, 90.0, 128.0, 200.0}) {
-    for (std::size_t i = 0; i < 1024; ++i)
-      energies.signal()[i] =
-          static_cast<float>(std::sqrt(2.0) * std::cos(2.0 * kPi * cycles * static_cast<double>(i) / 1024.0 + 0.4));
-    energies.transform();
-    const std::vector<double> expected = d4_response(cycles / 1024.0, 7);
-    for (std::size_t begin = 0; begin < 1024; begin += 4)
-      for (int level = 1; level <= 7; ++level)
-        ASSERT_NEAR(energies.energy(level, begin, 4), expected[static_cast<std::size_t>(level - 1)], 0.2)
-            << cycles << ' ' << level << ' ' << begin;
-  }
-}
-
-TEST(WaveletBandwidth, LevelEnergiesAreWhereTheSignalIs) {
-  LevelEnergies energies(1024, 7);
-  std::fill(energies.signal().begin(), energies.signal().end(), 0.0f);
-  energies.signal()[500] = 1.0f;
-  energies.transform();
-  for (int level = 1; level <= 7; ++level) {
-    std::size_t best = 0;
-    for (std::size_t begin = 0; begin < 1024; ++begin)
-      if (energies.energy(level, begin, 1) > energies.energy(level, best, 1)) best = begin;
-    EXPECT_NEAR(static_cast<double>(best), 500.0, static_cast<double>(std::size_t{2} << level)) << level;
-  }
-}
-
-TEST(WaveletBandwidth, QuantileOfAToneIsItsFrequency) {
-  const LevelSpectrum spectrum(9);
-  for (double f = 1.0 / 200.0; f < 0.24; f *= 1.07) {
-    std::vector<float> energies;
-    double total = 0.0;
-    for (const double share : d4_response(f, 9)) {
-      energies.push_back(static_cast<float>(share));
-      total += share;
-    }
-    std::vector<float> bins(spectrum.bin_count());
-    const double negligible = 0.0;
-    spectrum.spectra(energies.data(), &negligible, 1, bins.data());
-    EXPECT_NEAR(std::accumulate(bins.begin(), bins.end(), 0.0) / total, 1.0, 1e-4);
-    EXPECT_NEAR(spectrum.quantile(bins.data(), 0.05 * total) / f, 1.08, 0.1) << f;
-    EXPECT_EQ(spectrum.quantile(bins.data(), 1.001 * total), 0.0);
-  }
-}
-
 TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
   for (const int m : {4, 6, 8, 9, 14, 21, 34, 55}) {
     const Environment e = make_environment(
@@ -335,7 +270,7 @@ TEST(EnvironmentBandwidth, CosineSkyHasItsClosedForm) {
     EXPECT_LT(*std::max_element(equator.begin(), equator.end()) / expected, m < 14 ? 3.0 : 1.4) << m;
     EXPECT_GT(*std::min_element(equator.begin(), equator.end()) / expected, 0.75) << m;
     // On smaller circles of latitude the same period covers a smaller angle.
-    EXPECT_NEAR(median(row_of(t, 60.0)) * std::cos(60.0 * kPi / 180.0) / expected, 1.0, 0.25) << m;
+    EXPECT_NEAR(median(row_of(t, 60.0)) * std::cos(radians(60.0)) / expected, 1.0, 0.25) << m;
   }
 }
 
@@ -470,7 +405,7 @@ TEST(EnvironmentBandwidth, ASunRaisesOnlyItsNeighbourhood) {
     ++raised;
     farthest_raised = std::max(farthest_raised, std::acos(std::clamp(glm::dot(d, sun), -1.0, 1.0)));
   }
-  EXPECT_LT(farthest_raised, 25.0 * kPi / 180.0);
+  EXPECT_LT(farthest_raised, radians(25.0));
   EXPECT_LT(raised, static_cast<int>(sunny.bandwidth.size() / 200));
 }
 
@@ -479,7 +414,7 @@ TEST(EnvironmentBandwidth, DetailBesideASunIsNotBuried) {
   const Environment e = make_environment(256, 128, [&](const glm::dvec3& d, int, int) {
     return 1.0 + 0.5 * std::cos(40 * std::atan2(d.x, d.z)) + (glm::dot(d, sun) > std::cos(0.02) ? 1e6 : 0.0);
   });
-  EXPECT_NEAR(median(row_of(compute_environment_tables(e), -20.0)) * std::cos(20.0 * kPi / 180.0) * 2.0 * kPi / 40, 1.0,
+  EXPECT_NEAR(median(row_of(compute_environment_tables(e), -20.0)) * std::cos(radians(20.0)) * 2.0 * kPi / 40, 1.0,
               0.25);
 }
 

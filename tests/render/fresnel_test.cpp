@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/fresnel_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

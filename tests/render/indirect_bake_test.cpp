@@ -8,8 +8,7 @@
 #include "render/bake/bake_runner.h"
 #include "render/indirect/indirect_kind.h"
 #include "render/indirect/indirect_light.h"
-#include "render/indirect/indirect_shared.h"
-#include "render/visibility/visibility_shared.h"
+#include "render/shared_formulas.h"
 #include "tests/support/test_scenes.h"
 
 namespace {

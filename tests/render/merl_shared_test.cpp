@@ -1,10 +1,10 @@
-#include "render/materials/merl_shared.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <random>
+
+#include "render/shared_formulas.h"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "render/materials/brdf_tables.h"
-#include "render/materials/merl_shared.h"
+#include "render/shared_formulas.h"
 #include "scenes/files.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/chi_square.h"
@@ -165,9 +165,10 @@ double albedo(const analytic::AnalyticMaterial& m, double cos_o) {
 
 /// Metals do not reflect more than they receive. glTF mixes the Lambert lobe with (1 - F(h)), which ignores that
 /// grazing light is almost entirely reflected by the specular lobe above: towards the horizon a white dielectric
-/// reflects more than it receives. That is the specification's own formula; docs/numerics/materials.md states by how much, and
-/// this test keeps that bound. Sheen is added without the albedo scaling that its extension recommends.
-TEST(Energy, AnalyticLobesReflectNoMoreThanTheyReceive) {
+/// reflects more than it receives. That is the specification's own formula; docs/numerics/materials.md states by how
+/// much, and this test keeps that bound. Sheen is added without the albedo scaling that its extension recommends: cloth
+/// reflects up to 3.8 times what it receives.
+TEST(Energy, AnalyticLobesReflectMoreThanTheyReceiveOnlyAsFarAsStated) {
   for (const Lobe& lobe : lobes()) {
     double towards_horizon = 0.0, elsewhere = 0.0;
     for (const double cos_o : {0.02, 0.05, 0.1, 0.2})

@@ -13,6 +13,7 @@
 #include "render/environment/texel_cell.h"
 #include "render/lights/light_list.h"
 #include "render/reference/scattering.h"
+#include "scenes/angles.h"
 #include "tests/support/chi_square.h"
 
 namespace {
@@ -115,8 +116,8 @@ TEST(AnalyticChiSquare, EveryLobeFromNormalToGrazing) {
   std::mt19937 random(test::test_seed(3));
   for (const AnalyticCase& c : analytic_cases()) {
     for (const double degrees : {0.0, 5.0, 30.0, 60.0, 80.0, 88.0, 89.9}) {
-      const auto result = test_analytic(c.material, degrees * kPi / 180.0, static_cast<std::uint32_t>(random()),
-                                        test::test_samples(20000));
+      const auto result =
+          test_analytic(c.material, radians(degrees), static_cast<std::uint32_t>(random()), test::test_samples(20000));
       EXPECT_GT(result.p, kLeastP) << c.name << " at " << degrees << " degrees, statistic " << result.statistic
                                    << " of " << result.freedom;
     }

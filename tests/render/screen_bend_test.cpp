@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/bandwidth_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

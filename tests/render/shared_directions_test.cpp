@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "render/environment/directions_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

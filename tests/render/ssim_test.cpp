@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "scenes/luminance.h"
+
 namespace maquette {
 namespace {
 
@@ -21,8 +23,7 @@ double slow(const Image& a, const Image& b, int x, int y) {
   const auto luma = [](const Image& image, int i, int j) {
     i = std::clamp(i, 0, image.width - 1);
     j = std::clamp(j, 0, image.height - 1);
-    return 0.2126 * static_cast<double>(image.at(i, j, 0)) + 0.7152 * static_cast<double>(image.at(i, j, 1)) +
-           0.0722 * static_cast<double>(image.at(i, j, 2));
+    return luminance(image, i, j);
   };
   double weight = 0.0, ma = 0.0, mb = 0.0;
   const auto w = [](int i, int j) { return std::exp(-(i * i + j * j) / 4.5); };

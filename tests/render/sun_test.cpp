@@ -8,7 +8,8 @@
 
 #include "render/environment/environment_tables.h"
 #include "render/environment/packed_sky.h"
-#include "render/rgb9e5_shared.h"
+#include "render/shared_formulas.h"
+#include "scenes/luminance.h"
 
 namespace maquette {
 namespace {
@@ -22,8 +23,6 @@ Environment sky(int width, int height, float radiance) {
 }
 glm::vec3& texel(Environment& e, int x, int y) { return e.rgb[static_cast<std::size_t>(y * e.width + x)]; }
 
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
-
 /// The integral of luminance times (1, direction) over the tents of texels that are missing in `rest`, on a grid of 64
 /// x 64 per texel.
 glm::dvec4 quadrature(const Environment& whole, const Environment& rest, int bias) {
@@ -34,7 +33,7 @@ glm::dvec4 quadrature(const Environment& whole, const Environment& rest, int bia
     for (int x = 0; x < whole.width; ++x) {
       const auto k = static_cast<std::size_t>(y * whole.width + x);
       if (whole.rgb[k] == rest.rgb[k]) continue;
-      const double l = luminance(shared::unpack_rgb9e5(shared::pack_rgb9e5(whole.rgb[k], bias), bias));
+      const double l = luminance(glm::dvec3(shared::unpack_rgb9e5(shared::pack_rgb9e5(whole.rgb[k], bias), bias)));
       for (int j = 0; j < 2 * kSide; ++j)
         for (int i = 0; i < 2 * kSide; ++i) {
           const double a = (i + 0.5) / kSide - 1.0, b = (j + 0.5) / kSide - 1.0;
@@ -58,7 +57,8 @@ void expect_quadrature(const Environment& e, const char* what) {
   ASSERT_TRUE(sun.has_value()) << what;
   glm::dvec4 mean(0.0);
   for (const EnvironmentSample& s : sun->samples)
-    mean += luminance(s.radiance) * glm::dvec4(1.0, glm::dvec3(s.direction)) / static_cast<double>(sun->samples.size());
+    mean += luminance(glm::dvec3(s.radiance)) * glm::dvec4(1.0, glm::dvec3(s.direction)) /
+            static_cast<double>(sun->samples.size());
   const glm::dvec4 truth = quadrature(e, *sun->rest, packing_bias(e));
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(mean[k], truth[k], 1e-3 * truth.x) << what << " " << k;
 }

@@ -11,10 +11,9 @@
 #include <numbers>
 #include <random>
 
-#include "render/fresnel_shared.h"
+#include "render/shared_formulas.h"
 #include "render/visibility/visibility_kind.h"
 #include "render/visibility/visibility_points.h"
-#include "render/visibility/visibility_shared.h"
 #include "render/visibility/visibility_sides.h"
 
 namespace maquette {

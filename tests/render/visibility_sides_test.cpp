@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/visibility/visibility_shared.h"
+#include "render/shared_formulas.h"
 
 namespace maquette {
 namespace {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/angles.h"
 #include "scenes/cockpit_surface.h"
 #include "scenes/scene.h"
 #include "scenes/subdivision.h"
@@ -60,7 +61,7 @@ TEST(CockpitBody, TheTailIsSmoothFromSillToDeck) {
     for (double y = 0.45; y < 0.94; y += 0.002) {
       const Vec3 n = skin_normal(skin_from({x, y, -2.5}, {0.0, 0.0, 1.0}, 0.8));
       const double turn = y > 0.45 ? glm::dot(n, last) : 1.0;
-      EXPECT_GT(turn, std::cos(2.5 * modelling::kPi / 180.0)) << x << ' ' << y;
+      EXPECT_GT(turn, std::cos(radians(2.5))) << x << ' ' << y;
       last = n;
     }
   }

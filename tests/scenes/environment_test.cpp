@@ -6,8 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "scenes/luminance.h"
 #include "test_paths.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -19,8 +21,6 @@ using EnvironmentFile = testing::TemporaryFolder;
 constexpr double kPi = std::numbers::pi;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-double luminance(const glm::dvec3& rgb) { return glm::dot(rgb, glm::dvec3(0.2126, 0.7152, 0.0722)); }
 
 double row_solid_angle(const Environment& e, int y) {
   return 2.0 * kPi / e.width * (std::cos(kPi * y / e.height) - std::cos(kPi * (y + 1) / e.height));
@@ -140,7 +140,7 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
   double sky_lx = 0.0, sun_lx = 0.0, sky_mean = 0.0, peak = 0.0;
   for (int y = 0; y < e.height / 2; ++y) {
     for (int x = 0; x < e.width; ++x) {
-      const double value = luminance(e.rgb[static_cast<std::size_t>(y * e.width + x)]);
+      const double value = luminance(glm::dvec3(e.rgb[static_cast<std::size_t>(y * e.width + x)]));
       const double flux = value * row_solid_angle(e, y);
       peak = std::max(peak, value);
       const double up = direction_from_latlong(x + 0.5, y + 0.5, e.width, e.height).y;
@@ -153,7 +153,7 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
     }
   }
   // The disc's direct normal illuminance equals the model's, whatever the grid; the sky is that of a clear day.
-  EXPECT_NEAR(sun_lx, 127500.0 * std::exp(-0.21 / std::sin(40.0 * kPi / 180.0)), 500.0);
+  EXPECT_NEAR(sun_lx, 127500.0 * std::exp(-0.21 / std::sin(radians(40.0))), 500.0);
   EXPECT_GT(sky_mean, 2000.0);
   EXPECT_LT(sky_mean, 12000.0);
   EXPECT_GT(sky_lx, 8000.0);
@@ -163,7 +163,7 @@ TEST(BuiltinEnvironment, ClearSkyHasPhysicalLight) {
   const glm::dvec3 zenith = evaluate_environment(e, {0, 1, 0});
   EXPECT_GT(zenith.z, 1.3 * zenith.x);
   const double ground = luminance(evaluate_environment(e, {0, -1, 0}));
-  EXPECT_NEAR(ground * kPi / (sky_lx + sun_lx * std::sin(40.0 * kPi / 180.0)), 0.155, 0.02);
+  EXPECT_NEAR(ground * kPi / (sky_lx + sun_lx * std::sin(radians(40.0))), 0.155, 0.02);
 }
 
 TEST(BuiltinEnvironment, StudioIsDarkWithBrightBoxes) {

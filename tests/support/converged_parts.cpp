@@ -9,6 +9,7 @@
 #include "render/gl/objects.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/luminance.h"
 
 namespace maquette::test {
 namespace {
@@ -20,14 +21,12 @@ constexpr int kMaxPoints = 1600;
 /// Most pieces along a side of a cell that contains the mirror direction.
 constexpr int kMaxPointsASide = 24;
 
-double luminance(const glm::dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
-
 double mean_luminance(const Environment& e) {
   double sum = 0.0, weights = 0.0;
   for (int y = 0; y < e.height; ++y) {
     const double weight = std::sin(kPi * (y + 0.5) / e.height);
     for (int x = 0; x < e.width; ++x) {
-      sum += weight * luminance(e.rgb[static_cast<std::size_t>(y * e.width + x)]);
+      sum += weight * luminance(glm::dvec3(e.rgb[static_cast<std::size_t>(y * e.width + x)]));
       weights += weight;
     }
   }
@@ -38,9 +37,10 @@ std::vector<std::size_t> bright_texels(const Environment& e) {
   const double threshold = kBrightOverMean * mean_luminance(e);
   std::vector<std::size_t> bright;
   for (std::size_t i = 0; i < e.rgb.size(); ++i)
-    if (luminance(e.rgb[i]) > threshold) bright.push_back(i);
-  std::sort(bright.begin(), bright.end(),
-            [&](std::size_t a, std::size_t b) { return luminance(e.rgb[a]) > luminance(e.rgb[b]); });
+    if (luminance(glm::dvec3(e.rgb[i])) > threshold) bright.push_back(i);
+  std::sort(bright.begin(), bright.end(), [&](std::size_t a, std::size_t b) {
+    return luminance(glm::dvec3(e.rgb[a])) > luminance(glm::dvec3(e.rgb[b]));
+  });
   if (bright.size() > kMaxBrightTexels) bright.resize(kMaxBrightTexels);
   std::sort(bright.begin(), bright.end());
   return bright;
@@ -63,8 +63,8 @@ std::string shared_source(bool measured) {
       "#version 450 core\n#define MEASURED " + std::string(measured ? "1" : "0") + "\nlayout(local_size_x = 64) in;\n";
   for (const char* path :
        {"shared/frame.glsl", "shared/constants.glsl", "shared/latlong.glsl", "shared/octahedral.glsl",
-        "shared/rgb9e5.glsl", "shared/gbuffer.glsl", "shared/material_table.glsl", "shared/analytic.glsl",
-        "shared/merl.glsl", "shading/point.glsl"})
+        "shared/rgb9e5.glsl", "shared/gbuffer.glsl", "shared/material_table.glsl", "shared/luminance.glsl",
+        "shared/analytic.glsl", "shared/merl.glsl", "shading/point.glsl"})
     text += load_shader_text(path);
   return text + R"(
 layout(std430, binding = 2) readonly buffer Pixels { uint b_pixels[]; };

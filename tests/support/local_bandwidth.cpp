@@ -8,6 +8,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "scenes/luminance.h"
+
 namespace maquette::test {
 namespace {
 
@@ -130,8 +132,7 @@ std::vector<double> windowed(const Image& picture, int x0, int y0, const std::ve
   double mean = 0.0, weight = 0.0;
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x) {
-      const float* rgb = &picture.data[picture.index(x0 + x, y0 + y)];
-      double v = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+      double v = luminance(picture, x0 + x, y0 + y);
       if (options.square_root) v = std::sqrt(std::max(v, 0.0));
       values[static_cast<std::size_t>(y * n + x)] = v;
       const double window = w[static_cast<std::size_t>(x)] * w[static_cast<std::size_t>(y)];

@@ -6,15 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "scenes/luminance.h"
 #include "tests/support/quadrature.h"
 
 namespace maquette::test {
-namespace {
-
-double luminance(const glm::dvec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
-
-}  // namespace
-
 SphereQuadrature integrate_sphere(const Environment& environment, const BrdfTable& brdf, const SphereView& view,
                                   const Image* normals) {
   const EnvironmentMoments moments(environment);
@@ -55,7 +50,7 @@ double relative_rmse(const Image& picture, const SphereQuadrature& quadrature) {
   for (const SpherePixel& p : quadrature.pixels) {
     if (picture.at(p.x, p.y, 3) < 1.0f) continue;  // the tessellated silhouette lies inside the sphere's
     for (int c = 0; c < 3; ++c) square += std::pow(picture.at(p.x, p.y, c) - p.radiance[c], 2.0);
-    mean += luminance(p.radiance);
+    mean += luminance(glm::dvec3(p.radiance));
     ++count;
   }
   const double n = static_cast<double>(std::max<std::size_t>(count, 1));
@@ -67,7 +62,7 @@ double peak_over_mean(const Environment& environment) {
   for (int y = 0; y < environment.height; ++y) {
     const double area = std::cos(std::numbers::pi * ((y + 0.5) / environment.height - 0.5));
     for (int x = 0; x < environment.width; ++x) {
-      const double l = luminance(environment.rgb[static_cast<std::size_t>(y * environment.width + x)]);
+      const double l = luminance(glm::dvec3(environment.rgb[static_cast<std::size_t>(y * environment.width + x)]));
       peak = std::max(peak, l);
       sum += area * l;
       weight += area;

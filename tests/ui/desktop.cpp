@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "scenes/luminance.h"
 #include "test_paths.h"
 
 namespace maquette::test {
@@ -91,7 +92,7 @@ double difference(const ScreenPicture& a, const ScreenPicture& b, const Rect& re
 double contrast(const ScreenPicture& picture, const Rect& rect) {
   double sum = 0.0, squares = 0.0, count = 0.0;
   each_pixel(picture, rect, [&](std::size_t i) {
-    const double luma = 0.2126 * picture.rgb[i] + 0.7152 * picture.rgb[i + 1] + 0.0722 * picture.rgb[i + 2];
+    const double luma = luminance(glm::dvec3(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]));
     sum += luma;
     squares += luma * luma;
     count += 1.0;

@@ -186,7 +186,7 @@ TEST(Render, TargetErrorStopsEarly) {
   const TemporaryFolder folder;
   const Json stats = run_with_stats(folder, {"--target-error", "0.5", "--time", "60", "--mode", "uniform"});
   EXPECT_LE(stats["accumulation"]["estimated_relative_rmse"].get<double>(), 0.5);
-  EXPECT_LT(stats["accumulation"]["seconds"].get<double>(), 30.0);
+  EXPECT_LE(stats["accumulation"]["frames"].get<int>(), 4) << "the error is met long before the time is up";
 }
 
 TEST(Render, StatsToStandardOutputAreOnlyJson) {

@@ -8,6 +8,7 @@
 #include "render/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "scenes/percent.h"
 #include "viewer/interrupt.h"
 #include "viewer/report/measure.h"
 #include "viewer/session.h"
@@ -26,12 +27,6 @@ constexpr double kWritingShare = 0.08, kMostWriting_s = 12.0;
 constexpr double kSameError = 0.005;
 constexpr int kIdleSteps = 2;
 constexpr std::uint32_t kFirstSeed = 1;
-
-std::string percent(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g %%", 100.0 * value);
-  return text;
-}
 
 std::string file_name(const std::string& text) {
   std::string name;
@@ -106,7 +101,8 @@ void Conductor::make_references(Report* report) {
       if (InterruptGuard::asked()) return;
       const ReferenceOrder order{cameras_[c], scope, share * (scope == Scope::model ? kFullShare : 1.0 - kFullShare)};
       Judge judge = obtain_reference(studio_, journal_, folder_, order);
-      say_("reference of " + cameras_[c].name + ", " + scope_name(scope) + ": noise " + percent(judge.entry.noise));
+      say_("reference of " + cameras_[c].name + ", " + scope_name(scope) + ": noise " +
+           percent_text(judge.entry.noise));
       report->references.push_back(judge.entry);
       judges_[{cameras_[c].name, scope}] = std::move(judge);
     }
@@ -260,7 +256,7 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
     journal_->add_point(key_of(*ladder, frame, scope), point);
     say_(point.camera + ", " + technique.name + ", " + point.quality + ", " + scope_name(scope) + ": " +
          std::to_string(static_cast<int>(std::lround(point.time_ms.median))) + " ms, " +
-         (point.relative_rmse ? percent(point.relative_rmse->median) : "no error figure"));
+         (point.relative_rmse ? percent_text(point.relative_rmse->median) : "no error figure"));
     points.push_back(point);
   }
   note_progress(ladder, quality, points);

@@ -7,6 +7,7 @@
 
 #include "render/settings.h"
 #include "scenes/files.h"
+#include "scenes/percent.h"
 #include "viewer/report/charts.h"
 
 namespace maquette::report {
@@ -73,11 +74,9 @@ std::string time_text(double ms) {
 }
 
 std::string error_text(double error, Metric metric) {
+  if (metric != Metric::flip) return percent_text(error);
   char text[32];
-  if (metric == Metric::flip)
-    std::snprintf(text, sizeof text, "%.3f", error);
-  else
-    std::snprintf(text, sizeof text, error >= 0.0995 ? "%.0f %%" : "%.2g %%", 100.0 * error);
+  std::snprintf(text, sizeof text, "%.3f", error);
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "scenes/image_io.h"
+#include "scenes/luminance.h"
 #include "viewer/interrupt.h"
 
 namespace maquette::report {
@@ -94,7 +95,7 @@ std::string half_file(const std::string& key, int half) {
 std::optional<double> noise_free_error(const Image& picture, const Judge& judge) {
   const std::optional<double> plain = compare_images(picture, judge.picture).relative_rmse;
   if (!plain) return std::nullopt;
-  double sum = 0.0, luminance = 0.0;
+  double sum = 0.0, light = 0.0;
   std::size_t count = 0;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
@@ -107,14 +108,12 @@ std::optional<double> noise_free_error(const Image& picture, const Judge& judge)
       }
       if (!std::isfinite(product)) continue;
       sum += product;
-      luminance += 0.2126 * static_cast<double>(judge.picture.at(x, y, 0)) +
-                   0.7152 * static_cast<double>(judge.picture.at(x, y, 1)) +
-                   0.0722 * static_cast<double>(judge.picture.at(x, y, 2));
+      light += luminance(judge.picture, x, y);
       ++count;
     }
   }
   const double pixels = static_cast<double>(std::max<std::size_t>(count, 1));
-  const double error = std::sqrt(std::max(sum, 0.0) / (3.0 * pixels)) / (luminance / pixels);
+  const double error = std::sqrt(std::max(sum, 0.0) / (3.0 * pixels)) / (light / pixels);
   return std::max(error, 0.1 * *plain);
 }
 

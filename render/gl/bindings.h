@@ -1,0 +1,7 @@
+#pragma once
+
+namespace maquette {
+
+#include "shared/bindings.glsl"
+
+}  // namespace maquette

@@ -1,0 +1,94 @@
+// First surfaces of a camera ray: behind panes and in their reflections.
+#include "render/reference/path.h"
+#include "render/reference/path_constants.h"
+#include "render/reference/scattering.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr std::size_t kMostBranches = 8;  ///< of one camera ray
+constexpr int kMostSplits = 6;            ///< consecutive panes at which a camera ray is split
+
+}  // namespace
+
+/// Splits a camera ray: panes reflect and transmit it, blended surfaces let it continue behind them.
+class CameraRay::Splitter {
+ public:
+  Splitter(const PathScene& scene, const EnvironmentLight& environment, const RayDifferential* differential,
+           std::uint32_t chance, CameraRay* out)
+      : scene_(scene), environment_(environment), differential_(differential), chance_(chance), out_(*out) {}
+
+  void follow(const Ray& ray) {
+    branches_.push_back({ray, glm::vec3(1.0f), 0, true});
+    while (!branches_.empty()) {
+      const Branch branch = branches_.back();
+      branches_.pop_back();
+      advance(branch);
+    }
+  }
+
+ private:
+  struct Branch {
+    Ray ray;
+    glm::vec3 weight;
+    int splits;
+    bool straight;  ///< not reflected: the camera's own line of sight
+  };
+
+  void push(const Ray& ray, const glm::vec3& weight, const Branch& from, bool straight) {
+    if (largest(weight) > 0.0f && from.splits < kMostPanes)
+      branches_.push_back({ray, weight, from.splits + 1, straight});
+  }
+
+  void advance(const Branch& branch) {
+    RayHit hit;
+    ++out_.rays_;
+    if (!intersect(scene_, branch.ray, differential_ ? RayKind::camera : RayKind::path, chance_, &hit)) {
+      if (!environment_.black())
+        out_.radiance_ +=
+            branch.weight * glm::vec3(environment_.radiance_and_density(glm::normalize(branch.ray.direction)));
+      return;
+    }
+    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr, false});
+    float surface = 1.0f - p.material->clear();
+    if (p.material->clear() > 0.0f) {
+      out_.radiance_ += branch.weight * p.emission * p.material->pane;
+      const PaneRays rays = rays_of_pane(p, branch.ray);
+      const glm::vec3 weight = branch.weight * p.material->pane;
+      // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
+      if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
+      push(rays.passed, weight * rays.shares.transmitted, branch, branch.straight);
+    } else if (p.material->blended && differential_) {
+      surface = alpha_at(scene_, hit.triangle, hit.barycentric);
+      push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction},
+           branch.weight * (1.0f - surface), branch, branch.straight);
+    } else {
+      out_.covered_ |= branch.straight;
+    }
+    if (surface > 0.0f) add_surface(p, branch.weight * surface, branch.straight);
+  }
+
+  void add_surface(const SurfacePoint& p, const glm::vec3& weight, bool straight) {
+    out_.radiance_ += weight * p.emission;
+    if (p.material->values.unlit)
+      out_.radiance_ += weight * p.base_color;
+    else if (out_.surfaces_.size() < kMostBranches)
+      out_.surfaces_.push_back({p, weight, straight});
+  }
+
+  const PathScene& scene_;
+  const EnvironmentLight& environment_;
+  const RayDifferential* differential_;
+  std::uint32_t chance_;
+  CameraRay& out_;
+  std::vector<Branch> branches_;
+};
+
+CameraRay::CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
+                     const RayDifferential* differential, std::uint32_t chance)
+    : scene_(scene), environment_(environment) {
+  Splitter(scene, environment, differential, chance, this).follow(ray);
+}
+
+}  // namespace maquette

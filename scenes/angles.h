@@ -1,0 +1,13 @@
+#pragma once
+
+#include <numbers>
+
+namespace maquette {
+
+inline constexpr double kDegree = std::numbers::pi / 180.0;  ///< rad
+
+/// Radians of an angle in degrees; the division comes last, so that whole parts of a turn are exact.
+constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+constexpr float radians(float degrees) { return degrees * static_cast<float>(kDegree); }
+
+}  // namespace maquette

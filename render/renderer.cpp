@@ -179,7 +179,7 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   const auto once = [](const std::string& name, std::function<void()> run) {
     return Pass{.names = {name}, .run = std::move(run)};
   };
-  std::vector<Pass> passes{once("list_lights", [&] { scene.update_lights(true); }),
+  std::vector<Pass> passes{once("list_lights", [&] { scene.list_lights(); }),
                            once("bake_visibility", [&] { bakes.update_visibility(scene); }),
                            once("bake_indirect", [&] { bakes.update_indirect(scene, request); }),
                            once("build_octree",
@@ -188,11 +188,11 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
                                   bakes.update_cells(scene, request, wanted.cell_brdfs);
                                 }),
                            once("bake_cells", [&] { bakes.update_cells(scene, request, true); })};
-  passes[0].key = [&] { return Key::of(scene.revisions().lights); };
+  passes[0].skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
   frame.run(wanted.preparations, passes, [](int) {});
   const auto lit = [](const ShadingPlan& layer) { return layer.lights; };
   const bool lights = std::any_of(wanted.layers.begin(), wanted.layers.end(), lit);
-  if (!lights) scene.update_lights(false);
+  if (!lights) scene.drop_lights();
   FrameStatus status;
   status.lights_count = !lights || scene.lights();
   const Technique* reflector = registry.find_reflector(request.reflections);
@@ -277,13 +277,13 @@ void Renderer::Impl::carry_out(const FrameRequest& request, const FramePlan& pla
   layers.set_constants(base, start, plan);
   if (!start.repaints && start.accumulated == 0) light_samples.begin_picture(&scene.environment(), request.seed);
   last.constants = layers[0].constants;
-  const FrameContext context{device, programs,       registry, scene, bakes,          light_samples,    frame,
-                             targets.raster, request, plan,     last.constants, start.accumulated};
+  const FrameContext context{device, programs,       registry, scene, bakes,          light_samples,
+                             frame,  targets.raster, request,  plan,  last.constants, start.accumulated};
   std::vector<DrawnLayer> drawn;
   for (std::size_t k = 0; k < layers.size(); ++k)
-    drawn.push_back({{context, plan.layers[k], static_cast<int>(k), layers[k].surfaces, layers[k].radiance,
-                      layers[k].constants},
-                     *layers[k].mode});
+    drawn.push_back(
+        {{context, plan.layers[k], static_cast<int>(k), layers[k].surfaces, layers[k].radiance, layers[k].constants},
+         *layers[k].mode});
   bool averages_points = true;
   for (std::size_t k = 0; k < layers.size(); ++k) {
     layers[k].mode->prepare(start, drawn[k].context);
@@ -296,13 +296,12 @@ void Renderer::Impl::carry_out(const FrameRequest& request, const FramePlan& pla
   const float blend = averages_points ? 1.0f : 1.0f / static_cast<float>(start.accumulated + 1);
   targets.composer.begin(plan, layers[0].radiance, blend);
   std::vector<ComposedLayer> composed;
-  for (std::size_t k = 0; k < layers.size(); ++k) composed.push_back({drawn[k], [this, k, &context] { return layers[k].indirect.bind(context); }});
-  const MirroredScene mirrored{context,
-                               drawn,
-                               parts,
-                               mirrors.reflectors,
-                               targets.composer.depth(layers[0].surfaces),
-                               [this](int layer) { bind_layer(layer); }};
+  for (std::size_t k = 0; k < layers.size(); ++k)
+    composed.push_back({drawn[k], [this, k, &context] { return layers[k].indirect.bind(context); }});
+  const MirroredScene mirrored{
+      context, drawn, parts, mirrors.reflectors, targets.composer.depth(layers[0].surfaces), [this](int layer) {
+        bind_layer(layer);
+      }};
   std::vector<Pass> passes = picture_passes(mirrored, composed);
   for (std::size_t k = 0; k < layers.size(); ++k) {
     for (const std::vector<Pass>& more :
@@ -348,22 +347,21 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
                       mirrors.glossy.run(mirrored, surfaces(), averages_points);
                     }});
   const auto recorded = std::make_shared<bool>(false);
-  passes.push_back({.names = {"compose"}, .run = [this, &mirrored, &composed, &composer, recorded] {
-                      const FrameContext& frame_context = mirrored.frame;
-                      *recorded = mirrors.panes.record(
-                          {frame_context, mirrored.layers, parts, mirrors.reflectors}, composer.behind_panes());
-                      ComposeScene scene_of{frame_context, composed, targets.sky};
-                      if (frame_context.plan.glossy) scene_of.glossy_light = &mirrors.glossy.light();
-                      if (!*recorded) return composer.compose(scene_of);
-                      const Panes& panes = mirrors.panes;
-                      const RecordedPanes in_place{panes.covered_tiles(), panes.bare_tiles(),
-                                                   [&](const Program& program) {
-                                                     panes.bind_recorded(program,
-                                                                         frame_context.request.env_rotation_rad);
-                                                   }};
-                      scene_of.panes = &in_place;
-                      composer.compose(scene_of);
-                    }});
+  passes.push_back(
+      {.names = {"compose"}, .run = [this, &mirrored, &composed, &composer, recorded] {
+         const FrameContext& frame_context = mirrored.frame;
+         *recorded =
+             mirrors.panes.record({frame_context, mirrored.layers, parts, mirrors.reflectors}, composer.behind_panes());
+         ComposeScene scene_of{frame_context, composed, targets.sky};
+         if (frame_context.plan.glossy) scene_of.glossy_light = &mirrors.glossy.light();
+         if (!*recorded) return composer.compose(scene_of);
+         const Panes& panes = mirrors.panes;
+         const RecordedPanes in_place{panes.covered_tiles(), panes.bare_tiles(), [&](const Program& program) {
+                                        panes.bind_recorded(program, frame_context.request.env_rotation_rad);
+                                      }};
+         scene_of.panes = &in_place;
+         composer.compose(scene_of);
+       }});
   if (!plan.reflections.empty())
     passes.push_back(mirrors.reflections.pass(mirrored, *registry.find_reflector(plan.reflections), surfaces,
                                               [&composer]() -> const Texture& { return composer.behind_panes(); }));
@@ -436,8 +434,7 @@ FrameStats Renderer::Impl::draw_whole_picture(const FrameRequest& request, bool 
   }
   ViewInfo view{request.width, request.height, request.msaa, request.reflections};
   view.reflectors = static_cast<int>(mirrors.reflectors.all().size());
-  const FramePlan plan =
-      maquette::plan(scene.facts(), request.mode, request.settings, view, FrameStatus{}, registry);
+  const FramePlan plan = maquette::plan(scene.facts(), request.mode, request.settings, view, FrameStatus{}, registry);
   Pass trace{.names = {plan.passes.front().name}};
   trace.run = [&] { whole.mode->draw({scene, request, accumulate, interactive}); };
   frame.run(plan.passes, {trace}, [](int) {});
@@ -479,7 +476,8 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   for (const Bake* bake : bakes)
     if (bake->busy()) work.push_back({bake->name(), bake->progress()});
   if (!s.shows_whole_picture()) return work;
-  if (const std::optional<double> progress = s.whole.mode->progress()) work.push_back({s.last.plan.passes.front().name, *progress});
+  if (const std::optional<double> progress = s.whole.mode->progress())
+    work.push_back({s.last.plan.passes.front().name, *progress});
   return work;
 }
 
@@ -543,7 +541,8 @@ namespace {
     for (const DebugViewInfo& view : technique.views) {
       if (view.name != name) continue;
       if (technique.kind == TechniqueKind::mode)
-        throw Error("--view", "'" + name + "' exists in mode " + technique.name + " only", "add --mode " + technique.name);
+        throw Error("--view", "'" + name + "' exists in mode " + technique.name + " only",
+                    "add --mode " + technique.name);
       throw Error("--view", "'" + name + "' is no view of mode " + mode, "choose a mode that takes samples");
     }
   std::vector<std::string> names;
@@ -565,17 +564,25 @@ Image Renderer::Impl::read_view(const std::string& name) const {
   }
   if (auto image = mirrors.reflections.view(name, !last.plan.reflections.empty(), glm::vec3(last.constants.eye)))
     return std::move(*image);
-  const FrameContext context{const_cast<DeviceInfo&>(device), const_cast<ProgramCache&>(programs), registry,
-                             const_cast<SceneState&>(scene), const_cast<SceneBakes&>(bakes),
-                             const_cast<LightSamples&>(light_samples), const_cast<Frame&>(frame), targets.raster,
-                             last.request, last.plan, last.constants, last.accumulated};
+  const FrameContext context{const_cast<DeviceInfo&>(device),
+                             const_cast<ProgramCache&>(programs),
+                             registry,
+                             const_cast<SceneState&>(scene),
+                             const_cast<SceneBakes&>(bakes),
+                             const_cast<LightSamples&>(light_samples),
+                             const_cast<Frame&>(frame),
+                             targets.raster,
+                             last.request,
+                             last.plan,
+                             last.constants,
+                             last.accumulated};
   std::vector<LayerView> views;
   for (std::size_t k = 0; k < layers.size(); ++k) {
     const Layer& layer = layers[k];
     auto value = view_of_surfaces(name, layer.surfaces);
     if (!value)
-      value = layer.mode->view(name, {context, last.plan.layers[k], static_cast<int>(k), layer.surfaces,
-                                      layer.radiance, layer.constants});
+      value = layer.mode->view(
+          name, {context, last.plan.layers[k], static_cast<int>(k), layer.surfaces, layer.radiance, layer.constants});
     if (value) views.push_back({layer.surfaces, std::move(*value)});
   }
   if (views.empty()) fail_view(name, mode, registry);
@@ -632,8 +639,8 @@ void Renderer::present(int x, int y, int width, int height, float exposure_ev, c
 // --- shaders ---
 
 std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
-  std::vector<ShaderVariant> all{Raster::variant(false), Raster::variant(true), TextureSlots::variant(),
-                                 {"octree/trace_rays.comp", "", {}}};
+  std::vector<ShaderVariant> all{
+      Raster::variant(false), Raster::variant(true), TextureSlots::variant(), {"octree/trace_rays.comp", "", {}}};
   for (const int side : {1, 2, 4}) all.push_back(present_variant(side));
   const auto add = [&](const std::vector<ShaderVariant>& more) {
     for (const ShaderVariant& variant : more)

@@ -15,6 +15,7 @@ struct CommandLine {
   SceneOptions options;
   bool json = false;
   bool markdown = false;
+  bool vocabulary = false;
   bool version = false;
   bool help = false;
 };

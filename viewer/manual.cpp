@@ -7,6 +7,7 @@
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/vocabulary_page.h"
 
 namespace maquette {
 
@@ -204,6 +205,8 @@ int run_help(const CommandLine& line) {
     std::printf("maquette %s\n", MAQUETTE_VERSION);
   else if (line.markdown)
     std::fputs(manual_markdown().c_str(), stdout);
+  else if (line.vocabulary)
+    std::fputs(vocabulary_markdown().c_str(), stdout);
   else
     std::fputs(manual_text(line.command != "help" ? line.command
                            : line.files.empty()   ? ""

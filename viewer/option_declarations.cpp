@@ -1,8 +1,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "render/technique/registry.h"
 #include "render/renderer.h"
+#include "render/technique/registry.h"
 #include "scenes/environment.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -180,7 +180,8 @@ std::vector<OptionDeclaration> light_and_material_options() {
 PartMode parse_part_mode(const std::string& text) {
   const std::size_t split = text.rfind('=');
   if (split == std::string::npos || split == 0)
-    throw UsageError("--mode-of", "\"" + text + "\" is not NODE=MODE", "for example --mode-of Seat=" + builtin_registry().default_mode);
+    throw UsageError("--mode-of", "\"" + text + "\" is not NODE=MODE",
+                     "for example --mode-of Seat=" + builtin_registry().default_mode);
   const PartMode part{text.substr(0, split), text.substr(split + 1)};
   builtin_registry().find_mode(part.mode, "--mode-of");
   return part;
@@ -243,9 +244,11 @@ std::vector<OptionDeclaration> quality_options() {
 std::vector<OptionDeclaration> technique_options() {
   using O = SceneOptions;
   return {
-      one_picture(plan_option(shared("--mode", "MODE",
-                                     "shading mode: " + join(builtin_registry().names(TechniqueKind::mode)) + " (" + builtin_registry().default_mode + ")",
-                                     [](O* o, const std::string& t) { o->mode = builtin_registry().find_mode(t).name; }))),
+      one_picture(
+          plan_option(shared("--mode", "MODE",
+                             "shading mode: " + join(builtin_registry().names(TechniqueKind::mode)) + " (" +
+                                 builtin_registry().default_mode + ")",
+                             [](O* o, const std::string& t) { o->mode = builtin_registry().find_mode(t).name; }))),
       one_picture(plan_option(shared(
           "--mode-of", "NODE=MODE",
           "shading mode of a node, by name or path (names from a root joined by /), and of what is below it; of nested "
@@ -316,6 +319,11 @@ std::vector<OptionDeclaration> output_options() {
        "prints it as docs/manual.md holds it",
        {"help"},
        [](CommandLine* line, const std::string&) { line->markdown = true; }},
+      {"--vocabulary",
+       "",
+       "prints it as docs/manual.md holds it",
+       {"help"},
+       [](CommandLine* line, const std::string&) { line->vocabulary = true; }},
   };
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "render/frame/vocabulary.h"
 #include "viewer/json_values.h"
 
 namespace maquette {
@@ -75,9 +76,9 @@ std::string stats_json(const SceneOptions& options, const FrameRequest& request,
   json["accumulation"] = {{"frames", last.accumulated_frames}, {"seconds", number(report.total_s)}};
   if (report.estimated_error) json["accumulation"]["estimated_relative_rmse"] = number(*report.estimated_error);
   json["memory"] = {{"gpu_bytes", Json(last.gpu_bytes)}, {"peak_rss_bytes", peak_rss_bytes()}};
-  json["bandwidth"] = {{"visible_pixels", last.visible_pixels},
-                       {"shaded_pixels", last.shaded_pixels},
-                       {"shading_samples", last.shading_samples}};
+  json[words::kBandwidth] = {{"visible_pixels", last.visible_pixels},
+                             {"shaded_pixels", last.shaded_pixels},
+                             {"shading_samples", last.shading_samples}};
   json["technique"] = Json::object();
   for (const auto& [name, value] : last.technique) json["technique"][name] = number(value);
   json["plan"] = plan_json(last.plan);

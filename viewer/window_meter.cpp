@@ -244,7 +244,7 @@ void WindowMeter::draw_overlay(const WindowSession& session, const Rect& picture
     list->AddRectFilled({at - 4.0f, y - 2.0f}, {at + size.x + 4.0f, y + size.y + 2.0f}, IM_COL32(0, 0, 0, 150), 3.0f);
     list->AddText({at, y}, IM_COL32(255, 255, 255, 230), text.c_str());
   };
-  label(x + 10.0f, "reference");
+  label(x + 10.0f, "all paths");
   label(x - 10.0f - ImGui::CalcTextSize(session.state.mode.c_str()).x, session.state.mode);
 }
 

@@ -23,8 +23,10 @@ void add_bandwidth_passes(const PlanInput& in, ShadingPlan* shading, FramePlan* 
   add({"pyramid", "coarse levels of bandwidth, variance, depth and normals", {"prediction"}, {"prediction"}});
   if (status.accumulated > 0)
     add({"measure", "nothing moved: the frames so far say where samples are worth most", {"prediction"}, {"rates"}});
-  add({"mark", levels ? "the points that the prediction asks for" : "every pixel: bandwidth.max_level is 0",
-       {"prediction"}, {"work"}});
+  add({"mark",
+       levels ? "the points that the prediction asks for" : "every pixel: bandwidth.max_level is 0",
+       {"prediction"},
+       {"work"}});
   add({"shade",
        status.light_rotated
            ? std::string("only the light rotated: points are reused, corrected by what the rotation changed; ") +
@@ -81,6 +83,20 @@ Technique bandwidth_technique() {
   info.shader_variants = bandwidth_shader_variants;
   info.views = bandwidth_views();
   info.add_passes = add_bandwidth_passes;
+  info.words = {
+      {Word::Kind::pass, "curvature", "curvature and footprint of surfaces along the screen, for the prediction"},
+      {Word::Kind::pass, "repainted", "lists the tiles that show a material whose measured table was swapped"},
+      {Word::Kind::pass, "bandwidth", "predicts local bandwidth and variance at every visible pixel"},
+      {Word::Kind::pass, "pyramid", "coarse levels of bandwidth, variance, depth and normals"},
+      {Word::Kind::pass, "measure",
+       "while nothing moves: how much each shaded point varies from sample to sample, and how far interpolation is "
+       "from what points measure themselves"},
+      {Word::Kind::pass, "upsample",
+       "fills the pixels between, bilateral over depth, normal and material, along the footprint where it is "
+       "stretched"},
+      {Word::Kind::counter, "continued_points",
+       "shaded points that reused their history, where only the light rotated"},
+  };
   return info;
 }
 

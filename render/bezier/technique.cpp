@@ -44,12 +44,24 @@ Technique bezier_technique() {
   info.shader_variants = bezier_shader_variants;
   info.add_passes = [](const PlanInput& in, ShadingPlan*, FramePlan* plan) {
     const bool points = in.settings.get_string("bezier.draw") == "points";
-    plan->passes.push_back(
-        {"projection", points ? "vertices that may be seen in a patch, drawn as points"
-                              : "the scene's triangles that may be seen in a patch, projected into it",
-         {"rays"}, {"hits"}});
+    plan->passes.push_back({"projection",
+                            points ? "vertices that may be seen in a patch, drawn as points"
+                                   : "the scene's triangles that may be seen in a patch, projected into it",
+                            {"rays"},
+                            {"hits"}});
     add_resolve_pass(plan);
     if (points) plan->left_out.push_back({"resolve", "points are drawn: nothing lies between vertices"});
+  };
+  info.words = {
+      {Word::Kind::counter, "newton_steps", "of the search for the mirrored points"},
+      {Word::Kind::counter, "lost_vertices", "whose search failed"},
+      {Word::Kind::counter, "uncertain_vertices", "perhaps seen more than once"},
+      {Word::Kind::counter, "dropped_triangles", "that were not drawn"},
+      {Word::Kind::counter, "uncertain_pixels",
+       "hatched: shown beyond a caustic, or where a mesh's ray is far from its patch's"},
+      {Word::Kind::counter, "halved_pieces", "of reflected triangles"},
+      {Word::Kind::counter, "fitted_patches", "of curved meshes"},
+      {Word::Kind::counter, "fit_error_mm", "of curved meshes: the largest distance of a vertex"},
   };
   return info;
 }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "render/bezier/patch_fit.h"
+#include "render/frame/vocabulary.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 
@@ -104,13 +105,12 @@ void decide_reflections(const Planning& p, bool traces_picture) {
   const int reflectors = view.reflectors >= 0 ? view.reflectors : p.in.facts.reflector_count;
   const int seen = view.reflectors_in_view >= 0 ? view.reflectors_in_view : reflectors;
   if (!p.in.status.fitting.empty() && p.reflector && !traces_picture)
-    p.leave_out("patch_fit", "patches are being fitted to " + p.in.status.fitting + ": " +
-                                 percent_done(p.in.status.fit_progress),
+    p.leave_out("patch_fit",
+                "patches are being fitted to " + p.in.status.fitting + ": " + percent_done(p.in.status.fit_progress),
                 kStatus);
   if (!p.reflector) return p.leave_out("reflections", "--reflections off", "--reflections");
   if (traces_picture)
-    return p.leave_out("reflections", "mode " + p.plan->layers[0].mode + " follows the mirrored paths itself",
-                       kMode);
+    return p.leave_out("reflections", "mode " + p.plan->layers[0].mode + " follows the mirrored paths itself", kMode);
   if (p.in.status.all_fitting) return p.leave_out("reflections", "their patches are not fitted yet", kStatus);
   if (reflectors == 0)
     return p.leave_out("reflections",
@@ -129,8 +129,8 @@ void decide_glossy(const Planning& p, const Technique& mode) {
   const double roughness = settings.get_double("octree.glossy");
   const int in_view = p.in.view.glossy_in_view;
   const ShadingPlan& shading = p.plan->layers.front();
-  const bool any = in_view >= 0 ? in_view > 0
-                                : roughness > 0.0 && static_cast<double>(p.in.facts.least_roughness) <= roughness;
+  const bool any =
+      in_view >= 0 ? in_view > 0 : roughness > 0.0 && static_cast<double>(p.in.facts.least_roughness) <= roughness;
   const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("glossy", why, by); };
   if (mode.can.traces_picture) return leave_out("mode " + mode.name + " follows the mirrored paths itself", kMode);
   if (!p.reflector || !p.reflector->can.mirrors_glossy)
@@ -157,17 +157,17 @@ void decide_octree(const Planning& p) {
   const bool reflected = !p.plan->reflections.empty() && p.reflector->can.needs_octree;
   p.plan->octree = traced || reflected || p.plan->glossy;
   if (traced)
-    p.feature("octree", "shading.visibility is traced");
+    p.feature(words::kOctree, "shading.visibility is traced");
   else if (reflected)
-    p.feature("octree", "the reflectors' rays go through it");
+    p.feature(words::kOctree, "the reflectors' rays go through it");
   else if (p.plan->glossy)
-    p.feature("octree", "the mirrored rays of glossy surfaces go through it");
+    p.feature(words::kOctree, "the mirrored rays of glossy surfaces go through it");
   else if (!p.in.status.octree.ready)
-    p.leave_out("octree", not_ready("it is", p.in.status.octree), kStatus);
+    p.leave_out(words::kOctree, not_ready("it is", p.in.status.octree), kStatus);
   else if (p.in.status.keeps_octree)
-    p.leave_out("octree", "nothing in view goes through it; kept for some frames more", kView);
+    p.leave_out(words::kOctree, "nothing in view goes through it; kept for some frames more", kView);
   else
-    p.leave_out("octree", "neither shading.visibility=traced nor a reflector technique asks for one",
+    p.leave_out(words::kOctree, "neither shading.visibility=traced nor a reflector technique asks for one",
                 "--reflections");
   if ((!reflected && !p.plan->glossy) || p.in.settings.get_string("octree.brdf") == "none") return;
   if (!p.in.status.cell_brdfs.ready)
@@ -198,7 +198,9 @@ void note_fits(const Planning& p) {
 // --- passes ---
 
 void add_surface_passes(const Planning& p) {
-  p.add({"raster", std::to_string(p.in.facts.triangle_count) + " triangles: only their numbers and depth", {},
+  p.add({"raster",
+         std::to_string(p.in.facts.triangle_count) + " triangles: only their numbers and depth",
+         {},
          {"triangles"}});
   const bool parts = p.plan->layers.size() > 1;
   for (std::size_t k = 0; k < p.plan->layers.size(); ++k) {
@@ -216,20 +218,24 @@ void add_reflection_passes(const Planning& p) {
   if (p.plan->reflections.empty()) return;
   p.add({"panes", "the reflectors in view and the mirrored ray of each of their pixels", {"surfaces"}, {"rays"}});
   if (p.in.status.follows_all_rays.empty())
-    p.add({"skip", "mirrored rays that bring less than reflections.skip of what is seen through the pane",
-           {"rays", "radiance"}, {"rays"}});
+    p.add({"skip",
+           "mirrored rays that bring less than reflections.skip of what is seen through the pane",
+           {"rays", "radiance"},
+           {"rays"}});
   else
     p.leave_out("skip", p.in.status.follows_all_rays, "reflections.skip");
   p.reflector->add_passes(p.in, nullptr, p.plan);
-  p.add({"reflected shade", "what the mirrored rays hit, by the mode of the part that is hit", {"hits"},
+  p.add({"reflected shade",
+         "what the mirrored rays hit, by the mode of the part that is hit",
+         {"hits"},
          {"reflections"}});
 }
 
 void add_picture_passes(const Planning& p, bool averages_points) {
   const bool several = p.in.view.msaa > 1, parts = p.plan->layers.size() > 1;
   const bool first = p.in.status.accumulated == 0;
-  p.add({"compose", "emission, indirect light and the sky where nothing is hit", {"surfaces", "radiance"},
-         {"picture"}});
+  p.add(
+      {"compose", "emission, indirect light and the sky where nothing is hit", {"surfaces", "radiance"}, {"picture"}});
   add_reflection_passes(p);
   if (p.plan->glass)
     p.add({"glass", "panes and blended surfaces, back to front", {"triangles", "picture", "reflections"}, {"picture"}});
@@ -267,8 +273,8 @@ void check_request(const SceneFacts& facts, const Settings& settings, const View
   if (view.msaa != 1 && view.msaa != 4 && view.msaa != 16)
     throw UsageError("--msaa", std::to_string(view.msaa) + " samples a pixel are not offered", "use 1, 4 or 16");
   for (const Technique& technique : registry.techniques) {
-    const bool asked = technique.kind == TechniqueKind::shared ||
-                       std::find(used.begin(), used.end(), &technique) != used.end();
+    const bool asked =
+        technique.kind == TechniqueKind::shared || std::find(used.begin(), used.end(), &technique) != used.end();
     if (!asked || !technique.check) continue;
     if (const std::optional<std::string> why = technique.check(facts, settings)) throw Error("", *why);
   }
@@ -348,15 +354,18 @@ void plan_layers(const Planning& p, const Registry& registry) {
     const std::size_t first = p.plan->passes.size();
     mode.add_passes(p.in, &layers[k], p.plan);
     if (layers[k].indirect == "baked")
-      p.add({"indirect", "what sees no sky is lit by other surfaces: baked per vertex, all bounces", {"surfaces"},
+      p.add({"indirect",
+             "what sees no sky is lit by other surfaces: baked per vertex, all bounces",
+             {"surfaces"},
              {"indirect light"}});
     for (std::size_t i = first; i < p.plan->passes.size(); ++i) p.plan->passes[i].layer = static_cast<int>(k);
   }
   if (p.plan->glossy) {
     const int in_view = p.in.view.glossy_in_view;
-    p.add({"glossy", (in_view >= 0 ? std::to_string(in_view) + " glossy" : std::string("glossy")) +
-                         " opaque surfaces may be seen: what they mirror of others is traced, " +
-                         p.in.settings.get_string("reflections.resolution") + " resolution",
+    p.add({"glossy",
+           (in_view >= 0 ? std::to_string(in_view) + " glossy" : std::string("glossy")) +
+               " opaque surfaces may be seen: what they mirror of others is traced, " +
+               p.in.settings.get_string("reflections.resolution") + " resolution",
            {"surfaces"},
            {"glossy light"}});
   }
@@ -390,9 +399,7 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
 /// What is brought up to date for a frame that has all it wants.
 std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registry& registry) {
   std::vector<PlannedPass> steps;
-  const auto any_layer = [&](const auto& has) {
-    return std::any_of(wanted.layers.begin(), wanted.layers.end(), has);
-  };
+  const auto any_layer = [&](const auto& has) { return std::any_of(wanted.layers.begin(), wanted.layers.end(), has); };
   if (registry.find_mode(wanted.layers[0].mode).can.traces_picture) return steps;
   if (any_layer([](const ShadingPlan& l) { return l.lights; }))
     steps.push_back({"list_lights", "lights and emissive surfaces are chosen from lists", {}, {"light lists"}});
@@ -400,8 +407,9 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
   if (any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; }))
     steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
-  if (wanted.octree) steps.push_back({"build_octree", "rays go through it", {}, {"octree"}});
-  if (wanted.cell_brdfs) steps.push_back({"bake_cells", "BRDFs of the octree's cells", {"octree"}, {"cell_brdfs"}});
+  if (wanted.octree) steps.push_back({"build_octree", "rays go through it", {}, {words::kOctree}});
+  if (wanted.cell_brdfs)
+    steps.push_back({"bake_cells", "BRDFs of the octree's cells", {words::kOctree}, {"cell_brdfs"}});
   return steps;
 }
 

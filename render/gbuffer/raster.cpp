@@ -19,7 +19,7 @@ void Raster::fit(const GridSize& size) {
                     std::to_string(max_size) + ")",
                 "ask for a smaller picture or fewer samples a pixel");
   size_ = size;
-  triangle_ = Texture::make_2d("triangle", GL_R32UI, w, h);
+  triangle_ = Texture::make_2d("triangle numbers", GL_R32UI, w, h);
   depth_buffer_ = Texture::make_2d("depth buffer", GL_DEPTH_COMPONENT32F, w, h);
   GLuint framebuffer = 0;
   glCreateFramebuffers(1, &framebuffer);
@@ -49,8 +49,8 @@ void Raster::begin() const {
   glCullFace(GL_BACK);
 }
 
-void Raster::draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program,
-                       std::size_t i, bool masked) const {
+void Raster::draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program, std::size_t i,
+                       bool masked) const {
   const SceneBuffers& buffers = scene.buffers();
   const DrawItem& item = scene.geometry().items[i];
   const Material& m = scene.material_of_item(i);

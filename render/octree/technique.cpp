@@ -68,6 +68,13 @@ Technique octree_technique() {
     plan->passes.push_back(
         {"rays", "the mirrored ray of every pixel of a reflector, through the octree", {"rays"}, {"hits"}});
   };
+  info.words = {
+      {Word::Kind::counter, "octree_steps", "cells that the mirrored rays looked at"},
+      {Word::Kind::counter, "cell_layers", "cells that were shaded by BRDFs of their own"},
+      {Word::Kind::counter, "octree_fine_cells", "leaves of the finest level, also where visibility is traced"},
+      {Word::Kind::counter, "octree_coarse_cells", "leaves of coarser levels"},
+      {Word::Kind::counter, "glossy_rays", "of opaque surfaces"},
+  };
   return info;
 }
 

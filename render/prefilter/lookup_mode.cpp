@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/frame/vocabulary.h"
 #include "render/gl/bindings.h"
 
 namespace maquette {
@@ -27,14 +28,12 @@ class LookupMode : public ShadingMode {
                            static_cast<int>(start.request.seed)};
   }
   std::vector<Pass> passes(const LayerContext& layer) override {
-    return {{.names = {"prefilter"},
-             .layer = layer.index,
-             .key =
-                 [&layer] {
-                   return Key::of(layer.frame.scene.revisions().sky, layer.frame.scene.materials().count());
-                 },
-             .run = [this, &layer] { prefilter(layer); }},
-            {.names = {"shade"}, .layer = layer.index, .run = [this, &layer] { shade(layer); }}};
+    return {
+        {.names = {"prefilter"},
+         .layer = layer.index,
+         .key = [&layer] { return Key::of(layer.frame.scene.revisions().sky, layer.frame.scene.materials().count()); },
+         .run = [this, &layer] { prefilter(layer); }},
+        {.names = {"shade"}, .layer = layer.index, .run = [this, &layer] { shade(layer); }}};
   }
   void shade_hits(const HitShading& hits) override {
     const ReflectionTargets& t = hits.targets;
@@ -104,9 +103,10 @@ Technique lookup_technique(const std::string& name, const std::string& help, con
   technique.add_passes = [filtered](const PlanInput&, ShadingPlan* shading, FramePlan* plan) {
     plan->passes.push_back({"prefilter", "the environment filtered for each " + filtered + ", once", {}, {"maps"}});
     plan->passes.push_back({"shade", "every visible pixel, by lookups", {"surfaces", "maps"}, {"radiance"}});
-    plan->left_out.push_back({"bandwidth", "mode " + shading->mode + " predicts nothing"});
+    plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
     plan->left_out.push_back({"sampling", "lookups take no samples: --samples has no effect"});
   };
+  technique.words = {{Word::Kind::pass, "prefilter", "the environment filtered for the lobes that are looked up"}};
   return technique;
 }
 

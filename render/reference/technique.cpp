@@ -55,6 +55,11 @@ Technique reference_technique() {
     else
       plan->left_out.push_back({"indirect", "reference.transport is direct"});
   };
+  info.words = {
+      {Word::Kind::pass, "trace", "rays on the processor, from what is seen to what lights it"},
+      {Word::Kind::counter, "paths", "in the picture so far"},
+      {Word::Kind::counter, "rays", "in the picture so far; of reflector techniques: mirrored rays that were followed"},
+  };
   return info;
 }
 

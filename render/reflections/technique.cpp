@@ -49,13 +49,19 @@ Technique reflections_technique() {
   };
   info.views = Reflections::views();
   info.shader_variants = Reflections::shader_variants;
+  info.words = {
+      {Word::Kind::counter, "rays_skipped", "mirrored rays that were not followed"},
+      {Word::Kind::counter, "rays_skipped_share", "of all"},
+  };
   info.has_effect = [](const Technique&, const Technique* reflector, const Settings&) { return reflector != nullptr; };
   return info;
 }
 
 void add_resolve_pass(FramePlan* plan) {
-  plan->passes.push_back({"reflected gbuffer", "normal, texture coordinates and material of what the mirrored rays hit",
-                          {"hits"}, {"hits"}});
+  plan->passes.push_back({"reflected gbuffer",
+                          "normal, texture coordinates and material of what the mirrored rays hit",
+                          {"hits"},
+                          {"hits"}});
 }
 
 std::vector<QualityStep> resolution_steps() {

@@ -126,13 +126,13 @@ void SceneState::update(int variant) {
   facts_variant_ = variant;
 }
 
-void SceneState::update_lights(bool wanted) {
-  if (!wanted) {
-    lights_.reset();
-    lights_listed_.reset();
-    return;
-  }
-  if (lights_listed_ == revisions_.lights) return;
+void SceneState::drop_lights() {
+  lights_.reset();
+  lights_listed_.reset();
+}
+
+void SceneState::list_lights() {
+  if (lights_are_listed()) return;
   lights_.reset();
   lights_listed_ = revisions_.lights;
   const LightList list = build_light_list(edited_scene(), geometry(), buffers_variant_);

@@ -29,8 +29,10 @@ class SceneState {
 
   /// Brings variant and facts up to date.
   void update(int variant);
-  /// Lists the lights anew if they have changed since, or drops the list.
-  void update_lights(bool wanted);
+  /// Lists the lights anew if they have changed since.
+  void list_lights();
+  bool lights_are_listed() const { return lights_listed_ == revisions_.lights; }
+  void drop_lights();
 
   /// Throws Error when there is no scene.
   void require_scene() const;

@@ -11,6 +11,7 @@
 #include "render/frame/plan.h"
 #include "render/settings.h"
 #include "render/technique/debug_view.h"
+#include "render/technique/word.h"
 
 namespace maquette {
 
@@ -28,14 +29,14 @@ enum class TechniqueKind {
 /// What a technique can do. Core, panels and commands ask these, never names.
 struct Capabilities {
   // Of modes:
-  bool samples = false;           ///< `--samples` counts; noise falls with it
-  bool shadows = false;           ///< knows `shading.visibility`
-  bool indirect = false;          ///< knows `shading.indirect`
-  bool lights = false;            ///< the scene's own lights shine
-  bool averages_points = false;   ///< its points hold the mean over frames; the others' pictures are averaged
-  bool traces_picture = false;    ///< draws whole pictures by rays of its own: no part of a frame
-  bool sweeps_visibility = false; ///< the report compares its kinds of shadows
-  bool judges_reflections = false; ///< noiseless: the report compares reflector techniques in it
+  bool samples = false;             ///< `--samples` counts; noise falls with it
+  bool shadows = false;             ///< knows `shading.visibility`
+  bool indirect = false;            ///< knows `shading.indirect`
+  bool lights = false;              ///< the scene's own lights shine
+  bool averages_points = false;     ///< its points hold the mean over frames; the others' pictures are averaged
+  bool traces_picture = false;      ///< draws whole pictures by rays of its own: no part of a frame
+  bool sweeps_visibility = false;   ///< the report compares its kinds of shadows
+  bool judges_reflections = false;  ///< noiseless: the report compares reflector techniques in it
   // Of reflectors:
   bool needs_octree = false;      ///< rays go through it
   bool mirrors_glossy = false;    ///< glossy opaque surfaces mirror too
@@ -90,6 +91,8 @@ struct Technique {
   std::function<std::vector<ShaderVariant>()> shader_variants = {};
   /// Debug views (`--view`) that it adds.
   std::vector<DebugViewInfo> views = {};
+  /// Words that it adds to plans and stats.
+  std::vector<Word> words = {};
   /// What `maquette bake` can make for it.
   std::vector<BakeCommand> bakes = {};
 };

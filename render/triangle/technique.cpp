@@ -24,10 +24,19 @@ Technique triangle_technique() {
   info.shader_variants = triangle_shader_variants;
   info.quality_steps = resolution_steps();
   info.add_passes = [](const PlanInput&, ShadingPlan*, FramePlan* plan) {
-    plan->passes.push_back(
-        {"projection", "the scene's triangles that may be seen in a triangle of a reflector, projected into it", {"rays"},
-         {"hits"}});
+    plan->passes.push_back({"projection",
+                            "the scene's triangles that may be seen in a triangle of a reflector, projected into it",
+                            {"rays"},
+                            {"hits"}});
     add_resolve_pass(plan);
+  };
+  info.words = {
+      {Word::Kind::counter, "mirror_triangles", "of the reflectors"},
+      {Word::Kind::counter, "mirrored_clusters", "pairs of a mirror triangle and a cluster of scene triangles"},
+      {Word::Kind::counter, "cubic_roots", "that were searched"},
+      {Word::Kind::counter, "unplaced_triangles", "kept by the mirrored frustum alone"},
+      {Word::Kind::counter, "projected_vertices", "of the scene, in mirrors"},
+      {Word::Kind::counter, "reflected_triangles", "that were drawn there"},
   };
   return info;
 }

@@ -63,7 +63,7 @@ TEST_P(Indirect, RoomIsAsBrightAsThePathTracerSays) {
     request.settings.set_from_text("shading.indirect", indirect);
     EXPECT_TRUE(renderer.finish_background_work(request));
     const FrameStats stats = renderer.render(request);
-    EXPECT_EQ(stats.plan.indirect, indirect);
+    EXPECT_EQ(stats.plan.shading().indirect, indirect);
     if (std::string(indirect) == "baked") {
       EXPECT_EQ(stats.gpu_bytes.at("indirect"), 5u * 17u * 17u * 16u);
     }

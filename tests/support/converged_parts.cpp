@@ -21,7 +21,7 @@ constexpr int kMaxPoints = 1600;
 /// Most pieces along a side of a cell that contains the mirror direction.
 constexpr int kMaxPointsASide = 24;
 
-double mean_luminance(const Environment& e) {
+double mean_sky_luminance(const Environment& e) {
   double sum = 0.0, weights = 0.0;
   for (int y = 0; y < e.height; ++y) {
     const double weight = std::sin(kPi * (y + 0.5) / e.height);
@@ -34,7 +34,7 @@ double mean_luminance(const Environment& e) {
 }
 
 std::vector<std::size_t> bright_texels(const Environment& e) {
-  const double threshold = kBrightOverMean * mean_luminance(e);
+  const double threshold = kBrightOverMean * mean_sky_luminance(e);
   std::vector<std::size_t> bright;
   for (std::size_t i = 0; i < e.rgb.size(); ++i)
     if (luminance(glm::dvec3(e.rgb[i])) > threshold) bright.push_back(i);

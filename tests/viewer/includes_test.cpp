@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "render/technique/registry.h"
 #include "test_paths.h"
 
 namespace {
@@ -69,13 +70,59 @@ TEST(Includes, ScenesKnowNoOpenGl) {
   }
 }
 
-TEST(Files, AreNotOver700Lines) {
-  for (const std::string folder : {"scenes", "render", "ui", "viewer", "shaders", "tests"}) {
+/// Passes of a frame know only their own resources and what they are handed.
+TEST(Includes, NoPassKnowsAnotherNorTheRenderer) {
+  const std::vector<std::string> passes = {"render/gbuffer/raster",
+                                           "render/bandwidth/prediction",
+                                           "render/bandwidth/upsampling",
+                                           "render/bandwidth/accumulation",
+                                           "render/bandwidth/temporal_reuse",
+                                           "render/bandwidth/swapped_tables",
+                                           "render/indirect/indirect_pass",
+                                           "render/picture/composer",
+                                           "render/picture/presenter",
+                                           "render/glass/panes",
+                                           "render/glossy/glossy",
+                                           "render/reflections/reflections"};
+  for (const std::string& pass : passes)
+    for (const char* extension : {".h", ".cpp"}) {
+      std::ifstream stream(fs::path(MAQUETTE_SOURCE_DIR) / (pass + extension));
+      ASSERT_TRUE(stream) << pass << extension;
+      for (std::string line; std::getline(stream, line);) {
+        if (line.rfind("#include", 0) != 0) continue;
+        EXPECT_EQ(line.find("render/renderer"), std::string::npos) << pass << extension << ": " << line;
+        for (const std::string& other : passes)
+          EXPECT_TRUE(other == pass || line.find("\"" + other + ".h\"") == std::string::npos)
+              << pass << extension << ": " << line;
+      }
+    }
+}
+
+/// Core, panels and commands ask techniques for what they can do: their names stand in their own folders and in the
+/// registry only.
+TEST(Names, OfTechniquesStandInTheirFoldersOnly) {
+  const maquette::Registry& registry = maquette::builtin_registry();
+  std::vector<std::string> names;
+  for (const maquette::Technique& technique : registry.techniques)
+    if (technique.kind != maquette::TechniqueKind::shared) names.push_back(technique.name);
+  ASSERT_GE(names.size(), 9u);
+  for (const std::string folder : {"render", "ui", "viewer"}) {
     for (const fs::path& file : source_files(folder)) {
+      const std::string path = fs::relative(file, MAQUETTE_SOURCE_DIR).string();
+      if (path == "render/technique/registry.cpp") continue;
       std::ifstream stream(file);
-      int lines = 0;
-      for (std::string line; std::getline(stream, line);) ++lines;
-      EXPECT_LE(lines, 700) << file;
+      int number = 0;
+      for (std::string line; std::getline(stream, line);) {
+        ++number;
+        for (const std::string& name : names) {
+          if (line.find("\"" + name + "\"") == std::string::npos || path.rfind("render/" + name + "/", 0) == 0)
+            continue;
+          // A key of --stats, which is a contract, is no technique.
+          const bool is_key = line.find("json[\"" + name + "\"]") != std::string::npos ||
+                              line.find("bytes)[\"" + name + "\"]") != std::string::npos;
+          EXPECT_TRUE(is_key) << path << ":" << number << ": " << line;
+        }
+      }
     }
   }
 }

@@ -88,6 +88,12 @@ TEST(Program, ManualInDocsIsCurrent) {
       << "make it again: maquette help --markdown > docs/manual.md";
 }
 
+TEST(Program, VocabularyInDocsIsCurrent) {
+  const ProgramResult result = run_maquette({"help", "--vocabulary"});
+  EXPECT_EQ(result.out, read_text(MAQUETTE_SOURCE_DIR "/docs/vocabulary.md"))
+      << "make it again: maquette help --vocabulary > docs/vocabulary.md";
+}
+
 TEST(Program, NamesThatTheSceneLacksExitWithTwoAndLeaveNothing) {
   const TemporaryFolder folder;
   expect_failure(small_render(folder, "a.png", {"--camera", "drivr"}), 2, "no such camera");

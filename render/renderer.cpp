@@ -5,19 +5,9 @@
 #include <utility>
 
 #include "render/bezier/patch_fit.h"
-#include "render/frame/constants.h"
-#include "render/glass/panes.h"
-#include "render/glossy/glossy.h"
-#include "render/layers/layer_set.h"
-#include "render/picture/composer.h"
 #include "render/picture/presenter.h"
-#include "render/reflections/reflections.h"
-#include "render/shading/picture_mode.h"
-#include "render/tonemap.h"
-#include "render/views/debug_views.h"
-#include "render/views/read_texture.h"
+#include "render/renderer_impl.h"
 #include "scenes/error.h"
-#include "scenes/suggest.h"
 
 namespace maquette {
 
@@ -33,82 +23,7 @@ GridSize grid_of(const FrameRequest& request) {
   return {request.width, request.height, request.msaa == 16 ? 4 : request.msaa == 4 ? 2 : 1};
 }
 
-/// What panes and mirrors show, and what draws it.
-struct Mirrors {
-  ReflectorSet reflectors;
-  Reflections reflections;
-  Glossy glossy;
-  Panes panes;
-};
-
-/// Images of the frame that no layer owns.
-struct Targets {
-  Raster raster;
-  SkyTiles sky;
-  Composer composer;
-  TextureSlots slots;
-};
-
-/// The picture of a mode that draws whole pictures.
-struct WholePicture {
-  std::string mode_name;
-  std::unique_ptr<PictureMode> mode;
-  Texture texture;  ///< of the picture, made when it is shown
-  bool texture_stale = true;
-};
-
-/// The frame before, or the one at hand.
-struct LastFrame {
-  FrameRequest request;
-  FramePlan plan;
-  std::optional<Key> scene;  ///< all of scene, materials, environment and bakes
-  FrameConstants constants{};
-  int accumulated = 0;  ///< frames in its picture
-  bool is_whole_picture = false;
-};
-
 }  // namespace
-
-struct Renderer::Impl {
-  explicit Impl(const Registry& techniques) : registry(techniques) {}
-
-  const Registry& registry;
-  DeviceInfo device = query_device();
-  ProgramCache programs;
-  SceneState scene;
-  SceneBakes bakes;
-  LightSamples light_samples;
-  Parts parts;
-  LayerSet layers;
-  Targets targets;
-  Mirrors mirrors;
-  WholePicture whole;
-  Frame frame;
-  LastFrame last;
-  bool interactive = false;
-
-  FrameRequest with_defaults(FrameRequest request) const {
-    if (request.mode.empty()) request.mode = registry.default_mode;
-    return request;
-  }
-  bool shows_whole_picture() const { return last.is_whole_picture && whole.mode && whole.mode->picture().width > 0; }
-  glm::mat4 clip_of(const FrameRequest& request) const {
-    return clip_from_world(make_camera_frame(request.camera, request.width, request.height, scene.bounds()));
-  }
-  /// Facts, reflectors and parts of what is asked.
-  ViewInfo look_at(const FrameRequest& request);
-  /// Brings up to date what `wanted` needs; says in the status what of it is there.
-  FrameStatus prepare(const FrameRequest& request, const FramePlan& wanted);
-  /// How this frame goes on from the one before.
-  FrameStart start(const FrameRequest& request, bool accumulate, bool layers_made, FrameStatus* status);
-  void bind_layer(int layer);
-  void carry_out(const FrameRequest& request, const FramePlan& plan, const FrameStart& start);
-  std::vector<Pass> picture_passes(const MirroredScene& scene, const std::vector<ComposedLayer>& composed);
-  FrameStats stats_of(const FramePlan& plan, const FrameStatus& status);
-  FrameStats draw_whole_picture(const FrameRequest& request, bool accumulate);
-  const Texture& picture();
-  Image read_view(const std::string& name) const;
-};
 
 Renderer::Renderer(const Registry& registry) : impl_(std::make_unique<Impl>(registry)) {}
 Renderer::~Renderer() = default;
@@ -188,6 +103,9 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
                                   bakes.update_cells(scene, request, wanted.cell_brdfs);
                                 }),
                            once("bake_cells", [&] { bakes.update_cells(scene, request, true); })};
+  for (const ShadingPlan& layer : wanted.layers)
+    if (!layer.own_bake.empty())
+      passes.push_back(once("bake_" + layer.own_bake, [&] { bakes.update_own(layer, scene, request); }));
   passes[0].skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
   frame.run(wanted.preparations, passes, [](int) {});
   const auto lit = [](const ShadingPlan& layer) { return layer.lights; };
@@ -269,6 +187,7 @@ FrameStats Renderer::render(const FrameRequest& asked, bool accumulate) {
     stats = s.stats_of(plan, status);
   }
   stats.frame_ms = milliseconds_since(begin);
+  if (frame_observer) frame_observer(stats);
   return stats;
 }
 
@@ -331,11 +250,10 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
   raster.skip = [&context] {
     return context.accumulated > 0 ? std::string("nothing moved: known from the first frame") : "";
   };
-  if (request.settings.get_bool("shading.reuse"))
-    raster.key = [this, &request] {
-      return Key::of(request.camera, request.width, request.height, scene.revisions().surfaces,
-                     mirrors.reflectors.key());
-    };
+  raster.always = !request.settings.get_bool("shading.reuse");
+  raster.key = [this, &request] {
+    return Key::of(request.camera, request.width, request.height, scene.revisions().surfaces, mirrors.reflectors.key());
+  };
   raster.run = [this, &context] {
     targets.raster.draw(scene, context.constants, &programs,
                         [this](std::size_t item) { return mirrors.reflectors.is_mirror(item); });
@@ -472,168 +390,13 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   const Impl& s = *impl_;
   std::vector<BackgroundWork> work;
   std::vector<const Bake*> bakes = s.bakes.list();
-  bakes.insert(bakes.begin() + 2, &s.mirrors.reflectors.patch_fits());
+  bakes.insert(bakes.begin() + 2, &s.mirrors.reflectors.patch_fits());  // before the octree, which takes longer
   for (const Bake* bake : bakes)
     if (bake->busy()) work.push_back({bake->name(), bake->progress()});
   if (!s.shows_whole_picture()) return work;
   if (const std::optional<double> progress = s.whole.mode->progress())
     work.push_back({s.last.plan.passes.front().name, *progress});
   return work;
-}
-
-// --- what a frame shows ---
-
-Image Renderer::read_radiance() const {
-  if (impl_->shows_whole_picture()) return impl_->whole.mode->picture();
-  const Texture& picture = impl_->targets.composer.picture();
-  Image image(picture.width(), picture.height(), 4);
-  image.data = read_texture<float>(picture, GL_RGBA, GL_FLOAT, 4);
-  return image;
-}
-
-Image Renderer::read_display(float exposure_ev, const std::string& tonemap) const {
-  const Composer& composer = impl_->targets.composer;
-  if (impl_->shows_whole_picture() || !composer.points()) return tone_map(read_radiance(), exposure_ev, tonemap);
-  Image points(composer.size().grid_width(), composer.size().grid_height(), 4);
-  points.data = read_texture<float>(*composer.points(), GL_RGBA, GL_FLOAT, 4);
-  return tone_map(points, exposure_ev, tonemap, composer.size().side);
-}
-
-std::optional<Image> Renderer::read_variance() const {
-  if (!impl_->shows_whole_picture()) return std::nullopt;
-  return impl_->whole.mode->variance();
-}
-
-Pick Renderer::pick(int x, int y) const {
-  const Impl& s = *impl_;
-  if (s.shows_whole_picture()) return pick_by_ray(s.scene, s.last.request, x, y);
-  const GridSize& size = s.targets.raster.size();
-  if (x < 0 || y < 0 || x >= size.width || y >= size.height) return {};
-  const int gx = x * size.side + size.side / 2, gy = y * size.side + size.side / 2;
-  std::uint32_t triangle = 0;
-  glGetTextureSubImage(s.targets.raster.triangle().get(), 0, gx, gy, 0, 1, 1, 1, GL_RED_INTEGER, GL_UNSIGNED_INT, 4,
-                       &triangle);
-  if (triangle == 0) return {};
-  float depth = 0.0f;
-  for (std::size_t k = 0; k < s.layers.size() && depth <= 0.0f; ++k)
-    glGetTextureSubImage(s.layers[k].surfaces.depth().get(), 0, gx, gy, 0, 1, 1, 1, GL_RED, GL_FLOAT, 4, &depth);
-  const FrameConstants& c = s.last.constants;
-  const glm::vec2 ndc((2.0f * static_cast<float>(gx) + 1.0f) / static_cast<float>(size.grid_width()) - 1.0f,
-                      (2.0f * static_cast<float>(gy) + 1.0f) / static_cast<float>(size.grid_height()) - 1.0f);
-  const glm::vec3 ray = glm::vec3(c.forward) + ndc.x * glm::vec3(c.right) - ndc.y * glm::vec3(c.up);
-  return pick_triangle(s.scene, triangle - 1, glm::vec3(c.eye) + ray * depth, ray);
-}
-
-const std::vector<std::string>& Renderer::debug_view_names() {
-  static const std::vector<std::string> kNames = [] {
-    std::vector<std::string> names;
-    for (const DebugViewInfo& view : debug_views(builtin_registry())) names.push_back(view.name);
-    return names;
-  }();
-  return kNames;
-}
-
-namespace {
-
-/// Throws the error for a view that the last frame does not have: says which technique has it.
-[[noreturn]] void fail_view(const std::string& name, const std::string& mode, const Registry& registry) {
-  for (const Technique& technique : registry.techniques)
-    for (const DebugViewInfo& view : technique.views) {
-      if (view.name != name) continue;
-      if (technique.kind == TechniqueKind::mode)
-        throw Error("--view", "'" + name + "' exists in mode " + technique.name + " only",
-                    "add --mode " + technique.name);
-      throw Error("--view", "'" + name + "' is no view of mode " + mode, "choose a mode that takes samples");
-    }
-  std::vector<std::string> names;
-  for (const DebugViewInfo& view : debug_views(registry)) names.push_back(view.name);
-  throw UsageError("--view", "unknown view '" + name + "'", did_you_mean(name, names));
-}
-
-}  // namespace
-
-Image Renderer::Impl::read_view(const std::string& name) const {
-  const std::string& mode = last.plan.shading().mode;
-  if (shows_whole_picture())
-    throw Error("--view", "'" + name + "' is a view of the modes that rasterise", "choose another --mode");
-  if (name == "glossy") {
-    if (!last.plan.glossy)
-      throw Error("--view", "no opaque surface mirrors the scene here; the plan says why",
-                  "add --reflections with a technique whose rays go through an octree, and see left_out of --stats");
-    return mirrors.glossy.view();
-  }
-  if (auto image = mirrors.reflections.view(name, !last.plan.reflections.empty(), glm::vec3(last.constants.eye)))
-    return std::move(*image);
-  const FrameContext context{const_cast<DeviceInfo&>(device),
-                             const_cast<ProgramCache&>(programs),
-                             registry,
-                             const_cast<SceneState&>(scene),
-                             const_cast<SceneBakes&>(bakes),
-                             const_cast<LightSamples&>(light_samples),
-                             const_cast<Frame&>(frame),
-                             targets.raster,
-                             last.request,
-                             last.plan,
-                             last.constants,
-                             last.accumulated};
-  std::vector<LayerView> views;
-  for (std::size_t k = 0; k < layers.size(); ++k) {
-    const Layer& layer = layers[k];
-    auto value = view_of_surfaces(name, layer.surfaces);
-    if (!value)
-      value = layer.mode->view(
-          name, {context, last.plan.layers[k], static_cast<int>(k), layer.surfaces, layer.radiance, layer.constants});
-    if (value) views.push_back({layer.surfaces, std::move(*value)});
-  }
-  if (views.empty()) fail_view(name, mode, registry);
-  return image_of_views(targets.raster.size(), views);
-}
-
-Image Renderer::read_debug_view(const std::string& name) const { return impl_->read_view(name); }
-
-namespace {
-
-ViewColors colors_of(const std::string& name, const Registry& registry) {
-  for (const DebugViewInfo& view : debug_views(registry))
-    if (view.name == name) return view.colors;
-  return ViewColors::scale;
-}
-
-}  // namespace
-
-Image debug_view_picture(const Image& values, const std::string& name) {
-  return picture_of_view(values, colors_of(name, builtin_registry()));
-}
-
-const Texture& Renderer::Impl::picture() {
-  if (!shows_whole_picture()) return targets.composer.picture();
-  if (!whole.texture_stale) return whole.texture;
-  const Image& image = whole.mode->picture();
-  if (whole.texture.width() != image.width || whole.texture.height() != image.height)
-    whole.texture = Texture::make_2d("picture of a mode", GL_RGBA32F, image.width, image.height);
-  whole.texture.upload(0, image.width, image.height, GL_RGBA, GL_FLOAT, image.data.data());
-  whole.texture_stale = false;
-  return whole.texture;
-}
-
-void Renderer::present(int x, int y, int width, int height, float exposure_ev, const std::string& tonemap,
-                       const std::string& debug_view) {
-  Impl& s = *impl_;
-  PresentRule rule{exposure_ev, tonemap_index(tonemap), 1};
-  const glm::ivec4 rectangle(x, y, width, height);
-  if (!debug_view.empty()) {
-    const Image picture = picture_of_view(read_debug_view(debug_view), colors_of(debug_view, s.registry));
-    Texture view = Texture::make_2d("debug view", GL_RGBA32F, picture.width, picture.height);
-    view.upload(0, picture.width, picture.height, GL_RGBA, GL_FLOAT, picture.data.data());
-    rule.curve = -1;
-    maquette::present(view, rectangle, rule, &s.programs);
-    return;
-  }
-  const Composer& composer = s.targets.composer;
-  const bool by_points = !s.shows_whole_picture() && composer.points() && width == composer.size().width &&
-                         height == composer.size().height;
-  if (by_points) rule.side = composer.size().side;
-  maquette::present(by_points ? *composer.points() : s.picture(), rectangle, rule, &s.programs);
 }
 
 // --- shaders ---

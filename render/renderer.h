@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 #include "render/frame/request.h"
 #include "render/frame/stats.h"
-#include "render/geometry.h"
+#include "render/picture/tonemap.h"
+#include "render/scene_state/geometry.h"
 #include "render/technique/registry.h"
-#include "render/tonemap.h"
 #include "render/views/pick.h"
 #include "scenes/brdf.h"
 #include "scenes/environment.h"
@@ -42,8 +42,8 @@ class Renderer {
   /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
-  /// For a window: modes that draw whole pictures then work on a thread of their own, `render` shows what there is so far
-  /// and does not wait, and `accumulated_frames` counts the paths of a pixel.
+  /// For a window: modes that draw whole pictures then work on a thread of their own, `render` shows what there is so
+  /// far and does not wait, and `accumulated_frames` counts the paths of a pixel.
   void set_interactive(bool interactive);
 
   /// Draws one frame into the radiance texture. With `accumulate`, averages with the frames before it

@@ -40,6 +40,8 @@ enum class AlphaMode { opaque, mask, blend };
 
 /// glTF 2.0 metallic-roughness material with the supported extensions (see docs/formats.md).
 /// Colours are linear. When `measured` is set, a tabulated BRDF replaces the analytic lobes.
+/// A new member also belongs to the hashes of content in render/octree/cell_brdf.cpp,
+/// render/indirect/indirect_kind.cpp and viewer/report/content_key.cpp.
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};

@@ -2,6 +2,8 @@
 
 #include <imgui.h>
 
+#include <span>
+
 #include "ui/widgets.h"
 
 namespace maquette {
@@ -30,10 +32,11 @@ struct Tab {
 };
 
 /// Tabs, each with its own scrolling; `open` names the one to be opened once.
-void draw_tabs(Ui& ui, const char* id, const Tab* tabs, int count, int* open) {
+void draw_tabs(Ui& ui, const char* id, std::span<const Tab> tabs, int* open) {
   if (!ImGui::BeginTabBar(id)) return;
-  for (int i = 0; i < count; ++i) {
-    const bool shown = ImGui::BeginTabItem(tabs[i].name, nullptr, *open == i ? ImGuiTabItemFlags_SetSelected : 0);
+  for (std::size_t i = 0; i < tabs.size(); ++i) {
+    const bool shown =
+        ImGui::BeginTabItem(tabs[i].name, nullptr, *open == static_cast<int>(i) ? ImGuiTabItemFlags_SetSelected : 0);
     panels::mark_item(ui, std::string("tab/") + tabs[i].name);
     if (!shown) continue;
     ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.0f, 0.0f, 0.0f, 0.0f));
@@ -91,11 +94,11 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
                                    {"Error", panels::draw_error_panel}};
   state->error_view.open = false;
   if (begin_part(ui, "left", layout.left, kStill)) {
-    draw_tabs(ui, "left tabs", kLeft, 3, &state->left_tab);
+    draw_tabs(ui, "left tabs", kLeft, &state->left_tab);
     ImGui::End();
   }
   if (begin_part(ui, "right", layout.right, kStill)) {
-    draw_tabs(ui, "right tabs", kRight, 4, &state->right_tab);
+    draw_tabs(ui, "right tabs", kRight, &state->right_tab);
     ImGui::End();
   }
   frame.editing = ImGui::IsAnyItemActive();

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "render/renderer.h"
-#include "render/settings.h"
+#include "render/technique/settings.h"
 #include "scenes/scene.h"
 
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
@@ -26,7 +26,7 @@ struct Edits {
   /// Control points of the dented meshes' cages, by mesh.
   std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
   std::set<int> hidden_nodes;
-  std::set<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
+  std::set<std::string> reflectors;               ///< nodes that reflect; empty: those that the scene marks
   std::map<std::string, std::string> part_modes;  ///< path of a node -> shading mode of it and of what is below it
   bool operator==(const Edits&) const = default;
 };

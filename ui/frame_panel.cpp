@@ -1,5 +1,6 @@
 // The cost of the frame, its plan with reasons, and the messages so far.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ui/widgets.h"
@@ -59,7 +60,7 @@ void draw_timings(Ui& ui) {
   for (const PassTime& pass : ui.facts.smooth_passes) total += pass.ms;
   for (const PassTime& pass : ui.facts.smooth_passes) {
     std::snprintf(text, sizeof(text), "%.2f ms", pass.ms);
-    bar_row(pass.name, pass.ms, total, text);
+    bar_row(stats.plan.pass_title(pass.name, pass.layer), pass.ms, total, text);
   }
   ImGui::Spacing();
   value_row("Visible points", thousands(stats.visible_pixels));
@@ -87,15 +88,26 @@ void plan_entry(const std::string& name, const std::string& why, bool done) {
   ImGui::Unindent();
 }
 
+/// Where the frame stands: what is not ready, and what it continues.
+void draw_status(const FrameStatus& status) {
+  char text[64];
+  for (const auto& [name, bake] : status.bakes()) {
+    if (bake.ready) continue;
+    std::snprintf(text, sizeof(text), "not ready: %.0f %%", std::floor(100.0 * bake.progress));
+    value_row(name.c_str(), text);
+  }
+  value_row("Frames before", std::to_string(status.accumulated));
+  if (status.light_rotated) value_row("Changed", "rotation of the environment");
+  if (status.tables_swapped) value_row("Changed", "measured tables");
+}
+
 /// The passes in their order, those that this frame did not need dimmed and with the reason; then what else it has.
 void draw_plan(const FramePlan& plan, const std::vector<SkippedPass>& skipped) {
   for (const PlannedPass& pass : plan.passes) {
-    const auto skip = std::find_if(skipped.begin(), skipped.end(), [&](const SkippedPass& s) {
-      return s.name == pass.name && s.layer == pass.layer;
-    });
-    const bool parts = plan.layers.size() > 1 && pass.layer >= 0;
-    const std::string mode = parts ? " (" + plan.layers[static_cast<std::size_t>(pass.layer)].mode + ")" : "";
-    plan_entry(pass.name + mode, skip == skipped.end() ? pass.reason : "skipped: " + skip->why, skip == skipped.end());
+    const auto skip = std::find_if(skipped.begin(), skipped.end(),
+                                   [&](const SkippedPass& s) { return s.name == pass.name && s.layer == pass.layer; });
+    plan_entry(plan.pass_title(pass.name, pass.layer), skip == skipped.end() ? pass.reason : "skipped: " + skip->why,
+               skip == skipped.end());
   }
   for (const Feature& feature : plan.features) plan_entry(feature.name, feature.reason, true);
   if (plan.left_out.empty()) return;
@@ -130,7 +142,10 @@ void draw_messages(Ui& ui) {
 void draw_frame_panel(Ui& ui) {
   if (ui.facts.stats) {
     if (section("Timings")) draw_timings(ui);
-    if (section("Plan")) draw_plan(ui.facts.stats->plan, ui.facts.stats->skipped);
+    if (section("Plan")) {
+      draw_status(ui.facts.stats->status);
+      draw_plan(ui.facts.stats->plan, ui.facts.stats->skipped);
+    }
     if (section("Memory", false)) {
       std::size_t total = 0;
       for (const auto& [name, bytes] : ui.facts.stats->gpu_bytes) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "render/settings.h"
+#include "render/technique/settings.h"
 #include "ui/editor.h"
 
 /// Pieces that the panels share. Internal to ui/.

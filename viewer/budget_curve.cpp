@@ -21,7 +21,7 @@ constexpr int kVersion = 1;
 
 std::string curve_name(const std::string& mode, bool all_light) { return mode + (all_light ? "/all" : "/direct"); }
 
-std::optional<BudgetPoint> choose_samples(const BudgetCurve& curve, double budget, std::string* why) {
+std::optional<BudgetPoint> samples_for_budget(const BudgetCurve& curve, double budget, std::string* why) {
   if (curve.points.empty()) {
     *why = "nothing was measured";
     return std::nullopt;

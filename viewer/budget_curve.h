@@ -26,7 +26,7 @@ std::string curve_name(const std::string& mode, bool all_light);
 
 /// The fewest samples that keep the budget: interpolated log-log between measured points, not extrapolated. Nothing
 /// when no measured point keeps it or the mode does not sample; `why` then says so in one line.
-std::optional<BudgetPoint> choose_samples(const BudgetCurve& curve, double budget, std::string* why);
+std::optional<BudgetPoint> samples_for_budget(const BudgetCurve& curve, double budget, std::string* why);
 
 /// Curves of a report are stored in the cache for the window. Their key: the scene with its materials after overrides,
 /// and its environment.

@@ -35,7 +35,7 @@ bool ErrorMeter::View::operator==(const View& other) const {
          scene_revision == other.scene_revision;
 }
 
-PixelGrid choose_grid(int width, int height, int columns) {
+PixelGrid make_pixel_grid(int width, int height, int columns) {
   PixelGrid grid;
   grid.factor = std::max(1, width / std::max(columns, 1)) | 1;
   while (grid.factor > 1 && height / grid.factor < 8) grid.factor -= 2;
@@ -146,7 +146,7 @@ void ErrorMeter::trace(const Job& job, const BackgroundTask<GridReference>& task
   }
   tbb::task_arena few(few_cores());
   for (std::size_t level = 0; level < std::size(kColumns) && !task.cancel; ++level) {
-    const PixelGrid grid = choose_grid(view.width, view.height, kColumns[level]);
+    const PixelGrid grid = make_pixel_grid(view.width, view.height, kColumns[level]);
     PictureRequest request;
     request.camera = grid_camera(view.camera, grid, view.height);
     request.width = grid.width;

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "render/background_worker.h"
-#include "render/camera.h"
+#include "render/bake/background_worker.h"
+#include "render/frame/camera.h"
 #include "render/reference/reference.h"
 #include "scenes/image.h"
 
@@ -23,7 +23,7 @@ struct PixelGrid {
   int pixel_y(int row) const { return y + row * factor + factor / 2; }
 };
 /// About `columns` wide, over nearly all of the picture.
-PixelGrid choose_grid(int width, int height, int columns);
+PixelGrid make_pixel_grid(int width, int height, int columns);
 /// The camera whose picture of the grid's size has its rays through the grid's pixels.
 CameraView grid_camera(const CameraView& camera, const PixelGrid& grid, int height);
 

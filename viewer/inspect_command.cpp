@@ -5,13 +5,13 @@
 
 #include "render/environment/environment_tables.h"
 #include "render/materials/brdf_tables.h"
+#include "render/parts/parts.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/luminance.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
-#include "render/parts/parts.h"
 #include "viewer/json_values.h"
 #include "viewer/report_text.h"
 #include "viewer/session.h"
@@ -53,7 +53,7 @@ std::string material_kind(const Material& material) {
   return text;
 }
 
-/// Bytes of GPU memory by kind, computed from the layouts of render/geometry.h and of the tables.
+/// Bytes of GPU memory by kind, computed from the layouts of render/scene_state/geometry.h and of the tables.
 Json memory_json(const Scene& scene) {
   std::size_t vertices = 0, indices = 0, texels = 0;
   for (const Node& node : scene.nodes) {
@@ -113,8 +113,7 @@ Json inspect_scene(const CommandLine& line) {
   ViewInfo view{options.width, options.height, options.msaa, options.reflections};
   view.part_modes = options.part_modes;
   layers_of_nodes(*scene, options.part_modes, {});  // names every node
-  const FramePlan made =
-      plan(facts, options.mode, options.settings, view);
+  const FramePlan made = plan(facts, options.mode, options.settings, view);
   json["mode"] = made.shading().mode;
   json["plan"] = plan_json(made);
   json["left_out"] = left_out_json(made);

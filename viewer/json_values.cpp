@@ -28,9 +28,22 @@ Json plan_json(const FramePlan& plan) {
   return json;
 }
 
-Json skipped_json(const std::vector<SkippedPass>& skipped) {
+Json status_json(const FrameStatus& status) {
+  Json json = {{"bakes", Json::object()}};
+  for (const auto& [name, bake] : status.bakes())
+    json["bakes"][name] = {{"ready", bake.ready}, {"progress", number(bake.progress)}};
+  if (!status.fitting.empty())
+    json["bakes"]["patch_fit"] = {{"ready", false}, {"progress", number(status.fit_progress)}};
+  json["frames_before"] = status.accumulated;
+  json["light_rotated"] = status.light_rotated;
+  json["tables_swapped"] = status.tables_swapped;
+  return json;
+}
+
+Json skipped_json(const FramePlan& plan, const std::vector<SkippedPass>& skipped) {
   Json json = Json::array();
-  for (const SkippedPass& pass : skipped) json.push_back({{"pass", pass.name}, {"why", pass.why}});
+  for (const SkippedPass& pass : skipped)
+    json.push_back({{"pass", plan.pass_title(pass.name, pass.layer)}, {"why", pass.why}});
   return json;
 }
 

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "render/metrics.h"
 #include "render/frame/plan.h"
+#include "render/metrics/metrics.h"
 
 namespace maquette {
 
@@ -13,8 +13,10 @@ nlohmann::ordered_json number(double value);
 nlohmann::ordered_json number(const std::optional<double>& value);
 nlohmann::ordered_json plan_json(const FramePlan& plan);      ///< [{pass, reason}]
 nlohmann::ordered_json left_out_json(const FramePlan& plan);  ///< [{what, why}]
+/// What the frame could do: {bakes: {name: {ready, progress}}, frames_before, ...}.
+nlohmann::ordered_json status_json(const FrameStatus& status);
 /// [{pass, why}]: planned, and not needed in the frame.
-nlohmann::ordered_json skipped_json(const std::vector<SkippedPass>& skipped);
+nlohmann::ordered_json skipped_json(const FramePlan& plan, const std::vector<SkippedPass>& skipped);
 /// {node: mode}, `*` for all that no other names.
 nlohmann::ordered_json modes_json(const FramePlan& plan);
 nlohmann::ordered_json error_json(const ErrorFigures& figures);

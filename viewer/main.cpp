@@ -1,4 +1,4 @@
-#include "render/large_pages.h"
+#include "render/raytraced/large_pages.h"
 #include "viewer/commands.h"
 
 int main(int argc, char** argv) {

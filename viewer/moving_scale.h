@@ -5,8 +5,8 @@
 namespace maquette {
 
 /// Chooses the resolution of the picture while something moves, from measured frame times. While the environment
-/// rotates, points reuse results of earlier frames (render/bandwidth/turning.h) as long as the size stays the same. So
-/// such frames are measured separately, and a size is changed only after it was too slow twice in a row.
+/// rotates, points reuse results of earlier frames (render/bandwidth/temporal_reuse.h) as long as the size stays the
+/// same. So such frames are measured separately, and a size is changed only after it was too slow twice in a row.
 class MovingScale {
  public:
   enum class Kind { light, other };

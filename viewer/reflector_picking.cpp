@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/material_overrides.h"
+#include "render/math/shared_formulas.h"
 #include "render/reflections/reflectors.h"
-#include "render/shared_formulas.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/subdivision.h"
 
 namespace maquette {

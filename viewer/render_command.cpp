@@ -5,8 +5,8 @@
 #include <future>
 
 #include "render/gl/context.h"
-#include "render/metrics.h"
-#include "render/tonemap.h"
+#include "render/metrics/metrics.h"
+#include "render/picture/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"

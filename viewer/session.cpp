@@ -5,7 +5,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "render/tonemap.h"
+#include "render/parts/parts.h"
+#include "render/picture/tonemap.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -101,7 +102,7 @@ CameraView camera_by_name(const Scene& scene, const std::string& name) {
                    names.empty() ? "it has none; use --eye and --target" : did_you_mean(name, names));
 }
 
-CameraView choose_camera(const Scene& scene, const SceneOptions& options) {
+CameraView camera_of_options(const Scene& scene, const SceneOptions& options) {
   const std::vector<std::string> names = camera_names(scene);
   const Bounds bounds = compute_bounds(scene);
   CameraView view;
@@ -188,7 +189,7 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   auto scene = std::make_shared<Scene>(load_scene(options.scene));
   find_variant(*scene, options.variant);
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
-  choose_camera(*scene, options);
+  camera_of_options(*scene, options);
   for (const Dent& dent : options.dents) press_dent(scene.get(), dent);
   return scene;
 }
@@ -224,7 +225,7 @@ float exposure_of(const SceneOptions& options, const Environment& environment) {
 FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   FrameRequest request;
   request.mode = options.mode;
-  request.camera = choose_camera(scene, options);
+  request.camera = camera_of_options(scene, options);
   request.width = options.width;
   request.height = options.height;
   fit_aspect(&request.camera, static_cast<float>(request.width) / static_cast<float>(request.height));
@@ -237,6 +238,8 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.reflections = options.reflections;
   request.reflectors = options.reflectors;
   request.part_modes = options.part_modes;
+  if (!request.part_modes.empty())
+    layers_of_nodes(scene, request.part_modes, {});  // names unknown nodes before any work
   request.settings = options.settings;
   return request;
 }

@@ -20,7 +20,7 @@ std::vector<std::string> camera_names(const Scene& scene);
 CameraView camera_by_name(const Scene& scene, const std::string& name);
 /// What the options ask for: camera, eye, target, up, field of view; without any, the scene's first camera, or a view
 /// from the front and above that shows all of it.
-CameraView choose_camera(const Scene& scene, const SceneOptions& options);
+CameraView camera_of_options(const Scene& scene, const SceneOptions& options);
 /// Index of the variant; -1 for an empty name. Throws UsageError with the nearest names.
 int find_variant(const Scene& scene, const std::string& name);
 /// Throws UsageError with the nearest names when the scene has no material `name` (`*` is all).

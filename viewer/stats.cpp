@@ -28,15 +28,17 @@ Json timing_json(const RenderReport& report) {
   for (const FrameStats& frame : report.frames) {
     frame_ms.push_back(frame.frame_ms);
     for (const PassTime& pass : frame.passes) {
-      pass_ms[pass.name].push_back(pass.ms);
-      pass_cpu_ms[pass.name].push_back(pass.cpu_ms);
+      const std::string title = frame.plan.pass_title(pass.name, pass.layer);
+      pass_ms[title].push_back(pass.ms);
+      pass_cpu_ms[title].push_back(pass.cpu_ms);
     }
   }
   Json passes = Json::object(), cpu = Json::object();
   // In the order of the last frame.
   for (const PassTime& pass : report.frames.back().passes) {
-    passes[pass.name] = number(median(pass_ms[pass.name]));
-    cpu[pass.name] = number(median(pass_cpu_ms[pass.name]));
+    const std::string title = report.frames.back().plan.pass_title(pass.name, pass.layer);
+    passes[title] = number(median(pass_ms[title]));
+    cpu[title] = number(median(pass_cpu_ms[title]));
   }
   return {{"frame", number(median(frame_ms))}, {"passes", passes}, {"cpu_passes", cpu}};
 }
@@ -82,7 +84,8 @@ std::string stats_json(const SceneOptions& options, const FrameRequest& request,
   json["technique"] = Json::object();
   for (const auto& [name, value] : last.technique) json["technique"][name] = number(value);
   json["plan"] = plan_json(last.plan);
-  json["skipped"] = skipped_json(last.skipped);
+  json["status"] = status_json(last.status);
+  json["skipped"] = skipped_json(last.plan, last.skipped);
   json["left_out"] = left_out_json(last.plan);
   if (report.error) json["error"] = error_json(*report.error);
   return json.dump(2) + "\n";

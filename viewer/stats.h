@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/gl/context.h"
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "render/renderer.h"
 #include "viewer/options.h"
 

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "render/background_worker.h"
+#include "render/bake/background_worker.h"
 #include "render/gl/objects.h"
 #include "scenes/brdf.h"
 

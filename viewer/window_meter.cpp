@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <utility>
 
-#include "render/false_color.h"
 #include "render/technique/registry.h"
+#include "render/views/false_color.h"
 #include "scenes/error.h"
 #include "scenes/percent.h"
 
@@ -174,7 +174,7 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
   }
   facts->curve = curve->source;
   std::string why;
-  const std::optional<BudgetPoint> choice = choose_samples(*curve, session.state.error_view.budget, &why);
+  const std::optional<BudgetPoint> choice = samples_for_budget(*curve, session.state.error_view.budget, &why);
   if (!choice) {
     facts->budget_answer = why;
     return;
@@ -190,7 +190,7 @@ void WindowMeter::apply_budget(WindowSession* session) const {
   const std::optional<BudgetCurve> curve = find_curve(*session);
   std::string why;
   const std::optional<BudgetPoint> choice =
-      curve ? choose_samples(*curve, session->state.error_view.budget, &why) : std::nullopt;
+      curve ? samples_for_budget(*curve, session->state.error_view.budget, &why) : std::nullopt;
   const std::string setting = samples_setting(session->state.mode);
   if (choice && find_setting(setting) != nullptr) session->state.settings.set(setting, choice->samples);
 }

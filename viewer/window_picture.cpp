@@ -142,7 +142,7 @@ void WindowPicture::note_times() {
   std::vector<PassTime> next = stats_->passes;
   for (PassTime& pass : next)
     for (const PassTime& old : smooth_passes_)
-      if (old.name == pass.name) pass.ms = old.ms + kSmoothing * (pass.ms - old.ms);
+      if (old.name == pass.name && old.layer == pass.layer) pass.ms = old.ms + kSmoothing * (pass.ms - old.ms);
   smooth_passes_ = std::move(next);
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "render/camera.h"
-#include "render/tonemap.h"
+#include "render/frame/camera.h"
+#include "render/picture/tonemap.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -56,7 +56,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
   if (options.eye || options.target)
     state.camera = request.camera;
   else
-    set_camera(choose_camera(*scene, options));  // WindowPicture adapts it to the picture's size
+    set_camera(camera_of_options(*scene, options));  // WindowPicture adapts it to the picture's size
   state.mode = options.mode;
   state.settings = settings_of(options);
   state.msaa = options.msaa;
@@ -182,7 +182,7 @@ void WindowSession::poll_files() {
   if (ready(scene_file_)) {
     try {
       use_scene(scene_file_.get());
-      set_camera(choose_camera(*scene_, SceneOptions()));
+      set_camera(camera_of_options(*scene_, SceneOptions()));
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
     }

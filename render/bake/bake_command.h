@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/settings.h"
+#include "render/technique/settings.h"
 #include "scenes/scene.h"
 
 namespace maquette {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "render/background_worker.h"
+#include "render/bake/background_worker.h"
 #include "render/bake/bake.h"
 #include "render/bake/bake_kind.h"
 

@@ -3,6 +3,7 @@
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
 #include "render/octree/technique.h"
+#include "render/technique/registry.h"
 
 namespace maquette {
 
@@ -43,6 +44,20 @@ void SceneBakes::clear() {
   indirect_.clear();
   indirect_of_.reset();
   octree_.clear();
+  own_.clear();
+}
+
+void SceneBakes::update_own(const ShadingPlan& layer, const SceneState& scene, const FrameRequest& request) {
+  if (layer.own_bake.empty()) return;
+  std::unique_ptr<SceneBake>& own = own_[layer.own_bake];
+  if (!own) own = registry_.find_mode(layer.mode).own_bake->make();
+  if (own->update(scene, request)) ++own_revision_;
+}
+
+std::vector<const Bake*> SceneBakes::list() const {
+  std::vector<const Bake*> all{&visibility_, &indirect_, &octree_, &octree_.cell_bake()};
+  for (const auto& [name, own] : own_) all.push_back(&own->bake());
+  return all;
 }
 
 void SceneBakes::update_visibility(const SceneState& scene) {
@@ -70,8 +85,8 @@ void SceneBakes::update_indirect(const SceneState& scene, const FrameRequest& re
   if (!visibility_.ready()) return;
   const Key now = Key::of(scene.revisions().bounces(), request.variant);
   IndirectJob job;
-  job.input = indirect_of_ != now || !indirect_.input() ? make_indirect_input(scene, request.variant)
-                                                        : indirect_.input();
+  job.input =
+      indirect_of_ != now || !indirect_.input() ? make_indirect_input(scene, request.variant) : indirect_.input();
   indirect_of_ = now;
   job.visibility = visibility_.bake();
   job.sky = {scene.environment().shared_environment(), request.env_rotation_rad, request.env_scale};
@@ -84,7 +99,7 @@ OctreeJob SceneBakes::make_octree_job(const SceneState& scene, const OctreeState
   job.geometry = scene.geometry();
   job.materials = state.materials;
   job.transmits = state.transmits;
-  job.paint = std::make_shared<const OctreePaint>(scene.scene(), scene.effective_materials());
+  job.textures = std::make_shared<const OctreeTextures>(scene.scene(), scene.effective_materials());
   job.options.depth = state.depth;
   job.options.detail = state.detail;
   job.options.interest = state.interest;
@@ -105,13 +120,12 @@ void SceneBakes::update_cells(const SceneState& scene, const FrameRequest& reque
   if (!octree_.ready()) return;
   const auto make_job = [&] {
     CellBrdfJob job;
-    job.octree = make_octree_job(scene, octree_state(scene, request.settings),
-                                 request.settings.get_string("octree.bake"));
+    job.octree =
+        make_octree_job(scene, octree_state(scene, request.settings), request.settings.get_string("octree.bake"));
     job.materials = scene.effective_materials();
     return job;
   };
-  const auto contents =
-      wanted ? cell_material_contents(scene.effective_materials()) : std::vector<std::uint64_t>();
+  const auto contents = wanted ? cell_material_contents(scene.effective_materials()) : std::vector<std::uint64_t>();
   if (octree_.update_cells(contents, make_job)) ++octree_revision_;
 }
 
@@ -126,12 +140,25 @@ void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameS
   status->has_geometry = !scene.geometry().positions.empty();
   if (wanted.any_layer_is_shadowed_by("baked")) status->visibility = {visibility_.ready(), visibility_.progress()};
   if (any_layer_has_indirect(wanted)) status->indirect = {indirect_.ready(), indirect_.progress()};
+  for (const ShadingPlan& layer : wanted.layers) {
+    const auto own = own_.find(layer.own_bake);
+    if (own == own_.end()) continue;
+    const Bake& bake = own->second->bake();
+    status->own_bakes[layer.own_bake] = {bake.ready(), bake.progress()};
+  }
   if (wanted.octree) status->octree = {octree_.ready(), octree_.progress()};
-  if (wanted.cell_brdfs && octree_.ready())
-    status->cell_brdfs = {octree_.cells() != nullptr, octree_.cells_progress()};
+  if (wanted.cell_brdfs && octree_.ready()) status->cell_brdfs = {octree_.cells() != nullptr, octree_.cells_progress()};
 }
 
 bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request) {
+  for (const ShadingPlan& layer : wanted.layers) {
+    update_own(layer, scene, request);
+    const auto own = own_.find(layer.own_bake);
+    if (own == own_.end()) continue;
+    own->second->bake().wait();
+    update_own(layer, scene, request);
+    if (!own->second->bake().ready()) return false;
+  }
   if (wanted.octree) {
     for (int round = 0; round < 3; ++round) {  // starts it, takes it over and starts the cells' BRDFs, takes them over
       update_octree(scene, request);
@@ -140,6 +167,7 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     }
     update_cells(scene, request, wanted.cell_brdfs);
   }
+  // What follows needs baked visibility.
   if (!wanted.any_layer_is_shadowed_by("baked") || scene.geometry().positions.empty()) return true;
   update_visibility(scene);
   visibility_.wait();
@@ -155,6 +183,8 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
 void SceneBakes::bind() const {
   if (visibility_.ready()) visibility_.bind();
   if (octree_.ready()) octree_.buffers().bind();
+  for (const auto& [name, own] : own_)
+    if (own->bake().ready()) own->bind();
 }
 
 void SceneBakes::add_bytes(std::map<std::string, std::size_t>* bytes) const {
@@ -162,6 +192,8 @@ void SceneBakes::add_bytes(std::map<std::string, std::size_t>* bytes) const {
   if (indirect_.ready()) (*bytes)[indirect_.name()] = indirect_.bytes();
   if (octree_.ready()) (*bytes)[octree_.name()] = octree_.bytes();
   if (octree_.cells()) (*bytes)[octree_.cell_bake().name()] = octree_.cell_bytes();
+  for (const auto& [name, own] : own_)
+    if (own->bake().ready()) (*bytes)[name] = own->bake().bytes();
 }
 
 void SceneBakes::add_counters(std::map<std::string, double>* counters) const {

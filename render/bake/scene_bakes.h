@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "render/bake/scene_bake.h"
 #include "render/frame/key.h"
 #include "render/frame/plan.h"
 #include "render/frame/request.h"
@@ -15,9 +17,12 @@
 
 namespace maquette {
 
-/// The bakes that frames of a scene draw with, and what starts, takes over and drops them as plans ask for them.
+/// The bakes that frames of a scene draw with, and what starts, takes over and drops them as plans ask for them: four
+/// that several techniques share, and those that techniques declare for themselves. Another shared one needs a line in
+/// clear, all, list, report, finish, bind and add_bytes.
 class SceneBakes {
  public:
+  explicit SceneBakes(const Registry& registry) : registry_(registry) {}
   /// In a window: bakes prepare for a light that may rotate, and an octree stays while nothing goes through it for a
   /// moment.
   void set_interactive(bool interactive);
@@ -29,8 +34,10 @@ class SceneBakes {
   void update_indirect(const SceneState& scene, const FrameRequest& request);
   void update_octree(const SceneState& scene, const FrameRequest& request);
   void update_cells(const SceneState& scene, const FrameRequest& request, bool wanted);
-  /// Nothing in view goes through the octree: it is dropped, or kept for some frames where `may_return`. True when it is
-  /// kept.
+  /// Of a layer's technique, if it declares one.
+  void update_own(const ShadingPlan& layer, const SceneState& scene, const FrameRequest& request);
+  /// Nothing in view goes through the octree: it is dropped, or kept for some frames where `may_return`. True when it
+  /// is kept.
   bool release_octree(bool may_return);
 
   /// Says in `status` what of `wanted` is there.
@@ -45,13 +52,11 @@ class SceneBakes {
   std::uint32_t octree_revision() const { return octree_revision_; }
   std::uint32_t indirect_revision() const { return indirect_revision_; }
   /// Of all that points depend on besides indirect light.
-  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_); }
+  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_, own_revision_); }
   Key all() const { return Key::of(without_indirect(), indirect_revision_); }
 
   /// All of them, for the status line and those who wait.
-  std::vector<const Bake*> list() const {
-    return {&visibility_, &indirect_, &octree_, &octree_.cell_bake()};
-  }
+  std::vector<const Bake*> list() const;
 
   void bind() const;
   void add_bytes(std::map<std::string, std::size_t>* bytes) const;
@@ -66,7 +71,10 @@ class SceneBakes {
   IndirectBuffers indirect_;
   std::optional<Key> indirect_of_;  ///< what the input of indirect light was made of
   OctreeStore octree_;
-  int frames_without_octree_ = 0;  ///< since a plan wanted it
+  const Registry& registry_;
+  std::map<std::string, std::unique_ptr<SceneBake>> own_;  ///< by Technique::own_bake
+  std::uint32_t own_revision_ = 0;
+  int frames_without_octree_ = 0;                                                        ///< since a plan wanted it
   std::uint32_t visibility_revision_ = 0, indirect_revision_ = 0, octree_revision_ = 0;  ///< grow with what is drawn
 };
 

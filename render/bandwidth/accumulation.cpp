@@ -5,17 +5,17 @@
 #include <cmath>
 #include <vector>
 
-#include "render/environment_buffers.h"
+#include "render/environment/environment_buffers.h"
 #include "render/gl/bindings.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
 
 namespace {
 
-const ShaderVariant kMeasure{"bandwidth/measure.comp", "", {}}, kWorth{"bandwidth/worth.comp", "", {}},
-    kForget{"bandwidth/forget.comp", "", {}};
+const ShaderVariant kMeasure{"bandwidth/measure.comp", "", {}}, kWorth{"bandwidth/interpolation_error.comp", "", {}},
+    kForget{"bandwidth/reset_points.comp", "", {}};
 
 /// Share of the mean deviation that every point gets on top of its own.
 constexpr float kLeastShare = 0.1f;
@@ -25,7 +25,7 @@ constexpr double kGrowth = 0.6, kLeastFrameShare = 0.15, kMostFrameShare = 0.5;
 /// Share of all items that points which used up the list of light samples have, from which on it is theirs.
 constexpr double kHungryShare = 0.25;
 
-constexpr int kRates = 8;                    // as shaders/bandwidth/worth.comp
+constexpr int kRates = 8;                    // as shaders/bandwidth/interpolation_error.comp
 constexpr double kRateStep = 1.41421356237;  // the same
 
 /// The rate at which `wanted` items come together, between those that were tried: the sum is convex in the rate.
@@ -53,7 +53,8 @@ float believed_kappa(int layer) { return layer % shared::kClasses == 1 ? 0.0f : 
 
 std::vector<float> Accumulation::typical_kappas() const {
   const std::size_t layers = static_cast<std::size_t>(shared::kClasses * levels_);
-  const std::size_t tiles = static_cast<std::size_t>(residuals_.width()) * static_cast<std::size_t>(residuals_.height());
+  const std::size_t tiles =
+      static_cast<std::size_t>(residuals_.width()) * static_cast<std::size_t>(residuals_.height());
   std::vector<glm::vec4> measured(tiles * (layers + shared::kClasses));
   glGetTextureImage(residuals_.get(), 0, GL_RGBA, GL_FLOAT, static_cast<GLsizei>(measured.size() * sizeof(glm::vec4)),
                     measured.data());
@@ -179,8 +180,7 @@ RefineRates Accumulation::measure(const LayerContext& layer, const Texture& pyra
     hungry_items += measured[i + 1].x;
   }
   if (!(deviation > 0.0)) return {};
-  const double grid_items =
-      static_cast<double>(marks.width()) * marks.height() * sampling.x / std::max(sampling.y, 1);
+  const double grid_items = static_cast<double>(marks.width()) * marks.height() * sampling.x / std::max(sampling.y, 1);
   const double frame_items = std::clamp(kGrowth * items, kLeastFrameShare * grid_items, kMostFrameShare * grid_items);
   const double least = kLeastShare * deviation / share;
   const double first_rate = rate_ > 0.0 ? rate_ : items / (deviation + least * share);

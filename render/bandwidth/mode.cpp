@@ -26,7 +26,7 @@ ShaderVariant mark_variant(bool refine, bool textures, bool swapped, bool visibi
                          {"REFINE", flag(refine)},
                          {"TEXTURES", flag(textures)},
                          {"VISIBILITY", flag(visibility && !refine)}}};
-  if (swapped) variant.defines.emplace_back("REPAINTED", "1");
+  if (swapped) variant.defines.emplace_back("MATERIAL_REPLACED", "1");
   return variant;
 }
 
@@ -213,11 +213,11 @@ void BandwidthMode::shade(const LayerContext& layer) {
 void BandwidthMode::shade_band(const LayerContext& layer, std::size_t band) {
   ProgramCache& programs = layer.frame.programs;
   const bool textures = layer.frame.scene.buffers().has_textures();
-  const Program& mark = programs.get(
-      mark_variant(rates_.has_value(), rates_ && textures, repaints_, layer.plan.visibility == "baked"));
+  const Program& mark =
+      programs.get(mark_variant(rates_.has_value(), rates_ && textures, repaints_, layer.plan.visibility == "baked"));
   sampled_.lists().bind();
   glBindImageTexture(kImageMarks, sampled_.marks().get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
-  mark.set("u_scouts", accumulation_ ? static_cast<float>(frame_ + 1) / kScoutFrames : 0.0f);
+  mark.set("u_early_share", accumulation_ ? static_cast<float>(frame_ + 1) / kScoutFrames : 0.0f);
   glBindTextureUnit(kUnitAxes, prediction_.axes().get());
   if (rates_) {
     glBindImageTexture(kImageMarkedRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -229,8 +229,8 @@ void BandwidthMode::shade_band(const LayerContext& layer, std::size_t band) {
   layer.frame.timer().end("mark");
   if (!repaints_) sampled_.counts.visible += counters[6];
   sampled_.counts.shaded += counters[1] + counters[9];
-  sampled_.counts.samples += (static_cast<std::size_t>(counters[0]) + counters[8]) *
-                             static_cast<std::size_t>(layer.constants.sampling.y);
+  sampled_.counts.samples +=
+      (static_cast<std::size_t>(counters[0]) + counters[8]) * static_cast<std::size_t>(layer.constants.sampling.y);
   count_groups(sampled_.lists(), &programs);
   const Program& gather = programs.get(gather_variant(accumulation_.has_value(), textures));
   if (accumulation_) accumulation_->bind_for_gathering();
@@ -271,15 +271,15 @@ std::vector<DebugViewInfo> bandwidth_views() {
 
 std::vector<ShaderVariant> bandwidth_shader_variants() {
   std::vector<ShaderVariant> variants{gather_variant(false, true), gather_variant(true, false),
-                                      gather_variant(true, true),  mark_variant(false, false, true, false),
+                                      gather_variant(true, true), mark_variant(false, false, true, false),
                                       mark_variant(false, false, true, true)};
   for (const bool k : {false, true}) {
     variants.push_back(mark_variant(false, false, false, k));
     variants.push_back(mark_variant(true, k, false, false));
   }
-  for (const auto& more : {SampledShading::shader_variants(), Prediction::shader_variants(),
-                           Upsampling::shader_variants(), Accumulation::shader_variants(),
-                           TemporalReuse::shader_variants(), SwappedTables::shader_variants()})
+  for (const auto& more :
+       {SampledShading::shader_variants(), Prediction::shader_variants(), Upsampling::shader_variants(),
+        Accumulation::shader_variants(), TemporalReuse::shader_variants(), SwappedTables::shader_variants()})
     variants.insert(variants.end(), more.begin(), more.end());
   return variants;
 }

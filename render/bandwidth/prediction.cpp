@@ -7,8 +7,8 @@
 
 #include "render/gl/bindings.h"
 #include "render/materials/bandwidth.h"
+#include "render/math/shared_formulas.h"
 #include "render/shading/sampled_shading.h"
-#include "render/shared_formulas.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -46,7 +46,7 @@ ShaderVariant bandwidth_variant(const ShadingPlan& plan, bool first_only, bool c
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-const ShaderVariant kOpen{"bandwidth/open.comp", "", {{"VISIBILITY", "1"}}};
+const ShaderVariant kOpen{"bandwidth/sky_visibility.comp", "", {{"VISIBILITY", "1"}}};
 const ShaderVariant kCurvature{"gbuffer/curvature.comp", "", {}}, kPyramid{"bandwidth/pyramid.comp", "", {}};
 
 /// How far the footprint of a shaded point is longer than wide, and along which direction: degrees from 0 to 180 from
@@ -90,7 +90,7 @@ void Prediction::fit(const GridSize& size) {
   size_ = size;
   const int w = size.grid_width(), h = size.grid_height(), qw = (w + 1) / 2, qh = (h + 1) / 2;
   energy_ = Texture::make_2d("energy", GL_RGBA32F, qw, qh);
-  bend_ = Texture::make_2d("bend", GL_RGBA32UI, qw, qh);
+  screen_curvature_ = Texture::make_2d("screen_curvature", GL_RGBA32UI, qw, qh);
   axes_ = Texture::make_2d("axes", GL_RGBA16F, qw, qh);
   const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(qw, qh))));
   pyramid_ = Texture::make_2d("pyramid", GL_RGBA32F, qw, qh, levels);
@@ -104,7 +104,7 @@ void Prediction::find_curvature(const LayerContext& layer) {
   glClearTexImage(energy_.get(), 0, GL_RGBA, GL_FLOAT, none);
   glClearTexImage(pyramid_.get(), 0, GL_RGBA, GL_FLOAT, none);
   if (whole_blocks()) glClearTexImage(pyramid_.get(), 1, GL_RGBA, GL_FLOAT, none);
-  glBindImageTexture(kImageBend, bend_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  glBindImageTexture(kImageScreenCurvature, screen_curvature_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
   dispatch_tiles(layer.frame.programs.get(kCurvature), layer.surfaces.tiles(), kPerQuad);
 }
 
@@ -124,8 +124,7 @@ void Prediction::predict(const LayerContext& layer, const PredictedPart& part, W
   const FrameContext& frame = layer.frame;
   ProgramCache& programs = frame.programs;
   if (has_near_terms(layer.plan)) {
-    if (!near_terms_)
-      near_terms_ = Texture::make_2d("near terms", GL_RGBA32F, energy_.width(), energy_.height());
+    if (!near_terms_) near_terms_ = Texture::make_2d("near terms", GL_RGBA32F, energy_.width(), energy_.height());
     glBindImageTexture(kImageNear, near_terms_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
     glBindTextureUnit(kUnitNear, near_terms_.get());
@@ -143,7 +142,7 @@ void Prediction::predict(const LayerContext& layer, const PredictedPart& part, W
   glBindTextureUnit(kUnitEnergy, energy_.get());
   if (layer.plan.texture_bandwidth)
     glBindTextureUnit(kUnitTextureBandwidthMap, layer.surfaces.texture_bandwidth().get());
-  glBindTextureUnit(kUnitBend, bend_.get());
+  glBindTextureUnit(kUnitScreenCurvature, screen_curvature_.get());
   glBindImageTexture(kImageBandwidth, pyramid_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(kImageAxes, axes_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
   const bool coarse = whole_blocks();
@@ -176,24 +175,26 @@ void Prediction::find_open(const LayerContext& layer, const TileList* swapped) {
   const bool known = open_of_ == key && (swapped || open_tables_ == tables);
   if (!known || swapped) {
     glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
-    glBindImageTexture(kImageOpen, open_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
+    glBindImageTexture(kImageSkyVisibility, open_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
     dispatch_tiles(layer.frame.programs.get(kOpen), known ? *swapped : layer.surfaces.tiles(), kPerPoint);
     open_of_ = key;
     open_tables_ = tables;
   }
-  glBindTextureUnit(kUnitOpen, open_.get());
+  glBindTextureUnit(kUnitSkyVisibility, open_.get());
 }
 
 std::size_t Prediction::bytes() const {
-  return energy_.bytes() + bend_.bytes() + axes_.bytes() + open_.bytes() + pyramid_.bytes() + near_terms_.bytes();
+  return energy_.bytes() + screen_curvature_.bytes() + axes_.bytes() + open_.bytes() + pyramid_.bytes() +
+         near_terms_.bytes();
 }
 
 std::optional<PointValue> Prediction::view(const std::string& name) const {
   if (name == "curvature")
-    return value_of_texels<std::uint32_t>(bend_, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 2, [](const std::uint32_t* q) {
-      const shared::ScreenBend bend = shared::unpack_bend({q[0], q[1], q[2], q[3]});
-      return glm::vec3(std::max(bend.turn.x / bend.step_m.x, bend.turn.y / bend.step_m.y));
-    });
+    return value_of_texels<std::uint32_t>(
+        screen_curvature_, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 2, [](const std::uint32_t* q) {
+          const shared::ScreenCurvature curvature = shared::unpack_screen_curvature({q[0], q[1], q[2], q[3]});
+          return glm::vec3(std::max(curvature.turn.x / curvature.step_m.x, curvature.turn.y / curvature.step_m.y));
+        });
   if (name == "footprint_stretch" || name == "footprint_angle")
     return value_of_texels<float>(axes_, GL_RGBA, GL_FLOAT, 2, [angle = name == "footprint_angle"](const float* q) {
       return glm::vec3(footprint(q[0], q[1], q[2])[angle ? 1 : 0]);
@@ -203,7 +204,8 @@ std::optional<PointValue> Prediction::view(const std::string& name) const {
   if (name == "bandwidth")
     return value_of_texels<float>(pyramid_, GL_RGBA, GL_FLOAT, 2, [](const float* q) { return glm::vec3(q[0]); });
   if (name == "variance")
-    return value_of_texels<float>(pyramid_, GL_RGBA, GL_FLOAT, 2, [](const float* q) { return glm::vec3(q[2] * q[2]); });
+    return value_of_texels<float>(pyramid_, GL_RGBA, GL_FLOAT, 2,
+                                  [](const float* q) { return glm::vec3(q[2] * q[2]); });
   return std::nullopt;
 }
 

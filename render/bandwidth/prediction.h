@@ -22,7 +22,7 @@ struct PredictedPart {
 class Prediction {
  public:
   void fit(const GridSize& size);
-  /// How surfaces bend along the screen; clears what is predicted from it.
+  /// The curvature of surfaces along the screen; clears what is predicted from it.
   void find_curvature(const LayerContext& layer);
   /// `lists`: of the mode, in which quads are listed.
   void predict(const LayerContext& layer, const PredictedPart& part, WorkLists* lists);
@@ -44,13 +44,13 @@ class Prediction {
   void list_quads(const LayerContext& layer, const PredictedPart& part, WorkLists* lists) const;
 
   GridSize size_;
-  Texture energy_;      ///< RGBA32F, [quad]
-  Texture bend_;        ///< RGBA32UI, [quad] (shaders/shared/screen_bend.glsl)
-  Texture axes_;        ///< RGBA16F, [quad]: bandwidth along the axes, their correlation, nu_theta
-  Texture pyramid_;     ///< RGBA32F, level 0: [quad]
-  Texture near_terms_;  ///< RGBA32F, [quad]: bandwidth of visibility and of lights nearby
-  Texture open_;        ///< R8, [point]
-  std::optional<Key> open_of_;      ///< surfaces and bake that `open_` was found for
+  Texture energy_;                 ///< RGBA32F, [quad]
+  Texture screen_curvature_;       ///< RGBA32UI, [quad] (shaders/shared/screen_curvature.glsl)
+  Texture axes_;                   ///< RGBA16F, [quad]: bandwidth along the axes, their correlation, nu_theta
+  Texture pyramid_;                ///< RGBA32F, level 0: [quad]
+  Texture near_terms_;             ///< RGBA32F, [quad]: bandwidth of visibility and of lights nearby
+  Texture open_;                   ///< R8, [point]
+  std::optional<Key> open_of_;     ///< surfaces and bake that `open_` was found for
   std::uint32_t open_tables_ = 0;  ///< and revision of the measured tables
 };
 

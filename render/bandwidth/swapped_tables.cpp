@@ -3,7 +3,7 @@
 namespace maquette {
 
 namespace {
-const ShaderVariant kRepainted{"gbuffer/repainted.comp", "", {}};
+const ShaderVariant kRepainted{"gbuffer/replaced_materials.comp", "", {}};
 }  // namespace
 
 std::vector<ShaderVariant> SwappedTables::shader_variants() { return {kRepainted}; }

@@ -11,7 +11,7 @@ void add_bandwidth_passes(const PlanInput& in, ShadingPlan* shading, FramePlan* 
   const bool levels = in.settings.get_int("bandwidth.max_level") > 0;
   const auto add = [&](PlannedPass pass) { plan->passes.push_back(std::move(pass)); };
   shading->texture_bandwidth = in.facts.has_textures;
-  add({"curvature", "how surfaces bend from point to point", {"surfaces"}, {"curvature"}});
+  add({"curvature", "the curvature of surfaces on the screen", {"surfaces"}, {"curvature"}});
   if (status.tables_swapped)
     add({"repainted", "measured tables were swapped: lists the tiles that show them", {"surfaces"}, {"repainted"}});
   add({"bandwidth",

@@ -26,17 +26,18 @@ constexpr float kFarTooMuch = 0.75f, kMostGrowth = 1.25f;
 /// among which they choose.
 constexpr int kSunSamples = 2, kSunsSamples = 16;
 
-ShaderVariant mark_variant(bool masks) {
-  return {"bandwidth/mark.comp",
-          "",
-          {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", flag(masks)}, {"MARKS_ONLY", "1"}}};
+ShaderVariant mark_variant(bool visibility) {
+  return {
+      "bandwidth/mark.comp",
+      "",
+      {{"BANDWIDTH", "1"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", flag(visibility)}, {"MARKS_ONLY", "1"}}};
 }
-const ShaderVariant kSchedule{"turning/schedule.comp", "", {}};
+const ShaderVariant kSchedule{"rotation/schedule.comp", "", {}};
 
 ShaderVariant gather_variant_of(int round, bool textures, bool sun) {
-  return {"turning/gather.comp",
+  return {"rotation/gather.comp",
           "",
-          {{"MORE", std::to_string(round)}, {"TEXTURES", flag(textures)}, {"SUN_APART", flag(sun)}}};
+          {{"MORE", std::to_string(round)}, {"TEXTURES", flag(textures)}, {"SEPARATE_SUN", flag(sun)}}};
 }
 
 void set_sun(const Program& program, const SunBuffers& sun) {
@@ -45,7 +46,7 @@ void set_sun(const Program& program, const SunBuffers& sun) {
                      inverse(sun.rest_integral));
 }
 
-/// As in shaders/turning/item.glsl.
+/// As in shaders/rotation/item.glsl.
 struct ReuseCounters {
   unsigned continued, small_items[2], large_items[2];
 };
@@ -108,20 +109,20 @@ TileShare renewed_share(const LightRotation& rotation) {
 
 namespace {
 
-/// Of the points that shaders/turning/schedule.comp lists; `looks_back`: they may be reused.
-ShaderVariant scheduled_shade_variant(const ShadingPlan& plan, bool measured, bool looks_back, bool sun) {
+/// Of the points that shaders/rotation/schedule.comp lists; `reuses_history`: they may be reused.
+ShaderVariant scheduled_shade_variant(const ShadingPlan& plan, bool measured, bool reuses_history, bool sun) {
   ShaderVariant variant = shade_variant(plan, measured);
-  variant.defines.emplace_back("TURNED", "1");
-  variant.defines.emplace_back("LOOKS_BACK", flag(looks_back));
-  variant.defines.emplace_back("SUN_APART", flag(sun));
+  variant.defines.emplace_back("ROTATING", "1");
+  variant.defines.emplace_back("REUSES_HISTORY", flag(reuses_history));
+  variant.defines.emplace_back("SEPARATE_SUN", flag(sun));
   return variant;
 }
 
-/// Of turning/sun.comp.
+/// Of rotation/sun.comp.
 ShaderVariant sun_variant(const ShadingPlan& plan, bool measured) {
   ShaderVariant variant = shade_variant(plan, measured);
-  variant.path = "turning/sun.comp";
-  variant.defines.emplace_back("SUN_APART", "1");
+  variant.path = "rotation/sun.comp";
+  variant.defines.emplace_back("SEPARATE_SUN", "1");
   return variant;
 }
 
@@ -163,8 +164,8 @@ void TemporalReuse::schedule(Band* band) {
   glBindImageTexture(kImageMarks, marks.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA8UI);
   glBindTextureUnit(kUnitHistory, history_->mean.get());
   glBindTextureUnit(kUnitRenewed, history_->renewed.get());
-  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTurnCounters, history_->counters.get());
-  schedule.set("u_turn_rad", std::abs(band->rotation.angle_rad));
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTemporalCounters, history_->counters.get());
+  schedule.set("u_rotation_rad", std::abs(band->rotation.angle_rad));
   schedule.set("u_frame_number", static_cast<int>(band->rotation.frame));
   // A band that needs far more than its share gets what fits; what costs far more than its budget is asked for anew.
   const glm::ivec4 sampling = layer.constants.sampling;
@@ -199,7 +200,7 @@ void TemporalReuse::schedule(Band* band) {
   }
 }
 
-void TemporalReuse::shade_items(const Band& band, int list, bool looks_back, unsigned first, unsigned count) {
+void TemporalReuse::shade_items(const Band& band, int list, bool reuses_history, unsigned first, unsigned count) {
   if (count == 0) return;
   const LayerContext& layer = band.layer;
   const WorkLists& lists = band.sampled.lists();
@@ -207,11 +208,12 @@ void TemporalReuse::shade_items(const Band& band, int list, bool looks_back, uns
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPartial, lists.partial[list].get());
   const SunBuffers* sun = layer.frame.scene.environment().sun();
   const Program& program =
-      layer.frame.programs.get(scheduled_shade_variant(layer.plan, list == 0, looks_back, sun != nullptr));
+      layer.frame.programs.get(scheduled_shade_variant(layer.plan, list == 0, reuses_history, sun != nullptr));
   if (sun) set_sun(program, *sun);
   glProgramUniform2i(program.get(), program.location("u_range"), static_cast<GLint>(first), static_cast<GLint>(count));
   const float angle = band.rotation.angle_rad;
-  if (looks_back) glProgramUniform2f(program.get(), program.location("u_turn"), std::cos(angle), std::sin(angle));
+  if (reuses_history)
+    glProgramUniform2f(program.get(), program.location("u_rotation"), std::cos(angle), std::sin(angle));
   if (layer.plan.visibility == "traced") layer.frame.bakes.octree().buffers().set_uniforms(program);
   dispatch_list(program, static_cast<int>(count));
 }

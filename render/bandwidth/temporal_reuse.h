@@ -17,8 +17,8 @@ constexpr float kReuseShadowedDensity = 1.0f;
 /// What a sample that looks back costs in samples under one sky: it sees two, in items so short that beginning them
 /// counts.
 constexpr float kLookingBack = 3.5f;
-/// What the points of a frame may cost on average, over the base count, and over what reuse costs: about half of what it
-/// takes to begin anew.
+/// What the points of a frame may cost on average, over the base count, and over what reuse costs: about half of what
+/// it takes to begin anew.
 constexpr float kReuseBudget = 1.5f, kLookingBackBudget = 1.25f;
 constexpr float kLeastSampleScale = 0.25f;
 
@@ -42,7 +42,7 @@ struct LightRotation {
 TileShare renewed_share(const LightRotation& rotation);
 
 /// What mode `bandwidth` keeps of each grid point while only the environment rotates, and how it shades then: every
-/// point's mean is corrected by what its samples changed (shaders/turning).
+/// point's mean is corrected by what its samples changed (shaders/rotation).
 class TemporalReuse {
  public:
   /// What this frame can reuse. `points`: all that points depend on besides the request and measured tables' swaps.
@@ -62,7 +62,7 @@ class TemporalReuse {
     Texture mean;               ///< RGBA32F: mean without clamping, and the samples that it is worth
     Texture renewed;            ///< R32UI: number of the frame that last renewed the point
     Texture sun;                ///< RGBA32F: the sun's light at the frame's points, which is not carried on
-    Buffer counters;            ///< Counters of shaders/turning/item.glsl
+    Buffer counters;            ///< Counters of shaders/rotation/item.glsl
     std::uint32_t frame = 1;    ///< number of the frame at hand, from 2
     float sample_scale = 1.0f;  ///< of wanted samples, for the frame to come
 
@@ -90,7 +90,7 @@ class TemporalReuse {
   void shade_band(Band* band);
   void shade_round(Band* band, int round, const unsigned large_items[2], const unsigned small_items[2]);
   /// Items `first` to `first + count` of a list of `schedule`.
-  void shade_items(const Band& band, int list, bool looks_back, unsigned first, unsigned count);
+  void shade_items(const Band& band, int list, bool reuses_history, unsigned first, unsigned count);
   /// The sun's light at the points of a list, where the environment has one.
   void shade_sun(const Band& band, int list, unsigned points);
 

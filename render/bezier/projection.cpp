@@ -51,7 +51,7 @@ struct Part {
   glm::vec3 origin{0.0f};
   PatchView view;
   bezier_float::BezierSurface surface;
-  GhostReach ghost;  ///< bound of the difference between the rays that are traced and those of the patch
+  GhostDeviation ghost;  ///< bound of the difference between the rays that are traced and those of the patch
   /// How far outside a sphere the traced rays may be when the patch's own rays touch the sphere.
   float ghost_margin_m(const glm::vec3& center, float radius) const {
     return ghost.at(glm::length(center - origin) + radius + size_m);
@@ -147,7 +147,7 @@ class BezierReflections : public ReflectorTechnique {
     counts_[uncertain_pixels] = hits_.finish(frame, 0, patches);
     frame.timer->end("projection");
   }
-  bool doubts() const override { return true; }
+  bool marks_low_confidence() const override { return true; }
   void add_bytes(std::map<std::string, std::size_t>* bytes) const override {
     (*bytes)["projection"] = projected_.bytes() + pieces_[0].bytes() + pieces_[1].bytes() + nodes_.bytes() +
                              triangle_of_vertex_.bytes() + vertex_list_.bytes() + triangle_list_.bytes() +
@@ -233,7 +233,7 @@ class BezierReflections : public ReflectorTechnique {
       throw Error("--reflections bezier", "the patch '" + reflector.name + "' has no area",
                   "correct its control points");
     Part part;
-    part.ghost = frame.ghost ? (*frame.ghost)[number] : GhostReach{};
+    part.ghost = frame.ghost ? (*frame.ghost)[number] : GhostDeviation{};
     if (frame.ghost && part.ghost.offset_m == 0.0f) return;  // no pane, or outside the picture
     part.view = view_patch(patch, *frame.constants);
     // A second reflection is a few millimetres beside the first: far less than this margin.
@@ -249,7 +249,7 @@ class BezierReflections : public ReflectorTechnique {
     const std::vector<FittedPatch>& patches = reflector.fit->patches;
     const int side = std::max(4, static_cast<int>(16.0 / std::sqrt(static_cast<double>(patches.size()))));
     for (std::size_t k = 0; k < patches.size(); ++k) {
-      const FitReach& seen = (*frame.fits)[static_cast<std::size_t>(reflector.first_patch) + k];
+      const FitDeviation& seen = (*frame.fits)[static_cast<std::size_t>(reflector.first_patch) + k];
       if (seen.most == glm::vec2(0.0f)) continue;  // no pixel sees it
       // Only the visible part of the patch, so that the search is not disturbed by the rest.
       const glm::dvec4 window(4.0f - seen.least - kBetweenPixels, seen.most - 4.0f + kBetweenPixels);

@@ -16,9 +16,9 @@ Technique bezier_technique() {
        .min = 0.05,
        .max = 16.0,
        .unit = "pixels",
-       .help =
-           "how far a reflected edge may bend before it is halved, in pixels of the reflected picture; the picture is "
-           "the same, the time is not"},
+       .help = "the curvature of a reflected edge above which it is halved, in pixels of the reflected picture; the "
+               "picture is "
+               "the same, the time is not"},
       {.name = "bezier.levels",
        .default_value = 5,
        .min = 0,

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "render/environment/wavelet_bandwidth.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
 
 namespace maquette {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 

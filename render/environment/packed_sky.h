@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/environment.h"
 
 namespace maquette {

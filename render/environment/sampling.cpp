@@ -7,7 +7,7 @@
 
 #include "render/environment/environment_tables.h"
 #include "render/environment/texel_cell.h"
-#include "render/low_discrepancy.h"
+#include "render/math/low_discrepancy.h"
 
 namespace maquette {
 namespace {

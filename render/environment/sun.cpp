@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/low_discrepancy.h"
-#include "render/shared_formulas.h"
+#include "render/math/low_discrepancy.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
 
 namespace maquette {

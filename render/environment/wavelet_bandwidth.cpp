@@ -6,8 +6,8 @@
 #include <complex>
 #include <numbers>
 
-#include "render/daubechies4.h"
-#include "render/wide.h"
+#include "render/math/daubechies4.h"
+#include "render/math/wide.h"
 
 namespace maquette {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 
 namespace maquette {
 
@@ -19,8 +19,8 @@ FrameConstants make_frame_constants(const SceneState& scene, const FrameRequest&
                             static_cast<float>(environment.tables().luminance_integral));
   c.size = glm::ivec4(size.grid_width(), size.grid_height(), size.side, 0);
   c.sampling = glm::ivec4(1, 2, 0, static_cast<int>(request.seed));
-  c.environment_size = glm::ivec4(environment.environment().width, environment.environment().height,
-                                  environment.bias(), EnvironmentBuffers::kListLength);
+  c.environment_size = glm::ivec4(environment.environment().width, environment.environment().height, environment.bias(),
+                                  EnvironmentBuffers::kListLength);
   const PackedSky& sky = environment.sky();
   c.sky_nodes = glm::ivec4(sky.columns, sky.spans, sky.last_row, sky.offset > 0.0f ? 1 : 0);
   c.bandwidth_size = glm::ivec4(environment.tables().bandwidth_width, environment.tables().bandwidth_height,

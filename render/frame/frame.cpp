@@ -41,7 +41,7 @@ void Frame::carry_out(const Pass& pass) {
   const auto known = keys_.find(id);
   std::optional<Key> key;
   if (why.empty() && pass.key) key = pass.key();
-  if (key && known != keys_.end() && known->second == *key) why = kUnchanged;
+  if (key && !pass.always && known != keys_.end() && known->second == *key) why = kUnchanged;
   if (!why.empty()) {
     for (const std::string& name : pass.names) skip(name, why);
     return;

@@ -6,8 +6,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "render/camera.h"
-#include "render/settings.h"
+#include "render/frame/camera.h"
+#include "render/technique/settings.h"
 
 namespace maquette {
 
@@ -21,7 +21,7 @@ class Key {
     return key;
   }
   template <typename T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void add(T value) {
     char bytes[sizeof value];
     std::memcpy(bytes, &value, sizeof value);

@@ -26,12 +26,14 @@ struct SkippedPass {
 
 /// What carries out planned passes.
 struct Pass {
-  /// Of the plan. Several: one run carries them out together, because they take turns band by band or ray by ray.
+  /// Of the plan. Several: one run carries them out together, because they take turns band by band or ray by ray,
+  /// and `run` ends each on the timer (FrameContext::timer).
   std::vector<std::string> names;
   int layer = -1;
   /// All that its result depends on: it is skipped while that is the same as when it last ran. Asked when its turn
   /// comes. Null: it always runs.
   std::function<Key()> key = {};
+  bool always = false;  ///< it runs though its key is unchanged; a later frame may skip it again
   /// Why this frame does not need it; an empty string: it does. May be null.
   std::function<std::string()> skip = {};
   std::function<void()> run = {};

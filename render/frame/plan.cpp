@@ -98,6 +98,17 @@ void decide_lights(const Planning& p, const Technique& mode, ShadingPlan* shadin
             p.in.facts.has_emissive_meshes ? "emissive surfaces light the scene" : "the scene has lights of its own");
 }
 
+/// The bake that the technique itself declares.
+void decide_own_bake(const Planning& p, const Technique& mode, ShadingPlan* shading) {
+  if (!mode.own_bake) return;
+  const OwnBake& own = *mode.own_bake;
+  const auto status = p.in.status.own_bakes.find(own.name);
+  if (status != p.in.status.own_bakes.end() && !status->second.ready)
+    return p.leave_out(own.name, not_ready("its bake is", status->second), kStatus);
+  shading->own_bake = own.name;
+  p.feature(own.name, own.reason);
+}
+
 // --- reflections ---
 
 void decide_reflections(const Planning& p, bool traces_picture) {
@@ -339,6 +350,7 @@ void plan_layers(const Planning& p, const Registry& registry) {
     decide_visibility(p, mode, &layer);
     decide_indirect(p, mode, &layer);
     decide_lights(p, mode, &layer);
+    decide_own_bake(p, mode, &layer);
   }
   decide_reflections(p, false);
   p.plan->glass = p.in.facts.has_glass || (!p.plan->reflections.empty() && p.in.view.mirrors);
@@ -396,7 +408,8 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
   return plan;
 }
 
-/// What is brought up to date for a frame that has all it wants.
+/// What is brought up to date for a frame that has all it wants: Renderer::Impl::prepare (render/renderer.cpp) carries
+/// each step out.
 std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registry& registry) {
   std::vector<PlannedPass> steps;
   const auto any_layer = [&](const auto& has) { return std::any_of(wanted.layers.begin(), wanted.layers.end(), has); };
@@ -407,6 +420,9 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
   if (any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; }))
     steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
+  for (const ShadingPlan& layer : wanted.layers)
+    if (!layer.own_bake.empty())
+      steps.push_back({"bake_" + layer.own_bake, "mode " + layer.mode + " draws with it", {}, {layer.own_bake}});
   if (wanted.octree) steps.push_back({"build_octree", "rays go through it", {}, {words::kOctree}});
   if (wanted.cell_brdfs)
     steps.push_back({"bake_cells", "BRDFs of the octree's cells", {words::kOctree}, {"cell_brdfs"}});
@@ -415,8 +431,20 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
 
 }  // namespace
 
+std::map<std::string, BakeStatus> FrameStatus::bakes() const {
+  std::map<std::string, BakeStatus> all = own_bakes;
+  all.insert(
+      {{"visibility", visibility}, {"indirect", indirect}, {words::kOctree, octree}, {"cell_brdfs", cell_brdfs}});
+  return all;
+}
+
 bool FramePlan::any_layer_is_shadowed_by(const std::string& visibility) const {
   return std::any_of(layers.begin(), layers.end(), [&](const ShadingPlan& l) { return l.visibility == visibility; });
+}
+
+std::string FramePlan::pass_title(const std::string& name, int layer) const {
+  if (layers.size() < 2 || layer < 0) return name;
+  return name + " (" + layers[static_cast<std::size_t>(layer)].mode + ")";
 }
 
 FramePlan plan(const SceneFacts& facts, const std::string& mode, const Settings& settings, const ViewInfo& view,

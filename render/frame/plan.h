@@ -3,11 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "render/frame/request.h"
 #include "render/frame/pass.h"
+#include "render/frame/request.h"
 #include "render/frame/status.h"
 #include "render/scene_state/facts.h"
-#include "render/settings.h"
+#include "render/technique/settings.h"
 
 namespace maquette {
 
@@ -43,9 +43,10 @@ struct Feature {
 /// How one shading mode shades its share of the frame.
 struct ShadingPlan {
   std::string mode;
-  std::vector<std::string> nodes;    ///< whose parts it shades, with what is below them; empty: all others
+  std::vector<std::string> nodes;   ///< whose parts it shades, with what is below them; empty: all others
   std::string visibility = "none";  ///< none, baked or traced, after `auto` was decided
   std::string indirect = "none";    ///< none or baked
+  std::string own_bake;             ///< the technique's, once it is ready; else empty
   bool texture_bandwidth = false;
   bool lights = false;                    ///< punctual lights or emissive meshes are sampled
   bool sheen = false, clearcoat = false;  ///< lobes that analytic materials may have
@@ -68,6 +69,8 @@ struct FramePlan {
 
   const ShadingPlan& shading() const { return layers.front(); }
   bool any_layer_is_shadowed_by(const std::string& visibility) const;
+  /// How a pass is called where times and reasons are listed: with its mode, where several layers have one.
+  std::string pass_title(const std::string& name, int layer) const;
 };
 
 /// Decides what a frame does. Throws Error when the mode cannot do what was asked (never falls back to another), and

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 #include "render/frame/part_mode.h"
-#include "render/settings.h"
+#include "render/technique/settings.h"
 
 namespace maquette {
 
@@ -28,7 +28,7 @@ struct FrameRequest {
   float env_scale = 1.0f;
   int variant = -1;
   std::string reflections = kNoReflections;  ///< reflector technique
-  std::vector<std::string> reflectors;  ///< nodes that reflect; empty: those that the scene marks
+  std::vector<std::string> reflectors;       ///< nodes that reflect; empty: those that the scene marks
   /// Parts of the scene that have another shading mode than the rest; of nested ones the innermost counts.
   std::vector<PartMode> part_modes = {};
   /// Seen by an eye only, through a tone curve: what cannot be told apart may be left out (`reflections.skip`).

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,5 +27,9 @@ struct FrameStats {
   std::map<int, std::string> fits;  ///< by node: the patches that stand for a curved mirror, and how far they are off
   std::optional<double> estimated_error;  ///< relative RMSE of the picture so far, where the mode itself knows it
 };
+
+/// Called with every frame that a Renderer draws, so that tests can hold all of them against their plan. Null: nobody
+/// looks.
+inline std::function<void(const FrameStats&)> frame_observer;
 
 }  // namespace maquette

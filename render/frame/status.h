@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,25 +16,29 @@ struct BakeStatus {
 /// the frame is the first of its picture.
 struct FrameStatus {
   BakeStatus visibility, indirect, octree, cell_brdfs;
+  std::map<std::string, BakeStatus> own_bakes;  ///< by Technique::own_bake; one that is not listed is ready
   bool has_geometry = true;
-  bool lights_count = true;  ///< what shines is bright enough to be sampled
+  bool lights_count = true;   ///< what shines is bright enough to be sampled
   bool keeps_octree = false;  ///< nothing in view goes through it, but it stays for some frames more
 
   // Patches fitted to curved meshes, for a technique that projects into them.
-  std::string fitting;                ///< names of reflectors that are left out until theirs are there
-  bool all_fitting = false;           ///< of all of them
+  std::string fitting;       ///< names of reflectors that are left out until theirs are there
+  bool all_fitting = false;  ///< of all of them
   double fit_progress = 1.0;
-  std::vector<std::string> fitted;    ///< a line each: the fits that keep the tolerance
+  std::vector<std::string> fitted;     ///< a line each: the fits that keep the tolerance
   std::vector<std::string> misfitted;  ///< those that do not
 
   // What has changed since the frame before.
-  int accumulated = 0;         ///< frames in the picture so far: nothing has moved since the first of them
-  bool light_rotated = false;  ///< only the environment's rotation: temporal reuse
-  bool sun_apart = false;      ///< the environment has a sun, which is then drawn apart
+  int accumulated = 0;          ///< frames in the picture so far: nothing has moved since the first of them
+  bool light_rotated = false;   ///< only the environment's rotation: temporal reuse
+  bool sun_apart = false;       ///< the environment has a sun, which is then drawn apart
   bool tables_swapped = false;  ///< only measured tables of materials: the points of other materials are kept
 
   /// Why mirrored rays are all followed; empty: those that bring little are skipped.
   std::string follows_all_rays;
+
+  /// All bakes by their words; one that nothing wants counts as ready.
+  std::map<std::string, BakeStatus> bakes() const;
 };
 
 }  // namespace maquette

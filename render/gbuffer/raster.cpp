@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 #include "scenes/error.h"
 
 namespace maquette {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <span>
 
-#include "render/depth_order.h"
 #include "render/environment/prefilter.h"
 #include "render/gl/bindings.h"
-#include "render/material_overrides.h"
+#include "render/glass/depth_order.h"
+#include "render/scene_state/material_overrides.h"
 #include "render/shading/sampled_shading.h"
 
 namespace maquette {
@@ -68,7 +68,8 @@ int base_color_texture(const SceneState& scene, std::size_t item) {
 PaneKind kind_of(const PaneScene& scene, std::size_t item) {
   using Reflected = PaneKind::Reflected;
   const float share = pane_share(scene.frame.scene.material_of_item(item));
-  PaneKind kind{.texture = base_color_texture(scene.frame.scene, item) >= 0, .surface = (share < 1.0f), .pane = (share > 0.0f)};
+  PaneKind kind{
+      .texture = base_color_texture(scene.frame.scene, item) >= 0, .surface = (share < 1.0f), .pane = (share > 0.0f)};
   if (!scene.reflected.drawn || scene.reflectors.of_item(item) < 0) return kind;
   if (scene.reflectors.is_mirror(item)) {
     kind.reflected = Reflected::mirror;
@@ -141,6 +142,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   const FrameContext& frame = scene.frame;
   const DrawnLayer& layer = scene.layers.front();
   const Surfaces& surfaces = layer.context.surfaces;
+  if (!surfaces.kept()) recorded_.reset();  // of another G-buffer
   // Layers are listed in the order of the fragments, which only a software device promises to keep.
   if (!frame.plan.glass || !frame.device.software || !surfaces.kept() || !frame.plan.reflections.empty() ||
       scene.layers.size() > 1)
@@ -186,7 +188,7 @@ void Panes::bind_recorded(const Program& program, float rotation_rad) const {
   constexpr float kTurn_rad = 2.0f * std::numbers::pi_v<float>;
   glBindTextureUnit(kUnitPaneHeads, recorded_->heads.get());
   glBindTextureUnit(kUnitPaneLayers, recorded_->layer_view.get());
-  program.set("u_turn", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
+  program.set("u_rotation", std::remainder(rotation_rad, kTurn_rad) / kTurn_rad);
 }
 
 void Panes::draw(const PaneScene& scene, const Texture& behind) { draw_items(scene, items(scene), behind, false); }

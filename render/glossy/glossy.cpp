@@ -4,7 +4,7 @@
 #include <array>
 
 #include "render/gl/bindings.h"
-#include "render/indirect/indirect_pass.h"
+#include "render/indirect/bind.h"
 #include "render/octree/reflections.h"
 #include "render/views/read_texture.h"
 
@@ -29,9 +29,8 @@ bool has_measured(const MirroredScene& scene) { return scene.frame.scene.facts()
 std::vector<ShaderVariant> Glossy::shader_variants() {
   std::vector<ShaderVariant> variants;
   for (const bool measured : {false, true})
-    for (const ShaderVariant& variant :
-         {glossy_variant(measured, false), glossy_variant(measured, true), rays_variant(measured),
-          tiles_variant(measured)})
+    for (const ShaderVariant& variant : {glossy_variant(measured, false), glossy_variant(measured, true),
+                                         rays_variant(measured), tiles_variant(measured)})
       variants.push_back(variant);
   return variants;
 }
@@ -39,7 +38,7 @@ std::vector<ShaderVariant> Glossy::shader_variants() {
 std::vector<std::size_t> named_glossy_items(const SceneState& scene, const ReflectorSet& reflectors,
                                             const std::vector<std::string>& names) {
   std::vector<std::size_t> named;
-  const std::vector<bool> smooth = glossy_items(scene, kMostGlossyRoughness);
+  const std::vector<bool> smooth = glossy_items(scene, kMaxGlossyRoughness);
   for (std::size_t i = 0; i < smooth.size() && named.size() < kMaxReflectors; ++i) {
     const int node = scene.geometry().items[i].node;
     if (!smooth[i] || node < 0 || reflectors.is_mirror(i)) continue;
@@ -52,8 +51,8 @@ std::vector<std::size_t> named_glossy_items(const SceneState& scene, const Refle
 int glossy_in_view(const SceneState& scene, const ReflectorSet& reflectors, const FrameRequest& request,
                    const glm::mat4& clip) {
   const auto roughness = static_cast<float>(request.settings.get_double("octree.glossy"));
-  std::vector<bool> smooth = roughness > 0.0f ? glossy_items(scene, roughness)
-                                              : std::vector<bool>(scene.geometry().items.size(), false);
+  std::vector<bool> smooth =
+      roughness > 0.0f ? glossy_items(scene, roughness) : std::vector<bool>(scene.geometry().items.size(), false);
   for (const std::size_t i : named_glossy_items(scene, reflectors, request.reflectors)) smooth[i] = true;
   int count = 0;
   for (std::size_t i = 0; i < smooth.size(); ++i)
@@ -87,8 +86,8 @@ void Glossy::find_tiles(const MirroredScene& scene) {
     counter_ = TileCounter(tiles_.counts.size());
   }
   tiles_.band_tiles = surfaces.tiles().band_tiles;
-  const Program& program = counter_.begin(&scene.frame.programs, tiles_variant(has_measured(scene)),
-                                          surfaces.band_rows(), tiles_, nullptr);
+  const Program& program =
+      counter_.begin(&scene.frame.programs, tiles_variant(has_measured(scene)), surfaces.band_rows(), tiles_, nullptr);
   set_uniforms(scene, program);
   dispatch_tiles(program, surfaces.tiles(), kPerTile);
   counter_.end(&tiles_, nullptr);
@@ -128,10 +127,9 @@ void Glossy::run(const MirroredScene& scene, const Key& surfaces, bool averages_
     cast_rays(scene);
   }
   rays_.bind_constants(scene);
-  rays_.follow(scene, {.technique = *technique_,
-                       .keeps_hits = kept,
-                       .glossy = true,
-                       .blend = 1.0f / static_cast<float>(frames_)});
+  rays_.follow(
+      scene,
+      {.technique = *technique_, .keeps_hits = kept, .glossy = true, .blend = 1.0f / static_cast<float>(frames_)});
   traced_ = now;
   scene.bind_layer(0);
   const bool baked = scene.layers.front().context.plan.indirect == "baked";

@@ -7,12 +7,13 @@
 namespace maquette {
 
 namespace {
-/// Bakes of a light that turns are no closer: a cell of the masks, between whose middles visibility is linear.
+/// Bakes of a rotating environment are no closer: a cell of the visibility maps, between whose middles visibility is
+/// linear.
 constexpr float kKeySpacing_rad = 0.2f;
 /// Nobody knows where a light goes next that leaps so far from frame to frame.
 constexpr float kLeap_rad = 0.5f;
-/// While the light turns, the worker rests for so many times as many frames as a bake took: frames need the processors
-/// more than light that comes by way of other surfaces needs to be of this very moment.
+/// While the environment rotates, the worker rests for so many times as many frames as a bake took: frames need the
+/// processors more than indirect light needs to be of this very moment.
 constexpr int kRest = 1;
 /// Frames that a bake is taken to need at most.
 constexpr int kSlowest = 16;
@@ -47,7 +48,7 @@ bool IndirectBuffers::update(const IndirectJob& job) {
 void IndirectBuffers::take_result() {
   const std::shared_ptr<const IndirectResult> result = take();
   if (!result) return;
-  // A first bake traces rays for seconds: it says nothing about those of a light that turns.
+  // A first bake traces rays for seconds: it says nothing about those of a rotating environment.
   if (result->bounces == IndirectBounces::step) latency_ = std::min(frames_, kSlowest);
   if (result->bake.vertices.empty()) return;
   IndirectKey key;

@@ -22,9 +22,9 @@ struct IndirectKey {
   std::uint32_t serial = 0;  ///< of the bake
 };
 
-/// The baked indirect light of one scene on the GPU. While the light turns, bakes are
-/// made for where it is going to stand, and the picture lies between two of them: with masks of 0.22 rad, light that
-/// comes by way of other surfaces changes as smoothly.
+/// The baked indirect light of one scene on the GPU. While the environment rotates, bakes are
+/// made for where it is going to stand, and the picture lies between two of them: with visibility maps of 0.22 rad,
+/// indirect light changes as smoothly.
 class IndirectBuffers final : public BakeRunner<IndirectJob, IndirectResult> {
  public:
   IndirectBuffers() : BakeRunner(std::make_shared<IndirectKind>(), IndirectKind::spares) {}
@@ -47,8 +47,8 @@ class IndirectBuffers final : public BakeRunner<IndirectJob, IndirectResult> {
   bool busy() const override {
     return (ready() && !current()) || (BakeRunner::busy() && submitted_bounces_ != IndirectBounces::none);
   }
-  /// Whether rays are traced as soon as there is time, so that a light that starts to turn need not wait for them: the
-  /// cache on disk knows the answer for one light, and not them.
+  /// Whether rays are traced as soon as there is time, so that an environment that starts to rotate need not wait for
+  /// them: the cache on disk knows the answer for one light, and not them.
   void set_prepares(bool prepares) { prepares_ = prepares; }
   /// The one or two that the sky asked for last lies between, the earlier one first, and the weight of the last.
   const std::vector<IndirectKey>& keys() const { return keys_; }

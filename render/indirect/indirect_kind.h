@@ -28,8 +28,8 @@ class IndirectKind : public CachedBakeKind<IndirectJob, IndirectResult> {
   IndirectKind();
   Baked<IndirectResult> load(const IndirectJob&) override;
   Baked<IndirectResult> run(const IndirectJob&, const Baked<IndirectResult>&, const BakeTask<IndirectResult>&) override;
-  /// A newer sky waits for the one in work (a light that turns all the time would else never be seen); newer surfaces
-  /// stop it.
+  /// A newer sky waits for the one in work (a rotating environment all the time would else never be seen); newer
+  /// surfaces stop it.
   static bool spares(const IndirectJob& before, const IndirectJob& next) { return before.input == next.input; }
 
  protected:
@@ -38,7 +38,7 @@ class IndirectKind : public CachedBakeKind<IndirectJob, IndirectResult> {
   std::optional<IndirectResult> unpack(const IndirectJob&, const std::vector<std::byte>&) const override;
 
  private:
-  /// What is kept from run to run of the same input, so that a sky that turns costs no rays.
+  /// What is kept from run to run of the same input, so that a rotating sky costs no rays.
   struct Memory {
     std::shared_ptr<const IndirectInput> input;
     std::shared_ptr<const IndirectLinks> links;

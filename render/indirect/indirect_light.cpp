@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
 
 namespace maquette {
@@ -90,7 +90,7 @@ void splat_rows(const IndirectSky& sky, int first, int last, std::array<CellSum,
       const SkyBlock block = sum_block(e, column, row, side);
       if (!(block.weight > 0.0)) continue;
       const glm::vec3 d = shared::direction_from_latlong_uv(glm::vec2(block.uv / block.weight));
-      splat_block(block, shared::latlong_turn(d, cosine, sine), static_cast<double>(sky.scale), sums);
+      splat_block(block, shared::latlong_rotate(d, cosine, sine), static_cast<double>(sky.scale), sums);
     }
   }
 }

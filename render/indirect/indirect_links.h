@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 #include "render/visibility/visibility_points.h"
 
 namespace maquette {

@@ -1,6 +1,7 @@
 #include "render/indirect/indirect_pass.h"
 
 #include "render/gl/bindings.h"
+#include "render/indirect/bind.h"
 
 namespace maquette {
 
@@ -10,23 +11,9 @@ ShaderVariant indirect_variant(bool measured) { return {"shading/indirect.comp",
 
 }  // namespace
 
-ShaderVariant reflected_indirect_variant(bool measured) {
-  return {"shading/indirect.comp", "", {{"REFLECTED", "1"}, {"MEASURED", flag(measured)}}};
-}
-
 std::vector<ShaderVariant> IndirectPass::shader_variants() {
   return {indirect_variant(false), indirect_variant(true), reflected_indirect_variant(false),
           reflected_indirect_variant(true)};
-}
-
-void bind_indirect(const Program& program, const SceneState& scene, const IndirectKey& key) {
-  program.set("u_bias", key.bias);
-  program.set("u_back", key.sides == 2 ? static_cast<int>(scene.geometry().positions.size()) : 0);
-  glBindTextureUnit(kUnitIndirect, key.view.get());
-}
-
-const IndirectKey& nearest_bake(const IndirectBuffers& indirect) {
-  return indirect.blend() > 0.5f ? indirect.keys().back() : indirect.keys().front();
 }
 
 IndirectPass::Drawn IndirectPass::drawn_of(const LayerContext& layer, const IndirectKey& key) {

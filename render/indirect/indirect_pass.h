@@ -35,10 +35,4 @@ class IndirectPass {
   std::optional<Drawn> drawn_[2];
 };
 
-/// Binds one bake for shaders that load it (shaders/shading/load_indirect.glsl).
-void bind_indirect(const Program& program, const SceneState& scene, const IndirectKey& key);
-/// The bake that a frame is nearest to.
-const IndirectKey& nearest_bake(const IndirectBuffers& indirect);
-ShaderVariant reflected_indirect_variant(bool measured);
-
 }  // namespace maquette

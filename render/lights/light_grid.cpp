@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "render/wide.h"
+#include "render/math/wide.h"
 #include "scenes/luminance.h"
 
 namespace maquette {

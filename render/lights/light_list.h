@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/geometry.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 

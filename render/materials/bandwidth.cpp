@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/daubechies4.h"
 #include "render/materials/symmetric_brdf.h"
+#include "render/math/daubechies4.h"
 
 namespace maquette {
 

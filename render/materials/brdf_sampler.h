@@ -1,7 +1,7 @@
 #pragma once
 
 #include "render/materials/brdf_tables.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette::shared {
 

@@ -5,7 +5,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/brdf.h"
 #include "scenes/luminance.h"
 

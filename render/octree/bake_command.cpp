@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "render/material_overrides.h"
 #include "render/octree/cell_brdf_kind.h"
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
 #include "render/octree/technique.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {

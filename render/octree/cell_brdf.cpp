@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/math/shared_formulas.h"
 #include "render/octree/octree_shared.h"
-#include "render/shared_formulas.h"
 #include "scenes/files.h"
 
 namespace maquette {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "render/local_pca.h"
+#include "render/math/local_pca.h"
 #include "render/octree/cell_brdf.h"
 #include "render/octree/octree_build.h"
 

@@ -11,7 +11,7 @@ Baked<CellBrdfs> CellBrdfKind::run(const CellBrdfJob& job, const Baked<CellBrdfs
                                    const BakeTask<CellBrdfs>& task) {
   const CellBrdfs* before = kept.value.get();
   const OctreeJob& o = job.octree;
-  const OctreeSource source{o.geometry, o.materials, o.transmits, *o.paint};
+  const OctreeSource source{o.geometry, o.materials, o.transmits, *o.textures};
   CellTables tables;
   const std::vector<CellMaterial> materials = make_cell_materials(job.materials, &tables);
   // What an interrupted bake leaves: the bricks before, replaced by new ones as they come.

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "render/embree_ray.h"
 #include "render/octree/octree_triangles.h"
+#include "render/raytraced/embree_ray.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -16,7 +16,7 @@ CellRays::CellRays(const OctreeSource& source, const OctreeGrid& grid) : device_
   const double cells_per_m = std::exp2(grid.depth) / grid.side_m;
   std::vector<std::uint32_t> indices;
   for_each_triangle(source, [&](std::size_t first, std::size_t item) {
-    if (source.paint.cut_out(source.materials[item])) return;
+    if (source.textures.cut_out(source.materials[item])) return;
     for (std::size_t k = 0; k < 3; ++k) indices.push_back(source.geometry.indices[first + k]);
   });
   if (!indices.empty()) {

@@ -115,17 +115,17 @@ class Builder {
     std::uint64_t hash = setup_;
     for (const Triangle& t : triangles) {
       const int material = source_.materials[t.item];
-      const bool textured = source_.paint.textured(material);
+      const bool textured = source_.textures.textured(material);
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t v = g.indices[t.first_index + k];
         const glm::vec4& c = g.colors[v];
         data.insert(data.end(), {g.positions[v].x, g.positions[v].y, g.positions[v].z, g.normals[v].x, g.normals[v].y,
                                  g.normals[v].z, c.r, c.g, c.b, c.a});
         if (!textured) continue;
-        const glm::vec2 uv = source_.paint.uv_set(material) == 1 ? g.uv1[v] : g.uv0[v];
+        const glm::vec2 uv = source_.textures.uv_set(material) == 1 ? g.uv1[v] : g.uv0[v];
         data.insert(data.end(), {uv.x, uv.y});
       }
-      const std::uint64_t words[] = {static_cast<std::uint64_t>(material), source_.paint.content(material),
+      const std::uint64_t words[] = {static_cast<std::uint64_t>(material), source_.textures.content(material),
                                      t.first_index};
       float all[6];
       std::memcpy(all, words, sizeof all);
@@ -209,7 +209,7 @@ class Builder {
     return std::sqrt(std::abs(e1.x * e2.y - e1.y * e2.x) * area / static_cast<float>(std::sqrt(face.square)));
   }
   const std::vector<glm::vec2>& uvs_of(int material) const {
-    return source_.paint.uv_set(material) == 1 ? source_.geometry.uv1 : source_.geometry.uv0;
+    return source_.textures.uv_set(material) == 1 ? source_.geometry.uv1 : source_.geometry.uv0;
   }
 
   void add_fragment(const CellClipper::Piece& piece, const glm::ivec3& brick_lower, const Triangle& triangle,
@@ -237,13 +237,13 @@ class Builder {
     f.normal = length > 1e-6f ? smooth / length : f.geometric;
     const glm::vec4 vertex_color = blend(g.colors, face, w);
     f.color = glm::vec3(vertex_color);
-    if (source_.paint.textured(material)) {
+    if (source_.textures.textured(material)) {
       const std::vector<glm::vec2>& uvs = uvs_of(material);
-      const glm::vec4 texel = source_.paint.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
+      const glm::vec4 texel = source_.textures.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
       f.color *= glm::vec3(texel);
-      if (source_.paint.cut_out(material)) {
-        const float alpha = source_.paint.alpha_factor(material) * texel.a * vertex_color.a;
-        f.opacity = alpha < source_.paint.cutoff(material) ? 0.0f : 1.0f;
+      if (source_.textures.cut_out(material)) {
+        const float alpha = source_.textures.alpha_factor(material) * texel.a * vertex_color.a;
+        f.opacity = alpha < source_.textures.cutoff(material) ? 0.0f : 1.0f;
       }
     }
     out->pieces.push_back(f);
@@ -261,7 +261,7 @@ class Builder {
     for (const OctreeFragment& f : pieces) {
       const int material = static_cast<int>(f.material);
       if (f.opacity == 0.0f) continue;
-      if (!source_.paint.textured(material)) {
+      if (!source_.textures.textured(material)) {
         add(f.color);
         continue;
       }
@@ -272,7 +272,7 @@ class Builder {
         for (const float t : {0.3f, 0.6f, 0.9f}) {
           const glm::dvec3 p = glm::dvec3(glm::mix(f.centroid, corner, t)) + brick_lower;
           const glm::vec3 w = weights_at(face, p);
-          add(glm::vec3(source_.paint.mean_color(material, blend(uvs, face, w), span)));
+          add(glm::vec3(source_.textures.mean_color(material, blend(uvs, face, w), span)));
         }
       }
     }
@@ -423,7 +423,7 @@ std::optional<OctreeBricks> build_octree_bricks(const OctreeSource& source, cons
                                                 const OctreeBricks* before, const OctreeProgress& progress) {
   check_materials(source);
   OctreeBricks out;
-  out.grid = choose_octree_grid(source, options, before ? &before->grid : nullptr);
+  out.grid = compute_octree_grid(source, options, before ? &before->grid : nullptr);
   if (out.grid.side_m <= 0.0) return out;
   const Builder builder(source, out.grid);
   const Bins bins = builder.bin();

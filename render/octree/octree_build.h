@@ -8,11 +8,11 @@
 #include <optional>
 #include <vector>
 
-#include "render/geometry.h"
 #include "render/octree/octree.h"
 #include "render/octree/octree_brick.h"
 #include "render/octree/octree_clip.h"
 #include "render/octree/octree_textures.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 
@@ -21,7 +21,7 @@ struct OctreeSource {
   const FlatGeometry& geometry;
   const std::vector<int>& materials;   ///< of each item
   const std::vector<bool>& transmits;  ///< of each item: panes and hidden items are left out
-  const OctreePaint& paint;
+  const OctreeTextures& textures;
 };
 
 struct OctreeOptions {
@@ -48,7 +48,7 @@ struct OctreeGrid {
 };
 /// Computes the grid for these surfaces. `before` is kept while it still fits, so that a movement inside a scene does
 /// not shift all cells.
-OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& options, const OctreeGrid* before);
+OctreeGrid compute_octree_grid(const OctreeSource& source, const OctreeOptions& options, const OctreeGrid* before);
 
 struct OctreeBricks {
   OctreeGrid grid;

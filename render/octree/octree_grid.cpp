@@ -88,7 +88,7 @@ Extents find_extents(const OctreeSource& source) {
 
 }  // namespace
 
-OctreeGrid choose_octree_grid(const OctreeSource& source, const OctreeOptions& options, const OctreeGrid* before) {
+OctreeGrid compute_octree_grid(const OctreeSource& source, const OctreeOptions& options, const OctreeGrid* before) {
   OctreeGrid grid;
   const Extents extents = find_extents(source);
   if (extents.all.empty()) return grid;

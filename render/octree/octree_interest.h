@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 

@@ -19,7 +19,7 @@ OctreeJob make_octree_job(const Scene& scene, int variant, int depth) {
     const Material* m = named ? &scene.materials[static_cast<std::size_t>(material)] : nullptr;
     job.transmits.push_back(m && (m->glass || m->alpha_mode == AlphaMode::blend));
   }
-  job.paint = std::make_shared<const OctreePaint>(scene, scene.materials);
+  job.textures = std::make_shared<const OctreeTextures>(scene, scene.materials);
   job.options.depth = depth;
   job.options.detail = kOctreeMaxDetail;
   job.scene = scene.name;
@@ -34,10 +34,10 @@ Baked<OctreeResult> OctreeKind::load(const OctreeJob& job) {
 Baked<OctreeResult> OctreeKind::run(const OctreeJob& job, const Baked<OctreeResult>& kept,
                                     const BakeTask<OctreeResult>& task) {
   const OctreeBricks* before = kept.value ? kept.value->bricks.get() : nullptr;
-  const OctreeSource source{job.geometry, job.materials, job.transmits, *job.paint};
+  const OctreeSource source{job.geometry, job.materials, job.transmits, *job.textures};
   const auto bricks_so_far = std::make_shared<OctreeBricks>();
   const auto part = std::make_shared<const OctreeResult>(OctreeResult{bricks_so_far, {}});
-  bricks_so_far->grid = choose_octree_grid(source, job.options, before ? &before->grid : nullptr);
+  bricks_so_far->grid = compute_octree_grid(source, job.options, before ? &before->grid : nullptr);
   const OctreeProgress watch{&task.cancel, task.progress, [&](std::uint32_t code, const OctreeBricks::Entry& entry) {
                                bricks_so_far->bricks[code] = entry;
                                task.publish(*part);

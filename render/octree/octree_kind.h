@@ -13,7 +13,7 @@ struct OctreeJob {
   FlatGeometry geometry;
   std::vector<int> materials;
   std::vector<bool> transmits;
-  std::shared_ptr<const OctreePaint> paint;
+  std::shared_ptr<const OctreeTextures> textures;
   OctreeOptions options;
   std::shared_ptr<const OctreeBricks> before;  ///< what may be reused; null: what the file holds
   std::string path;                            ///< of the bake file; empty: none

@@ -3,8 +3,8 @@
 // shaders/shared/octree.glsl compiled as C++: the same source as on the GPU.
 #include <cmath>
 
+#include "render/math/shared_formulas.h"
 #include "render/octree/octree.h"
-#include "render/shared_formulas.h"
 
 namespace maquette::shared {
 

@@ -25,7 +25,7 @@ float wrapped(float x, Wrap wrap) {
 
 }  // namespace
 
-std::shared_ptr<const OctreePaint::Chain> OctreePaint::make_chain(const TextureImage& image) {
+std::shared_ptr<const OctreeTextures::Chain> OctreeTextures::make_chain(const TextureImage& image) {
   auto chain = std::make_shared<Chain>();
   float code[256];
   for (int i = 0; i < 256; ++i) code[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
@@ -70,7 +70,7 @@ std::shared_ptr<const OctreePaint::Chain> OctreePaint::make_chain(const TextureI
   return chain;
 }
 
-OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materials) {
+OctreeTextures::OctreeTextures(const Scene& scene, const std::vector<Material>& materials) {
   std::map<int, std::shared_ptr<const Chain>> chains;
   std::map<int, std::uint64_t> hashes;
   for (const Material& material : materials) {
@@ -107,10 +107,10 @@ OctreePaint::OctreePaint(const Scene& scene, const std::vector<Material>& materi
   }
 }
 
-bool OctreePaint::textured(int material) const { return at(material) && at(material)->chain != nullptr; }
-int OctreePaint::uv_set(int material) const { return at(material) ? at(material)->reference.uv_set : 0; }
+bool OctreeTextures::textured(int material) const { return at(material) && at(material)->chain != nullptr; }
+int OctreeTextures::uv_set(int material) const { return at(material) ? at(material)->reference.uv_set : 0; }
 
-glm::vec4 OctreePaint::mean_color(int material, const glm::vec2& uv, float uv_span) const {
+glm::vec4 OctreeTextures::mean_color(int material, const glm::vec2& uv, float uv_span) const {
   const Entry* entry = at(material);
   if (!entry || !entry->chain) return glm::vec4(1.0f);
   const TextureRef& r = entry->reference;

@@ -8,11 +8,11 @@
 namespace maquette {
 
 /// Mean colours of textures for the octree's cells: small mip chains of linear RGBA on the CPU.
-class OctreePaint {
+class OctreeTextures {
  public:
   /// Keeps only the textures that represent a material's colour: the emission texture if the material has one and is
   /// not cut out, otherwise the base colour texture.
-  OctreePaint(const Scene& scene, const std::vector<Material>& materials);
+  OctreeTextures(const Scene& scene, const std::vector<Material>& materials);
 
   bool textured(int material) const;
   int uv_set(int material) const;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "render/technique/settings.h"
 #include "render/technique/technique.h"
-#include "render/settings.h"
 
 namespace maquette {
 

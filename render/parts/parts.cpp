@@ -11,11 +11,12 @@ namespace maquette {
 
 namespace {
 
-const ShaderVariant kSplit{"parts/split.comp", "", {{"DEPTHS", "0"}}}, kSplitHits{"parts/split.comp", "", {{"DEPTHS", "1"}}},
-    kMerge{"parts/merge.comp", "", {}};
+const ShaderVariant kSplit{"parts/split.comp", "", {{"DEPTHS", "0"}}},
+    kSplitHits{"parts/split.comp", "", {{"DEPTHS", "1"}}}, kMerge{"parts/merge.comp", "", {}};
 
 /// Walks the nodes below `node` with their paths.
-void walk(const Scene& scene, int node, const std::string& above, const std::function<void(int, const std::string&)>& visit) {
+void walk(const Scene& scene, int node, const std::string& above,
+          const std::function<void(int, const std::string&)>& visit) {
   const Node& n = scene.nodes[static_cast<std::size_t>(node)];
   const std::string path = above.empty() ? n.name : above + "/" + n.name;
   visit(node, path);
@@ -41,8 +42,8 @@ std::vector<int> layers_of_nodes(const Scene& scene, const std::vector<PartMode>
   std::vector<bool> found(part_modes.size(), false);
   const auto name_nodes = [&](int node, const std::string& path) {
     const std::string& name = scene.nodes[static_cast<std::size_t>(node)].name;
-    known.push_back(name);
-    known.push_back(path);
+    for (const std::string& call : {name, path})
+      if (std::find(known.begin(), known.end(), call) == known.end()) known.push_back(call);
     for (std::size_t k = 0; k < part_modes.size(); ++k) {
       if (part_modes[k].node != name && part_modes[k].node != path) continue;
       found[k] = true;

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "render/material_store.h"
+#include "render/materials/material_store.h"
 #include "render/shading/shading_mode.h"
 #include "render/shading/work_lists.h"
 #include "scenes/environment.h"

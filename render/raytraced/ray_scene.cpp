@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/embree_ray.h"
+#include "render/raytraced/embree_ray.h"
 #include "scenes/error.h"
 
 namespace maquette {

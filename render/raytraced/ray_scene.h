@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 

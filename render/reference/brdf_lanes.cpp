@@ -1,7 +1,7 @@
 #include "render/reference/brdf_lanes.h"
 
 #include "render/materials/brdf_sampler.h"
-#include "render/wide.h"
+#include "render/math/wide.h"
 
 namespace maquette {
 
@@ -20,7 +20,7 @@ MAQUETTE_WIDE void BrdfLanes::compute() {
     out.fraction[0][i] = cell.fraction.x;
     out.fraction[1][i] = cell.fraction.y;
     out.fraction[2][i] = cell.fraction.z;
-    const auto half = sampler.half_vector_place(view, in);
+    const auto half = sampler.half_vector_position(view, in);
     out.t[i] = half.t;
     out.phi[i] = half.phi;
     out.length_sum[i] = half.length_sum;

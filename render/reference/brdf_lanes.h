@@ -30,7 +30,7 @@ struct BrdfLanes {
     /// PackedBrdf::cell_of(merl_cell(merl_coordinates(wi, wo))).
     std::array<Lanes<std::int32_t>, 2> theta_h, theta_d, phi_d;
     std::array<Lanes<float>, 3> fraction;
-    /// half_vector_place(wo, wi), brdf_elevation(wo) (shared/brdf_sampling.glsl).
+    /// half_vector_position(wo, wi), brdf_elevation(wo) (shared/brdf_sampling.glsl).
     Lanes<float> t, phi, length_sum;
     Lanes<std::int32_t> elevation;
   };

@@ -6,6 +6,7 @@
 #include "render/reference/path.h"
 #include "render/reference/path_constants.h"
 #include "render/reference/path_sharing.h"
+#include "render/reference/path_vertex.h"
 #include "render/reference/scattering.h"
 
 namespace maquette {
@@ -67,11 +68,11 @@ class FullPath {
   void prepare_surface() {
     if (step_ != Step::scatter) return;
     const SurfacePoint& p = *point_;
-    shadow_rays_ = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
+    at_.shadow_rays = kShadowRays[static_cast<std::size_t>(std::min(bounce_, 2))];
     polarisation_ = {};
     locate(p);
     draw_numbers();
-    scattering_ = choose_scattering(p, numbers_[kMostShadowRays]);
+    at_.scattering = choose_scattering(p, at_.numbers[kMostShadowRays]);
   }
 
   /// Samples directions to the light sources, and the next direction of the path.
@@ -80,65 +81,66 @@ class FullPath {
     const SurfacePoint& p = *point_;
     set_mirror_share(p);
     set_lamp_rays();
-    if (has_lamp_) {
+    if (at_.has_lamp) {
       const std::uint32_t choice = dimension(kLightChoice);
-      picked_ = choose_light(scene_.lights, location().lamp_cell, sampler_.single(choice), sampler_.word(choice));
-      prefetch_scene_light(scene_, picked_);
+      at_.picked = choose_light(scene_.lights, location().lamp_cell, sampler_.single(choice), sampler_.word(choice));
+      prefetch_scene_light(scene_, at_.picked);
     }
     choose_environment(p);
-    drawn_ = bounce_ < max_bounces_ ? draw_direction(p, scattering_) : DrawnDirection();
-    query_.wi = drawn_.wi;
+    at_.drawn = bounce_ < max_bounces_ ? draw_direction(p, at_.scattering) : DrawnDirection();
+    at_.query.wi = at_.drawn.wi;
   }
 
   /// Traces the shadow rays.
   void trace_shadow_rays() {
     if (step_ != Step::scatter) return;
-    arrived_ = 0;
+    at_.arrived = 0;
     std::array<float, kMostShadowRays> useful;
     useful.fill(-1.0f);  // not traced
-    for (std::uint32_t k = 0; k < shadow_rays_ && !environment_.black(); ++k) {
-      ArrivingLight& light = arriving_[arrived_];
-      environment_.draw_chosen(choices_[k], &light.draw);
-      light.rays = static_cast<float>(shadow_rays_);
+    for (std::uint32_t k = 0; k < at_.shadow_rays && !environment_.black(); ++k) {
+      ArrivingLight& light = at_.arriving[at_.arrived];
+      environment_.draw_chosen(at_.choices[k], &light.draw);
+      light.rays = static_cast<float>(at_.shadow_rays);
       light.choice = k;
-      arrived_ += trace_light(*point_, &light) ? 1 : 0;
+      at_.arrived += trace_light(*point_, &light) ? 1 : 0;
       if (light.above) useful[k] = 0.0f;
     }
-    const std::size_t of_sky = arrived_;
+    const std::size_t of_sky = at_.arrived;
     LightDraw lamp;
-    if (has_lamp_) lamp = draw_scene_light(scene_, point_->position, picked_, sampler_.pair(dimension(kLight)), false);
+    if (at_.has_lamp)
+      lamp = draw_scene_light(scene_, point_->position, at_.picked, sampler_.pair(dimension(kLight)), false);
     if (lamp.pdf > 0.0f) {
-      arriving_[arrived_].draw = lamp;
-      arriving_[arrived_].rays = location().lamp_rays;
-      arrived_ += trace_light(*point_, &arriving_[arrived_]) ? 1 : 0;
+      at_.arriving[at_.arrived].draw = lamp;
+      at_.arriving[at_.arrived].rays = location().lamp_rays;
+      at_.arrived += trace_light(*point_, &at_.arriving[at_.arrived]) ? 1 : 0;
     }
     // Panes and guide records of all rays together: one ray's data is fetched while another's is computed.
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < arrived_; ++i) {
-      ArrivingLight& light = arriving_[i];
+    for (std::size_t i = 0; i < at_.arrived; ++i) {
+      ArrivingLight& light = at_.arriving[i];
       light.through = transmittance(scene_, light.draw.direction, light.passage);
       if (light.through == glm::vec3(0.0f)) continue;
       if (i < of_sky) useful[light.choice] = largest(light.through);
-      if (kept != i) arriving_[kept] = light;
+      if (kept != i) at_.arriving[kept] = light;
       ++kept;
     }
-    arrived_ = kept;
-    for (std::uint32_t k = 0; k < shadow_rays_; ++k)
-      if (useful[k] >= 0.0f) environment_.record(choices_[k].leaf, location().cell, useful[k]);
+    at_.arrived = kept;
+    for (std::uint32_t k = 0; k < at_.shadow_rays; ++k)
+      if (useful[k] >= 0.0f) environment_.record(at_.choices[k].leaf, location().cell, useful[k]);
   }
 
   /// Queues the lookups in measured tables, together with those of other paths.
   void add_queries(QueryBatch* batch) {
     if (step_ != Step::scatter) return;
-    for (std::size_t i = 0; i < arrived_; ++i) batch->add(*point_, &arriving_[i].query);
-    if (drawn_.pdf > 0.0f) batch->add(*point_, &query_);
+    for (std::size_t i = 0; i < at_.arrived; ++i) batch->add(*point_, &at_.arriving[i].query);
+    if (at_.drawn.pdf > 0.0f) batch->add(*point_, &at_.query);
   }
 
   /// Adds the direct light and continues in the new direction.
   void scatter() {
     if (step_ != Step::scatter) return;
     if (reconnecting_) update_reconnection(*point_);
-    for (std::size_t i = 0; i < arrived_; ++i) add_light(*point_, &arriving_[i]);
+    for (std::size_t i = 0; i < at_.arrived; ++i) add_light(*point_, &at_.arriving[i]);
     continue_path(extend(*point_));
   }
 
@@ -160,8 +162,8 @@ class FullPath {
       const float share = s.straight ? 1.0f : std::min(1.0f, kMirroredShare * largest(s.weight));
       if (share < 1.0f && sampler_.single(kDimensionsABranch * (64 + branch)) >= share) continue;
       base_ = 1 + kDimensionsABranch * branch;
-      weight_ = s.weight / share;
-      shared_weight_ = view_independent_ = glm::vec3(0.0f);
+      weight_.full = s.weight / share;
+      weight_.shared = weight_.view_independent = glm::vec3(0.0f);
       reconnecting_ = in_tile_ && branch == 0 && s.straight;
       polarisation_ = {};
       bounce_ = vertex_ = 0;
@@ -172,7 +174,7 @@ class FullPath {
       step_ = Step::scatter;
       if (!s.point.material->refracts() || !pass_glass(s.point)) return;
       step_ = Step::trace;
-      if (largest(weight_) > 0.0f) return;
+      if (largest(weight_.full) > 0.0f) return;
     }
     step_ = Step::none;
   }
@@ -184,23 +186,23 @@ class FullPath {
   void add_environment() {
     if (environment_.black()) return;
     const glm::vec4 light = environment_.radiance_and_density(ray_.direction, shares());
-    add(glm::vec3(light) * share_of(light.w * static_cast<float>(shadow_rays_)));
+    add(glm::vec3(light) * share_of(light.w * static_cast<float>(at_.shadow_rays)));
   }
 
   /// Adds arriving light. Most of it belongs to the reconnection, once there is one.
   void add(const glm::vec3& light) {
-    result_.radiance += (weight_ - reconnection_.carried * shared_weight_) * light;
-    reconnection_.light += shared_weight_ * light;
+    result_.radiance += (weight_.full - reconnection_.carried * weight_.shared) * light;
+    reconnection_.light += weight_.shared * light;
   }
   void scale(const glm::vec3& factor) {
-    weight_ *= factor;
-    shared_weight_ *= factor;
+    weight_.full *= factor;
+    weight_.shared *= factor;
   }
 
   void record_second_vertex(const SurfacePoint& p) {
     if (!reconnection_.from || !shares_second(p, ray_.direction)) return;
     reconnection_.reached = true;
-    reconnection_.carried = weight_;
+    reconnection_.carried = weight_.full;
     reconnection_.to = p.position;
     reconnection_.normal = p.normal;
     reconnection_.shading_normal = p.n;
@@ -208,18 +210,18 @@ class FullPath {
 
   /// Stores what the reconnection needs of the surface that the path is about to leave.
   void update_reconnection(const SurfacePoint& p) {
-    view_independent_ = glm::vec3(0.0f);
+    weight_.view_independent = glm::vec3(0.0f);
     if (bounce_ == 0 && vertex_ == 0 && max_bounces_ > 0 && shares_first(p)) {
       reconnection_.from = &p;
       reconnection_.origin = location().origin;
-      reconnection_.weight = weight_;
+      reconnection_.weight = weight_.full;
       reconnection_.mirror_cell = location().mirror_cell;
-      reconnection_.mirror_share = mirror_share_;
-      reconnection_.direction = p.to_world(drawn_.wi);
-      reconnection_.pdf = drawn_.pdf;
+      reconnection_.mirror_share = at_.mirror_share;
+      reconnection_.direction = p.to_world(at_.drawn.wi);
+      reconnection_.pdf = at_.drawn.pdf;
     } else if (bounce_ == 1 && reconnection_.reached) {
       reconnection_.end = location().origin;
-      view_independent_ = view_independent_brdf(p);
+      weight_.view_independent = view_independent_brdf(p);
     }
   }
 
@@ -243,7 +245,7 @@ class FullPath {
     const PaneRays rays = rays_of_pane(p, ray_);
     const float reflect = largest(rays.shares.reflected), pass = largest(rays.shares.transmitted);
     float probability = reflect + pass > 0.0f ? reflect / (reflect + pass) : 0.0f;
-    if (reflect > 0.0f) probability = std::max(probability, glm::mix(kLeastMirrored, kGuidedMirrored, guided_));
+    if (reflect > 0.0f) probability = std::max(probability, glm::mix(kLeastMirrored, kGuidedMirrored, at_.guided));
     if (u < probability) {
       scale(rays.shares.reflected / probability);
       ray_ = rays.mirrored;
@@ -277,39 +279,27 @@ class FullPath {
 
   /// Extends the path by the drawn direction; false where it ends.
   bool extend(const SurfacePoint& p) {
-    if (!(drawn_.pdf > 0.0f)) return false;
-    const glm::vec3 direction = p.to_world(drawn_.wi);
+    if (!(at_.drawn.pdf > 0.0f)) return false;
+    const glm::vec3 direction = p.to_world(at_.drawn.wi);
     if (glm::dot(direction, p.normal) <= 0.0f) return false;  // above the horizon of the shading normal only
-    const glm::vec3 f = evaluate_brdf(p, query_);
-    const float scale = drawn_.wi.z / drawn_.pdf;
-    weight_ *= f * scale;
-    shared_weight_ = (view_independent_ + shared_weight_ * f) * scale;
-    view_independent_ = glm::vec3(0.0f);
+    const glm::vec3 f = evaluate_brdf(p, at_.query);
+    const float scale = at_.drawn.wi.z / at_.drawn.pdf;
+    weight_.full *= f * scale;
+    weight_.shared = (weight_.view_independent + weight_.shared * f) * scale;
+    weight_.view_independent = glm::vec3(0.0f);
     if (!survives()) return false;
     ray_ = {location().origin, direction};
-    pdf_ = drawn_.pdf;
+    pdf_ = at_.drawn.pdf;
     scattered_at_ = from_ = p.position;
     ++bounce_;
     return true;
   }
 
-  /// A shading location: the same for all paths that shade this surface until the guides are updated.
-  struct ShadingLocation {
-    glm::vec3 position{0.0f}, error{0.0f}, normal{0.0f}, n{0.0f};  ///< of the surface point
-    glm::vec3 origin{0.0f};                                        ///< origin of rays that leave the surface
-    std::uint32_t cell = LightGuide::kNoCell;                      ///< of the guides
-    std::uint32_t mirror_cell = 0;
-    std::size_t lamp_cell = 0;  ///< of the light grid
-    float lamp_rays = 0.0f;     ///< mean number of shadow rays to lamps, or kUnknown
-    bool has_shares = false;
-    LeafShares shares;  ///< of the guide, where has_shares
-  };
-
   /// Paths of one pixel follow each other, so most of them start at the location of the path before: it is kept.
   void locate(const SurfacePoint& p) {
     const bool first = branches_ == 1 && bounce_ == 0 && vertex_ == 0;
-    location_ = first ? 0 : 1;
-    ShadingLocation& location = locations_[location_];
+    at_.location = first ? 0 : 1;
+    ShadingLocation& location = at_.locations[at_.location];
     if (first && p.position == location.position && p.error == location.error && p.normal == location.normal &&
         p.n == location.n)
       return;
@@ -329,16 +319,16 @@ class FullPath {
 
   /// Mean number of shadow rays to lamps there, and whether this path sends one.
   void set_lamp_rays() {
-    ShadingLocation& location = locations_[location_];
+    ShadingLocation& location = at_.locations[at_.location];
     if (location.lamp_rays == kUnknown) {
       const float lux = scene_.lights.lux[location.lamp_cell], sky = environment_.known_lux(location.cell);
       location.lamp_rays = lux < sky ? std::max(lux / sky, kLeastLampRays) : 1.0f;
     }
-    has_lamp_ = location.lamp_rays >= 1.0f ||
-                (location.lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < location.lamp_rays);
+    at_.has_lamp = location.lamp_rays >= 1.0f ||
+                   (location.lamp_rays > 0.0f && sampler_.single(dimension(kChance)) < location.lamp_rays);
   }
 
-  const ShadingLocation& location() const { return locations_[location_]; }
+  const ShadingLocation& location() const { return at_.locations[at_.location]; }
 
   /// Both guides use the same grid.
   void find_cells(const SurfacePoint& p, ShadingLocation* location) const {
@@ -351,22 +341,22 @@ class FullPath {
 
   /// Share of scattered rays that the guide of mirrored lamps draws: above 0 for diffuse lobes in cells that it knows.
   void set_mirror_share(const SurfacePoint& p) {
-    mirror_share_ = 0.0f;
+    at_.mirror_share = 0.0f;
     if (!mirrors_ || !mirrors_->has_light(location().mirror_cell)) return;
     mirrors_->prefetch_entries(location().mirror_cell);
-    mirror_share_ = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
+    at_.mirror_share = kMirrorShare * (p.material->measured ? 1.0f : p.lobe_weights.x);
   }
 
   /// Density of draw_direction, given the BRDF's own.
   float mixed_pdf(float own, const glm::vec3& direction) const {
-    return mirrors_ ? mirrors_->mixed_pdf(own, location().mirror_cell, mirror_share_, direction) : own;
+    return mirrors_ ? mirrors_->mixed_pdf(own, location().mirror_cell, at_.mirror_share, direction) : own;
   }
 
   DrawnDirection draw_direction(const SurfacePoint& p, const ScatteringChoice& choice) {
-    guided_ = 0.0f;
-    if (!(mirror_share_ > 0.0f)) return draw_scattering(p, choice);
+    at_.guided = 0.0f;
+    if (!(at_.mirror_share > 0.0f)) return draw_scattering(p, choice);
     DrawnDirection s;
-    if (sampler_.single(dimension(kGuide)) < mirror_share_) {
+    if (sampler_.single(dimension(kGuide)) < at_.mirror_share) {
       s.wi = p.to_local(mirrors_->sample(location().mirror_cell, choice.u));
       if (s.wi.z <= 0.0f) return s;
       s.pdf = scattering_pdf(p, s.wi);
@@ -374,19 +364,19 @@ class FullPath {
       s = draw_scattering(p, choice);
       if (!(s.pdf > 0.0f)) return s;
     }
-    const float guide = mirror_share_ * mirrors_->pdf(location().mirror_cell, p.to_world(s.wi));
-    s.pdf = (1.0f - mirror_share_) * s.pdf + guide;
-    guided_ = s.pdf > 0.0f ? guide / s.pdf : 0.0f;
+    const float guide = at_.mirror_share * mirrors_->pdf(location().mirror_cell, p.to_world(s.wi));
+    s.pdf = (1.0f - at_.mirror_share) * s.pdf + guide;
+    at_.guided = s.pdf > 0.0f ? guide / s.pdf : 0.0f;
     return s;
   }
 
   /// Largest weight of arriving light, for this pixel or for its tile: a path that is worth little for its own pixel
   /// must not end if the tile still uses it.
-  float largest_weight() const { return std::max(largest(weight_), largest(shared_weight_)); }
+  float largest_weight() const { return std::max(largest(weight_.full), largest(weight_.shared)); }
 
   bool survives() {
     const float weight = largest_weight();
-    if (!(weight > 0.0f) || !is_finite(weight_) || !is_finite(shared_weight_)) return false;
+    if (!(weight > 0.0f) || !is_finite(weight_.full) || !is_finite(weight_.shared)) return false;
     if (bounce_ + 1 < kRouletteBounce) return true;
     const float survival = std::min(weight, kMostSurvival);
     if (sampler_.single(dimension(kRoulette)) >= survival) return false;
@@ -397,34 +387,23 @@ class FullPath {
   /// Random numbers of all shadow rays to the sky (one sequence over all paths of the pixel) and of the scattered ray.
   void draw_numbers() {
     static_assert(kMostShadowRays < PathSampler::Pairs::kMost);
-    numbers_.dimension.fill(dimension(kEnvironment));
-    for (std::uint32_t k = 0; k < kMostShadowRays; ++k) numbers_.index[k] = sampler_.index * shadow_rays_ + k;
-    numbers_.dimension[kMostShadowRays] = dimension(kDirection);
-    numbers_.index[kMostShadowRays] = sampler_.index;
-    PathSampler::draw(sampler_.seed, &numbers_);
+    at_.numbers.dimension.fill(dimension(kEnvironment));
+    for (std::uint32_t k = 0; k < kMostShadowRays; ++k) at_.numbers.index[k] = sampler_.index * at_.shadow_rays + k;
+    at_.numbers.dimension[kMostShadowRays] = dimension(kDirection);
+    at_.numbers.index[kMostShadowRays] = sampler_.index;
+    PathSampler::draw(sampler_.seed, &at_.numbers);
   }
 
   void choose_environment(const SurfacePoint& p) {
     if (environment_.black()) return;
-    ShadingLocation& location = locations_[location_];
+    ShadingLocation& location = at_.locations[at_.location];
     if (location.cell != LightGuide::kNoCell && !location.has_shares)
       environment_.compute_shares(location.cell, p.n, &location.shares);
     location.has_shares = true;
-    environment_.choose_directions(numbers_, location.cell, shares(), sampler_.index,
-                                   std::span(choices_).first(shadow_rays_));
+    environment_.choose_directions(at_.numbers, location.cell, shares(), sampler_.index,
+                                   std::span(at_.choices).first(at_.shadow_rays));
   }
   const LeafShares* shares() const { return location().cell != LightGuide::kNoCell ? &location().shares : nullptr; }
-
-  /// One of `rays` shadow rays of the same kind.
-  struct ArrivingLight {
-    LightDraw draw;
-    float rays;
-    std::uint32_t choice;  ///< index into the choices, of shadow rays to the sky
-    ScatteringQuery query;
-    RayPassage passage;
-    glm::vec3 through;
-    bool above;  ///< above the horizon
-  };
 
   /// Traces the shadow ray; false where it is blocked.
   bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
@@ -449,8 +428,8 @@ class FullPath {
     const float density = light->rays * draw.pdf + (draw.has_extent ? mixed_pdf(s.pdf, draw.direction) : 0.0f);
     if (!(density > 0.0f)) return;
     const glm::vec3 arriving = draw.radiance * light->through * (light->query.wi.z / density);
-    const glm::vec3 shared = view_independent_ + shared_weight_ * s.f;
-    result_.radiance += (weight_ * s.f - reconnection_.carried * shared) * arriving;
+    const glm::vec3 shared = weight_.view_independent + weight_.shared * s.f;
+    result_.radiance += (weight_.full * s.f - reconnection_.carried * shared) * arriving;
     reconnection_.light += shared * arriving;
   }
 
@@ -468,32 +447,16 @@ class FullPath {
   RayHit hit_;
   SurfacePoint hit_point_;
   const SurfacePoint* point_ = nullptr;  ///< hit_point_, or a point of the camera ray
-  glm::vec3 weight_{1.0f};
+  PathWeight weight_;
   bool in_tile_ = false, reconnecting_ = false;  ///< shares with its tile; is on the branch that is shared
   Reconnection reconnection_;
-  glm::vec3 shared_weight_{0.0f};  ///< of arriving light in the reconnection: part of weight_, without what is carried
-  glm::vec3 view_independent_{0.0f};  ///< 1/sr, of the second surface
-  Polarisation polarisation_;         ///< polarisation by glass since the last surface
-  int bounce_ = 0;                    ///< scattering surfaces so far
-  int vertex_ = 0;                    ///< surfaces hit so far, panes included
-  float pdf_ = 0.0f;                  ///< density of the last scattering; 0: shadow rays cannot find what is hit
+  Polarisation polarisation_;  ///< polarisation by glass since the last surface
+  int bounce_ = 0;             ///< scattering surfaces so far
+  int vertex_ = 0;             ///< surfaces hit so far, panes included
+  float pdf_ = 0.0f;           ///< density of the last scattering; 0: shadow rays cannot find what is hit
   glm::vec3 scattered_at_{0.0f};
   glm::vec3 from_{0.0f};  ///< start of the ray, on the surface itself
-  // Of the current surface:
-  std::array<ShadingLocation, 2> locations_;  ///< of the camera ray's first surface; of all others
-  std::size_t location_ = 1;                  ///< index of the current one
-  std::uint32_t shadow_rays_ = 0;
-  PathSampler::Pairs numbers_;
-  std::array<EnvironmentLight::Choice, kMostShadowRays> choices_;
-  bool has_lamp_ = false;
-  LightPick picked_;  ///< the lamp
-  std::array<ArrivingLight, kMostShadowRays + 1> arriving_;
-  std::size_t arrived_ = 0;
-  float mirror_share_ = 0.0f;  ///< of scattered rays that the guide draws
-  float guided_ = 0.0f;        ///< probability that the guide drew the present direction
-  ScatteringChoice scattering_;
-  DrawnDirection drawn_;
-  BrdfQuery query_;
+  PathVertex at_;         ///< the current surface
 };
 
 }  // namespace maquette

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <numbers>
 
-#include "render/low_discrepancy.h"
-#include "render/wide.h"
+#include "render/math/low_discrepancy.h"
+#include "render/math/wide.h"
 
 namespace maquette {
 

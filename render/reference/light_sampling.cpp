@@ -33,11 +33,11 @@ std::uint32_t EnvironmentLight::cell_of(const glm::vec3& position, const glm::ve
 }
 
 void EnvironmentLight::compute_shares(std::uint32_t cell, const glm::vec3& normal, LeafShares* shares) const {
-  guide_->compute_shares(cell, shared::latlong_turn(normal, cosine_, -sine_), shares);
+  guide_->compute_shares(cell, shared::latlong_rotate(normal, cosine_, -sine_), shares);
 }
 
 glm::vec4 EnvironmentLight::radiance_and_density(const glm::vec3& world, const LeafShares* shares) const {
-  const glm::vec3 own = shared::latlong_turn(world, cosine_, -sine_);
+  const glm::vec3 own = shared::latlong_rotate(world, cosine_, -sine_);
   const EnvironmentLookup found = environment_.look_up(own);
   const auto texel = static_cast<std::size_t>(found.y * environment_.tables.width + found.x);
   const float gain = shares ? guide_->gain(*shares, environment_.partition->leaf_at(found.x, found.y)) : 1.0f;
@@ -57,7 +57,7 @@ LightDraw EnvironmentLight::draw_at(const EnvironmentPoint& drawn, int leaf) con
   LightDraw draw;
   draw.distance = kEndless;
   draw.leaf = leaf;
-  draw.direction = shared::latlong_turn(environment_.partition->direction(point), cosine_, sine_);
+  draw.direction = shared::latlong_rotate(environment_.partition->direction(point), cosine_, sine_);
   draw.texel = static_cast<int>(point.row) * environment_.tables.width + static_cast<int>(point.x);
   return draw;
 }
@@ -97,7 +97,7 @@ void EnvironmentLight::draw_chosen(const Choice& choice, LightDraw* out) const {
 }
 
 void EnvironmentLight::fill(LightDraw* draw, const LeafShares* shares) const {
-  const glm::vec3 own = shared::latlong_turn(draw->direction, cosine_, -sine_);
+  const glm::vec3 own = shared::latlong_rotate(draw->direction, cosine_, -sine_);
   draw->radiance = environment_.look_up(own).radiance * scale_;
   draw->pdf = environment_.density_at(static_cast<std::size_t>(draw->texel), own);
   if (shares) draw->pdf *= guide_->gain(*shares, draw->leaf);

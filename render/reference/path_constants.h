@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kMostShadowRays = *std::max_element(kShadowRays.b
 /// arrive from the sky; at least this many where they are dimmer.
 inline constexpr float kLeastLampRays = 0.125f;
 inline constexpr float kUnknown = -1.0f;
-/// A surface seen by way of a reflection with weight w is shaded by the share kMirroredShare w of the paths: always
+/// A surface seen in a reflection with weight w is shaded by the share kMirroredShare w of the paths: always
 /// after one reflection in a pane (0.08 at normal incidence), at random after several. Random selection adds (1 / share
 /// - 1) times the squared radiance of the surface to the variance, most of it of direct light, which has little noise
 /// itself.

@@ -1,6 +1,6 @@
 #include "render/reference/path_sampler.h"
 
-#include "render/wide.h"
+#include "render/math/wide.h"
 
 namespace maquette {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "render/low_discrepancy.h"
+#include "render/math/low_discrepancy.h"
 
 namespace maquette {
 

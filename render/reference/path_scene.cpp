@@ -8,9 +8,9 @@
 #include <set>
 
 #include "render/environment/texel_cell.h"
-#include "render/material_overrides.h"
 #include "render/reference/traversal.h"
 #include "render/reference/triangle_pairs.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {

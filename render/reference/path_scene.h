@@ -10,17 +10,17 @@
 #include "render/lights/light_grid.h"
 #include "render/materials/brdf_sampler.h"
 #include "render/materials/brdf_tables.h"
+#include "render/materials/texture_atlas.h"
+#include "render/math/shared_formulas.h"
 #include "render/reference/light_guide.h"
 #include "render/reference/packed_brdf.h"
 #include "render/reference/reference.h"
-#include "render/shared_formulas.h"
-#include "render/texture_atlas.h"
 
 namespace maquette {
 
 namespace shared {
 
-/// Textures of an atlas, filtered by the shaders' own code (sample_texture, texture_coordinates, texture_turned).
+/// Textures of an atlas, filtered by the shaders' own code (sample_texture, texture_coordinates, texture_transformed).
 struct TextureFilter {
   const TextureAtlas& atlas;
   uint fetch_texel_word(int index) const { return atlas.texels.data()[index]; }

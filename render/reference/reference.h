@@ -10,8 +10,8 @@
 #include <stop_token>
 #include <string>
 
-#include "render/camera.h"
-#include "render/geometry.h"
+#include "render/frame/camera.h"
+#include "render/scene_state/geometry.h"
 #include "scenes/environment.h"
 #include "scenes/image.h"
 #include "scenes/scene.h"

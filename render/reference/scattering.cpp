@@ -22,7 +22,7 @@ void prepare_density(const MeasuredMaterial& measured, int elevation, Scattering
 }
 void prepare_density(const MeasuredMaterial& measured, const glm::vec3& wo, ScatteringQuery* query) {
   shared::BrdfSampler sampler(measured.tables);
-  query->half = sampler.half_vector_place(wo, query->wi);
+  query->half = sampler.half_vector_position(wo, query->wi);
   prepare_density(measured, sampler.brdf_elevation(wo), query);
 }
 
@@ -105,7 +105,7 @@ ScatteringChoice choose_scattering(const SurfacePoint& p, const glm::vec2& u) {
   const int row = sampler.brdf_elevation(p.wo) * kThetaCellCount;
   const glm::vec2* theta_cells = measured->tables.theta_cells.data() + row;
   for (int k = 0; k < kThetaCellCount; k += 8) __builtin_prefetch(theta_cells + k);
-  choice.cell = sampler.choose_brdf_cell(u);
+  choice.cell = sampler.brdf_cell_of(u);
   choice.theta_cell = theta_cells + choice.cell.theta.k;
   choice.phi_cell = measured->tables.phi_cells.data() + (row + choice.cell.theta.k) * kPhiCellCount + choice.cell.p;
   __builtin_prefetch(choice.phi_cell);

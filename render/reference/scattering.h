@@ -23,7 +23,7 @@ BrdfQuery prepare_brdf(const SurfacePoint& point, const glm::vec3& wi);
 glm::vec3 evaluate_brdf(const SurfacePoint& point, const BrdfQuery& query);
 /// With the data for the density.
 struct ScatteringQuery : BrdfQuery {
-  shared::BrdfSampler::HalfVectorPlace half{};
+  shared::BrdfSampler::HalfVectorPosition half{};
   int theta_cell = 0;
   const glm::vec2 *theta = nullptr, *phis = nullptr;  ///< bounds of the theta cell, and of the phi cells in it
 };

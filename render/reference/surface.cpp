@@ -66,7 +66,7 @@ class TextureReader {
     const glm::vec2 uv = corners_.mix(set);
     const glm::vec2 a1 = set[corners_.index[1]] - set[corners_.index[0]];
     const glm::vec2 a2 = set[corners_.index[2]] - set[corners_.index[0]];
-    const auto along = [&](const glm::vec2& d) { return filter.texture_turned(texture, a1 * d.x + a2 * d.y); };
+    const auto along = [&](const glm::vec2& d) { return filter.texture_transformed(texture, a1 * d.x + a2 * d.y); };
     return filter.sample_texture(texture, filter.texture_coordinates(texture, uv, uv), along(footprint_.dx),
                                  along(footprint_.dy));
   }

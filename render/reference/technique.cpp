@@ -1,5 +1,6 @@
 #include "render/reference/technique.h"
 
+#include "render/frame/vocabulary.h"
 #include "render/reference/mode.h"
 
 namespace maquette {
@@ -44,7 +45,7 @@ Technique reference_technique() {
                             {},
                             {"picture"}});
     for (const char* word : {"raster", "gbuffer", "shade"}) plan->left_out.push_back({word, "rays find what is seen"});
-    plan->left_out.push_back({"bandwidth", "mode " + shading->mode + " predicts nothing"});
+    plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
     plan->left_out.push_back({"upsample", "every pixel is traced"});
     if (full)
       plan->features.push_back({"visibility", "every ray finds its own shadows"});

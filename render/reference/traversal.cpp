@@ -4,8 +4,8 @@
 #include <array>
 #include <cstring>
 
-#include "render/embree_ray.h"
-#include "render/low_discrepancy.h"
+#include "render/math/low_discrepancy.h"
+#include "render/raytraced/embree_ray.h"
 #include "render/reference/surface.h"
 #include "scenes/error.h"
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <optional>
 
-#include "render/background_worker.h"
+#include "render/bake/background_worker.h"
 #include "render/reference/reference.h"
 
 namespace maquette {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 

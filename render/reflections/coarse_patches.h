@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 #include "scenes/subdivision.h"
 
 namespace maquette {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 
 namespace maquette {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "render/gl/bindings.h"
-#include "render/indirect/indirect_pass.h"
+#include "render/indirect/bind.h"
 #include "render/shading/work_lists.h"
 
 namespace maquette {
@@ -76,7 +76,8 @@ void MirroredRays::list_tiles(ProgramCache* programs, bool rays) {
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferTileCounts, tile_count_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPaneTiles, t.tiles.tiles.get());
   tile_count_.clear_to_zero();
-  dispatch_list(programs->get(list_tiles_variant(rays)), group_count(t.width, kTileSide) * group_count(t.height, kTileSide));
+  dispatch_list(programs->get(list_tiles_variant(rays)),
+                group_count(t.width, kTileSide) * group_count(t.height, kTileSide));
   unsigned count = 0;
   tile_count_.read(0, sizeof count, &count);
   t.tiles.counts.assign(1, static_cast<int>(count));
@@ -162,9 +163,9 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
   ReflectionTargets& t = *targets_;
   const DrawnLayer& first = scene.layers.front();
   const int samples = first.mode.samples_of_cells();
-  const bool layers = rule.technique.shade_layers(
-      frame, first.context.plan.visibility == "traced",
-      samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
+  const bool layers =
+      rule.technique.shade_layers(frame, first.context.plan.visibility == "traced",
+                                  samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy));
   if (rule.glossy) {

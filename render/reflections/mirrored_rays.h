@@ -21,18 +21,18 @@ struct MirroredScene {
   const std::vector<DrawnLayer>& layers;
   const Parts& parts;
   ReflectorSet& reflectors;
-  const Texture& depth;  ///< R32F, of all layers, m along the viewing axis
+  const Texture& depth;                 ///< R32F, of all layers, m along the viewing axis
   std::function<void(int)> bind_layer;  ///< binds again what shaders of a layer read
 };
 
 /// How the hits of one image of mirrored rays are found and shaded.
 struct FollowRule {
   ReflectorTechnique& technique;
-  bool keeps_hits = false;  ///< those of the frame before hold: they are only shaded anew
-  bool glossy = false;      ///< rays of opaque surfaces: they name materials, not reflectors
-  float blend = 1.0f;       ///< of glossy ones: weight of this frame in the mean
-  const std::vector<GhostReach>* ghost = nullptr;  ///< see ReflectionFrame
-  const std::vector<FitReach>* fits = nullptr;
+  bool keeps_hits = false;                             ///< those of the frame before hold: they are only shaded anew
+  bool glossy = false;                                 ///< rays of opaque surfaces: they name materials, not reflectors
+  float blend = 1.0f;                                  ///< of glossy ones: weight of this frame in the mean
+  const std::vector<GhostDeviation>* ghost = nullptr;  ///< see ReflectionFrame
+  const std::vector<FitDeviation>* fits = nullptr;
 };
 
 /// One image of mirrored rays, from rays to radiance: a technique finds what they hit, and the modes of the parts that

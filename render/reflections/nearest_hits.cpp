@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "render/camera.h"
+#include "render/frame/camera.h"
 #include "render/gl/bindings.h"
 #include "scenes/error.h"
 
@@ -217,7 +217,7 @@ void NearestHits::find_nearest_planar(const ReflectionFrame& frame, std::size_t 
   const glm::mat4 clip_from_world = frame.constants->clip_from_world * mirror_in(plane);
   const glm::vec4 window = window_of(frame.constants->clip_from_world, frame.buffers->bounds(mirror.item));
   const glm::mat4 window_from_world = through_window(clip_from_world, window);
-  const GhostReach ghost = frame.ghost ? (*frame.ghost)[reflector] : GhostReach{};
+  const GhostDeviation ghost = frame.ghost ? (*frame.ghost)[reflector] : GhostDeviation{};
   if (frame.ghost && ghost.offset_m == 0.0f) return;  // no pane, or outside the picture
   const auto widened = [&](Bounds box) {
     const float margin_m = ghost.at(glm::length(box.center() - glm::vec3(frame.constants->eye)) + box.radius());
@@ -286,7 +286,7 @@ unsigned NearestHits::finish(const ReflectionFrame& frame, int channel, unsigned
   glBindTextureUnit(kUnitFocus, t.focus.get());
   glBindImageTexture(kImageTriangle, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
   glBindImageTexture(kImageEffort, t.effort.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG8UI);
-  glBindImageTexture(kImageDoubt, t.doubt.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
+  glBindImageTexture(kImageLowConfidence, t.low_confidence.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8UI);
   counters_.clear_to_zero();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferNearest, nearest_.get());
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferHitCounters, counters_.get());

@@ -36,9 +36,9 @@ class NearestHits {
   static constexpr std::size_t kVisibleBoxBytes = 48;
   /// Assigns triangles to groups, numbered from 0, for seen_groups().
   void set_groups(const std::vector<std::uint32_t>& group_of_triangle, std::size_t count);
-  /// Writes `triangle`, `effort` (its channel 0: steps, 1: root) and `doubt` (uncertain pixels) of the targets.
-  /// `shortest`: bit k is set where only shortest paths in reflector k were searched. Returns the number of uncertain
-  /// pixels.
+  /// Writes `triangle`, `effort` (its channel 0: steps, 1: root) and `low_confidence` (pixels of low confidence) of the
+  /// targets. `shortest`: bit k is set where only shortest paths in reflector k were searched. Returns the number of
+  /// uncertain pixels.
   unsigned finish(const ReflectionFrame& frame, int channel, unsigned shortest);
   /// Not 0 for groups with a visible triangle in the picture of the last finish().
   const std::vector<std::uint32_t>& seen_groups() const { return seen_; }

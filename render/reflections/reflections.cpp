@@ -155,7 +155,7 @@ void Reflections::bind_ghost(const Frame& frame, const Program& rays) {
   glProgramUniform2fv(rays.get(), rays.location("u_ghost_optics"), static_cast<GLsizei>(kMaxReflectors), &optics[0].x);
   glProgramUniform1f(rays.get(), rays.location("u_wedge"),
                      1e-3f * static_cast<float>(settings.get_double("reflections.wedge")));
-  if (!ghost_reach_) ghost_reach_ = Buffer("reach of ghosts", kMaxReflectors * sizeof(GhostReach));
+  if (!ghost_reach_) ghost_reach_ = Buffer("reach of ghosts", kMaxReflectors * sizeof(GhostDeviation));
   ghost_reach_.clear_to_zero();
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferGhostReach, ghost_reach_.get());
 }
@@ -171,13 +171,13 @@ void Reflections::cast_rays(const Frame& frame, MirroredRays* image, bool ghost)
   glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(kImageFocus, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   const GLubyte certain = 0;
-  glClearTexImage(t.doubt.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &certain);
+  glClearTexImage(t.low_confidence.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &certain);
   const bool fitted = frame.scene.reflectors.any_fitted();
   ProgramCache& programs = frame.scene.frame.programs;
   const Program& rays = programs.get(rays_variant(ghost, fitted));
   if (ghost) bind_ghost(frame, rays);
   if (fitted) {
-    if (!fit_reach_) fit_reach_ = Buffer("reach of fits", kMaxPatches * sizeof(FitReach));
+    if (!fit_reach_) fit_reach_ = Buffer("reach of fits", kMaxPatches * sizeof(FitDeviation));
     fit_reach_.clear_to_zero();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferFitReach, fit_reach_.get());
     glBindTextureUnit(kUnitPatchFits, frame.scene.reflectors.fit_triangles().get());
@@ -210,9 +210,9 @@ void Reflections::drop_unseen_rays(const Frame& frame) {
 }
 
 void Reflections::follow(const Frame& frame, MirroredRays* image, bool ghost, bool kept) {
-  std::vector<GhostReach> reach(kMaxReflectors);
+  std::vector<GhostDeviation> reach(kMaxReflectors);
   if (ghost) ghost_reach_.read(0, ghost_reach_.bytes(), reach.data());
-  std::vector<FitReach> fits(kMaxPatches);
+  std::vector<FitDeviation> fits(kMaxPatches);
   const bool fitted = frame.scene.reflectors.any_fitted();
   if (fitted && !kept) fit_reach_.read(0, fit_reach_.bytes(), fits.data());
   image->follow(frame.scene, {.technique = *technique_,
@@ -225,11 +225,11 @@ ReflectedPicture Reflections::bind(const Settings& settings) {
   const ReflectionTargets& t = rays_.targets();
   glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
   glBindTextureUnit(kUnitReflection, t.radiance.get());
-  glBindTextureUnit(kUnitDoubt, t.doubt.get());
+  glBindTextureUnit(kUnitLowConfidence, t.low_confidence.get());
   const bool ghost = ghost_.has_images();
   glBindTextureUnit(kUnitGhostDirection, ghost ? ghost_.targets().ray_direction.get() : 0);
   glBindTextureUnit(kUnitGhost, ghost ? ghost_.targets().radiance.get() : 0);
-  return {true, ghost, technique_->doubts() && settings.get_string("reflections.mark") == "hatch"};
+  return {true, ghost, technique_->marks_low_confidence() && settings.get_string("reflections.mark") == "hatch"};
 }
 
 void Reflections::add_bytes(const ReflectorSet& reflectors, std::map<std::string, std::size_t>* bytes) const {
@@ -249,8 +249,12 @@ void Reflections::add_counters(const ReflectorSet& reflectors, std::map<std::str
 }
 
 std::vector<DebugViewInfo> Reflections::views() {
-  return {{"reflection", "", ViewColors::radiance}, {"ghost", "", ViewColors::radiance}, {"reflection_distance"},
-          {"reflection_steps"},                     {"reflection_root"},                 {"reflection_doubt"},
+  return {{"reflection", "", ViewColors::radiance},
+          {"ghost", "", ViewColors::radiance},
+          {"reflection_distance"},
+          {"reflection_steps"},
+          {"reflection_root"},
+          {"reflection_doubt"},
           {"rays_skipped"}};
 }
 
@@ -260,12 +264,12 @@ Image Reflections::read_picture(const MirroredRays& rays, int channel) const {
   const auto radiance = read_texture<float>(r.radiance, GL_RGBA, GL_FLOAT, 4);
   const auto direction = read_texture<float>(r.ray_direction, GL_RGBA, GL_FLOAT, 4);
   const auto effort = read_texture<std::uint8_t>(r.effort, GL_RG_INTEGER, GL_UNSIGNED_BYTE, 2);
-  const auto doubt = read_texture<std::uint8_t>(r.doubt, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1);
+  const auto low_confidence = read_texture<std::uint8_t>(r.low_confidence, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1);
   Image image(r.width, r.height, 4);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
     if (direction[i / 4 * 4 + 3] == 0.0f) continue;  // where no reflector is seen nothing is written
     const float value = channel < 0   ? radiance[i]
-                        : channel > 1 ? static_cast<float>(doubt[i / 4])
+                        : channel > 1 ? static_cast<float>(low_confidence[i / 4])
                                       : static_cast<float>(effort[i / 4 * 2 + static_cast<std::size_t>(channel)]);
     image.data[i] = i % 4 == 3 ? 1.0f : value;
   }
@@ -282,7 +286,10 @@ std::optional<Image> Reflections::view(const std::string& name, bool drawn, cons
     throw Error("--view", "reflections are seen with a reflector in view and a technique",
                 "add --reflections with the name of one");
   if (name == "ghost") return read_picture(ghost_, -1);
-  const int channel = name == "reflection_steps" ? 0 : name == "reflection_root" ? 1 : name == "reflection_doubt" ? 2 : -1;
+  const int channel = name == "reflection_steps"   ? 0
+                      : name == "reflection_root"  ? 1
+                      : name == "reflection_doubt" ? 2
+                                                   : -1;
   Image image = read_picture(rays_, channel);
   const ReflectionTargets& r = rays_.targets();
   const auto direction = read_texture<float>(r.ray_direction, GL_RGBA, GL_FLOAT, 4);

@@ -71,9 +71,9 @@ void ReflectorSet::update(const SceneState& scene, const FrameRequest& request, 
   std::vector<const Material*> materials;
   for (std::size_t i = 0; i < scene.geometry().items.size(); ++i) materials.push_back(&scene.material_of_item(i));
   forget();  // what is refused below is refused in every frame
-  reflectors_ = find_reflectors(
-      scene.scene(), scene.geometry(), materials, request.reflectors,
-      technique->can.mirrors_glossy ? glossy_items(scene, kMostGlossyRoughness) : std::vector<bool>());
+  reflectors_ =
+      find_reflectors(scene.scene(), scene.geometry(), materials, request.reflectors,
+                      technique->can.mirrors_glossy ? glossy_items(scene, kMaxGlossyRoughness) : std::vector<bool>());
   ++revision_;
   const std::string option = "--reflections " + technique->name;
   if (fits_patches) fit_curved(scene, option);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 #include "scenes/scene.h"
 
 namespace maquette {
@@ -32,7 +32,7 @@ constexpr std::size_t kMaxReflectors = 16;
 /// Largest number of patches of all reflectors; the same in that file.
 constexpr std::size_t kMaxPatches = 128;
 /// Largest roughness of a named opaque mirror; the same in shaders/reflections/glossy.glsl.
-constexpr float kMostGlossyRoughness = 0.5f;
+constexpr float kMaxGlossyRoughness = 0.5f;
 
 /// The reflectors of the scene: the patches and nodes marked as such; or all panes of a scene without marks; or, when
 /// `names` is not empty, the nodes of these names.

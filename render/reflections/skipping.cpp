@@ -6,13 +6,14 @@
 #include <cstring>
 
 #include "render/gl/bindings.h"
-#include "render/material_overrides.h"
+#include "render/scene_state/material_overrides.h"
 
 namespace maquette {
 
 namespace {
 
-const ShaderVariant kCover{"reflections/cover.frag", "reflections/cover.vert", {}}, kSkip{"reflections/skip.comp", "", {}};
+const ShaderVariant kCover{"reflections/cover.frag", "reflections/cover.vert", {}},
+    kSkip{"reflections/skip.comp", "", {}};
 
 float channel_max(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 float channel_min(const glm::vec3& c) { return std::min({c.x, c.y, c.z}); }
@@ -81,13 +82,12 @@ int Skipping::lobe_of(SceneState* scene, std::size_t material, std::vector<LobeB
     lobes->push_back(unknown_lobe());
   } else {
     const shared::AnalyticMaterial analytic = analytic_of(m);
-    auto known = std::find_if(lobes_.begin(), lobes_.end(), [&](const Lobe& l) {
-      return std::memcmp(&l.material, &analytic, sizeof analytic) == 0;
-    });
+    auto known = std::find_if(lobes_.begin(), lobes_.end(),
+                              [&](const Lobe& l) { return std::memcmp(&l.material, &analytic, sizeof analytic) == 0; });
     if (known == lobes_.end()) {
       lobes_.push_back({analytic, make_lobe_bound([&](const glm::vec3& wi, const glm::vec3& wo) {
-                                   return channel_max(shared::evaluate_analytic(analytic, wi, wo).total);
-                                 })});
+                          return channel_max(shared::evaluate_analytic(analytic, wi, wo).total);
+                        })});
       known = std::prev(lobes_.end());
     }
     lobes->push_back(known->bound);
@@ -98,7 +98,8 @@ int Skipping::lobe_of(SceneState* scene, std::size_t material, std::vector<LobeB
 void Skipping::update_light(const FrameContext& frame, bool shadows) {
   SceneState& scene = frame.scene;
   const FrameRequest& request = frame.request;
-  const Key key = Key::of(scene.revisions().all(), frame.bakes.all(), request.env_rotation_rad, request.env_scale, shadows);
+  const Key key =
+      Key::of(scene.revisions().all(), frame.bakes.all(), request.env_rotation_rad, request.env_scale, shadows);
   if (light_ != key) {
     light_ = key;
     clip_from_world_.reset();
@@ -168,7 +169,8 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
                 std::clamp(channel_min(glm::vec3(m.base_color)), 0.0f, 1.0f),
                 known && m.alpha_mode == AlphaMode::blend ? std::clamp(1.0f - m.base_color.a, 0.0f, 1.0f) : 0.0f);
     const CoarsePatch::Level* level = nullptr;
-    if (const auto patch = reflectors.coarse_patches().of_item.find(i); patch != reflectors.coarse_patches().of_item.end())
+    if (const auto patch = reflectors.coarse_patches().of_item.find(i);
+        patch != reflectors.coarse_patches().of_item.end())
       for (const CoarsePatch::Level& l : patch->second.levels)
         if (l.quads == kCoverQuads) level = &l;
     reflectors.draw_level(scene, i, level);

@@ -6,17 +6,17 @@
 #include <vector>
 
 #include "render/gl/objects.h"
+#include "render/math/shared_formulas.h"
 #include "render/reflections/mirrored_bound.h"
 #include "render/reflections/mirrored_rays.h"
-#include "render/shared_formulas.h"
 
 namespace maquette {
 
 /// Which mirrored rays are not followed, because what they bring is invisible before what is seen through the pane.
 class Skipping {
  public:
-  /// Why all rays of a frame with this technique are followed, or empty: some are left out. `traced`: shading takes rays
-  /// through the octree.
+  /// Why all rays of a frame with this technique are followed, or empty: some are left out. `traced`: shading takes
+  /// rays through the octree.
   static std::string why_all(const FrameRequest& request, const Technique& technique, const ReflectorSet& reflectors,
                              bool traced);
   /// Nothing is kept.
@@ -48,11 +48,11 @@ class Skipping {
   void bind(const MirroredScene& scene, const ReflectionTargets& probes, const Texture& behind, const Program& program);
 
   MirroredBound bound_;
-  std::optional<Key> geometry_;                ///< that `bound_` is of
+  std::optional<Key> geometry_;                 ///< that `bound_` is of
   std::optional<std::uint32_t> seen_geometry_;  ///< of the frame before: while geometry changes nothing is skipped
-  std::optional<Key> light_;                   ///< that `bound_` is of
+  std::optional<Key> light_;                    ///< that `bound_` is of
   std::shared_ptr<const Environment> environment_;
-  SkyBound sky_;  ///< of it
+  SkyBound sky_;                              ///< of it
   std::vector<Lobe> lobes_;                   ///< of analytic materials met so far
   std::optional<glm::mat4> clip_from_world_;  ///< that the bounds on the GPU are for
   Buffer parts_, bounds_, counters_;

@@ -23,7 +23,7 @@ ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int d
   t.triangle = Texture::make_2d("reflected triangles", GL_R32UI, w, h);
   t.effort = Texture::make_2d("reflection effort", GL_RG8UI, w, h);
   t.focus = Texture::make_2d("focus of mirrored rays", GL_R16F, w, h);
-  t.doubt = Texture::make_2d("uncertain reflections", GL_R8UI, w, h);
+  t.low_confidence = Texture::make_2d("uncertain reflections", GL_R8UI, w, h);
   t.surface = Texture::make_2d("reflected surface", GL_RGBA32UI, w, h);
   t.depth = Texture::make_2d("reflected depth", GL_R32F, w, h);
   t.guide = Texture::make_2d("reflected guide", GL_RG32UI, w, h);
@@ -35,8 +35,8 @@ ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int d
 std::size_t reflection_bytes(const ReflectionTargets& t) {
   std::size_t sum = 0;
   for (const Texture* texture :
-       {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort, &t.focus, &t.doubt, &t.surface,
-        &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean, &t.layer_depth})
+       {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort, &t.focus, &t.low_confidence,
+        &t.surface, &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean, &t.layer_depth})
     sum += texture->bytes();
   return sum + t.tiles.tiles.bytes();
 }

@@ -25,7 +25,7 @@ struct ReflectionTargets {
   Texture layers;  ///< RG32UI, octree cells with BRDFs: first layer, their count and the transmittance; made on demand
   Texture focus;   ///< R16F, 1/m: the mirrored ray of a patch meets a caustic at its reciprocal; 0: never. Of a glossy
                    ///< surface, rad: half of its lobe lies within
-  Texture doubt;   ///< R8UI: 1 where the result of the technique is uncertain; cleared before it runs
+  Texture low_confidence;         ///< R8UI: 1 where the result of the technique is uncertain; cleared before it runs
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
   Texture layer_depth;            ///< depth where the hit is of one layer, 0 elsewhere; made on demand
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene

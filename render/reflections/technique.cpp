@@ -22,7 +22,7 @@ Technique reflections_technique() {
                "does, which adds less"},
       {.name = "reflections.mark",
        .default_value = std::string("hatch"),
-       .help = "what a technique does not vouch for in its reflections: hatched in orange, or shown like the rest",
+       .help = "what a technique has low confidence in in its reflections: hatched in orange, or shown like the rest",
        .choices = {"hatch", "none"}},
       {.name = "reflections.ghost",
        .default_value = false,

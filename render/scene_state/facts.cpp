@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "render/enclosure.h"
 #include "render/reflections/reflectors.h"
+#include "render/scene_state/enclosure.h"
 
 namespace maquette {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "render/material_overrides.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 

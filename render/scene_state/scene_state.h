@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "render/environment_buffers.h"
+#include "render/environment/environment_buffers.h"
 #include "render/lights/light_buffers.h"
-#include "render/material_store.h"
-#include "render/scene_buffers.h"
+#include "render/materials/material_store.h"
 #include "render/scene_state/facts.h"
 #include "render/scene_state/revisions.h"
+#include "render/scene_state/scene_buffers.h"
 #include "render/visibility/visibility_bake.h"
 
 namespace maquette {

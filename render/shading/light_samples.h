@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "render/environment_buffers.h"
+#include "render/environment/environment_buffers.h"
 
 namespace maquette {
 

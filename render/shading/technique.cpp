@@ -16,16 +16,15 @@ Technique shading_technique() {
        .choices = {"auto", "none", "baked", "traced"}},
       {.name = "shading.indirect",
        .default_value = std::string("baked"),
-       .help = "light that comes by way of other surfaces, where the sky has shadows: none, baked (per vertex, found "
-               "in the "
-               "background, follows the light as it turns)",
+       .help = "indirect light, where the sky has shadows: none, baked (per vertex, in the "
+               "background, follows the rotation of the environment)",
        .choices = {"none", "baked"}},
       {.name = "shading.reuse",
        .default_value = true,
-       .help =
-           "keeps what camera and surfaces alone decide (raster, G-buffer, curvature) from frame to frame while "
-           "neither changes, and in mode bandwidth what points have gathered while only the light turns or paint is "
-           "swapped; false draws every frame from nothing"},
+       .help = "keeps what camera and surfaces alone decide (raster, G-buffer, curvature) from frame to frame while "
+               "neither changes, and in mode bandwidth what points have gathered while only the environment rotates or "
+               "a material is "
+               "swapped; false draws every frame from nothing"},
   };
   info.views = {{"shaded"}, {"level"}, {"samples"}};
   info.restricted_settings = {{"shading.visibility", std::string("none")}, {"shading.indirect", std::string("none")}};

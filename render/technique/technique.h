@@ -9,13 +9,14 @@
 
 #include "render/bake/bake_command.h"
 #include "render/frame/plan.h"
-#include "render/settings.h"
 #include "render/technique/debug_view.h"
+#include "render/technique/settings.h"
 #include "render/technique/word.h"
 
 namespace maquette {
 
 struct ShaderVariant;
+class SceneBake;
 class ShadingMode;
 class PictureMode;
 class ReflectorTechnique;
@@ -53,6 +54,13 @@ struct QualityStep {
   std::vector<std::pair<std::string, SettingValue>> settings = {};
 };
 
+/// A bake that a mode draws with. While it is not ready, `ShadingPlan::own_bake` is false, and the mode draws without.
+struct OwnBake {
+  std::string name;    ///< word of the vocabulary, of kind feature; its preparation is the word "bake_" + name
+  std::string reason;  ///< what the mode draws with it
+  std::function<std::unique_ptr<SceneBake>()> make = {};  ///< called when a plan first wants it
+};
+
 /// What a mode's plan function decides from.
 struct PlanInput {
   const SceneFacts& facts;
@@ -85,11 +93,13 @@ struct Technique {
   std::function<std::unique_ptr<ShadingMode>()> make_mode = {};
   /// The same of a mode with `traces_picture`.
   std::function<std::unique_ptr<PictureMode>()> make_picture_mode = {};
+  /// Of kind mode: started, taken over, awaited, listed and counted by SceneBakes.
+  std::optional<OwnBake> own_bake = {};
   /// Of kind reflector.
   std::function<std::unique_ptr<ReflectorTechnique>()> make_reflector = {};
   /// Every shader variant that it may ask for, for the test that compiles them all.
   std::function<std::vector<ShaderVariant>()> shader_variants = {};
-  /// Debug views (`--view`) that it adds.
+  /// Debug views (`--view`) that it adds: of modes. Those of mirrored rays are in Reflections::views().
   std::vector<DebugViewInfo> views = {};
   /// Words that it adds to plans and stats.
   std::vector<Word> words = {};

@@ -85,7 +85,7 @@ void set_sides(const Corner (&corners)[3], float offset_m, float deviation_rad, 
 struct FacetSource {
   const FrameConstants& frame;
   std::size_t reflector;
-  GhostReach ghost;
+  GhostDeviation ghost;
 };
 
 void add_facet(const Corner (&corners)[3], const Corner (&middles)[3], const FacetSource& source,
@@ -145,7 +145,7 @@ bool may_meet(const Facet& facet, const glm::vec3& center, float radius) {
 }
 
 std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
-                               const FrameConstants& frame, int side, const GhostReach& ghost) {
+                               const FrameConstants& frame, int side, const GhostDeviation& ghost) {
   std::vector<Facet> facets;
   const FacetSource source{frame, number, ghost};
   if (reflector.patch) {

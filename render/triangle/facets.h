@@ -24,7 +24,7 @@ struct Facet {
   float margin_px = 1.0f, margin = 1.0f;
   float longest_px = 1e6f;  ///< longest edge on screen
   std::size_t reflector = 0;
-  GhostReach ghost;
+  GhostDeviation ghost;
 };
 
 /// Conservative: false only when no ray of the facet meets the sphere.
@@ -33,6 +33,6 @@ bool may_meet(const Facet& facet, const glm::vec3& center, float radius);
 /// The triangles of a curved reflector that may be visible: of a patch `side` x `side` quads, of a mesh its own.
 /// `ghost`: largest difference of their rays from those of the front surface.
 std::vector<Facet> make_facets(const Reflector& reflector, std::size_t number, const FlatGeometry& geometry,
-                               const FrameConstants& frame, int side, const GhostReach& ghost);
+                               const FrameConstants& frame, int side, const GhostDeviation& ghost);
 
 }  // namespace maquette

@@ -60,7 +60,7 @@ class TriangleReflections : public ReflectorTechnique {
         hits_.find_nearest_planar(frame, r, clusters_);
         continue;
       }
-      const GhostReach ghost = frame.ghost ? (*frame.ghost)[r] : GhostReach{};
+      const GhostDeviation ghost = frame.ghost ? (*frame.ghost)[r] : GhostDeviation{};
       if (frame.ghost && ghost.offset_m == 0.0f) continue;  // no pane, or outside the picture
       const std::vector<Facet> more =
           make_facets(reflector, r, frame.buffers->geometry(), *frame.constants, side, ghost);
@@ -204,7 +204,7 @@ class TriangleReflections : public ReflectorTechnique {
     glBindTextureUnit(kUnitClusterTriangles, triangle_view_.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferKeptPairs, kept_buffer_.get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPairCounters, counters_.get());
-    const GhostReach& ghost = facets_[pairs.front().x].ghost;
+    const GhostDeviation& ghost = facets_[pairs.front().x].ghost;
     run(frame.programs->get(kCull), pairs.size(), Cluster::kMaxTriangles);
     const Program& assemble = frame.programs->get(kAssemble);
     glBindTextureUnit(kUnitKeptPairs, kept_view_.get());

@@ -1,5 +1,6 @@
 #include "render/uniform/technique.h"
 
+#include "render/frame/vocabulary.h"
 #include "render/uniform/mode.h"
 
 namespace maquette {
@@ -24,7 +25,7 @@ Technique uniform_technique() {
   info.add_passes = [](const PlanInput&, ShadingPlan* shading, FramePlan* plan) {
     plan->passes.push_back({"mark", "lists every visible pixel", {"surfaces"}, {"work"}});
     plan->passes.push_back({"shade", "every visible pixel, a fixed count of samples", {"work"}, {"radiance"}});
-    plan->left_out.push_back({"bandwidth", "mode " + shading->mode + " predicts nothing"});
+    plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
     plan->left_out.push_back({"upsample", "every pixel is shaded"});
   };
   return info;

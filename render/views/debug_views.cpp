@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/false_color.h"
-#include "render/tonemap.h"
+#include "render/picture/tonemap.h"
+#include "render/views/false_color.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -65,10 +65,8 @@ std::optional<PointValue> view_of_surfaces(const std::string& name, const Surfac
   if (name == "material")
     return of_surface([](const std::uint32_t* g) { return glm::vec3(static_cast<float>(g[2] >> 16)); });
   if (name == "depth")
-    return [w = surfaces.size().grid_width(),
-            depth = read_texture<float>(surfaces.depth(), GL_RED, GL_FLOAT, 1)](int x, int y) {
-      return glm::vec3(depth[static_cast<std::size_t>(y * w + x)]);
-    };
+    return [w = surfaces.size().grid_width(), depth = read_texture<float>(surfaces.depth(), GL_RED, GL_FLOAT, 1)](
+               int x, int y) { return glm::vec3(depth[static_cast<std::size_t>(y * w + x)]); };
   return std::nullopt;
 }
 

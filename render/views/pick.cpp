@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 

@@ -12,7 +12,7 @@
 #include <mutex>
 #include <type_traits>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "render/visibility/visibility_points.h"
 #include "scenes/error.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "render/bake/bake_runner.h"
-#include "render/geometry.h"
 #include "render/gl/objects.h"
+#include "render/scene_state/geometry.h"
 #include "render/visibility/visibility_kind.h"
 
 namespace maquette {

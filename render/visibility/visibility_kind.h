@@ -15,7 +15,7 @@ struct VisibilityJob {
   std::vector<Passage> passages;
 };
 
-/// A bake and its masks as shaders read them.
+/// A bake and its visibility maps as shaders read them.
 struct DrawnVisibility {
   std::shared_ptr<const VisibilityBake> bake;
   std::vector<VisibilitySides> sides;

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <unordered_map>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "render/visibility/visibility_bake.h"
 #include "scenes/files.h"
 

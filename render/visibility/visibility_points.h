@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 
 namespace maquette {
 

@@ -8,9 +8,9 @@
 #include <cstring>
 #include <numeric>
 
-#include "render/low_discrepancy.h"
-#include "render/shared_formulas.h"
-#include "render/wide.h"
+#include "render/math/low_discrepancy.h"
+#include "render/math/shared_formulas.h"
+#include "render/math/wide.h"
 
 namespace maquette {
 

@@ -6,10 +6,10 @@ layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 #include "shared/bandwidth.glsl"
-#include "shared/screen_bend.glsl"
+#include "shared/screen_curvature.glsl"
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
 layout(binding = kUnitDepth) uniform sampler2D t_depth;
-layout(binding = kUnitBend) uniform usampler2D t_bend;     // of shared/screen_bend.glsl
+layout(binding = kUnitScreenCurvature) uniform usampler2D t_screen_curvature;     // of shared/screen_curvature.glsl
 layout(binding = kUnitEnergy) uniform sampler2D t_energy;  // predict.comp
 #if TEXTURE_BANDWIDTH
 layout(binding = kUnitTextureBandwidthMap) uniform sampler2D t_texture_bandwidth_map;
@@ -51,7 +51,7 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   count = max(count, 1e-6);
   // The terms contain balance weights for the prediction's own sample counts; n Var(sum of terms / n) does not depend on them.
   float deviation = sqrt(max(pool.sums.z / count, 0.0) * float(PREDICTION_SAMPLES));
-  ScreenBend bend = unpack_bend(texelFetch(t_bend, quad, 0));
+  ScreenCurvature bend = unpack_screen_curvature(texelFetch(t_screen_curvature, quad, 0));
   float nu_surface = 0.0, light = 0.0;
 #if NEAR
   // Baked visibility and near lights vary over the surface.

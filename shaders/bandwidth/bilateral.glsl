@@ -5,7 +5,7 @@ struct Guide {
   vec3 normal;
   int material;
   float pixel_m;  // width of a pixel at this depth
-  float open;  // visibility of the sky in the mirror direction (open.comp); 1 in shaders that do not read it
+  float open;  // visibility of the sky in the mirror direction (sky_visibility.comp); 1 in shaders that do not read it
   bool valid;
 };
 

@@ -17,7 +17,7 @@ layout(binding = kUnitScreenAxes) uniform sampler2D t_axes;  // of screen_bandwi
 layout(binding = kUnitMarks) uniform usampler2D t_marks;
 #include "bandwidth/bilateral.glsl"
 #include "shared/bandwidth.glsl"
-#include "shared/screen_bend.glsl"
+#include "shared/screen_curvature.glsl"
 layout(binding = kImageRadiance, rgba32f) uniform image2D io_radiance;
 #if OWN
 #include "shared/interpolation.glsl"

@@ -23,7 +23,7 @@ layout(binding = kUnitPyramid) uniform sampler2D t_pyramid;  // level 0: quads
 #include "bandwidth/bilateral.glsl"
 #endif
 #if VISIBILITY
-layout(binding = kUnitOpen) uniform sampler2D t_open;  // of open.comp
+layout(binding = kUnitSkyVisibility) uniform sampler2D t_sky_visibility;  // of sky_visibility.comp
 #endif
 #if REFINE
 layout(binding = kImageMarks, rgba8ui) uniform uimage2D io_marks;  // shaded, level of the first frame, log2 of samples, 1 if visible, 3 in plain quads
@@ -58,7 +58,7 @@ uniform float u_items_per_deviation;
 uniform float u_least_deviation;
 #endif
 #if BANDWIDTH
-uniform float u_scouts;  // while nothing moves: share of the finest level's points that were to be shaded without need by now
+uniform float u_early_share;  // while nothing moves: share of the finest level's points that were to be shaded without need by now
 #endif
 
 #if BANDWIDTH
@@ -160,7 +160,7 @@ Guide load_guide_or_none(ivec2 pixel) {
   Guide g = load_guide(min(pixel, u_frame.size.xy - 1));
   g.valid = g.valid && all(lessThan(pixel, u_frame.size.xy));
 #if VISIBILITY
-  g.open = texelFetch(t_open, min(pixel, u_frame.size.xy - 1), 0).x;
+  g.open = texelFetch(t_sky_visibility, min(pixel, u_frame.size.xy - 1), 0).x;
 #endif
   return g;
 }
@@ -236,7 +236,7 @@ float unit_hash(ivec2 pixel) {
 }
 
 /// A few points are shaded before they are needed, to measure the error of interpolation. In the end all are, so that no feature is missed for good.
-bool is_shaded_early(ivec2 pixel, int enters) { return unit_hash(pixel) < u_scouts * float(1 << (2 * enters)); }
+bool is_shaded_early(ivec2 pixel, int enters) { return unit_hash(pixel) < u_early_share * float(1 << (2 * enters)); }
 #endif
 
 #if REFINE
@@ -355,7 +355,7 @@ void main() {
       uvec4 surface = texelFetch(t_surface, pixel, 0);
       int material = int(surface.z >> 16u);
       uint flags = material_words(material, 6).x;
-#ifdef REPAINTED
+#ifdef MATERIAL_REPLACED
       if ((flags & kMaterialReplaced) == 0u) continue;
 #endif
       bool measured = (flags & kMaterialMeasured) != 0u;
@@ -384,7 +384,7 @@ void main() {
   if (visible == 0u) return;
   atomicAdd(b_lists[0].visible, visible);
 #ifdef MARKS_ONLY
-  return;  // turning/schedule.comp lists the points
+  return;  // rotation/schedule.comp lists the points
 #endif
   uvec2 next_item = uvec2(0u), next_point = uvec2(0u);
   if (points.x > 0u) {

@@ -1,5 +1,5 @@
 /// Sample count factor of a point that enters at `enters`. It is above 1 because finer points interpolate from this one and inherit its error.
-/// The block of the first frame bounds it from above. `share`: as worth.comp found it, in grid points.
+/// The block of the first frame bounds it from above. `share`: as interpolation_error.comp found it, in grid points.
 float sample_share(float share, int enters, int level) {
   int pixel_level = findMSB(u_frame.size.z);
   return enters > pixel_level ? min(max(share, 1.0), block_share(min(level, enters))) : block_share(min(level, enters));

@@ -7,10 +7,10 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/bandwidth.glsl"
-#include "shared/screen_bend.glsl"
+#include "shared/screen_curvature.glsl"
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
 layout(binding = kUnitDepth) uniform sampler2D t_depth;
-layout(binding = kImageBend, rgba32ui) uniform writeonly uimage2D o_bend;  // of shared/screen_bend.glsl
+layout(binding = kImageScreenCurvature, rgba32ui) uniform writeonly uimage2D o_screen_curvature;  // of shared/screen_curvature.glsl
 
 struct Sample {
   vec3 position, normal;
@@ -74,11 +74,11 @@ void main() {
     if (pixel.x < 0 && texelFetch(t_depth, q, 0).x > 0.0) pixel = q;
   }
   if (pixel.x < 0) {
-    imageStore(o_bend, quad, uvec4(0u));
+    imageStore(o_screen_curvature, quad, uvec4(0u));
   } else {
     Sample c = load_sample(pixel);
     float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
     Along x = along_axis(c, pixel, ivec2(1, 0), pixel_m), y = along_axis(c, pixel, ivec2(0, 1), pixel_m);
-    imageStore(o_bend, quad, pack_bend(x.step_m, y.step_m, x.normal_change, y.normal_change));
+    imageStore(o_screen_curvature, quad, pack_screen_curvature(x.step_m, y.step_m, x.normal_change, y.normal_change));
   }
 }

@@ -24,7 +24,7 @@ uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a 
 layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
 layout(binding = kUnitReflection) uniform sampler2D t_reflection;       // what the nearest reflector of each pixel shows, cd/m2
 uniform int u_reflector;                                 // of this item
-layout(binding = kUnitDoubt) uniform usampler2D t_doubt;         // 1 where what is reflected is not vouched for
+layout(binding = kUnitLowConfidence) uniform usampler2D t_low_confidence;         // 1 where what is reflected has low confidence
 layout(binding = kUnitGhostDirection) uniform sampler2D t_ghost_direction;  // the same of the second image
 layout(binding = kUnitGhost) uniform sampler2D t_ghost;
 #endif
@@ -73,9 +73,9 @@ vec4 reflected_scene(sampler2D directions, sampler2D radiance) {
 
 /// Thin diagonal lines, an orange filter over reflection and background alike: visible at every exposure, and not mistaken for a reflection.
 vec3 hatch_filter() {
-  vec2 size = vec2(textureSize(t_doubt, 0));
+  vec2 size = vec2(textureSize(t_low_confidence, 0));
   ivec2 at = clamp(ivec2(gl_FragCoord.xy / vec2(u_frame.size.xy) * size), ivec2(0), ivec2(size) - 1);
-  bool low_confidence = texelFetch(t_doubt, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
+  bool low_confidence = texelFetch(t_low_confidence, at, 0).x == 1u && int(texelFetch(t_ray_direction, at, 0).w) == u_reflector + 1;
   float along = mod((gl_FragCoord.x + gl_FragCoord.y) / float(u_frame.size.z), 7.0);
   return low_confidence && along < 1.5 ? vec3(0.8, 0.3, 0.02) : vec3(1.0);
 }

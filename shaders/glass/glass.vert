@@ -19,7 +19,7 @@ out float v_open;     // share of the mirror direction that is not occluded
 #if VISIBILITY == 1
 float open_share(vec3 direction, bool back) {
   VisibilityCorner corner = visibility_corner(direction);
-  VisibilityPlace place = visibility_place(corner.lower);
+  VisibilityBitPosition place = visibility_bit_position(corner.lower);
   uint word = texelFetch(t_visibility, kVisibilityWords * (2 * gl_VertexID + (back ? 1 : 0)) + place.word).x;
   return dot(visibility_shares(corner.fraction), visibility_bits(word, place.shift));
 }

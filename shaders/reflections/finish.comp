@@ -7,8 +7,8 @@ layout(std430, binding = kBufferNearest) readonly buffer Nearest { uvec2 b_neare
 layout(binding = kUnitFocus) uniform sampler2D t_focus;  // 1/m, of the mirrored ray
 layout(binding = kImageTriangle, r32ui) uniform writeonly uimage2D o_triangle;
 layout(binding = kImageEffort, rg8ui) uniform writeonly uimage2D o_effort;
-layout(binding = kImageDoubt, r8ui) uniform writeonly uimage2D o_doubt;
-layout(std430, binding = kBufferHitCounters) buffer Counters { uint b_doubtful; };
+layout(binding = kImageLowConfidence, r8ui) uniform writeonly uimage2D o_low_confidence;
+layout(std430, binding = kBufferHitCounters) buffer Counters { uint b_low_confidence_count; };
 layout(binding = kUnitTriangleGroups) uniform usamplerBuffer t_group;  // of each triangle
 layout(std430, binding = kBufferSeenGroups) writeonly buffer Seen { uint b_seen[]; };  // [group]
 uniform int u_group_count;  // 0: groups are not needed
@@ -41,6 +41,6 @@ void main() {
   float focus = texelFetch(t_focus, pixel, 0).x;
   float hit_m = triangle != 0u ? distance_to(origin, direction.xyz, fetch_triangle(int(triangle) - 1)) : exit_distance(origin, direction.xyz);
   if (hit_m * focus <= 1.0) return;
-  imageStore(o_doubt, pixel, uvec4(1u));
-  atomicAdd(b_doubtful, 1u);
+  imageStore(o_low_confidence, pixel, uvec4(1u));
+  atomicAdd(b_low_confidence_count, 1u);
 }

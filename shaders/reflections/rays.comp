@@ -15,7 +15,7 @@ layout(binding = kImageFocus, r16f) uniform writeonly image2D o_focus;
 layout(binding = kUnitPatchFits) uniform usamplerBuffer t_fits;  // patch + 1, parameters of the corners: of triangles that patches are fitted to
 // [patch] how far the fitted patch's ray is from the mesh's at most, m at its origin and m more for each m along it; 4 plus and 4 minus the
 // largest and least parameters seen; bits of floats
-layout(std430, binding = kBufferFitReach) buffer FitReach { uint b_fits[]; };
+layout(std430, binding = kBufferFitReach) buffer FitBounds { uint b_fits[]; };
 #endif
 uniform int u_divisor;
 #if GHOST
@@ -23,7 +23,7 @@ uniform int u_divisor;
 uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
 uniform float u_wedge;            // rad: how much thicker a pane gets upwards
 // [reflector] 2: how far the second ray is from the front's at most, m at its origin and m more for each m along it; bits of floats
-layout(std430, binding = kBufferGhostReach) buffer GhostReach { uint b_reach[]; };
+layout(std430, binding = kBufferGhostReach) buffer GhostBounds { uint b_ghost_bounds[]; };
 #endif
 
 struct PanePoint {
@@ -165,8 +165,8 @@ void main() {
       if (direction.w == 0.0) {
         origin = vec4(0.0);
       } else {
-        atomicMax(b_reach[2 * reflector], floatBitsToUint(length(ghost.offset)));
-        atomicMax(b_reach[2 * reflector + 1], floatBitsToUint(length(ghost.direction - mirrored)));
+        atomicMax(b_ghost_bounds[2 * reflector], floatBitsToUint(length(ghost.offset)));
+        atomicMax(b_ghost_bounds[2 * reflector + 1], floatBitsToUint(length(ghost.direction - mirrored)));
       }
 #endif
 #if FITTED

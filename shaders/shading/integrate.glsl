@@ -22,8 +22,8 @@ float strategy_sum(float lobe, float light, float amid, bool is_brdf, bool sun) 
   return sun ? alone : lobe + light;
 }
 
-#if SUN_APART
-// The list does not contain the sun's texels. turning/sun.comp adds their light, except for lobes that are narrower than the sun.
+#if SEPARATE_SUN
+// The list does not contain the sun's texels. rotation/sun.comp adds their light, except for lobes that are narrower than the sun.
 uniform vec3 u_sun;  // luminance above which a texel is of the sun, 1 / solid angle of the sun, 1 / integral of the rest (0: black)
 
 /// True for a lobe narrow enough to find the sun by its own samples. Depends only on the direction, so each light is counted once whatever the
@@ -34,7 +34,7 @@ bool lobe_finds_sun(float f_hat) { return f_hat > 4.0 * u_sun.y; }
 /// Weight of a sample drawn from the BRDF, and of one from the environment's list. `nb`, `nl`: counts, the second over the environment's integral;
 /// `l`: luminance of the light.
 float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
-#if SUN_APART
+#if SEPARATE_SUN
   if (l > u_sun.x) nl = lobe_finds_sun(f_hat) ? 0.0 : 1e30;
   return cosine * f_hat / max((nb * f_hat + nl * l) * pdf, 1e-30);
 #else
@@ -42,7 +42,7 @@ float brdf_weight(float cosine, float f_hat, float l, float inverse_integral, fl
 #endif
 }
 float light_weight(float cosine, float f_hat, float l, float inverse_integral, float nb, float nl, float pdf) {
-#if SUN_APART
+#if SEPARATE_SUN
   return cosine * l * inverse_integral / max((nl * l + nb * f_hat) * pdf, 1e-30);
 #else
   return cosine * l * inverse_integral / max(strategy_sum(nb * f_hat, nl * l, nl * u_frame.quality.w, false, l * inverse_integral > kSunDensity) * pdf, 1e-30);
@@ -121,7 +121,7 @@ struct CellDraw {
   vec2 theta_cell, phi_cell;
 };
 CellDraw draw_cell(Estimator e, uint n) {
-  BrdfCellChoice choice = choose_brdf_cell(vec2(unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2)));
+  BrdfCellChoice choice = brdf_cell_of(vec2(unit_float(e.q1 + n * kStep1), unit_float(e.q2 + n * kStep2)));
   return CellDraw(choice, fetch_theta_cell(e.elevation, choice.theta.k), fetch_phi_cell(e.elevation, choice.theta.k, choice.p));
 }
 LobeTerms lobe_terms(Point p, vec3 wi, uvec2 words, float fraction) {
@@ -134,9 +134,9 @@ LobeTerms lobe_terms(Point p, vec3 wi) {
 }
 #endif
 
-#if defined(TURNED) && LOOKS_BACK
-#define BEFORE
-#include "turning/before.glsl"
+#if defined(ROTATING) && REUSES_HISTORY
+#define PREVIOUS_ROTATION
+#include "rotation/before.glsl"
 #endif
 
 #if MEASURED
@@ -185,7 +185,7 @@ void add_lobe_sample(Point p, Estimator e, uint n, LobeSample s, inout Result re
   float open = mean_visibility(result.visibility, world_from_environment(world));
   weight *= open;
 #endif
-#ifdef BEFORE
+#ifdef PREVIOUS_ROTATION
   // The same direction under the previous rotation: lobe and visibility are unchanged.
   vec3 sky = environment_value(fetch_environment(environment_index(previous_environment_direction(world), node_choice(e, n))));
   result.before = f * sky * brdf_weight(wi.z, f_hat, luminance(sky), e.inverse_integral, nb, nl, pdf);
@@ -213,7 +213,7 @@ void find_sky_sample(Point p, Estimator e, uint n, inout SkySample s) {
 void add_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result result) {
   vec3 wi = s.wi, light = s.direction_pdf.xyz, radiance = s.radiance;
   float nb = e.nb, nl = e.nl;
-#ifdef BEFORE
+#ifdef PREVIOUS_ROTATION
   // The same light at its direction before the rotation.
   vec3 from = current_environment_direction(light), wi_before = to_local(p, from);
   if (max(wi.z, wi_before.z) <= 0.0) return;
@@ -232,7 +232,7 @@ void add_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result resu
 #if VISIBILITY
   weight *= mean_visibility(result.visibility, world_from_environment(light));
 #endif
-#ifdef BEFORE
+#ifdef PREVIOUS_ROTATION
   weight = wi.z > 0.0 ? weight : 0.0;
   LobeTerms before = lobe_towards(p, wi_before, unit_pair(e.q3 + n * kStep3));
   float weight_before = light_weight(wi_before.z, before.f_hat, l, e.inverse_integral, nb, nl, s.direction_pdf.w);
@@ -259,11 +259,11 @@ void add_sky_sample(Point p, Estimator e, uint n, SkySample s, inout Result resu
 #define DRAW_DIRECTION(k) LobeSample s##k = draw_direction(p, e, n + uint(k));
 #endif
 #define FETCH_WORTH(k) fetch_worth(s##k);
-#define TAKE_LOBE(k) if (i + k < brdf_count) add_lobe_sample(p, e, n + uint(k), s##k, result);
+#define ADD_LOBE(k) if (i + k < brdf_count) add_lobe_sample(p, e, n + uint(k), s##k, result);
 #define FETCH_SKY(k) SkySample s##k = fetch_sky_sample(((light_first + n + uint(k)) ^ light_mask) & list_mask);
 #define FIND_SKY(k) find_sky_sample(p, e, n + uint(k), s##k);
 #define FETCH_LOBE(k) s##k.words = fetch_brdf(s##k.lookup);
-#define TAKE_SKY(k) if (i + k < light_count) add_sky_sample(p, e, n + uint(k), s##k, result);
+#define ADD_SKY(k) if (i + k < light_count) add_sky_sample(p, e, n + uint(k), s##k, result);
 
 // HALVES: the includer's count is a constant, and each strategy takes half of it.
 void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result result) {
@@ -275,7 +275,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   int light_count = count - brdf_count;
 #endif
   Estimator e;
-#if SUN_APART
+#if SEPARATE_SUN
   e.inverse_integral = u_sun.z;
 #else
   e.inverse_integral = u_frame.environment.w > 0.0 ? 1.0 / u_frame.environment.w : 0.0;
@@ -296,7 +296,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
   float share_to_samples = float(brdf_count), chance = unit_float(hash(rotation ^ 0x5f356495u) + block * 0x9E3779B9u);
   e.lobe_ends = uvec2(share_to_samples * vec2(p.lobe_weights.x, p.lobe_weights.x + p.lobe_weights.y) + chance);
   e.lobe_first = uvec3(0u);
-#if !SUN_APART  // the sun's pass uses the weights unchanged
+#if !SEPARATE_SUN  // the sun's pass uses the weights unchanged
   // with 8 or more each lobe gets a fixed number, and its weight becomes that number over the total. Each lobe has its own sequence, which later
   // items continue.
   if (brdf_count >= 8) {
@@ -320,7 +320,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #endif
     FOR_GROUP(DRAW_DIRECTION)
     FOR_GROUP(FETCH_WORTH)
-    FOR_GROUP(TAKE_LOBE)
+    FOR_GROUP(ADD_LOBE)
     i += SAMPLE_GROUP;
   } while (i < brdf_count);
   // Each point reads the list in its own order. Aligned runs of 2^k entries are digital nets, and indices XORed with a mask pass through complete
@@ -335,7 +335,7 @@ void integrate(Point p, ivec2 pixel, uint first_sample, int count, inout Result 
 #if MEASURED
     FOR_GROUP(FETCH_LOBE)
 #endif
-    FOR_GROUP(TAKE_SKY)
+    FOR_GROUP(ADD_SKY)
     i += SAMPLE_GROUP;
   } while (i < light_count);
 }

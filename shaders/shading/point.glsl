@@ -7,10 +7,10 @@ layout(binding = kUnitBrdf) uniform usamplerBuffer t_brdf;              // [slot
 layout(binding = kUnitThetaCells) uniform samplerBuffer t_theta_cells;  // [slot][elevation][96], t begin and end
 layout(binding = kUnitPhiCells) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
 layout(binding = kUnitAlbedo) uniform samplerBuffer t_albedo;           // [slot][64], luminance
-#ifndef SUN_APART
-#define SUN_APART 0  // 1: the sun's light is sampled separately (turning/sun.comp)
+#ifndef SEPARATE_SUN
+#define SEPARATE_SUN 0  // 1: the sun's light is sampled separately (rotation/sun.comp)
 #endif
-#if SUN_APART
+#if SEPARATE_SUN
 layout(binding = kUnitEnvironment) uniform usamplerBuffer t_sky;   // [height][width], shared exponent
 #else
 layout(binding = kUnitSkyNodes) uniform usamplerBuffer t_sky;   // [row][column] of nodes, shared exponent
@@ -122,7 +122,7 @@ vec3 measured_brdf(int slot, vec3 wi, vec3 wo, vec2 xi) {
 
 /// Index of one of the four nodes around, chosen with its bilinear weight by `xi`.
 int environment_index(vec3 d, vec2 xi) {
-#if SUN_APART
+#if SEPARATE_SUN
   ivec4 nodes = ivec4(u_frame.environment_size.xy, u_frame.environment_size.y - 1, 1);
 #else
   ivec4 nodes = u_frame.sky_nodes;

@@ -1,5 +1,5 @@
 // Shades work items: the same number of samples of one point each, so that neighbouring invocations run loops of the same length.
-// TURNED: items of shaders/turning (environment rotation). LOOKS_BACK: items of points that reuse their history: each sample is evaluated under
+// ROTATING: items of shaders/rotation (environment rotation). REUSES_HISTORY: items of points that reuse their history: each sample is evaluated under
 // the previous rotation as well.
 layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
@@ -14,8 +14,8 @@ layout(local_size_x = 64) in;
 #include "shared/luminance.glsl"
 #include "shared/analytic.glsl"
 #include "shared/merl.glsl"
-#ifdef TURNED
-#include "turning/item.glsl"
+#ifdef ROTATING
+#include "rotation/item.glsl"
 #endif
 #define POINTS_SORTED
 #include "shading/point.glsl"
@@ -29,7 +29,7 @@ struct Item {
   uint pixel;         // x | y << 16
   uint first_sample;  // of the point's sequence
 };
-#ifdef TURNED
+#ifdef ROTATING
 uniform ivec2 u_range;  // first item, number
 #else
 struct List {
@@ -43,8 +43,8 @@ layout(std430, binding = kBufferPartial) writeonly buffer Partial { vec4 b_parti
 
 struct Result {
   vec3 sum;
-#ifdef TURNED
-#if LOOKS_BACK
+#ifdef ROTATING
+#if REUSES_HISTORY
   vec3 before;  // value of the current sample under the previous rotation
   float kept;   // share of the point's history that is kept
 #endif
@@ -54,9 +54,9 @@ struct Result {
   VisibilityPoint visibility;
 #endif
 };
-#ifdef TURNED
+#ifdef ROTATING
 void add_sample(inout Result r, vec3 now) {
-#if LOOKS_BACK
+#if REUSES_HISTORY
   vec3 v = now - r.kept * r.before;
 #else
   vec3 v = now;
@@ -68,7 +68,7 @@ void add_sample(inout Result r, vec3 now) {
 #else
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
 #endif
-#ifdef TURNED
+#ifdef ROTATING
 #define SAMPLE_GROUP 2
 #else
 #define SAMPLE_GROUP 4
@@ -80,7 +80,7 @@ void add_sample(inout Result r, vec3 now) {
 
 void main() {
   uint id = linear_id();
-#ifdef TURNED
+#ifdef ROTATING
   if (id >= uint(u_range.y)) return;
   id += uint(u_range.x);
 #else
@@ -94,9 +94,9 @@ void main() {
 #if VISIBILITY
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
 #endif
-#ifdef TURNED
+#ifdef ROTATING
   TemporalItem temporal = unpack_temporal_item(item.first_sample);
-#if LOOKS_BACK
+#if REUSES_HISTORY
   result.kept = temporal.kept;
 #endif
   result.squares = 0.0;
@@ -113,7 +113,7 @@ void main() {
   integrate(p, pixel, first_sample, count, result);
   vec3 sum = result.sum * u_frame.environment.z;
   float spread = 1.0;
-#ifdef TURNED
+#ifdef ROTATING
   // Of one sample, from the terms of the sum.
   spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * u_frame.environment.z * u_frame.environment.z;
 #endif
@@ -122,7 +122,7 @@ void main() {
   g_light_visibility = result.visibility;
 #endif
   vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
-#if defined(TURNED) && LOOKS_BACK
+#if defined(ROTATING) && REUSES_HISTORY
   lights *= 1.0 - temporal.kept;  // lights do not rotate: before and after are equal
   // One light sample does not show the variance of light samples; its square is an upper bound.
   spread += temporal.kept > 0.0 ? float(count) * dot(lights, lights) * (1.0 / 3.0) : 0.0;

@@ -46,7 +46,7 @@ VisibilityPoint load_visibility(ivec2 pixel, vec3 position, vec3 normal) {
 
 /// The three vertices' bits of the four cells around a direction, blended. `weights`: of the vertices.
 vec4 blended_bits(VisibilityPoint p, vec3 weights, VisibilityCorner corner) {
-  VisibilityPlace place = visibility_place(corner.lower);
+  VisibilityBitPosition place = visibility_bit_position(corner.lower);
   ivec3 words = p.words + place.word;
   uvec3 bits = uvec3(texelFetch(t_visibility, words.x).x, texelFetch(t_visibility, words.y).x, texelFetch(t_visibility, words.z).x);
   return weights.x * visibility_bits(bits.x, place.shift) + weights.y * visibility_bits(bits.y, place.shift) +

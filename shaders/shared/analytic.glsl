@@ -1,7 +1,7 @@
 // glTF 2.0 metallic-roughness with clearcoat, specular, ior and sheen. Local frame z = normal; wi, wo unit.
 // Source: glTF 2.0 specification, Appendix B (GGX, Smith height-correlated masking, Schlick), and the KHR_materials_*
 // extension texts; visible-normal sampling: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
-// Needs shared/luminance.glsl before it. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Needs shared/luminance.glsl before it. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 // Differs: the diffuse lobe is scaled by (1 - F(h)) as in the specification; energy lost to multiple scattering is not compensated.
 
 #ifndef MAQUETTE_FN

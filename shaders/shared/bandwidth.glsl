@@ -1,7 +1,7 @@
 // Two-dimensional local bandwidth b = (nu_x, nu_theta): cycles per metre and per radian, the box that holds 95 % of the local
 // spectral energy. Source: Bagher et al. 2012, "Interactive rendering of acquired materials on dynamic geometry using bandwidth
 // prediction", Sec. 4; Durand et al. 2005.
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

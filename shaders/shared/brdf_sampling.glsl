@@ -24,7 +24,7 @@ struct ThetaCellChoice {
   float position;
 };
 
-MAQUETTE_FN ThetaCellChoice choose_theta_cell(float u) {
+MAQUETTE_FN ThetaCellChoice theta_cell_of(float u) {
   ThetaCellChoice choice;
   float survival = max(2.0f - 2.0f * u, 1e-7f);  // 1 at the start of the tail
   float octave_cell = clamp(floor(-8.0f * log2(survival)), 0.0f, 63.0f);
@@ -62,9 +62,9 @@ struct BrdfCellChoice {
   float side;          // of the plane of view and normal, 1 or -1
 };
 
-MAQUETTE_FN BrdfCellChoice choose_brdf_cell(vec2 u) {
+MAQUETTE_FN BrdfCellChoice brdf_cell_of(vec2 u) {
   BrdfCellChoice choice;
-  choice.theta = choose_theta_cell(u.x);
+  choice.theta = theta_cell_of(u.x);
   choice.side = u.y < 0.5f ? 1.0f : -1.0f;
   float along = u.y < 0.5f ? 2.0f * u.y : 2.0f * u.y - 1.0f;
   float scaled = float(kBrdfPhiCells) * along;
@@ -96,21 +96,21 @@ MAQUETTE_FN BrdfSample brdf_sample_in_cell(vec3 wo, BrdfCellChoice choice, vec2 
 
 MAQUETTE_FN BrdfSample sample_brdf(vec3 wo, vec2 u) {
   int elevation = brdf_elevation(wo);
-  BrdfCellChoice choice = choose_brdf_cell(u);
+  BrdfCellChoice choice = brdf_cell_of(u);
   vec2 theta_cell = fetch_theta_cell(elevation, choice.theta.k);
   return brdf_sample_in_cell(wo, choice, theta_cell, fetch_phi_cell(elevation, choice.theta.k, choice.p));
 }
 
 // Position of the half vector of two directions among the cells of wo: t = 1 - cos(theta_h); phi_h from the plane of view
 // and normal, in [0, pi]; the length of wi + wo.
-struct HalfVectorPlace {
+struct HalfVectorPosition {
   float t;
   float phi;
   float length_sum;
 };
 
-MAQUETTE_FN HalfVectorPlace half_vector_place(vec3 wo, vec3 wi) {
-  HalfVectorPlace place;
+MAQUETTE_FN HalfVectorPosition half_vector_position(vec3 wo, vec3 wi) {
+  HalfVectorPosition place;
   vec3 sum = wi + wo;
   place.length_sum = sqrt(dot(sum, sum));
   float xy = sum.x * sum.x + sum.y * sum.y;
@@ -123,7 +123,7 @@ MAQUETTE_FN HalfVectorPlace half_vector_place(vec3 wo, vec3 wi) {
 }
 
 // Density over solid angle (1/sr) of wi where its half vector lies in theta cell k; 0 below the horizon.
-MAQUETTE_FN float density_in_cell(vec3 wo, vec3 wi, HalfVectorPlace place, int k, vec2 theta_cell, vec2 phi_cell) {
+MAQUETTE_FN float density_in_cell(vec3 wo, vec3 wi, HalfVectorPosition place, int k, vec2 theta_cell, vec2 phi_cell) {
   float density = half_vector_density(k, theta_cell, phi_cell);
   // wo . h = |H| / 2.
   return wi.z > 0.0f && wo.z > 0.0f && place.length_sum > 0.0f ? density / (2.0f * place.length_sum) : 0.0f;
@@ -131,7 +131,7 @@ MAQUETTE_FN float density_in_cell(vec3 wo, vec3 wi, HalfVectorPlace place, int k
 
 // Density over solid angle (1/sr) with which sample_brdf(wo, .) gives wi; 0 below the horizon. Searches: 7 + 4 fetches.
 MAQUETTE_FN float brdf_sample_pdf(vec3 wo, vec3 wi) {
-  HalfVectorPlace place = half_vector_place(wo, wi);
+  HalfVectorPosition place = half_vector_position(wo, wi);
   int elevation = brdf_elevation(wo);
   int k = 0;
   for (int i = 64; i > 0; i /= 2) {

@@ -1,5 +1,5 @@
 // Values in [0, 1] to colours, and values over a range to [0, 1].
-// Common subset of GLSL and C++ with GLM (render/false_color.cpp).
+// Common subset of GLSL and C++ with GLM (render/views/false_color.cpp).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

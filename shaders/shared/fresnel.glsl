@@ -1,4 +1,4 @@
-// Exact Fresnel reflectance of dielectrics and of a pane. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Exact Fresnel reflectance of dielectrics and of a pane. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

@@ -1,5 +1,5 @@
 // Indirect light per vertex (render/indirect): radiance(w) = mean + gradient . w, 16 bytes.
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h). Needs rgb9e5.glsl before it.
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h). Needs rgb9e5.glsl before it.
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

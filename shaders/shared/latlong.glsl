@@ -1,6 +1,6 @@
 // Directions and latitude-longitude maps, OpenEXR LATLONG: v = 0 is +Y, the centre (0.5, 0.5) is +Z, longitude atan2(x, z) is
 // +pi at u = 0 and -pi at u = 1. Texel centres are at ((x + 0.5) / W, (y + 0.5) / H).
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif
@@ -47,7 +47,7 @@ MAQUETTE_FN vec3 direction_from_latlong_uv(vec2 uv) {
 }
 
 // d rotated about +Y by the angle whose cosine and sine are given, positive from +Z towards +X. The radiance from direction d of an environment
-// rotated by +angle is that of the unrotated map at latlong_turn(d, cos(angle), -sin(angle)).
-MAQUETTE_FN vec3 latlong_turn(vec3 d, float cosine, float sine) {
+// rotated by +angle is that of the unrotated map at latlong_rotate(d, cos(angle), -sin(angle)).
+MAQUETTE_FN vec3 latlong_rotate(vec3 d, float cosine, float sine) {
   return vec3(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x);
 }

@@ -1,5 +1,5 @@
 // Punctual lights (KHR_lights_punctual) and emissive triangles as sampled lights, and the local bandwidth of a near light.
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

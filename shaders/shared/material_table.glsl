@@ -1,4 +1,4 @@
-// Material records: 8 texels of four words each. Written by render/scene_buffers.cpp in the same order.
+// Material records: 8 texels of four words each. Written by render/scene_state/scene_buffers.cpp in the same order.
 #include "shared/bindings.glsl"
 layout(binding = kUnitMaterials) uniform usamplerBuffer t_materials;
 const int kMaterialTexels = 8;

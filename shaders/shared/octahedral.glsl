@@ -1,7 +1,7 @@
 // Octahedral map of the full sphere to [0, 1]^2; +Y is the centre, -Y the four corners, u follows x and v follows z.
 // Source: Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors", Sec. 3.3 ("oct").
 // Differs: the pole is +Y, the product's up axis, and the square is [0, 1]^2.
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

@@ -1,4 +1,4 @@
-// The second image of a pane: the reflection by its back face. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// The second image of a pane: the reflection by its back face. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

@@ -1,5 +1,5 @@
 // From a ray and a triangle to a shading frame, for rasterised and traced surfaces.
-// Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

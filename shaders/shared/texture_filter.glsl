@@ -1,4 +1,4 @@
-// Filtering of textures that are packed in one list of RGBA8 texels with their mip chains (render/texture_atlas.h).
+// Filtering of textures that are packed in one list of RGBA8 texels with their mip chains (render/materials/texture_atlas.h).
 // Common subset of GLSL and C++ with GLM. The includer defines before it:
 //   uint fetch_texel_word(int index)                  a packed texel
 //   vec4 texture_record(int texture_index, int row)   row 0 to 2 of a record
@@ -9,7 +9,7 @@
 #endif
 
 /// Transforms a vector of UV by the linear part of KHR_texture_transform.
-MAQUETTE_FN vec2 texture_turned(int texture_index, vec2 uv) {
+MAQUETTE_FN vec2 texture_transformed(int texture_index, vec2 uv) {
   vec4 matrix = texture_record(texture_index, 1);
   return vec2(matrix.x * uv.x + matrix.y * uv.y, matrix.z * uv.x + matrix.w * uv.y);
 }
@@ -17,7 +17,7 @@ MAQUETTE_FN vec2 texture_turned(int texture_index, vec2 uv) {
 /// The UV coordinates of the texture's set, transformed by KHR_texture_transform.
 MAQUETTE_FN vec2 texture_coordinates(int texture_index, vec2 uv0, vec2 uv1) {
   vec4 rest = texture_record(texture_index, 2);
-  return texture_turned(texture_index, (int(rest.w) & 2) != 0 ? uv1 : uv0) + vec2(rest.x, rest.y);
+  return texture_transformed(texture_index, (int(rest.w) & 2) != 0 ? uv1 : uv0) + vec2(rest.x, rest.y);
 }
 
 /// Remainders in float: integer division is scalar and slow on software drivers; sizes are far below 2^24.
@@ -29,7 +29,7 @@ MAQUETTE_FN int wrap_texel(int i, int size, int mode) {
   return clamp(int(m), 0, size - 1);
 }
 
-/// sRGB images are stored square-root coded (render/texture_atlas.cpp): decoding is one product, and filtering is in linear light.
+/// sRGB images are stored square-root coded (render/materials/texture_atlas.cpp): decoding is one product, and filtering is in linear light.
 MAQUETTE_FN vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
   int x = wrap_texel(p.x, size.x, wrap & 3);
   int y = wrap_texel(p.y, size.y, wrap >> 2);

@@ -1,6 +1,6 @@
 // Tone mapping: linear Rec.709 radiance, already multiplied by the exposure, to linear display values in [0, 1]; then sRGB.
 // Needs shared/luminance.glsl
-// before it. Common subset of GLSL and C++ with GLM (render/tonemap.cpp).
+// before it. Common subset of GLSL and C++ with GLM (render/picture/tonemap.cpp).
 #ifndef MAQUETTE_FN
 #define MAQUETTE_FN
 #endif

@@ -1,11 +1,11 @@
 // Directional visibility of one side of a vertex: 16 x 16 cells of the octahedral map, one bit each (render/visibility). Needs
-// shared/octahedral.glsl before it. Common subset of GLSL and C++ with GLM (render/shared_formulas.h).
+// shared/octahedral.glsl before it. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 //
 // The map is extended by a border of one cell, which repeats the cells across the map's folds, and is stored in words of 8 x 4 cells that overlap by
 // one cell: the four cells around any direction are in one word. Use, per direction: the word and the position in it, that word of the three
 // vertices of the triangle, and the interpolated value of the four bits:
 //   VisibilityCorner corner = visibility_corner(direction);
-//   VisibilityPlace place = visibility_place(corner.lower);
+//   VisibilityBitPosition place = visibility_bit_position(corner.lower);
 //   float v = dot(visibility_shares(corner.fraction), b.x * visibility_bits(word_a, place.shift) + ...);
 
 #ifndef MAQUETTE_FN
@@ -62,14 +62,14 @@ MAQUETTE_FN VisibilityCorner visibility_corner(vec3 direction) {
 const int kVisibilityWords = 18;  // of a side: three across, six down
 
 // Position of the four bits around a direction: the lower left one at bit `shift` of the word, its right neighbour 1 higher, the upper two 8 and 9 higher.
-struct VisibilityPlace {
+struct VisibilityBitPosition {
   int word, shift;
 };
 
-MAQUETTE_FN VisibilityPlace visibility_place(ivec2 lower) {
+MAQUETTE_FN VisibilityBitPosition visibility_bit_position(ivec2 lower) {
   ivec2 at = lower + ivec2(1);                                // in the map with its border, 0 to 16
   ivec2 tile = ivec2((at.x * 37) >> 8, (at.y * 11) >> 5);     // divided by 7 and by 3
-  VisibilityPlace place;
+  VisibilityBitPosition place;
   place.word = 3 * tile.y + tile.x;
   place.shift = 8 * (at.y - 3 * tile.y) + at.x - 7 * tile.x;
   return place;

@@ -8,7 +8,7 @@
 #include <string>
 #include <thread>
 
-#include "render/large_pages.h"
+#include "render/raytraced/large_pages.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "tests/benchmarks/stage.h"

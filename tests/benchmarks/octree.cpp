@@ -127,7 +127,7 @@ std::string build_text(const Octree& octree, const Clock& took) {
 
 void measure_scene(Figures* figures, const std::string& name, const Scene& scene, const glm::vec3& eye, int repeats) {
   OctreeJob job = make_octree_job(scene, -1, kDepth);
-  const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
+  const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
   shared::octree_view = {octree.words.data(), octree.planes.data()};
   const shared::OctreeFrame frame = shared::octree_frame(octree);
   EmbreeRays embree(job);
@@ -190,7 +190,7 @@ Figures measure_octree(Stage& stage) {
   if (stage.options().wants("dense")) {
     const OctreeJob job = make_octree_job(dense_scene(kTwoMillion), -1, kDepth);
     const Clock begin = now();
-    const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
+    const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
     const Clock took = now() - begin;
     figures.push_back(judged("octree of 2 million triangles, depth 9", "15 s, 32 MB", build_text(octree, took),
                              took.wall_ms <= 15000.0 && octree.bytes() <= 32000000));

@@ -9,12 +9,12 @@
 #include <numbers>
 #include <type_traits>
 
-#include "render/embree_ray.h"
-#include "render/material_overrides.h"
+#include "render/raytraced/embree_ray.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/reference.h"
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/luminance.h"
 #include "tests/benchmarks/embree_triangles.h"
 #include "tests/benchmarks/stage.h"

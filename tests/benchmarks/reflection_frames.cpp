@@ -5,7 +5,7 @@
 #include <functional>
 #include <limits>
 
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "render/octree/octree_kind.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
@@ -140,7 +140,7 @@ std::string distances_text(const Distances& d) {
 double cell_side_m(const Scene& scene, int depth) {
   const OctreeJob job = make_octree_job(scene, -1, depth);
   const OctreeGrid grid =
-      choose_octree_grid({job.geometry, job.materials, job.transmits, *job.paint}, job.options, nullptr);
+      compute_octree_grid({job.geometry, job.materials, job.transmits, *job.textures}, job.options, nullptr);
   return grid.side_m / std::exp2(grid.depth - grid.detail);
 }
 

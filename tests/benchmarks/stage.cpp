@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <iostream>
 
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
@@ -187,7 +187,7 @@ void Stage::sample_halves(const Clock& begin, test::SampledHalf halves[2]) {
   constexpr double kEnough = 0.002;
   // The kernel for single pixels supports only measured tables and the sky.
   const FramePlan plan = renderer_->render(request("uniform", 2)).plan;
-  const bool single = !case_.material.empty() && !plan.lights;
+  const bool single = !case_.material.empty() && !plan.shading().lights;
   for (int h = 0; h < 2; ++h) halves[h] = test::SampledHalf(case_.width, case_.height);
   int runs = 0;
   double noise = 1.0;

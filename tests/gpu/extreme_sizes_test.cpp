@@ -9,10 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "render/shading/work_lists.h"
 #include "render/gl/context.h"
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "render/renderer.h"
+#include "render/shading/work_lists.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {

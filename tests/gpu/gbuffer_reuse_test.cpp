@@ -94,14 +94,14 @@ class KeptGbuffer : public ::testing::Test {
     const FrameStats full = renderer_.render(without_reuse);
     EXPECT_EQ(kept.data, renderer_.read_radiance().data);
     EXPECT_TRUE(timed(full, "raster") && timed(full, "gbuffer"));
-    EXPECT_EQ(timed(stats, "raster"), timed(stats, "gbuffer"));
+    EXPECT_TRUE(timed(stats, "gbuffer") || !timed(stats, "raster"));
     for (const char* pass : {"raster", "gbuffer"}) {
       const bool said = std::any_of(stats.skipped.begin(), stats.skipped.end(),
                                     [&](const SkippedPass& skipped) { return skipped.name == pass; });
       EXPECT_NE(said, timed(stats, pass)) << "the frame says what it skipped";
     }
     EXPECT_TRUE(take_gl_errors().empty());
-    return !timed(stats, "raster");
+    return !timed(stats, "gbuffer");
   }
   static bool timed(const FrameStats& stats, const std::string& pass) {
     return std::any_of(stats.passes.begin(), stats.passes.end(), [&](const PassTime& p) { return p.name == pass; });
@@ -177,7 +177,7 @@ TEST_F(KeptGbuffer, IsDrawnAgainWhenTheViewChanges) {
   request_.msaa = 4;
   EXPECT_FALSE(draw());
   EXPECT_TRUE(draw());
-  request_.mode = "uniform";
+  request_.mode = "uniform";  // which has a G-buffer of its own, of the same triangles
   EXPECT_FALSE(draw());
   EXPECT_TRUE(draw());
 }

@@ -7,9 +7,9 @@
 #include <memory>
 
 #include "render/gl/context.h"
+#include "render/math/shared_formulas.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
-#include "render/shared_formulas.h"
 #include "tests/support/path_scenes.h"
 #include "tests/support/test_scenes.h"
 

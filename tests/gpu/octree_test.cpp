@@ -25,7 +25,7 @@ using test::RayRecord;
 Octree build(const std::string& name, int depth) {
   const Scene scene = build_builtin_scene(name);
   const OctreeJob job = make_octree_job(scene, -1, depth);
-  return build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
+  return build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
 }
 
 TEST(OctreeOnGpu, WalksAsTheCpuDoes) {

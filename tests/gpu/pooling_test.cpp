@@ -121,7 +121,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   glBindTextureUnit(kUnitDepth, depth.get());
   glBindTextureUnit(kUnitEnergy, energy.get());
   glBindTextureUnit(kUnitNear, near.get());
-  glBindTextureUnit(kUnitBend, curvature.get());
+  glBindTextureUnit(kUnitScreenCurvature, curvature.get());
   glBindImageTexture(kImageBandwidth, pyramid.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(kImageAxes, axes.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16F);
   glBindImageTexture(kImageFirstCoarse, pyramid.get(), 1, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);

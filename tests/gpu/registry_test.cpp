@@ -1,14 +1,16 @@
+#include "render/technique/registry.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 
+#include "render/bake/bake_runner.h"
+#include "render/bake/scene_bake.h"
 #include "render/gl/context.h"
 #include "render/renderer.h"
 #include "render/shading/shading_mode.h"
-#include "render/technique/registry.h"
-#include "tests/support/frame_checks.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -21,7 +23,8 @@ std::shared_ptr<Scene> scene_with_a_mirror() {
   chrome.metallic = 1.0f;
   chrome.roughness = 0.0f;
   scene->materials.push_back(chrome);
-  test::add(scene.get(), test::make_grid({-0.5f, -0.5f, -0.5f}, {1, 0, 0}, {0, 1, 0}, 2, 1), "mirror")->reflector = true;
+  test::add(scene.get(), test::make_grid({-0.5f, -0.5f, -0.5f}, {1, 0, 0}, {0, 1, 0}, 2, 1), "mirror")->reflector =
+      true;
   return scene;
 }
 
@@ -52,7 +55,6 @@ Drawn draw(const Registry& registry, const std::string& mode, const std::string&
   Drawn drawn;
   drawn.stats = renderer.render(request);
   drawn.picture = renderer.read_radiance();
-  test::expect_planned_is_done(drawn.stats);
   return drawn;
 }
 
@@ -80,6 +82,34 @@ TEST(Registry, NamesOfTechniquesAreOnlyNames) {
   }
   EXPECT_TRUE(take_gl_errors().empty());
 }
+
+/// A bake of the test's own: counts the triangles of the scene, on its own thread.
+struct CountKind : BakeKind<std::size_t, std::size_t> {
+  Baked<std::size_t> run(const std::size_t& indices, const Baked<std::size_t>&, const BakeTask<std::size_t>&) override {
+    return {std::make_shared<const std::size_t>(indices / 3), true};
+  }
+};
+class CountBake final : public KeyedBake<Key, std::size_t, std::size_t>, public SceneBake {
+ public:
+  CountBake() : KeyedBake(std::make_shared<CountKind>()) {}
+  const char* name() const override { return "triangle_count"; }
+  Bake& bake() override { return *this; }
+  bool update(const SceneState& scene, const FrameRequest&) override {
+    require(Key::of(scene.revisions().geometry), [&] { return scene.geometry().indices.size(); });
+    const std::shared_ptr<const std::size_t> count = take();
+    if (!count) return false;
+    const float value = static_cast<float>(*count);
+    texture_ = Texture::make_2d("triangle count", GL_R32F, 1, 1);
+    texture_.upload(0, 1, 1, GL_RED, GL_FLOAT, &value);
+    return true;
+  }
+  void bind() const override { glBindTextureUnit(40, texture_.get()); }
+  bool ready() const override { return texture_.get() != 0; }
+  std::size_t bytes() const override { return texture_.bytes(); }
+
+ private:
+  Texture texture_;
+};
 
 /// A mode of the test's own: what is seen is as bright as its number of triangles says.
 class TriangleMode : public ShadingMode {
@@ -112,11 +142,12 @@ TEST(Registry, ATechniqueOfOnesOwnDrawsWithoutALineInTheProduct) {
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
 layout(binding = 0) uniform usampler2D t_triangle;
+layout(binding = 40) uniform sampler2D t_count;
 layout(binding = 0, rgba32f) uniform writeonly image2D o_radiance;
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
-  imageStore(o_radiance, pixel, vec4(vec3(float(texelFetch(t_triangle, pixel, 0).x)), 1.0));
+  imageStore(o_radiance, pixel, vec4(float(texelFetch(t_triangle, pixel, 0).x), texelFetch(t_count, ivec2(0), 0).x, 0.0, 1.0));
 }
 )";
   Registry registry = builtin_registry();
@@ -128,6 +159,7 @@ void main() {
   };
   own.shader_variants = [&] { return std::vector<ShaderVariant>{{shader.string(), "", {}}}; };
   own.views = {{"seven", "always seven"}};
+  own.own_bake = OwnBake{"triangle_count", "how many there are", [] { return std::make_unique<CountBake>(); }};
   bool baked = false;
   own.bakes = {{"triangles", "nothing much", [&](const BakeRequest&, const BakeControl&) { baked = true; }}};
   registry.techniques.push_back(own);
@@ -141,15 +173,18 @@ void main() {
   FrameRequest request = request_for("triangles", kNoReflections);
   request.camera.eye = {0.0f, 0.0f, 1.0f};
   request.camera.target = {0.0f, 0.0f, 0.0f};
+  EXPECT_TRUE(renderer.finish_background_work(request));
   const FrameStats stats = renderer.render(request);
-  test::expect_planned_is_done(stats);
+  EXPECT_EQ(stats.plan.shading().own_bake, "triangle_count");
+  EXPECT_EQ(stats.gpu_bytes.at("triangle_count"), 4u);
   const Image picture = renderer.read_radiance();
+  EXPECT_EQ(picture.at(60, 40, 1), 2.0f) << "of the bake";
   EXPECT_EQ(picture.at(60, 40, 0), 1.0f) << "below the diagonal";
   EXPECT_EQ(picture.at(4, 4, 0), 2.0f) << "above it";
   EXPECT_EQ(renderer.read_debug_view("seven").at(32, 24, 1), 7.0f);
   const auto variants = all_shader_variants(registry);
-  EXPECT_TRUE(std::any_of(variants.begin(), variants.end(),
-                          [&](const ShaderVariant& v) { return v.path == shader.string(); }));
+  EXPECT_TRUE(
+      std::any_of(variants.begin(), variants.end(), [&](const ShaderVariant& v) { return v.path == shader.string(); }));
   const Settings settings;
   const std::atomic<bool> cancel{false};
   registry.find_bake("triangles").run({*scene, -1, settings, {}, ""}, {cancel, {}, {}});

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "render/gl/context.h"
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "render/renderer.h"
 #include "tests/support/test_scenes.h"
 
@@ -74,9 +74,7 @@ class Repaint : public ::testing::Test {
     }
     return changed;
   }
-  static bool kept_points(const FrameStats& stats) {
-    return stats.status.tables_swapped;
-  }
+  static bool kept_points(const FrameStats& stats) { return stats.status.tables_swapped; }
   void TearDown() override { EXPECT_TRUE(take_gl_errors().empty()); }
 
   GlContext context_ = GlContext::create_headless();

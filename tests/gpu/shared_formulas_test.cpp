@@ -1,4 +1,4 @@
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -91,7 +91,7 @@ TEST_F(SharedFormulas, VisibilityReadsTheSameBits) {
   const auto got =
       run_on_gpu({"shared/octahedral.glsl", "shared/visibility.glsl"}, "vec4 direction; uvec4 words[5];",
                  "VisibilityCorner corner = visibility_corner(c.direction.xyz);\n"
-                 "VisibilityPlace place = visibility_place(corner.lower);\n"
+                 "VisibilityBitPosition place = visibility_bit_position(corner.lower);\n"
                  "uint word = c.words[place.word >> 2][place.word & 3];\n"
                  "result = vec4(dot(visibility_shares(corner.fraction), visibility_bits(word, place.shift)), "
                  "float(visibility_bit(c.direction.xyz)), float(place.word), 0.0);",
@@ -100,7 +100,7 @@ TEST_F(SharedFormulas, VisibilityReadsTheSameBits) {
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     const shared::VisibilityCorner corner = shared::visibility_corner(glm::vec3(c.direction));
-    const shared::VisibilityPlace place = shared::visibility_place(corner.lower);
+    const shared::VisibilityBitPosition place = shared::visibility_bit_position(corner.lower);
     ASSERT_TRUE(place.word >= 0 && place.word < shared::kVisibilityWords);
     const std::uint32_t word = c.words[place.word >> 2][place.word & 3];
     const float value =

@@ -17,8 +17,8 @@
 #include "render/gl/bindings.h"
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
+#include "render/math/shared_formulas.h"
 #include "render/renderer.h"
-#include "render/shared_formulas.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {

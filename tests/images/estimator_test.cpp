@@ -6,7 +6,7 @@
 #include <string>
 
 #include "render/gl/context.h"
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 #include "render/renderer.h"
 #include "scenes/luminance.h"
 #include "tests/support/local_bandwidth.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 namespace {

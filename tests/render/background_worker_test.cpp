@@ -1,4 +1,4 @@
-#include "render/background_worker.h"
+#include "render/bake/background_worker.h"
 
 #include <gtest/gtest.h>
 

@@ -44,7 +44,7 @@ TEST(BrdfLanes, MatchTheSharedFormulas) {
       const PackedBrdf::Cell alone = PackedBrdf::cell_of(shared::merl_cell(shared::merl_coordinates(wi[i], wo[i])));
       for (std::size_t corner = 0; corner < 8; ++corner) ASSERT_EQ(cell.entry(corner), alone.entry(corner));
       ASSERT_EQ(cell.fraction, alone.fraction);
-      const auto half = sampler.half_vector_place(wo[i], wi[i]);
+      const auto half = sampler.half_vector_position(wo[i], wi[i]);
       ASSERT_EQ(lanes.coordinates.t[i], half.t);
       ASSERT_EQ(lanes.coordinates.phi[i], half.phi);
       ASSERT_EQ(lanes.coordinates.length_sum[i], half.length_sum);

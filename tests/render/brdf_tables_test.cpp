@@ -70,7 +70,7 @@ TEST(ThetaCells, MassesSumToOneAndSamplingFollowsThem) {
   for (int k = 0; k < kThetaCellCount; ++k) {
     const double mass = static_cast<double>(sampler.theta_cell_mass(k));
     for (double inside : {0.02, 0.5, 0.98}) {
-      const auto choice = sampler.choose_theta_cell(static_cast<float>(sum + inside * mass));
+      const auto choice = sampler.theta_cell_of(static_cast<float>(sum + inside * mass));
       ASSERT_EQ(choice.k, k);
       EXPECT_NEAR(choice.position, inside, 2e-3) << k;
     }
@@ -78,7 +78,7 @@ TEST(ThetaCells, MassesSumToOneAndSamplingFollowsThem) {
   }
   EXPECT_NEAR(sum, 1.0, 1e-6);
   for (float u : {0.0f, 0.5f, 0.99999994f, 1.0f}) {
-    const auto choice = sampler.choose_theta_cell(u);
+    const auto choice = sampler.theta_cell_of(u);
     EXPECT_GE(choice.k, 0);
     EXPECT_LT(choice.k, kThetaCellCount);
     EXPECT_GE(choice.position, 0.0f);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/local_pca.h"
+#include "render/math/local_pca.h"
 #include "render/octree/octree_shared.h"
 #include "tests/support/cell_reference.h"
 

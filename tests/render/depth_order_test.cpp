@@ -1,4 +1,4 @@
-#include "render/depth_order.h"
+#include "render/glass/depth_order.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <random>
 #include <set>
 
-#include "render/low_discrepancy.h"
+#include "render/math/low_discrepancy.h"
 #include "scenes/angles.h"
 #include "scenes/luminance.h"
 

@@ -1,4 +1,4 @@
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "render/bake/bake_runner.h"
 #include "render/indirect/indirect_kind.h"
 #include "render/indirect/indirect_light.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "tests/support/test_scenes.h"
 
 namespace {
@@ -231,7 +231,8 @@ TEST(IndirectBake, BlocksOfTexelsAreTheSky) {
       const glm::dvec3 light =
           2.0 * solid_angle * glm::dvec3(sky->rgb[static_cast<std::size_t>(y) * 1024u + static_cast<std::size_t>(x)]);
       const glm::vec2 uv((static_cast<float>(x) + 0.5f) / 1024.0f, (static_cast<float>(y) + 0.5f) / 512.0f);
-      const glm::vec3 d = shared::latlong_turn(shared::direction_from_latlong_uv(uv), std::cos(0.37f), std::sin(0.37f));
+      const glm::vec3 d =
+          shared::latlong_rotate(shared::direction_from_latlong_uv(uv), std::cos(0.37f), std::sin(0.37f));
       const shared::VisibilityCorner corner = shared::visibility_corner(d);
       for (int k = 0; k < 4; ++k) {
         const glm::ivec2 cell = shared::visibility_wrap(corner.lower + glm::ivec2(k & 1, k >> 1));

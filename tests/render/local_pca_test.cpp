@@ -1,4 +1,4 @@
-#include "render/local_pca.h"
+#include "render/math/local_pca.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <glm/gtc/constants.hpp>
 #include <random>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace {
 

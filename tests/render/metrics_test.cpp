@@ -1,11 +1,11 @@
-#include "render/metrics.h"
+#include "render/metrics/metrics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "render/false_color.h"
+#include "render/views/false_color.h"
 #include "scenes/error.h"
 
 namespace maquette {

@@ -15,7 +15,7 @@ namespace {
 Octree build(const Scene& scene, int depth, int detail) {
   OctreeJob job = make_octree_job(scene, -1, depth);
   job.options.detail = detail;
-  return build_octree({job.geometry, job.materials, job.transmits, *job.paint}, job.options);
+  return build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
 }
 
 shared::OctreeRay ray_towards(const glm::vec3& origin, const glm::vec3& direction) {

@@ -22,7 +22,7 @@ OctreeJob make_job(const std::string& path) {
         0));
     job.transmits.push_back(false);
   }
-  job.paint = std::make_shared<const OctreePaint>(scene, scene.materials);
+  job.textures = std::make_shared<const OctreeTextures>(scene, scene.materials);
   job.options.depth = 6;
   job.path = path;
   job.scene = "builtin:seat";

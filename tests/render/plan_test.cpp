@@ -8,8 +8,8 @@
 #include <numbers>
 #include <set>
 
-#include "render/enclosure.h"
 #include "render/reflections/reflectors.h"
+#include "render/scene_state/enclosure.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "test_paths.h"

@@ -42,7 +42,7 @@ TEST_F(PresampledEnvironmentTest, MatchesTheEnvironmentAtItsDirections) {
     if (!(s.density > 0.0f)) continue;
     const glm::vec4 told = light.radiance_and_density(s.direction);
     // Directions at a texel's edge may be rounded to the neighbouring texel, which has another density.
-    const glm::vec3 own = shared::latlong_turn(s.direction, std::cos(0.8f), -std::sin(0.8f));
+    const glm::vec3 own = shared::latlong_rotate(s.direction, std::cos(0.8f), -std::sin(0.8f));
     const EnvironmentLookup found = traced().look_up(own);
     if (traced().partition->leaf_at(found.x, found.y) != leaf) continue;
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(s.radiance[c], told[c], 1e-3f * told[c] + 1e-6f);

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "render/materials/brdf_tables.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/files.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/chi_square.h"

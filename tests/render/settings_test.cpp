@@ -1,4 +1,4 @@
-#include "render/settings.h"
+#include "render/technique/settings.h"
 
 #include <gtest/gtest.h>
 
@@ -98,9 +98,11 @@ TEST(Registry, EveryNameIsDistinctAndLaterOnesSaySo) {
     }
   }
   for (const LaterName& later : builtin_registry().later_modes)
-    EXPECT_TRUE(contains(message_of<Error>([&] { builtin_registry().find_mode(later.name); }), "not available in this version"));
+    EXPECT_TRUE(contains(message_of<Error>([&] { builtin_registry().find_mode(later.name); }),
+                         "not available in this version"));
   EXPECT_EQ(builtin_registry().find_reflector("off"), nullptr);
-  EXPECT_TRUE(contains(message_of<UsageError>([] { builtin_registry().find_mode("unifrom"); }), "did you mean uniform?"));
+  EXPECT_TRUE(
+      contains(message_of<UsageError>([] { builtin_registry().find_mode("unifrom"); }), "did you mean uniform?"));
   EXPECT_THROW(builtin_registry().find_mode("shading"), UsageError);  // settings, not a mode
 }
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 namespace {
@@ -66,10 +66,10 @@ TEST(Latlong, RoundTrips) {
 }
 
 TEST(Latlong, RotationIsPositiveFromZTowardsX) {
-  EXPECT_LT(angle_between(shared::latlong_turn({0, 0, 1}, 0.0f, 1.0f), {1, 0, 0}), 1e-6);
+  EXPECT_LT(angle_between(shared::latlong_rotate({0, 0, 1}, 0.0f, 1.0f), {1, 0, 0}), 1e-6);
   const glm::vec3 d(0.36f, 0.48f, 0.8f);
-  const glm::vec3 there = shared::latlong_turn(d, std::cos(0.7f), std::sin(0.7f));
-  EXPECT_LT(angle_between(shared::latlong_turn(there, std::cos(0.7f), -std::sin(0.7f)), d), 1e-6);
+  const glm::vec3 there = shared::latlong_rotate(d, std::cos(0.7f), std::sin(0.7f));
+  EXPECT_LT(angle_between(shared::latlong_rotate(there, std::cos(0.7f), -std::sin(0.7f)), d), 1e-6);
 }
 
 TEST(Octahedral, RoundTripsOverTheWholeSphere) {

@@ -8,7 +8,7 @@
 
 #include "render/environment/environment_tables.h"
 #include "render/environment/packed_sky.h"
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
 
 namespace maquette {

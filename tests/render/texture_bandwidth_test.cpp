@@ -1,4 +1,4 @@
-#include "render/texture_bandwidth.h"
+#include "render/materials/texture_bandwidth.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render/tonemap.h"
+#include "render/picture/tonemap.h"
 
 #include <gtest/gtest.h>
 

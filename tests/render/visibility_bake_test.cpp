@@ -11,13 +11,16 @@
 #include <numbers>
 #include <random>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 #include "render/visibility/visibility_kind.h"
 #include "render/visibility/visibility_points.h"
 #include "render/visibility/visibility_sides.h"
+#include "tests/support/flat_scenes.h"
 
 namespace maquette {
 namespace {
+
+using namespace test;
 
 const std::atomic<bool> kRun{false};
 
@@ -26,44 +29,6 @@ bool is_open(const VisibilityBake& bake, std::size_t vertex, int bit) {
 }
 
 glm::vec3 cell_direction(int bit) { return shared::visibility_cell_direction(glm::ivec2(bit & 15, bit >> 4)); }
-
-/// Item of n x n quads over o + [0, 1] u + [0, 1] v with one normal.
-void add_grid(FlatGeometry* g, const glm::vec3& o, const glm::vec3& u, const glm::vec3& v, int n = 1) {
-  DrawItem item;
-  item.first_index = static_cast<std::uint32_t>(g->indices.size());
-  item.first_vertex = static_cast<std::uint32_t>(g->positions.size());
-  const glm::vec3 normal = glm::normalize(glm::cross(u, v));
-  for (int j = 0; j <= n; ++j) {
-    for (int i = 0; i <= n; ++i) {
-      g->positions.push_back(o + u * (static_cast<float>(i) / static_cast<float>(n)) +
-                             v * (static_cast<float>(j) / static_cast<float>(n)));
-      g->normals.push_back(normal);
-    }
-  }
-  const auto row = static_cast<std::uint32_t>(n + 1);
-  for (std::uint32_t j = 0; j + 1 < row; ++j) {
-    for (std::uint32_t i = 0; i + 1 < row; ++i) {
-      const std::uint32_t a = item.first_vertex + j * row + i;
-      for (std::uint32_t k : {a, a + 1, a + row + 1, a, a + row + 1, a + row}) g->indices.push_back(k);
-    }
-  }
-  item.index_count = static_cast<std::uint32_t>(g->indices.size()) - item.first_index;
-  item.vertex_count = static_cast<std::uint32_t>(g->positions.size()) - item.first_vertex;
-  g->items.push_back(item);
-}
-
-/// Six faces with outward normals, each its own four vertices: -x, +x, -y, +y, -z, +z.
-void add_box(FlatGeometry* g, const glm::vec3& low, const glm::vec3& high) {
-  const glm::vec3 x(high.x - low.x, 0.0f, 0.0f);
-  const glm::vec3 y(0.0f, high.y - low.y, 0.0f);
-  const glm::vec3 z(0.0f, 0.0f, high.z - low.z);
-  add_grid(g, low, z, y);
-  add_grid(g, low + x, y, z);
-  add_grid(g, low, x, z);
-  add_grid(g, low + y, z, x);
-  add_grid(g, low, y, x);
-  add_grid(g, low + z, x, y);
-}
 
 VisibilityBake bake_opaque(const FlatGeometry& g) {
   auto bake = bake_visibility(g, std::vector<bool>(g.items.size(), false), {}, kRun);
@@ -309,7 +274,7 @@ TEST(VisibilityBake, SmoothConvexBodyHasNoDarkHorizon) {
       const glm::vec3 d = glm::normalize(glm::vec3(uniform(random), uniform(random), uniform(random)) - 0.5f);
       if (glm::dot(d, normal) <= 0.0f) continue;
       const shared::VisibilityCorner around = shared::visibility_corner(d);
-      const shared::VisibilityPlace address = shared::visibility_place(around.lower);
+      const shared::VisibilityBitPosition address = shared::visibility_bit_position(around.lower);
       for (int corner = 0; corner < 3; ++corner) {
         const std::uint32_t word = sides[c[corner]][0][static_cast<std::size_t>(address.word)];
         closed += shared::visibility_bits(word, address.shift) == glm::vec4(1.0f) ? 0.0 : 1.0;
@@ -428,119 +393,6 @@ TEST(VisibilityBake, ProgressRisesAndCancelStops) {
   EXPECT_FALSE(stopped.has_value());
   EXPECT_LT(reached, 0.9);
   EXPECT_FALSE(bake_visibility(g, opaque, {}, cancel).has_value());
-}
-
-class VisibilityCache : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("maquette-visibility-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-    const char* before = std::getenv("MAQUETTE_CACHE");
-    before_ = before ? before : "";
-    had_ = before != nullptr;
-    ::setenv("MAQUETTE_CACHE", folder_.c_str(), 1);
-  }
-  void TearDown() override {
-    had_ ? ::setenv("MAQUETTE_CACHE", before_.c_str(), 1) : ::unsetenv("MAQUETTE_CACHE");
-    std::filesystem::remove_all(folder_);
-  }
-  std::filesystem::path folder_;
-  std::string before_;
-  bool had_ = false;
-};
-
-TEST_F(VisibilityCache, RoundTripKeyAndDamage) {
-  FlatGeometry g;
-  add_grid(&g, {-1.0f, 0.0f, -1.0f}, {0.0f, 0.0f, 2.0f}, {2.0f, 0.0f, 0.0f}, 12);
-  add_box(&g, {-0.3f, 0.2f, -0.3f}, {0.4f, 0.6f, 0.5f});
-  std::vector<bool> transmits(g.items.size(), false);
-  std::vector<Passage> passages(g.items.size());
-  const auto load = [&](int* calls) {
-    VisibilityKind kind;
-    const VisibilityJob job{g, transmits, passages};
-    const auto made = make_bake(kind, job, {kRun, [calls](double) { ++*calls; }, {}});
-    return made.value ? made.value->bake : nullptr;
-  };
-  int baked = 0;
-  int cached = 0;
-  const auto first = load(&baked);
-  const auto second = load(&cached);
-  ASSERT_TRUE(first && second);
-  EXPECT_GT(baked, 1);
-  EXPECT_EQ(cached, 1);
-  EXPECT_EQ(first->vertices, second->vertices);
-  EXPECT_EQ(first->bandwidth, second->bandwidth);
-  EXPECT_EQ(first->transmittance, second->transmittance);
-  // Another geometry, or other panes, have another cache entry.
-  int other = 0;
-  transmits[1] = true;
-  load(&other);
-  EXPECT_GT(other, 1);
-  passages[1].share = 0.5f;
-  load(&(other = 0));
-  EXPECT_GT(other, 1);
-  passages[1] = {};
-  transmits[1] = false;
-  // A damaged entry, then a truncated one: baked again with the same result.
-  for (const bool cut : {false, true}) {
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_)) {
-      if (!entry.is_regular_file()) continue;
-      const auto size = entry.file_size();
-      if (cut) {
-        std::filesystem::resize_file(entry.path(), size / 2);
-      } else {
-        std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
-        file.seekg(static_cast<std::streamoff>(size / 2));
-        const char old = static_cast<char>(file.get());
-        file.seekp(static_cast<std::streamoff>(size / 2));
-        file.put(static_cast<char>(~old));
-      }
-    }
-    int again = 0;
-    const auto repaired = load(&again);
-    ASSERT_TRUE(repaired);
-    EXPECT_GT(again, 1) << (cut ? "cut" : "flipped");
-    EXPECT_EQ(repaired->vertices, first->vertices);
-  }
-}
-
-/// Bits that close column by column of cells along x: 16 columns over `length`, hence a known change per metre.
-TEST(VisibilityBandwidth, FollowsTheChangePerMetre) {
-  for (int n : {16, 64}) {
-    FlatGeometry g;
-    const float length = 0.8f;
-    add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, length}, {length, 0.0f, 0.0f}, n);
-    const std::vector<bool> opaque(1, false);
-    const VisibilityPoints points = build_visibility_points(g, opaque, kRun);
-    std::vector<VisibilityBits> bits(points.points.size());
-    for (std::size_t v = 0; v < g.positions.size(); ++v) {
-      for (int b = 0; b < 256; ++b) {
-        // Direction b opens where x passes a threshold; the thresholds are evenly spaced over b.
-        const float threshold = length * (static_cast<float>((b * 97) % 256) + 0.5f) / 256.0f;
-        if (g.positions[v].x > threshold)
-          bits[points.point_of_vertex[v]][static_cast<std::size_t>(b / 32)] |= 1u << (b % 32);
-      }
-    }
-    const std::vector<float> bandwidth = compute_visibility_bandwidth(points, bits);
-    double sum = 0.0;
-    for (float value : bandwidth) sum += value;
-    // Every bit changes once along `length`: half a cycle.
-    EXPECT_NEAR(sum / static_cast<double>(bandwidth.size()), 0.5 / 0.8, 0.2 * 0.5 / 0.8) << n;
-  }
-}
-
-TEST(VisibilityBandwidth, StaysFiniteAcrossTinyEdges) {
-  FlatGeometry g;
-  add_grid(&g, {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 1.0f}, {1.0f, 0.0f, 0.0f}, 4);
-  add_grid(&g, {0.5f, 0.0f, 0.5f}, {0.0f, 0.0f, 1e-7f}, {1e-7f, 0.0f, 0.0f});
-  const VisibilityPoints points = build_visibility_points(g, {false, false}, kRun);
-  std::vector<VisibilityBits> bits(points.points.size());
-  for (std::size_t i = 0; i < bits.size(); i += 2) bits[i].fill(0xffffffffu);
-  const double bound = 0.25 * std::numbers::pi * 16384.0 / points.scale_m;
-  for (float value : compute_visibility_bandwidth(points, bits)) {
-    EXPECT_TRUE(std::isfinite(value));
-    EXPECT_LE(value, bound);
-  }
 }
 
 }  // namespace

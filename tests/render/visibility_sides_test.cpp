@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/shared_formulas.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 namespace {
@@ -18,7 +18,7 @@ bool is_open(const VisibilityBits& bits, const glm::ivec2& cell) {
 /// The bits as shaders read them.
 float value_towards(const VisibilitySides& sides, std::size_t side, const glm::vec3& d) {
   const shared::VisibilityCorner corner = shared::visibility_corner(d);
-  const shared::VisibilityPlace address = shared::visibility_place(corner.lower);
+  const shared::VisibilityBitPosition address = shared::visibility_bit_position(corner.lower);
   const std::uint32_t word = sides[side].at(static_cast<std::size_t>(address.word));
   return glm::dot(shared::visibility_shares(corner.fraction), shared::visibility_bits(word, address.shift));
 }
@@ -81,7 +81,7 @@ TEST_F(VisibilitySidesTest, MatchACellByCellConstruction) {
       const std::array<bool, 256> expected = obvious_side(bits, side == 0 ? n : -n);
       for (int y = -1; y < 16; ++y)
         for (int x = -1; x < 16; ++x) {
-          const shared::VisibilityPlace address = shared::visibility_place({x, y});
+          const shared::VisibilityBitPosition address = shared::visibility_bit_position({x, y});
           const glm::vec4 found =
               shared::visibility_bits(sides[side].at(static_cast<std::size_t>(address.word)), address.shift);
           for (int k = 0; k < 4; ++k) {

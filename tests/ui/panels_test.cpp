@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "render/technique/registry.h"
 #include "scenes/brdf.h"
 #include "tests/ui/headless_editor.h"
 
@@ -68,7 +69,7 @@ TEST(Panels, NothingOverlapsAt1280x720) {
     editor.state.reflections = "bezier";
     editor.state.tool = Tool::reflect;
     editor.facts.reflecting = {0};
-    for (int tab = 0; tab < 3; ++tab) {
+    for (int tab = 0; tab < 4; ++tab) {
       editor.state.left_tab = editor.state.right_tab = tab;
       editor.step(3);
       EXPECT_EQ(editor.frame.windows.size(), 5u) << "toolbar, status, strip, left, right";
@@ -85,7 +86,7 @@ TEST(Panels, ControlsStayInsideTheirSide) {
   editor.facts.stats = &stats;
   editor.facts.cameras = {"driver", "passenger"};
   editor.state.selected_material = 2;
-  for (int tab = 0; tab < 3; ++tab) {
+  for (int tab = 0; tab < 4; ++tab) {
     editor.state.left_tab = editor.state.right_tab = tab;
     editor.step(3);
     const Layout& layout = editor.frame.layout;
@@ -95,6 +96,32 @@ TEST(Panels, ControlsStayInsideTheirSide) {
       const Rect& side = left ? layout.left : layout.right;
       EXPECT_LE(rect.x + rect.width, side.x + side.width) << name;
     }
+  }
+}
+
+TEST(Panels, KnowNoTechniqueByItsName) {
+  const Scene scene = small_scene();
+  const FrameStats stats = busy_stats();
+  Registry renamed = builtin_registry();
+  for (Technique& technique : renamed.techniques) technique.name = "renamed-" + technique.name;
+  for (const Technique& technique : builtin_registry().techniques) {
+    if (technique.kind == TechniqueKind::shared) continue;
+    const auto items = [&](const Registry& registry, const std::string& prefix) {
+      HeadlessEditor editor(1280.0f, 720.0f);
+      editor.facts.scene = &scene;
+      editor.facts.stats = &stats;
+      editor.facts.registry = &registry;
+      editor.state.mode = prefix + (technique.kind == TechniqueKind::mode ? technique.name : registry.default_mode);
+      if (technique.kind == TechniqueKind::reflector) editor.state.reflections = prefix + technique.name;
+      std::vector<std::string> seen;
+      for (int tab = 0; tab < 4; ++tab) {
+        editor.state.left_tab = editor.state.right_tab = tab;
+        editor.step(3);
+        for (const auto& [name, rect] : editor.frame.items) seen.push_back(name + " " + std::to_string(rect.y));
+      }
+      return seen;
+    };
+    EXPECT_EQ(items(builtin_registry(), ""), items(renamed, "renamed-")) << technique.name;
   }
 }
 

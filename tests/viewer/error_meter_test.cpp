@@ -18,7 +18,7 @@ namespace {
 TEST(PixelGrid, HitsPixelCentresOfAnySize) {
   for (const auto& [width, height] : {std::pair{656, 650}, {960, 440}, {333, 217}, {64, 9}, {1, 1}, {1921, 1081}}) {
     for (const int columns : {72, 200, 480}) {
-      const PixelGrid grid = choose_grid(width, height, columns);
+      const PixelGrid grid = make_pixel_grid(width, height, columns);
       EXPECT_EQ(grid.factor % 2, 1);
       EXPECT_EQ((width - grid.width * grid.factor) % 2, 0) << width << ' ' << columns;
       EXPECT_EQ((height - grid.height * grid.factor) % 2, 0) << height << ' ' << columns;
@@ -31,7 +31,7 @@ TEST(PixelGrid, HitsPixelCentresOfAnySize) {
 }
 
 TEST(PixelGrid, ItsCameraHasItsRaysThroughThePixels) {
-  const PixelGrid grid = choose_grid(640, 360, 72);
+  const PixelGrid grid = make_pixel_grid(640, 360, 72);
   CameraView camera;
   const double full = std::tan(0.5 * static_cast<double>(camera.fov_y_rad));
   const double part = std::tan(0.5 * static_cast<double>(grid_camera(camera, grid, 360).fov_y_rad));
@@ -61,7 +61,7 @@ GridReference noisy_reference(const PixelGrid& grid, float noise, std::uint32_t 
 }
 
 TEST(MeterError, IsRightOnAverageAndInItsInterval) {
-  const PixelGrid grid = choose_grid(300, 200, 60);
+  const PixelGrid grid = make_pixel_grid(300, 200, 60);
   const Image picture(300, 200, 4, 1.1f);
   int inside = 0;
   double sum = 0.0;
@@ -78,7 +78,7 @@ TEST(MeterError, IsRightOnAverageAndInItsInterval) {
 
 /// The paths of a tile share light, and their noise is alike.
 TEST(MeterError, NoiseOfATileIsOneNoise) {
-  const PixelGrid grid = choose_grid(300, 200, 60);
+  const PixelGrid grid = make_pixel_grid(300, 200, 60);
   const Image picture(300, 200, 4, 1.1f);
   int inside = 0;
   constexpr int kTrials = 100;
@@ -96,7 +96,7 @@ TEST(MeterError, NoiseOfATileIsOneNoise) {
 }
 
 TEST(MeterError, SkyAndDarknessHaveNone) {
-  const PixelGrid grid = choose_grid(90, 60, 30);
+  const PixelGrid grid = make_pixel_grid(90, 60, 30);
   EXPECT_FALSE(meter_error(Image(90, 60, 4, 0.0f), noisy_reference(grid, 0.0f, 1)));
   GridReference black = noisy_reference(grid, 0.0f, 1);
   for (Image& half : black.halves)
@@ -115,7 +115,7 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
   };
   ErrorMeter meter;
   ErrorMeter::View view;
-  view.camera = choose_camera(*scene, {});
+  view.camera = camera_of_options(*scene, {});
   view.width = 90;
   view.height = 60;
   EXPECT_TRUE(meter.watch(view, make));
@@ -147,16 +147,16 @@ TEST(ErrorMeter, TracesAViewAndStopsAtOnce) {
 TEST(BudgetCurve, ReadsTheFewestSamplesLogLog) {
   const BudgetCurve curve{"here", {{4, 10.0, 0.4}, {16, 20.0, 0.2}, {64, 50.0, 0.1}}};
   std::string why;
-  const auto choice = choose_samples(curve, 0.2 / std::sqrt(2.0), &why);
+  const auto choice = samples_for_budget(curve, 0.2 / std::sqrt(2.0), &why);
   ASSERT_TRUE(choice);
   EXPECT_EQ(choice->samples, 32);
   EXPECT_NEAR(choice->time_ms, 20.0 * std::sqrt(2.5), 1e-6);
-  EXPECT_EQ(choose_samples(curve, 0.9, &why)->samples, 4);
-  EXPECT_FALSE(choose_samples(curve, 0.05, &why));
+  EXPECT_EQ(samples_for_budget(curve, 0.9, &why)->samples, 4);
+  EXPECT_FALSE(samples_for_budget(curve, 0.05, &why));
   EXPECT_NE(why.find("10 % (64 samples)"), std::string::npos) << why;
-  EXPECT_FALSE(choose_samples({"here", {{0, 10.0, 0.3}}}, 0.5, &why));
+  EXPECT_FALSE(samples_for_budget({"here", {{0, 10.0, 0.3}}}, 0.5, &why));
   EXPECT_NE(why.find("no setting"), std::string::npos) << why;
-  EXPECT_FALSE(choose_samples({}, 0.5, &why));
+  EXPECT_FALSE(samples_for_budget({}, 0.5, &why));
 }
 
 TEST(BudgetCurve, IsKeptByWhatTheSceneLooksLike) {

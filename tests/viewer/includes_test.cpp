@@ -45,7 +45,7 @@ std::vector<std::string> upward_includes(std::istream& text, const std::string& 
 }
 
 TEST(Includes, TheRuleSeesAnUpwardInclude) {
-  std::istringstream text("#include \"scenes/scene.h\"\n#include \"render/plan.h\"\n");
+  std::istringstream text("#include \"scenes/scene.h\"\n#include \"render/frame/plan.h\"\n");
   EXPECT_EQ(upward_includes(text, "scenes"), std::vector<std::string>{"render/frame/plan.h"});
 }
 
@@ -109,7 +109,8 @@ TEST(Names, OfTechniquesStandInTheirFoldersOnly) {
   for (const std::string folder : {"render", "ui", "viewer"}) {
     for (const fs::path& file : source_files(folder)) {
       const std::string path = fs::relative(file, MAQUETTE_SOURCE_DIR).string();
-      if (path == "render/technique/registry.cpp") continue;
+      // Two words of plan and stats, which are a contract, are spelled like techniques.
+      if (path == "render/technique/registry.cpp" || path == "render/frame/vocabulary.h") continue;
       std::ifstream stream(file);
       int number = 0;
       for (std::string line; std::getline(stream, line);) {
@@ -117,9 +118,10 @@ TEST(Names, OfTechniquesStandInTheirFoldersOnly) {
         for (const std::string& name : names) {
           if (line.find("\"" + name + "\"") == std::string::npos || path.rfind("render/" + name + "/", 0) == 0)
             continue;
-          // A key of --stats, which is a contract, is no technique.
+          // A key of --stats, which is a contract, and a column of a bake are no techniques.
           const bool is_key = line.find("json[\"" + name + "\"]") != std::string::npos ||
-                              line.find("bytes)[\"" + name + "\"]") != std::string::npos;
+                              line.find("bytes)[\"" + name + "\"]") != std::string::npos ||
+                              line.find(".integers") != std::string::npos;
           EXPECT_TRUE(is_key) << path << ":" << number << ": " << line;
         }
       }

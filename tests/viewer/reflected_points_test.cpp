@@ -25,7 +25,7 @@ class ReflectedPoints : public ::testing::Test {
     r.reflections = technique;
     SceneOptions options;
     options.camera = "driver";
-    r.camera = choose_camera(*scene_, options);
+    r.camera = camera_of_options(*scene_, options);
     r.settings.set_from_text("reflections.resolution", "full");
     r.settings.set_from_text("bezier.draw", draw);
     EXPECT_TRUE(renderer_.finish_background_work(r));

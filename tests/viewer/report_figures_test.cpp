@@ -348,11 +348,36 @@ TEST(ReportSweep, AllCamerasOrTheOneAskedFor) {
   EXPECT_GE(swept_cameras(seat, {}).size(), 1u);
 }
 
+TEST(ReportSweep, KnowsNoTechniqueByItsName) {
+  Registry renamed = builtin_registry();
+  for (Technique& technique : renamed.techniques) technique.name = "renamed-" + technique.name;
+  renamed.default_mode = "renamed-" + renamed.default_mode;
+  SceneFacts facts;
+  facts.enclosed = true;
+  facts.reflector_count = 2;
+  const auto own = swept_techniques(facts, {}, 1), other = swept_techniques(facts, {}, 1, renamed);
+  ASSERT_GE(own.size(), 8u);
+  ASSERT_EQ(own.size(), other.size());
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    EXPECT_EQ("renamed-" + own[i].name, other[i].name);
+    EXPECT_EQ("renamed-" + own[i].mode, other[i].mode) << own[i].name;
+    EXPECT_EQ(own[i].refused.has_value(), other[i].refused.has_value()) << own[i].name;
+    ASSERT_EQ(own[i].steps.size(), other[i].steps.size()) << own[i].name;
+    for (std::size_t k = 0; k < own[i].steps.size(); ++k)
+      EXPECT_EQ(quality_label(own[i].steps[k]), quality_label(other[i].steps[k]));
+  }
+  EXPECT_EQ("renamed-" + reflection_mode(), reflection_mode(renamed));
+  EXPECT_EQ("renamed-" + reflection_reference(), reflection_reference(renamed));
+}
+
 TEST(ReportKeys, FollowTheContent) {
   Scene scene = build_builtin_scene("sphere");
   const std::string key = scene_key(scene).text();
   EXPECT_EQ(scene_key(build_builtin_scene("sphere")).text(), key);
   scene.materials[0].roughness += 0.01f;
+  EXPECT_NE(scene_key(scene).text(), key);
+  scene = build_builtin_scene("sphere");
+  scene.materials[0].attenuation_distance = 0.5f;
   EXPECT_NE(scene_key(scene).text(), key);
   scene = build_builtin_scene("sphere");
   scene.meshes[0].primitives[0].positions[0].x += 1e-4f;

@@ -48,7 +48,7 @@ Scene make_scene() {
 TEST(Session, CamerasByNameAndFirstByDefault) {
   const Scene scene = make_scene();
   EXPECT_EQ(camera_names(scene), (std::vector<std::string>{"front", "low"}));
-  const CameraView first = choose_camera(scene, {});
+  const CameraView first = camera_of_options(scene, {});
   EXPECT_EQ(first.eye, glm::vec3(0, 0, 5));
   EXPECT_EQ(first.target, glm::vec3(0, 0, 4));
   EXPECT_FLOAT_EQ(first.fov_y_rad, 0.5f);
@@ -60,14 +60,14 @@ TEST(Session, OptionsOverrideTheCamera) {
   const Scene scene = make_scene();
   SceneOptions options;
   options.fov_deg = 90.0f;
-  EXPECT_NEAR(choose_camera(scene, options).fov_y_rad, 1.5707964f, 1e-6f);
+  EXPECT_NEAR(camera_of_options(scene, options).fov_y_rad, 1.5707964f, 1e-6f);
   options.eye = glm::vec3(3, 0, 0);
-  EXPECT_EQ(choose_camera(scene, options).target, glm::vec3(0.0f));  // the middle of the scene
-  options.eye = glm::vec3(0, 4, 0);                                  // looks straight down: another up is needed
-  const CameraView down = choose_camera(scene, options);
+  EXPECT_EQ(camera_of_options(scene, options).target, glm::vec3(0.0f));  // the middle of the scene
+  options.eye = glm::vec3(0, 4, 0);                                      // looks straight down: another up is needed
+  const CameraView down = camera_of_options(scene, options);
   EXPECT_GT(glm::length(glm::cross(glm::normalize(down.target - down.eye), down.up)), 0.9f);
   options.target = options.eye;
-  EXPECT_THROW(choose_camera(scene, options), UsageError);
+  EXPECT_THROW(camera_of_options(scene, options), UsageError);
 }
 
 TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
@@ -79,7 +79,7 @@ TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
     SceneOptions options;
     options.width = width;
     options.height = height;
-    const CameraView view = choose_camera(scene, options);
+    const CameraView view = camera_of_options(scene, options);
     const glm::vec3 forward = glm::normalize(view.target - view.eye);
     const glm::vec3 right = glm::normalize(glm::cross(forward, view.up));
     const glm::vec3 up = glm::cross(right, forward);
@@ -94,7 +94,7 @@ TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
     }
   }
   EXPECT_NE(usage_error([&] { camera_by_name(scene, "driver"); }).find("--eye"), std::string::npos);
-  EXPECT_NO_THROW(choose_camera(Scene{}, {}));
+  EXPECT_NO_THROW(camera_of_options(Scene{}, {}));
 }
 
 TEST(Session, ANarrowPictureKeepsTheWidthOfACamera) {

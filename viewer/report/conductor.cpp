@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "render/tonemap.h"
+#include "render/picture/tonemap.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/percent.h"
@@ -75,9 +75,9 @@ void Conductor::list_techniques(Report* report) {
       report->left_out.push_back({technique.name, technique.name, *technique.refused});
       continue;
     }
-    report->techniques.push_back({technique.name, technique.help,
-                                  technique.kind == TechniqueKind::mode &&
-                                      builtin_registry().find_mode(technique.mode).can.traces_picture});
+    report->techniques.push_back(
+        {technique.name, technique.help,
+         technique.kind == TechniqueKind::mode && builtin_registry().find_mode(technique.mode).can.traces_picture});
     for (const LeftOut& left_out : plan_of(technique, Scope::model).left_out)
       report->left_out.push_back({technique.name, left_out.what, left_out.why});
   }

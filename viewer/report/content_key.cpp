@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "render/geometry.h"
+#include "render/scene_state/geometry.h"
 #include "scenes/files.h"
 
 namespace maquette::report {
@@ -46,8 +46,10 @@ void mix_material(const Material& m, ContentKey* key) {
   mix_vector(m.emissive, 3, key);
   mix_vector(m.specular_color, 3, key);
   mix_vector(m.sheen_color, 3, key);
+  mix_vector(m.attenuation_color, 3, key);
   for (const float v : {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff, m.clearcoat,
-                        m.clearcoat_roughness, m.transmission, m.ior, m.specular, m.sheen_roughness})
+                        m.clearcoat_roughness, m.transmission, m.ior, m.specular, m.sheen_roughness,
+                        m.thickness, m.attenuation_distance})
     key->mix(static_cast<double>(v));
   for (const bool v : {m.double_sided, m.unlit, m.tint_measured, m.glass}) key->mix(v ? 1.0 : 0.0);
   key->mix(static_cast<double>(m.alpha_mode));

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "render/metrics.h"
 #include "render/frame/plan.h"
+#include "render/metrics/metrics.h"
 
 /// The contents of a report, as plain values: measured by measure.h, written by write_data.h, charts.h and page.h.
 namespace maquette::report {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "render/settings.h"
+#include "render/technique/settings.h"
 #include "scenes/files.h"
 #include "scenes/percent.h"
 #include "viewer/report/charts.h"

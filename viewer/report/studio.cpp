@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <map>
 
-#include "render/material_overrides.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/files.h"
 #include "ui/camera_control.h"
 #include "viewer/budget_curve.h"

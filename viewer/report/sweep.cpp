@@ -10,7 +10,7 @@ namespace maquette::report {
 std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& options) {
   std::vector<SweptCamera> cameras;
   if (options.eye || !options.camera.empty()) {
-    cameras.push_back({options.camera.empty() ? "eye" : options.camera, choose_camera(scene, options)});
+    cameras.push_back({options.camera.empty() ? "eye" : options.camera, camera_of_options(scene, options)});
     return cameras;
   }
   SceneOptions one = options;
@@ -19,9 +19,9 @@ std::vector<SweptCamera> swept_cameras(const Scene& scene, const SceneOptions& o
         std::any_of(cameras.begin(), cameras.end(), [&](const SweptCamera& c) { return c.name == name; });
     if (known || name.empty()) continue;
     one.camera = name;
-    cameras.push_back({name, choose_camera(scene, one)});
+    cameras.push_back({name, camera_of_options(scene, one)});
   }
-  if (cameras.empty()) cameras.push_back({"overview", choose_camera(scene, options)});
+  if (cameras.empty()) cameras.push_back({"overview", camera_of_options(scene, options)});
   return cameras;
 }
 
@@ -43,8 +43,8 @@ void append_visibilities(const SweptTechnique& as_asked, const std::string& visi
 
 }  // namespace
 
-std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings,
-                                             std::size_t reflectors, const Registry& registry) {
+std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors,
+                                             const Registry& registry) {
   std::vector<SweptTechnique> swept;
   for (const TechniqueKind kind : {TechniqueKind::mode, TechniqueKind::reflector}) {
     for (const Technique& info : registry.techniques) {

@@ -44,6 +44,7 @@ void Renderer::set_scene(std::shared_ptr<const Scene> scene) {
 
 void Renderer::set_environment(std::shared_ptr<const Environment> environment) {
   impl_->scene.set_environment(std::move(environment));
+  impl_->light_samples = LightSamples();
 }
 
 void Renderer::set_material(const std::string& material_name, const std::string& source) {
@@ -94,19 +95,19 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   const auto once = [](const std::string& name, std::function<void()> run) {
     return Pass{.names = {name}, .run = std::move(run)};
   };
-  std::vector<Pass> passes{once("list_lights", [&] { scene.list_lights(); }),
-                           once("bake_visibility", [&] { bakes.update_visibility(scene); }),
+  Pass lights_pass = once("list_lights", [&] { scene.list_lights(); });
+  lights_pass.skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
+  std::vector<Pass> passes{lights_pass, once("bake_visibility", [&] { bakes.update_visibility(scene); }),
                            once("bake_indirect", [&] { bakes.update_indirect(scene, request); }),
                            once("build_octree",
                                 [&] {
                                   bakes.update_octree(scene, request);
-                                  bakes.update_cells(scene, request, wanted.cell_brdfs);
+                                  if (!wanted.cell_brdfs) bakes.update_cells(scene, request, false);
                                 }),
                            once("bake_cells", [&] { bakes.update_cells(scene, request, true); })};
   for (const ShadingPlan& layer : wanted.layers)
     if (!layer.own_bake.empty())
       passes.push_back(once("bake_" + layer.own_bake, [&] { bakes.update_own(layer, scene, request); }));
-  passes[0].skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
   frame.run(wanted.preparations, passes, [](int) {});
   const auto lit = [](const ShadingPlan& layer) { return layer.lights; };
   const bool lights = std::any_of(wanted.layers.begin(), wanted.layers.end(), lit);
@@ -121,8 +122,7 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   if (wanted.reflections.empty()) return status;
   const bool traced = wanted.shading().visibility == "traced" && status.octree.ready;
   reflectors.set_drawn(!reflector->can.needs_octree || status.octree.ready);
-  if (reflectors.has_mirrors() || reflectors.has_panes())
-    mirrors.reflections.report(request, *reflector, scene, reflectors, traced, &status);
+  mirrors.reflections.report(request, *reflector, scene, reflectors, traced, &status);
   return status;
 }
 
@@ -131,8 +131,7 @@ FrameStart Renderer::Impl::start(const FrameRequest& request, bool accumulate, b
   const Key points = Key::of(scene.revisions().without_tables(), bakes.without_indirect(), fits);
   const Key all = Key::of(scene.revisions().all(), bakes.all(), fits);
   const bool nothing_moved = last.scene == all, same_request = last.request == request;
-  const Continuation from =
-      layers.compare({request, accumulate, same_request, nothing_moved, scene.tables_swapped(), points});
+  const Continuation from = layers.compare({request, accumulate, same_request, nothing_moved, points});
   const bool repaints = layers.size() == 1 && from.keeps_points && (scene.tables_swapped() || !accumulate);
   if (layers_made || !accumulate || !from.accumulates || repaints || (!nothing_moved && !from.keeps_points) ||
       !same_request)
@@ -167,7 +166,7 @@ FrameStats Renderer::render(const FrameRequest& asked, bool accumulate) {
   s.frame.begin(s.device.software);
   FrameStats stats;
   if (s.registry.find_mode(request.mode).can.traces_picture) {
-    stats = s.draw_whole_picture(request, accumulate);
+    stats = s.draw_whole_picture(request, wanted, accumulate);
   } else {
     FrameStatus status = s.prepare(request, wanted);
     std::vector<std::string> modes;
@@ -344,15 +343,12 @@ FrameStats Renderer::Impl::stats_of(const FramePlan& plan, const FrameStatus& st
   return stats;
 }
 
-FrameStats Renderer::Impl::draw_whole_picture(const FrameRequest& request, bool accumulate) {
+FrameStats Renderer::Impl::draw_whole_picture(const FrameRequest& request, const FramePlan& plan, bool accumulate) {
   if (whole.mode_name != request.mode || !whole.mode) {
     whole = WholePicture();
     whole.mode_name = request.mode;
     whole.mode = registry.find_mode(request.mode).make_picture_mode();
   }
-  ViewInfo view{request.width, request.height, request.msaa, request.reflections};
-  view.reflectors = static_cast<int>(mirrors.reflectors.all().size());
-  const FramePlan plan = maquette::plan(scene.facts(), request.mode, request.settings, view, FrameStatus{}, registry);
   Pass trace{.names = {plan.passes.front().name}};
   trace.run = [&] { whole.mode->draw({scene, request, accumulate, interactive}); };
   frame.run(plan.passes, {trace}, [](int) {});
@@ -390,7 +386,7 @@ std::vector<BackgroundWork> Renderer::background_work() const {
   const Impl& s = *impl_;
   std::vector<BackgroundWork> work;
   std::vector<const Bake*> bakes = s.bakes.list();
-  bakes.insert(bakes.begin() + 2, &s.mirrors.reflectors.patch_fits());  // before the octree, which takes longer
+  bakes.push_back(&s.mirrors.reflectors.patch_fits());
   for (const Bake* bake : bakes)
     if (bake->busy()) work.push_back({bake->name(), bake->progress()});
   if (!s.shows_whole_picture()) return work;
@@ -402,8 +398,7 @@ std::vector<BackgroundWork> Renderer::background_work() const {
 // --- shaders ---
 
 std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
-  std::vector<ShaderVariant> all{
-      Raster::variant(false), Raster::variant(true), TextureSlots::variant(), {"octree/trace_rays.comp", "", {}}};
+  std::vector<ShaderVariant> all{Raster::variant(false), Raster::variant(true), TextureSlots::variant()};
   for (const int side : {1, 2, 4}) all.push_back(present_variant(side));
   const auto add = [&](const std::vector<ShaderVariant>& more) {
     for (const ShaderVariant& variant : more)

@@ -87,7 +87,7 @@ struct Renderer::Impl {
   void carry_out(const FrameRequest& request, const FramePlan& plan, const FrameStart& start);
   std::vector<Pass> picture_passes(const MirroredScene& scene, const std::vector<ComposedLayer>& composed);
   FrameStats stats_of(const FramePlan& plan, const FrameStatus& status);
-  FrameStats draw_whole_picture(const FrameRequest& request, bool accumulate);
+  FrameStats draw_whole_picture(const FrameRequest& request, const FramePlan& plan, bool accumulate);
   const Texture& picture();
   Image read_view(const std::string& name);
 };

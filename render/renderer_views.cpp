@@ -96,7 +96,7 @@ Image Renderer::Impl::read_view(const std::string& name) {
   const FrameContext context{device, programs,       registry,     scene,     bakes,          light_samples,
                              frame,  targets.raster, last.request, last.plan, last.constants, last.accumulated};
   std::vector<LayerView> views;
-  for (std::size_t k = 0; k < layers.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(layers.size(), last.plan.layers.size()); ++k) {
     const Layer& layer = layers[k];
     auto value = view_of_surfaces(name, layer.surfaces);
     if (!value)

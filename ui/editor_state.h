@@ -26,8 +26,8 @@ struct Edits {
   /// Control points of the dented meshes' cages, by mesh.
   std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
   std::set<int> hidden_nodes;
-  std::set<std::string> reflectors;               ///< nodes that reflect; empty: those that the scene marks
-  std::map<std::string, std::string> part_modes;  ///< path of a node -> shading mode of it and of what is below it
+  std::set<std::string> reflectors;       ///< nodes that reflect; empty: those that the scene marks
+  std::map<int, std::string> part_modes;  ///< index of a node -> shading mode of it and of what is below it
   bool operator==(const Edits&) const = default;
 };
 

@@ -51,16 +51,15 @@ void visibility_box(Ui& ui, int index) {
 void mode_menu(Ui& ui, int index) {
   const Scene& scene = *ui.facts.scene;
   if (!ImGui::BeginPopupContextItem("mode")) return;
-  const std::string path = node_path(scene, index);
-  std::map<std::string, std::string>& modes = ui.state.edits.part_modes;
-  const auto own = modes.find(path);
+  std::map<int, std::string>& modes = ui.state.edits.part_modes;
+  const auto own = modes.find(index);
   dim_text("Shading mode of " + scene.nodes[static_cast<std::size_t>(index)].name);
-  if (ImGui::MenuItem("as above", nullptr, own == modes.end())) modes.erase(path);
+  if (ImGui::MenuItem("as above", nullptr, own == modes.end())) modes.erase(index);
   mark_item(ui, "part mode/as above");
   for (const Technique& technique : ui.facts.registry->techniques) {
     if (technique.kind != TechniqueKind::mode || technique.can.traces_picture) continue;
     if (ImGui::MenuItem(technique.name.c_str(), nullptr, own != modes.end() && own->second == technique.name))
-      modes[path] = technique.name;
+      modes[index] = technique.name;
     mark_item(ui, "part mode/" + technique.name);
   }
   ImGui::EndPopup();
@@ -69,8 +68,7 @@ void mode_menu(Ui& ui, int index) {
 /// What is said of a node behind its name.
 std::string notes_of(const Ui& ui, int index) {
   std::string notes = ui.facts.reflecting.contains(index) ? "  (reflects)" : "";
-  if (ui.state.edits.part_modes.empty()) return notes;
-  const auto mode = ui.state.edits.part_modes.find(node_path(*ui.facts.scene, index));
+  const auto mode = ui.state.edits.part_modes.find(index);
   return mode == ui.state.edits.part_modes.end() ? notes : notes + "  [" + mode->second + "]";
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "render/technique/registry.h"
-#include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 

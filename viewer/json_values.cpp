@@ -30,10 +30,12 @@ Json plan_json(const FramePlan& plan) {
 
 Json status_json(const FrameStatus& status) {
   Json json = {{"bakes", Json::object()}};
+  static const char* const kStates[] = {"absent", "running", "partial", "ready", "failed"};
   for (const auto& [name, bake] : status.bakes())
-    json["bakes"][name] = {{"ready", bake.ready}, {"progress", number(bake.progress)}};
+    json["bakes"][name] = {{"state", kStates[static_cast<std::size_t>(bake.state)]},
+                           {"progress", number(bake.progress)}};
   if (!status.fitting.empty())
-    json["bakes"]["patch_fit"] = {{"ready", false}, {"progress", number(status.fit_progress)}};
+    json["bakes"]["patch_fit"] = {{"state", "running"}, {"progress", number(status.fit_progress)}};
   json["frames_before"] = status.accumulated;
   json["light_rotated"] = status.light_rotated;
   json["tables_swapped"] = status.tables_swapped;

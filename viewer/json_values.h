@@ -13,7 +13,7 @@ nlohmann::ordered_json number(double value);
 nlohmann::ordered_json number(const std::optional<double>& value);
 nlohmann::ordered_json plan_json(const FramePlan& plan);      ///< [{pass, reason}]
 nlohmann::ordered_json left_out_json(const FramePlan& plan);  ///< [{what, why}]
-/// What the frame could do: {bakes: {name: {ready, progress}}, frames_before, ...}.
+/// What the frame could do: {bakes: {name: {state, progress}}, frames_before, ...}.
 nlohmann::ordered_json status_json(const FrameStatus& status);
 /// [{pass, why}]: planned, and not needed in the frame.
 nlohmann::ordered_json skipped_json(const FramePlan& plan, const std::vector<SkippedPass>& skipped);

@@ -179,7 +179,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
 /// NODE=MODE; the last '=' counts, as nodes may have one in their names.
 PartMode parse_part_mode(const std::string& text) {
   const std::size_t split = text.rfind('=');
-  if (split == std::string::npos || split == 0)
+  if (split == std::string::npos || split == 0 || split + 1 == text.size())
     throw UsageError("--mode-of", "\"" + text + "\" is not NODE=MODE",
                      "for example --mode-of Seat=" + builtin_registry().default_mode);
   const PartMode part{text.substr(0, split), text.substr(split + 1)};
@@ -321,7 +321,7 @@ std::vector<OptionDeclaration> output_options() {
        [](CommandLine* line, const std::string&) { line->markdown = true; }},
       {"--vocabulary",
        "",
-       "prints it as docs/manual.md holds it",
+       "prints docs/vocabulary.md, the words of plan and stats",
        {"help"},
        [](CommandLine* line, const std::string&) { line->vocabulary = true; }},
   };

@@ -156,6 +156,7 @@ std::map<std::string, std::string> provenance(const SceneOptions& options, const
       {"maquette.mode", request.mode},
       {"maquette.seed", std::to_string(request.seed)},
   };
+  for (const PartMode& part : request.part_modes) attributes["maquette.mode-of." + part.node] = part.mode;
   for (const auto& [name, value] : request.settings.changed()) attributes["maquette." + name] = to_text(value);
   return attributes;
 }
@@ -223,9 +224,9 @@ int run_render(const CommandLine& line) {
     write_picture(renderer, radiance, options.exposure_ev ? suited_ev : meter_exposure_ev(radiance, suited_ev), options,
                   request);
     if (options.stats != "-")
-      std::printf("%s: %dx%d, mode %s, %s%s\n", options.output.c_str(), request.width, request.height,
-                  request.mode.c_str(), time_text(report, request, accumulates).c_str(),
-                  error_text(report, options, reached).c_str());
+      std::printf("%s: %dx%d, mode %s%s, %s%s\n", options.output.c_str(), request.width, request.height,
+                  request.mode.c_str(), request.part_modes.empty() ? "" : " and others for parts",
+                  time_text(report, request, accumulates).c_str(), error_text(report, options, reached).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
   if (!reached && !options.time_s)

@@ -46,13 +46,18 @@ void append_item(const std::string& key, const Json& value, std::size_t indent, 
   }
 }
 
-/// An object in a list is one line: its first value, a colon, the others.
+/// An object in a list is one line: its first value, a colon, the others, lists with their names.
 std::string object_line(const Json& object) {
   std::string line;
   std::size_t i = 0;
   for (const auto& [key, part] : object.items()) {
     if (i > 0) line += i == 1 ? ": " : "; ";
-    line += is_scalar(part) ? scalar_text(part) : part.dump();
+    if (is_scalar(part)) {
+      line += scalar_text(part);
+    } else {
+      line += readable(key);
+      for (const Json& value : part) line += (&value == &part.front() ? " " : ", ") + scalar_text(value);
+    }
     ++i;
   }
   return line;

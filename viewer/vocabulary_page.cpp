@@ -37,7 +37,7 @@ std::vector<Row> stats_keys() {
       {"`device`", "the driver's name and version"},
       {"`settings`", "every setting with its value"},
       {"`timing_ms.frame`", "median over `frames` measured frames; warm-up frames are not among them"},
-      {"`timing_ms.passes`", "the same for each timed pass"},
+      {"`timing_ms.passes`", "the same for each timed pass; `shade (sg)` where several modes share the frame"},
       {"`timing_ms.cpu_passes`",
        "processor time of all threads in each pass, on a software device: what a busy machine's clock cannot say"},
       {"`frames`", "how many frames were measured"},
@@ -52,8 +52,12 @@ std::vector<Row> stats_keys() {
       {"`technique`", "counters that only the technique at work has: the table below"},
       {"`modes`", "the shading mode of each node that has its own, `*`: of all others"},
       {"`plan`",
-       "the frame plan: `pass` (in their order, preparations first) with `reason`, `reads` and `writes`, then "
-       "`feature` with `reason`"},
+       "the frame plan: `pass` (in their order, preparations first) with `reason`, `reads`, `writes` and, where "
+       "several "
+       "modes share the frame, `mode`; then `feature` with `reason`"},
+      {"`status`",
+       "what the last frame could do: `bakes` that it wanted (`state`: absent, running, partial, ready or failed; "
+       "`progress`), `frames_before` in its picture, `light_rotated` and `tables_swapped`: all that had changed"},
       {"`skipped`", "passes of the plan that the last frame did not need: `pass` and `why`"},
       {"`left_out`", "what the scene, the view or the settings leave out: `what` and `why`"},
       {"`error`",

@@ -20,7 +20,10 @@ constexpr double kJudge_s = 0.4;          // between two measurements: reading t
 constexpr double kLongFrame_ms = 1500.0;  // the last frame of a measured curve
 constexpr float kHeatRange = 4.0f;        // the top of the scale, in mean errors
 
-std::string samples_setting(const std::string& mode) { return mode + ".samples"; }
+/// Empty: the mode takes none.
+const std::string& samples_setting(const std::string& mode) {
+  return builtin_registry().find_mode(mode).samples_setting;
+}
 
 Texture make_texture(const Image& display, const char* label, GLenum filter) {
   std::vector<std::uint8_t> bytes(display.data.size());
@@ -179,7 +182,7 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
     facts->budget_answer = why;
     return;
   }
-  facts->can_apply = find_setting(samples_setting(session.state.mode)) != nullptr;
+  facts->can_apply = !samples_setting(session.state.mode).empty();
   char text[96];
   std::snprintf(text, sizeof text, "%d samples, about %.0f ms a frame, error %s", choice->samples, choice->time_ms,
                 percent_text(choice->error).c_str());
@@ -192,7 +195,7 @@ void WindowMeter::apply_budget(WindowSession* session) const {
   const std::optional<BudgetPoint> choice =
       curve ? samples_for_budget(*curve, session->state.error_view.budget, &why) : std::nullopt;
   const std::string setting = samples_setting(session->state.mode);
-  if (choice && find_setting(setting) != nullptr) session->state.settings.set(setting, choice->samples);
+  if (choice && !setting.empty()) session->state.settings.set(setting, choice->samples);
 }
 
 void WindowMeter::update_textures(const WindowSession& session) {
@@ -244,7 +247,7 @@ void WindowMeter::draw_overlay(const WindowSession& session, const Rect& picture
     list->AddRectFilled({at - 4.0f, y - 2.0f}, {at + size.x + 4.0f, y + size.y + 2.0f}, IM_COL32(0, 0, 0, 150), 3.0f);
     list->AddText({at, y}, IM_COL32(255, 255, 255, 230), text.c_str());
   };
-  label(x + 10.0f, "all paths");
+  label(x + 10.0f, session.state.error_view.all_light ? "all paths" : "direct light");
   label(x - 10.0f - ImGui::CalcTextSize(session.state.mode.c_str()).x, session.state.mode);
 }
 

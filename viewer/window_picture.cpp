@@ -122,8 +122,9 @@ void WindowPicture::restore_valid_state(WindowSession* session) {
   state.settings = last_valid_request_->settings;
   state.msaa = last_valid_request_->msaa;
   state.edits.reflectors = reflectors_of(*last_valid_request_);
+  if (builtin_registry().find_mode(state.mode).can.traces_picture) return;  // its parts are only put aside
   state.edits.part_modes.clear();
-  for (const PartMode& part : last_valid_request_->part_modes) state.edits.part_modes[part.node] = part.mode;
+  for (const PartMode& part : last_valid_request_->part_modes) state.edits.part_modes[part.index] = part.mode;
 }
 
 /// `move`: the frame continued a move at the size of the frame before.

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "render/frame/camera.h"
+#include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
@@ -28,8 +29,12 @@ void remember(std::vector<std::string>* files, const std::string& source) {
 /// The samples of `--samples` as the setting of the mode, so that the panel shows them.
 Settings settings_of(const SceneOptions& options) {
   Settings settings = options.settings;
-  if (options.samples > 0 && find_setting(options.mode + ".samples"))
-    settings.set(options.mode + ".samples", options.samples);
+  std::vector<std::string> modes{options.mode};
+  for (const PartMode& part : options.part_modes) modes.push_back(part.mode);
+  for (const std::string& mode : modes) {
+    const std::string& setting = builtin_registry().find_mode(mode).samples_setting;
+    if (options.samples > 0 && !setting.empty()) settings.set(setting, options.samples);
+  }
   return settings;
 }
 
@@ -70,7 +75,8 @@ WindowSession::WindowSession(const SceneOptions& options) {
   seed_ = options.seed;
   state.reflections = options.reflections;
   state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
-  for (const PartMode& part : options.part_modes) state.edits.part_modes[part.node] = part.mode;
+  for (const PartMode& part : options.part_modes)
+    for (const int node : find_nodes(*scene, part.node)) state.edits.part_modes[node] = part.mode;
   for (const auto& [name, source] : options.materials) {
     renderer_.set_material(name, source);
     remember(&brdf_files_, source);
@@ -389,7 +395,8 @@ FrameRequest WindowSession::make_frame_request(int width, int height) const {
   request.reflectors = {state.edits.reflectors.begin(), state.edits.reflectors.end()};
   // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
   if (!renderer_.registry().find_mode(state.mode).can.traces_picture)
-    for (const auto& [node, mode] : state.edits.part_modes) request.part_modes.push_back({node, mode});
+    for (const auto& [node, mode] : state.edits.part_modes)
+      request.part_modes.push_back({node_path(renderer_.scene(), node), mode, node});
   request.settings = state.settings;
   request.display = true;
   return request;

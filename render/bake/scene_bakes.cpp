@@ -138,16 +138,15 @@ bool SceneBakes::release_octree(bool may_return) {
 
 void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const {
   status->has_geometry = !scene.geometry().positions.empty();
-  if (wanted.any_layer_is_shadowed_by("baked")) status->visibility = {visibility_.ready(), visibility_.progress()};
-  if (any_layer_has_indirect(wanted)) status->indirect = {indirect_.ready(), indirect_.progress()};
+  if (wanted.any_layer_is_shadowed_by("baked")) status->visibility = status_of(visibility_);
+  if (any_layer_has_indirect(wanted)) status->indirect = status_of(indirect_);
   for (const ShadingPlan& layer : wanted.layers) {
     const auto own = own_.find(layer.own_bake);
     if (own == own_.end()) continue;
-    const Bake& bake = own->second->bake();
-    status->own_bakes[layer.own_bake] = {bake.ready(), bake.progress()};
+    status->own_bakes[layer.own_bake] = status_of(own->second->bake());
   }
-  if (wanted.octree) status->octree = {octree_.ready(), octree_.progress()};
-  if (wanted.cell_brdfs && octree_.ready()) status->cell_brdfs = {octree_.cells() != nullptr, octree_.cells_progress()};
+  if (wanted.octree) status->octree = status_of(octree_);
+  if (wanted.cell_brdfs && octree_.ready()) status->cell_brdfs = status_of(octree_.cell_bake());
 }
 
 bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request) {

@@ -49,8 +49,6 @@ class SceneBakes {
   const IndirectBuffers& indirect() const { return indirect_; }
   const OctreeStore& octree() const { return octree_; }
   std::uint32_t visibility_revision() const { return visibility_revision_; }
-  std::uint32_t octree_revision() const { return octree_revision_; }
-  std::uint32_t indirect_revision() const { return indirect_revision_; }
   /// Of all that points depend on besides indirect light.
   Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_, own_revision_); }
   Key all() const { return Key::of(without_indirect(), indirect_revision_); }

@@ -14,8 +14,9 @@ namespace maquette {
 
 namespace {
 
-const ShaderVariant kMeasure{"bandwidth/measure.comp", "", {}}, kWorth{"bandwidth/interpolation_error.comp", "", {}},
-    kForget{"bandwidth/reset_points.comp", "", {}};
+const ShaderVariant kMeasure{"bandwidth/measure.comp", "", {}},
+    kInterpolationError{"bandwidth/interpolation_error.comp", "", {}},
+    kResetPoints{"bandwidth/reset_points.comp", "", {}};
 
 /// Share of the mean deviation that every point gets on top of its own.
 constexpr float kLeastShare = 0.1f;
@@ -73,10 +74,10 @@ std::vector<float> Accumulation::typical_kappas() const {
   return typical;
 }
 
-std::vector<ShaderVariant> Accumulation::shader_variants() { return {kMeasure, kWorth, kForget}; }
+std::vector<ShaderVariant> Accumulation::shader_variants() { return {kMeasure, kInterpolationError, kResetPoints}; }
 
-Accumulation::Accumulation(const Surfaces& surfaces, int levels) : levels_(levels) {
-  const int w = surfaces.size().grid_width(), h = surfaces.size().grid_height();
+Accumulation::Accumulation(const GridSize& size, std::size_t tile_count, int levels) : levels_(levels) {
+  const int w = size.grid_width(), h = size.grid_height();
   const int tiles_x = group_count(w, kTileSide), tiles_y = group_count(h, kTileSide);
   mean_ = Texture::make_2d("accumulated mean", GL_RGBA32F, w, h);
   spread_ = Texture::make_2d("accumulated spread", GL_R32F, w, h);
@@ -85,7 +86,7 @@ Accumulation::Accumulation(const Surfaces& surfaces, int levels) : levels_(level
   const int layers = shared::kClasses * (levels + 1);  // the coarsest level is never interpolated
   residuals_ = Texture::make_2d_array("interpolation residuals", GL_RGBA32F, tiles_x, tiles_y, layers);
   worth_ = Texture::make_2d_array("interpolation worth", GL_RG32F, tiles_x, tiles_y, layers);
-  sums_ = Buffer("sums of deviations", surfaces.tiles().tiles.bytes() / sizeof(unsigned) * 2 * sizeof(glm::vec4));
+  sums_ = Buffer("sums of deviations", tile_count * 2 * sizeof(glm::vec4));
   clear();
 }
 
@@ -108,7 +109,7 @@ void Accumulation::forget(const TileList& tiles, ProgramCache* programs) {
   glBindImageTexture(kImageForgottenSpread, spread_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(kImageForgottenDeviation, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(kImageForgottenResidual, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
-  dispatch_tiles(programs->get(kForget), tiles, kPerPoint);
+  dispatch_tiles(programs->get(kResetPoints), tiles, kPerPoint);
   rate_ = 0.0;
 }
 
@@ -190,7 +191,7 @@ RefineRates Accumulation::measure(const LayerContext& layer, const Texture& pyra
   glBindTextureUnit(kUnitResiduals, residuals_.get());
   glBindImageTexture(kImageWorth, worth_.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
   sums_.clear_to_zero();
-  const Program& weigh = programs.get(kWorth);
+  const Program& weigh = programs.get(kInterpolationError);
   weigh.set("u_items_per_deviation", static_cast<float>(first_rate));
   weigh.set("u_least_deviation", static_cast<float>(least));
   const std::vector<float> typical = typical_kappas();

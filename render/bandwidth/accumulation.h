@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "render/gbuffer/surfaces.h"
+#include "render/gbuffer/tiles.h"
 #include "render/gl/objects.h"
 #include "render/shading/shading_mode.h"
 
@@ -17,13 +17,13 @@ struct RefineRates {
   double light_rounds = 0.0;     ///< how often the typical point has used up the list of light samples
 };
 
-/// What mode `bandwidth` keeps of each grid point while nothing moves, and what it measures of it: the deviations so far
-/// decide who gets how many samples, and the distance of own means from what was interpolated decides where
+/// What mode `bandwidth` keeps of each grid point while nothing moves, and what it measures of it: the deviations so
+/// far decide who gets how many samples, and the distance of own means from what was interpolated decides where
 /// interpolation still serves. Made only for pictures that accumulate.
 class Accumulation {
  public:
-  /// `levels`: that are interpolated.
-  Accumulation(const Surfaces& surfaces, int levels);
+  /// For pictures of `size` with room for `tile_count` tiles; `levels`: that are interpolated.
+  Accumulation(const GridSize& size, std::size_t tile_count, int levels);
   void clear();
   int levels() const { return levels_; }
   /// What the frames so far say about the next one's sample counts. `visible`: points.

@@ -30,16 +30,12 @@ ShaderVariant mark_variant(bool refine, bool textures, bool swapped, bool visibi
   return variant;
 }
 
-int samples_of(const FrameRequest& request) {
-  return request.samples > 0 ? request.samples : request.settings.get_int("bandwidth.samples");
-}
-
 /// Samples of a work item: a quarter of a point's, but no less than 64 while there are so many: an item costs as much
 /// to begin as 5 to 10 samples. Error squared times time at 64 samples is 5 to 20 % less with items of 64 than of 16 in
 /// six scenes of seven.
 int samples_per_item(const FrameRequest& request) {
   constexpr int kLeast = 4, kEnough = 64;
-  const int per_point = std::max(samples_of(request) / std::max(request.msaa, 1), kLeast);
+  const int per_point = std::max(asked_samples(request, "bandwidth.samples") / std::max(request.msaa, 1), kLeast);
   const auto power_of_two = [](int n) { return static_cast<int>(std::bit_ceil(static_cast<unsigned>(n))); };
   return std::clamp(power_of_two(per_point / 4), std::min(power_of_two(per_point), kEnough), 4096);
 }
@@ -137,7 +133,7 @@ std::optional<float> BandwidthMode::passing_density(const ShadingPlan& plan) con
 
 void BandwidthMode::set_constants(const FrameStart& start, const ShadingPlan& plan, FrameConstants* c) const {
   const std::optional<float> density = passing_density(plan);
-  int samples = samples_of(start.request);
+  int samples = asked_samples(start.request, "bandwidth.samples");
   if (density) samples = std::max(static_cast<int>(kReuseSamples * static_cast<float>(samples)), 1);
   c->size.w = start.request.settings.get_int("bandwidth.max_level") + (size_.side == 4 ? 2 : size_.side / 2);
   // Each point counts its own samples.
@@ -158,7 +154,7 @@ void BandwidthMode::prepare(const FrameStart& start, const LayerContext& layer) 
     else if (accumulation_ && accumulation_->levels() == levels)
       accumulation_->clear();
     else
-      accumulation_.emplace(layer.surfaces, levels);
+      accumulation_.emplace(size_, layer.surfaces.tiles().tiles.bytes() / sizeof(unsigned), levels);
   }
 }
 
@@ -171,7 +167,7 @@ std::vector<Pass> BandwidthMode::passes(const LayerContext& layer) {
   std::vector<Pass> passes;
   passes.push_back(pass({"curvature"}, [this, &layer] { prediction_.find_curvature(layer); }));
   passes.back().key = [&layer] { return Key::of(layer.surfaces.revision()); };
-  passes.push_back(pass({"repainted"}, [this, &layer] {
+  passes.push_back(pass({"replaced_materials"}, [this, &layer] {
     swapped_.find(layer);
     if (accumulation_) accumulation_->forget(swapped_.tiles(), &layer.frame.programs);
   }));
@@ -200,13 +196,13 @@ void BandwidthMode::measure(const LayerContext& layer) {
 
 void BandwidthMode::shade(const LayerContext& layer) {
   if (rotation_) {
-    prediction_.find_open(layer, nullptr);
+    prediction_.find_sky_visibility(layer, nullptr);
     reuse_.shade(layer, rotation_, prediction_.axes(), &sampled_);
     return;
   }
   sampled_.counts.shaded = sampled_.counts.samples = 0;
   if (!repaints_) sampled_.counts.visible = 0;
-  if (!rates_) prediction_.find_open(layer, repaints_ ? &swapped_.tiles() : nullptr);
+  if (!rates_) prediction_.find_sky_visibility(layer, repaints_ ? &swapped_.tiles() : nullptr);
   for (std::size_t band = 0; band < layer.surfaces.tiles().counts.size(); ++band) shade_band(layer, band);
 }
 

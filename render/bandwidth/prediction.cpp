@@ -46,7 +46,7 @@ ShaderVariant bandwidth_variant(const ShadingPlan& plan, bool first_only, bool c
            {"PREDICTION_SAMPLES", std::to_string(kPredictionSamples)}}};
 }
 
-const ShaderVariant kOpen{"bandwidth/sky_visibility.comp", "", {{"VISIBILITY", "1"}}};
+const ShaderVariant kSkyVisibility{"bandwidth/sky_visibility.comp", "", {{"VISIBILITY", "1"}}};
 const ShaderVariant kCurvature{"gbuffer/curvature.comp", "", {}}, kPyramid{"bandwidth/pyramid.comp", "", {}};
 
 /// How far the footprint of a shaded point is longer than wide, and along which direction: degrees from 0 to 180 from
@@ -66,7 +66,8 @@ glm::vec2 footprint(float nu_x, float nu_y, float correlation) {
 }  // namespace
 
 std::vector<ShaderVariant> Prediction::shader_variants() {
-  std::vector<ShaderVariant> variants{kOpen, kCurvature, kPyramid, classify_variant(false), classify_variant(true)};
+  std::vector<ShaderVariant> variants{kSkyVisibility, kCurvature, kPyramid, classify_variant(false),
+                                      classify_variant(true)};
   for (int k = 0; k < 2; ++k) {
     for (const char* visibility : {"none", "baked", "traced"})
       for (const bool lights : {false, true})
@@ -94,7 +95,7 @@ void Prediction::fit(const GridSize& size) {
   axes_ = Texture::make_2d("axes", GL_RGBA16F, qw, qh);
   const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(qw, qh))));
   pyramid_ = Texture::make_2d("pyramid", GL_RGBA32F, qw, qh, levels);
-  open_ = Texture::make_2d("open to mirrors", GL_R8, w, h);
+  sky_visibility_ = Texture::make_2d("open to mirrors", GL_R8, w, h);
   near_terms_ = Texture();
   open_of_.reset();
 }
@@ -165,7 +166,7 @@ void Prediction::make_pyramid(ProgramCache* programs) {
   }
 }
 
-void Prediction::find_open(const LayerContext& layer, const TileList* swapped) {
+void Prediction::find_sky_visibility(const LayerContext& layer, const TileList* swapped) {
   if (layer.plan.visibility != "baked") {
     open_of_.reset();
     return;
@@ -175,16 +176,16 @@ void Prediction::find_open(const LayerContext& layer, const TileList* swapped) {
   const bool known = open_of_ == key && (swapped || open_tables_ == tables);
   if (!known || swapped) {
     glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
-    glBindImageTexture(kImageSkyVisibility, open_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
-    dispatch_tiles(layer.frame.programs.get(kOpen), known ? *swapped : layer.surfaces.tiles(), kPerPoint);
+    glBindImageTexture(kImageSkyVisibility, sky_visibility_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R8);
+    dispatch_tiles(layer.frame.programs.get(kSkyVisibility), known ? *swapped : layer.surfaces.tiles(), kPerPoint);
     open_of_ = key;
     open_tables_ = tables;
   }
-  glBindTextureUnit(kUnitSkyVisibility, open_.get());
+  glBindTextureUnit(kUnitSkyVisibility, sky_visibility_.get());
 }
 
 std::size_t Prediction::bytes() const {
-  return energy_.bytes() + screen_curvature_.bytes() + axes_.bytes() + open_.bytes() + pyramid_.bytes() +
+  return energy_.bytes() + screen_curvature_.bytes() + axes_.bytes() + sky_visibility_.bytes() + pyramid_.bytes() +
          near_terms_.bytes();
 }
 

@@ -28,8 +28,8 @@ class Prediction {
   void predict(const LayerContext& layer, const PredictedPart& part, WorkLists* lists);
   void make_pyramid(ProgramCache* programs);
   /// What baked visibility leaves open towards mirror directions, for the passes that mark: of all tiles, or, where
-  /// that is known already for surfaces and bake (`key`), of `swapped` ones alone.
-  void find_open(const LayerContext& layer, const TileList* swapped);
+  /// that is known already for surfaces and bake, of `swapped` ones alone.
+  void find_sky_visibility(const LayerContext& layer, const TileList* swapped);
 
   const Texture& axes() const { return axes_; }
   const Texture& pyramid() const { return pyramid_; }
@@ -49,8 +49,8 @@ class Prediction {
   Texture axes_;                   ///< RGBA16F, [quad]: bandwidth along the axes, their correlation, nu_theta
   Texture pyramid_;                ///< RGBA32F, level 0: [quad]
   Texture near_terms_;             ///< RGBA32F, [quad]: bandwidth of visibility and of lights nearby
-  Texture open_;                   ///< R8, [point]
-  std::optional<Key> open_of_;     ///< surfaces and bake that `open_` was found for
+  Texture sky_visibility_;         ///< R8, [point]
+  std::optional<Key> open_of_;     ///< surfaces and bake that `sky_visibility_` was found for
   std::uint32_t open_tables_ = 0;  ///< and revision of the measured tables
 };
 

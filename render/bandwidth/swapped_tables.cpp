@@ -3,10 +3,10 @@
 namespace maquette {
 
 namespace {
-const ShaderVariant kRepainted{"gbuffer/replaced_materials.comp", "", {}};
+const ShaderVariant kReplacedMaterials{"gbuffer/replaced_materials.comp", "", {}};
 }  // namespace
 
-std::vector<ShaderVariant> SwappedTables::shader_variants() { return {kRepainted}; }
+std::vector<ShaderVariant> SwappedTables::shader_variants() { return {kReplacedMaterials}; }
 
 void SwappedTables::find(const LayerContext& layer) {
   const Surfaces& surfaces = layer.surfaces;
@@ -18,7 +18,7 @@ void SwappedTables::find(const LayerContext& layer) {
   tiles_.band_tiles = surfaces.tiles().band_tiles;
   tiles_.counts.assign(tiles_.counts.size(), 0);
   if (!layer.frame.scene.tables_swapped()) return;  // the flags are those of an earlier swap
-  dispatch_tiles(counter_.begin(&layer.frame.programs, kRepainted, surfaces.band_rows(), tiles_, nullptr),
+  dispatch_tiles(counter_.begin(&layer.frame.programs, kReplacedMaterials, surfaces.band_rows(), tiles_, nullptr),
                  surfaces.tiles(), kPerTile);
   counter_.end(&tiles_, nullptr);
 }

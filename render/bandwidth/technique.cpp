@@ -13,7 +13,10 @@ void add_bandwidth_passes(const PlanInput& in, ShadingPlan* shading, FramePlan* 
   shading->texture_bandwidth = in.facts.has_textures;
   add({"curvature", "the curvature of surfaces on the screen", {"surfaces"}, {"curvature"}});
   if (status.tables_swapped)
-    add({"repainted", "measured tables were swapped: lists the tiles that show them", {"surfaces"}, {"repainted"}});
+    add({"replaced_materials",
+         "measured tables were swapped: lists the tiles that show them",
+         {"surfaces"},
+         {"replaced_materials"}});
   add({"bandwidth",
        status.light_rotated    ? "only the light rotated: predicted anew for a part of the tiles"
        : status.tables_swapped ? "only measured tables were swapped: predicted anew where they are seen"
@@ -85,7 +88,7 @@ Technique bandwidth_technique() {
   info.add_passes = add_bandwidth_passes;
   info.words = {
       {Word::Kind::pass, "curvature", "curvature and footprint of surfaces along the screen, for the prediction"},
-      {Word::Kind::pass, "repainted", "lists the tiles that show a material whose measured table was swapped"},
+      {Word::Kind::pass, "replaced_materials", "lists the tiles that show a material whose measured table was swapped"},
       {Word::Kind::pass, "bandwidth", "predicts local bandwidth and variance at every visible pixel"},
       {Word::Kind::pass, "pyramid", "coarse levels of bandwidth, variance, depth and normals"},
       {Word::Kind::pass, "measure",

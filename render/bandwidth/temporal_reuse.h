@@ -75,7 +75,6 @@ class TemporalReuse {
     Key points;
     float rotation_rad = 0.0f;
     bool reused = false;  ///< its points may be reused
-    bool operator==(const DrawnLight&) const = default;
   };
   /// Of one band.
   struct Band {

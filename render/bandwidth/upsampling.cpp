@@ -112,8 +112,7 @@ void Upsampling::fill(const LayerContext& layer, const Texture& axes, const Text
   fill_levels(layer, kept ? Step::kept : Step::once, own, tiles, levels);
   if (size_.side == 1) return;
   list_quads(layer);
-  const Program& program =
-      layer.frame.programs.get(quads_variant(layer.frame.scene.buffers().has_textures(), own));
+  const Program& program = layer.frame.programs.get(quads_variant(layer.frame.scene.buffers().has_textures(), own));
   program.set("u_level", 0);
   dispatch_quads(program, mixed_quads_, 1);
 }

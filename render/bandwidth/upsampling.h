@@ -41,7 +41,7 @@ class Upsampling {
   void list_quads(const LayerContext& layer);
 
   GridSize size_;
-  Texture weights_;  ///< RG32UI (shaders/bandwidth/fill.comp)
+  Texture weights_;                                          ///< RG32UI (shaders/bandwidth/fill.comp)
   std::optional<std::pair<std::uint32_t, int>> weights_of_;  ///< surfaces' revision, levels
   QuadList plain_quads_, mixed_quads_;                       ///< with several points a pixel
   Buffer quad_counts_;

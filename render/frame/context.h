@@ -32,7 +32,6 @@ struct FrameContext {
 
   PassTimer& timer() const { return frame.timer(); }
   const GridSize& size() const { return raster.size(); }
-  float env_rotation_rad() const { return request.env_rotation_rad; }
 };
 
 /// One layer of it: what one shading mode shades.

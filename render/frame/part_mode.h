@@ -9,6 +9,7 @@ namespace maquette {
 struct PartMode {
   std::string node;  ///< name, or path from a root: names joined by '/'
   std::string mode;
+  int index = -1;  ///< of the one node that is meant; -1: those of that name or path
   bool operator==(const PartMode&) const = default;
 };
 

@@ -23,7 +23,12 @@ struct Planning {
   FramePlan* plan;
 
   void add(PlannedPass pass) const { plan->passes.push_back(std::move(pass)); }
-  void feature(const std::string& name, const std::string& reason) const { plan->features.push_back({name, reason}); }
+  void feature(const std::string& name, const std::string& reason) const {
+    const bool known = std::any_of(plan->features.begin(), plan->features.end(), [&](const Feature& feature) {
+      return feature.name == name && feature.reason == reason;
+    });
+    if (!known) plan->features.push_back({name, reason});
+  }
   void leave_out(const std::string& what, const std::string& why, const std::string& decided_by) const {
     const bool known = std::any_of(plan->left_out.begin(), plan->left_out.end(),
                                    [&](const LeftOut& left_out) { return left_out.what == what; });
@@ -237,7 +242,9 @@ void add_reflection_passes(const Planning& p) {
     p.leave_out("skip", p.in.status.follows_all_rays, "reflections.skip");
   p.reflector->add_passes(p.in, nullptr, p.plan);
   p.add({"reflected shade",
-         "what the mirrored rays hit, by the mode of the part that is hit",
+         p.reflector->can.hits_cells
+             ? "the octree's cells that the mirrored rays hit, all by mode " + p.plan->layers[0].mode
+             : std::string("what the mirrored rays hit, by the mode of the part that is hit"),
          {"hits"},
          {"reflections"}});
 }
@@ -296,13 +303,16 @@ std::vector<ShadingPlan> make_layers(const std::string& mode, const ViewInfo& vi
                                      const Registry& registry) {
   std::vector<ShadingPlan> layers(1);
   layers[0].mode = mode;
-  for (const PartMode& part : view.part_modes) {
+  for (std::size_t k = 0; k < view.part_modes.size(); ++k) {
+    const PartMode& part = view.part_modes[k];
     const Technique& technique = registry.find_mode(part.mode, "--mode-of");
     if (technique.can.traces_picture || registry.find_mode(mode).can.traces_picture)
       throw UsageError("--mode-of " + part.node + "=" + part.mode,
                        "mode " + (technique.can.traces_picture ? part.mode : mode) + " draws whole pictures",
                        "use it for all of the scene, without --mode-of");
-    if (part.mode == mode) continue;
+    const auto replaces = [&](const PartMode& later) { return later.node == part.node && later.index == part.index; };
+    if (std::any_of(view.part_modes.begin() + static_cast<std::ptrdiff_t>(k) + 1, view.part_modes.end(), replaces))
+      continue;
     auto layer = std::find_if(layers.begin(), layers.end(), [&](const ShadingPlan& l) { return l.mode == part.mode; });
     if (layer == layers.end()) {
       layers.emplace_back().mode = part.mode;
@@ -388,7 +398,6 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
   const Technique& mode = registry.find_mode(mode_name);
   const Technique* reflector = registry.find_reflector(input.view.reflections);
   FramePlan plan;
-  plan.msaa = input.view.msaa;
   plan.layers = make_layers(mode_name, input.view, input.facts, registry);
   std::vector<const Technique*> used{reflector};
   for (const ShadingPlan& layer : plan.layers) used.push_back(&registry.find_mode(layer.mode));
@@ -398,6 +407,9 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
     plan_traced_picture(planning, mode);
   else
     plan_layers(planning, registry);
+  const auto samples = [&](const ShadingPlan& layer) { return registry.find_mode(layer.mode).can.samples; };
+  if (std::none_of(plan.layers.begin(), plan.layers.end(), samples))
+    planning.leave_out("sampling", "lookups take no samples: --samples has no effect", kMode);
   note_absent_features(planning);
   // A word is either in or out.
   std::erase_if(plan.left_out, [&](const LeftOut& left_out) {
@@ -432,10 +444,11 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
 }  // namespace
 
 std::map<std::string, BakeStatus> FrameStatus::bakes() const {
-  std::map<std::string, BakeStatus> all = own_bakes;
-  all.insert(
+  std::map<std::string, BakeStatus> wanted = own_bakes;
+  wanted.insert(
       {{"visibility", visibility}, {"indirect", indirect}, {words::kOctree, octree}, {"cell_brdfs", cell_brdfs}});
-  return all;
+  std::erase_if(wanted, [](const auto& entry) { return !entry.second.wanted; });
+  return wanted;
 }
 
 bool FramePlan::any_layer_is_shadowed_by(const std::string& visibility) const {

@@ -4,13 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "render/bake/bake.h"
+
 namespace maquette {
 
-/// How far a bake is that a frame wants.
+/// How far a bake is.
 struct BakeStatus {
   bool ready = true;
   double progress = 1.0;  ///< of the one in work, in [0, 1]
+  BakeState state = BakeState::ready;
+  bool wanted = false;  ///< by this frame
 };
+/// Of one that a frame wants.
+inline BakeStatus status_of(const Bake& bake) { return {bake.ready(), bake.progress(), bake.state(), true}; }
 
 /// What this frame can do: settings say what is wanted. A plain value; as it stands by default everything is ready and
 /// the frame is the first of its picture.
@@ -37,7 +43,7 @@ struct FrameStatus {
   /// Why mirrored rays are all followed; empty: those that bring little are skipped.
   std::string follows_all_rays;
 
-  /// All bakes by their words; one that nothing wants counts as ready.
+  /// Those that the frame wants, by their words.
   std::map<std::string, BakeStatus> bakes() const;
 };
 

@@ -33,22 +33,6 @@ ShaderVariant Raster::variant(bool alpha_mask) {
   return {"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(alpha_mask)}}};
 }
 
-void Raster::begin() const {
-  const GLuint framebuffer = framebuffer_.get();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, size_.grid_width(), size_.grid_height());
-  const GLuint no_triangle[4] = {0, 0, 0, 0};
-  const float far_depth = 0.0f;
-  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, no_triangle);
-  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GREATER);
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
-  glCullFace(GL_BACK);
-}
-
 void Raster::draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program, std::size_t i,
                        bool masked) const {
   const SceneBuffers& buffers = scene.buffers();

@@ -4,6 +4,7 @@
 
 #include "render/frame/frame_constants.h"
 #include "render/gbuffer/tiles.h"
+#include "render/gl/raster_state.h"
 #include "render/scene_state/scene_state.h"
 
 namespace maquette {
@@ -19,7 +20,7 @@ class Raster {
   template <typename Excluded>
   void draw(const SceneState& scene, const FrameConstants& constants, ProgramCache* programs,
             const Excluded& is_excluded) {
-    begin();
+    begin_triangles(framebuffer_.get(), size_.grid_width(), size_.grid_height());
     for (int masked = 0; masked < 2 && (masked == 0 || scene.facts().has_mask); ++masked) {
       const Program& program = programs->get(variant(masked == 1));
       glUseProgram(program.get());
@@ -36,7 +37,6 @@ class Raster {
   std::size_t bytes() const { return triangle_.bytes() + depth_buffer_.bytes(); }
 
  private:
-  void begin() const;
   void draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program, std::size_t item,
                  bool masked) const;
   void end();

@@ -2,8 +2,9 @@
 
 #include <cstdint>
 
-#include "render/gbuffer/raster.h"
 #include "render/gbuffer/tiles.h"
+#include "render/gl/program_cache.h"
+#include "render/scene_state/scene_state.h"
 
 namespace maquette {
 
@@ -38,7 +39,7 @@ class Surfaces {
   /// The surfaces of this frame are those of the one before.
   bool kept() const { return kept_; }
   void begin_frame() { kept_ = true; }
-  std::size_t bytes() const { return surface_.bytes() + depth_.bytes(); }
+  std::size_t bytes() const { return surface_.bytes() + depth_.bytes() + guide_.bytes(); }
 
  private:
   void list_tiles(const Texture& triangles, TileList* surface, TileList* sky, ProgramCache* programs);
@@ -48,7 +49,7 @@ class Surfaces {
   bool has_texture_bandwidth_ = false, kept_ = false;
   TileList tiles_;
   TileCounter counter_;
-  TileList unused_;  ///< of a shader that lists two kinds
+  TileList unused_;                    ///< of a shader that lists two kinds
   const Texture* triangle_ = nullptr;  ///< of the frame's raster, or of this layer alone
   Texture surface_;                    ///< RGBA32UI (shaders/shared/gbuffer.glsl)
   Texture depth_;                      ///< R32F, m along the viewing axis; 0: no surface

@@ -147,7 +147,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   if (!frame.plan.glass || !frame.device.software || !surfaces.kept() || !frame.plan.reflections.empty() ||
       scene.layers.size() > 1)
     return false;
-  const Key now = Key::of(surfaces.revision(), layer.context.plan.visibility);
+  const Key now = Key::of(surfaces.revision(), layer.context.plan.visibility, frame.bakes.without_indirect());
   if (recorded_ && recorded_->of == now) return recorded_->complete;
   const std::vector<std::size_t> drawn = items(scene);
   constexpr std::size_t kLayerBytes = 48, kHeaderBytes = 16, kMostBytes = std::size_t{1} << 27;

@@ -38,6 +38,7 @@ std::vector<ShaderVariant> Glossy::shader_variants() {
 std::vector<std::size_t> named_glossy_items(const SceneState& scene, const ReflectorSet& reflectors,
                                             const std::vector<std::string>& names) {
   std::vector<std::size_t> named;
+  if (names.empty()) return named;
   const std::vector<bool> smooth = glossy_items(scene, kMaxGlossyRoughness);
   for (std::size_t i = 0; i < smooth.size() && named.size() < kMaxReflectors; ++i) {
     const int node = scene.geometry().items[i].node;

@@ -51,15 +51,9 @@ void IndirectPass::run(const LayerContext& layer, const TileList* changed) {
 std::size_t IndirectPass::bind(const FrameContext& frame) const {
   const std::vector<IndirectKey>& keys = frame.bakes.indirect().keys();
   for (std::size_t k = 0; k < keys.size(); ++k)
-    glBindTextureUnit(static_cast<GLuint>(18 + k), light_[keys[k].serial & 1u].get());
+    glBindTextureUnit(static_cast<GLuint>(kUnitIndirectLight) + static_cast<GLuint>(k),
+                      light_[keys[k].serial & 1u].get());
   return keys.size();
-}
-
-void IndirectPass::clear() {
-  for (std::size_t k = 0; k < 2; ++k) {
-    light_[k] = Texture();
-    drawn_[k].reset();
-  }
 }
 
 }  // namespace maquette

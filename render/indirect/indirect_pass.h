@@ -18,7 +18,6 @@ class IndirectPass {
   bool is_current(const LayerContext& layer) const;
   /// Binds the light of each bake for composing; their count.
   std::size_t bind(const FrameContext& frame) const;
-  void clear();
   std::size_t bytes() const { return light_[0].bytes() + light_[1].bytes(); }
   static std::vector<ShaderVariant> shader_variants();
 

@@ -17,7 +17,7 @@ void Layer::add_bytes(std::map<std::string, std::size_t>* bytes) const {
 }
 
 bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry& registry,
-                   const std::function<void(int)>& made) {
+                   const std::function<void(int)>& made) try {
   bool any = layers_.size() != wanted.layers.size();
   layers_.resize(wanted.layers.size());
   for (std::size_t k = 0; k < layers_.size(); ++k) {
@@ -37,6 +37,9 @@ bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry
     made(static_cast<int>(k));
   }
   return any;
+} catch (...) {
+  layers_.clear();  // none half made
+  throw;
 }
 
 Continuation LayerSet::compare(const FrameChange& change) const {

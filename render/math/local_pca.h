@@ -50,7 +50,6 @@ class LocalPca {
 
   int dimension() const { return static_cast<int>(roots_.size()); }
   int cluster_count() const { return static_cast<int>(clusters_.size()); }
-  int component_count() const { return components_; }
   /// Mean of a cluster and its components [dimension][component], in the form used for reconstruction.
   Eigen::VectorXf mean(int cluster) const;
   Eigen::MatrixXf components(int cluster) const;

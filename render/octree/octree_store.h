@@ -64,7 +64,6 @@ class OctreeStore final : public KeyedBake<OctreeState, OctreeJob, OctreeResult>
   const CellBrdfStore& cell_bake() const { return cells_; }
   CellBrdfStore& cell_bake() { return cells_; }
   const CellBrdfBuffers* cells() const { return cells_.buffers(); }
-  bool cells_busy() const { return cells_.busy(); }
   double cells_progress() const { return cells_.progress(); }
   std::size_t cell_bytes() const { return cells_.bytes(); }
   /// For the BRDFs of its cells too.

@@ -51,7 +51,8 @@ Technique octree_technique() {
        .default_value = std::string(),
        .help = "folder of `maquette bake octree`; empty: the cache"},
   };
-  info.can = {.needs_octree = true, .mirrors_glossy = true, .skips_rays = true, .skips_cheap_rays = true};
+  info.can = {
+      .needs_octree = true, .mirrors_glossy = true, .hits_cells = true, .skips_rays = true, .skips_cheap_rays = true};
   info.has_effect = [](const Technique& mode, const Technique* reflector, const Settings& settings) {
     return (reflector && reflector->can.needs_octree) ||
            (mode.can.shadows && settings.get_string("shading.visibility") == "traced");
@@ -59,7 +60,11 @@ Technique octree_technique() {
   info.make_reflector = make_octree_reflections;
   info.bakes = {octree_bake_command()};
   info.views = {{"glossy", "what glossy surfaces mirror", ViewColors::radiance}};
-  info.shader_variants = octree_reflection_shader_variants;
+  info.shader_variants = [] {
+    std::vector<ShaderVariant> variants = octree_reflection_shader_variants();
+    variants.push_back({"octree/trace_rays.comp", "", {}});  // of tests and benchmarks
+    return variants;
+  };
   info.quality_steps = {{.settings = {{"octree.depth", 7}, {"reflections.resolution", std::string("quarter")}}},
                         {.settings = {{"octree.depth", 8}, {"reflections.resolution", std::string("half")}}},
                         {.settings = {{"octree.depth", 9}, {"reflections.resolution", std::string("half")}}},

@@ -14,48 +14,41 @@ namespace {
 const ShaderVariant kSplit{"parts/split.comp", "", {{"DEPTHS", "0"}}},
     kSplitHits{"parts/split.comp", "", {{"DEPTHS", "1"}}}, kMerge{"parts/merge.comp", "", {}};
 
-/// Walks the nodes below `node` with their paths.
-void walk(const Scene& scene, int node, const std::string& above,
-          const std::function<void(int, const std::string&)>& visit) {
-  const Node& n = scene.nodes[static_cast<std::size_t>(node)];
-  const std::string path = above.empty() ? n.name : above + "/" + n.name;
-  visit(node, path);
-  for (const int child : n.children) walk(scene, child, path, visit);
-}
-
 }  // namespace
 
 std::string node_path(const Scene& scene, int node) {
-  std::string path;
-  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
-    const Node& n = scene.nodes[static_cast<std::size_t>(i)];
-    path = path.empty() ? n.name : n.name + "/" + path;
-    i = n.parent;
+  std::string path = scene.nodes[static_cast<std::size_t>(node)].name;
+  int above = scene.nodes[static_cast<std::size_t>(node)].parent;
+  for (std::size_t steps = 0; above >= 0 && steps < scene.nodes.size(); ++steps) {
+    const Node& n = scene.nodes[static_cast<std::size_t>(above)];
+    path = n.name + "/" + path;
+    above = n.parent;
   }
   return path;
+}
+
+std::vector<int> find_nodes(const Scene& scene, const std::string& call) {
+  std::vector<int> found;
+  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i)
+    if (scene.nodes[static_cast<std::size_t>(i)].name == call || node_path(scene, i) == call) found.push_back(i);
+  if (!found.empty()) return found;
+  std::vector<std::string> known;
+  for (const Node& node : scene.nodes) known.push_back(node.name);
+  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i) known.push_back(node_path(scene, i));
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  throw UsageError("--mode-of " + call, "the scene has no node of that name", did_you_mean(call, known));
 }
 
 std::vector<int> layers_of_nodes(const Scene& scene, const std::vector<PartMode>& part_modes,
                                  const std::vector<std::string>& layer_modes) {
   std::vector<int> named(scene.nodes.size(), -1), layers(scene.nodes.size(), 0);
-  std::vector<std::string> known;
-  std::vector<bool> found(part_modes.size(), false);
-  const auto name_nodes = [&](int node, const std::string& path) {
-    const std::string& name = scene.nodes[static_cast<std::size_t>(node)].name;
-    for (const std::string& call : {name, path})
-      if (std::find(known.begin(), known.end(), call) == known.end()) known.push_back(call);
-    for (std::size_t k = 0; k < part_modes.size(); ++k) {
-      if (part_modes[k].node != name && part_modes[k].node != path) continue;
-      found[k] = true;
-      const auto layer = std::find(layer_modes.begin(), layer_modes.end(), part_modes[k].mode);
-      named[static_cast<std::size_t>(node)] = static_cast<int>(layer - layer_modes.begin());
-    }
-  };
-  for (const int root : scene.roots) walk(scene, root, "", name_nodes);
-  for (std::size_t k = 0; k < part_modes.size(); ++k)
-    if (!found[k])
-      throw UsageError("--mode-of", "the scene has no node '" + part_modes[k].node + "'",
-                       did_you_mean(part_modes[k].node, known));
+  if (part_modes.empty()) return layers;
+  for (const PartMode& part : part_modes) {
+    const auto layer = std::find(layer_modes.begin(), layer_modes.end(), part.mode) - layer_modes.begin();
+    for (const int node : part.index >= 0 ? std::vector<int>{part.index} : find_nodes(scene, part.node))
+      named[static_cast<std::size_t>(node)] = static_cast<int>(layer);
+  }
   const std::function<void(int, int)> inherit = [&](int node, int layer) {
     const auto i = static_cast<std::size_t>(node);
     if (named[i] >= 0) layer = named[i];

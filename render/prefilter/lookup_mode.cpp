@@ -104,7 +104,6 @@ Technique lookup_technique(const std::string& name, const std::string& help, con
     plan->passes.push_back({"prefilter", "the environment filtered for each " + filtered + ", once", {}, {"maps"}});
     plan->passes.push_back({"shade", "every visible pixel, by lookups", {"surfaces", "maps"}, {"radiance"}});
     plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
-    plan->left_out.push_back({"sampling", "lookups take no samples: --samples has no effect"});
   };
   technique.words = {{Word::Kind::pass, "prefilter", "the environment filtered for the lobes that are looked up"}};
   return technique;

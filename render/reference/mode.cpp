@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "render/reference/worker.h"
+#include "render/shading/shading_mode.h"
 
 namespace maquette {
 
@@ -26,10 +27,6 @@ PictureRequest picture_request(const FrameRequest& request) {
   r.paths.max_bounces = request.settings.get_int("reference.bounces");
   r.adaptive = request.settings.get_bool("reference.adaptive");
   return r;
-}
-
-int asked_paths(const FrameRequest& request) {
-  return request.samples > 0 ? request.samples : request.settings.get_int("reference.samples");
 }
 
 class ReferenceMode : public PictureMode {
@@ -83,7 +80,7 @@ class ReferenceMode : public PictureMode {
       picture_.emplace(scene_, picture_request(input.request));
       frames_ = 0;
     }
-    picture_->add(asked_paths(input.request), {}, {}, input.request.deadline);
+    picture_->add(asked_samples(input.request, "reference.samples"), {}, {}, input.request.deadline);
     ++frames_;
     shown_ = {picture_->mean(), picture_->samples(), picture_->relative_error(), picture_->counts()};
   }
@@ -116,7 +113,7 @@ class ReferenceMode : public PictureMode {
 
   FrameRequest request_;
   std::optional<Key> scene_of_;  ///< what it traces
-  ReferenceWorker::News shown_;
+  ReferenceWorker::Update shown_;
   int frames_ = 0;
   bool interactive_ = false;
   // In batch:

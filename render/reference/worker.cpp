@@ -8,7 +8,7 @@ namespace maquette {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kBetweenNews{250};
+constexpr std::chrono::milliseconds kBetweenUpdates{250};
 
 /// Every pixel of the coarse picture as a square.
 Image magnify(const Image& coarse, int width, int height) {
@@ -34,7 +34,7 @@ void ReferenceWorker::submit(Job job) {
   });
 }
 
-void ReferenceWorker::trace(const Job& job, const BackgroundTask<News>& task) {
+void ReferenceWorker::trace(const Job& job, const BackgroundTask<Update>& task) {
   if (job.scene)
     scene_ = build_path_scene({.scene = *job.scene,
                                .environment = job.environment,
@@ -55,7 +55,7 @@ void ReferenceWorker::trace(const Job& job, const BackgroundTask<News>& task) {
   Clock::time_point last;
   while (picture.samples() < job.most_paths) {
     if (!picture.add(1, task.stop)) return;
-    if (Clock::now() - last < kBetweenNews && picture.samples() < job.most_paths) continue;
+    if (Clock::now() - last < kBetweenUpdates && picture.samples() < job.most_paths) continue;
     last = Clock::now();
     task.publish({picture.mean(), picture.samples(), picture.relative_error(), picture.counts()});
   }

@@ -20,7 +20,7 @@ class ReferenceWorker {
     PictureRequest picture;
     int most_paths = 1024;  ///< a pixel; then it rests
   };
-  struct News {
+  struct Update {
     Image mean;     ///< at the size asked for
     int paths = 0;  ///< a pixel; 0: coarse, one path for several pixels
     double relative_error = 0.0;
@@ -28,7 +28,7 @@ class ReferenceWorker {
   };
 
   ReferenceWorker()
-      : worker_([this](const Job& job, const BackgroundTask<News>& task) {
+      : worker_([this](const Job& job, const BackgroundTask<Update>& task) {
           trace(job, task);
           return std::nullopt;
         }) {}
@@ -37,15 +37,15 @@ class ReferenceWorker {
   void submit(Job job);
   /// The newest picture, once; waits for one as long as `patience` while there is work. Rethrows what made a job fail,
   /// once.
-  std::optional<News> take(std::chrono::milliseconds patience) { return worker_.take(patience); }
+  std::optional<Update> take(std::chrono::milliseconds patience) { return worker_.take(patience); }
 
  private:
-  void trace(const Job& job, const BackgroundTask<News>& task);
+  void trace(const Job& job, const BackgroundTask<Update>& task);
 
   // Of the worker's thread alone:
   std::shared_ptr<const PathScene> scene_;
   MeasuredLibrary library_;
-  BackgroundWorker<Job, News> worker_;  // last: it uses all of the above
+  BackgroundWorker<Job, Update> worker_;  // last: it uses all of the above
 };
 
 }  // namespace maquette

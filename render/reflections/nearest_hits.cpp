@@ -66,9 +66,10 @@ glm::mat4 through_window(const glm::mat4& clip_from_world, const glm::vec4& wind
 void NearestHits::begin(const ReflectionTargets& t) {
   const std::size_t bytes =
       static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height) * 2 * sizeof(unsigned);
-  if (nearest_.bytes() != bytes) {
+  const auto tiles = static_cast<unsigned>(tiles_of(t, kTile));
+  if (nearest_.bytes() != bytes || tiles_ != tiles) {
     nearest_ = Buffer("nearest triangles", bytes);
-    tiles_ = static_cast<unsigned>(tiles_of(t, kTile));
+    tiles_ = tiles;
     list_capacity_ = offer_capacity_ = listed_ = offered_ = 0;
   }
   if (list_capacity_ == 0) grow();

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "render/gl/bindings.h"
+#include "render/gl/raster_state.h"
 #include "render/views/read_texture.h"
 #include "scenes/error.h"
 
@@ -102,19 +103,7 @@ void Reflections::draw_panes(const Frame& frame, const ReflectionTargets& t) {
   const SceneState& scene = context.scene;
   ReflectorSet& reflectors = frame.scene.reflectors;
   reflectors.update_coarse_patches(scene);
-  const GLuint framebuffer = t.pane_framebuffer.get();
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-  glViewport(0, 0, t.width, t.height);
-  const GLuint none[4] = {0, 0, 0, 0};
-  const float far_depth = 0.0f;
-  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
-  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
-  glEnable(GL_DEPTH_TEST);
-  glDepthFunc(GL_GREATER);
-  glDepthMask(GL_TRUE);
-  glDisable(GL_BLEND);
-  glFrontFace(GL_CCW);
-  glCullFace(GL_BACK);
+  begin_triangles(t.pane_framebuffer.get(), t.width, t.height);
   glBindVertexArray(scene.buffers().vertex_array());
   const Program& program = context.programs.get(kPane);
   glUseProgram(program.get());
@@ -211,7 +200,7 @@ void Reflections::drop_unseen_rays(const Frame& frame) {
 
 void Reflections::follow(const Frame& frame, MirroredRays* image, bool ghost, bool kept) {
   std::vector<GhostDeviation> reach(kMaxReflectors);
-  if (ghost) ghost_reach_.read(0, ghost_reach_.bytes(), reach.data());
+  if (ghost && !kept) ghost_reach_.read(0, ghost_reach_.bytes(), reach.data());
   std::vector<FitDeviation> fits(kMaxPatches);
   const bool fitted = frame.scene.reflectors.any_fitted();
   if (fitted && !kept) fit_reach_.read(0, fit_reach_.bytes(), fits.data());

@@ -66,6 +66,23 @@ float least_roughness(const Material& material) {
   return material.clearcoat > 0.0f ? std::min(base, material.clearcoat_roughness) : base;
 }
 
+void count_tables(const std::vector<Material>& materials, const std::vector<bool>& used, SceneFacts* facts) {
+  facts->measured_count = facts->analytic_count = 0;
+  facts->has_sheen = facts->has_clearcoat = false;
+  facts->least_roughness = SceneFacts().least_roughness;
+  const Material default_material;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const Material& material = i < materials.size() ? materials[i] : default_material;
+    const bool measured = !material.measured.empty();
+    ++(measured ? facts->measured_count : facts->analytic_count);
+    facts->has_sheen |= !measured && material.sheen_color != glm::vec3(0.0f);
+    facts->has_clearcoat |= !measured && material.clearcoat > 0.0f;
+    if (!material.glass && material.alpha_mode != AlphaMode::blend)
+      facts->least_roughness = std::min(facts->least_roughness, measured ? 0.0f : least_roughness(material));
+  }
+}
+
 SceneFacts compute_facts(const Scene& scene, int variant) {
   SceneFacts facts;
   facts.triangle_count = count_triangles(scene);
@@ -74,20 +91,14 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     const Material& material = i < scene.materials.size() ? scene.materials[i] : default_material;
-    ++facts.material_count;
-    ++(material.measured.empty() ? facts.analytic_count : facts.measured_count);
     facts.has_textures |= has_texture(material);
     facts.has_normal_maps |=
         static_cast<bool>(material.normal_texture) || static_cast<bool>(material.clearcoat_normal_texture);
     facts.has_mask |= material.alpha_mode == AlphaMode::mask;
     facts.has_glass |= material.glass || material.alpha_mode == AlphaMode::blend;
-    facts.has_sheen |= material.measured.empty() && material.sheen_color != glm::vec3(0.0f);
-    facts.has_clearcoat |= material.measured.empty() && material.clearcoat > 0.0f;
     facts.has_emissive_meshes |= is_emissive(material);
-    if (!material.glass && material.alpha_mode != AlphaMode::blend)
-      facts.least_roughness =
-          std::min(facts.least_roughness, material.measured.empty() ? least_roughness(material) : 0.0f);
   }
+  count_tables(scene.materials, used, &facts);
   facts.reflector_count = count_reflectors(scene, variant);
   for (const Node& node : scene.nodes) {
     if (!node.visible) continue;

@@ -9,7 +9,6 @@ namespace maquette {
 /// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
 struct SceneFacts {
   std::size_t triangle_count = 0;
-  int material_count = 0;
   int measured_count = 0;
   int analytic_count = 0;
   bool has_textures = false;
@@ -27,6 +26,9 @@ struct SceneFacts {
 };
 /// Of the narrowest lobe of a material without a table; 0 where a texture may say anything.
 float least_roughness(const Material& material);
+/// Sets what measured tables have a say in: counts of materials, sheen, clearcoat, roughness. `used`: by index, one
+/// more for the default material.
+void count_tables(const std::vector<Material>& materials, const std::vector<bool>& used, SceneFacts* facts);
 SceneFacts compute_facts(const Scene& scene, int variant);
 
 }  // namespace maquette

@@ -43,7 +43,7 @@ class SceneBuffers {
 
   GLuint vertex_array() const { return vertex_array_.get(); }
   GLuint indices() const { return indices_.get(); }
-  void bind_geometry() const;   ///< units 4, 5, 6
+  void bind_geometry() const;   ///< units 4, 5, 6, 7
   void bind_materials() const;  ///< units 1, 2, 3
   bool has_textures() const { return static_cast<bool>(texel_view_); }
   bool has_colors() const { return has_colors_; }  ///< some vertex colour is not white

@@ -15,6 +15,8 @@ void SceneState::require_scene() const {
 
 void SceneState::set_scene(std::shared_ptr<const Scene> scene) {
   SceneBuffers buffers(*scene);
+  for (const Material& m : scene->materials)
+    if (!m.measured.empty()) materials_.slot_of(m.measured);  // throws before anything changes
   scene_ = std::move(scene);
   buffers_.emplace(std::move(buffers));
   facts_variant_ = kNone;
@@ -143,11 +145,7 @@ void SceneState::recount_tables() {
   std::vector<bool> used(effective_.size() + 1, false);
   for (std::size_t i = 0; i < geometry().items.size(); ++i)
     if (buffers_->visible(i)) used[static_cast<std::size_t>(buffers_->material(i))] = true;
-  facts_.measured_count = facts_.analytic_count = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    const bool measured = i < effective_.size() && !effective_[i].measured.empty();
-    if (used[i]) ++(measured ? facts_.measured_count : facts_.analytic_count);
-  }
+  count_tables(effective_, used, &facts_);
 }
 
 const Material& SceneState::material_of_item(std::size_t item) const {

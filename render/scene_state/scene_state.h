@@ -49,7 +49,6 @@ class SceneState {
   const EnvironmentBuffers& environment() const { return *environment_; }
   /// Null when nothing that shines is bright enough to be sampled.
   const LightBuffers* lights() const { return lights_ ? &*lights_ : nullptr; }
-  int variant() const { return buffers_variant_; }
 
   /// The scene's materials with the overrides.
   const std::vector<Material>& effective_materials() const { return effective_; }

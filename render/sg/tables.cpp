@@ -6,6 +6,7 @@
 
 #include "render/environment/prefilter.h"
 #include "render/gl/bindings.h"
+#include "render/prefilter/fit_table.h"
 #include "render/prefilter/prefiltered_maps.h"
 #include "render/prefilter/reflectance_tables.h"
 #include "render/sg/fit.h"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr int kMostSgLevels = 14;  // sharpness 2, 4, ... 2^14, then the sky itself
 constexpr int kTableSize = 64;
-constexpr std::size_t kFitTexels = 7 + kAlbedoCount;
 
 /// The irradiance map comes first, then the ladder, then the unfiltered sky. Lobes narrower than half a texel of the
 /// sky do not filter it.
@@ -39,27 +39,24 @@ class SgTables : public LookupTables {
         albedo_(upload_table("SG albedo", sg_albedo_table(kTableSize))) {}
 
   void update(MaterialStore& materials) override {
-    if (materials.count() == fitted_) return;
-    for (std::size_t slot = fitted_; slot < materials.count(); ++slot) {
-      const SgFit& fit = materials.sg(static_cast<int>(slot));
-      const SgEnergy energy = fit_energy(fit, materials.albedo(static_cast<int>(slot)));
-      fit_texels_.emplace_back(energy.diffuse, 0.0f);
+    fits_.update(materials.count(), [&](int slot, std::vector<glm::vec4>* texels) {
+      const std::size_t begin = texels->size();
+      const SgFit& fit = materials.sg(slot);
+      const SgEnergy energy = fit_energy(fit, materials.albedo(slot));
+      texels->emplace_back(energy.diffuse, 0.0f);
       for (const SgFit::Lobe& lobe : fit.lobes) {
-        fit_texels_.emplace_back(lobe.amplitude, 0.0f);
-        fit_texels_.emplace_back(lobe.sharpness, 0.0f);
+        texels->emplace_back(lobe.amplitude, 0.0f);
+        texels->emplace_back(lobe.sharpness, 0.0f);
       }
-      fit_texels_.resize(slot * kFitTexels + 7, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
-      for (const glm::vec3& factor : energy.view_factor) fit_texels_.emplace_back(factor, 0.0f);
-    }
-    fits_ = Buffer::from("SG fits", fit_texels_);
-    fit_view_ = Texture::make_buffer("SG fits", GL_RGBA32F, fits_);
-    fitted_ = materials.count();
+      texels->resize(begin + 7, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));
+      for (const glm::vec3& factor : energy.view_factor) texels->emplace_back(factor, 0.0f);
+    });
   }
 
   void bind() const override {
     maps_.bind(kUnitPrefilteredMaps);
     glBindTextureUnit(kUnitReflectance, reflectance_.get());
-    if (fit_view_) glBindTextureUnit(kUnitLobeFits, fit_view_.get());
+    fits_.bind();
     glBindTextureUnit(kUnitSgAlbedo, albedo_.get());
   }
 
@@ -68,10 +65,7 @@ class SgTables : public LookupTables {
  private:
   PrefilteredMaps maps_;
   Texture reflectance_, albedo_;
-  std::vector<glm::vec4> fit_texels_;
-  Buffer fits_;
-  Texture fit_view_;
-  std::size_t fitted_ = 0;
+  FitTable fits_{"SG fits"};
 };
 
 }  // namespace

@@ -26,11 +26,6 @@ const ShaderVariant kMarkHits{
 
 }  // namespace
 
-int asked_samples(const FrameRequest& request, const Technique& mode) {
-  if (request.samples > 0) return request.samples;
-  return mode.samples_setting.empty() ? 1 : request.settings.get_int(mode.samples_setting);
-}
-
 std::string visibility_define(const ShadingPlan& plan) {
   return plan.visibility == "traced" ? "2" : plan.visibility == "baked" ? "1" : "0";
 }

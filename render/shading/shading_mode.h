@@ -16,11 +16,10 @@ namespace maquette {
 /// What a frame knows of the one before when it begins.
 struct FrameChange {
   const FrameRequest& request;
-  bool accumulate = false;      ///< the picture is to be the mean with those before
-  bool same_request = false;    ///< as the frame before
-  bool nothing_moved = false;   ///< in scene, materials, environment and bakes
-  bool tables_swapped = false;  ///< materials took other measured tables
-  Key points;                   ///< all that points depend on besides request, measured tables and indirect light
+  bool accumulate = false;     ///< the picture is to be the mean with those before
+  bool same_request = false;   ///< as the frame before
+  bool nothing_moved = false;  ///< in scene, materials, environment and bakes
+  Key points;                  ///< all that points depend on besides request, measured tables and indirect light
 };
 
 /// How a mode can go on from the frame before.
@@ -33,10 +32,10 @@ struct Continuation {
 struct FrameStart {
   const FrameRequest& request;
   const SceneState& scene;
-  Key points;               ///< as in FrameChange
+  Key points;  ///< as in FrameChange
   bool accumulate = false;
-  int accumulated = 0;      ///< frames in the picture so far
-  bool repaints = false;    ///< only the points of materials with swapped tables are shaded anew
+  int accumulated = 0;    ///< frames in the picture so far
+  bool repaints = false;  ///< only the points of materials with swapped tables are shaded anew
 };
 
 /// Points and samples of a frame.
@@ -98,7 +97,9 @@ class ShadingMode {
   virtual std::optional<PointValue> view(const std::string& /*name*/, const LayerContext&) const { return {}; }
 };
 
-/// Samples that `--samples`, or else the technique's own setting, asks for.
-int asked_samples(const FrameRequest& request, const Technique& mode);
+/// Samples that `--samples`, or else this setting, asks for.
+inline int asked_samples(const FrameRequest& request, const std::string& setting) {
+  return request.samples > 0 ? request.samples : request.settings.get_int(setting);
+}
 
 }  // namespace maquette

@@ -2,6 +2,7 @@
 
 #include "render/environment/prefilter.h"
 #include "render/gl/bindings.h"
+#include "render/prefilter/fit_table.h"
 #include "render/prefilter/prefiltered_maps.h"
 #include "render/prefilter/reflectance_tables.h"
 #include "render/splitsum/fit.h"
@@ -28,23 +29,18 @@ class SplitsumTables : public LookupTables {
         table_(upload_table("reflectance", reflectance_)) {}
 
   void update(MaterialStore& materials) override {
-    if (materials.count() == fitted_) return;
-    for (std::size_t slot = fitted_; slot < materials.count(); ++slot) {
-      const int s = static_cast<int>(slot);
-      const SplitsumFit fit = fit_energy(materials.ggx(s), materials.albedo(s), reflectance_);
-      fit_texels_.emplace_back(fit.diffuse, fit.alpha);
-      fit_texels_.emplace_back(fit.f0, 0.0f);
-      fit_texels_.emplace_back(fit.f90, 0.0f);
-    }
-    fits_ = Buffer::from("GGX fits", fit_texels_);
-    fit_view_ = Texture::make_buffer("GGX fits", GL_RGBA32F, fits_);
-    fitted_ = materials.count();
+    fits_.update(materials.count(), [&](int slot, std::vector<glm::vec4>* texels) {
+      const SplitsumFit fit = fit_energy(materials.ggx(slot), materials.albedo(slot), reflectance_);
+      texels->emplace_back(fit.diffuse, fit.alpha);
+      texels->emplace_back(fit.f0, 0.0f);
+      texels->emplace_back(fit.f90, 0.0f);
+    });
   }
 
   void bind() const override {
     maps_.bind(kUnitPrefilteredMaps);
     glBindTextureUnit(kUnitReflectance, table_.get());
-    if (fit_view_) glBindTextureUnit(kUnitLobeFits, fit_view_.get());
+    fits_.bind();
   }
 
   std::size_t bytes() const override { return maps_.bytes() + table_.bytes() + fits_.bytes(); }
@@ -53,10 +49,7 @@ class SplitsumTables : public LookupTables {
   PrefilteredMaps maps_;
   Image reflectance_;
   Texture table_;
-  std::vector<glm::vec4> fit_texels_;  ///< three a slot
-  Buffer fits_;
-  Texture fit_view_;
-  std::size_t fitted_ = 0;
+  FitTable fits_{"GGX fits"};  ///< three texels a slot
 };
 
 }  // namespace

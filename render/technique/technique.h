@@ -43,6 +43,7 @@ struct Capabilities {
   bool mirrors_glossy = false;    ///< glossy opaque surfaces mirror too
   bool needs_patches = false;     ///< curved meshes get patches fitted to them
   bool keeps_hits = false;        ///< hits hold while camera and surfaces stay
+  bool hits_cells = false;        ///< rays hit cells of the octree, which the default mode shades
   bool skips_rays = false;        ///< single rays can be left out ...
   bool skips_cheap_rays = false;  ///< ... and that pays where shading takes no rays through the octree, too
   bool is_exact = false;          ///< the reference of the others
@@ -54,7 +55,7 @@ struct QualityStep {
   std::vector<std::pair<std::string, SettingValue>> settings = {};
 };
 
-/// A bake that a mode draws with. While it is not ready, `ShadingPlan::own_bake` is false, and the mode draws without.
+/// A bake that a mode draws with. While it is not ready, `ShadingPlan::own_bake` is empty, and the mode draws without.
 struct OwnBake {
   std::string name;    ///< word of the vocabulary, of kind feature; its preparation is the word "bake_" + name
   std::string reason;  ///< what the mode draws with it

@@ -9,22 +9,21 @@ namespace maquette {
 
 namespace {
 
-const ShaderVariant kMark{"bandwidth/mark.comp",
-                          "",
-                          {{"BANDWIDTH", "0"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", "0"}}};
+const ShaderVariant kMark{
+    "bandwidth/mark.comp", "", {{"BANDWIDTH", "0"}, {"REFINE", "0"}, {"TEXTURES", "0"}, {"VISIBILITY", "0"}}};
 
 class UniformMode : public ShadingMode {
  public:
   int band_rows(const GridSize& size) const override { return band_rows_of(size, false); }
   void fit(const GridSize& size) override { sampled_.fit(size, false); }
   void set_constants(const FrameStart& start, const ShadingPlan&, FrameConstants* constants) const override {
-    const int samples = samples_of(start.request);
+    const int samples = asked_samples(start.request, "uniform.samples");
     constants->sampling = {samples, std::max(samples, 2), start.accumulated * samples,
                            static_cast<int>(start.request.seed)};
   }
   void begin(const FrameStart& start, FrameStatus*) override {
     // A list of light samples is used up after so many frames.
-    samples_ = samples_of(start.request);
+    samples_ = asked_samples(start.request, "uniform.samples");
   }
   void prepare(const FrameStart& start, const LayerContext& layer) override {
     layer.frame.light_samples.renew_for(&layer.frame.scene.environment(), start.request.seed, start.accumulated,
@@ -41,9 +40,6 @@ class UniformMode : public ShadingMode {
   }
 
  private:
-  static int samples_of(const FrameRequest& request) {
-    return request.samples > 0 ? request.samples : request.settings.get_int("uniform.samples");
-  }
   void shade(const LayerContext& layer) {
     ProgramCache& programs = layer.frame.programs;
     sampled_.counts = {};
@@ -54,8 +50,8 @@ class UniformMode : public ShadingMode {
       layer.frame.timer().end("mark");
       sampled_.counts.visible += counters[6];
       sampled_.counts.shaded += counters[1] + counters[9];
-      sampled_.counts.samples += (static_cast<std::size_t>(counters[0]) + counters[8]) *
-                                 static_cast<std::size_t>(layer.constants.sampling.y);
+      sampled_.counts.samples +=
+          (static_cast<std::size_t>(counters[0]) + counters[8]) * static_cast<std::size_t>(layer.constants.sampling.y);
       count_groups(sampled_.lists(), &programs);
       glBindImageTexture(kImageRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
       sampled_.shade_lists(layer.frame, layer.plan, counters, shade_variant,

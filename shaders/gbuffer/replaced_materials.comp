@@ -7,7 +7,7 @@ layout(local_size_x = 64) in;
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
 layout(binding = kUnitDepth) uniform sampler2D t_depth;
 layout(std430, binding = kBufferTileCounts) buffer TileCounts { uint b_counts[]; };  // of each band of rows, every other word
-layout(std430, binding = kBufferRepaintedTiles) writeonly buffer ReplacedMaterialTiles { uint b_replaced_material_tiles[]; };
+layout(std430, binding = kBufferReplacedMaterialTiles) writeonly buffer ReplacedMaterialTiles { uint b_replaced_material_tiles[]; };
 uniform int u_band_rows;  // tiles
 
 void main() {

@@ -1,4 +1,4 @@
-// The patches of the reflectors (render/renderer_reflections.cpp fills the block).
+// The patches of the reflectors (render/reflections/reflector_set.cpp fills the block).
 #include "shared/bindings.glsl"
 #include "shared/bezier.glsl"
 const int kMaxReflectors = 16, kMaxPatches = 128;

@@ -6,8 +6,6 @@
 #define MAQUETTE_FN
 #endif
 
-MAQUETTE_FN vec2 bandwidth_travel(vec2 b, float distance_m) { return vec2(b.x, b.y + distance_m * b.x); }
-
 /// To the frame of a surface of curvature k (1/m), and back.
 MAQUETTE_FN vec2 bandwidth_curvature(vec2 b, float curvature) { return vec2(b.x + abs(curvature) * b.y, b.y); }
 

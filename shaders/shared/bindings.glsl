@@ -15,7 +15,6 @@ const int kUnitIndices = 4;
 const int kUnitVertices = 5;
 const int kUnitTriangleMaterial = 6;
 const int kUnitTextureBandwidth = 7;  // gbuffer
-const int kUnitTriangleLayers = 7;  // parts
 const int kUnitSurface = 8;
 const int kUnitDepth = 9;
 const int kUnitBrdf = 10;
@@ -104,6 +103,7 @@ const int kUnitGhostDirection = 62;
 const int kUnitGhost = 63;
 const int kUnitSkyNodes = 64;
 const int kUnitSkyVisibility = 65;
+const int kUnitTriangleLayers = 66;  // parts
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth
@@ -177,7 +177,7 @@ const int kBufferPlanarTriangles = 2;  // reflections
 const int kBufferPoints = 2;  // shading, rotation
 const int kBufferProjections = 2;  // bezier
 const int kBufferQuads = 2;  // bandwidth
-const int kBufferRepaintedTiles = 2;  // gbuffer
+const int kBufferReplacedMaterialTiles = 2;  // gbuffer
 const int kBufferSurfaceTiles = 2;  // gbuffer
 const int kBufferBareTiles = 3;  // glass
 const int kBufferBezierCounters = 3;  // bezier

@@ -1,5 +1,4 @@
 const float kPi = 3.14159265359f;
 const float kInvPi = 0.31830988618f;
-const float kTwoPow32Inv = 2.3283064365e-10f;
 // Texels that the environment's list samples with a density above this (1/sr, share of all light) belong to a sun.
 const float kSunDensity = 100.0f;

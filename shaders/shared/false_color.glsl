@@ -14,12 +14,9 @@ MAQUETTE_FN vec3 false_color_turbo(float t) {
   return clamp(vec3(r, g, b), vec3(0.0f), vec3(1.0f));
 }
 
-// Linear: 0 at `low`, 1 at `high`. Logarithmic: linear in log(1 + value / knee) from 0 to `high`, for values over many decades.
+// 0 at `low`, 1 at `high`.
 MAQUETTE_FN float false_color_linear(float value, float low, float high) {
   return clamp((value - low) / max(high - low, 1.0e-20f), 0.0f, 1.0f);
-}
-MAQUETTE_FN float false_color_log(float value, float knee, float high) {
-  return clamp(log(1.0f + max(value, 0.0f) / knee) / log(1.0f + max(high, knee) / knee), 0.0f, 1.0f);
 }
 
 // Display colour of a value in [0, 1]; magenta for NaN and infinity. Negative inputs have become 0 by the functions above.

@@ -5,7 +5,6 @@
 #define MAQUETTE_FN
 #endif
 
-const int kMerlThetaH = 90;
 const int kMerlThetaD = 90;
 const int kMerlPhiD = 180;
 

@@ -17,12 +17,6 @@ MAQUETTE_FN vec3 pane_refract(vec3 direction, vec3 normal, float eta) {
   return k < 0.0f ? vec3(0.0f, 0.0f, 0.0f) : eta * direction + (eta * c - sqrt(k)) * normal;
 }
 
-// Offset from the point where a ray enters the front, at normal `front`, to the point where it hits the back, `thickness` behind.
-MAQUETTE_FN vec3 pane_back_point(vec3 direction, vec3 front, float n, float thickness) {
-  vec3 t = pane_refract(direction, front, 1.0f / n);
-  return t * (thickness / max(-dot(t, front), 1.0e-6f));
-}
-
 // The ray that is refracted into the pane, reflected by its back, and refracted out again. `front`, `back`, `leaving`: the normals at these three
 // points, all towards the viewer. For parallel flat faces it is parallel to the ray reflected by the front, at a distance of
 // 2 t tan(theta') cos(theta).

@@ -12,6 +12,7 @@
 #include "render/gl/context.h"
 #include "render/gl/objects.h"
 #include "render/renderer.h"
+#include "scenes/error.h"
 
 namespace maquette {
 namespace {
@@ -146,6 +147,41 @@ TEST_F(KeptGbuffer, HoldsWhileAMaterialIsSwapped) {
   renderer_.set_material("left", "");
   EXPECT_TRUE(draw());
   EXPECT_EQ(counts(), std::pair(0, 2));
+}
+
+TEST_F(KeptGbuffer, FactsFollowARestoredMaterial) {
+  scene_ = two_sheets();
+  scene_->materials[0].clearcoat = 1.0f;
+  scene_->materials[1].roughness = 0.5f;
+  renderer_.set_scene(scene_);
+  renderer_.set_material("left", "builtin:rubber-black");
+  draw();
+  EXPECT_FALSE(renderer_.facts().has_clearcoat);
+  renderer_.set_material("left", "");
+  draw();
+  EXPECT_TRUE(renderer_.facts().has_clearcoat);
+  EXPECT_EQ(renderer_.facts().least_roughness, 0.0f);
+}
+
+TEST_F(KeptGbuffer, ASceneThatCannotBeSetChangesNothing) {
+  const Image before = picture();
+  auto broken = two_sheets();
+  broken->roots.resize(1);
+  broken->materials[0].measured = "no-such-file.binary";
+  EXPECT_THROW(renderer_.set_scene(broken), Error);
+  EXPECT_EQ(picture().data, before.data);
+}
+
+TEST_F(KeptGbuffer, AnotherSkyHasTheListOfItsSeed) {
+  request_.mode = "uniform";
+  request_.seed = 5;
+  draw();
+  renderer_.set_environment(sloping_sky(0.3f));
+  Renderer fresh;
+  fresh.set_scene(scene_);
+  fresh.set_environment(sloping_sky(0.3f));
+  fresh.render(request_);
+  EXPECT_EQ(picture().data, fresh.read_radiance().data);
 }
 
 TEST_F(KeptGbuffer, IsDrawnAgainWhenASurfaceChanges) {

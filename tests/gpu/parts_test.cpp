@@ -13,8 +13,8 @@
 namespace maquette {
 namespace {
 
-/// A floor and two spheres, each below a node of its own.
-std::shared_ptr<Scene> three_parts() {
+/// A floor and two spheres, each below a node of its own; `textured`: the right sphere.
+std::shared_ptr<Scene> three_parts(bool textured = false) {
   auto scene = std::make_shared<Scene>();
   for (const glm::vec3& albedo : {glm::vec3(0.5f), glm::vec3(0.7f, 0.2f, 0.1f), glm::vec3(0.1f, 0.3f, 0.7f)}) {
     Material material = test::matte(albedo);
@@ -22,11 +22,20 @@ std::shared_ptr<Scene> three_parts() {
     material.roughness = 0.4f;
     scene->materials.push_back(material);
   }
+  if (textured) {
+    scene->images.push_back(test::checkerboard());
+    scene->materials[2].base_color_texture.image = 0;
+  }
   test::add(scene.get(), test::make_grid({-3, -1, 3}, {6, 0, 0}, {0, 0, -6}, 4, 0), "floor");
   const Scene sphere = load_scene("builtin:sphere");
   for (int k = 0; k < 2; ++k) {
     Primitive ball = sphere.meshes[0].primitives[0];
     ball.material = 1 + k;
+    if (textured) {
+      ball.uvs[0].clear();
+      if (k == 1)
+        for (const glm::vec3& at : ball.positions) ball.uvs[0].push_back({at.x, at.y});
+    }
     for (glm::vec3& p : ball.positions) p = 0.8f * p + glm::vec3(k == 0 ? -1.0f : 1.0f, 0.0f, 0.0f);
     test::add(scene.get(), std::move(ball), k == 0 ? "left" : "right");
   }
@@ -45,12 +54,12 @@ FrameRequest request_for(const std::string& mode, int msaa) {
   return r;
 }
 
-/// [pixel]: 0 and up: material; -1 within three pixels of a border between modes (or of the sky).
-std::vector<int> inner_materials(const Image& points, int side) {
-  const int w = points.width / side, h = points.height / side, reach = 3 * side;
+/// [pixel]: 0 and up: material; -1 within `border` pixels of a border between modes (or of the sky).
+std::vector<int> inner_materials(const Image& points, int side, int border = 3) {
+  const int w = points.width / side, h = points.height / side, reach = border * side;
   std::vector<int> inner(static_cast<std::size_t>(w * h), -1);
-  for (int y = 3; y < h - 3; ++y)
-    for (int x = 3; x < w - 3; ++x) {
+  for (int y = border; y < h - border; ++y)
+    for (int x = border; x < w - border; ++x) {
       const int cx = x * side, cy = y * side;
       const float material = points.at(cx, cy, 0);
       bool same = true;
@@ -115,6 +124,33 @@ TEST_P(PartsInAFrame, EqualTheFullFramesOfTheirModes) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
+/// The prediction of a part, texture bandwidth included, is that of the full frame, away from borders by more than the
+/// window of the screen curvature; other parts need no texture bandwidth.
+TEST_P(PartsInAFrame, PredictTexturesLikeTheFullFrame) {
+  Renderer mixed, full;
+  for (Renderer* renderer : {&mixed, &full}) {
+    prepare(renderer);
+    renderer->set_scene(three_parts(true));
+  }
+  FrameRequest request = request_for("bandwidth", GetParam());
+  full.render(request);
+  request.mode = "uniform";
+  request.part_modes = {{"right", "bandwidth"}};
+  mixed.render(request);
+  const Image predicted = mixed.read_debug_view("bandwidth"), expected = full.read_debug_view("bandwidth");
+  const int side = predicted.width / request.width;
+  const std::vector<int> inner = inner_materials(mixed.read_debug_view("material"), side, 6);
+  int count = 0;
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    if (inner[i] != 2) continue;
+    ++count;
+    const int x = static_cast<int>(i) % request.width * side, y = static_cast<int>(i) / request.width * side;
+    ASSERT_EQ(predicted.at(x, y, 0), expected.at(x, y, 0)) << x << ", " << y;
+  }
+  EXPECT_GT(count, 80);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
 /// Pictures that accumulate converge to those of the full frames.
 TEST_P(PartsInAFrame, AccumulateLikeTheFullFrames) {
   const int msaa = GetParam(), side = msaa == 4 ? 2 : 1;
@@ -138,6 +174,15 @@ TEST_P(PartsInAFrame, AccumulateLikeTheFullFrames) {
     difference[inner[i]] +=
         std::abs(static_cast<double>(picture.data[4 * i]) - static_cast<double>(expected.data[4 * i]));
     mean[inner[i]] += static_cast<double>(expected.data[4 * i]);
+  }
+  Renderer looked_up;
+  prepare(&looked_up);
+  looked_up.render(request_for("sg", msaa));
+  const Image floor = looked_up.read_radiance();
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    if (inner[i] == 0) {
+      ASSERT_NEAR(picture.data[4 * i], floor.data[4 * i], 2e-6f * floor.data[4 * i]) << "sg, the mean of equal frames";
+    }
   }
   EXPECT_LT(difference[1] / mean[1], 0.01) << "uniform";
   EXPECT_LT(difference[2] / mean[2], 0.02) << "bandwidth";
@@ -218,6 +263,24 @@ TEST(Parts, TheNearestAncestorCounts) {
   } catch (const UsageError& error) {
     EXPECT_NE(std::string(error.what()).find("did you mean seat?"), std::string::npos) << error.what();
   }
+}
+
+TEST(Parts, APathNamesNodesWithoutANameToo) {
+  Scene scene = nested_nodes();
+  scene.nodes[0].name.clear();
+  scene.nodes[2].name.clear();
+  EXPECT_EQ(node_path(scene, 2), "/seat/");
+  EXPECT_EQ(find_nodes(scene, "/seat/"), std::vector<int>{2});
+  EXPECT_EQ(find_nodes(scene, "/door"), std::vector<int>{3});
+  EXPECT_EQ(layers_of_nodes(scene, {{"", "b", 2}}, {"a", "b"}), (std::vector<int>{0, 0, 1, 0, 0})) << "by its index";
+}
+
+TEST(Parts, TheLastModeOfANodeCounts) {
+  const ViewInfo view{.part_modes = {{"seat", "sg"}, {"cover", "splitsum"}, {"seat", "splitsum"}, {"door", "uniform"}}};
+  const FramePlan made = plan({}, "uniform", {}, view);
+  ASSERT_EQ(made.layers.size(), 2u) << "nothing is left for sg";
+  EXPECT_EQ(made.layers[0].nodes, std::vector<std::string>{"door"}) << "back to the default";
+  EXPECT_EQ(made.layers[1].nodes, (std::vector<std::string>{"cover", "seat"}));
 }
 
 TEST(Parts, ModesThatDrawWholePicturesAreRefused) {

@@ -250,13 +250,7 @@ TEST_F(Repaint, NothingIsKeptWithAnyOtherChange) {
 
 TEST_F(Repaint, TexturesOfTheOldMaterialDisappear) {
   auto scene = box_of_three_materials();
-  TextureImage checks;
-  checks.width = checks.height = 8;
-  for (int i = 0; i < 64; ++i) {
-    const std::uint8_t v = (i + i / 8) % 2 ? 255 : 20;
-    checks.rgba.insert(checks.rgba.end(), {v, 90, static_cast<std::uint8_t>(255 - v), 255});
-  }
-  scene->images.push_back(checks);
+  scene->images.push_back(test::checkerboard());
   scene->materials[1].base_color_texture.image = 0;
   for (Primitive* p : {&scene->meshes[1].primitives[0]})
     for (const glm::vec3& at : p->positions) p->uvs[0].push_back({at.x, at.y});

@@ -21,9 +21,9 @@
 namespace maquette {
 namespace {
 
-class Turning : public ::testing::Test {
+class Rotating : public ::testing::Test {
  protected:
-  Turning() { show("builtin:leather-black"); }
+  Rotating() { show("builtin:leather-black"); }
 
   void show(const std::string& material) {
     scene_ = std::make_shared<Scene>(load_scene("builtin:sphere"));
@@ -99,7 +99,7 @@ class Turning : public ::testing::Test {
   Renderer renderer_;
 };
 
-TEST_F(Turning, FewerSamplesGiveNoLargerError) {
+TEST_F(Rotating, FewerSamplesGiveNoLargerError) {
   for (const char* material : {"builtin:leather-black", "builtin:paint-red-metallic", "builtin:metal-chrome"}) {
     show(material);
     const FrameRequest r = request();
@@ -124,7 +124,7 @@ TEST_F(Turning, FewerSamplesGiveNoLargerError) {
   }
 }
 
-TEST_F(Turning, RotationLeavesNoBias) {
+TEST_F(Rotating, RotationLeavesNoBias) {
   // Steps so long that a plain mean of the last frames would show the light of earlier rotations.
   const FrameRequest r = request();
   const Image truth = converged(r, 77);
@@ -142,7 +142,7 @@ TEST_F(Turning, RotationLeavesNoBias) {
   EXPECT_LT(left, std::hypot(left_fresh, 1.5 * rotated.single / std::sqrt(kSeeds))) << left_fresh;
 }
 
-TEST_F(Turning, TheSeparateSunIsTheSameLight) {
+TEST_F(Rotating, TheSeparateSunIsTheSameLight) {
   // The sun is sampled separately at every point while the environment rotates: for broad lobes, for one as narrow as
   // the sun, and for a mirror that finds it by its own samples.
   const auto two_suns = [](float sky) {
@@ -183,7 +183,7 @@ TEST_F(Turning, TheSeparateSunIsTheSameLight) {
   }
 }
 
-TEST_F(Turning, ALightThatJumpsLeavesNoGhost) {
+TEST_F(Rotating, ALightThatJumpsLeavesNoGhost) {
   FrameRequest r = request();
   rotate(r, 20);
   r.env_rotation_rad = 0.3f;
@@ -217,7 +217,7 @@ TEST_F(Turning, ALightThatJumpsLeavesNoGhost) {
   }
 }
 
-TEST_F(Turning, TheFirstFrameAfterRestNeedsNoMoreSamplesThanOthers) {
+TEST_F(Rotating, TheFirstFrameAfterRestNeedsNoMoreSamplesThanOthers) {
   FrameRequest r = request();
   for (int f = 0; f < 4; ++f) renderer_.render(r, true);
   r.env_rotation_rad = 0.035f;
@@ -235,7 +235,7 @@ TEST_F(Turning, TheFirstFrameAfterRestNeedsNoMoreSamplesThanOthers) {
             0.6 * static_cast<double>(renderer_.render(without_reuse).shading_samples));
 }
 
-TEST_F(Turning, ASlowFrameIsNotFollowedByAnother) {
+TEST_F(Rotating, ASlowFrameIsNotFollowedByAnother) {
   // Steps of all sizes cost about the same: otherwise a rotation of constant speed would take larger steps after each
   // slow frame.
   show("builtin:paint-red-metallic");
@@ -274,7 +274,7 @@ TEST(TurningBudget, PointsWithoutHistoryShareIt) {
   EXPECT_EQ(budgeted_scale(0.5f, {}, 32, 8), 1.0f);  // nothing visible
 }
 
-TEST_F(Turning, EveryOtherChangeStartsAgain) {
+TEST_F(Rotating, EveryOtherChangeStartsAgain) {
   const auto starts_again = [&](const FrameRequest& r, const char* what) {
     EXPECT_LT(continued(renderer_.render(r)), 0.0) << what;
     const Image picture = renderer_.read_radiance();
@@ -320,7 +320,7 @@ TEST_F(Turning, EveryOtherChangeStartsAgain) {
   starts_again(r, "switched off");
 }
 
-TEST_F(Turning, TheSameRotationIsTheSamePicture) {
+TEST_F(Rotating, TheSameRotationIsTheSamePicture) {
   const FrameRequest r = request();
   rotate(r, 12);
   const Image first = renderer_.read_radiance();
@@ -353,7 +353,7 @@ TEST(TileOrder, DependsOnlyOnTheTiles) {
   EXPECT_NEAR(static_cast<double>(low), 25.0, 8.0);
 }
 
-TEST_F(Turning, ABrightMirrorImageIsSampledAgain) {
+TEST_F(Rotating, ABrightMirrorImageIsSampledAgain) {
   // A mirrored sun is found by chance, and then gets a second round of samples. The error is no larger than in a frame
   // without reuse, which is as good since the sun gets all samples of the denser strategy.
   show("builtin:plastic-piano-black");

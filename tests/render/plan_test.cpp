@@ -118,7 +118,7 @@ TEST(Facts, CountWhatIsUsedAndVisible) {
   scene.meshes[0].primitives[0].variant_materials[1] = 3;
   const SceneFacts facts = compute_facts(scene, -1);
   EXPECT_EQ(facts.triangle_count, 12u);
-  EXPECT_EQ(facts.material_count, 2);
+  EXPECT_EQ(facts.measured_count + facts.analytic_count, 2);
   EXPECT_EQ(facts.measured_count, 1);
   EXPECT_EQ(facts.analytic_count, 1);
   EXPECT_TRUE(facts.has_textures);

@@ -11,6 +11,17 @@
 /// Small scenes for many tests.
 namespace maquette::test {
 
+/// 8 x 8 texels of two colours in turn.
+inline TextureImage checkerboard() {
+  TextureImage checks;
+  checks.width = checks.height = 8;
+  for (int i = 0; i < 64; ++i) {
+    const std::uint8_t v = (i + i / 8) % 2 ? 255 : 20;
+    checks.rgba.insert(checks.rgba.end(), {v, 90, static_cast<std::uint8_t>(255 - v), 255});
+  }
+  return checks;
+}
+
 /// `side` x `side` quads from `corner`; normal along cross(u, v).
 inline Primitive make_grid(const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v, int side, int material) {
   Primitive p;

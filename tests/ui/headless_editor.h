@@ -33,8 +33,8 @@ class HeadlessEditor {
       ImGui::Render();
     }
   }
-  /// Presses and releases the left button at the middle of an item; `actions` are those of the release.
-  bool click(const std::string& item) {
+  /// Presses and releases a button (0: left, 1: right) at the middle of an item; `actions` are those of the release.
+  bool click(const std::string& item, int button = 0) {
     step(2);
     const auto found = frame.items.find(item);
     if (found == frame.items.end()) return false;
@@ -42,9 +42,9 @@ class HeadlessEditor {
     const Rect& r = found->second;
     io.MousePos = {r.x + 0.5f * r.width, r.y + 0.5f * r.height};
     step();
-    io.MouseDown[0] = true;
+    io.MouseDown[button] = true;
     step();
-    io.MouseDown[0] = false;
+    io.MouseDown[button] = false;
     step();
     const EditorActions done = actions;
     io.MousePos = {-1.0f, -1.0f};

@@ -99,6 +99,24 @@ TEST(Panels, ControlsStayInsideTheirSide) {
   }
 }
 
+TEST(Panels, PartsTakeAModeInTheSceneTree) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.state.left_tab = 1;
+  editor.step(3);
+  ASSERT_TRUE(editor.click("node/door_left", 1));
+  EXPECT_EQ(editor.frame.items.count("part mode/reference"), 0u) << "it draws whole pictures";
+  ASSERT_TRUE(editor.click("part mode/splitsum"));
+  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{1, "splitsum"}}));
+  ASSERT_TRUE(editor.click("node/car", 1));
+  ASSERT_TRUE(editor.click("part mode/sg"));
+  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{0, "sg"}, {1, "splitsum"}}));
+  ASSERT_TRUE(editor.click("node/door_left", 1));
+  ASSERT_TRUE(editor.click("part mode/as above"));
+  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{0, "sg"}}));
+}
+
 TEST(Panels, KnowNoTechniqueByItsName) {
   const Scene scene = small_scene();
   const FrameStats stats = busy_stats();
@@ -119,6 +137,10 @@ TEST(Panels, KnowNoTechniqueByItsName) {
         editor.step(3);
         for (const auto& [name, rect] : editor.frame.items) seen.push_back(name + " " + std::to_string(rect.y));
       }
+      editor.state.left_tab = 1;
+      EXPECT_TRUE(editor.click("node/car", 1));
+      for (const Technique& t : registry.techniques)
+        seen.push_back(std::to_string(editor.frame.items.count("part mode/" + t.name)));
       return seen;
     };
     EXPECT_EQ(items(builtin_registry(), ""), items(renamed, "renamed-")) << technique.name;

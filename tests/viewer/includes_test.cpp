@@ -73,6 +73,7 @@ TEST(Includes, ScenesKnowNoOpenGl) {
 /// Passes of a frame know only their own resources and what they are handed.
 TEST(Includes, NoPassKnowsAnotherNorTheRenderer) {
   const std::vector<std::string> passes = {"render/gbuffer/raster",
+                                           "render/gbuffer/surfaces",
                                            "render/bandwidth/prediction",
                                            "render/bandwidth/upsampling",
                                            "render/bandwidth/accumulation",
@@ -121,7 +122,7 @@ TEST(Names, OfTechniquesStandInTheirFoldersOnly) {
           // A key of --stats, which is a contract, and a column of a bake are no techniques.
           const bool is_key = line.find("json[\"" + name + "\"]") != std::string::npos ||
                               line.find("bytes)[\"" + name + "\"]") != std::string::npos ||
-                              line.find(".integers") != std::string::npos;
+                              (path == "render/octree/octree_file.cpp" && line.find(".integers") != std::string::npos);
           EXPECT_TRUE(is_key) << path << ":" << number << ": " << line;
         }
       }

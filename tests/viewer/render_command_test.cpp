@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scenes/image_io.h"
+#include "scenes/scene.h"
 #include "test_paths.h"
 #include "tests/viewer/run_program.h"
 #include "viewer/stats.h"
@@ -99,6 +100,35 @@ TEST(Render, PassesAndResourcesAreInTheVocabulary) {
     for (const auto& [name, bytes] : stats["memory"]["gpu_bytes"].items())
       EXPECT_NE(vocabulary.find("| `" + name + "` |"), std::string::npos) << name;
   }
+}
+
+TEST(Render, KeysOfStatsAreInTheVocabulary) {
+  const std::string vocabulary = read_text(MAQUETTE_SOURCE_DIR "/docs/vocabulary.md");
+  const TemporaryFolder folder;
+  const Json stats = run_with_stats(folder, {"--mode", "uniform"});
+  for (const auto& [key, value] : stats.items()) EXPECT_NE(vocabulary.find("`" + key), std::string::npos) << key;
+  EXPECT_EQ(stats["status"]["frames_before"], 0);
+  EXPECT_FALSE(stats["status"]["bakes"].contains("octree")) << "nothing wants it";
+}
+
+TEST(Render, StatsSayWhichModeShadesWhichPart) {
+  const TemporaryFolder folder;
+  const std::string node = build_builtin_scene("sphere").nodes[0].name;
+  const auto modes = [&](const std::vector<std::string>& parts) {
+    std::vector<std::string> arguments{"--mode", "splitsum"};
+    for (const std::string& mode : parts) {
+      arguments.push_back("--mode-of");
+      arguments.push_back(node + "=" + mode);
+    }
+    return run_with_stats(folder, arguments);
+  };
+  const Json mixed = modes({"uniform"});
+  EXPECT_EQ(mixed["modes"], Json({{"*", "splitsum"}, {node, "uniform"}}));
+  EXPECT_TRUE(mixed["timing_ms"]["passes"].contains("shade (uniform)"));
+  for (const Json& left_out : mixed["left_out"]) EXPECT_NE(left_out["what"], "sampling") << "uniform samples";
+  const Json back = modes({"uniform", "sg", "splitsum"});
+  EXPECT_EQ(back["modes"], Json({{"*", "splitsum"}, {node, "splitsum"}})) << "the last one counts";
+  EXPECT_TRUE(back["timing_ms"]["passes"].contains("shade")) << "one layer is left";
 }
 
 TEST(Render, OutputsReplaceNothingThatIsReadOrWrittenBeside) {

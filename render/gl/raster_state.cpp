@@ -1,0 +1,20 @@
+#include "render/gl/raster_state.h"
+
+namespace maquette {
+
+void begin_triangles(GLuint framebuffer, int width, int height) {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width, height);
+  const GLuint none[4] = {0, 0, 0, 0};
+  const float far_depth = 0.0f;
+  glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
+  glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_GREATER);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
+  glCullFace(GL_BACK);
+}
+
+}  // namespace maquette

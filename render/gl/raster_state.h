@@ -1,0 +1,11 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+namespace maquette {
+
+/// Begins to draw triangle numbers (0: none) and depth into a cleared framebuffer of this size. Depth is reversed: 0 is
+/// far. The caller sets GL_CULL_FACE for each item.
+void begin_triangles(GLuint framebuffer, int width, int height);
+
+}  // namespace maquette

@@ -222,7 +222,7 @@ void add_surface_passes(const Planning& p) {
   for (std::size_t k = 0; k < p.plan->layers.size(); ++k) {
     const ShadingPlan& shading = p.plan->layers[k];
     p.add({"gbuffer",
-           "normals, texture coordinates and curvature of what is visible" +
+           "normals and materials, textures applied, of what is visible" +
                (parts ? ", of the parts that mode " + shading.mode + " shades" : std::string()),
            {"triangles"},
            {"surfaces"},

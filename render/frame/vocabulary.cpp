@@ -15,7 +15,7 @@ std::vector<Word> pass_words() {
       {Kind::pass, "build_octree", "preparation: the same for the octree"},
       {Kind::pass, "bake_cells", "preparation: the same for the BRDFs of its cells"},
       {Kind::pass, "raster", "draws triangle numbers and depth; skipped while camera and surfaces stay"},
-      {Kind::pass, "gbuffer", "normals, texture coordinates and material of the visible points; skipped with `raster`"},
+      {Kind::pass, "gbuffer", "normals and materials, textures applied, of the visible points; skipped with `raster`"},
       {Kind::pass, "mark", "lists the points that are shaded, with their sample counts"},
       {Kind::pass, "shade", "the shading samples or lookups themselves"},
       {Kind::pass, "indirect",
@@ -31,7 +31,7 @@ std::vector<Word> pass_words() {
        "the scene projected into the patches or triangles of the reflectors, and the nearest that each pixel's ray "
        "meets; "
        "flat ones by the mirrored eye"},
-      {Kind::pass, "reflected gbuffer", "normal, texture coordinates and material of what the mirrored rays hit"},
+      {Kind::pass, "reflected gbuffer", "normal and material, textures applied, of what the mirrored rays hit"},
       {Kind::pass, "reflected shade", "the hits shaded, by the mode of the part that is hit"},
       {Kind::pass, "glass", "panes and blended surfaces; skipped while panes are kept with the G-buffer"},
       {Kind::pass, "filter", "the mean over the samples of a pixel, and with the frames before"},

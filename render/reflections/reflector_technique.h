@@ -59,7 +59,7 @@ class ReflectorTechnique {
   virtual ~ReflectorTechnique() = default;
   /// Writes `targets->triangle` for every pixel; a technique whose hits are no triangles writes `surface` and `depth`
   /// too, and says so by resolves(): the triangle is then one near by, for what is baked per vertex.
-  /// Ends its planned passes on `frame.timer`. Where resolves() is true, its plan ends with add_resolve_pass().
+  /// Ends its planned passes on `frame.timer`. Where resolves() is false, its plan ends with add_resolve_pass().
   virtual void trace(const ReflectionFrame& frame) = 0;
   virtual bool resolves() const { return false; }
   /// Whether it writes `targets->low_confidence`: its confidence is low at some pixels.

@@ -59,7 +59,7 @@ Technique reflections_technique() {
 
 void add_resolve_pass(FramePlan* plan) {
   plan->passes.push_back({"reflected gbuffer",
-                          "normal, texture coordinates and material of what the mirrored rays hit",
+                          "normal and material, textures applied, of what the mirrored rays hit",
                           {"hits"},
                           {"hits"}});
 }

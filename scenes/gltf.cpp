@@ -1,6 +1,9 @@
-#include <algorithm>
+#include <filesystem>
+#include <map>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -9,29 +12,25 @@
 namespace maquette::gltf {
 namespace {
 
-/// The part of the file that tinygltf parses: the structure. We read buffers and images ourselves (in place, in
-/// parallel), and extensions and extras stay JSON. tinygltf requires a buffer view for indices, which Draco primitives
-/// need not have.
+/// The part of the file that tinygltf parses: members that have been checked. We read buffers, images, materials,
+/// meshes and cameras ourselves (in place, in parallel), and extensions and extras stay JSON.
 Json core_of(const Json& root) {
-  Json core = Json::object();
-  for (const char* key :
-       {"asset", "bufferViews", "accessors", "meshes", "nodes", "scenes", "scene", "textures", "samplers", "cameras"}) {
-    const auto found = root.find(key);
+  static const std::map<std::string, std::vector<const char*>> kMembers = {
+      {"bufferViews", {"buffer", "byteOffset", "byteLength", "byteStride"}},
+      {"accessors", {"bufferView", "byteOffset", "componentType", "count", "type", "normalized", "sparse"}},
+      {"nodes", {"name", "mesh", "children", "matrix", "translation", "rotation", "scale"}},
+      {"scenes", {"nodes"}},
+      {"textures", {}}};
+  Json core = {{"asset", {{"version", "2.0"}}}};
+  if (root.contains("scene")) core["scene"] = root["scene"];
+  for (const auto& [array, members] : kMembers) {
+    const auto found = root.find(array);
     if (found == root.end()) continue;
-    core[key] = *found;
-    if (!core[key].is_array()) continue;
-    for (Json& item : core[key]) {
-      item.erase("extensions");
-      item.erase("extras");
-    }
-  }
-  if (!core.contains("meshes")) return core;
-  for (Json& mesh : core["meshes"]) {
-    for (Json& primitive : mesh["primitives"]) {
-      primitive.erase("extensions");
-      primitive.erase("extras");
-      primitive.erase("indices");
-      primitive.erase("targets");
+    core[array] = Json::array();
+    for (const Json& item : *found) {
+      Json& out = core[array].emplace_back(Json::object());
+      for (const char* member : members)
+        if (item.contains(member)) out[member] = item[member];
     }
   }
   return core;
@@ -48,36 +47,42 @@ void parse_core(Document* document) {
   } catch (const std::exception& e) {
     error = e.what();
   }
-  std::replace(error.begin(), error.end(), '\n', ' ');
   if (!parsed) throw Error(document->path, "cannot be read: " + error, "export it again");
 }
 
-void open_buffers(Document* document, Bytes binary, bool is_binary) {
+/// Bytes of a buffer: in the file itself, in its URI or beside the file. Without either it stays empty: extensions may
+/// have use for it.
+Bytes open_buffer(Document* document, std::size_t index, const Json& buffer, const Container& container) {
+  const std::string where = at(document->path, element("buffers", index));
+  std::vector<std::byte>& owned = document->owned_buffers[index];
+  const auto found = buffer.find("uri");
+  if (found == buffer.end()) return index == 0 && container.is_binary ? container.binary : Bytes();
+  const auto& uri = found->get_ref<const std::string&>();
+  if (is_data_uri(uri)) {
+    owned = decode_data_uri(where, uri);
+    return owned;
+  }
+  try {
+    owned = read_file(resolve_uri(document->path, uri));
+  } catch (const Error& e) {
+    throw Error(where, e.what(), "put the file beside the glTF");
+  }
+  return owned;
+}
+
+void open_buffers(Document* document, const Container& container) {
   const auto found = document->root.find("buffers");
   if (found == document->root.end()) return;
   document->owned_buffers.resize(found->size());
   document->buffers.resize(found->size());
   for (std::size_t i = 0; i < found->size(); ++i) {
     const Json& buffer = (*found)[i];
-    const std::string where = at(document->path, element("buffers", i));
+    const Bytes bytes = open_buffer(document, i, buffer, container);
+    if (bytes.data() == nullptr && !buffer.contains("uri")) continue;
     const auto size = buffer["byteLength"].get<std::size_t>();
-    Bytes bytes;
-    if (!buffer.contains("uri")) {
-      if (i != 0 || !is_binary) throw Error(where, "has no uri", "the file is damaged; export it again");
-      bytes = binary;
-    } else {
-      const auto& uri = buffer["uri"].get_ref<const std::string&>();
-      try {
-        document->owned_buffers[i] =
-            uri.starts_with("data:") ? decode_data_uri(where, uri) : read_file(resolve_uri(document->path, uri));
-      } catch (const Error& e) {
-        if (uri.starts_with("data:")) throw;
-        throw Error(where, e.what(), "put the file beside the glTF");
-      }
-      bytes = document->owned_buffers[i];
-    }
     if (bytes.size() < size)
-      throw Error(where, "has " + std::to_string(bytes.size()) + " bytes, byteLength promises " + std::to_string(size),
+      throw Error(at(document->path, element("buffers", i)),
+                  "has " + std::to_string(bytes.size()) + " bytes, byteLength promises " + std::to_string(size),
                   "the file is truncated; copy or export it again");
     document->buffers[i] = bytes.first(size);
   }
@@ -106,7 +111,7 @@ Document open_document(const std::string& path) {
   const Container container = split_container(path, document.file, &document.warnings);
   document.root = parse_checked(path, container.json);
   check_extensions(path, document.root, &document.warnings);
-  open_buffers(&document, container.binary, container.is_binary);
+  open_buffers(&document, container);
   parse_core(&document);
   warn_of_the_rest(&document);
   return document;
@@ -129,7 +134,8 @@ Scene import_file(const std::string& path) {
   gltf::import_nodes(&document, &scene);
   if (count_triangles(scene) == 0 && scene.patches.empty())
     document.warnings.add("there is nothing to see: the default scene has no triangles");
-  scene.warnings = document.warnings.lines();
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  for (const std::string& line : document.warnings.lines()) scene.warnings.push_back(gltf::plain_line(line, folder));
   return scene;
 }
 
@@ -139,6 +145,8 @@ Scene load_gltf(const std::string& path) {
   const Error too_large(path, "needs more memory than there is", "load a smaller model");
   try {
     return import_file(path);
+  } catch (const Error& e) {
+    throw Error({}, gltf::plain_line(e.what(), path));
   } catch (const std::bad_alloc&) {
     throw too_large;
   } catch (const std::length_error&) {

@@ -194,7 +194,10 @@ void apply_sparse(const Document& document, std::size_t index, const Strided& de
 
 Bytes view_bytes(const Document& document, std::size_t view) {
   const tinygltf::BufferView& bounds = document.model.bufferViews[view];
-  const Bytes buffer = document.buffers[static_cast<std::size_t>(bounds.buffer)];
+  const auto index = static_cast<std::size_t>(bounds.buffer);
+  const Bytes buffer = document.buffers[index];
+  if (buffer.data() == nullptr && bounds.byteLength > 0)
+    throw Error(at(document.path, element("buffers", index)), "has no uri", kRemedy);
   if (bounds.byteOffset > buffer.size() || bounds.byteLength > buffer.size() - bounds.byteOffset)
     throw Error(at(document.path, element("bufferViews", view)),
                 "bytes " + std::to_string(bounds.byteOffset) + " to " +

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -15,6 +17,8 @@ namespace {
 constexpr int kMaxNesting = 200;
 /// Largest integer that a double represents exactly: larger counts and offsets are invalid.
 constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
+/// Codes and identifiers are kept as int by tinygltf, as 32 bits by Draco.
+constexpr std::uint64_t kMaxCode = std::numeric_limits<std::int32_t>::max();
 
 constexpr std::array<std::string_view, 13> kReadExtensions = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization",           "KHR_texture_transform",  "KHR_lights_punctual",
@@ -23,7 +27,7 @@ constexpr std::array<std::string_view, 13> kReadExtensions = {
     "KHR_materials_volume",
 };
 
-enum class Kind { index, natural, stride, number, text, boolean, object, array };
+enum class Kind { index, natural, code, stride, text, boolean, object, array };
 
 /// One member of the file. In `path`, `[]` steps into every element of an array and `{}` into every value of an object.
 struct Rule {
@@ -49,7 +53,7 @@ constexpr Rule kRules[] = {
     {"bufferViews[].byteStride", Kind::stride},
     {"accessors[].bufferView", Kind::index, false, "bufferViews"},
     {"accessors[].byteOffset", Kind::natural},
-    {"accessors[].componentType", Kind::natural, true},
+    {"accessors[].componentType", Kind::code, true},
     {"accessors[].count", Kind::natural, true},
     {"accessors[].type", Kind::text, true},
     {"accessors[].normalized", Kind::boolean},
@@ -58,16 +62,16 @@ constexpr Rule kRules[] = {
     {"accessors[].sparse.indices", Kind::object, true},
     {"accessors[].sparse.indices.bufferView", Kind::index, true, "bufferViews"},
     {"accessors[].sparse.indices.byteOffset", Kind::natural},
-    {"accessors[].sparse.indices.componentType", Kind::natural, true},
+    {"accessors[].sparse.indices.componentType", Kind::code, true},
     {"accessors[].sparse.values", Kind::object, true},
     {"accessors[].sparse.values.bufferView", Kind::index, true, "bufferViews"},
     {"accessors[].sparse.values.byteOffset", Kind::natural},
     {"images[].name", Kind::text},
     {"images[].uri", Kind::text},
     {"images[].bufferView", Kind::index, false, "bufferViews"},
-    {"samplers[].magFilter", Kind::natural},
-    {"samplers[].wrapS", Kind::natural},
-    {"samplers[].wrapT", Kind::natural},
+    {"samplers[].magFilter", Kind::code},
+    {"samplers[].wrapS", Kind::code},
+    {"samplers[].wrapT", Kind::code},
     {"textures[].source", Kind::index, false, "images"},
     {"textures[].sampler", Kind::index, false, "samplers"},
     {"materials[].name", Kind::text},
@@ -78,36 +82,26 @@ constexpr Rule kRules[] = {
     {"meshes[].primitives[].attributes{}", Kind::index, true, "accessors"},
     {"meshes[].primitives[].indices", Kind::index, false, "accessors"},
     {"meshes[].primitives[].material", Kind::index, false, "materials"},
-    {"meshes[].primitives[].mode", Kind::natural},
+    {"meshes[].primitives[].mode", Kind::code},
     {"meshes[].primitives[].targets", Kind::array},
     {"meshes[].primitives[].extensions", Kind::object},
     {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", Kind::index, true, "bufferViews"},
     {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes", Kind::object, true},
-    {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes{}", Kind::natural, true},
+    {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes{}", Kind::code, true},
     {"meshes[].primitives[].extensions.KHR_materials_variants.mappings", Kind::array, true},
     {"meshes[].primitives[].extensions.KHR_materials_variants.mappings[].material", Kind::index, true, "materials"},
     {"meshes[].primitives[].extensions.KHR_materials_variants.mappings[].variants[]", Kind::natural, true},
     {"nodes[].name", Kind::text},
     {"nodes[].mesh", Kind::index, false, "meshes"},
-    {"nodes[].camera", Kind::index, false, "cameras"},
     {"nodes[].children[]", Kind::index, true, "nodes"},
     {"nodes[].matrix", Kind::array, false, nullptr, 16},
     {"nodes[].translation", Kind::array, false, nullptr, 3},
     {"nodes[].rotation", Kind::array, false, nullptr, 4},
     {"nodes[].scale", Kind::array, false, nullptr, 3},
-    {"nodes[].extensions.KHR_lights_punctual.light", Kind::natural, true},
     {"scenes[].nodes[]", Kind::index, true, "nodes"},
     {"scene", Kind::index, false, "scenes"},
-    {"cameras[].type", Kind::text, true},
-    {"cameras[].name", Kind::text},
-    {"cameras[].perspective", Kind::object},
-    {"cameras[].perspective.yfov", Kind::number, true},
-    {"cameras[].perspective.znear", Kind::number, true},
-    {"cameras[].perspective.zfar", Kind::number},
     {"extensions.KHR_materials_variants.variants", Kind::array, true},
     {"extensions.KHR_materials_variants.variants[].name", Kind::text, true},
-    {"extensions.KHR_lights_punctual.lights", Kind::array, true},
-    {"extensions.KHR_lights_punctual.lights[].type", Kind::text, true},
 };
 
 constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
@@ -188,11 +182,12 @@ class Checker {
         if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMaxInteger)
           fail("expected a whole number, found " + brief(value));
         break;
+      case Kind::code:
+        if (!value.is_number_unsigned() || value.get<std::uint64_t>() > kMaxCode)
+          fail("expected a whole number, found " + brief(value));
+        break;
       case Kind::stride:
         check_stride(value);
-        break;
-      case Kind::number:
-        if (!value.is_number()) fail("expected a number, found " + brief(value));
         break;
       case Kind::text:
         if (!value.is_string()) fail("expected text, found " + brief(value));
@@ -232,15 +227,41 @@ class Checker {
   static std::string brief(const Json& value) {
     if (value.is_array()) return "an array of " + std::to_string(value.size());
     if (value.is_object()) return "an object";
-    std::string text = value.dump();
-    if (text.size() > 40) text = text.substr(0, 40) + "...";
-    return text;
+    if (value.is_string()) return name_text(value.get_ref<const std::string&>());
+    return value.dump();
   }
 
   const std::string& path_;
   const Json& root_;
   std::vector<Step> trail_;
 };
+
+/// Gives integers the type of integers however they are spelled: JSON has numbers only, so that 1.0, 1e0 and -0 are 1
+/// and 0. Other numbers stay.
+void canonicalise(Json* value) {
+  if (value->is_structured()) {
+    for (Json& item : *value) canonicalise(&item);
+  } else if (value->is_number_float()) {
+    const auto number = value->get<double>();
+    if (number != std::floor(number) || std::abs(number) > static_cast<double>(kMaxInteger)) return;
+    *value = static_cast<std::int64_t>(number);
+    canonicalise(value);
+  } else if (value->is_number_integer() && !value->is_number_unsigned() && value->get<std::int64_t>() >= 0) {
+    *value = static_cast<std::uint64_t>(value->get<std::int64_t>());
+  }
+}
+
+/// RFC 3986 3.1: schemes are written in lower case and read in any.
+void canonicalise_schemes(Json* root) {
+  for (const char* array : {"buffers", "images"}) {
+    if (!root->is_object() || !root->contains(array) || !(*root)[array].is_array()) continue;
+    for (Json& item : (*root)[array]) {
+      if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
+      auto& uri = item["uri"].get_ref<std::string&>();
+      if (is_data_uri(uri)) uri.replace(0, 5, "data:");
+    }
+  }
+}
 
 void check_nesting(const std::string& path, std::string_view text) {
   int depth = 0;
@@ -289,11 +310,14 @@ Json parse_checked(const std::string& path, std::string_view text) {
   try {
     root = Json::parse(text);
   } catch (const Json::exception& e) {
-    const std::string message = e.what();
+    std::string message = e.what();
+    message.resize(std::min(message.find("; last read"), message.size()));  // what was read may be a payload
     const std::size_t colon = message.find("] ");
     throw Error(path, "is not valid JSON: " + (colon == std::string::npos ? message : message.substr(colon + 2)),
                 "the file is damaged or not glTF");
   }
+  canonicalise(&root);
+  canonicalise_schemes(&root);
   Checker(path, root).run();
   const std::string version = root["asset"]["version"].get<std::string>();
   const std::string required = root["asset"].value("minVersion", version);

@@ -47,6 +47,17 @@ void import_images(Document* document, Scene* scene);
 void import_materials(Document* document, Scene* scene);
 /// Fills meshes, decoding primitives in parallel.
 void import_meshes(Document* document, Scene* scene);
+/// Index in the scene of each camera and lamp of the file, -1 for what is left out.
+struct Fixtures {
+  std::vector<int> cameras, lights;
+};
+/// Fills cameras and lights. What is wrong with one is repaired or it is left out, with one warning of it.
+Fixtures import_fixtures(Document* document, Scene* scene);
+/// Index in the scene of a node's camera or lamp; one that is not there is left out with a warning.
+int camera_of_node(Document* document, const Fixtures& fixtures, std::size_t node);
+int light_of_node(Document* document, const Fixtures& fixtures, std::size_t node);
+/// Gives every node a camera of its own with a name; leaves out cameras in spaces without volume.
+void place_cameras(Document* document, Scene* scene);
 /// Fills nodes, roots, cameras, lights and patches; only what the default scene refers to.
 void import_nodes(Document* document, Scene* scene);
 
@@ -63,6 +74,7 @@ const Json& element_json(const Document& document, const char* array, std::size_
 
 /// Optional members with a default. They throw Error(where, ...) for the wrong type or length.
 float read_number(const Json& object, const char* key, float fallback, const std::string& where);
+std::size_t read_natural(const Json& object, const char* key, std::size_t fallback, const std::string& where);
 bool read_flag(const Json& object, const char* key, bool fallback, const std::string& where);
 std::string read_text(const Json& object, const char* key, const std::string& where);
 template <int N>

@@ -81,13 +81,6 @@ class ArrayReader {
   std::string where_;
 };
 
-std::size_t read_natural(const Json& object, const char* key, std::size_t fallback, const std::string& where) {
-  const auto found = object.find(key);
-  if (found == object.end()) return fallback;
-  if (!found->is_number_unsigned()) throw Error(where + "." + key, "expected a whole number", kRemedy);
-  return found->get<std::size_t>();
-}
-
 SubdivisionCage read_cage(const Document& document, const Json& json, const std::string& where) {
   const ArrayReader reader(document, json, where);
   SubdivisionCage cage;

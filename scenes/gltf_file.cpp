@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
 
 #include "scenes/error.h"
 
@@ -37,6 +36,40 @@ std::vector<std::string> Warnings::lines() const {
   return lines;
 }
 
+std::string name_text(std::string_view text) {
+  constexpr std::size_t kLongest = 40;
+  if (is_data_uri(text)) return "a data URI";
+  if (text.size() > kLongest) return "a text of " + std::to_string(text.size()) + " bytes";
+  return "\"" + std::string(text) + "\"";
+}
+
+std::string plain_line(std::string_view text, std::string_view folder) {
+  constexpr std::size_t kLongest = 200, kKept = 40;
+  std::string out;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    const auto is_blank = [](char c) { return static_cast<unsigned char>(c) <= ' ' || c == 127; };
+    if (is_blank(text[begin])) {
+      out.push_back(' ');
+      ++begin;
+      continue;
+    }
+    std::size_t end = begin;
+    while (end < text.size() && !is_blank(text[end])) ++end;
+    const std::string_view word = text.substr(begin, end - begin);
+    const std::size_t payload = word.find("data:");
+    if (payload != std::string_view::npos) {
+      out.append(word.substr(0, payload)).append("data:...");
+    } else if (const std::size_t usual = word.starts_with(folder) ? folder.size() : 0; word.size() > kLongest + usual) {
+      out.append(word.substr(0, usual + kKept)).append("...");
+    } else {
+      out.append(word);
+    }
+    begin = end;
+  }
+  return out;
+}
+
 namespace {
 
 constexpr std::uint32_t kGlbMagic = 0x46546C67;   // "glTF"
@@ -51,52 +84,13 @@ std::uint32_t read_u32(Bytes bytes, std::size_t offset) {
   return value;
 }
 
-std::string_view as_text(Bytes bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
-int hex_digit(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
-std::string percent_decode(std::string_view text) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool escaped =
-        text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 && hex_digit(text[i + 2]) >= 0;
-    out.push_back(escaped ? static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2])) : text[i]);
-    if (escaped) i += 2;
-  }
-  return out;
-}
-
-int base64_digit(char c) {
-  if (c >= 'A' && c <= 'Z') return c - 'A';
-  if (c >= 'a' && c <= 'z') return c - 'a' + 26;
-  if (c >= '0' && c <= '9') return c - '0' + 52;
-  if (c == '+' || c == '-') return 62;
-  if (c == '/' || c == '_') return 63;
-  return -1;
-}
-
-std::vector<std::byte> base64_decode(const std::string& where, std::string_view text) {
-  std::vector<std::byte> out;
-  out.reserve(text.size() / 4 * 3);
-  std::uint32_t bits = 0;
-  int bit_count = 0;
-  for (const char c : text) {
-    if (c == '=') break;
-    const int digit = base64_digit(c);
-    if (digit < 0) throw Error(where, "its data URI is not valid base64", "export the file again");
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    bit_count += 6;
-    if (bit_count >= 8) {
-      bit_count -= 8;
-      out.push_back(static_cast<std::byte>(bits >> bit_count & 0xff));
-    }
-  }
-  return out;
+/// Without the byte order mark that RFC 8259 8.1 lets parsers ignore, and the padding by NUL that some writers use.
+std::string_view json_text(Bytes bytes) {
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  while (text.ends_with('\0')) text.remove_suffix(1);
+  return text;
 }
 
 }  // namespace
@@ -106,7 +100,7 @@ Container split_container(const std::string& path, Bytes file, Warnings* warning
   if (file.size() < 4)
     throw Error(path, "is not a glTF file (" + std::to_string(file.size()) + " bytes)", "name a .gltf or .glb file");
   if (read_u32(file, 0) != kGlbMagic) {
-    container.json = as_text(file);
+    container.json = json_text(file);
     return container;
   }
   container.is_binary = true;
@@ -124,7 +118,11 @@ Container split_container(const std::string& path, Bytes file, Warnings* warning
 
   std::size_t offset = kGlbHeaderBytes;
   for (int chunk = 0; offset < length; ++chunk) {
-    if (length - offset < kChunkHeaderBytes) throw Error(path, "GLB chunk header is cut short", remedy);
+    if (length - offset < kChunkHeaderBytes) {
+      if (chunk == 0) throw Error(path, "GLB chunk header is cut short", remedy);
+      warnings->add("bytes after the last chunk of the GLB are ignored");
+      break;
+    }
     const std::size_t size = read_u32(file, offset);
     const std::uint32_t type = read_u32(file, offset + 4);
     offset += kChunkHeaderBytes;
@@ -135,25 +133,14 @@ Container split_container(const std::string& path, Bytes file, Warnings* warning
                   remedy);
     const Bytes content = file.subspan(offset, size);
     if (chunk == 0 && type != kJsonChunk) throw Error(path, "first GLB chunk is not JSON", remedy);
-    if (chunk == 0) container.json = as_text(content);
-    if (chunk == 1 && type == kBinaryChunk) container.binary = content;
+    if (chunk == 0) container.json = json_text(content);
+    if (chunk > 0 && type == kBinaryChunk && container.binary.empty()) {
+      if (chunk > 1) warnings->add("the binary chunk of the GLB is not its second");
+      container.binary = content;
+    }
     offset += size;
   }
   return container;
-}
-
-std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri) {
-  const std::size_t comma = uri.find(',');
-  if (comma == std::string_view::npos) throw Error(where, "its data URI has no comma", "export the file again");
-  const std::string_view payload = uri.substr(comma + 1);
-  if (uri.substr(0, comma).ends_with(";base64")) return base64_decode(where, payload);
-  const std::string text = percent_decode(payload);
-  const auto* first = reinterpret_cast<const std::byte*>(text.data());
-  return {first, first + text.size()};
-}
-
-std::string resolve_uri(const std::string& path, std::string_view uri) {
-  return (std::filesystem::path(path).parent_path() / percent_decode(uri)).string();
 }
 
 }  // namespace maquette::gltf

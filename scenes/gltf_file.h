@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -47,10 +48,18 @@ Json parse_checked(const std::string& path, std::string_view text);
 /// Throws Error for an unsupported required extension; warns once for each other unsupported extension.
 void check_extensions(const std::string& path, const Json& root, Warnings* warnings);
 
+/// True for the scheme `data` in any case.
+bool is_data_uri(std::string_view uri);
 /// Bytes of a `data:` URI (base64 or percent-encoded text). Throws Error.
 std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri);
-/// Path of a relative URI, resolved against `path`.
+/// Path of a relative URI, resolved against `path`: decoded, or as it is written where only that exists.
 std::string resolve_uri(const std::string& path, std::string_view uri);
+
+/// `text` for a message: in quotation marks, or its length alone when it may be a payload.
+std::string name_text(std::string_view text);
+/// A message as one line without payloads, whatever names and texts of libraries are in it: long words are cut, except
+/// for the `folder` that they begin with.
+std::string plain_line(std::string_view text, std::string_view folder);
 
 /// Text of an Error: `path: element`.
 std::string at(const std::string& path, const std::string& element);

@@ -95,14 +95,14 @@ class MaterialReader {
       ref.wrap_t = wrap_of(sampler, "wrapT");
       ref.nearest = sampler.value("magFilter", std::size_t{0}) == kNearestFilter;
     }
-    float uv_set = number(info, "texCoord", 0.0f);
+    std::size_t uv_set = read_natural(info, "texCoord", 0, where);
     if (const Json* transform = find_extension(info, "KHR_texture_transform"); transform != nullptr) {
       ref.offset = read_vector<2>(*transform, "offset", ref.offset, where);
       ref.scale = read_vector<2>(*transform, "scale", ref.scale, where);
       ref.rotation_rad = read_number(*transform, "rotation", 0.0f, where);
-      uv_set = number(*transform, "texCoord", uv_set);
+      uv_set = read_natural(*transform, "texCoord", uv_set, where);
     }
-    if (uv_set != 0.0f && uv_set != 1.0f) {
+    if (uv_set > 1) {
       document_.warnings.add("textures on UV sets above 1 are left out", name_ + "." + key);
       return {};
     }

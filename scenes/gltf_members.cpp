@@ -39,6 +39,13 @@ float read_number(const Json& object, const char* key, float fallback, const std
   return found == object.end() ? fallback : checked_number(*found, where + "." + key);
 }
 
+std::size_t read_natural(const Json& object, const char* key, std::size_t fallback, const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end()) return fallback;
+  if (!found->is_number_unsigned()) throw Error(where + "." + key, "expected a whole number", kRemedy);
+  return found->get<std::size_t>();
+}
+
 bool read_flag(const Json& object, const char* key, bool fallback, const std::string& where) {
   const auto found = object.find(key);
   if (found == object.end()) return fallback;

@@ -169,7 +169,8 @@ class GlbWriter {
 
   void write_cameras() {
     for (const Camera& camera : scene_.cameras) {
-      Json perspective = {{"yfov", camera.fov_y_rad}, {"znear", camera.near_m}, {"zfar", camera.far_m}};
+      Json perspective = {{"yfov", camera.fov_y_rad}, {"znear", camera.near_m}};
+      if (std::isfinite(camera.far_m)) perspective["zfar"] = camera.far_m;
       if (camera.aspect > 0.0f) perspective["aspectRatio"] = camera.aspect;
       root_["cameras"].push_back(
           {{"name", camera.name}, {"type", "perspective"}, {"perspective", std::move(perspective)}});

@@ -130,7 +130,7 @@ struct Camera {
   std::string name;
   float fov_y_rad = 0.8f;
   float near_m = 0.01f;
-  float far_m = 1000.0f;
+  float far_m = 1000.0f;  ///< may be infinite
   float aspect = 0.0f;  ///< width over height of the picture that it was framed for; 0: any
 };
 

@@ -56,6 +56,7 @@ Bytes open_buffer(Document* document, std::size_t index, const Json& buffer, con
   const std::string where = at(document->path, element("buffers", index));
   std::vector<std::byte>& owned = document->owned_buffers[index];
   const auto found = buffer.find("uri");
+  if (is_fallback(buffer)) return {};
   if (found == buffer.end()) return index == 0 && container.is_binary ? container.binary : Bytes();
   const auto& uri = found->get_ref<const std::string&>();
   if (is_data_uri(uri)) {
@@ -78,7 +79,7 @@ void open_buffers(Document* document, const Container& container) {
   for (std::size_t i = 0; i < found->size(); ++i) {
     const Json& buffer = (*found)[i];
     const Bytes bytes = open_buffer(document, i, buffer, container);
-    if (bytes.data() == nullptr && !buffer.contains("uri")) continue;
+    if (bytes.data() == nullptr && (!buffer.contains("uri") || is_fallback(buffer))) continue;
     const auto size = buffer["byteLength"].get<std::size_t>();
     if (bytes.size() < size)
       throw Error(at(document->path, element("buffers", i)),
@@ -95,16 +96,13 @@ void warn_of_the_rest(Document* document) {
     return found != root.end() && found->is_array() ? found->size() : 0;
   };
   if (count("animations") > 0)
-    document->warnings.add(std::to_string(count("animations")) + " animations are not played: the scene stands still");
-  if (count("skins") > 0)
-    document->warnings.add(std::to_string(count("skins")) + " skins are ignored: meshes keep their bind pose");
-  if (count("scenes") > 1)
-    document->warnings.add("only the default of " + std::to_string(count("scenes")) + " scenes is shown");
+    document->warnings.add(std::to_string(count("animations")) +
+                           " animations are not played: the scene stands in its rest pose");
 }
 
 }  // namespace
 
-Document open_document(const std::string& path) {
+Document open_document(const std::string& path, const std::string& scene) {
   Document document;
   document.path = path;
   document.file = read_file(path);
@@ -113,6 +111,9 @@ Document open_document(const std::string& path) {
   check_extensions(path, document.root, &document.warnings);
   open_buffers(&document, container);
   parse_core(&document);
+  decode_views(&document);
+  import_tree(&document, scene);
+  find_mesh_uses(&document);
   warn_of_the_rest(&document);
   return document;
 }
@@ -123,8 +124,8 @@ namespace maquette {
 
 namespace {
 
-Scene import_file(const std::string& path) {
-  gltf::Document document = gltf::open_document(path);
+Scene import_file(const std::string& path, const std::string& scene_name) {
+  gltf::Document document = gltf::open_document(path, scene_name);
   Scene scene;
   scene.name = path;
   gltf::import_materials(&document, &scene);
@@ -133,7 +134,7 @@ Scene import_file(const std::string& path) {
   gltf::import_patches(document, &scene);
   gltf::import_nodes(&document, &scene);
   if (count_triangles(scene) == 0 && scene.patches.empty())
-    document.warnings.add("there is nothing to see: the default scene has no triangles");
+    document.warnings.add("there is nothing to see: the scene has no triangles");
   const std::string folder = std::filesystem::path(path).parent_path().string();
   for (const std::string& line : document.warnings.lines()) scene.warnings.push_back(gltf::plain_line(line, folder));
   return scene;
@@ -141,10 +142,12 @@ Scene import_file(const std::string& path) {
 
 }  // namespace
 
-Scene load_gltf(const std::string& path) {
+Scene load_gltf(const std::string& path, const std::string& scene) {
   const Error too_large(path, "needs more memory than there is", "load a smaller model");
   try {
-    return import_file(path);
+    return import_file(path, scene);
+  } catch (const UsageError& e) {
+    throw UsageError({}, gltf::plain_line(e.what(), path));
   } catch (const Error& e) {
     throw Error({}, gltf::plain_line(e.what(), path));
   } catch (const std::bad_alloc&) {

@@ -194,6 +194,8 @@ void apply_sparse(const Document& document, std::size_t index, const Strided& de
 
 Bytes view_bytes(const Document& document, std::size_t view) {
   const tinygltf::BufferView& bounds = document.model.bufferViews[view];
+  if (view < document.decoded_views.size() && !document.decoded_views[view].empty())
+    return document.decoded_views[view];
   const auto index = static_cast<std::size_t>(bounds.buffer);
   const Bytes buffer = document.buffers[index];
   if (buffer.data() == nullptr && bounds.byteLength > 0)
@@ -209,8 +211,9 @@ Bytes view_bytes(const Document& document, std::size_t view) {
 }
 
 template <int N>
-std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor) {
-  const Strided dense = resolve(document, accessor, N);
+std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor, Integers integers) {
+  Strided dense = resolve(document, accessor, N);
+  if (integers == Integers::normalized) dense.normalized = true;
   std::vector<glm::vec<N, float>> out(dense.count, glm::vec<N, float>(0.0f));
   static_assert(sizeof(glm::vec<N, float>) == N * sizeof(float));
   auto* floats = reinterpret_cast<float*>(out.data());
@@ -219,14 +222,20 @@ std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size
                [&](std::uint32_t i, const Strided& value) { to_floats(value, floats + std::size_t{i} * N); });
   return out;
 }
-template std::vector<glm::vec2> read_vectors<2>(const Document&, std::size_t);
-template std::vector<glm::vec3> read_vectors<3>(const Document&, std::size_t);
-template std::vector<glm::vec4> read_vectors<4>(const Document&, std::size_t);
+template std::vector<glm::vec2> read_vectors<2>(const Document&, std::size_t, Integers);
+template std::vector<glm::vec3> read_vectors<3>(const Document&, std::size_t, Integers);
+template std::vector<glm::vec4> read_vectors<4>(const Document&, std::size_t, Integers);
 
-std::vector<glm::vec4> read_colors(const Document& document, std::size_t accessor) {
-  if (document.model.accessors[accessor].type == TINYGLTF_TYPE_VEC4) return read_vectors<4>(document, accessor);
-  std::vector<glm::vec4> out;
-  for (const glm::vec3& rgb : read_vectors<3>(document, accessor)) out.emplace_back(rgb, 1.0f);
+std::vector<glm::mat4> read_matrices(const Document& document, std::size_t accessor) {
+  if (document.model.accessors[accessor].type != TINYGLTF_TYPE_MAT4 ||
+      document.model.accessors[accessor].componentType != TINYGLTF_COMPONENT_TYPE_FLOAT)
+    throw Error(name_of(document, accessor), "does not hold matrices of 4 x 4 floats", kRemedy);
+  const Strided dense = resolve(document, accessor, 16);
+  std::vector<glm::mat4> out(dense.count, glm::mat4(0.0f));
+  auto* floats = reinterpret_cast<float*>(out.data());
+  to_floats(dense, floats);
+  apply_sparse(document, accessor, dense,
+               [&](std::uint32_t i, const Strided& value) { to_floats(value, floats + std::size_t{i} * 16); });
   return out;
 }
 

@@ -20,14 +20,18 @@ constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 /// Codes and identifiers are kept as int by tinygltf, as 32 bits by Draco.
 constexpr std::uint64_t kMaxCode = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::array<std::string_view, 13> kReadExtensions = {
-    "KHR_draco_mesh_compression", "KHR_mesh_quantization",           "KHR_texture_transform",  "KHR_lights_punctual",
-    "KHR_materials_clearcoat",    "KHR_materials_transmission",      "KHR_materials_ior",      "KHR_materials_specular",
-    "KHR_materials_sheen",        "KHR_materials_emissive_strength", "KHR_materials_variants", "KHR_materials_unlit",
-    "KHR_materials_volume",
+constexpr std::array<std::string_view, 15> kReadExtensions = {
+    "KHR_draco_mesh_compression", "KHR_mesh_quantization",
+    "KHR_texture_transform",      "KHR_lights_punctual",
+    "KHR_materials_clearcoat",    "KHR_materials_transmission",
+    "KHR_materials_ior",          "KHR_materials_specular",
+    "KHR_materials_sheen",        "KHR_materials_emissive_strength",
+    "KHR_materials_variants",     "KHR_materials_unlit",
+    "KHR_materials_volume",       "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
 };
 
-enum class Kind { index, natural, code, stride, text, boolean, object, array };
+enum class Kind { index, natural, code, stride, number, text, boolean, object, array };
 
 /// One member of the file. In `path`, `[]` steps into every element of an array and `{}` into every value of an object.
 struct Rule {
@@ -51,6 +55,14 @@ constexpr Rule kRules[] = {
     {"bufferViews[].byteOffset", Kind::natural},
     {"bufferViews[].byteLength", Kind::natural, true},
     {"bufferViews[].byteStride", Kind::stride},
+    {"bufferViews[].extensions.EXT_meshopt_compression", Kind::object},
+    {"bufferViews[].extensions.EXT_meshopt_compression.buffer", Kind::index, true, "buffers"},
+    {"bufferViews[].extensions.EXT_meshopt_compression.byteOffset", Kind::natural},
+    {"bufferViews[].extensions.EXT_meshopt_compression.byteLength", Kind::natural, true},
+    {"bufferViews[].extensions.EXT_meshopt_compression.byteStride", Kind::code, true},
+    {"bufferViews[].extensions.EXT_meshopt_compression.count", Kind::code, true},
+    {"bufferViews[].extensions.EXT_meshopt_compression.mode", Kind::text, true},
+    {"bufferViews[].extensions.EXT_meshopt_compression.filter", Kind::text},
     {"accessors[].bufferView", Kind::index, false, "bufferViews"},
     {"accessors[].byteOffset", Kind::natural},
     {"accessors[].componentType", Kind::code, true},
@@ -83,7 +95,15 @@ constexpr Rule kRules[] = {
     {"meshes[].primitives[].indices", Kind::index, false, "accessors"},
     {"meshes[].primitives[].material", Kind::index, false, "materials"},
     {"meshes[].primitives[].mode", Kind::code},
+    {"meshes[].weights[]", Kind::number, true},
     {"meshes[].primitives[].targets", Kind::array},
+    {"meshes[].primitives[].targets[]", Kind::object},
+    {"meshes[].primitives[].targets[].POSITION", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].targets[].NORMAL", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].targets[].TANGENT", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].targets[].TEXCOORD_0", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].targets[].TEXCOORD_1", Kind::index, false, "accessors"},
+    {"meshes[].primitives[].targets[].COLOR_0", Kind::index, false, "accessors"},
     {"meshes[].primitives[].extensions", Kind::object},
     {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.bufferView", Kind::index, true, "bufferViews"},
     {"meshes[].primitives[].extensions.KHR_draco_mesh_compression.attributes", Kind::object, true},
@@ -93,6 +113,15 @@ constexpr Rule kRules[] = {
     {"meshes[].primitives[].extensions.KHR_materials_variants.mappings[].variants[]", Kind::natural, true},
     {"nodes[].name", Kind::text},
     {"nodes[].mesh", Kind::index, false, "meshes"},
+    {"nodes[].skin", Kind::index, false, "skins"},
+    {"nodes[].weights[]", Kind::number, true},
+    {"nodes[].extensions", Kind::object},
+    {"nodes[].extensions.EXT_mesh_gpu_instancing", Kind::object},
+    {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes", Kind::object, true},
+    {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Kind::index, true, "accessors"},
+    {"skins[].joints", Kind::array, true},
+    {"skins[].joints[]", Kind::index, true, "nodes"},
+    {"skins[].inverseBindMatrices", Kind::index, false, "accessors"},
     {"nodes[].children[]", Kind::index, true, "nodes"},
     {"nodes[].matrix", Kind::array, false, nullptr, 16},
     {"nodes[].translation", Kind::array, false, nullptr, 3},
@@ -188,6 +217,9 @@ class Checker {
         break;
       case Kind::stride:
         check_stride(value);
+        break;
+      case Kind::number:
+        if (!value.is_number()) fail("expected a number, found " + brief(value));
         break;
       case Kind::text:
         if (!value.is_string()) fail("expected text, found " + brief(value));

@@ -13,6 +13,22 @@
 
 namespace maquette::gltf {
 
+/// Nodes of the file.
+struct NodeTree {
+  std::vector<int> parents;       ///< -1: none
+  std::vector<int> roots;         ///< of the scene that is imported
+  std::vector<bool> reached;      ///< from these roots
+  std::vector<glm::dmat4> local;  ///< parent_from_node
+};
+
+/// A mesh as one or several nodes show it: in its rest pose.
+struct MeshUse {
+  std::size_t mesh = 0;            ///< in the file
+  std::vector<float> weights;      ///< of morph targets; those beyond are 0
+  std::vector<glm::dmat4> joints;  ///< node_from_bound of each joint; empty: no skin
+  bool detached = false;           ///< the node's space has no volume: joints are world_from_bound
+};
+
 /// One opened file during its import. Core members come from `model`; extensions and extras, which tinygltf does not
 /// keep in our build, come from `root`. Both have been checked: indices are valid, members have their type.
 struct Document {
@@ -22,21 +38,40 @@ struct Document {
   tinygltf::Model model;  ///< without buffers, images, materials, extensions and extras
   std::vector<std::vector<std::byte>> owned_buffers;
   std::vector<Bytes> buffers;
+  std::vector<std::vector<std::byte>> decoded_views;  ///< of EXT_meshopt_compression; empty: as in the buffer
+  NodeTree tree;
+  std::vector<MeshUse> mesh_uses;  ///< one for each mesh of the scene; those of the file come first
+  std::vector<int> node_uses;      ///< of each node of the file: its mesh in the scene, or -1
   Warnings warnings;
 };
 
-/// Throws Error naming `path` and the element at fault.
-Document open_document(const std::string& path);
+/// Opens the file for its scene of that name or index (empty: its default). Throws Error naming `path` and the element
+/// at fault, UsageError for a scene that is not there.
+Document open_document(const std::string& path, const std::string& scene);
+
+/// Decodes the buffer views of EXT_meshopt_compression in parallel.
+void decode_views(Document* document);
+/// True for a buffer whose views are all compressed elsewhere, so that its own bytes are not needed.
+bool is_fallback(const Json& buffer);
+
+/// Fills `tree`.
+void import_tree(Document* document, const std::string& scene);
+/// world_from_node of all nodes of the file.
+std::vector<glm::dmat4> world_of_nodes(const Document& document);
+/// Fills `mesh_uses` and `node_uses`.
+void find_mesh_uses(Document* document);
 
 /// Bytes of a buffer view, checked against its buffer.
 Bytes view_bytes(const Document& document, std::size_t view);
 
 /// Accessors, converted to float: normalised integers are mapped to [0, 1] or [-1, 1], sparse values are inserted.
 /// Throws Error: wrong type, outside its view, too many elements.
+enum class Integers { as_stored, normalized };  ///< as the accessor says, or always as fractions of the largest
 template <int N>
-std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor);
-/// Reads VEC3 (alpha 1) or VEC4.
-std::vector<glm::vec4> read_colors(const Document& document, std::size_t accessor);
+std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor,
+                                             Integers integers = Integers::as_stored);
+/// Reads MAT4.
+std::vector<glm::mat4> read_matrices(const Document& document, std::size_t accessor);
 /// Reads SCALAR of an unsigned integer type.
 std::vector<std::uint32_t> read_indices(const Document& document, std::size_t accessor);
 std::vector<float> read_scalars(const Document& document, std::size_t accessor);

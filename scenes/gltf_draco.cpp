@@ -2,7 +2,9 @@
 
 #include <draco/compression/decode.h>
 
+#include <array>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <stdexcept>
 
@@ -12,6 +14,35 @@ namespace maquette::gltf {
 namespace {
 
 constexpr const char* kRemedy = "the file is damaged; export it again";
+
+/// Largest value of an integer type; 0 for others.
+float largest_of(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return std::numeric_limits<std::int8_t>::max();
+    case draco::DT_UINT8:
+      return std::numeric_limits<std::uint8_t>::max();
+    case draco::DT_INT16:
+      return std::numeric_limits<std::int16_t>::max();
+    case draco::DT_UINT16:
+      return std::numeric_limits<std::uint16_t>::max();
+    case draco::DT_INT32:
+      return static_cast<float>(std::numeric_limits<std::int32_t>::max());
+    case draco::DT_UINT32:
+      return static_cast<float>(std::numeric_limits<std::uint32_t>::max());
+    default:
+      return 0.0f;
+  }
+}
+
+/// Integers as they are stored: Draco maps those that it calls normalized to floats itself.
+bool read_integers(const draco::PointAttribute& attribute, draco::AttributeValueIndex entry, std::size_t components,
+                   float* target) {
+  std::array<std::int64_t, 4> values{};
+  if (!attribute.ConvertValue<std::int64_t>(entry, static_cast<std::int8_t>(components), values.data())) return false;
+  for (std::size_t c = 0; c < components; ++c) target[c] = static_cast<float>(values[c]);
+  return true;
+}
 
 DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh, const std::string& name,
                               std::uint32_t id) {
@@ -23,6 +54,8 @@ DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh,
   if (out.components < 1 || out.components > 4)
     throw Error(where, name + " has " + std::to_string(out.components) + " components in its Draco data", kRemedy);
   const auto components = static_cast<std::size_t>(out.components);
+  out.integer_max = largest_of(attribute->data_type());
+  out.normalized = attribute->normalized();
   const std::size_t count = mesh.num_points();
   out.values.resize(count * components);
   const bool plain = attribute->data_type() == draco::DT_FLOAT32 &&
@@ -34,7 +67,8 @@ DracoAttribute read_attribute(const std::string& where, const draco::Mesh& mesh,
     float* target = out.values.data() + i * components;
     if (plain) {
       std::memcpy(target, attribute->GetAddress(entry), components * sizeof(float));
-    } else if (!attribute->ConvertValue<float>(entry, target)) {
+    } else if (!(out.integer_max > 0.0f ? read_integers(*attribute, entry, components, target)
+                                        : attribute->ConvertValue<float>(entry, target))) {
       throw Error(where, "its Draco data has an unreadable " + name, kRemedy);
     }
   }

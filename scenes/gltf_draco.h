@@ -9,9 +9,11 @@
 
 namespace maquette::gltf {
 
-/// A decoded attribute: `components` floats a vertex (normalised integers already mapped to [0, 1] or [-1, 1]).
+/// A decoded attribute: `components` numbers a vertex as they are stored.
 struct DracoAttribute {
   int components = 0;
+  float integer_max = 0.0f;  ///< largest value of the stored type; 0: floats
+  bool normalized = false;   ///< what the stream says of its integers; the accessor's word counts
   std::vector<float> values;
 };
 

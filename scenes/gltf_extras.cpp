@@ -115,9 +115,10 @@ void import_cage(const Document& document, const Json& json, const std::string& 
 
 void import_cages(const Document& document, Scene* scene) {
   for (std::size_t i = 0; i < scene->meshes.size(); ++i) {
-    const Json* extras = find_extras(element_json(document, "meshes", i));
+    const Json* extras = find_extras(element_json(document, "meshes", document.mesh_uses[i].mesh));
     if (extras == nullptr || !extras->contains("subdivision")) continue;
-    const std::string where = at(document.path, element("meshes", i) + ".extras.maquette.subdivision");
+    const std::string where =
+        at(document.path, element("meshes", document.mesh_uses[i].mesh) + ".extras.maquette.subdivision");
     import_cage(document, (*extras)["subdivision"], where, &scene->meshes[i]);
   }
 }

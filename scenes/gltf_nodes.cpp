@@ -1,5 +1,7 @@
 #include <cmath>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/gtc/type_ptr.hpp>
+#include <optional>
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"
@@ -11,81 +13,13 @@ constexpr const char* kRemedy = "the file is damaged; export it again";
 /// Above this, squares of transformed points exceed float's range.
 constexpr float kMaxTransform = 1e12f;
 
-glm::mat4 local_transform(Document* document, std::size_t index) {
-  const tinygltf::Node& node = document->model.nodes[index];
-  if (node.matrix.size() == 16) return glm::mat4(glm::make_mat4(node.matrix.data()));
-  glm::dmat4 local(1.0);
-  if (node.translation.size() == 3) local[3] = glm::dvec4(glm::make_vec3(node.translation.data()), 1.0);
-  if (node.rotation.size() == 4) {
-    const std::vector<double>& r = node.rotation;
-    const glm::dquat rotation(r[3], r[0], r[1], r[2]);
-    if (glm::length(rotation) > 0.0) {
-      local *= glm::mat4_cast(glm::normalize(rotation));
-    } else {
-      document->warnings.add("a rotation of length zero is ignored", element("nodes", index));
-    }
-  }
-  if (node.scale.size() == 3)
-    for (int c = 0; c < 3; ++c) local[c] *= node.scale[static_cast<std::size_t>(c)];
-  return glm::mat4(local);
-}
-
-/// Parents of all nodes. Throws for a node that has two parents or is its own ancestor.
-std::vector<int> find_parents(const Document& document) {
-  const auto& nodes = document.model.nodes;
-  std::vector<int> parents(nodes.size(), -1);
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    for (const int child : nodes[i].children) {
-      int& parent = parents[static_cast<std::size_t>(child)];
-      if (parent >= 0)
-        throw Error(at(document.path, element("nodes", static_cast<std::size_t>(child))),
-                    "has two parents, " + std::to_string(parent) + " and " + std::to_string(i), kRemedy);
-      parent = static_cast<int>(i);
-    }
-  }
-  // With at most one parent each, nodes that no root reaches form a cycle.
-  std::vector<char> reached(nodes.size(), 0);
-  std::vector<int> stack;
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (parents[i] < 0) stack.push_back(static_cast<int>(i));
-  while (!stack.empty()) {
-    const auto i = static_cast<std::size_t>(stack.back());
-    stack.pop_back();
-    reached[i] = 1;
-    stack.insert(stack.end(), nodes[i].children.begin(), nodes[i].children.end());
-  }
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!reached[i]) throw Error(at(document.path, element("nodes", i)), "is its own ancestor", kRemedy);
-  return parents;
-}
-
-std::vector<int> root_nodes(const Document& document, const std::vector<int>& parents) {
-  const auto& scenes = document.model.scenes;
-  std::vector<int> roots;
-  if (scenes.empty()) {
-    for (std::size_t i = 0; i < parents.size(); ++i)
-      if (parents[i] < 0) roots.push_back(static_cast<int>(i));
-    return roots;
-  }
-  const auto scene = static_cast<std::size_t>(std::max(document.model.defaultScene, 0));
-  std::vector<char> seen(parents.size(), 0);
-  for (const int root : scenes[scene].nodes) {
-    const auto i = static_cast<std::size_t>(root);
-    if (parents[i] >= 0)
-      throw Error(at(document.path, element("scenes", scene)),
-                  "its root " + std::to_string(root) + " is a child of node " + std::to_string(parents[i]), kRemedy);
-    if (seen[i]++ == 0) roots.push_back(root);
-  }
-  return roots;
-}
-
 Node import_node(Document* document, std::size_t index, const Fixtures& fixtures, const Scene& scene) {
   const tinygltf::Node& source = document->model.nodes[index];
   const Json& json = element_json(*document, "nodes", index);
   Node node;
   node.name = source.name;
-  node.local = local_transform(document, index);
-  node.mesh = source.mesh;
+  node.local = glm::mat4(document->tree.local[index]);
+  node.mesh = document->node_uses[index];
   node.camera = camera_of_node(document, fixtures, index);
   node.light = light_of_node(document, fixtures, index);
   import_node_extras(json, at(document->path, element("nodes", index)), scene, &node);
@@ -101,36 +35,104 @@ void check_transforms(const Document& document, const Scene& scene) {
                     "its transform is not finite or beyond 1e12", "scale the model");
 }
 
+constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
+/// Limit of the instances of one node, so that a small file of zeros cannot ask for any number of nodes.
+constexpr std::size_t kMaxInstances = std::size_t{1} << 20;
+
+/// One of the instances' attributes, or empty.
+template <int N>
+std::vector<glm::vec<N, float>> read_instances(const Document& document, const Json& attributes, const char* name,
+                                               const std::string& where, std::optional<std::size_t>* count) {
+  if (!attributes.contains(name)) return {};
+  std::vector<glm::vec<N, float>> out = read_vectors<N>(document, attributes[name].get<std::size_t>());
+  if (count->value_or(out.size()) != out.size() || out.size() > kMaxInstances)
+    throw Error(where + "." + name,
+                "has " + std::to_string(out.size()) + " instances, expected " +
+                    (*count ? std::to_string(**count) : std::to_string(kMaxInstances) + " at most"),
+                kRemedy);
+  *count = out.size();
+  return out;
+}
+
+/// Transforms of the instances of a node (parent_from_node of its children), or nothing without the extension.
+std::optional<std::vector<glm::mat4>> instances_of(Document* document, std::size_t index) {
+  const Json* extension = find_extension(element_json(*document, "nodes", index), kInstancing);
+  if (extension == nullptr) return std::nullopt;
+  const Json& attributes = (*extension)["attributes"];
+  for (auto it = attributes.begin(); it != attributes.end(); ++it)
+    if (it.key() != "TRANSLATION" && it.key() != "ROTATION" && it.key() != "SCALE")
+      document->warnings.add("the attribute " + it.key() + " of instances is ignored", element("nodes", index));
+  const std::string where = at(document->path, element("nodes", index) + "." + kInstancing);
+  std::optional<std::size_t> count;
+  const auto translations = read_instances<3>(*document, attributes, "TRANSLATION", where, &count);
+  const auto rotations = read_instances<4>(*document, attributes, "ROTATION", where, &count);
+  const auto scales = read_instances<3>(*document, attributes, "SCALE", where, &count);
+  if (!count) return std::nullopt;
+  std::vector<glm::mat4> out(*count, glm::mat4(1.0f));
+  for (std::size_t i = 0; i < *count; ++i) {
+    if (!translations.empty()) out[i][3] = glm::vec4(translations[i], 1.0f);
+    if (!rotations.empty()) {
+      const glm::quat q(rotations[i].w, rotations[i].x, rotations[i].y, rotations[i].z);
+      if (glm::length(q) > 0.0f) out[i] *= glm::mat4_cast(glm::normalize(q));
+    }
+    if (!scales.empty())
+      for (int c = 0; c < 3; ++c) out[i][c] *= scales[i][c];
+  }
+  return out;
+}
+
+/// Moves the mesh of a node to nodes of its own where it has several instances, or where its skin leaves the node's
+/// space.
+void place_mesh(Document* document, std::size_t index, std::size_t node, Scene* scene) {
+  const int mesh = scene->nodes[node].mesh;
+  if (mesh < 0) return;
+  const auto add_node = [&](const glm::mat4& local, int parent, const std::string& suffix) {
+    Node copy;
+    const Node& source = scene->nodes[node];
+    copy.name = source.name.empty() ? std::string() : source.name + suffix;
+    copy.parent = parent;
+    copy.local = local;
+    copy.mesh = mesh;
+    copy.reflector = source.reflector;
+    copy.visible = source.visible;
+    scene->nodes.push_back(std::move(copy));
+    return static_cast<int>(scene->nodes.size()) - 1;
+  };
+  if (document->mesh_uses[static_cast<std::size_t>(mesh)].detached) {
+    scene->roots.push_back(add_node(glm::mat4(1.0f), -1, ""));
+    scene->nodes[node].mesh = -1;
+    return;
+  }
+  const std::optional<std::vector<glm::mat4>> instances = instances_of(document, index);
+  if (!instances) return;
+  scene->nodes[node].mesh = -1;
+  for (std::size_t i = 0; i < instances->size(); ++i) {
+    const int child = add_node((*instances)[i], static_cast<int>(node), "-" + std::to_string(i));
+    scene->nodes[node].children.push_back(child);
+  }
+}
+
 }  // namespace
 
 void import_nodes(Document* document, Scene* scene) {
   const Fixtures fixtures = import_fixtures(document, scene);
-  const std::vector<int> parents = find_parents(*document);
-
-  // Keeps only the nodes that the default scene reaches, in the order of the file.
-  const std::vector<int> roots = root_nodes(*document, parents);
-  std::vector<int> new_index(parents.size(), -1);
-  std::vector<int> stack = roots;
-  while (!stack.empty()) {
-    const auto i = static_cast<std::size_t>(stack.back());
-    stack.pop_back();
-    new_index[i] = 0;
-    const auto& children = document->model.nodes[i].children;
-    stack.insert(stack.end(), children.begin(), children.end());
-  }
+  const NodeTree& tree = document->tree;
+  // Keeps only the nodes that the scene reaches, in the order of the file.
+  std::vector<int> new_index(tree.parents.size(), -1);
   int count = 0;
-  for (int& index : new_index)
-    if (index == 0) index = count++;
-
-  for (std::size_t i = 0; i < parents.size(); ++i) {
+  for (std::size_t i = 0; i < new_index.size(); ++i)
+    if (tree.reached[i]) new_index[i] = count++;
+  for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] < 0) continue;
     Node node = import_node(document, i, fixtures, *scene);
-    node.parent = parents[i] < 0 ? -1 : new_index[static_cast<std::size_t>(parents[i])];
+    node.parent = tree.parents[i] < 0 ? -1 : new_index[static_cast<std::size_t>(tree.parents[i])];
     for (const int child : document->model.nodes[i].children)
       node.children.push_back(new_index[static_cast<std::size_t>(child)]);
     scene->nodes.push_back(std::move(node));
   }
-  for (const int root : roots) scene->roots.push_back(new_index[static_cast<std::size_t>(root)]);
+  for (const int root : tree.roots) scene->roots.push_back(new_index[static_cast<std::size_t>(root)]);
+  for (std::size_t i = 0; i < new_index.size(); ++i)
+    if (new_index[i] >= 0) place_mesh(document, i, static_cast<std::size_t>(new_index[i]), scene);
   check_transforms(*document, *scene);
   place_cameras(document, scene);
 }

@@ -1,5 +1,7 @@
 #include "scenes/scene.h"
 
+#include "scenes/error.h"
+
 namespace maquette {
 
 std::vector<glm::mat4> compute_world_transforms(const Scene& scene) {
@@ -53,10 +55,11 @@ std::size_t count_triangles(const Scene& scene) {
   return count;
 }
 
-Scene load_scene(const std::string& source) {
+Scene load_scene(const std::string& source, const std::string& scene) {
   constexpr std::string_view kBuiltin = "builtin:";
-  if (source.starts_with(kBuiltin)) return build_builtin_scene(source.substr(kBuiltin.size()));
-  return load_gltf(source);
+  if (!source.starts_with(kBuiltin)) return load_gltf(source, scene);
+  if (!scene.empty()) throw UsageError("--scene " + scene, source + " is one scene", "leave it out");
+  return build_builtin_scene(source.substr(kBuiltin.size()));
 }
 
 int material_of(const Primitive& primitive, int variant) {

@@ -131,7 +131,7 @@ struct Camera {
   float fov_y_rad = 0.8f;
   float near_m = 0.01f;
   float far_m = 1000.0f;  ///< may be infinite
-  float aspect = 0.0f;  ///< width over height of the picture that it was framed for; 0: any
+  float aspect = 0.0f;    ///< width over height of the picture that it was framed for; 0: any
 };
 
 struct PunctualLight {
@@ -190,10 +190,11 @@ std::size_t count_triangles(const Scene& scene);
 /// Material index of a primitive under a variant (-1: the file's default assignment).
 int material_of(const Primitive& primitive, int variant);
 
-/// Loads .gltf, .glb, or `builtin:cockpit|sphere|plate|cornell|seat`. Throws Error.
-Scene load_scene(const std::string& source);
+/// Loads .gltf, .glb, or `builtin:cockpit|sphere|plate|cornell|seat`. `scene`: name or index of one of the file's
+/// scenes; empty for its default. Throws Error, UsageError for a scene that is not there.
+Scene load_scene(const std::string& source, const std::string& scene = {});
 /// .gltf or .glb through tinygltf, Draco included. Throws Error naming file, element and fault.
-Scene load_gltf(const std::string& path);
+Scene load_gltf(const std::string& path, const std::string& scene = {});
 /// Writes meshes, cages, patches, materials, cameras, lights and variants so that load_gltf gives the same scene.
 void save_glb(const std::string& path, const Scene& scene);
 /// `name` without the prefix: cockpit, sphere, plate, cornell, seat. Throws UsageError listing the names.

@@ -171,6 +171,8 @@ std::vector<OptionDeclaration> light_and_material_options() {
               throw UsageError("--material", "\"" + t + "\" names no FILE; leave the option out to keep the material");
           },
           true),
+      bake_option(plan_option(shared("--scene", "NAME", "scene of a glTF file, by name or index (its default)",
+                                     [](O* o, const std::string& t) { o->scene_of_file = t; }))),
       bake_option(plan_option(
           shared("--variant", "NAME", "variant of the scene", [](O* o, const std::string& t) { o->variant = t; }))),
   };

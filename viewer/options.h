@@ -22,6 +22,7 @@ struct Dent {
 /// What the shared options of `view` and `render` say; the defaults are the program's defaults.
 struct SceneOptions {
   std::string scene = "builtin:cockpit";
+  std::string scene_of_file;  ///< name or index of a glTF scene; empty: the file's default
   std::string mode = builtin_registry().default_mode;
   std::string reflections = kNoReflections;
   std::vector<std::string> reflectors;

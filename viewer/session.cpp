@@ -186,7 +186,7 @@ void press_dent(Scene* scene, const Dent& dent) {
 
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   check_is_scene(options.scene);
-  auto scene = std::make_shared<Scene>(load_scene(options.scene));
+  auto scene = std::make_shared<Scene>(load_scene(options.scene, options.scene_of_file));
   find_variant(*scene, options.variant);
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
   camera_of_options(*scene, options);

@@ -79,6 +79,7 @@ std::string command_text(const SceneOptions& options) {
                      " --size " + std::to_string(options.width) + "x" + std::to_string(options.height) + " --budget " +
                      to_text(options.budget_s) + " --repeats " + std::to_string(options.repeats);
   for (const auto& [name, source] : options.materials) text += " --material '" + name + "=" + source + "'";
+  if (!options.scene_of_file.empty()) text += " --scene '" + options.scene_of_file + "'";
   if (!options.variant.empty()) text += " --variant '" + options.variant + "'";
   for (const std::string& node : options.reflectors) text += " --reflector '" + node + "'";
   for (const auto& [name, value] : options.settings.changed()) text += " --set " + name + "=" + to_text(value);

@@ -17,6 +17,7 @@ namespace {
 struct Instance {
   const Primitive* source = nullptr;
   glm::mat4 world_from_node{1.0f};
+  int tangent_uv_set = 0;
   DrawItem item;
 };
 
@@ -43,6 +44,7 @@ class InstanceWriter {
         world_(instance.world_from_node),
         linear_(instance.world_from_node),
         mirrored_(glm::determinant(linear_) < 0.0),
+        tangent_uv_set_(static_cast<std::size_t>(instance.tangent_uv_set)),
         item_(instance.item),
         out_(*out) {}
 
@@ -112,8 +114,8 @@ class InstanceWriter {
         const double handedness = (source_.tangents[i].w < 0.0f) != mirrored_ ? -1.0 : 1.0;
         set_tangent(i, tangent, handedness);
       }
-    } else if (!source_.uvs[0].empty()) {
-      write_tangents_from_uvs();
+    } else if (!source_.uvs[tangent_uv_set_].empty()) {
+      write_tangents_from_uvs(tangent_uv_set_ == 0 ? out_.uv0 : out_.uv1);
     } else {
       for (std::size_t i = 0; i < vertex_count(); ++i) set_tangent(i, glm::dvec3(0.0), 1.0);
     }
@@ -121,10 +123,10 @@ class InstanceWriter {
 
   /// Directions of growing u and v, averaged over the triangles around a vertex.
   /// Source: Lengyel 2001, Computing Tangent Space Basis Vectors for an Arbitrary Mesh.
-  void write_tangents_from_uvs() {
+  void write_tangents_from_uvs(const std::vector<glm::vec2>& uvs) {
     std::vector<glm::dvec3> along_u(vertex_count(), glm::dvec3(0.0)), along_v(vertex_count(), glm::dvec3(0.0));
     for_each_triangle([&](const std::uint32_t* t, const glm::dvec3* p) {
-      const glm::dvec2 uv0(out_.uv0[t[0]]), s(glm::dvec2(out_.uv0[t[1]]) - uv0), r(glm::dvec2(out_.uv0[t[2]]) - uv0);
+      const glm::dvec2 uv0(uvs[t[0]]), s(glm::dvec2(uvs[t[1]]) - uv0), r(glm::dvec2(uvs[t[2]]) - uv0);
       const double area = s.x * r.y - r.x * s.y;
       if (area == 0.0) return;
       const glm::dvec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
@@ -174,9 +176,25 @@ class InstanceWriter {
   glm::mat4 world_;
   glm::dmat3 linear_;
   bool mirrored_;
+  std::size_t tangent_uv_set_;
   DrawItem item_;
   FlatGeometry& out_;
 };
+
+/// The set of the normal texture, or of the coat's where the material has no other. Tangents are the same in all
+/// variants: the first material with such a texture counts. Source: glTF 2.0, 3.7.2.1: tangents of the texture
+/// coordinates associated with the normal texture.
+int tangent_uv_set(const Scene& scene, const Primitive& primitive) {
+  std::vector<int> candidates = {primitive.material};
+  for (const auto& [variant, material] : primitive.variant_materials) candidates.push_back(material);
+  for (const int index : candidates) {
+    if (index < 0 || index >= static_cast<int>(scene.materials.size())) continue;
+    const Material& material = scene.materials[static_cast<std::size_t>(index)];
+    for (const TextureRef* texture : {&material.normal_texture, &material.clearcoat_normal_texture})
+      if (*texture) return texture->uv_set;
+  }
+  return 0;
+}
 
 std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Primitive>& patches) {
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
@@ -193,6 +211,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
       for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
         instance.item.primitive = static_cast<int>(p);
         instance.source = &mesh.primitives[p];
+        instance.tangent_uv_set = tangent_uv_set(scene, mesh.primitives[p]);
         instances.push_back(instance);
       }
     }
@@ -200,6 +219,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
       instance.item.mesh = instance.item.primitive = -1;
       instance.item.patch = node.patch;
       instance.source = &patches[static_cast<std::size_t>(node.patch)];
+      instance.tangent_uv_set = 0;
       instances.push_back(instance);
     }
   }

@@ -19,8 +19,8 @@ struct DrawItem {
 };
 
 /// All visible instances in world space with one shared index buffer (absolute indices). Attribute arrays have the
-/// length of `positions`; missing normals are area-weighted means, missing tangents come from UV 0 (or any frame
-/// without UVs).
+/// length of `positions`; missing normals are area-weighted means, missing tangents come from the UV set of the
+/// normal texture (or any frame without UVs).
 struct FlatGeometry {
   std::vector<glm::vec3> positions;  ///< metres
   std::vector<glm::vec3> normals;    ///< unit

@@ -78,6 +78,27 @@ TEST(Flatten, RewindsMirroredInstances) {
   }
 }
 
+/// glTF 2.0, 3.7.2.1: tangents belong to the texture coordinates of the normal texture.
+TEST(Flatten, TakesTangentsFromTheSetOfTheNormalTexture) {
+  Primitive primitive = quad();
+  primitive.uvs[1] = {{0, 0}, {0, 1}, {-1, 1}, {-1, 0}};  // u along -y, v along x
+  primitive.material = 0;
+  Scene scene = scene_of(primitive);
+  scene.materials.resize(2);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+  scene.materials[0].normal_texture.image = 0;
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+  scene.materials[0].normal_texture.uv_set = 1;
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+  scene.materials[0] = Material();
+  scene.materials[1].clearcoat_normal_texture.image = 0;
+  scene.materials[1].clearcoat_normal_texture.uv_set = 1;
+  scene.meshes[0].primitives[0].variant_materials[0] = 1;
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+  scene.meshes[0].primitives[0].uvs[0].clear();  // the second set alone
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+}
+
 TEST(Flatten, MirrorsGivenTangents) {
   Primitive primitive = quad();
   primitive.normals.assign(4, glm::vec3(0, 0, 1));

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include "scenes/environment_builtin.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/image_color.h"
 #include "scenes/image_rows.h"
 
 namespace maquette {
@@ -21,6 +23,8 @@ constexpr int kMaxWidth = 8192;
 constexpr int kMaxHeight = 4096;
 /// Larger values are treated as invalid: the sun has 1.6e9 cd/m2, and squares must stay finite in float.
 constexpr float kMaxRadiance = 1e15f;
+/// Of Rec.709, as in luminance().
+constexpr glm::vec3 kLuminanceWeights(0.2126f, 0.7152f, 0.0722f);
 
 std::size_t texel_index(const Environment& environment, int x, int y) {
   return static_cast<std::size_t>(y) * static_cast<std::size_t>(environment.width) + static_cast<std::size_t>(x);
@@ -29,6 +33,10 @@ std::size_t texel_index(const Environment& environment, int x, int y) {
 bool is_valid(const glm::vec3& rgb) {
   const auto fine = [](float v) { return v >= 0.0f && v <= kMaxRadiance; };  // false for NaN
   return fine(rgb.x) && fine(rgb.y) && fine(rgb.z);
+}
+
+std::string texels_text(std::size_t count) {
+  return std::to_string(count) + (count == 1 ? " texel was" : " texels were");
 }
 
 /// Averages the rows of a file over area into a smaller map (or one of the same size) while they are read.
@@ -66,6 +74,9 @@ class RowReducer {
     environment.width = width_;
     environment.height = height_;
     environment.rgb = std::move(rgb_);
+    environment.warnings = info_.warnings;
+    if (desaturated_)
+      environment.warnings.push_back(texels_text(desaturated_) + " outside the gamut of Rec.709 and became paler");
     if (reduces())
       environment.warnings.push_back("reduced from " + std::to_string(info_.width) + " x " +
                                      std::to_string(info_.height) + " to " + std::to_string(width_) + " x " +
@@ -78,7 +89,19 @@ class RowReducer {
 
   void copy_row(int y, const float* row) {
     glm::vec3* target = &rgb_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_)];
-    for (int x = 0; x < width_; ++x, row += info_.channels) target[x] = {row[0], row[1], row[2]};
+    std::size_t desaturated = 0;
+    for (int x = 0; x < width_; ++x, row += info_.channels) target[x] = color_of(row, &desaturated);
+    desaturated_ += desaturated;
+  }
+
+  /// Light has no negative components: colours outside Rec.709 keep their luminance instead.
+  glm::vec3 color_of(const float* texel, std::size_t* desaturated) const {
+    const glm::vec3 rgb(texel[0], texel[1], texel[2]);
+    if (!info_.converted || !(std::min({rgb.x, rgb.y, rgb.z}) < 0.0f)) return rgb;
+    const glm::vec3 paler = desaturate_into_gamut(rgb, kLuminanceWeights);
+    // The matrix leaves rounding errors on the primaries and on grey.
+    if (glm::distance(paler, rgb) > 1e-5f * std::max({rgb.x, rgb.y, rgb.z})) ++*desaturated;
+    return paler;
   }
 
   /// Calls add(cell, share) for the one or two target cells that source cell `i` of `source_count` covers.
@@ -93,12 +116,14 @@ class RowReducer {
     if (end - split > 1e-9 && cell + 1 < target_count) add(cell + 1, end - split);
   }
 
-  void narrow_row(const float* row, glm::dvec4* target) const {
+  void narrow_row(const float* row, glm::dvec4* target) {
+    std::size_t desaturated = 0;
     for (int x = 0; x < info_.width; ++x, row += info_.channels) {
-      const glm::vec3 rgb(row[0], row[1], row[2]);
+      const glm::vec3 rgb = color_of(row, &desaturated);
       if (!is_valid(rgb)) continue;
       distribute(x, info_.width, width_, [&](int cell, double share) { target[cell] += share * glm::dvec4(rgb, 1.0); });
     }
+    desaturated_ += desaturated;
   }
 
   void add_narrow(int y, const glm::dvec4* row) {
@@ -125,6 +150,7 @@ class RowReducer {
   int open_row_ = 0;
   std::vector<glm::vec3> rgb_;
   std::vector<glm::dvec4> sums_;
+  std::atomic<std::size_t> desaturated_ = 0;
 };
 
 glm::vec3 mean_of_valid_neighbours(const Environment& environment, int x, int y) {
@@ -157,7 +183,7 @@ void repair_texels(Environment& environment) {
     count += row.size();
   }
   if (count)
-    environment.warnings.push_back(std::to_string(count) + (count == 1 ? " texel was" : " texels were") +
+    environment.warnings.push_back(texels_text(count) +
                                    " not finite, negative or above 1e15 and became the mean of the neighbours");
 }
 
@@ -193,7 +219,7 @@ Environment load_environment(const std::string& source) {
   } else {
     RowReducer reducer;
     stream_hdr_image(
-        source, [&](const HdrInfo& info) { reducer.begin(info); },
+        source, HdrUse::environment, [&](const HdrInfo& info) { reducer.begin(info); },
         [&](int first_row, int row_count, const float* values) { reducer.add(first_row, row_count, values); });
     environment = reducer.release();
     environment.name = std::filesystem::path(source).filename().string();

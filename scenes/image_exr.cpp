@@ -1,145 +1,271 @@
-// The only file that includes OpenEXR.
-#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfEnvmapAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
-#include <OpenEXR/ImfOutputFile.h>
-#include <OpenEXR/ImfPartType.h>
-#include <OpenEXR/ImfRgbaFile.h>
-#include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfStandardAttributes.h>
 
 #include <algorithm>
 #include <array>
-#include <cassert>
-#include <mutex>
+#include <map>
 #include <optional>
-#include <thread>
 #include <vector>
 
 #include "scenes/error.h"
-#include "scenes/files.h"
-#include "scenes/image_io.h"
+#include "scenes/image_color.h"
+#include "scenes/image_exr_channels.h"
+#include "scenes/image_exr_threads.h"
 #include "scenes/image_rows.h"
 
 namespace maquette {
 namespace {
 
+using Layout = ExrPicture::Layout;
 constexpr int kStripRows = 256;  // the largest block of lines of any compression (DWAB)
 
-enum class Layout { rgb, luminance, luminance_chroma };
+/// Weights of the stored chroma samples at the distances 1, 3, ... 13 from a pixel without one.
+/// Source: OpenEXR, ImfRgbaYca.cpp, reconstructChromaHoriz.
+constexpr std::array<float, 7> kChromaFilter = {0.627123f, -0.186077f, 0.087929f, -0.043159f,
+                                                0.019597f, -0.007540f, 0.002128f};
+constexpr int kChromaReach = 2 * static_cast<int>(kChromaFilter.size()) - 1;
 
-void use_all_cores() {
-  static std::once_flag once;
-  std::call_once(once, [] { Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency())); });
-}
+/// How the stored values become Rec.709.
+struct ColorSpace {
+  std::optional<glm::mat3> rec709_from_file;  ///< nothing when they are Rec.709
+  glm::vec3 luminance_weights{0.2126f, 0.7152f, 0.0722f};
+};
 
-std::string join_channel_names(const Imf::ChannelList& channels) {
-  std::string names;
-  int count = 0;
-  for (auto it = channels.begin(); it != channels.end(); ++it, ++count) {
-    if (count == 12) return names + ", ...";
-    names += (names.empty() ? "" : ", ") + std::string(it.name());
+ColorSpace read_color_space(const Imf::Header& header, std::vector<std::string>* warnings) {
+  ColorSpace space;
+  Primaries primaries;
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    const auto vector = [](const Imath::V2f& v) { return glm::dvec2(v.x, v.y); };
+    const Primaries stored{vector(c.red), vector(c.green), vector(c.blue), vector(c.white)};
+    if (xyz_from_rgb(stored))
+      primaries = stored;
+    else
+      warnings->push_back("its chromaticities describe no colour space; its colours are taken as Rec.709");
   }
-  return names.empty() ? "none" : names;
+  if (!is_rec709(primaries)) space.rec709_from_file = glm::mat3(rec709_from_rgb(primaries));
+  const glm::dmat3 xyz = *xyz_from_rgb(primaries);
+  space.luminance_weights = glm::vec3(xyz[0].y, xyz[1].y, xyz[2].y);
+  return space;
 }
 
-std::optional<Layout> find_layout(const Imf::ChannelList& channels) {
-  const auto has = [&](const char* name) { return channels.findChannel(name) != nullptr; };
-  if (has("R") && has("G") && has("B")) return Layout::rgb;
-  if (has("Y") && has("RY") && has("BY")) return Layout::luminance_chroma;
-  if (has("Y")) return Layout::luminance;
-  return std::nullopt;
-}
+struct Window {
+  int x = 0, y = 0, width = 0, height = 0;
+  bool operator==(const Window&) const = default;
+};
 
-bool is_flat(const Imf::Header& header) {
-  return !header.hasType() || header.type() == Imf::SCANLINEIMAGE || header.type() == Imf::TILEDIMAGE;
-}
-
-HdrInfo read_info(const std::string& path, const Imf::Header& header) {
-  const Imath::Box2i window = header.dataWindow();
-  const long long width = static_cast<long long>(window.max.x) - window.min.x + 1;
-  const long long height = static_cast<long long>(window.max.y) - window.min.y + 1;
+Window checked_window(const std::string& path, const Imath::Box2i& box) {
+  const long long width = static_cast<long long>(box.max.x) - box.min.x + 1;
+  const long long height = static_cast<long long>(box.max.y) - box.min.y + 1;
   check_image_size(path, width, height);
-  return {static_cast<int>(width), static_cast<int>(height), header.channels().findChannel("A") ? 4 : 3};
+  return {box.min.x, box.min.y, static_cast<int>(width), static_cast<int>(height)};
 }
 
-/// R, G, B (A) or Y as floats; Y is copied to all three channels.
-void stream_plain(const std::string& path, Imf::InputPart& part, Layout layout, const HdrInfo& info,
-                  const HdrRows& rows) {
-  const Imath::V2i origin = part.header().dataWindow().min;
-  const auto channel_count = static_cast<std::size_t>(info.channels);
-  const auto width = static_cast<std::size_t>(info.width);
-  std::vector<float> strip(width * static_cast<std::size_t>(std::min(kStripRows, info.height)) * channel_count);
-  const std::array<const char*, 4> names = layout == Layout::rgb ? std::array<const char*, 4>{"R", "G", "B", "A"}
-                                                                 : std::array<const char*, 4>{"Y", "", "", "A"};
-  for (const char* name : names) {
-    const Imf::Channel* channel = *name ? part.header().channels().findChannel(name) : nullptr;
-    if (channel && (channel->xSampling != 1 || channel->ySampling != 1))
-      throw Error(path, std::string("the EXR channel ") + name + " is subsampled", "store it at full resolution");
+/// Reads rows of the data window as R G B (A) in the colour space of the file.
+class RowReader {
+ public:
+  RowReader(const std::string& path, Imf::MultiPartInputFile* file, const ExrPicture& picture, const Window& window,
+            const glm::vec3& luminance_weights)
+      : picture_(picture),
+        window_(window),
+        weights_(luminance_weights),
+        channel_count_(picture.has_alpha ? 4 : 3),
+        row_floats_(static_cast<std::size_t>(window.width) * channel_count_) {
+    for (const ExrChannel& channel : picture.channels) {
+      if (!file->partComplete(channel.part)) throw Error(path, "the EXR file is truncated", "copy it again");
+      parts_.try_emplace(channel.part, *file, channel.part);
+      check_sampling(path, channel);
+    }
+    if (picture.layout == Layout::luminance_chroma && !(weights_.y > 1e-3f))
+      throw Error(path, "its chromaticities leave green without luminance, so chroma cannot be converted",
+                  "store it as RGB");
   }
-  for (int first = 0; first < info.height; first += kStripRows) {
-    const int count = std::min(kStripRows, info.height - first);
+
+  /// `y` is counted from the first row of the data window.
+  void read(int y, int count, float* values) {
+    if (picture_.layout == Layout::rgb) {
+      read_channels({0, 1, 2}, y, count, values);
+    } else {
+      read_channels({0}, y, count, values);
+    }
+    const std::size_t texel_count = static_cast<std::size_t>(window_.width) * static_cast<std::size_t>(count);
+    if (picture_.layout == Layout::luminance) {
+      for (std::size_t i = 0; i < texel_count; ++i)
+        values[i * channel_count_ + 1] = values[i * channel_count_ + 2] = values[i * channel_count_];
+    } else if (picture_.layout == Layout::luminance_chroma) {
+      const std::vector<float> ry = read_chroma(picture_.channels[1], y, count);
+      const std::vector<float> by = read_chroma(picture_.channels[2], y, count);
+      for (std::size_t i = 0; i < texel_count; ++i) convert_chroma(ry[i], by[i], values + i * channel_count_);
+    }
+  }
+
+ private:
+  void check_sampling(const std::string& path, const ExrChannel& channel) const {
+    const bool chroma = channel.name.ends_with("RY") || channel.name.ends_with("BY");
+    const int most = chroma ? 2 : 1;
+    if (channel.x_sampling > most || channel.y_sampling > most)
+      throw Error(path,
+                  "the EXR channel " + channel.name + " is subsampled by " + std::to_string(channel.x_sampling) +
+                      " x " + std::to_string(channel.y_sampling) + ", at most " + std::to_string(most) + " x " +
+                      std::to_string(most) + " is read",
+                  "store it at full resolution");
+  }
+
+  /// Channels of the picture to their places in the interleaved rows, alpha too.
+  void read_channels(std::vector<std::size_t> channels, int y, int count, float* values) {
+    const std::size_t colors = channels.size();
+    if (picture_.has_alpha) channels.push_back(picture_.channels.size() - 1);
+    std::map<int, Imf::FrameBuffer> buffers;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      const ExrChannel& channel = picture_.channels[channels[i]];
+      buffers[channel.part].insert(
+          channel.name,
+          Imf::Slice::Make(Imf::FLOAT, values + (i < colors ? i : 3), {window_.x, window_.y + y}, window_.width, count,
+                           channel_count_ * sizeof(float), row_floats_ * sizeof(float)));
+    }
+    for (const auto& [p, buffer] : buffers) {
+      Imf::InputPart& part = parts_.at(p);
+      part.setFrameBuffer(buffer);
+      part.readPixels(window_.y + y, window_.y + y + count - 1);
+    }
+  }
+
+  /// A chroma channel at full resolution.
+  std::vector<float> read_chroma(const ExrChannel& channel, int y, int count) {
+    const int sx = channel.x_sampling, sy = channel.y_sampling;
+    const int reach = sy == 2 ? kChromaReach : 0;
+    // The data window begins at a sample: OpenEXR refuses other files.
+    const int first = std::max(0, y - reach) / sy * sy;
+    const int last = std::min(window_.height - 1, y + count - 1 + reach);
+    const int columns = (window_.width + sx - 1) / sx, rows = (last - first) / sy + 1;
+    std::vector<float> stored(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     Imf::FrameBuffer buffer;
-    for (std::size_t c = 0; c < channel_count; ++c) {
-      if (!*names[c]) continue;
-      buffer.insert(names[c],
-                    Imf::Slice::Make(Imf::FLOAT, strip.data() + c, {origin.x, origin.y + first}, info.width, count,
-                                     channel_count * sizeof(float), width * channel_count * sizeof(float)));
-    }
+    buffer.insert(channel.name, Imf::Slice::Make(Imf::FLOAT, stored.data(), {window_.x, window_.y + first},
+                                                 window_.width, last - first + 1, sizeof(float),
+                                                 static_cast<std::size_t>(columns) * sizeof(float), sx, sy));
+    Imf::InputPart& part = parts_.at(channel.part);
     part.setFrameBuffer(buffer);
-    part.readPixels(origin.y + first, origin.y + first + count - 1);
-    if (layout == Layout::luminance) {
-      for (std::size_t i = 0; i < width * static_cast<std::size_t>(count); ++i)
-        strip[i * channel_count + 1] = strip[i * channel_count + 2] = strip[i * channel_count];
+    part.readPixels(window_.y + first, window_.y + last);
+
+    // First the missing rows, then the missing columns.
+    std::vector<float> full(static_cast<std::size_t>(window_.width) * static_cast<std::size_t>(count));
+    std::vector<float> row(static_cast<std::size_t>(columns));
+    for (int r = 0; r < count; ++r) {
+      const int at = y + r - first;
+      for (int c = 0; c < columns; ++c)
+        row[static_cast<std::size_t>(c)] = interpolate(at, sy, rows - 1, [&](int i) {
+          return stored[static_cast<std::size_t>(i) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c)];
+        });
+      float* target = &full[static_cast<std::size_t>(r) * static_cast<std::size_t>(window_.width)];
+      for (int x = 0; x < window_.width; ++x)
+        target[x] = interpolate(x, sx, columns - 1, [&](int i) { return row[static_cast<std::size_t>(i)]; });
     }
+    return full;
+  }
+
+  /// Value at pixel `at` of samples at every `sampling`-th pixel; the last ones continue beyond the edges.
+  template <class Sample>
+  static float interpolate(int at, int sampling, int last_sample, const Sample& sample) {
+    if (at % sampling == 0) return sample(at / sampling);
+    float sum = 0.0f;
+    for (int i = 0; i < static_cast<int>(kChromaFilter.size()); ++i) {
+      const int left = std::max(0, at / 2 - i), right = std::min(last_sample, at / 2 + 1 + i);
+      sum += kChromaFilter[static_cast<std::size_t>(i)] * (sample(left) + sample(right));
+    }
+    return sum;
+  }
+
+  /// Source: OpenEXR, ImfRgbaYca.cpp, YCAtoRGBA. Differs: ringing of the chroma filter is only desaturated where it
+  /// makes a component negative.
+  void convert_chroma(float ry, float by, float* values) const {
+    const float y = values[0];
+    glm::vec3 rgb(y);
+    if (ry != 0.0f || by != 0.0f) {
+      rgb.x = (ry + 1.0f) * y;
+      rgb.z = (by + 1.0f) * y;
+      rgb.y = (y - rgb.x * weights_.x - rgb.z * weights_.z) / weights_.y;
+      if (picture_.channels[1].x_sampling > 1 || picture_.channels[1].y_sampling > 1)
+        rgb = desaturate_into_gamut(rgb, weights_);
+    }
+    std::copy_n(&rgb[0], 3, values);
+  }
+
+  const ExrPicture& picture_;
+  const Window window_;
+  const glm::vec3 weights_;
+  const std::size_t channel_count_, row_floats_;
+  std::map<int, Imf::InputPart> parts_;
+};
+
+/// Streams `canvas` of a picture that is stored in `data`: 0 outside it.
+void stream_canvas(RowReader* reader, const Window& data, const Window& canvas, const ColorSpace& space, int channels,
+                   const HdrRows& rows) {
+  const auto channel_count = static_cast<std::size_t>(channels);
+  const std::size_t row_floats = static_cast<std::size_t>(canvas.width) * channel_count;
+  const std::size_t data_floats = static_cast<std::size_t>(data.width) * channel_count;
+  std::vector<float> strip(row_floats * static_cast<std::size_t>(std::min(kStripRows, canvas.height)));
+  std::vector<float> stored;
+  // 64 bits: windows may begin anywhere.
+  const long long left = std::max<long long>(canvas.x, data.x);
+  const long long right =
+      std::min<long long>(static_cast<long long>(canvas.x) + canvas.width, static_cast<long long>(data.x) + data.width);
+  for (int first = 0; first < canvas.height; first += kStripRows) {
+    const int count = std::min(kStripRows, canvas.height - first);
+    const long long shift = static_cast<long long>(canvas.y) - data.y;
+    const long long begin = std::max<long long>(0, first + shift);
+    const long long end = std::min<long long>(data.height, first + shift + count);
+    if (data == canvas) {
+      reader->read(first, count, strip.data());
+    } else {
+      std::fill(strip.begin(), strip.end(), 0.0f);
+      if (begin < end && left < right) {
+        stored.resize(data_floats * static_cast<std::size_t>(end - begin));
+        reader->read(static_cast<int>(begin), static_cast<int>(end - begin), stored.data());
+      }
+      for (long long y = begin; y < end && left < right; ++y)
+        std::copy_n(&stored[static_cast<std::size_t>(y - begin) * data_floats +
+                            static_cast<std::size_t>(left - data.x) * channel_count],
+                    static_cast<std::size_t>(right - left) * channel_count,
+                    &strip[static_cast<std::size_t>(y - shift - first) * row_floats +
+                           static_cast<std::size_t>(left - canvas.x) * channel_count]);
+    }
+    if (space.rec709_from_file)
+      convert_colors(*space.rec709_from_file, static_cast<std::size_t>(canvas.width) * static_cast<std::size_t>(count),
+                     channels, strip.data());
     rows(first, count, strip.data());
   }
 }
 
-/// Luminance and subsampled chroma, converted by OpenEXR, in half precision as they are stored.
-void stream_chroma(const std::string& path, const HdrInfo& info, const HdrRows& rows) {
-  Imf::RgbaInputFile file(path.c_str());
-  const Imath::V2i origin = file.dataWindow().min;
-  const auto channel_count = static_cast<std::size_t>(info.channels);
-  const auto width = static_cast<std::size_t>(info.width);
-  std::vector<Imf::Rgba> row(width);
-  std::vector<float> values(width * channel_count);
-  for (int y = 0; y < info.height; ++y) {
-    file.setFrameBuffer(row.data() - origin.x, 1, 0);
-    file.readPixels(origin.y + y);
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::array<float, 4> rgba = {row[x].r, row[x].g, row[x].b, row[x].a};
-      std::copy_n(rgba.begin(), channel_count, values.begin() + static_cast<std::ptrdiff_t>(x * channel_count));
-    }
-    rows(y, 1, values.data());
-  }
+void stream_picture(const std::string& path, HdrUse use, const HdrBegin& begin, const HdrRows& rows) {
+  Imf::MultiPartInputFile file(path.c_str());
+  HdrInfo info;
+  const ExrPicture picture = choose_exr_picture(path, file, &info.warnings);
+  const Imf::Header& header = file.header(picture.channels[0].part);
+  if (use == HdrUse::environment && Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE)
+    throw Error(path, "is a cube map (attribute envmap), expected latitude and longitude", "convert it");
+  const ColorSpace space = read_color_space(header, &info.warnings);
+  const Window data = checked_window(path, header.dataWindow());
+  const Window canvas = use == HdrUse::picture ? checked_window(path, header.displayWindow()) : data;
+  info.width = canvas.width;
+  info.height = canvas.height;
+  info.channels = picture.has_alpha ? 4 : 3;
+  info.converted = space.rec709_from_file.has_value();
+  RowReader reader(path, &file, picture, data, space.luminance_weights);
+  begin(info);
+  stream_canvas(&reader, data, canvas, space, info.channels, rows);
 }
 
 }  // namespace
 
-void stream_exr(const std::string& path, const HdrBegin& begin, const HdrRows& rows) {
-  use_all_cores();
+void stream_exr(const std::string& path, HdrUse use, const HdrBegin& begin, const HdrRows& rows) {
+  use_all_cores_for_exr();
   try {
-    Imf::MultiPartInputFile file(path.c_str());
-    std::string found;
-    for (int p = 0; p < file.parts(); ++p) {
-      const Imf::Header& header = file.header(p);
-      const std::optional<Layout> layout = find_layout(header.channels());
-      if (!layout || !is_flat(header)) {
-        found +=
-            (found.empty() ? "" : "; ") + (is_flat(header) ? join_channel_names(header.channels()) : "a deep image");
-        continue;
-      }
-      const HdrInfo info = read_info(path, header);
-      if (!file.partComplete(p)) throw Error(path, "the EXR file is truncated", "copy it again");
-      begin(info);
-      Imf::InputPart part(file, p);
-      return *layout == Layout::luminance_chroma && file.parts() == 1 ? stream_chroma(path, info, rows)
-                                                                      : stream_plain(path, part, *layout, info, rows);
-    }
-    throw Error(path, "the EXR file has no R, G, B or Y channels (found: " + found + ")", "store it as RGB");
+    stream_picture(path, use, begin, rows);
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {
@@ -149,52 +275,6 @@ void stream_exr(const std::string& path, const HdrBegin& begin, const HdrRows& r
     std::string what = error.what();
     std::replace(what.begin(), what.end(), '\n', ' ');
     throw Error(path, "damaged EXR file (" + what + ")", "copy or export it again");
-  }
-}
-
-namespace {
-
-/// Declares the image's channels, each with `prefix`, in header and frame buffer.
-void add_channels(const std::string& prefix, const Image& image, Imf::Header* header, Imf::FrameBuffer* buffer) {
-  assert(image.width > 0 && image.height > 0 && (image.channels == 1 || image.channels == 3 || image.channels == 4));
-  assert(image.data.size() == image.index(0, image.height));
-  static constexpr std::array<const char*, 4> kColour = {"R", "G", "B", "A"};
-  const auto count = static_cast<std::size_t>(image.channels);
-  for (std::size_t c = 0; c < count; ++c) {
-    const std::string name = prefix + (count == 1 ? "Y" : kColour[c]);
-    header->channels().insert(name.c_str(), Imf::Channel(Imf::FLOAT));
-    buffer->insert(name.c_str(), Imf::Slice::Make(Imf::FLOAT, image.data.data() + c, {0, 0}, image.width, image.height,
-                                                  count * sizeof(float),
-                                                  count * sizeof(float) * static_cast<std::size_t>(image.width)));
-  }
-}
-
-}  // namespace
-
-void save_exr(const std::string& path, const Image& image, const std::map<std::string, std::string>& attributes,
-              const ImageLayers& layers) {
-  use_all_cores();
-  try {
-    write_atomically(path, [&](const std::string& temporary) {
-      Imf::Header header(image.width, image.height);
-      header.compression() = Imf::ZIP_COMPRESSION;
-      for (const auto& [name, value] : attributes) header.insert(name.c_str(), Imf::StringAttribute(value));
-      Imf::FrameBuffer buffer;
-      add_channels("", image, &header, &buffer);
-      for (const auto& [name, layer] : layers) {
-        assert(layer.width == image.width && layer.height == image.height);
-        add_channels(name + ".", layer, &header, &buffer);
-      }
-      Imf::OutputFile file(temporary.c_str(), header);
-      file.setFrameBuffer(buffer);
-      file.writePixels(image.height);
-    });
-  } catch (const Error&) {
-    throw;
-  } catch (const std::exception& error) {
-    std::string what = error.what();
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    throw Error(path, "cannot write the EXR file (" + what + ")", "check the folder and the free space");
   }
 }
 

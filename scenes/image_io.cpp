@@ -53,18 +53,19 @@ void check_image_size(const std::string& path, long long width, long long height
                 "make it smaller");
 }
 
-void stream_hdr_image(const std::string& path, const HdrBegin& begin, const HdrRows& rows) {
+void stream_hdr_image(const std::string& path, HdrUse use, const HdrBegin& begin, const HdrRows& rows) {
   const std::array<unsigned char, 4> magic = read_magic(path);
-  if (magic == kExrMagic) return stream_exr(path, begin, rows);
+  if (magic == kExrMagic) return stream_exr(path, use, begin, rows);
   if (magic[0] == '#' && magic[1] == '?') return stream_radiance(path, begin, rows);
   throw Error(path, "is neither an OpenEXR nor a Radiance HDR image", "use a .exr or .hdr file");
 }
 
-Image load_hdr_image(const std::string& path) {
+Image load_hdr_image(const std::string& path, std::vector<std::string>* warnings) {
   Image image;
   stream_hdr_image(
-      path,
+      path, HdrUse::picture,
       [&](const HdrInfo& info) {
+        if (warnings) warnings->insert(warnings->end(), info.warnings.begin(), info.warnings.end());
         if (static_cast<long long>(info.width) * info.height > kMaxTexels)
           throw Error(path, "too large to load whole (at most 2^27 texels)", "make it smaller");
         image = Image(info.width, info.height, info.channels);

@@ -2,14 +2,16 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "scenes/image.h"
 
 namespace maquette {
 
 /// Reads .exr or .hdr (Radiance) as linear float, 3 or 4 channels (R, G, B, then A if there is one).
-/// Throws Error: unreadable, truncated, missing R/G/B channels, absurd size.
-Image load_hdr_image(const std::string& path);
+/// Throws Error: unreadable, truncated, missing R/G/B channels, absurd size. What could not be followed is added to
+/// `warnings`.
+Image load_hdr_image(const std::string& path, std::vector<std::string>* warnings = nullptr);
 
 /// Further images of an EXR file by name: the layer `variance` has the channels variance.R, variance.G, variance.B.
 using ImageLayers = std::map<std::string, Image>;

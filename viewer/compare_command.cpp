@@ -39,8 +39,8 @@ int run_compare(const CommandLine& line) {
     check_replaces_none("--output", output, line.files);
     check_writable("--output", output);
   }
-  const Image image = load_hdr_image(path);
-  const Image reference = load_hdr_image(reference_path);
+  const Image image = load_picture(path);
+  const Image reference = load_picture(reference_path);
   if (image.width != reference.width || image.height != reference.height)
     throw Error(path, "it has " + size_text(image) + " pixels, " + reference_path + " has " + size_text(reference),
                 "compare pictures of one size");

@@ -11,6 +11,7 @@
 
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/image_io.h"
 
 namespace maquette {
 
@@ -70,6 +71,13 @@ void prepare_folder(const std::string& option, const std::string& folder) {
   std::filesystem::create_directories(folder, error);
   if (error) throw Error(where, "the folder cannot be made: " + error.message(), "choose another path");
   check_writable(option, (std::filesystem::path(folder) / "a file").string());
+}
+
+Image load_picture(const std::string& path) {
+  std::vector<std::string> warnings;
+  Image image = load_hdr_image(path, &warnings);
+  for (const std::string& warning : warnings) std::fprintf(stderr, "warning: %s: %s\n", path.c_str(), warning.c_str());
+  return image;
 }
 
 void write_text(const std::string& path, const std::string& text) {

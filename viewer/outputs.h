@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "scenes/image.h"
 #include "viewer/options.h"
 
 namespace maquette {
@@ -25,6 +26,9 @@ void check_replaces_none(const std::string& option, const std::string& path, con
 
 /// Makes `folder` where it is not there yet. Throws Error when it cannot be made or written into.
 void prepare_folder(const std::string& option, const std::string& folder);
+
+/// Loads a picture to compare with; what could not be followed goes to standard error. Throws Error.
+Image load_picture(const std::string& path);
 
 /// Writes text atomically; "-" prints it.
 void write_text(const std::string& path, const std::string& text);

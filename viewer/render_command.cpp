@@ -43,7 +43,7 @@ void check_outputs(const SceneOptions& options) {
 
 std::optional<Image> load_reference(const SceneOptions& options) {
   if (options.reference.empty()) return std::nullopt;
-  Image reference = load_hdr_image(options.reference);
+  Image reference = load_picture(options.reference);
   if (reference.width != options.width || reference.height != options.height)
     throw Error("--reference " + options.reference,
                 "it has " + std::to_string(reference.width) + "x" + std::to_string(reference.height) +

@@ -20,7 +20,7 @@ constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 /// Codes and identifiers are kept as int by tinygltf, as 32 bits by Draco.
 constexpr std::uint64_t kMaxCode = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::array<std::string_view, 15> kReadExtensions = {
+constexpr std::array<std::string_view, 16> kReadExtensions = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization",
     "KHR_texture_transform",      "KHR_lights_punctual",
     "KHR_materials_clearcoat",    "KHR_materials_transmission",
@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 15> kReadExtensions = {
     "KHR_materials_sheen",        "KHR_materials_emissive_strength",
     "KHR_materials_variants",     "KHR_materials_unlit",
     "KHR_materials_volume",       "EXT_mesh_gpu_instancing",
-    "EXT_meshopt_compression",
+    "EXT_meshopt_compression",    "EXT_texture_webp",
 };
 
 enum class Kind { index, natural, code, stride, number, text, boolean, object, array };
@@ -86,6 +86,8 @@ constexpr Rule kRules[] = {
     {"samplers[].wrapT", Kind::code},
     {"textures[].source", Kind::index, false, "images"},
     {"textures[].sampler", Kind::index, false, "samplers"},
+    {"textures[].extensions", Kind::object},
+    {"textures[].extensions.EXT_texture_webp.source", Kind::index, false, "images"},
     {"materials[].name", Kind::text},
     {"materials[].extensions", Kind::object},
     {"meshes[].name", Kind::text},

@@ -5,6 +5,7 @@
 #include <array>
 #include <glm/glm.hpp>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,8 +77,11 @@ std::vector<glm::mat4> read_matrices(const Document& document, std::size_t acces
 std::vector<std::uint32_t> read_indices(const Document& document, std::size_t accessor);
 std::vector<float> read_scalars(const Document& document, std::size_t accessor);
 
-/// Decodes images in parallel; an unreadable image stays empty and causes a warning.
+/// Decodes images in parallel; an unreadable image stays empty and causes a warning. An image that only stands in
+/// for a readable WebP image stays empty too.
 void import_images(Document* document, Scene* scene);
+/// The image that a texture shows: that of EXT_texture_webp if it is readable or the only one, otherwise `source`.
+std::optional<std::size_t> image_of_texture(const Json& texture, const Scene& scene);
 /// Fills images, materials (textures included) and variants.
 void import_materials(Document* document, Scene* scene);
 /// Fills meshes, decoding primitives in parallel.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -82,13 +83,13 @@ class MaterialReader {
     const Json& info = member(object, key);
     const std::string where = where_ + "." + key;
     const Json& source = element_json(document_, "textures", texture_index(info, where));
-    if (!source.contains("source")) {
+    const std::optional<std::size_t> chosen = image_of_texture(source, scene_);
+    if (!chosen) {
       document_.warnings.add("a texture without a readable image is left out", name_ + "." + key);
       return ref;
     }
-    const auto image = source["source"].get<std::size_t>();
-    if (scene_.images[image].width == 0) return ref;  // unreadable: the image has already been reported
-    ref.image = static_cast<int>(image);
+    if (scene_.images[*chosen].width == 0) return ref;  // unreadable: the image has already been reported
+    ref.image = static_cast<int>(*chosen);
     if (source.contains("sampler")) {
       const Json& sampler = element_json(document_, "samplers", source["sampler"].get<std::size_t>());
       ref.wrap_s = wrap_of(sampler, "wrapS");

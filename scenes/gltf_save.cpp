@@ -158,8 +158,12 @@ class GlbWriter {
         const auto* bytes = static_cast<const std::byte*>(data);
         out->insert(out->end(), bytes, bytes + size);
       };
-      if (image.width == 0) throw Error(path_, "image \"" + image.name + "\" is empty and cannot be saved");
-      if (stbi_write_png_to_func(append, &png, image.width, image.height, 4, image.rgba.data(), 4 * image.width) == 0)
+      // No texture shows an image that was left out: one texel keeps the numbers of the others.
+      const bool empty = image.width == 0;
+      const std::vector<std::uint8_t> texel(4, 0);
+      const int width = empty ? 1 : image.width, height = empty ? 1 : image.height;
+      const std::uint8_t* texels = empty ? texel.data() : image.rgba.data();
+      if (stbi_write_png_to_func(append, &png, width, height, 4, texels, 4 * width) == 0)
         throw Error(path_, "image \"" + image.name + "\" cannot be written as PNG");
       Json out = {{"mimeType", "image/png"}, {"bufferView", add_view(png.data(), png.size(), 0)}};
       if (!image.name.empty()) out["name"] = image.name;

@@ -77,10 +77,11 @@ JpegFacts check_jpeg(Bytes bytes) {
     if (bytes.size() - i < 2) throw cut_short();
     const std::size_t length = big_endian(bytes, i, 2);
     if (length > bytes.size() - i) throw cut_short();
+    if (length < 2) throw Error({}, "is a damaged JPEG image", "copy or export it again");
     const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
     if (frame && length >= 8) facts.components = byte_at(bytes, i + 7);
     if (marker == 0xee && as_text(bytes.subspan(i, length)).substr(2).starts_with("Adobe")) facts.adobe = true;
-    i += std::max<std::size_t>(length, 2);
+    i += length;
   }
 }
 

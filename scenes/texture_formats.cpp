@@ -1,6 +1,7 @@
 #include "scenes/texture_formats.h"
 
 #include <stb/stb_image.h>
+#include <turbojpeg.h>
 #include <webp/decode.h>
 #include <zlib.h>
 
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <new>
 #include <string_view>
 
 #include "scenes/error.h"
@@ -59,7 +61,7 @@ struct JpegFacts {
   bool adobe = false;
 };
 
-/// Walks over the segments up to the end of the image: stb_image fills in what is missing.
+/// Walks over the segments up to the end of the image: decoders fill in what is missing.
 JpegFacts check_jpeg(Bytes bytes) {
   JpegFacts facts;
   std::size_t i = 2;
@@ -96,7 +98,42 @@ std::size_t value_count(const TextureImage& image) {
   return std::size_t{4} * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
 
-void decode_with_stb(Bytes bytes, TextureImage* image) {
+/// Through libjpeg-turbo: stb_image reads Huffman tables that a damaged file does not define.
+void decode_jpeg(Bytes bytes, const JpegFacts& facts, TextureImage* image, std::vector<std::string>* notes) {
+  if (facts.components == 4 && !facts.adobe)
+    throw Error({}, "is a JPEG image of four components without Adobe's marker", "export it as RGB");
+  const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
+  if (decoder == nullptr) throw std::bad_alloc();
+  bool superfluous = false;
+  const auto check = [&](int status) {
+    if (status == 0) return;
+    const std::string message = tjGetErrorStr2(decoder.get());
+    // Bytes between segments hide nothing of the image.
+    const bool harmless =
+        tjGetErrorCode(decoder.get()) == TJERR_WARNING && message.find("extraneous bytes") != std::string::npos;
+    if (!harmless) throw Error({}, "cannot be decoded: " + message, "copy or export it again");
+    superfluous = true;
+  };
+  const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
+  int width = 0, height = 0, subsampling = 0, colors = 0;
+  check(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling, &colors));
+  set_size(width, height, image);
+  image->rgba.resize(value_count(*image));
+  const bool cmyk = colors == TJCS_CMYK || colors == TJCS_YCCK;
+  check(tjDecompress2(decoder.get(), data, bytes.size(), image->rgba.data(), width, 0, height,
+                      cmyk ? TJPF_CMYK : TJPF_RGBA, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS));
+  if (superfluous) notes->push_back("has superfluous bytes between the segments of its JPEG data");
+  if (!cmyk) return;
+  notes->push_back("is a CMYK image; its colours are converted without a profile");
+  // Adobe stores 255 - C, 255 - M, 255 - Y and 255 - K.
+  for (std::size_t i = 0; i < image->rgba.size(); i += 4) {
+    std::uint8_t* texel = &image->rgba[i];
+    for (int c = 0; c < 3; ++c) texel[c] = static_cast<std::uint8_t>((texel[c] * texel[3] + 127) / 255);
+    texel[3] = 255;
+  }
+}
+
+void decode_png(Bytes bytes, TextureImage* image) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
@@ -170,16 +207,11 @@ void decode_texture(Bytes bytes, TextureImage* image, std::vector<std::string>* 
   switch (texture_format(bytes)) {
     case TextureFormat::png:
       check_png(bytes);
-      decode_with_stb(bytes, &decoded);
+      decode_png(bytes, &decoded);
       break;
-    case TextureFormat::jpeg: {
-      const JpegFacts facts = check_jpeg(bytes);
-      if (facts.components == 4 && !facts.adobe)
-        throw Error({}, "is a JPEG image of four components without Adobe's marker", "export it as RGB");
-      decode_with_stb(bytes, &decoded);
-      if (facts.components == 4) notes->push_back("is a CMYK image; its colours are converted without a profile");
+    case TextureFormat::jpeg:
+      decode_jpeg(bytes, check_jpeg(bytes), &decoded, notes);
       break;
-    }
     case TextureFormat::webp:
       decode_webp(bytes, &decoded);
       break;

@@ -105,12 +105,22 @@ inline std::string jpeg_bytes(const std::vector<std::vector<int>>& blocks, bool 
       if (!progressive) put(0, 1);
     }
   }
-  while (bits.size() % 8 != 0) bits.push_back(1);
-  for (std::size_t i = 0; i < bits.size(); i += 8) {
-    int byte = 0;
-    for (std::size_t k = 0; k < 8; ++k) byte = 2 * byte + bits[i + k];
-    out.push_back(static_cast<char>(byte));
-    if (byte == 255) out.push_back('\0');
+  const auto flush = [&] {
+    while (bits.size() % 8 != 0) bits.push_back(1);
+    for (std::size_t i = 0; i < bits.size(); i += 8) {
+      int byte = 0;
+      for (std::size_t k = 0; k < 8; ++k) byte = 2 * byte + bits[i + k];
+      out.push_back(static_cast<char>(byte));
+      if (byte == 255) out.push_back('\0');
+    }
+    bits.clear();
+  };
+  flush();
+  // Without these scans decoders smooth the blocks.
+  for (std::size_t c = 0; progressive && c < components; ++c) {
+    segment(0xda, "\1" + std::string(1, static_cast<char>(c + 1)) + std::string("\0\1\x3f\0", 4));
+    put(0, static_cast<int>(blocks.size()));
+    flush();
   }
   return out + "\xff\xd9";
 }

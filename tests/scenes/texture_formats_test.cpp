@@ -224,6 +224,22 @@ TEST(TextureFormats, ADamagedPngIsRefused) {
   }
 }
 
+TEST(TextureFormats, AJpegWithoutItsHuffmanTablesIsRefused) {
+  std::string bytes = jpeg_bytes({{1, 2, 3}});
+  for (std::size_t table = bytes.find("\xff\xc4"); table != std::string::npos; table = bytes.find("\xff\xc4"))
+    bytes[table + 1] = '\xfe';  // a comment
+  EXPECT_NE(message_of<Error>([&] { decode(bytes); }).find("cannot be decoded"), std::string::npos);
+}
+
+TEST(TextureFormats, BytesBetweenTheSegmentsOfAJpegAreSkippedWithANote) {
+  std::string bytes = jpeg_bytes({{70}});
+  bytes.insert(bytes.find("\xff\xc0"), "abc");
+  const Decoded out = decode(bytes);
+  EXPECT_EQ(out.image.rgba[0], 70);
+  ASSERT_EQ(out.notes.size(), 1u);
+  EXPECT_NE(out.notes[0].find("superfluous bytes"), std::string::npos);
+}
+
 TEST(TextureFormats, OtherFormatsAreNamed) {
   EXPECT_NE(message_of<Error>([] { decode("GIF89a"); }).find("not a PNG or JPEG image but GIF"), std::string::npos);
   EXPECT_NE(message_of<Error>([] { decode("\xabKTX 20\xbb\r\n\x1a\n"); }).find("KTX2"), std::string::npos);

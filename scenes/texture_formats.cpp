@@ -36,6 +36,13 @@ std::size_t big_endian(Bytes bytes, std::size_t i, std::size_t count) {
   return value;
 }
 
+/// What a decoder says; it may quote the file.
+Error undecodable(std::string reason) {
+  std::replace_if(
+      reason.begin(), reason.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return Error({}, "cannot be decoded: " + reason, "copy or export it again");
+}
+
 Error cut_short() { return Error({}, "is cut short", "copy or export it again"); }
 
 /// stb_image reads no checksums: damaged texels would be shown.
@@ -104,24 +111,25 @@ void decode_jpeg(Bytes bytes, const JpegFacts& facts, TextureImage* image, std::
     throw Error({}, "is a JPEG image of four components without Adobe's marker", "export it as RGB");
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
   if (decoder == nullptr) throw std::bad_alloc();
+  // Bytes between the segments of the header hide nothing of the image; within its data they are damage.
   bool superfluous = false;
-  const auto check = [&](int status) {
+  const auto check = [&](int status, bool in_header) {
     if (status == 0) return;
     const std::string message = tjGetErrorStr2(decoder.get());
-    // Bytes between segments hide nothing of the image.
-    const bool harmless =
-        tjGetErrorCode(decoder.get()) == TJERR_WARNING && message.find("extraneous bytes") != std::string::npos;
-    if (!harmless) throw Error({}, "cannot be decoded: " + message, "copy or export it again");
+    const bool harmless = tjGetErrorCode(decoder.get()) == TJERR_WARNING && (in_header || superfluous) &&
+                          message.find("extraneous bytes") != std::string::npos;
+    if (!harmless) throw undecodable(message);
     superfluous = true;
   };
   const auto* data = reinterpret_cast<const unsigned char*>(bytes.data());
   int width = 0, height = 0, subsampling = 0, colors = 0;
-  check(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling, &colors));
+  check(tjDecompressHeader3(decoder.get(), data, bytes.size(), &width, &height, &subsampling, &colors), true);
   set_size(width, height, image);
   image->rgba.resize(value_count(*image));
   const bool cmyk = colors == TJCS_CMYK || colors == TJCS_YCCK;
   check(tjDecompress2(decoder.get(), data, bytes.size(), image->rgba.data(), width, 0, height,
-                      cmyk ? TJPF_CMYK : TJPF_RGBA, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS));
+                      cmyk ? TJPF_CMYK : TJPF_RGBA, TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS),
+        false);
   if (superfluous) notes->push_back("has superfluous bytes between the segments of its JPEG data");
   if (!cmyk) return;
   notes->push_back("is a CMYK image; its colours are converted without a profile");
@@ -137,12 +145,11 @@ void decode_png(Bytes bytes, TextureImage* image) {
   const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
   const int size = static_cast<int>(bytes.size());
   int width = 0, height = 0, channels = 0;
-  if (stbi_info_from_memory(data, size, &width, &height, &channels) == 0)
-    throw Error({}, std::string("cannot be decoded: ") + stbi_failure_reason());
+  if (stbi_info_from_memory(data, size, &width, &height, &channels) == 0) throw undecodable(stbi_failure_reason());
   set_size(width, height, image);
   const auto load = [&](auto* texels, const auto& to_byte) {
     const std::unique_ptr<std::remove_pointer_t<decltype(texels)>, void (*)(void*)> owner(texels, stbi_image_free);
-    if (texels == nullptr) throw Error({}, std::string("cannot be decoded: ") + stbi_failure_reason());
+    if (texels == nullptr) throw undecodable(stbi_failure_reason());
     image->rgba.resize(value_count(*image));
     std::transform(texels, texels + image->rgba.size(), image->rgba.begin(), to_byte);
   };

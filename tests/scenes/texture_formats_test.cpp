@@ -238,6 +238,15 @@ TEST(TextureFormats, BytesBetweenTheSegmentsOfAJpegAreSkippedWithANote) {
   EXPECT_EQ(out.image.rgba[0], 70);
   ASSERT_EQ(out.notes.size(), 1u);
   EXPECT_NE(out.notes[0].find("superfluous bytes"), std::string::npos);
+  bytes = jpeg_bytes({{70}}, true);
+  bytes.insert(bytes.rfind("\xff\xda"), std::string(40, 'a'));
+  EXPECT_NE(message_of<Error>([&] { decode(bytes); }).find("extraneous bytes"), std::string::npos);
+}
+
+TEST(TextureFormats, MessagesAreOneLine) {
+  const std::string bytes = png_bytes(1, 1, 8, 0, std::string("\0\7", 2), png_chunk("ID\nT", ""));
+  const std::string message = message_of<Error>([&] { decode(bytes); });
+  EXPECT_NE(message.find("ID?T"), std::string::npos) << message;
 }
 
 TEST(TextureFormats, OtherFormatsAreNamed) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -44,6 +45,17 @@ TEST(Compare, PrintsAllFiguresAndWritesTheDifference) {
   const Image difference = load_hdr_image(folder.file("d.exr"));
   EXPECT_NEAR(difference.at(20, 5, 1), 0.5f, 1e-5f);
   EXPECT_EQ(difference.at(5, 5, 1), 0.0f);
+}
+
+TEST(Compare, TellsOfHeaderLinesThatItCannotFollow) {
+  const TemporaryFolder folder;
+  const std::string texel("\x80\x40\x20\x81", 4);
+  std::ofstream(folder.file("odd.hdr"), std::ios::binary) << "#?RADIANCE\nGAMMA=2.2\n\n-Y 1 +X 1\n" << texel;
+  std::ofstream(folder.file("plain.hdr"), std::ios::binary) << "#?RADIANCE\n\n-Y 1 +X 1\n" << texel;
+  const ProgramResult result = run_maquette({"compare", folder.file("plain.hdr"), folder.file("odd.hdr")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.error,
+            "warning: " + folder.file("odd.hdr") + ": the line GAMMA=2.2 is ignored: Radiance pictures are linear\n");
 }
 
 TEST(Compare, AnswersForBadPictures) {

@@ -163,6 +163,7 @@ FrameStats Renderer::render(const FrameRequest& asked, bool accumulate) {
     return maquette::plan(s.scene.facts(), request.mode, request.settings, view, status, s.registry);
   };
   const FramePlan wanted = plan_for({});
+  s.programs.set_common(shader_defines(s.scene.facts().details));
   s.frame.begin(s.device.software);
   FrameStats stats;
   if (s.registry.find_mode(request.mode).can.traces_picture) {
@@ -284,13 +285,17 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
                                               [&composer]() -> const Texture& { return composer.behind_panes(); }));
   else
     mirrors.reflections.rest();
+  if (!scene.facts().has_blended) mirrors.blended.clear();
+  passes.push_back({.names = {"blended"}, .run = [this, &mirrored, averages_points] {
+                      mirrors.blended.run(mirrored, averages_points);
+                    }});
   Pass glass{.names = {"glass"}};
   glass.skip = [recorded] {
     return *recorded ? std::string("panes are kept with the G-buffer: drawn in compose") : "";
   };
   glass.run = [this, &mirrored, &composer] {
     bind_layer(0);
-    PaneScene panes{mirrored.frame, mirrored.layers, parts, mirrors.reflectors};
+    PaneScene panes{mirrored.frame, mirrored.layers, parts, mirrors.reflectors, {}, &mirrors.blended};
     if (!mirrored.frame.plan.reflections.empty())
       panes.reflected = mirrors.reflections.bind(mirrored.frame.request.settings);
     mirrors.panes.draw(panes, composer.behind_panes());
@@ -326,7 +331,8 @@ FrameStats Renderer::Impl::stats_of(const FramePlan& plan, const FrameStatus& st
     layers[k].mode->add_counters(&stats.technique);
   }
   if (parts.several()) (*bytes)["parts"] = parts.bytes();
-  if (mirrors.panes.bytes() > 0) (*bytes)["glass"] = mirrors.panes.bytes();
+  if (plan.glass) (*bytes)["glass"] = mirrors.panes.bytes();
+  if (mirrors.blended.bytes() > 0) (*bytes)["blended"] = mirrors.blended.bytes();
   if (plan.glossy) {
     (*bytes)["glossy"] = mirrors.glossy.bytes();
     mirrors.glossy.add_counters(&stats.technique);
@@ -398,15 +404,15 @@ std::vector<BackgroundWork> Renderer::background_work() const {
 // --- shaders ---
 
 std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
-  std::vector<ShaderVariant> all{Raster::variant(false), Raster::variant(true), TextureSlots::variant()};
+  std::vector<ShaderVariant> all{TextureSlots::variant()};
   for (const int side : {1, 2, 4}) all.push_back(present_variant(side));
   const auto add = [&](const std::vector<ShaderVariant>& more) {
     for (const ShaderVariant& variant : more)
       if (std::find(all.begin(), all.end(), variant) == all.end()) all.push_back(variant);
   };
   for (const auto& more :
-       {Surfaces::shader_variants(), Composer::shader_variants(), IndirectPass::shader_variants(),
-        Panes::shader_variants(), Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
+       {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(), IndirectPass::shader_variants(),
+        Panes::shader_variants(), Blended::shader_variants(), Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
     add(more);
   for (const Technique& technique : registry.techniques)
     if (technique.shader_variants) add(technique.shader_variants());

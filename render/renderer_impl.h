@@ -21,6 +21,7 @@ struct Mirrors {
   ReflectorSet reflectors;
   Reflections reflections;
   Glossy glossy;
+  Blended blended;
   Panes panes;
 };
 

@@ -20,7 +20,7 @@ constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 /// Codes and identifiers are kept as int by tinygltf, as 32 bits by Draco.
 constexpr std::uint64_t kMaxCode = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::array<std::string_view, 16> kReadExtensions = {
+constexpr std::array<std::string_view, 18> kReadExtensions = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization",
     "KHR_texture_transform",      "KHR_lights_punctual",
     "KHR_materials_clearcoat",    "KHR_materials_transmission",
@@ -29,6 +29,7 @@ constexpr std::array<std::string_view, 16> kReadExtensions = {
     "KHR_materials_variants",     "KHR_materials_unlit",
     "KHR_materials_volume",       "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",    "EXT_texture_webp",
+    "KHR_materials_anisotropy",   "KHR_materials_iridescence",
 };
 
 enum class Kind { index, natural, code, stride, number, text, boolean, object, array };

@@ -3,11 +3,10 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <set>
-#include <string_view>
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"
+#include "scenes/gltf_materials_save.h"
 
 namespace maquette::gltf {
 namespace {
@@ -29,6 +28,7 @@ class MaterialReader {
     read_core();
     read_coat_and_glass();
     read_specular_and_sheen();
+    read_anisotropy_and_film();
     read_extras();
     return out_;
   }
@@ -108,11 +108,6 @@ class MaterialReader {
       return {};
     }
     ref.uv_set = static_cast<int>(uv_set);
-    static const std::set<std::string_view> kNotShaded = {
-        "clearcoatRoughnessTexture", "clearcoatNormalTexture", "transmissionTexture",  "specularTexture",
-        "specularColorTexture",      "sheenColorTexture",      "sheenRoughnessTexture"};
-    if (kNotShaded.count(key) > 0)
-      document_.warnings.add(std::string(key) + " is kept but not shaded: its factor holds everywhere", name_);
     return ref;
   }
 
@@ -153,12 +148,14 @@ class MaterialReader {
     out_.clearcoat_texture = texture(coat, "clearcoatTexture");
     out_.clearcoat_roughness_texture = texture(coat, "clearcoatRoughnessTexture");
     out_.clearcoat_normal_texture = texture(coat, "clearcoatNormalTexture");
+    out_.clearcoat_normal_scale = number(member(coat, "clearcoatNormalTexture"), "scale", out_.clearcoat_normal_scale);
     const Json& transmission = extension("KHR_materials_transmission");
     out_.transmission = factor(transmission, "transmissionFactor", out_.transmission);
     out_.transmission_texture = texture(transmission, "transmissionTexture");
-    out_.glass = out_.transmission > 0.0f;
+    out_.glass = may_transmit(out_);
     const Json& volume = extension("KHR_materials_volume");
     out_.thickness = std::max(number(volume, "thicknessFactor", out_.thickness), 0.0f);
+    out_.thickness_texture = texture(volume, "thicknessTexture");
     out_.attenuation_color = glm::clamp(colour<3>(volume, "attenuationColor", out_.attenuation_color), 0.0f, 1.0f);
     out_.attenuation_distance = number(volume, "attenuationDistance", out_.attenuation_distance);
     if (!(out_.attenuation_distance > 0.0f)) {
@@ -183,6 +180,25 @@ class MaterialReader {
     out_.sheen_color_texture = texture(sheen, "sheenColorTexture");
     out_.sheen_roughness = factor(sheen, "sheenRoughnessFactor", out_.sheen_roughness);
     out_.sheen_roughness_texture = texture(sheen, "sheenRoughnessTexture");
+  }
+
+  void read_anisotropy_and_film() {
+    const Json& anisotropy = extension("KHR_materials_anisotropy");
+    out_.anisotropy = factor(anisotropy, "anisotropyStrength", out_.anisotropy);
+    out_.anisotropy_rotation_rad = number(anisotropy, "anisotropyRotation", out_.anisotropy_rotation_rad);
+    out_.anisotropy_texture = texture(anisotropy, "anisotropyTexture");
+    const Json& film = extension("KHR_materials_iridescence");
+    out_.iridescence = factor(film, "iridescenceFactor", out_.iridescence);
+    out_.iridescence_texture = texture(film, "iridescenceTexture");
+    out_.iridescence_ior = number(film, "iridescenceIor", out_.iridescence_ior);
+    if (out_.iridescence_ior < 1.0f) {
+      document_.warnings.add("an iridescenceIor below 1 is taken as 1", name_);
+      out_.iridescence_ior = 1.0f;
+    }
+    const auto thickness = [&](const char* key, float fallback) { return std::max(number(film, key, fallback), 0.0f); };
+    out_.iridescence_least_nm = thickness("iridescenceThicknessMinimum", out_.iridescence_least_nm);
+    out_.iridescence_greatest_nm = thickness("iridescenceThicknessMaximum", out_.iridescence_greatest_nm);
+    out_.iridescence_thickness_texture = texture(film, "iridescenceThicknessTexture");
   }
 
   void read_extras() {

@@ -31,6 +31,7 @@ class MaterialWriter {
     Json out = {{"name", material.name}};
     write_core(material, &out);
     write_layers(material, &out);
+    write_anisotropy_and_film(material, &out);
     write_extras(material, &out);
     return out;
   }
@@ -109,9 +110,12 @@ class MaterialWriter {
     put_texture(&coat, "clearcoatTexture", material.clearcoat_texture);
     put_texture(&coat, "clearcoatRoughnessTexture", material.clearcoat_roughness_texture);
     put_texture(&coat, "clearcoatNormalTexture", material.clearcoat_normal_texture);
+    if (material.clearcoat_normal_texture)
+      put_number(&coat["clearcoatNormalTexture"], "scale", material.clearcoat_normal_scale, 1.0f);
     put_number(&transmission, "transmissionFactor", material.transmission, 0.0f);
     put_texture(&transmission, "transmissionTexture", material.transmission_texture);
     put_number(&volume, "thicknessFactor", material.thickness, 0.0f);
+    put_texture(&volume, "thicknessTexture", material.thickness_texture);
     if (std::isfinite(material.attenuation_distance)) volume["attenuationDistance"] = material.attenuation_distance;
     if (material.attenuation_color != glm::vec3(1.0f)) volume["attenuationColor"] = to_json(material.attenuation_color);
     put_number(&ior, "ior", material.ior, 1.5f);
@@ -131,11 +135,26 @@ class MaterialWriter {
     put_extension(out, "KHR_materials_sheen", std::move(sheen));
   }
 
+  void write_anisotropy_and_film(const Material& material, Json* out) {
+    Json anisotropy = Json::object(), film = Json::object();
+    put_number(&anisotropy, "anisotropyStrength", material.anisotropy, 0.0f);
+    put_number(&anisotropy, "anisotropyRotation", material.anisotropy_rotation_rad, 0.0f);
+    put_texture(&anisotropy, "anisotropyTexture", material.anisotropy_texture);
+    put_number(&film, "iridescenceFactor", material.iridescence, 0.0f);
+    put_texture(&film, "iridescenceTexture", material.iridescence_texture);
+    put_number(&film, "iridescenceIor", material.iridescence_ior, 1.3f);
+    put_number(&film, "iridescenceThicknessMinimum", material.iridescence_least_nm, 100.0f);
+    put_number(&film, "iridescenceThicknessMaximum", material.iridescence_greatest_nm, 400.0f);
+    put_texture(&film, "iridescenceThicknessTexture", material.iridescence_thickness_texture);
+    put_extension(out, "KHR_materials_anisotropy", std::move(anisotropy));
+    put_extension(out, "KHR_materials_iridescence", std::move(film));
+  }
+
   void write_extras(const Material& material, Json* out) {
     Json extras = Json::object();
     if (!material.measured.empty()) extras["measured"] = beside_file(material.measured);
     if (material.tint_measured) extras["tint_measured"] = true;
-    if (material.glass != (material.transmission > 0.0f)) extras["glass"] = material.glass;
+    if (material.glass != may_transmit(material)) extras["glass"] = material.glass;
     if (!extras.empty()) (*out)["extras"]["maquette"] = std::move(extras);
   }
 

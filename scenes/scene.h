@@ -40,8 +40,7 @@ enum class AlphaMode { opaque, mask, blend };
 
 /// glTF 2.0 metallic-roughness material with the supported extensions (see docs/formats.md).
 /// Colours are linear. When `measured` is set, a tabulated BRDF replaces the analytic lobes.
-/// A new member also belongs to the hashes of content in render/octree/cell_brdf.cpp,
-/// render/indirect/indirect_kind.cpp and viewer/report/content_key.cpp.
+/// A new member also belongs to `numbers_of` and, where cells of the octree show it, to render/octree/cell_brdf.cpp.
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};
@@ -67,6 +66,12 @@ struct Material {
   glm::vec3 specular_color{1.0f};
   glm::vec3 sheen_color{0.0f};
   float sheen_roughness = 0.0f;
+  float clearcoat_normal_scale = 1.0f;
+  float anisotropy = 0.0f;               ///< strength
+  float anisotropy_rotation_rad = 0.0f;  ///< from the tangent, counter-clockwise
+  float iridescence = 0.0f;
+  float iridescence_ior = 1.3f;
+  float iridescence_least_nm = 100.0f, iridescence_greatest_nm = 400.0f;  ///< thickness of the film
 
   TextureRef base_color_texture;          ///< sRGB, alpha linear
   TextureRef metallic_roughness_texture;  ///< G roughness, B metallic
@@ -76,6 +81,9 @@ struct Material {
   TextureRef clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
   TextureRef transmission_texture, specular_texture, specular_color_texture;
   TextureRef sheen_color_texture, sheen_roughness_texture;
+  TextureRef anisotropy_texture;                                ///< RG direction, B strength
+  TextureRef iridescence_texture, iridescence_thickness_texture;  ///< R, G
+  TextureRef thickness_texture;                                 ///< G
 
   /// Source of a tabulated BRDF: a MERL .binary path or `builtin:NAME`; empty for analytic shading.
   /// From the command line (--material) or `extras.maquette.measured` of the file.
@@ -86,6 +94,9 @@ struct Material {
   /// occlude in the direct modes.
   bool glass = false;
 };
+
+/// All members of a material that are numbers or flags, textures included, for hashes of content.
+std::vector<float> numbers_of(const Material& material);
 
 /// Indexed triangles of one material. All attribute arrays have the length of `positions` or are empty.
 struct Primitive {

@@ -18,7 +18,7 @@ constexpr int kPatchSide = 24;  // quads; precise enough for a click
 class EditedMaterials {
  public:
   EditedMaterials(const Scene& scene, const Edits& edits)
-      : materials_(override_materials(scene.materials, edits.materials)) {}
+      : materials_(effective_materials(scene, edits.materials)) {}
   const Material& operator[](int index) const {
     return index < 0 || index >= static_cast<int>(materials_.size()) ? none_
                                                                      : materials_[static_cast<std::size_t>(index)];

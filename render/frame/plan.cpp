@@ -255,6 +255,11 @@ void add_picture_passes(const Planning& p, bool averages_points) {
   p.add(
       {"compose", "emission, indirect light and the sky where nothing is hit", {"surfaces", "radiance"}, {"picture"}});
   add_reflection_passes(p);
+  if (p.in.facts.has_blended)
+    p.add({"blended",
+           "surfaces that let through what is behind them: layers from front to back, each shaded like opaque ones",
+           {"triangles"},
+           {"blended"}});
   if (p.plan->glass)
     p.add({"glass", "panes and blended surfaces, back to front", {"triangles", "picture", "reflections"}, {"picture"}});
   else
@@ -269,6 +274,20 @@ void add_picture_passes(const Planning& p, bool averages_points) {
     p.feature("multisampling", std::to_string(p.in.view.msaa) + " samples a pixel were asked for");
   else
     p.leave_out("multisampling", "one sample a pixel was asked for", "--msaa");
+}
+
+void decide_details(const Planning& p) {
+  const MaterialDetails& details = p.in.facts.details;
+  p.plan->details = details.any;
+  if (!details.any) {
+    p.leave_out("surface_details", "no material has what it holds", kScene);
+    return;
+  }
+  std::string what = "occlusion, textures of specular, sheen or the coat's roughness";
+  if (details.anisotropy) what += ", anisotropy";
+  if (details.coat_normal) what += ", the coat's own normals";
+  if (details.film) what += ", iridescence";
+  p.feature("surface_details", what);
 }
 
 void note_absent_features(const Planning& p) {
@@ -368,6 +387,7 @@ void plan_layers(const Planning& p, const Registry& registry) {
   decide_octree(p);
   note_fits(p);
   note_parts(p);
+  decide_details(p);
   add_surface_passes(p);
   bool averages_points = true;
   for (std::size_t k = 0; k < layers.size(); ++k) {

@@ -60,6 +60,7 @@ struct FramePlan {
   std::string reflections;  ///< reflector technique, or empty
   bool glossy = false;      ///< opaque surfaces mirror too, through the octree
   bool octree = false, cell_brdfs = false;
+  bool details = false;  ///< the second part of the G-buffer is filled
   /// What is brought up to date before: lists, bakes. Of all that is wanted, whether it is ready or not.
   std::vector<PlannedPass> preparations;
   std::vector<PlannedPass> passes;  ///< in the order in which they are carried out

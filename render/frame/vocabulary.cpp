@@ -33,6 +33,7 @@ std::vector<Word> pass_words() {
        "flat ones by the mirrored eye"},
       {Kind::pass, "reflected gbuffer", "normal and material, textures applied, of what the mirrored rays hit"},
       {Kind::pass, "reflected shade", "the hits shaded, by the mode of the part that is hit"},
+      {Kind::pass, "blended", "shades the layers of blended surfaces, from front to back"},
       {Kind::pass, "glass", "panes and blended surfaces; skipped while panes are kept with the G-buffer"},
       {Kind::pass, "filter", "the mean over the samples of a pixel, and with the frames before"},
   };
@@ -52,6 +53,9 @@ std::vector<Word> feature_words() {
       {Kind::feature, "measured_materials", "materials with tables of measured BRDFs"},
       {Kind::feature, "sheen", "materials without a table that have this lobe"},
       {Kind::feature, "clearcoat", "the same for this one"},
+      {Kind::feature, "surface_details",
+       "a second part of the G-buffer: occlusion, anisotropy, iridescence, the coat's normals and what textures say of "
+       "coat, specular and sheen"},
       {Kind::feature, "subdivision", "meshes with a control cage"},
       {Kind::feature, "reflections", "mirrors and glass that show the scene"},
       {Kind::feature, words::kOctree,

@@ -29,26 +29,35 @@ void Raster::fit(const GridSize& size) {
   ++revision_;
 }
 
-ShaderVariant Raster::variant(bool alpha_mask) {
-  return {"gbuffer/visibility.frag", "gbuffer/visibility.vert", {{"ALPHA_MASK", flag(alpha_mask)}}};
+ShaderVariant Raster::variant(Mask mask) {
+  return {"gbuffer/visibility.frag",
+          "gbuffer/visibility.vert",
+          {{"ALPHA_MASK", std::to_string(static_cast<int>(mask))}}};
+}
+
+std::vector<ShaderVariant> Raster::shader_variants() {
+  return {variant(Mask::none), variant(Mask::factor), variant(Mask::texture)};
 }
 
 void Raster::draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program, std::size_t i,
-                       bool masked) const {
+                       Mask mask) const {
   const SceneBuffers& buffers = scene.buffers();
   const DrawItem& item = scene.geometry().items[i];
   const Material& m = scene.material_of_item(i);
-  const bool is_masked = m.alpha_mode == AlphaMode::mask && m.base_color_texture;
-  if (!buffers.visible(i) || scene.is_transparent(i) || is_masked != masked) return;
+  const Mask own = m.alpha_mode != AlphaMode::mask ? Mask::none
+                   : m.base_color_texture          ? Mask::texture
+                                                   : Mask::factor;
+  if (!buffers.visible(i) || scene.is_transparent(i) || own != mask) return;
   if (!may_be_seen(constants.clip_from_world, buffers.bounds(i))) return;
   glBindVertexArray(buffers.vertex_array());
   scene.shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
   program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
-  if (masked) {
-    program.set("u_texture", buffers.base_color_texture(static_cast<std::size_t>(buffers.material(i))));
+  if (mask != Mask::none) {
     program.set("u_alpha", m.base_color.a);
     program.set("u_cutoff", m.alpha_cutoff);
   }
+  if (mask == Mask::texture)
+    program.set("u_texture", buffers.texture(i, TextureRole::base_color));
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
                  reinterpret_cast<const void*>(static_cast<std::uintptr_t>(item.first_index) * 4));
 }

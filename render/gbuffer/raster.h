@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "render/frame/frame_constants.h"
 #include "render/gbuffer/tiles.h"
@@ -21,15 +22,16 @@ class Raster {
   void draw(const SceneState& scene, const FrameConstants& constants, ProgramCache* programs,
             const Excluded& is_excluded) {
     begin_triangles(framebuffer_.get(), size_.grid_width(), size_.grid_height());
-    for (int masked = 0; masked < 2 && (masked == 0 || scene.facts().has_mask); ++masked) {
-      const Program& program = programs->get(variant(masked == 1));
+    for (const Mask mask : {Mask::none, Mask::factor, Mask::texture}) {
+      if (mask != Mask::none && !scene.facts().has_mask) break;
+      const Program& program = programs->get(variant(mask));
       glUseProgram(program.get());
       for (std::size_t i = 0; i < scene.geometry().items.size(); ++i)
-        if (!is_excluded(i)) draw_item(scene, constants, program, i, masked == 1);
+        if (!is_excluded(i)) draw_item(scene, constants, program, i, mask);
     }
     end();
   }
-  static ShaderVariant variant(bool alpha_mask);
+  static std::vector<ShaderVariant> shader_variants();
 
   const Texture& triangle() const { return triangle_; }
   const Texture& depth_buffer() const { return depth_buffer_; }
@@ -37,8 +39,11 @@ class Raster {
   std::size_t bytes() const { return triangle_.bytes() + depth_buffer_.bytes(); }
 
  private:
+  /// What cuts an item out: nothing, its alpha factor and vertex alpha, or a texture's alpha as well.
+  enum class Mask { none, factor, texture };
+  static ShaderVariant variant(Mask mask);
   void draw_item(const SceneState& scene, const FrameConstants& constants, const Program& program, std::size_t item,
-                 bool masked) const;
+                 Mask mask) const;
   void end();
 
   GridSize size_;

@@ -27,13 +27,31 @@ std::vector<ShaderVariant> Surfaces::shader_variants() {
   return variants;
 }
 
-void Surfaces::fit(const GridSize& size, int band_rows, bool texture_bandwidth) {
-  if (surface_ && size == size_ && band_rows == band_rows_ && texture_bandwidth == has_texture_bandwidth_) return;
+ShaderDefines shader_defines(const MaterialDetails& details) {
+  return {{"DETAILS", flag(details.any)},
+          {"ANALYTIC_ANISOTROPY", flag(details.anisotropy)},
+          {"ANALYTIC_COAT_NORMAL", flag(details.coat_normal)},
+          {"ANALYTIC_FILM", flag(details.film)}};
+}
+
+Texture make_details(int width, int height) {
+  return Texture::make_2d_array("surface details", GL_RGBA32UI, width, height, 2);
+}
+
+void bind_details_for_writing(const Texture& details) {
+  glBindImageTexture(kImageDetails, details.get(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+}
+
+void Surfaces::fit(const GridSize& size, int band_rows, bool texture_bandwidth, bool details) {
+  if (surface_ && size == size_ && band_rows == band_rows_ && texture_bandwidth == has_texture_bandwidth_ &&
+      details == has_details())
+    return;
   size_ = size;
   band_rows_ = band_rows;
   has_texture_bandwidth_ = texture_bandwidth;
   const int w = size.grid_width(), h = size.grid_height();
   surface_ = Texture::make_2d("surface", GL_RGBA32UI, w, h);
+  details_ = details ? make_details(w, h) : Texture();
   depth_ = Texture::make_2d("depth", GL_R32F, w, h);
   guide_ = Texture::make_2d("guide", GL_RG32UI, w, h);
   texture_nu_ = texture_bandwidth ? Texture::make_2d("texture bandwidth", GL_R32F, w, h) : Texture();
@@ -70,6 +88,7 @@ void Surfaces::find(const SceneState& scene, const Texture& triangles, SkyTiles*
   glClearTexImage(depth_.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(guide_.get(), 0, GL_RG_INTEGER, GL_UNSIGNED_INT, nothing);
   glBindImageTexture(kImageSurface, surface_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32UI);
+  if (details_) bind_details_for_writing(details_);
   glBindImageTexture(kImageDepth, depth_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(kImageGuide, guide_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32UI);
   if (has_texture_bandwidth_)
@@ -82,6 +101,7 @@ void Surfaces::find(const SceneState& scene, const Texture& triangles, SkyTiles*
 void Surfaces::bind() const {
   if (triangle_) glBindTextureUnit(kUnitTriangle, triangle_->get());
   glBindTextureUnit(kUnitSurface, surface_.get());
+  if (details_) glBindTextureUnit(kUnitDetails, details_.get());
   glBindTextureUnit(kUnitDepth, depth_.get());
   glBindTextureUnit(kUnitGuide, guide_.get());
 }

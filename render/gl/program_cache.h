@@ -21,20 +21,28 @@ inline std::string flag(bool on) { return on ? "1" : "0"; }
 /// Compiles each variant when it is first asked for.
 class ProgramCache {
  public:
+  /// Defines that all shaders have in common from now on; programs with others are kept.
+  void set_common(const ShaderDefines& defines) {
+    common_ = defines;
+    programs_ = &with_common_[defines];
+  }
   const Program& get(const ShaderVariant& variant) {
-    auto found = programs_.find(variant);
-    if (found == programs_.end()) {
-      Program program = variant.vertex_path.empty()
-                            ? Program::compute(variant.path, variant.defines)
-                            : Program::graphics(variant.vertex_path, variant.path, variant.defines);
-      found = programs_.emplace(variant, std::move(program)).first;
+    auto found = programs_->find(variant);
+    if (found == programs_->end()) {
+      ShaderDefines defines = common_;
+      defines.insert(defines.end(), variant.defines.begin(), variant.defines.end());
+      Program program = variant.vertex_path.empty() ? Program::compute(variant.path, defines)
+                                                    : Program::graphics(variant.vertex_path, variant.path, defines);
+      found = programs_->emplace(variant, std::move(program)).first;
     }
     return found->second;
   }
 
  private:
-  std::map<ShaderVariant, Program> programs_;
+  using Programs = std::map<ShaderVariant, Program>;
+  ShaderDefines common_;
+  std::map<ShaderDefines, Programs> with_common_;
+  Programs* programs_ = &with_common_[common_];
 };
-
 
 }  // namespace maquette

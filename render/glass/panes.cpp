@@ -6,7 +6,6 @@
 #include <numbers>
 #include <span>
 
-#include "render/environment/prefilter.h"
 #include "render/gl/bindings.h"
 #include "render/glass/depth_order.h"
 #include "render/scene_state/material_overrides.h"
@@ -24,22 +23,6 @@ struct PaneKind {
   enum class Reflected { none, front, both, mirror } reflected = Reflected::none;
   bool hatched = false;  ///< where the technique's confidence is low
 };
-
-/// Latitude-longitude image as a filtered texture that wraps around.
-Texture make_irradiance(const Environment& environment) {
-  const Image map = prefilter_diffuse(environment);
-  std::vector<float> texels;
-  for (int y = 0; y < map.height; ++y)
-    for (int x = 0; x < map.width; ++x) {
-      for (int c = 0; c < 3; ++c) texels.push_back(map.at(x, y, c));
-      texels.push_back(1.0f);
-    }
-  Texture texture = Texture::make_2d("irradiance", GL_RGBA32F, map.width, map.height);
-  texture.upload(0, map.width, map.height, GL_RGBA, GL_FLOAT, texels.data());
-  texture.set_filter(GL_LINEAR, GL_LINEAR);
-  texture.set_wrap(GL_REPEAT, GL_CLAMP_TO_EDGE);
-  return texture;
-}
 
 ShaderVariant pane_variant(const ShadingPlan& plan, const PaneKind& kind) {
   return {"glass/glass.frag",
@@ -60,16 +43,22 @@ float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
   return glm::dot(d, d);
 }
 
-int base_color_texture(const SceneState& scene, std::size_t item) {
-  const SceneBuffers& buffers = scene.buffers();
-  return buffers.has_textures() ? buffers.base_color_texture(static_cast<std::size_t>(buffers.material(item))) : -1;
+/// Of base colour, transmission, thickness and emission, -1: none.
+glm::ivec4 textures_of(const SceneState& scene, std::size_t item) {
+  const Material& m = scene.material_of_item(item);
+  const auto texture = [&](TextureRole role) { return texture_of(m, role) ? scene.buffers().texture(item, role) : -1; };
+  const bool pane = pane_share(m) > 0.0f;
+  return {texture(TextureRole::base_color), pane ? texture(TextureRole::transmission) : -1,
+          pane ? texture(TextureRole::thickness) : -1, texture(TextureRole::emissive)};
 }
 
 PaneKind kind_of(const PaneScene& scene, std::size_t item) {
   using Reflected = PaneKind::Reflected;
-  const float share = pane_share(scene.frame.scene.material_of_item(item));
-  PaneKind kind{
-      .texture = base_color_texture(scene.frame.scene, item) >= 0, .surface = (share < 1.0f), .pane = (share > 0.0f)};
+  const Material& material = scene.frame.scene.material_of_item(item);
+  const glm::ivec4 textures = textures_of(scene.frame.scene, item);
+  PaneKind kind{.texture = (textures != glm::ivec4(-1)),
+                .surface = is_partly_surface(material),
+                .pane = (pane_share(material) > 0.0f)};
   if (!scene.reflected.drawn || scene.reflectors.of_item(item) < 0) return kind;
   if (scene.reflectors.is_mirror(item)) {
     kind.reflected = Reflected::mirror;
@@ -156,9 +145,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   recorded_.emplace();
   Recorded& r = *recorded_;
   r.of = now;
-  if (std::any_of(drawn.begin(), drawn.end(),
-                  [&](std::size_t i) { return pane_share(frame.scene.material_of_item(i)) < 1.0f; }))
-    return false;
+  if (std::any_of(drawn.begin(), drawn.end(), [&](std::size_t i) { return kind_of(scene, i).surface; })) return false;
   r.heads = Texture::make_2d("pane layers by point", GL_R32UI, w, h);
   r.layers = Buffer("pane layers", std::min(kHeaderBytes + points * kLayerBytes, kMostBytes));
   r.layer_view = Texture::make_buffer("pane layers", GL_RGBA32UI, r.layers);
@@ -209,9 +196,6 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
                        bool record) {
   if (drawn.empty()) return;
   SceneState& state = scene.frame.scene;
-  if (!irradiance_ || irradiance_of_ != state.revisions().sky)
-    irradiance_ = make_irradiance(state.environment().environment());
-  irradiance_of_ = state.revisions().sky;
   bind_framebuffer(scene, behind);
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
@@ -221,7 +205,6 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
   glBlendFuncSeparate(GL_ONE, GL_SRC1_COLOR, GL_ZERO, GL_ONE);  // alpha stays: 0 where only the sky is behind
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
-  glBindTextureUnit(kUnitIrradiance, irradiance_.get());
   std::vector<std::size_t> two_sided;
   std::copy_if(drawn.begin(), drawn.end(), std::back_inserter(two_sided),
                [&](std::size_t i) { return state.shows_both_sides(i) && !scene.reflectors.is_mirror(i); });
@@ -235,6 +218,7 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_ZERO);  // a second source forbids draws into several images, even while nothing blends
   glDisable(GL_CULL_FACE);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
@@ -251,12 +235,20 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   const Program& program = scene.frame.programs.get(pane_variant(plan, kind));
   if (plan.visibility == "traced") scene.frame.bakes.octree().buffers().set_uniforms(program);
   glUseProgram(program.get());
-  const float alpha = m.alpha_mode == AlphaMode::blend ? m.base_color.a : 1.0f;
+  const bool blends = m.alpha_mode == AlphaMode::blend;
+  const float alpha = blends ? m.base_color.a : 1.0f;
+  glUniform1i(program.location("u_blends"), blends ? 1 : 0);
   glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
-  glUniform4f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b, m.unlit ? 1.0f : 0.0f);
+  glUniform3f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b);
+  if (kind.surface) scene.blended->bind(program);
   glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));
   if (kind.reflected != PaneKind::Reflected::none) program.set("u_reflector", scene.reflectors.of_item(i));
-  if (kind.texture) program.set("u_texture", base_color_texture(state, i));
+  const glm::vec3 absorption = volume_absorption(m) * item.scale;
+  glUniform3f(program.location("u_absorption"), absorption.r, absorption.g, absorption.b);
+  if (kind.texture) {
+    const glm::ivec4 textures = textures_of(state, i);
+    glUniform4i(program.location("u_textures"), textures.x, textures.y, textures.z, textures.w);
+  }
   const auto sorted = order_->first.find(i);
   const bool is_sorted = sorted != order_->first.end();
   glVertexArrayElementBuffer(buffers.vertex_array(), is_sorted ? order_->indices.get() : buffers.indices());
@@ -265,7 +257,7 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
 }
 
 std::size_t Panes::bytes() const {
-  std::size_t sum = irradiance_.bytes() + (order_ ? order_->indices.bytes() : 0);
+  std::size_t sum = order_ ? order_->indices.bytes() : 0;
   if (recorded_)
     sum += recorded_->layers.bytes() + recorded_->heads.bytes() + recorded_->covered_tiles.tiles.bytes() +
            recorded_->bare_tiles.tiles.bytes();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/glass/blended.h"
 #include "render/parts/parts.h"
 #include "render/reflections/reflected_picture.h"
 #include "render/reflections/reflector_set.h"
@@ -19,6 +20,7 @@ struct PaneScene {
   const Parts& parts;
   const ReflectorSet& reflectors;
   ReflectedPicture reflected = {};
+  const Blended* blended = nullptr;  ///< where something blends
 };
 
 /// Panes, blended surfaces and mirrors over the finished opaque picture, from back to front.
@@ -57,8 +59,6 @@ class Panes {
   void draw_item(const PaneScene& scene, std::size_t item, bool record) const;
   void bind_framebuffer(const PaneScene& scene, const Texture& behind);
 
-  Texture irradiance_;  ///< what a white Lambertian shows under the environment; made when something blends
-  std::optional<std::uint32_t> irradiance_of_;  ///< revision of the sky
   GlName<FramebufferTraits> framebuffer_;
   std::optional<Order> order_;
   std::optional<Recorded> recorded_;

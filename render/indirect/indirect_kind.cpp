@@ -14,17 +14,8 @@ constexpr std::size_t kRayBudget = std::size_t{1} << 24;
 std::vector<float> material_numbers(const Scene& scene) {
   std::vector<float> numbers;
   for (const Material& m : scene.materials) {
-    for (const glm::vec3& v : {glm::vec3(m.base_color), m.emissive, m.specular_color})
-      numbers.insert(numbers.end(), {v.x, v.y, v.z});
-    numbers.insert(numbers.end(), {m.base_color.a, m.metallic, m.roughness, m.clearcoat, m.clearcoat_roughness,
-                                   m.transmission, m.ior, m.specular, m.normal_scale, m.alpha_cutoff});
-    for (const bool flag : {m.double_sided, m.glass, m.tint_measured, m.unlit}) numbers.push_back(flag ? 1.0f : 0.0f);
-    numbers.push_back(static_cast<float>(m.alpha_mode));
-    for (const TextureRef* t : {&m.base_color_texture, &m.metallic_roughness_texture, &m.emissive_texture}) {
-      numbers.insert(numbers.end(),
-                     {static_cast<float>(t->image), static_cast<float>(t->uv_set), t->offset.x, t->offset.y, t->scale.x,
-                      t->scale.y, t->rotation_rad, static_cast<float>(t->wrap_s), static_cast<float>(t->wrap_t)});
-    }
+    const std::vector<float> own = numbers_of(m);
+    numbers.insert(numbers.end(), own.begin(), own.end());
   }
   return numbers;
 }

@@ -24,14 +24,16 @@ bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry
     const ShadingPlan& shading = wanted.layers[k];
     std::unique_ptr<Layer>& layer = layers_[k];
     if (layer && layer->mode_name == shading.mode && layer->surfaces.size() == size &&
-        layer->surfaces.has_texture_bandwidth() == shading.texture_bandwidth)
+        layer->surfaces.has_texture_bandwidth() == shading.texture_bandwidth &&
+        layer->surfaces.has_details() == wanted.details)
       continue;
     any = true;
     layer.reset();  // both at once may not fit
     layer = std::make_unique<Layer>();
     layer->mode_name = shading.mode;
     layer->mode = registry.find_mode(shading.mode).make_mode();
-    layer->surfaces.fit(size, layer->mode->band_rows(size), shading.texture_bandwidth);
+    layer->surfaces.fit(size, layer->mode->band_rows(size), shading.texture_bandwidth,
+                        wanted.details);
     layer->radiance = Texture::make_2d("radiance", GL_RGBA32F, size.grid_width(), size.grid_height());
     layer->mode->fit(size);
     made(static_cast<int>(k));

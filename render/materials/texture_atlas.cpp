@@ -3,52 +3,56 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <glm/gtc/packing.hpp>
+
+#include "render/materials/mip_chain.h"
 
 namespace maquette {
 
 namespace {
 
-/// Converts sRGB bytes to square roots of linear light, which shaders decode with one multiplication. Alpha is kept.
-void recode_srgb(std::vector<std::uint32_t>* texels) {
-  std::array<std::uint32_t, 256> code{};
-  for (std::size_t i = 0; i < code.size(); ++i) {
+/// Linear values of the 256 codes of a channel.
+using Decoding = std::array<float, 256>;
+
+Decoding make_decoding(bool srgb) {
+  Decoding out{};
+  for (std::size_t i = 0; i < out.size(); ++i) {
     const double v = static_cast<double>(i) / 255.0;
     const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    code[i] = static_cast<std::uint32_t>(std::sqrt(linear) * 255.0 + 0.5);
+    out[i] = static_cast<float>(srgb ? linear : v);
   }
-  for (std::uint32_t& t : *texels)
-    t = code[t & 255u] | code[t >> 8 & 255u] << 8 | code[t >> 16 & 255u] << 16 | (t & 0xff000000u);
+  return out;
 }
 
-/// Appends the mip chain of an image (box filter in the stored encoding) and returns the number of levels.
-int append_mips(const TextureImage& image, bool srgb, std::vector<std::uint32_t>* texels) {
-  std::vector<std::uint32_t> level(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-  std::memcpy(level.data(), image.rgba.data(), level.size() * 4);
-  if (srgb) recode_srgb(&level);
-  int width = image.width, height = image.height, levels = 1;
-  texels->insert(texels->end(), level.begin(), level.end());
-  while (width > 1 || height > 1) {
-    const int w = std::max(1, width / 2), h = std::max(1, height / 2);
-    std::vector<std::uint32_t> next(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-    for (int y = 0; y < h; ++y) {
-      for (int x = 0; x < w; ++x) {
-        std::uint32_t out = 0;
-        for (int shift = 0; shift < 32; shift += 8) {
-          std::uint32_t sum = 2;
-          for (int k = 0; k < 4; ++k) {
-            const int sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
-            sum += level[static_cast<std::size_t>(sy * width + sx)] >> shift & 255u;
-          }
-          out |= (sum / 4) << shift;
-        }
-        next[static_cast<std::size_t>(y * w + x)] = out;
-      }
-    }
-    texels->insert(texels->end(), next.begin(), next.end());
-    level = std::move(next);
-    width = w;
-    height = h;
+/// A texel of 4 x 16 bits; colours as square roots of linear light, which shaders decode with one multiplication.
+glm::uvec2 encode(const glm::vec4& linear, bool srgb) {
+  const glm::vec4 c = srgb ? glm::vec4(glm::sqrt(glm::vec3(linear)), linear.a) : linear;
+  return {glm::packUnorm2x16({c.r, c.g}), glm::packUnorm2x16({c.b, c.a})};
+}
+
+/// Appends the mip chain of an image, filtered in linear light, and returns the number of levels.
+int append_mips(const TextureImage& image, bool srgb, std::vector<glm::uvec2>* texels) {
+  static const Decoding kColour = make_decoding(true), kLinear = make_decoding(false);
+  const Decoding& decoding = srgb ? kColour : kLinear;
+  const auto decode = [&](int x, int y) {
+    const std::uint8_t* t =
+        &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x))];
+    return glm::vec4(decoding[t[0]], decoding[t[1]], decoding[t[2]], kLinear[t[3]]);
+  };
+  const auto append = [&](int width, int height, const auto& texel) {
+    const std::size_t first = texels->size();
+    texels->resize(first + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    tbb::parallel_for(0, height, [&](int y) {
+      glm::uvec2* row = texels->data() + first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+      for (int x = 0; x < width; ++x) row[x] = encode(texel(x, y), srgb);
+    });
+  };
+  append(image.width, image.height, decode);
+  int levels = 1;
+  MipLevel level{image.width, image.height, {}};
+  while (level.width > 1 || level.height > 1) {
+    level = levels == 1 ? halve(level.width, level.height, decode) : halve(level);
+    append(level.width, level.height, [&](int x, int y) { return level.at(x, y); });
     ++levels;
   }
   return levels;
@@ -84,20 +88,29 @@ int add_texture(const Scene& scene, const TextureRef& r, bool srgb, StoredImages
 }  // namespace
 
 const TextureRef& texture_of(const Material& m, TextureRole role) {
-  switch (role) {
-    case TextureRole::base_color:
-      return m.base_color_texture;
-    case TextureRole::metallic_roughness:
-      return m.metallic_roughness_texture;
-    case TextureRole::normal:
-      return m.normal_texture;
-    case TextureRole::emissive:
-      return m.emissive_texture;
-    case TextureRole::occlusion:
-      return m.occlusion_texture;
-    default:
-      return m.clearcoat_texture;
-  }
+  const TextureRef* const by_role[kTextureRoles] = {&m.base_color_texture,
+                                                    &m.metallic_roughness_texture,
+                                                    &m.normal_texture,
+                                                    &m.emissive_texture,
+                                                    &m.occlusion_texture,
+                                                    &m.clearcoat_texture,
+                                                    &m.clearcoat_roughness_texture,
+                                                    &m.clearcoat_normal_texture,
+                                                    &m.transmission_texture,
+                                                    &m.specular_texture,
+                                                    &m.specular_color_texture,
+                                                    &m.sheen_color_texture,
+                                                    &m.sheen_roughness_texture,
+                                                    &m.anisotropy_texture,
+                                                    &m.iridescence_texture,
+                                                    &m.iridescence_thickness_texture,
+                                                    &m.thickness_texture};
+  return *by_role[static_cast<std::size_t>(role)];
+}
+
+bool is_colour(TextureRole role) {
+  return role == TextureRole::base_color || role == TextureRole::emissive || role == TextureRole::specular_color ||
+         role == TextureRole::sheen_color;
 }
 
 TextureAtlas build_texture_atlas(const Scene& scene) {
@@ -110,8 +123,7 @@ TextureAtlas build_texture_atlas(const Scene& scene) {
     textures.fill(-1);
     for (std::size_t k = 0; k < kTextureRoles; ++k) {
       const auto role = static_cast<TextureRole>(k);
-      const bool srgb = role == TextureRole::base_color || role == TextureRole::emissive;
-      if (texture_of(m, role)) textures[k] = add_texture(scene, texture_of(m, role), srgb, &stored, &atlas);
+      if (texture_of(m, role)) textures[k] = add_texture(scene, texture_of(m, role), is_colour(role), &stored, &atlas);
     }
     atlas.of_material.push_back(textures);
   }

@@ -26,7 +26,7 @@ namespace maquette::shared {
 #include "shared/visibility.glsl"
 #include "shared/indirect.glsl"
 #include "shared/merl.glsl"
-#include "shared/analytic.glsl"
 #include "shared/surface_geometry.glsl"
+#include "shared/analytic.glsl"
 // clang-format on
 }  // namespace maquette::shared

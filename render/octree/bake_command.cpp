@@ -80,7 +80,7 @@ BakeCommand octree_bake_command() {
     job.octree = make_job(request);
     job.bricks = bake_octree(job.octree, control);
     if (request.settings.get_string("octree.brdf") == "none") return;
-    job.materials = override_materials(request.scene.materials, request.materials);
+    job.materials = effective_materials(request.scene, request.materials);
     bake_cells(job, control);
   };
   return {"octree", "the scene's octree and, with octree.brdf, the BRDFs of its cells", run};

@@ -186,7 +186,8 @@ CellMaterial::CellMaterial(const Material& material, std::shared_ptr<const BrdfT
                            m.specular,         m.specular_color.r,   m.specular_color.g,
                            m.specular_color.b, m.clearcoat,          m.clearcoat_roughness,
                            m.sheen_color.r,    m.sheen_color.g,      m.sheen_color.b,
-                           m.sheen_roughness,  glows_ ? 1.0f : 0.0f, m.tint_measured ? 1.0f : 0.0f};
+                           m.sheen_roughness,  m.iridescence,        m.iridescence_ior,
+                           m.iridescence_greatest_nm, glows_ ? 1.0f : 0.0f, m.tint_measured ? 1.0f : 0.0f};
   content_ = content_hash(std::as_bytes(std::span(numbers)), table_ ? table_->hash : 0u);
 }
 
@@ -245,7 +246,10 @@ CellReflectance CellMaterial::brdf(const glm::vec3& color) const {
   shared::AnalyticMaterial a =
       shared::make_analytic(base, m.metallic, m.roughness, m.ior, m.specular, m.specular_color, m.clearcoat,
                             m.clearcoat_roughness, m.sheen_color, m.sheen_roughness);
-  a.alpha = widened(a.alpha);
+  a.alpha = a.alpha_y = widened(a.alpha);
+  a.film = m.iridescence;
+  a.film_ior = m.iridescence_ior;
+  a.film_nm = m.iridescence_greatest_nm;
   a.coat_alpha = widened(a.coat_alpha);
   return [a](const glm::vec3& wi, const glm::vec3& wo) { return shared::evaluate_analytic(a, wi, wo).total; };
 }

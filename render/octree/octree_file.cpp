@@ -16,7 +16,7 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree";
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 constexpr std::size_t kSumFloats = 10 + 4 * OctreeSums::kMaterials;
 constexpr std::size_t kLevels = kOctreeMaxLevels + 1;
 

@@ -29,43 +29,20 @@ std::shared_ptr<const OctreeTextures::Chain> OctreeTextures::make_chain(const Te
   auto chain = std::make_shared<Chain>();
   float code[256];
   for (int i = 0; i < 256; ++i) code[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-  // Starts with the first level that is kept, each texel the mean of those that it covers.
-  Level level;
-  level.width = std::min(image.width, kMaxSide);
-  level.height = std::min(image.height, kMaxSide);
-  level.texels.resize(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
-  std::vector<float> weights(level.texels.size(), 0.0f);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const std::uint8_t* t =
-          image.rgba.data() +
-          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
-      const auto to = static_cast<std::size_t>(y * static_cast<long long>(level.height) / image.height) *
-                          static_cast<std::size_t>(level.width) +
-                      static_cast<std::size_t>(x * static_cast<long long>(level.width) / image.width);
-      level.texels[to] += glm::vec4(code[t[0]], code[t[1]], code[t[2]], static_cast<float>(t[3]) / 255.0f);
-      weights[to] += 1.0f;
-    }
+  const auto decode = [&](int x, int y) {
+    const std::uint8_t* t =
+        &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x))];
+    return glm::vec4(code[t[0]], code[t[1]], code[t[2]], static_cast<float>(t[3]) / 255.0f);
+  };
+  MipLevel level{image.width, image.height, {}};
+  if (std::max(image.width, image.height) <= kMaxSide) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) level.texels.push_back(decode(x, y));
+    chain->push_back(level);
   }
-  for (std::size_t i = 0; i < weights.size(); ++i) level.texels[i] /= std::max(weights[i], 1.0f);
-  chain->push_back(std::move(level));
-  while (chain->back().width > 1 || chain->back().height > 1) {
-    const Level& above = chain->back();
-    Level next;
-    next.width = std::max(1, above.width / 2);
-    next.height = std::max(1, above.height / 2);
-    for (int y = 0; y < next.height; ++y) {
-      for (int x = 0; x < next.width; ++x) {
-        glm::vec4 sum(0.0f);
-        for (int k = 0; k < 4; ++k) {
-          const int sx = std::min(2 * x + (k & 1), above.width - 1), sy = std::min(2 * y + (k >> 1), above.height - 1);
-          sum += above.texels[static_cast<std::size_t>(sy) * static_cast<std::size_t>(above.width) +
-                              static_cast<std::size_t>(sx)];
-        }
-        next.texels.push_back(0.25f * sum);
-      }
-    }
-    chain->push_back(std::move(next));
+  while (level.width > 1 || level.height > 1) {
+    level = level.texels.empty() ? halve(level.width, level.height, decode) : halve(level);
+    if (std::max(level.width, level.height) <= kMaxSide) chain->push_back(level);
   }
   return chain;
 }
@@ -124,12 +101,12 @@ glm::vec4 OctreeTextures::mean_color(int material, const glm::vec2& uv, float uv
   const int level = std::isfinite(texels) ? std::clamp(static_cast<int>(std::lround(std::log2(std::max(texels, 1.0f)))),
                                                        0, static_cast<int>(chain.size()) - 1)
                                           : static_cast<int>(chain.size()) - 1;
-  const Level& l = chain[static_cast<std::size_t>(level)];
+  const MipLevel& l = chain[static_cast<std::size_t>(level)];
   if (!std::isfinite(at_uv.x) || !std::isfinite(at_uv.y)) return chain.back().texels[0];
   const int x = std::clamp(static_cast<int>(wrapped(at_uv.x, r.wrap_s) * static_cast<float>(l.width)), 0, l.width - 1);
   const int y =
       std::clamp(static_cast<int>(wrapped(at_uv.y, r.wrap_t) * static_cast<float>(l.height)), 0, l.height - 1);
-  return l.texels[static_cast<std::size_t>(y) * static_cast<std::size_t>(l.width) + static_cast<std::size_t>(x)];
+  return l.at(x, y);
 }
 
 }  // namespace maquette

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/materials/mip_chain.h"
 #include "scenes/scene.h"
 
 namespace maquette {
@@ -26,11 +27,7 @@ class OctreeTextures {
   std::uint64_t content(int material) const { return at(material) ? at(material)->content : 0; }
 
  private:
-  struct Level {
-    int width = 0, height = 0;
-    std::vector<glm::vec4> texels;
-  };
-  using Chain = std::vector<Level>;
+  using Chain = std::vector<MipLevel>;
   struct Entry {
     TextureRef reference;
     std::shared_ptr<const Chain> chain;  ///< null without a texture

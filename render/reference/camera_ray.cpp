@@ -50,12 +50,13 @@ class CameraRay::Splitter {
             branch.weight * glm::vec3(environment_.radiance_and_density(glm::normalize(branch.ray.direction)));
       return;
     }
-    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr, false});
-    float surface = 1.0f - p.material->clear();
+    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr});
+    float surface = 1.0f;
     if (p.material->clear() > 0.0f) {
-      out_.radiance_ += branch.weight * p.emission * p.material->pane;
+      surface = 1.0f - p.pane;
+      out_.radiance_ += branch.weight * p.emission * p.pane;
       const PaneRays rays = rays_of_pane(p, branch.ray);
-      const glm::vec3 weight = branch.weight * p.material->pane;
+      const glm::vec3 weight = branch.weight * p.pane;
       // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
       if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
       push(rays.passed, weight * rays.shares.transmitted, branch, branch.straight);

@@ -237,10 +237,9 @@ class FullPath {
 
   /// Reflects or transmits at a pane. False where this path treats it as a surface (the opaque share of the material).
   bool pass_pane(const SurfacePoint& p) {
-    const float pane = p.material->pane;
     float u = sampler_.single(dimension(kPane));
-    if (u >= pane) return false;
-    u /= pane;
+    if (u >= p.pane) return false;
+    u /= p.pane;
     add_emission(p);
     const PaneRays rays = rays_of_pane(p, ray_);
     const float reflect = largest(rays.shares.reflected), pass = largest(rays.shares.transmitted);
@@ -263,8 +262,8 @@ class FullPath {
   bool pass_glass(const SurfacePoint& p) {
     const TracedMaterial& m = *p.material;
     float u = sampler_.single(dimension(kPane));
-    if (u >= m.pane) return false;
-    u /= m.pane;
+    if (u >= p.pane) return false;
+    u /= p.pane;
     if (m.solid && !p.front) scale(glm::exp(-m.absorption * glm::length(p.position - from_)));
     if (vertex_ > 0) add_emission(p);
     const float roughness = m.rough && !m.measured ? p.analytic.alpha : 0.0f;

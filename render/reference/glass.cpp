@@ -10,8 +10,10 @@ namespace {
 /// G2 of both directions over G1 of `cosine_out`: height-correlated Smith masking and shadowing.
 float shadowing(float cosine_in, float cosine_out, float alpha) {
   if (alpha <= 0.0f) return 1.0f;
-  return 4.0f * cosine_in * cosine_out * shared::ggx_visibility(cosine_in, cosine_out, alpha) /
-         std::max(shared::ggx_g1(cosine_out, alpha), 1e-20f);
+  const auto at = [](float c) { return glm::vec3(std::sqrt(std::max(1.0f - c * c, 0.0f)), 0.0f, c); };
+  const shared::GgxWidth width = shared::round_width(alpha);
+  return 4.0f * cosine_in * cosine_out * shared::ggx_visibility(at(cosine_in), at(cosine_out), width) /
+         std::max(shared::ggx_g1(at(cosine_out), width), 1e-20f);
 }
 
 /// Entries of the Mueller matrices of an interface: mean and half difference of the reflectances of both polarisations
@@ -79,7 +81,7 @@ GlassSample sample_solid_glass(const SurfacePoint& p, const glm::vec3& direction
                                float choice, Polarisation* polarisation) {
   const float index = std::max(p.material->values.ior, 1.0f);
   const float eta = p.front ? 1.0f / index : index;
-  const glm::vec3 facet = alpha > 0.0f ? p.to_world(shared::sample_ggx_visible(p.wo, alpha, u.x, u.y)) : p.n;
+  const glm::vec3 facet = alpha > 0.0f ? p.to_world(shared::sample_ggx_visible(p.wo, shared::round_width(alpha), u.x, u.y)) : p.n;
   const Polarisation before = *polarisation;
   GlassSample sample = refract_or_mirror(direction, facet, eta, choice, polarisation);
   const float side = glm::dot(sample.direction, p.normal);
@@ -96,7 +98,7 @@ GlassSample sample_solid_glass(const SurfacePoint& p, const glm::vec3& direction
 
 GlassSample sample_rough_pane(const SurfacePoint& p, float alpha, const glm::vec2& u, float choice) {
   GlassSample sample;
-  const glm::vec3 facet = shared::sample_ggx_visible(p.wo, alpha, u.x, u.y);
+  const glm::vec3 facet = shared::sample_ggx_visible(p.wo, shared::round_width(alpha), u.x, u.y);
   const float cosine = std::clamp(glm::dot(p.wo, facet), 0.0f, 1.0f);
   glm::vec3 wi = facet * (2.0f * cosine) - p.wo;
   if (wi.z <= 0.0f) return sample;  // masked by other facets

@@ -1,6 +1,10 @@
 // Restricted transport: the quantity that `uniform` with shading.visibility=none estimates, without its approximations.
+#include <algorithm>
+#include <cmath>
+
 #include "render/reference/path.h"
 #include "render/reference/scattering.h"
+#include "render/scene_state/material_overrides.h"
 
 namespace maquette {
 
@@ -11,7 +15,8 @@ constexpr std::uint32_t kDimensionsALayer = 8;
 
 glm::vec3 balanced(const glm::vec3& value, float pdf, float other) { return value / (pdf + other); }
 
-/// One sample of the environment and one of the BRDF, weighted by the balance heuristic; one of the scene's lights.
+/// One sample of the environment and one of the BRDF, weighted by the balance heuristic; one of the scene's lights,
+/// which occlusion textures do not dim (glTF 2.0, 3.9.3).
 glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& environment, const PathSampler& sampler,
                              std::uint32_t dimension, const SurfacePoint& p) {
   glm::vec3 sum(0.0f);
@@ -20,12 +25,12 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
     environment.fill(&light);
     const glm::vec3 wi = p.to_local(light.direction);
     const Scattering s = evaluate_scattering(p, wi);
-    if (wi.z > 0.0f) sum += balanced(s.f * wi.z * light.radiance, light.pdf, s.pdf);
+    if (wi.z > 0.0f) sum += balanced(s.f * wi.z * light.radiance * p.occlusion, light.pdf, s.pdf);
   }
   const ScatteringSample s = sample_scattering(p, sampler.pair(dimension + 1));
   if (s.pdf > 0.0f && !environment.black()) {
     const glm::vec4 light = environment.radiance_and_density(p.to_world(s.wi));
-    sum += balanced(s.f * s.wi.z * glm::vec3(light), s.pdf, light.w);
+    sum += balanced(s.f * s.wi.z * glm::vec3(light) * p.occlusion, s.pdf, light.w);
   }
   if (!scene.lights.lights.empty()) {
     const LightPick pick = choose_light(scene.lights, light_cell(scene.lights, p.position),
@@ -37,16 +42,13 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
   return sum;
 }
 
-/// Radiance of a white Lambertian surface under the whole sky, as panes and blended surfaces are shaded.
-glm::vec3 white_under_sky(const EnvironmentLight& environment, const PathSampler& sampler, std::uint32_t dimension,
-                          SurfacePoint p) {
-  static const TracedMaterial kWhite;
-  p.material = &kWhite;
-  p.analytic = shared::make_analytic(glm::vec3(1.0f), 0.0f, 1.0f, 1.0f, 0.0f, glm::vec3(0.0f), 0.0f, 0.0f,
-                                     glm::vec3(0.0f), 0.0f);
-  p.lobe_weights = glm::vec3(1.0f, 0.0f, 0.0f);
-  static const PathScene kNoLights;
-  return reflect_unshadowed(kNoLights, environment, sampler, dimension, p);
+/// What a volume lets through on the way of the refracted ray through a slab of its thickness: panes stand for its faces.
+glm::vec3 kept_inside(const PathScene& scene, const SurfacePoint& p) {
+  if (!p.front) return glm::vec3(1.0f);
+  const float ior = std::max(p.material->values.ior, 1.0f), c = p.wo.z;
+  const float way = p.thickness * item_of_triangle(scene.geometry, scene.triangles[p.triangle].source).scale /
+                    std::sqrt(std::max(1.0f - (1.0f - c * c) / (ior * ior), 1e-6f));
+  return glm::exp(-volume_absorption(p.material->values) * way);
 }
 
 }  // namespace
@@ -64,27 +66,26 @@ PathEstimate estimate_direct(const PathScene& scene, const EnvironmentLight& env
       result.radiance += through * glm::vec3(environment.radiance_and_density(glm::normalize(ray.direction)));
       return result;
     }
-    const SurfacePoint p = resolve_surface(scene, ray, hit, {differential, true});
+    const SurfacePoint p = resolve_surface(scene, ray, hit, {differential});
     const TracedMaterial& m = *p.material;
+    const auto surface = [&] {
+      return m.values.unlit ? p.base_color : reflect_unshadowed(scene, environment, sampler, dimension, p);
+    };
     if (m.pane <= 0.0f && !m.blended) {
       result.covered = true;
-      result.radiance += through * p.emission;
-      result.radiance +=
-          through * (m.values.unlit ? p.base_color : reflect_unshadowed(scene, environment, sampler, dimension, p));
+      result.radiance += through * (p.emission + surface());
       return result;
     }
-    glm::vec3 surface = p.base_color;
-    if (m.pane < 1.0f && !m.values.unlit) surface *= white_under_sky(environment, sampler, dimension, p);
     if (m.pane > 0.0f) {
-      const PaneShares shares = pane_shares(p.wo.z, m.values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+      const PaneShares shares = pane_shares(p.wo.z, m.values.ior, glm::clamp(p.base_color, 0.0f, 1.0f) * kept_inside(scene, p));
       const glm::vec3 mirrored = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
-      result.radiance +=
-          through * (p.emission + shares.reflected * glm::vec3(environment.radiance_and_density(mirrored)) +
-                     (1.0f - m.pane) * surface);
-      through *= shares.transmitted * m.pane;
+      result.radiance += through * (p.emission + p.pane * shares.reflected *
+                                                     glm::vec3(environment.radiance_and_density(mirrored)));
+      if (p.pane < 1.0f) result.radiance += through * (1.0f - p.pane) * surface();
+      through *= shares.transmitted * p.pane;
     } else {
       const float alpha = alpha_at(scene, hit.triangle, hit.barycentric);
-      result.radiance += through * alpha * (p.emission + surface);
+      result.radiance += through * alpha * (p.emission + surface());
       through *= 1.0f - alpha;
     }
     ray.origin = offset_from_surface(p.position, p.error, -p.normal);

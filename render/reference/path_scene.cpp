@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <set>
+#include <span>
 
 #include "render/environment/texel_cell.h"
 #include "render/reference/traversal.h"
@@ -52,7 +53,8 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
   // Source: KHR_materials_volume: color^(distance / attenuation distance).
   m.absorption = -glm::log(glm::max(values.attenuation_color, glm::vec3(1e-20f))) / values.attenuation_distance;
   m.blended = values.alpha_mode == AlphaMode::blend && m.pane <= 0.0f;
-  m.masked = values.alpha_mode == AlphaMode::mask && m.texture(TextureRole::base_color) >= 0;
+  m.masked = values.alpha_mode == AlphaMode::mask &&
+             (m.texture(TextureRole::base_color) >= 0 || values.base_color.a < values.alpha_cutoff);
   return m;
 }
 
@@ -89,6 +91,9 @@ Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
     const auto material = static_cast<std::uint32_t>(material_index(input.scene, item, input.variant));
     const bool visible = item.node < 0 || input.scene.nodes[static_cast<std::size_t>(item.node)].visible;
     TracedMaterial& m = scene->materials[material];
+    const std::span<const glm::vec4> colors(scene->geometry.colors.data() + item.first_vertex, item.vertex_count);
+    m.colored |= std::any_of(colors.begin(), colors.end(), [](const auto& c) { return c != glm::vec4(1.0f); });
+    m.masked |= m.colored && m.values.alpha_mode == AlphaMode::mask;
     const std::uint32_t sides = m.values.double_sided || item.patch >= 0 ? kBothSides : 0u;
     const std::size_t mesh = !visible                ? PathScene::kHidden
                              : m.masked || m.blended ? PathScene::kAlpha
@@ -98,8 +103,6 @@ Assignment assign_triangles(const PathSceneInput& input, PathScene* scene) {
       assignment.materials[i] = material | sides;
       assignment.meshes[mesh].push_back(i);
     }
-    const glm::vec4* colors = scene->geometry.colors.data() + item.first_vertex;
-    m.colored |= std::any_of(colors, colors + item.vertex_count, [](const auto& c) { return c != glm::vec4(1.0f); });
     for (std::uint32_t v = item.first_vertex; visible && v < item.first_vertex + item.vertex_count; ++v) {
       scene->bounds.min = glm::min(scene->bounds.min, scene->geometry.positions[v]);
       scene->bounds.max = glm::max(scene->bounds.max, scene->geometry.positions[v]);
@@ -269,11 +272,12 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
 float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& b) {
   const TracedMaterial& m = scene.material_of(triangle);
   float alpha = m.values.base_color.a;
+  const std::uint32_t* c = scene.corners(triangle);
+  const auto mix = [&](const auto& values) {
+    return values[c[0]] * (1.0f - b.x - b.y) + values[c[1]] * b.x + values[c[2]] * b.y;
+  };
+  if (m.colored) alpha *= mix(scene.geometry.colors).w;
   if (const int texture = m.texture(TextureRole::base_color); texture >= 0) {
-    const std::uint32_t* c = scene.corners(triangle);
-    const auto mix = [&](const std::vector<glm::vec2>& uv) {
-      return uv[c[0]] * (1.0f - b.x - b.y) + uv[c[1]] * b.x + uv[c[2]] * b.y;
-    };
     shared::TextureFilter filter{scene.atlas};
     const glm::vec2 uv = filter.texture_coordinates(texture, mix(scene.geometry.uv0), mix(scene.geometry.uv1));
     alpha *= filter.sample_texture(texture, uv, glm::vec2(0.0f), glm::vec2(0.0f)).w;

@@ -23,7 +23,7 @@ namespace shared {
 /// Textures of an atlas, filtered by the shaders' own code (sample_texture, texture_coordinates, texture_transformed).
 struct TextureFilter {
   const TextureAtlas& atlas;
-  uint fetch_texel_word(int index) const { return atlas.texels.data()[index]; }
+  uvec2 fetch_texel_words(int index) const { return atlas.texels.data()[index]; }
   vec4 texture_record(int texture, int row) const { return atlas.records.data()[3 * texture + row]; }
 #include "shared/texture_filter.glsl"
 };
@@ -50,7 +50,7 @@ struct TracedMaterial {
   bool refracts() const { return solid || rough; }
   /// Share that straight rays cross.
   float clear() const { return refracts() ? 0.0f : pane; }
-  bool masked = false;   ///< cut out by its texture's alpha
+  bool masked = false;   ///< cut out by alpha
   bool blended = false;  ///< covers by alpha
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
 };

@@ -80,40 +80,110 @@ class TextureReader {
 /// Factors of the material after its textures.
 struct Factors {
   glm::vec3 base_color, emission;
-  float metallic, roughness, clearcoat;
-  glm::vec3 mapped{0.0f, 0.0f, 1.0f};
-  bool has_normal_map = false;
+  float metallic, roughness, clearcoat, clearcoat_roughness, specular;
+  glm::vec3 specular_color, sheen_color;
+  float sheen_roughness, occlusion, pane, thickness, anisotropy, film, film_nm;
+  glm::vec2 along;                ///< direction of the anisotropy in the tangent plane
+  glm::vec3 mapped, coat_mapped;  ///< normals of the textures
+
+  Factors(const TracedMaterial& m, const glm::vec3& color)
+      : base_color(color),
+        emission(m.values.emissive),
+        metallic(m.values.metallic),
+        roughness(m.values.roughness),
+        clearcoat(m.values.clearcoat),
+        clearcoat_roughness(m.values.clearcoat_roughness),
+        specular(m.values.specular),
+        specular_color(m.values.specular_color),
+        sheen_color(m.values.sheen_color),
+        sheen_roughness(m.values.sheen_roughness),
+        occlusion(1.0f),
+        pane(m.pane),
+        thickness(1.0f),
+        anisotropy(m.values.anisotropy),
+        film(m.values.iridescence),
+        film_nm(m.values.iridescence_greatest_nm),
+        along(std::cos(m.values.anisotropy_rotation_rad), std::sin(m.values.anisotropy_rotation_rad)),
+        mapped(0.0f, 0.0f, 1.0f),
+        coat_mapped(0.0f, 0.0f, 1.0f) {}
 };
 
-Factors read_textures(const TracedMaterial& m, const TextureReader& reader, bool occlusion, Factors f) {
-  const bool measured = m.measured != nullptr;
-  const auto read = [&](TextureRole role) { return reader.read(m.texture(role)); };
-  const auto has = [&](TextureRole role) { return m.texture(role) >= 0; };
-  if (has(TextureRole::base_color) && (!measured || m.values.tint_measured))
-    f.base_color *= glm::vec3(read(TextureRole::base_color));
-  if (has(TextureRole::occlusion) && occlusion)
-    f.base_color *= glm::mix(1.0f, read(TextureRole::occlusion).x, m.values.occlusion_strength);
-  if (has(TextureRole::metallic_roughness) && !measured) {
-    const glm::vec4 value = read(TextureRole::metallic_roughness);
-    f.metallic *= value.z;
-    f.roughness *= value.y;
-  }
-  if (has(TextureRole::clearcoat) && !measured) f.clearcoat *= read(TextureRole::clearcoat).x;
-  if (has(TextureRole::emissive)) f.emission *= glm::vec3(read(TextureRole::emissive));
-  f.has_normal_map = has(TextureRole::normal);
-  if (f.has_normal_map) f.mapped = glm::vec3(read(TextureRole::normal)) * 2.0f - 1.0f;
-  return f;
-}
+/// Applies textures to the factors of one material.
+class FactorReader {
+ public:
+  FactorReader(const TracedMaterial& m, const TextureReader& reader, Factors* factors)
+      : material_(m), reader_(reader), f_(*factors) {}
 
-void fill_material(const TracedMaterial& m, const Factors& f, SurfacePoint* p) {
+  void read() {
+    const Material& v = material_.values;
+    if (!material_.measured || v.tint_measured) times(TextureRole::base_color, &f_.base_color);
+    times(TextureRole::emissive, &f_.emission);
+    if (has(TextureRole::occlusion))
+      f_.occlusion = glm::mix(1.0f, value(TextureRole::occlusion).x, v.occlusion_strength);
+    if (has(TextureRole::transmission)) f_.pane *= value(TextureRole::transmission).x;
+    times(TextureRole::thickness, 1, &f_.thickness);
+    f_.mapped = normal(TextureRole::normal);
+    if (!material_.measured) read_lobes();
+  }
+
+ private:
+  bool has(TextureRole role) const { return material_.texture(role) >= 0; }
+  glm::vec4 value(TextureRole role) const { return reader_.read(material_.texture(role)); }
+  void times(TextureRole role, glm::vec3* factor) const {
+    if (has(role)) *factor *= glm::vec3(value(role));
+  }
+  void times(TextureRole role, int channel, float* factor) const {
+    if (has(role)) *factor *= value(role)[channel];
+  }
+  glm::vec3 normal(TextureRole role) const {
+    return has(role) ? glm::vec3(value(role)) * 2.0f - 1.0f : glm::vec3(0.0f, 0.0f, 1.0f);
+  }
+
+  void read_lobes() {
+    const Material& v = material_.values;
+    times(TextureRole::metallic_roughness, 2, &f_.metallic);
+    times(TextureRole::metallic_roughness, 1, &f_.roughness);
+    times(TextureRole::clearcoat, 0, &f_.clearcoat);
+    times(TextureRole::clearcoat_roughness, 1, &f_.clearcoat_roughness);
+    f_.coat_mapped = normal(TextureRole::clearcoat_normal);
+    times(TextureRole::specular, 3, &f_.specular);
+    times(TextureRole::specular_color, &f_.specular_color);
+    times(TextureRole::sheen_color, &f_.sheen_color);
+    times(TextureRole::sheen_roughness, 3, &f_.sheen_roughness);
+    times(TextureRole::iridescence, 0, &f_.film);
+    if (has(TextureRole::iridescence_thickness))
+      f_.film_nm = glm::mix(v.iridescence_least_nm, f_.film_nm, value(TextureRole::iridescence_thickness).y);
+    if (!has(TextureRole::anisotropy)) return;
+    const glm::vec4 texel = value(TextureRole::anisotropy);
+    const glm::vec2 a = glm::vec2(texel) * 2.0f - 1.0f;
+    const glm::vec2 turn = glm::dot(a, a) > 1e-4f ? glm::normalize(a) : glm::vec2(1.0f, 0.0f);
+    f_.along = {turn.x * f_.along.x - turn.y * f_.along.y, turn.x * f_.along.y + turn.y * f_.along.x};
+    f_.anisotropy *= texel.z;
+  }
+
+  const TracedMaterial& material_;
+  const TextureReader& reader_;
+  Factors& f_;
+};
+
+/// `coat_normal`: world, unit; null where it is that of the base.
+void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* coat_normal, SurfacePoint* p) {
   p->base_color = f.base_color;
+  p->occlusion = f.occlusion;
+  p->pane = f.pane;
+  p->thickness = f.thickness;
   const Material& v = m.values;
   if (m.measured) {
     p->tint = v.tint_measured ? f.base_color : glm::vec3(1.0f);
     return;
   }
-  p->analytic = shared::make_analytic(f.base_color, f.metallic, f.roughness, v.ior, v.specular, v.specular_color,
-                                      f.clearcoat, v.clearcoat_roughness, v.sheen_color, v.sheen_roughness);
+  p->analytic = shared::make_analytic(f.base_color, f.metallic, f.roughness, v.ior, f.specular, f.specular_color,
+                                      f.clearcoat, f.clearcoat_roughness, f.sheen_color, f.sheen_roughness);
+  if (f.anisotropy > 0.0f) p->analytic = shared::with_anisotropy(p->analytic, f.anisotropy);
+  if (f.clearcoat > 0.0f && coat_normal) p->analytic.coat_normal = p->to_local(*coat_normal);
+  p->analytic.film = f.film_nm > 0.0f ? f.film : 0.0f;
+  p->analytic.film_ior = v.iridescence_ior;
+  p->analytic.film_nm = f.film_nm;
   p->lobe_weights = shared::analytic_lobe_weights(p->analytic, p->wo);
 }
 
@@ -155,28 +225,34 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
 
   const TracedMaterial& m = *p.material;
   const Material& v = m.values;
-  Factors f{.base_color = plain_color(scene, m, c),
-            .emission = v.emissive,
-            .metallic = v.metallic,
-            .roughness = v.roughness,
-            .clearcoat = v.clearcoat};
-  glm::vec3 normal = interpolated_unit_normal(corner, c);
+  Factors f(m, plain_color(scene, m, c));
+  const glm::vec3 smooth = interpolated_unit_normal(corner, c);
+  glm::vec3 normal = smooth, coat_normal = smooth;
   if (m.textured) {
     const Footprint footprint =
         options.differential ? footprint_of(*options.differential, p0, p1 - p0, p2 - p0, hit.barycentric) : Footprint();
-    f = read_textures(m, TextureReader(scene, c, footprint), options.occlusion_texture, f);
-    if (f.has_normal_map)
-      normal = shared::apply_normal_map(normal, c.mix(scene.geometry.tangents), f.mapped, v.normal_scale);
+    FactorReader(m, TextureReader(scene, c, footprint), &f).read();
+    const glm::vec4 tangent = c.mix(scene.geometry.tangents);
+    if (m.texture(TextureRole::normal) >= 0)
+      normal = shared::apply_normal_map(smooth, tangent, f.mapped, v.normal_scale);
+    if (m.texture(TextureRole::clearcoat_normal) >= 0)
+      coat_normal = shared::apply_normal_map(smooth, tangent, f.coat_mapped, v.clearcoat_normal_scale);
   }
   p.n = shared::face_viewer(normal, p.normal, view);
   p.normal_adjusted = p.n != normal && p.n != -normal;
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
   p.t = basis.t;
   p.b = basis.b;
+  if (f.anisotropy > 0.0f && !m.measured) {
+    p.t = glm::normalize(shared::tangent_direction(p.n, c.mix(scene.geometry.tangents), f.along));
+    p.b = glm::cross(p.n, p.t);
+  }
   p.wo = local_view(p, view);
   const bool shines = p.front || (corner.material & kBothSides) != 0;
   p.emission = shines ? f.emission : glm::vec3(0.0f);
-  fill_material(m, f, &p);
+  const bool same = normal == coat_normal;
+  coat_normal = shared::face_viewer(coat_normal, p.normal, view);
+  fill_material(m, f, same ? nullptr : &coat_normal, &p);
 }
 
 PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
@@ -211,15 +287,17 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
   const TracedMaterial& m = scene.material_of(triangle);
   const Corners c = corners_of(scene, triangle, barycentric);
   const float cosine = std::abs(glm::dot(interpolated_unit_normal(scene.triangles[triangle], c), glm::normalize(view)));
+  const TextureReader reader(scene, c, Footprint());
   glm::vec3 inside = plain_color(scene, m, c);
-  if (m.texture(TextureRole::base_color) >= 0)
-    inside *= glm::vec3(TextureReader(scene, c, Footprint()).read(m.texture(TextureRole::base_color)));
+  if (m.texture(TextureRole::base_color) >= 0) inside *= glm::vec3(reader.read(m.texture(TextureRole::base_color)));
   inside = glm::clamp(inside, 0.0f, 1.0f);
+  float share = m.pane;
+  if (m.texture(TextureRole::transmission) >= 0) share *= reader.read(m.texture(TextureRole::transmission)).x;
   const auto passes = [&](float channel) {
     return shared::fresnel_pane(cosine, std::max(m.values.ior, 1.0f), channel).y;
   };
   const float red = passes(inside.x), green = inside.y == inside.x ? red : passes(inside.y);
-  return glm::vec3(red, green, inside.z == inside.y ? green : passes(inside.z)) * m.pane;
+  return glm::vec3(red, green, inside.z == inside.y ? green : passes(inside.z)) * share;
 }
 
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric) {

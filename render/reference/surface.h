@@ -31,6 +31,9 @@ struct SurfacePoint {
   glm::vec3 base_color{1.0f};
   glm::vec3 emission{0.0f};  ///< cd/m2 towards wo
   glm::vec3 tint{1.0f};      ///< of a measured table
+  float occlusion = 1.0f;    ///< of the environment's light, for direct transport; full transport has real occlusion
+  float pane = 0.0f;         ///< share that is glass
+  float thickness = 1.0f;    ///< of its volume: factor of the texture
   // Without a measured table:
   shared::AnalyticMaterial analytic{};
   glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
@@ -41,7 +44,6 @@ struct SurfacePoint {
 
 struct SurfaceOptions {
   const RayDifferential* differential = nullptr;  ///< null: textures unfiltered
-  bool occlusion_texture = false;                 ///< direct transport only: full transport has real occlusion
 };
 
 /// Writes to `out`. Fields that the material does not use (the tint, or the analytic material and its lobes) keep their

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/gbuffer/surfaces.h"
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
 #include "render/shading/work_lists.h"
@@ -55,13 +56,12 @@ void MirroredRays::fit(const GridSize& grid, int divisor) {
   targets_.emplace(make_reflection_targets(width, height, divisor));
 }
 
-void MirroredRays::bind_constants(const MirroredScene& scene) {
+void MirroredRays::bind_constants(const MirroredScene& scene, int samples) {
   const FrameContext& frame = scene.frame;
   const ReflectionTargets& t = *targets_;
   constants_ = frame.constants;
   constants_.size = glm::ivec4(t.width, t.height, 1, 0);
   constants_.forward.w = frame.constants.forward.w * static_cast<float>(t.divisor);
-  const int samples = frame.request.settings.get_int("reflections.samples");
   constants_.sampling = glm::ivec4(samples, std::max(samples / kMostReflectedItems, 2),
                                    (frame.accumulated + 1) * samples, frame.constants.sampling.w ^ 0x5bd1e995);
   if (!block_) block_ = Buffer("reflection constants", sizeof(FrameConstants));
@@ -112,6 +112,7 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
   if (!rule.keeps_hits) find_hits(scene, rule, frame);
   glBindTextureUnit(kUnitTriangle, t.triangle.get());
   glBindTextureUnit(kUnitSurface, t.surface.get());
+  if (t.details) glBindTextureUnit(kUnitDetails, t.details.get());
   glBindTextureUnit(kUnitDepth, t.depth.get());
   shade_hits(scene, rule);
   complete(scene, rule, frame);
@@ -120,6 +121,11 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
 void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
   ReflectionTargets& t = *targets_;
   list_tiles(&scene.frame.programs, true);
+  if (!scene.frame.plan.details)
+    t.details = Texture();
+  else if (!t.details)
+    t.details = make_details(t.width, t.height);
+  if (t.details) bind_details_for_writing(t.details);
   const float none = 0.0f;
   glClearTexImage(t.depth.get(), 0, GL_RED, GL_FLOAT, &none);
   rule.technique.trace(frame);

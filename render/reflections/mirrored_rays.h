@@ -46,8 +46,11 @@ class MirroredRays {
   ReflectionTargets& targets() { return *targets_; }
   const ReflectionTargets& targets() const { return *targets_; }
   std::size_t bytes() const { return targets_ ? reflection_bytes(*targets_) : 0; }
-  /// Binds the frame block at the size of this image, and the reflectors.
-  void bind_constants(const MirroredScene& scene);
+  /// Binds the frame block at the size of this image, and the reflectors. `samples`: of a shaded point.
+  void bind_constants(const MirroredScene& scene) {
+    bind_constants(scene, scene.frame.request.settings.get_int("reflections.samples"));
+  }
+  void bind_constants(const MirroredScene& scene, int samples);
   const FrameConstants& constants() const { return constants_; }
   /// Lists the tiles that show a reflector, or that have rays.
   void list_tiles(ProgramCache* programs, bool rays);

@@ -27,6 +27,7 @@ struct ReflectionTargets {
                    ///< surface, rad: half of its lobe lies within
   Texture low_confidence;         ///< R8UI: 1 where the result of the technique is uncertain; cleared before it runs
   Texture surface, depth, guide;  ///< of the hit, as in the frame's G-buffer; depth: m along the ray
+  Texture details;                ///< of the hit, as in the frame's G-buffer; made on demand
   Texture layer_depth;            ///< depth where the hit is of one layer, 0 elsewhere; made on demand
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
   Texture mean;                   ///< RGBA32F, of glossy surfaces: their radiance averaged over frames; made on demand

@@ -2,23 +2,31 @@
 
 #include <algorithm>
 
+#include "render/materials/texture_atlas.h"
 #include "render/reflections/reflectors.h"
 #include "render/scene_state/enclosure.h"
+#include "render/scene_state/material_overrides.h"
 
 namespace maquette {
 
 namespace {
 
 bool has_texture(const Material& material) {
-  for (const TextureRef* texture :
-       {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
-        &material.occlusion_texture, &material.emissive_texture, &material.clearcoat_texture,
-        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture, &material.transmission_texture,
-        &material.specular_texture, &material.specular_color_texture, &material.sheen_color_texture,
-        &material.sheen_roughness_texture}) {
-    if (*texture) return true;
-  }
+  for (std::size_t k = 0; k < kTextureRoles; ++k)
+    if (texture_of(material, static_cast<TextureRole>(k))) return true;
   return false;
+}
+
+void add_details(const Material& m, MaterialDetails* details) {
+  if (m.unlit || (m.glass && !is_partly_surface(m))) return;
+  details->anisotropy |= m.anisotropy > 0.0f;
+  details->film |= m.iridescence > 0.0f;
+  details->coat_normal |= m.clearcoat > 0.0f && (m.normal_texture || m.clearcoat_normal_texture);
+  const bool coat = m.clearcoat > 0.0f && m.clearcoat_roughness_texture;
+  const bool specular = m.specular_texture || m.specular_color_texture;
+  const bool sheen = m.sheen_color != glm::vec3(0.0f) && (m.sheen_color_texture || m.sheen_roughness_texture);
+  details->any |= details->anisotropy || details->film || details->coat_normal || coat || specular || sheen ||
+                  (m.occlusion_texture && m.occlusion_strength > 0.0f);
 }
 
 bool is_emissive(const Material& material) { return material.emissive != glm::vec3(0.0f); }
@@ -94,8 +102,10 @@ SceneFacts compute_facts(const Scene& scene, int variant) {
     facts.has_textures |= has_texture(material);
     facts.has_normal_maps |=
         static_cast<bool>(material.normal_texture) || static_cast<bool>(material.clearcoat_normal_texture);
+    add_details(material, &facts.details);
     facts.has_mask |= material.alpha_mode == AlphaMode::mask;
     facts.has_glass |= material.glass || material.alpha_mode == AlphaMode::blend;
+    facts.has_blended |= (material.glass || material.alpha_mode == AlphaMode::blend) && is_partly_surface(material);
     facts.has_emissive_meshes |= is_emissive(material);
   }
   count_tables(scene.materials, used, &facts);

@@ -6,6 +6,13 @@
 
 namespace maquette {
 
+/// What materials have of the second part of the G-buffer (shaders/shared/gbuffer.glsl), which other scenes do without.
+struct MaterialDetails {
+  bool any = false;  ///< the others, or textures of occlusion, specular, sheen or the coat's roughness
+  bool anisotropy = false, coat_normal = false, film = false;
+  bool operator==(const MaterialDetails&) const = default;
+};
+
 /// Facts about the scene, counted once when it changes, so that planning a frame costs nothing.
 struct SceneFacts {
   std::size_t triangle_count = 0;
@@ -15,8 +22,10 @@ struct SceneFacts {
   bool has_normal_maps = false;
   bool has_mask = false;
   bool has_glass = false;
+  bool has_blended = false;  ///< transparent materials of which a share is a surface
   bool has_sheen = false;  ///< of materials without a table, as the next
   bool has_clearcoat = false;
+  MaterialDetails details;
   bool has_punctual_lights = false;
   bool has_emissive_meshes = false;
   bool has_subdivision = false;

@@ -121,7 +121,7 @@ class InstanceWriter {
     }
   }
 
-  /// Directions of growing u and v, averaged over the triangles around a vertex.
+  /// Directions of growing u and v of the normal texture's set, averaged over the triangles around a vertex.
   /// Source: Lengyel 2001, Computing Tangent Space Basis Vectors for an Arbitrary Mesh.
   void write_tangents_from_uvs(const std::vector<glm::vec2>& uvs) {
     std::vector<glm::dvec3> along_u(vertex_count(), glm::dvec3(0.0)), along_v(vertex_count(), glm::dvec3(0.0));
@@ -205,6 +205,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
     Instance instance;
     instance.world_from_node = world[n];
     instance.item.node = static_cast<int>(n);
+    instance.item.scale = std::cbrt(std::abs(glm::determinant(glm::mat3(world[n]))));
     if (node.mesh >= 0) {
       const Mesh& mesh = scene.meshes[static_cast<std::size_t>(node.mesh)];
       instance.item.mesh = node.mesh;
@@ -227,6 +228,13 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
 }
 
 }  // namespace
+
+const DrawItem& item_of_triangle(const FlatGeometry& geometry, std::uint32_t triangle) {
+  const auto next =
+      std::upper_bound(geometry.items.begin(), geometry.items.end(), 3 * triangle,
+                       [](std::uint32_t index, const DrawItem& item) { return index < item.first_index; });
+  return *std::prev(next);
+}
 
 FlatGeometry flatten(const Scene& scene) {
   std::vector<Primitive> patches;

@@ -16,6 +16,7 @@ struct DrawItem {
   int patch = -1;
   std::uint32_t first_index = 0, index_count = 0;
   std::uint32_t first_vertex = 0, vertex_count = 0;
+  float scale = 1.0f;  ///< of the node's transform: metres of the world in one of the mesh
 };
 
 /// All visible instances in world space with one shared index buffer (absolute indices). Attribute arrays have the
@@ -30,6 +31,9 @@ struct FlatGeometry {
   std::vector<std::uint32_t> indices;
   std::vector<DrawItem> items;
 };
+
+/// The item that a triangle belongs to.
+const DrawItem& item_of_triangle(const FlatGeometry& geometry, std::uint32_t triangle);
 
 /// Flattens `scene`; patches are tessellated by their curvature. Triangles of a mirroring transform (negative
 /// determinant) are rewound.

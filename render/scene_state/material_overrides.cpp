@@ -1,5 +1,7 @@
 #include "render/scene_state/material_overrides.h"
 
+#include <algorithm>
+
 namespace maquette {
 
 namespace {
@@ -16,10 +18,46 @@ Material make_glass(const Material& replaced) {
   return glass;
 }
 
+/// Unlit: the base colour and its alpha are all that shows. Source: KHR_materials_unlit.
+void drop_unseen(Material* material) {
+  if (!material->unlit) return;
+  material->emissive = glm::vec3(0.0f);
+  material->emissive_texture = material->occlusion_texture = material->normal_texture = TextureRef();
+}
+
+bool is_opaque(const TextureImage& image) {
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4)
+    if (image.rgba[i] != 255) return false;
+  return true;
+}
+
+/// Blending only composites, so a material whose alpha is 1 everywhere is an opaque one. Source: glTF 2.0, 3.9.4.
+void settle_blending(const Scene& scene, std::vector<Material>* materials) {
+  std::vector<bool> covers(materials->size(), true);
+  for (const Mesh& mesh : scene.meshes)
+    for (const Primitive& primitive : mesh.primitives) {
+      const bool opaque = std::all_of(primitive.colors.begin(), primitive.colors.end(),
+                                      [](const glm::vec4& color) { return color.a >= 1.0f; });
+      if (opaque) continue;
+      const auto mark = [&](int material) {
+        if (material >= 0 && material < static_cast<int>(covers.size()))
+          covers[static_cast<std::size_t>(material)] = false;
+      };
+      mark(primitive.material);
+      for (const auto& [variant, material] : primitive.variant_materials) mark(material);
+    }
+  for (std::size_t i = 0; i < materials->size(); ++i) {
+    Material& m = (*materials)[i];
+    if (m.alpha_mode != AlphaMode::blend || !covers[i] || m.base_color.a < 1.0f) continue;
+    const TextureRef& texture = m.base_color_texture;
+    if (!texture || is_opaque(scene.images[static_cast<std::size_t>(texture.image)])) m.alpha_mode = AlphaMode::opaque;
+  }
+}
+
 }  // namespace
 
-std::vector<Material> override_materials(std::vector<Material> materials,
-                                         const std::map<std::string, std::string>& sources) {
+std::vector<Material> effective_materials(const Scene& scene, const std::map<std::string, std::string>& sources) {
+  std::vector<Material> materials = scene.materials;
   for (Material& material : materials) {
     auto found = sources.find(material.name);
     if (found == sources.end()) found = sources.find("*");
@@ -34,9 +72,18 @@ std::vector<Material> override_materials(std::vector<Material> materials,
     material.transmission = 0.0f;
     material.alpha_mode = material.alpha_mode == AlphaMode::blend ? AlphaMode::opaque : material.alpha_mode;
   }
+  for (Material& material : materials) drop_unseen(&material);
+  settle_blending(scene, &materials);
   return materials;
 }
 
+glm::vec3 volume_absorption(const Material& m) {
+  if (!(m.thickness > 0.0f)) return glm::vec3(0.0f);
+  return -glm::log(glm::max(m.attenuation_color, glm::vec3(1e-20f))) * (m.thickness / m.attenuation_distance);
+}
+
 float pane_share(const Material& m) { return !m.glass ? 0.0f : m.transmission > 0.0f ? m.transmission : 1.0f; }
+
+bool is_partly_surface(const Material& m) { return pane_share(m) < 1.0f || m.transmission_texture; }
 
 }  // namespace maquette

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <glm/glm.hpp>
 #include <map>
 #include <string>
 #include <vector>
@@ -8,13 +9,19 @@
 
 namespace maquette {
 
-/// The materials, with overrides from `sources`: material name (or `*`) -> MERL path, `builtin:NAME` or
-/// `builtin:glass`.
-std::vector<Material> override_materials(std::vector<Material> materials,
-                                         const std::map<std::string, std::string>& sources);
+/// The materials as they are drawn: with overrides from `sources` (material name or `*` -> MERL path, `builtin:NAME` or
+/// `builtin:glass`), blended ones that cover everything as opaque ones, and unlit ones without what they do not show.
+std::vector<Material> effective_materials(const Scene& scene, const std::map<std::string, std::string>& sources);
+
+/// Natural logarithm of what a material's volume absorbs per channel over its thickness in the mesh's space; 0 without a
+/// volume. Source: KHR_materials_volume.
+glm::vec3 volume_absorption(const Material& material);
 
 /// Share of a material that is a pane of glass; the rest is an opaque surface. With `builtin:glass` or `extras` the
 /// factor itself may be 0.
 float pane_share(const Material& material);
+
+/// Whether a share of a transparent material is a surface: coverage by alpha, or what does not transmit.
+bool is_partly_surface(const Material& material);
 
 }  // namespace maquette

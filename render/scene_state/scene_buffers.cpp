@@ -16,10 +16,20 @@ namespace maquette {
 namespace {
 
 constexpr std::size_t kVertexTexels = 4;
+/// Of a material's record (shaders/shared/material_table.glsl), and which of them has the flags.
+constexpr std::ptrdiff_t kMaterialTexels = 13, kFlagsTexel = 6;
+/// Roles that the G-buffer reads: all but the last.
+constexpr std::size_t kSurfaceTextures = kTextureRoles - 1;
 
-std::uint32_t pack_color(const glm::vec4& c) {
-  const auto byte = [](float v) { return static_cast<std::uint32_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); };
-  return byte(c.r) | byte(c.g) << 8 | byte(c.b) << 16 | byte(c.a) << 24;
+/// Whether a material with a measured table still reads a texture.
+bool is_read_with_table(const Material& m, TextureRole role) {
+  return role == TextureRole::normal || role == TextureRole::emissive || role == TextureRole::occlusion ||
+         (role == TextureRole::base_color && m.tint_measured);
+}
+
+/// Linear colours as four half floats, in two texel components: 8 bits would be too coarse for dark ones.
+glm::vec2 pack_color(const glm::vec4& c) {
+  return {std::bit_cast<float>(glm::packHalf2x16({c.r, c.g})), std::bit_cast<float>(glm::packHalf2x16({c.b, c.a}))};
 }
 
 GLuint make_vertex_array(const Buffer& positions, const Buffer& uvs, const Buffer& indices) {
@@ -85,7 +95,7 @@ void SceneBuffers::upload_vertices(std::uint32_t first, std::uint32_t count) {
     texels[4 * i] = glm::vec4(geometry_.positions[v], geometry_.uv0[v].x);
     texels[4 * i + 1] = glm::vec4(geometry_.normals[v], geometry_.uv0[v].y);
     texels[4 * i + 2] = geometry_.tangents[v];
-    texels[4 * i + 3] = glm::vec4(geometry_.uv1[v], std::bit_cast<float>(pack_color(geometry_.colors[v])), 0.0f);
+    texels[4 * i + 3] = glm::vec4(geometry_.uv1[v], pack_color(geometry_.colors[v]));
   }
   vertices_.update(static_cast<std::size_t>(first) * kVertexTexels * sizeof(glm::vec4),
                    texels.size() * sizeof(glm::vec4), texels.data());
@@ -120,7 +130,7 @@ void SceneBuffers::build_textures(const Scene& scene) {
     bandwidth.insert(bandwidth.end(), known->second.begin(), known->second.end());
   }
   texels_ = Buffer::from("texels", atlas.texels);
-  texel_view_ = Texture::make_buffer("texels", GL_R32UI, texels_);
+  texel_view_ = Texture::make_buffer("texels", GL_RG32UI, texels_);
   texture_records_ = Buffer::from("texture records", atlas.records);
   texture_record_view_ = Texture::make_buffer("texture records", GL_RGBA32F, texture_records_);
   texture_bandwidth_ = Buffer::from("texture bandwidth", bandwidth);
@@ -131,7 +141,6 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
                                     const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
                                     const std::vector<bool>& table_swapped) {
   constexpr std::uint32_t kNone = 0xffffffffu;
-  base_color_textures_.clear();
   std::vector<glm::uvec4> words, surface_words;
   const auto bits = [](float x, float y, float z, float w) {
     return glm::uvec4(std::bit_cast<std::uint32_t>(x), std::bit_cast<std::uint32_t>(y), std::bit_cast<std::uint32_t>(z),
@@ -140,20 +149,18 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
   const Material default_material;
   for (std::size_t i = 0; i <= materials.size(); ++i) {
     const Material& m = i < materials.size() ? materials[i] : default_material;
-    // Not read by a measured material without tint; `builtin:glass` may have removed a material's own textures.
+    // `builtin:glass` may have removed a material's own textures.
     std::array<std::uint32_t, kTextureRoles> textures;
     textures.fill(kNone);
     for (std::size_t k = 0; k < kTextureRoles && i < textures_.size(); ++k)
       if (texture_of(m, static_cast<TextureRole>(k))) textures[k] = static_cast<std::uint32_t>(textures_[i][k]);
-    base_color_textures_.push_back(static_cast<int>(textures[0]));
     const int slot = brdf_slots[i];
-    if (slot >= 0 && !m.tint_measured) textures[0] = kNone;
-    if (slot >= 0) textures[1] = textures[5] = kNone;
-    std::array<std::uint32_t, 6> list;
+    std::array<std::uint32_t, kSurfaceTextures> list;
     list.fill(kNone);
     std::size_t used = 0;
-    for (std::uint32_t role = 0; role < 6; ++role)
-      if (textures[role] != kNone) list[used++] = textures[role] | role << 16;
+    for (std::uint32_t role = 0; role < kSurfaceTextures; ++role)
+      if (textures[role] != kNone && (slot < 0 || is_read_with_table(m, static_cast<TextureRole>(role))))
+        list[used++] = textures[role] | role << 16;
     const std::uint32_t flags = (slot >= 0 ? 1u : 0u) | (slot >= 0 && m.tint_measured ? 2u : 0u) | (m.unlit ? 4u : 0u) |
                                 (m.double_sided ? 8u : 0u) | (table_swapped[i] ? 16u : 0u);
     words.push_back(bits(m.base_color.r, m.base_color.g, m.base_color.b, m.alpha_cutoff));
@@ -161,14 +168,17 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
     words.push_back(bits(m.emissive.r, m.emissive.g, m.emissive.b, m.ior));
     words.push_back(bits(m.clearcoat, m.clearcoat_roughness, m.specular, m.transmission));
     words.push_back(bits(m.specular_color.r, m.specular_color.g, m.specular_color.b, m.sheen_roughness));
-    words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, std::bit_cast<float>(list[4])));
+    words.push_back(bits(m.sheen_color.r, m.sheen_color.g, m.sheen_color.b, m.anisotropy));
     words.emplace_back(flags | glm::packHalf2x16({0.0f, bandwidth_limits[i]}),
                        static_cast<std::uint32_t>(std::max(slot, 0)), std::bit_cast<std::uint32_t>(brdf_shares[i]),
-                       list[5]);
-    words.emplace_back(list[0], list[1], list[2], list[3]);
-    // The whole record except the measured table, and what draw_gbuffer reads from the material itself.
-    surface_words.insert(surface_words.end(), words.end() - 8, words.end());
-    surface_words.end()[-2] = glm::uvec4(flags & ~(1u | 16u), 0u, 0u, list[5]);
+                       std::bit_cast<std::uint32_t>(m.anisotropy_rotation_rad));
+    words.push_back(bits(m.iridescence, m.iridescence_ior, m.iridescence_least_nm, m.iridescence_greatest_nm));
+    words.push_back(bits(m.clearcoat_normal_scale, 0.0f, 0.0f, 0.0f));
+    for (std::size_t k = 0; k < kSurfaceTextures; k += 4) words.emplace_back(list[k], list[k + 1], list[k + 2], list[k + 3]);
+    // The whole record except the measured table, and what the raster reads from the material itself.
+    surface_words.insert(surface_words.end(), words.end() - kMaterialTexels, words.end());
+    glm::uvec4& of_table = surface_words.end()[kFlagsTexel - kMaterialTexels];
+    of_table = glm::uvec4(flags & ~(1u | 16u), 0u, 0u, of_table.w);
     surface_words.emplace_back(static_cast<std::uint32_t>(m.alpha_mode), m.glass ? 1u : 0u,
                                std::bit_cast<std::uint32_t>(m.base_color.a), textures[0]);
   }

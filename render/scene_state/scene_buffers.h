@@ -34,8 +34,10 @@ class SceneBuffers {
   /// Material of item i under the current variant; materials.size() for the default one.
   int material(std::size_t i) const { return item_materials_[i]; }
   /// Index of a material's base colour texture in the texture records, or -1.
-  int base_color_texture(std::size_t material) const {
-    return material < base_color_textures_.size() ? base_color_textures_[material] : -1;
+  /// Of a texture that an item's material has: its index in the atlas, -1: none.
+  int texture(std::size_t item, TextureRole role) const {
+    const auto material = static_cast<std::size_t>(item_materials_[item]);
+    return material < textures_.size() ? textures_[material][static_cast<std::size_t>(role)] : -1;
   }
   /// Items with this flag off are not drawn.
   bool visible(std::size_t i) const { return visible_[i]; }
@@ -61,7 +63,6 @@ class SceneBuffers {
   std::vector<int> item_materials_;
   std::vector<bool> visible_;
   bool has_colors_ = false;
-  std::vector<int> base_color_textures_;
   std::vector<glm::uvec4> surface_words_;  ///< the part of the material records that the G-buffer depends on
   GlName<VertexArrayTraits> vertex_array_;
   Buffer positions_, uvs_, indices_, vertices_, triangle_materials_, materials_, texels_, texture_records_,

@@ -22,7 +22,7 @@ void SceneState::set_scene(std::shared_ptr<const Scene> scene) {
   facts_variant_ = kNone;
   buffers_variant_ = -1;
   overrides_.clear();
-  effective_ = scene_->materials;
+  effective_ = maquette::effective_materials(*scene_, overrides_);
   upload_materials();
   ++revisions_.geometry;
   ++revisions_.occlusion;
@@ -51,7 +51,7 @@ void SceneState::set_material(const std::string& material_name, const std::strin
     sources[material_name] = source;
   if (!source.empty() && source != "builtin:glass") materials_.slot_of(source);  // throws before anything changes
   overrides_ = std::move(sources);
-  effective_ = override_materials(scene_->materials, overrides_);
+  effective_ = maquette::effective_materials(*scene_, overrides_);
   const std::uint32_t surfaces = revisions_.surfaces;
   upload_materials();
   if (revisions_.surfaces != surfaces) {
@@ -180,7 +180,8 @@ std::vector<Passage> SceneState::passages() const {
   std::vector<Passage> passages;
   for (std::size_t i = 0; i < geometry().items.size(); ++i) {
     const Material& m = material_of_item(i);
-    const float inside = (m.base_color.r + m.base_color.g + m.base_color.b) / 3.0f;
+    const glm::vec3 color = glm::vec3(m.base_color) * glm::exp(-volume_absorption(m) * geometry().items[i].scale);
+    const float inside = (color.r + color.g + color.b) / 3.0f;
     if (!buffers_->visible(i))
       passages.emplace_back();
     else if (const float share = pane_share(m); share > 0.0f)

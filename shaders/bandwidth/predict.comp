@@ -72,7 +72,9 @@ float brdf_bandwidth(Point p, vec3 wi) {
   AnalyticLobes f = evaluate_analytic(p.analytic, wi, p.wo);
   float total = max(luminance(f.total), 1e-12);
   float rest = max(total - f.specular - f.coat, 0.0);
-  return (f.specular * bandwidth_ggx(p.analytic.alpha) + f.coat * bandwidth_ggx(p.analytic.coat_alpha) + rest * kBandwidthLambert) / total;
+  GgxWidth width = base_width(p.analytic);
+  float narrowest = min(width.x, width.y);
+  return (f.specular * bandwidth_ggx(narrowest) + f.coat * bandwidth_ggx(p.analytic.coat_alpha) + rest * kBandwidthLambert) / total;
 #endif
 }
 
@@ -190,6 +192,8 @@ void predict(ivec2 quad, ivec2 pixel) {
   result.edges = vec2(0.0);
 #endif
   integrate(p, pixel, 0u, PREDICTION_SAMPLES, result);
+  result.energy *= p.occlusion;
+  result.second *= p.occlusion * p.occlusion;
   // A change of the normal moves the mirror direction twice as far as the view's elevation, hence 0.5.
   result.energy.x += 0.5 * albedo_bandwidth(p) * result.energy.y;
 #if SHADOWED || LIGHTS

@@ -1,7 +1,7 @@
 // Panes: the background times the transmittance, plus the mirrored environment times the reflectance; both faces with all bounces between
 // them (shared/fresnel.glsl). Thin: the transmitted ray is neither refracted nor shifted, and roughness is ignored.
-// Blended surfaces: a Lambertian surface of the base colour under the whole sky, with coverage alpha.
-// TEXTURES: the item has a base colour texture. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
+// Blended surfaces show what was shaded for them (render/glass/blended.h), with coverage alpha.
+// TEXTURES: the item has a texture of base colour, transmission, thickness or emission. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
 // a reflector technique, 2 also a second image, 3 is an opaque metal. HATCHED: pixels of low confidence are hatched. All are
 // permutations, because software devices run branches that no invocation takes.
 // Blending is o_color + o_through * (what is there), so items are drawn back to front.
@@ -14,12 +14,20 @@
 #include "shading/environment_bilinear.glsl"
 #if TEXTURES
 #include "shared/texture_table.glsl"
-uniform int u_texture;  // of the base colour
+uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
+in vec2 v_uv[4];           // of each
+vec4 texel(int k) { return sample_texture(u_textures[k], v_uv[k], dFdx(v_uv[k]), dFdy(v_uv[k])); }
 #endif
-layout(binding = kUnitIrradiance) uniform sampler2D t_irradiance;  // irradiance over pi, latitude-longitude
+#if SURFACE
+layout(binding = kUnitBlendedRadiance) uniform sampler2DArray t_blended_radiance;  // [layer] from front to back, cd/m2
+layout(binding = kUnitBlendedDepths) uniform sampler2DArray t_blended_depths;
+uniform int u_blended_layers;
+#endif
 uniform vec4 u_base;      // base colour, alpha
-uniform vec4 u_emission;  // cd/m2; w: 1 for unlit
+uniform vec3 u_emission;  // cd/m2, of panes
+uniform int u_blends;     // 1: alpha is coverage
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
+uniform vec3 u_absorption;  // of the volume behind a front face, over its thickness
 #if MIRRORED
 layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
 layout(binding = kUnitReflection) uniform sampler2D t_reflection;       // what the nearest reflector of each pixel shows, cd/m2
@@ -30,7 +38,7 @@ layout(binding = kUnitGhost) uniform sampler2D t_ghost;
 #endif
 in vec3 v_position;
 in vec3 v_normal;
-in vec2 v_uv;
+in vec4 v_color;
 in float v_open;
 #if RECORD
 layout(early_fragment_tests) in;
@@ -49,10 +57,21 @@ layout(location = 0, index = 0) out vec4 o_color;
 layout(location = 0, index = 1) out vec4 o_through;
 #endif
 
-/// Radiance of a white Lambertian surface, in cd/m2.
-vec3 white_under_sky(vec3 n) {
-  return textureLod(t_irradiance, latlong_uv_from_direction(environment_from_world(n)), 0.0).rgb * u_frame.environment.z;
+#if SURFACE
+/// Radiance of the layer that this fragment is of.
+vec3 shaded_surface() {
+  vec3 radiance = vec3(0.0);
+  float nearest = 2.0;
+  for (int k = 0; k < u_blended_layers; ++k) {
+    ivec3 at = ivec3(gl_FragCoord.xy, k);
+    float depth = texelFetch(t_blended_depths, at, 0).x, distance = abs(depth - gl_FragCoord.z);
+    if (depth <= 0.0 || distance >= nearest) continue;
+    nearest = distance;
+    radiance = texelFetch(t_blended_radiance, at, 0).rgb;
+  }
+  return radiance;
 }
+#endif
 
 #if MIRRORED
 /// Bilinear among the pixels that show this reflector; w: 1, or 0 where another reflector hides it.
@@ -87,33 +106,51 @@ float metal_reflectance(float c, float f0) {
 }
 #endif
 
-void main() {
-  vec4 base = u_base;
+/// Base colour, and its coverage.
+vec4 base_color() {
+  vec4 base = u_base * vec4(v_color.rgb, u_blends > 0 ? v_color.a : 1.0);
 #if TEXTURES
-  vec2 uv = texture_coordinates(u_texture, v_uv, v_uv);
-  base *= sample_texture(u_texture, uv, dFdx(uv), dFdy(uv));
+  if (u_textures.x < 0) return base;
+  vec4 color = texel(0);
+  base *= vec4(color.rgb, u_blends > 0 ? color.a : 1.0);
 #endif
+  return base;
+}
+
+void main() {
+  vec4 base = base_color();
   vec3 view = -normalize(v_position);
   vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
   n = dot(n, view) < 0.0 ? -n : n;
-  vec3 surface = u_emission.rgb;
+  vec3 emission = u_emission;
+#if TEXTURES
+  if (u_textures.w >= 0) emission *= texel(3).rgb;
+#endif
+  vec3 surface = vec3(0.0);
 #if SURFACE
-  surface += base.rgb * (u_emission.w > 0.0 ? vec3(1.0) : white_under_sky(n) * v_open);
+  surface = shaded_surface();
 #endif
 #if PANE
-  float c = dot(n, view);
+  float c = dot(n, view), pane = u_pane.x;
+  vec3 absorption = gl_FrontFacing ? u_absorption : vec3(0.0);
+#if TEXTURES
+  if (u_textures.y >= 0) pane *= texel(1).r;
+  if (u_textures.z >= 0) absorption *= texel(2).g;
+#endif
+  // The refracted ray's way through a slab of that thickness.
+  base.rgb *= exp(-absorption * inversesqrt(max(1.0 - (1.0 - c * c) / (u_pane.y * u_pane.y), 1e-6)));
   vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
 #endif
 #if RECORD
   uint number = atomicAdd(b_count, 1u) + 1u;
   if (number > uint(b_layers.length())) return;  // the host sees the count
   vec2 mirrored = latlong_uv_from_direction(reflect(-view, n));
-  vec3 share = vec3(red.x, green.x, blue.x) * v_open, through = vec3(red.y, green.y, blue.y) * u_pane.x;
+  vec3 share = vec3(red.x, green.x, blue.x) * v_open, through = vec3(red.y, green.y, blue.y) * pane;
   uint behind = imageAtomicExchange(io_heads, ivec2(gl_FragCoord.xy), number);
   Layer layer;
   layer.behind_uv_share = uvec4(behind, floatBitsToUint(vec3(mirrored, share.r)));
   layer.share_through = vec4(share.gb, through.rg);
-  layer.through_added = vec4(through.b, u_emission.rgb);
+  layer.through_added = vec4(through.b, emission);
   b_layers[number - 1u] = layer;
 #else
   o_color = vec4(surface * base.a, 0.0);
@@ -133,8 +170,8 @@ void main() {
       reflected += back * (second.rgb - mirrored) * second.w;
     }
 #endif
-    o_color = vec4(u_emission.rgb + reflected + (1.0 - u_pane.x) * (surface - u_emission.rgb), 0.0);
-    o_through = vec4(vec3(red.y, green.y, blue.y) * u_pane.x, 1.0);
+    o_color = vec4(pane * (emission + reflected) + (1.0 - pane) * surface, 0.0);
+    o_through = vec4(vec3(red.y, green.y, blue.y) * pane, 1.0);
   }
 #endif
 #if MIRRORED == 3
@@ -143,7 +180,7 @@ void main() {
     vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
-    o_color = vec4(u_emission.rgb + share * mirrored, 0.0);
+    o_color = vec4(emission + share * mirrored, 0.0);
     o_through = vec4(0.0, 0.0, 0.0, 1.0);
   }
 #endif

@@ -3,8 +3,12 @@
 #include "shared/frame.glsl"
 #include "shared/octahedral.glsl"
 layout(location = 0) in vec3 a_position;
-layout(location = 1) in vec2 a_uv;
-layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+#include "gbuffer/vertex.glsl"
+#if TEXTURES
+uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
+#include "shared/texture_table.glsl"
+out vec2 v_uv[4];
+#endif
 #if VISIBILITY == 2
 #include "octree/tables.glsl"
 #elif VISIBILITY
@@ -13,7 +17,7 @@ layout(binding = kUnitVisibility) uniform usamplerBuffer t_visibility;  // [vert
 #endif
 out vec3 v_position;  // m, relative to the eye
 out vec3 v_normal;
-out vec2 v_uv;
+out vec4 v_color;
 out float v_open;     // share of the mirror direction that is not occluded
 
 #if VISIBILITY == 1
@@ -29,7 +33,11 @@ void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
   v_position = a_position - u_frame.eye.xyz;
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
-  v_uv = a_uv;
+  v_color = vertex_color(gl_VertexID);
+#if TEXTURES
+  for (int k = 0; k < 4; ++k)
+    v_uv[k] = texture_coordinates(max(u_textures[k], 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
+#endif
   v_open = 1.0;
 #if VISIBILITY
   bool back = dot(v_normal, v_position) > 0.0;

@@ -10,6 +10,7 @@ layout(local_size_x = 64) in;
 #include "shared/rgb9e5.glsl"
 #include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
+#include "gbuffer/material_surface.glsl"
 #include "octree/tables.glsl"
 layout(binding = kUnitOctreeColors) uniform usamplerBuffer t_octree_colors;        // [node]
 layout(binding = kUnitOctreeTriangles) uniform usamplerBuffer t_octree_triangles;  // [node], of the geometry
@@ -118,10 +119,8 @@ bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_
 /// Whether a cell's colour is that of the material's emissive texture; without one it is that of the base colour.
 bool has_emissive_texture(int material, vec3 emission) {
   if (emission == vec3(0.0)) return false;
-  uvec4 list = material_words(material, 7);
-  uvec2 more = uvec2(material_words(material, 5).w, material_words(material, 6).w);
-  for (int k = 0; k < 6; ++k) {
-    uint entry = k < 4 ? list[k & 3] : more[k & 1];
+  for (int k = 0; k < kMostTextures; ++k) {
+    uint entry = material_texture(material, k);
     if (entry == kNoTexture) break;
     if (entry >> 16u == kRoleEmissive) return true;
   }
@@ -135,15 +134,13 @@ void store_surface(ivec2 pixel, vec3 origin, vec3 direction, OctreeHit hit, int 
   float facing = -dot(normal, direction);
   float least = facing < 0.0 ? kRimFacing : kLeastFacing;
   if (facing < least) normal = normalize(normal - direction * (least - facing));
-  vec4 m0 = material_floats(seen.material, 0), m1 = material_floats(seen.material, 1), m2 = material_floats(seen.material, 2);
+  vec4 m2 = material_floats(seen.material, 2);
   bool glows = has_emissive_texture(seen.material, m2.rgb);
-  Surface surface;
-  surface.normal = normal;
-  surface.base_color = glows ? m0.rgb : m0.rgb * seen.tint;
-  surface.metallic = m1.x;
-  surface.roughness = m1.y;
-  surface.clearcoat = material_floats(seen.material, 3).x;
-  surface.material = seen.material;
+  Surface surface = surface_of_material(seen.material, normal);
+  if (!glows) surface.base_color *= seen.tint;
+#if DETAILS
+  store_details(pixel, surface);
+#endif
   float depth = max(hit.t, 1e-30);
   imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * seen.tint : m2.rgb));
   imageStore(o_depth, pixel, vec4(depth));

@@ -65,9 +65,9 @@ vec3 change_of(ivec2 pixel) {
   VisibilityPoint v = load_visibility(pixel, p.position, world_from_environment(p.n));
   // Without the panes' transmittance: behind them is sky.
   float open = interpolated_visibility(v, v.barycentric, direction);
-  return lobe.albedo * ((1.0 - open) * met.rgb - indirect_radiance(load_indirect(v), mean));
+  return lobe.albedo * p.occlusion * ((1.0 - open) * met.rgb - indirect_radiance(load_indirect(v), mean));
 #else
-  return lobe.albedo * met.rgb;
+  return lobe.albedo * p.occlusion * met.rgb;
 #endif
 }
 

@@ -22,11 +22,11 @@ MirrorLobe analytic_mirror(Point p, float widest) {
   AnalyticMaterial m = p.analytic;
   AnalyticMirrors mirrors = analytic_mirrors(m, p.wo.z);
   float widest_alpha = (widest + 0.5 / 255.0) * (widest + 0.5 / 255.0);  // the G-buffer has it in 8 bits
-  vec3 base = m.alpha <= widest_alpha ? mirrors.base * (1.0 - mirrors.coat) : vec3(0.0);
+  vec3 base = mean_alpha(m) <= widest_alpha ? mirrors.base * (1.0 - mirrors.coat) : vec3(0.0);
   float coat = m.coat_alpha <= widest_alpha ? mirrors.coat : 0.0;
   float share = coat / max(coat + luminance(base), 1e-20);
-  return MirrorLobe(base + vec3(coat), mix(lobe_direction(p.wo, m.alpha), lobe_direction(p.wo, m.coat_alpha), share),
-                    2.0 * mix(m.alpha, m.coat_alpha, share));
+  return MirrorLobe(base + vec3(coat), mix(lobe_direction(p.wo, mean_alpha(m)), lobe_direction(p.wo, m.coat_alpha), share),
+                    2.0 * mix(mean_alpha(m), m.coat_alpha, share));
 }
 
 MirrorLobe mirror_lobe(Point p, int triangle) {

@@ -102,5 +102,5 @@ void main() {
     light += one.value;
   }
   light /= float(count);
-  imageStore(o_sun, pixel, vec4(light * u_frame.environment.z, 0.0));
+  imageStore(o_sun, pixel, vec4(light * (u_frame.environment.z * p.occlusion), 0.0));
 }

@@ -73,7 +73,7 @@ vec3 shade(Point p) {
     return p.tint * (sum + texelFetch(t_fits, first).rgb * light);
   }
   AnalyticReflectance r = analytic_reflectance(p.analytic, nv, sqrt(p.analytic.sheen_alpha));
-  vec3 sum = r.diffuse * light + r.specular * ggx_light(p, p.analytic.alpha);
+  vec3 sum = r.diffuse * light + r.specular * ggx_light(p, mean_alpha(p.analytic));
   if (r.coat > 0.0) sum += r.coat * ggx_light(p, p.analytic.coat_alpha);
   return sum;
 }

@@ -169,7 +169,7 @@ void main() {
   vec3 below = imageLoad(io_radiance, first + ivec2(0, 2)).rgb, far = imageLoad(io_radiance, first + 2).rgb;
   int points = u_least_points;
 #if TEXTURES
-  points = material_words(int(texelFetch(t_surface, first, 0).z >> 16u), 7).x != kNoTexture ? 4 : points;
+  points = has_textures(int(texelFetch(t_surface, first, 0).z >> 16u)) ? 4 : points;
 #endif
   vec3 sum = vec3(0.0);
   int k = 0;

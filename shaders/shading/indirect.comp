@@ -33,7 +33,7 @@ vec3 reflect_analytic(Point p, IndirectLight light) {
   AnalyticMirrors mirrors = analytic_mirrors(m, p.wo.z);
   vec3 f = mirrors.base;
   vec3 result = m.diffuse * (1.0 - max(f.r, max(f.g, f.b))) * indirect_radiance(light, to_world(p, vec3(0.0, 0.0, 2.0 / 3.0)));
-  result += f * indirect_radiance(light, to_world(p, lobe_direction(p.wo, m.alpha)));
+  result += f * indirect_radiance(light, to_world(p, lobe_direction(p.wo, mean_alpha(m))));
   return result * (1.0 - mirrors.coat) + mirrors.coat * indirect_radiance(light, to_world(p, lobe_direction(p.wo, m.coat_alpha)));
 }
 
@@ -48,6 +48,7 @@ void main() {
   if (p.slot >= 0) reflected = reflect_measured(p, light);
 #endif
   if (p.slot < 0) reflected = reflect_analytic(p, light);
+  reflected *= p.occlusion;
 #ifdef REFLECTED
   vec4 radiance = imageLoad(io_radiance, pixel);
   imageStore(io_radiance, pixel, vec4(radiance.rgb + reflected, radiance.a));

@@ -29,7 +29,8 @@ AnalyticMirrors analytic_mirrors(AnalyticMaterial m, float cosine) {
   float x = 1.0 - cosine;
   float x5 = x * x * x * x * x;
   // Schlick's term with a largest reflectance reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based shading model".
-  vec3 f = m.f0 + (max(vec3(m.f90 * (1.0 - sqrt(m.alpha))), m.f0) - m.f0) * x5;
+  vec3 f0 = base_f0(m, cosine);
+  vec3 f = f0 + (max(vec3(m.f90 * (1.0 - sqrt(mean_alpha(m)))), f0) - f0) * x5;
   return AnalyticMirrors(f, m.coat * (0.04 + 0.96 * x5));
 }
 /// Mean direction of a lobe: between the mirror direction and the one of a Lambertian lobe, which is as wide as the hemisphere.

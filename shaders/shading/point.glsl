@@ -3,6 +3,9 @@
 #include "shared/bindings.glsl"
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
 layout(binding = kUnitDepth) uniform sampler2D t_depth;
+#if DETAILS
+layout(binding = kUnitDetails) uniform usampler2DArray t_details;
+#endif
 layout(binding = kUnitBrdf) uniform usamplerBuffer t_brdf;              // [slot][theta_h][theta_d][phi_d], shared exponent
 layout(binding = kUnitThetaCells) uniform samplerBuffer t_theta_cells;  // [slot][elevation][96], t begin and end
 layout(binding = kUnitPhiCells) uniform samplerBuffer t_phi_cells;      // [slot][elevation][96][16], phi begin and end
@@ -30,6 +33,7 @@ struct Point {
   float inverse_albedo;
   float brdf_share;  // of the samples, in (0, 1)
   vec3 tint;
+  float occlusion;   // of sky and baked light, not of the scene's lights
   AnalyticMaterial analytic;
   vec3 lobe_weights;
 };
@@ -51,6 +55,11 @@ Point load_point(ivec2 pixel) {
   uvec4 g = texelFetch(t_surface, pixel, 0);
   float depth = texelFetch(t_depth, pixel, 0).x;
   Surface s = unpack_surface(g);
+  p.occlusion = 1.0;
+#if DETAILS
+  s = unpack_details(s, texelFetch(t_details, ivec3(pixel, 0), 0), texelFetch(t_details, ivec3(pixel, 1), 0));
+  p.occlusion = s.occlusion;
+#endif
   vec3 ray = view_ray(pixel);
   p.position = view_origin(pixel) + ray * depth;
   p.distance_m = depth * length(ray);
@@ -83,9 +92,32 @@ Point load_point(ivec2 pixel) {
                   e - float(i));
     p.inverse_albedo = 1.0 / max(a, 1e-6);
   } else {
-    vec4 m2 = material_floats(s.material, 2), m3 = material_floats(s.material, 3), m4 = material_floats(s.material, 4);
-    vec4 m5 = material_floats(s.material, 5);
-    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, m2.w, m3.z, m4.rgb, s.clearcoat, m3.y, m5.rgb, m4.w);
+    float ior = material_floats(s.material, 2).w;
+#if DETAILS
+    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, ior, s.specular, s.specular_color, s.clearcoat, s.coat_roughness,
+                               s.sheen_color, s.sheen_roughness);
+#if ANALYTIC_ANISOTROPY
+    if (s.anisotropy > 0.0) {
+      vec3 along = environment_from_world(s.along);
+      p.t = normalize(along - p.n * dot(along, p.n));
+      p.b = cross(p.n, p.t);
+      p.wo = normalize(vec3(dot(p.t, v), dot(p.b, v), max(dot(p.n, v), 1e-3)));
+      p.analytic = with_anisotropy(p.analytic, s.anisotropy);
+    }
+#endif
+#if ANALYTIC_COAT_NORMAL
+    p.analytic.coat_normal = to_local(p, environment_from_world(s.coat_normal));
+#endif
+#if ANALYTIC_FILM
+    p.analytic.film = s.film_nm > 0.0 ? s.film : 0.0;
+    p.analytic.film_ior = material_floats(s.material, 7).y;
+    p.analytic.film_nm = s.film_nm;
+#endif
+#else
+    vec4 m3 = material_floats(s.material, 3), m4 = material_floats(s.material, 4);
+    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, ior, m3.z, m4.rgb, s.clearcoat, m3.y,
+                               material_floats(s.material, 5).rgb, m4.w);
+#endif
     p.lobe_weights = analytic_lobe_weights(p.analytic, p.wo);
     p.inverse_albedo = 1.0;
   }

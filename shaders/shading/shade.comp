@@ -111,11 +111,12 @@ void main() {
 #endif
 #endif
   integrate(p, pixel, first_sample, count, result);
-  vec3 sum = result.sum * u_frame.environment.z;
+  float sky_scale = u_frame.environment.z * p.occlusion;
+  vec3 sum = result.sum * sky_scale;
   float spread = 1.0;
 #ifdef ROTATING
   // Of one sample, from the terms of the sum.
-  spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * u_frame.environment.z * u_frame.environment.z;
+  spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * sky_scale * sky_scale;
 #endif
 #if LIGHTS
 #if VISIBILITY == 2

@@ -1,7 +1,8 @@
-// glTF 2.0 metallic-roughness with clearcoat, specular, ior and sheen. Local frame z = normal; wi, wo unit.
+// glTF 2.0 metallic-roughness with clearcoat, specular, ior, sheen, anisotropy and iridescence. Local frame z = normal, x = direction of the
+// anisotropy; wi, wo unit.
 // Source: glTF 2.0 specification, Appendix B (GGX, Smith height-correlated masking, Schlick), and the KHR_materials_*
 // extension texts; visible-normal sampling: Heitz 2018, "Sampling the GGX Distribution of Visible Normals".
-// Needs shared/luminance.glsl before it. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
+// Needs shared/luminance.glsl and shared/surface_geometry.glsl before it. Common subset of GLSL and C++ with GLM (render/math/shared_formulas.h).
 // Differs: the diffuse lobe is scaled by (1 - F(h)) as in the specification; energy lost to multiple scattering is not compensated.
 
 #ifndef MAQUETTE_FN
@@ -15,14 +16,37 @@
 #ifndef ANALYTIC_COAT
 #define ANALYTIC_COAT 1
 #endif
+#ifndef ANALYTIC_COAT_NORMAL
+#define ANALYTIC_COAT_NORMAL 1
+#endif
+#ifndef ANALYTIC_ANISOTROPY
+#define ANALYTIC_ANISOTROPY 1
+#endif
+#ifndef ANALYTIC_FILM
+#define ANALYTIC_FILM 1
+#endif
+#if ANALYTIC_FILM
+#include "shared/thin_film.glsl"
+#endif
 
 struct AnalyticMaterial {
   vec3 diffuse;      // albedo of the Lambert lobe
   vec3 f0;           // specular reflectance at normal incidence
   float f90;
-  float alpha;       // GGX alpha = roughness^2
+  float alpha;       // GGX alpha = roughness^2, along x
+#if ANALYTIC_ANISOTROPY
+  float alpha_y;     // along y
+#endif
   float coat;        // clearcoat strength
   float coat_alpha;
+#if ANALYTIC_COAT_NORMAL
+  vec3 coat_normal;  // local
+#endif
+#if ANALYTIC_FILM
+  float film;        // share of the base that a thin film covers
+  float film_ior;
+  float film_nm;     // thickness
+#endif
   vec3 sheen;
   float sheen_alpha;
 };
@@ -40,6 +64,17 @@ MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, floa
   m.f0 = dielectric * (1.0f - metallic) + base_color * metallic;
   m.f90 = specular * (1.0f - metallic) + metallic;
   m.alpha = max(roughness * roughness, kMinAlpha);
+#if ANALYTIC_ANISOTROPY
+  m.alpha_y = m.alpha;
+#endif
+#if ANALYTIC_COAT_NORMAL
+  m.coat_normal = vec3(0.0f, 0.0f, 1.0f);
+#endif
+#if ANALYTIC_FILM
+  m.film = 0.0f;
+  m.film_ior = 1.3f;
+  m.film_nm = 0.0f;
+#endif
   m.coat = coat;
   m.coat_alpha = max(coat_roughness * coat_roughness, kMinAlpha);
   m.sheen = sheen;
@@ -47,32 +82,112 @@ MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, floa
   return m;
 }
 
+#if ANALYTIC_ANISOTROPY
+/// Source: KHR_materials_anisotropy: along the direction the roughness grows to 1 with the square of the strength.
+MAQUETTE_FN AnalyticMaterial with_anisotropy(AnalyticMaterial m, float strength) {
+  m.alpha = m.alpha + (1.0f - m.alpha) * strength * strength;
+  return m;
+}
+#endif
+
+/// Widths of a GGX lobe along x and y.
+struct GgxWidth {
+  float x;
+  float y;
+};
+MAQUETTE_FN GgxWidth base_width(AnalyticMaterial m) {
+  GgxWidth w;
+  w.x = m.alpha;
+#if ANALYTIC_ANISOTROPY
+  w.y = m.alpha_y;
+#else
+  w.y = m.alpha;
+#endif
+  return w;
+}
+/// Width of the round lobe nearest to the base's.
+MAQUETTE_FN float mean_alpha(AnalyticMaterial m) {
+  GgxWidth w = base_width(m);
+  return sqrt(w.x * w.y);
+}
+MAQUETTE_FN GgxWidth round_width(float alpha) {
+  GgxWidth w;
+  w.x = alpha;
+  w.y = alpha;
+  return w;
+}
+
+/// Coordinates of a direction around `normal`; the direction itself where the coat has no normal of its own.
+MAQUETTE_FN vec3 around_coat(AnalyticMaterial m, vec3 w) {
+#if ANALYTIC_COAT_NORMAL
+  if (m.coat_normal.z >= 1.0f) return w;
+  TangentBasis basis = tangent_basis(m.coat_normal);
+  return vec3(dot(basis.t, w), dot(basis.b, w), dot(m.coat_normal, w));
+#else
+  return w;
+#endif
+}
+MAQUETTE_FN vec3 from_coat(AnalyticMaterial m, vec3 w) {
+#if ANALYTIC_COAT_NORMAL
+  if (m.coat_normal.z >= 1.0f) return w;
+  TangentBasis basis = tangent_basis(m.coat_normal);
+  return basis.t * w.x + basis.b * w.y + m.coat_normal * w.z;
+#else
+  return w;
+#endif
+}
+
 /// GGX density of half vectors; 1 - cos^2 is taken from the sine so that narrow lobes keep their digits.
-MAQUETTE_FN float ggx_d(vec3 h, float alpha) {
-  float s2 = h.x * h.x + h.y * h.y;
-  float t = s2 + h.z * h.z * alpha * alpha;
-  float q = alpha / max(t, 1.0e-20f);
-  return q * q * kInvPi * (alpha > 0.0f ? 1.0f : 0.0f);
+MAQUETTE_FN float ggx_d(vec3 h, GgxWidth alpha) {
+  float ax = max(alpha.x, 1.0e-6f);
+  float ay = max(alpha.y, 1.0e-6f);
+  float x = h.x / ax;
+  float y = h.y / ay;
+  float t = x * x + y * y + h.z * h.z;
+  return kInvPi / max(ax * ay * t * t, 1.0e-20f);
+}
+
+/// Length of a direction in the space where the lobe is a hemisphere.
+MAQUETTE_FN float ggx_stretched(vec3 w, GgxWidth alpha) {
+  float x = alpha.x * w.x;
+  float y = alpha.y * w.y;
+  return sqrt(x * x + y * y + w.z * w.z);
 }
 
 /// Smith's G2 / (4 cos_i cos_o), height-correlated.
-MAQUETTE_FN float ggx_visibility(float cos_i, float cos_o, float alpha) {
-  float a2 = alpha * alpha;
-  float gi = cos_o * sqrt(cos_i * cos_i * (1.0f - a2) + a2);
-  float go = cos_i * sqrt(cos_o * cos_o * (1.0f - a2) + a2);
-  return 0.5f / max(gi + go, 1.0e-12f);
+MAQUETTE_FN float ggx_visibility(vec3 wi, vec3 wo, GgxWidth alpha) {
+  return 0.5f / max(wo.z * ggx_stretched(wi, alpha) + wi.z * ggx_stretched(wo, alpha), 1.0e-12f);
 }
 
 /// Smith's G1 of one direction.
-MAQUETTE_FN float ggx_g1(float cosine, float alpha) {
-  float a2 = alpha * alpha;
-  return 2.0f * cosine / max(cosine + sqrt(cosine * cosine * (1.0f - a2) + a2), 1.0e-12f);
+MAQUETTE_FN float ggx_g1(vec3 w, GgxWidth alpha) {
+  return 2.0f * w.z / max(w.z + ggx_stretched(w, alpha), 1.0e-12f);
 }
 
 MAQUETTE_FN float schlick_weight(float cosine) {
   float x = clamp(1.0f - cosine, 0.0f, 1.0f);
   float x2 = x * x;
   return x2 * x2 * x;
+}
+
+/// Reflectance of the base at an angle of incidence.
+MAQUETTE_FN vec3 base_fresnel(AnalyticMaterial m, float cosine) {
+  vec3 fresnel = m.f0 + (vec3(m.f90) - m.f0) * schlick_weight(cosine);
+#if ANALYTIC_FILM
+  if (m.film > 0.0f) fresnel = fresnel + (thin_film_fresnel(cosine, m.film_ior, m.film_nm, m.f0) - fresnel) * m.film;
+#endif
+  return fresnel;
+}
+
+/// Reflectance at normal incidence for the formulas of Schlick: with a film the one that has its reflectance at this angle.
+MAQUETTE_FN vec3 base_f0(AnalyticMaterial m, float cosine) {
+#if ANALYTIC_FILM
+  if (m.film > 0.0f) {
+    float w = min(schlick_weight(cosine), 0.99f);
+    return clamp((base_fresnel(m, cosine) - vec3(m.f90 * w)) / (1.0f - w), vec3(0.0f), vec3(1.0f));
+  }
+#endif
+  return m.f0;
 }
 
 /// Values of the lobes for one pair of directions.
@@ -82,13 +197,29 @@ struct AnalyticLobes {
   float coat;      // luminance of the coat's lobe, 1/sr
 };
 
+#if ANALYTIC_COAT
+/// The coat's lobe, without its Fresnel term, over the cosine of the base's normal.
+MAQUETTE_FN float coat_lobe(AnalyticMaterial m, vec3 h, vec3 wi, vec3 wo) {
+  GgxWidth alpha = round_width(m.coat_alpha);
+#if ANALYTIC_COAT_NORMAL
+  vec3 ci = around_coat(m, wi);
+  vec3 co = around_coat(m, wo);
+  if (!(ci.z > 0.0f && co.z > 0.0f)) return 0.0f;
+  float ratio = ci.z == wi.z ? 1.0f : ci.z / max(wi.z, 1.0e-4f);
+  return ggx_d(around_coat(m, h), alpha) * ggx_visibility(ci, co, alpha) * ratio;
+#else
+  return ggx_d(h, alpha) * ggx_visibility(wi, wo, alpha);
+#endif
+}
+#endif
+
 MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
   float cos_d = max(dot(wi, h), 0.0f);
-  float w = schlick_weight(cos_d);
-  vec3 fresnel = m.f0 + (vec3(m.f90) - m.f0) * w;
+  vec3 fresnel = base_fresnel(m, cos_d);
   float largest_fresnel = max(max(fresnel.x, fresnel.y), fresnel.z);
-  vec3 specular = fresnel * (ggx_d(h, m.alpha) * ggx_visibility(wi.z, wo.z, m.alpha));
+  GgxWidth alpha = base_width(m);
+  vec3 specular = fresnel * (ggx_d(h, alpha) * ggx_visibility(wi, wo, alpha));
   AnalyticLobes r;
   r.total = m.diffuse * (kInvPi * (1.0f - largest_fresnel)) + specular;
 #if ANALYTIC_SHEEN
@@ -104,8 +235,8 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
   r.coat = 0.0f;
 #if ANALYTIC_COAT
   if (m.coat > 0.0f) {
-    float fc = m.coat * (0.04f + 0.96f * w);
-    r.coat = fc * ggx_d(h, m.coat_alpha) * ggx_visibility(wi.z, wo.z, m.coat_alpha);
+    float fc = m.coat * (0.04f + 0.96f * schlick_weight(cos_d));
+    r.coat = fc * coat_lobe(m, h, wi, wo);
     r.total = r.total * (1.0f - fc) + vec3(r.coat);
     r.specular *= 1.0f - fc;
   }
@@ -115,9 +246,8 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
 
 /// Probabilities of sampling the diffuse, base specular and coat lobes.
 MAQUETTE_FN vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
-  float w = schlick_weight(wo.z);
-  float specular = luminance(m.f0) + (m.f90 - luminance(m.f0)) * w;
-  float coat = m.coat * (0.04f + 0.96f * w);
+  float specular = luminance(base_fresnel(m, wo.z));
+  float coat = m.coat * (0.04f + 0.96f * schlick_weight(max(around_coat(m, wo).z, 0.0f)));
   float diffuse = luminance(m.diffuse) + 0.5f * luminance(m.sheen);
   vec3 p = vec3(diffuse * (1.0f - coat), specular * (1.0f - coat), coat);
   float sum = p.x + p.y + p.z;
@@ -125,22 +255,35 @@ MAQUETTE_FN vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
 }
 
 /// Density over solid angle of wi when the half vector is drawn from the visible normals.
-MAQUETTE_FN float ggx_visible_pdf(vec3 h, vec3 wo, float alpha) {
-  return ggx_g1(wo.z, alpha) * ggx_d(h, alpha) / max(4.0f * wo.z, 1.0e-12f);
+MAQUETTE_FN float ggx_visible_pdf(vec3 h, vec3 wo, GgxWidth alpha) {
+  return ggx_g1(wo, alpha) * ggx_d(h, alpha) / max(4.0f * wo.z, 1.0e-12f);
+}
+
+/// A view below the coat's horizon, as its normals may have it, is taken at the horizon.
+MAQUETTE_FN vec3 visible_from_coat(vec3 wo) {
+#if ANALYTIC_COAT_NORMAL
+  return normalize(vec3(wo.x, wo.y, max(wo.z, 1.0e-3f)));
+#else
+  return wo;
+#endif
 }
 
 MAQUETTE_FN float analytic_pdf(AnalyticMaterial m, vec3 weights, vec3 wi, vec3 wo) {
   vec3 h = normalize(wi + wo);
-  float pdf = weights.x * wi.z * kInvPi + weights.y * ggx_visible_pdf(h, wo, m.alpha);
+  float pdf = weights.x * wi.z * kInvPi + weights.y * ggx_visible_pdf(h, wo, base_width(m));
 #if ANALYTIC_COAT
-  if (weights.z > 0.0f) pdf += weights.z * ggx_visible_pdf(h, wo, m.coat_alpha);
+  if (weights.z > 0.0f) {
+    vec3 seen = visible_from_coat(around_coat(m, wo));
+    vec3 half_vector = around_coat(m, h);
+    if (half_vector.z > 0.0f) pdf += weights.z * ggx_visible_pdf(half_vector, seen, round_width(m.coat_alpha));
+  }
 #endif
   return pdf;
 }
 
 /// Visible normal of a GGX surface for u in [0,1)^2. Source: Heitz 2018, listing 1.
-MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
-  vec3 v = normalize(vec3(alpha * wo.x, alpha * wo.y, wo.z));
+MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, GgxWidth alpha, float u1, float u2) {
+  vec3 v = normalize(vec3(alpha.x * wo.x, alpha.y * wo.y, wo.z));
   float length2 = v.x * v.x + v.y * v.y;
   vec3 t1 = length2 > 1.0e-12f ? vec3(-v.y, v.x, 0.0f) * inversesqrt(length2) : vec3(1.0f, 0.0f, 0.0f);
   vec3 t2 = cross(v, t1);
@@ -151,7 +294,7 @@ MAQUETTE_FN vec3 sample_ggx_visible(vec3 wo, float alpha, float u1, float u2) {
   float s = 0.5f * (1.0f + v.z);
   p2 = (1.0f - s) * sqrt(max(0.0f, 1.0f - p1 * p1)) + s * p2;
   vec3 n = t1 * p1 + t2 * p2 + v * sqrt(max(0.0f, 1.0f - p1 * p1 - p2 * p2));
-  return normalize(vec3(alpha * n.x, alpha * n.y, max(n.z, 1.0e-6f)));
+  return normalize(vec3(alpha.x * n.x, alpha.y * n.y, max(n.z, 1.0e-6f)));
 }
 
 // How many of n samples (8 or more) each lobe gets: its share, rounded; at least one if the share is above 0.
@@ -169,6 +312,16 @@ MAQUETTE_FN vec3 sample_analytic(AnalyticMaterial m, int lobe, vec3 wo, float u1
     float phi = 6.28318530718f * u2;
     return vec3(r * cos(phi), r * sin(phi), sqrt(max(0.0f, 1.0f - u1)));
   }
-  vec3 h = sample_ggx_visible(wo, lobe == 2 ? m.coat_alpha : m.alpha, u1, u2);
+#if ANALYTIC_COAT_NORMAL
+  if (lobe == 2) {
+    vec3 seen = visible_from_coat(around_coat(m, wo));
+    vec3 facet = sample_ggx_visible(seen, round_width(m.coat_alpha), u1, u2);
+    facet = from_coat(m, facet);
+    return facet * (2.0f * dot(wo, facet)) - wo;
+  }
+#endif
+  GgxWidth alpha = base_width(m);
+  if (lobe == 2) alpha = round_width(m.coat_alpha);
+  vec3 h = sample_ggx_visible(wo, alpha, u1, u2);
   return h * (2.0f * dot(wo, h)) - wo;
 }

@@ -46,7 +46,6 @@ const int kUnitVisibility = 25;
 const int kUnitGuide = 26;
 const int kUnitLights = 27;
 const int kUnitNear = 28;
-const int kUnitIrradiance = 29;
 const int kUnitVisibilityBandwidth = 30;
 const int kUnitScreenCurvature = 31;
 const int kUnitOctree = 32;
@@ -104,10 +103,15 @@ const int kUnitGhost = 63;
 const int kUnitSkyNodes = 64;
 const int kUnitSkyVisibility = 65;
 const int kUnitTriangleLayers = 66;  // parts
+const int kUnitDetails = 67;
+const int kUnitBlendedDepth = 68;  // glass
+const int kUnitBlendedDepths = 69;  // glass
+const int kUnitBlendedRadiance = 70;  // glass
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth
 const int kImageScreenCurvature = 0;  // gbuffer
+const int kImageBlendedRadiance = 0;  // glass
 const int kImageCoarse = 0;  // bandwidth
 const int kImageDeviation = 0;  // bandwidth
 const int kImageEnergy = 0;  // bandwidth
@@ -126,6 +130,7 @@ const int kImageSurface = 0;  // gbuffer, octree
 const int kImageTriangle = 0;  // parts, reflections
 const int kImageWorth = 0;  // bandwidth
 const int kImageAxes = 1;  // bandwidth
+const int kImageBlendedDepths = 1;  // glass
 const int kImageDepth = 1;  // gbuffer, octree, parts
 const int kImageEffort = 1;  // reflections
 const int kImageForgottenSpread = 1;  // bandwidth
@@ -153,6 +158,7 @@ const int kImageGatheredSun = 3;  // rotation
 const int kImageGuide = 3;  // gbuffer, octree
 const int kImageOctreeEffort = 4;
 const int kImageOctreeLayers = 5;
+const int kImageDetails = 6;  // gbuffer, octree
 
 // Storage buffers, of each program its own.
 const int kBufferOctreeRays = 0;

@@ -4,7 +4,11 @@
 //   z  roughness 8 bit, clearcoat 8 bit, material 16 bit
 //   w  emitted radiance, shared exponent (kEmissionBias), cd/m2
 // Depth along the viewing axis is a separate float; 0 where only the sky is visible.
+// DETAILS: two more layers of 16 bytes hold what scenes rarely have (unpack_details); without them points read it from the material.
 const int kEmissionBias = 10;
+#ifndef DETAILS
+#define DETAILS 0
+#endif
 
 struct Surface {
   vec3 normal;
@@ -13,6 +17,19 @@ struct Surface {
   float roughness;
   float clearcoat;
   int material;
+#if DETAILS
+  float occlusion;  // of sky and baked light
+  vec3 coat_normal;
+  float coat_roughness;
+  float specular;
+  vec3 specular_color;
+  vec3 sheen_color;
+  float sheen_roughness;
+  float anisotropy;
+  vec3 along;  // direction of the anisotropy, unit, across the normal
+  float film;
+  float film_nm;
+#endif
 };
 
 uvec4 pack_surface(Surface s, vec3 emission) {
@@ -36,6 +53,41 @@ Surface unpack_surface(uvec4 g) {
   s.material = int(g.z >> 16u);
   return s;
 }
+
+#if DETAILS
+const int kSpecularBias = 4;
+struct Details {
+  uvec4 lobes;   // coat roughness, sheen roughness | occlusion, specular | specular colour | sheen colour
+  uvec4 shapes;  // coat normal | direction of the anisotropy | its strength, film | thickness (half float), roughness
+};
+
+Details pack_details(Surface s) {
+  Details d;
+  d.lobes = uvec4(packUnorm2x16(vec2(s.coat_roughness, s.sheen_roughness)), packUnorm2x16(vec2(s.occlusion, s.specular)),
+                  pack_rgb9e5(s.specular_color, kSpecularBias), pack_rgb9e5(s.sheen_color, kSpecularBias));
+  d.shapes = uvec4(packSnorm2x16(octahedral_from_direction(s.coat_normal) * 2.0f - 1.0f),
+                   packSnorm2x16(octahedral_from_direction(s.along) * 2.0f - 1.0f), packUnorm2x16(vec2(s.anisotropy, s.film)),
+                   (packHalf2x16(vec2(s.film_nm, 0.0f)) & 0xffffu) | (packUnorm2x16(vec2(s.roughness, 0.0f)) << 16u));
+  return d;
+}
+
+Surface unpack_details(Surface s, uvec4 lobes, uvec4 shapes) {
+  vec2 roughness = unpackUnorm2x16(lobes.x), occlusion = unpackUnorm2x16(lobes.y), shares = unpackUnorm2x16(shapes.z);
+  s.coat_roughness = roughness.x;
+  s.sheen_roughness = roughness.y;
+  s.occlusion = occlusion.x;
+  s.specular = occlusion.y;
+  s.specular_color = unpack_rgb9e5(lobes.z, kSpecularBias);
+  s.sheen_color = unpack_rgb9e5(lobes.w, kSpecularBias);
+  s.coat_normal = unpack_normal(shapes.x);
+  s.along = unpack_normal(shapes.y);
+  s.anisotropy = shares.x;
+  s.film = shares.y;
+  s.film_nm = unpackHalf2x16(shapes.w).x;
+  s.roughness = unpackUnorm2x16(shapes.w).y;
+  return s;
+}
+#endif
 
 /// Guide of the bilateral upsampling, in one fetch: depth, and the normal (2 x 12 bits) with the low 8 bits of the material.
 uvec2 pack_guide(float depth, vec3 normal, int material) {

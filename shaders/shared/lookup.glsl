@@ -24,7 +24,8 @@ void main() {
     imageStore(o_marks, pixel, uvec4(unlit ? 0u : 1u, 0u, 0u, 1u));
     if (unlit) continue;  // compose shows its base colour
     ++shaded;
-    vec3 radiance = shade(load_point(pixel)) * u_frame.environment.z;
+    Point p = load_point(pixel);
+    vec3 radiance = shade(p) * (u_frame.environment.z * p.occlusion);
     // A picture never holds NaN or infinity, whatever a fit holds.
     if (any(isnan(radiance)) || any(isinf(radiance))) radiance = vec3(0.0);
     imageStore(o_radiance, pixel, vec4(radiance, 1.0));

@@ -43,9 +43,10 @@ struct AnalyticReflectance {
 /// The factors (1 - F) of the diffuse lobe and of the coat are averaged over incident light.
 AnalyticReflectance analytic_reflectance(AnalyticMaterial m, float nv, float sheen_roughness) {
   AnalyticReflectance r;
-  vec4 base = reflectance(nv, sqrt(m.alpha));
-  float largest_f0 = max(max(m.f0.x, m.f0.y), m.f0.z);
-  r.specular = m.f0 * base.x + vec3(m.f90 * base.y);
+  vec4 base = reflectance(nv, sqrt(mean_alpha(m)));
+  vec3 f0 = base_f0(m, nv);
+  float largest_f0 = max(max(f0.x, f0.y), f0.z);
+  r.specular = f0 * base.x + vec3(m.f90 * base.y);
   r.diffuse = m.diffuse * (1.0 - mix(largest_f0, max(m.f90, largest_f0), base.w));
   r.coat = 0.0;
   if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0) r.diffuse += m.sheen * reflectance(nv, sheen_roughness).z;

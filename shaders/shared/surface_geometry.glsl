@@ -40,6 +40,14 @@ MAQUETTE_FN vec3 apply_normal_map(vec3 normal, vec4 tangent, vec3 mapped, float 
   return normalize(t * (mapped.x * scale) + b * (mapped.y * scale) + normal * max(mapped.z, 1.0e-3f));
 }
 
+// World direction of a vector in the tangent plane, along tangent and bitangent; across the normal, unit.
+MAQUETTE_FN vec3 tangent_direction(vec3 normal, vec4 tangent, vec2 direction) {
+  vec3 along = vec3(tangent.x, tangent.y, tangent.z);
+  vec3 t = normalize(along - normal * dot(along, normal) + vec3(1.0e-20f, 0.0f, 0.0f));
+  vec3 b = cross(normal, t) * (tangent.w < 0.0f ? -1.0f : 1.0f);
+  return t * direction.x + b * direction.y;
+}
+
 // The visible side is shaded, whether or not the file's normals agree with its winding. Interpolated normals that face away from
 // the eye at silhouettes are rotated to grazing. `seen_side`: the triangle's normal towards the eye; `view`: unit, to the eye.
 MAQUETTE_FN vec3 face_viewer(vec3 normal, vec3 seen_side, vec3 view) {

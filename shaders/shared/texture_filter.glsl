@@ -1,6 +1,6 @@
-// Filtering of textures that are packed in one list of RGBA8 texels with their mip chains (render/materials/texture_atlas.h).
+// Filtering of textures that are packed in one list of texels of 4 x 16 bits with their mip chains (render/materials/texture_atlas.h).
 // Common subset of GLSL and C++ with GLM. The includer defines before it:
-//   uint fetch_texel_word(int index)                  a packed texel
+//   uvec2 fetch_texel_words(int index)                a packed texel
 //   vec4 texture_record(int texture_index, int row)   row 0 to 2 of a record
 // Record of a texture (3 vec4): offset bits, width, height, levels | rotation and scale of the transform (a 2x2 matrix) | transform
 // offset, wrap code (s + 4 t), flags (1 sRGB, 2 UV set 1, 4 nearest).
@@ -33,7 +33,10 @@ MAQUETTE_FN int wrap_texel(int i, int size, int mode) {
 MAQUETTE_FN vec4 fetch_texel(int offset, ivec2 size, ivec2 p, int wrap, bool srgb) {
   int x = wrap_texel(p.x, size.x, wrap & 3);
   int y = wrap_texel(p.y, size.y, wrap >> 2);
-  vec4 c = unpackUnorm4x8(fetch_texel_word(offset + y * size.x + x));
+  uvec2 words = fetch_texel_words(offset + y * size.x + x);
+  vec2 rg = unpackUnorm2x16(words.x);
+  vec2 ba = unpackUnorm2x16(words.y);
+  vec4 c = vec4(rg.x, rg.y, ba.x, ba.y);
   return srgb ? vec4(c.x * c.x, c.y * c.y, c.z * c.z, c.w) : c;
 }
 

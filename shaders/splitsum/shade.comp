@@ -39,7 +39,7 @@ vec3 shade(Point p) {
     return p.tint * (diffuse_alpha.rgb * light + (f0 * split.x + f90 * split.y) * sky(p, roughness));
   }
   AnalyticReflectance r = analytic_reflectance(p.analytic, nv, sqrt(p.analytic.sheen_alpha));
-  vec3 sum = r.diffuse * light + r.specular * sky(p, sqrt(p.analytic.alpha));
+  vec3 sum = r.diffuse * light + r.specular * sky(p, sqrt(mean_alpha(p.analytic)));
   if (r.coat > 0.0) sum += r.coat * sky(p, sqrt(p.analytic.coat_alpha));
   return sum;
 }

@@ -141,7 +141,7 @@ void measure_quadrature(Stage& stage, Figures* figures) {
     if (!stage.options().wants(std::string("reference/") + name)) continue;
     const std::string material = std::string("builtin:") + name;
     Scene scene = load_scene("builtin:sphere");
-    scene.materials = override_materials(scene.materials, {{"*", material}});
+    scene.materials = effective_materials(scene, {{"*", material}});
     const auto environment = std::make_shared<const Environment>(load_environment("builtin:clear-sky"));
     const auto traced = build_path_scene({.scene = scene, .environment = environment});
     CameraView camera;
@@ -269,7 +269,7 @@ CameraView driver_of_the_car() {
 
 std::shared_ptr<const PathScene> load_car(const Options& options) {
   Scene scene = load_scene(options.data + "/scenes/ferrari458.glb");
-  scene.materials = override_materials(scene.materials, {{"Glass_Gray", "builtin:glass"}});
+  scene.materials = effective_materials(scene, {{"Glass_Gray", "builtin:glass"}});
   return build_path_scene({.scene = scene,
                            .environment = std::make_shared<const Environment>(
                                load_environment(options.data + "/environments/grace_latlong.exr"))});

@@ -20,9 +20,10 @@ namespace analytic {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
-// the second needs the first
+// each needs those before it
 // clang-format off
 #include "shared/constants.glsl"
+#include "shared/surface_geometry.glsl"
 #include "shared/analytic.glsl"
 // clang-format on
 #pragma GCC diagnostic pop
@@ -123,6 +124,14 @@ std::vector<Lobe> lobes() {
     list.push_back({"white metal" + r, make(1, 1, roughness, 0, 0, 0.5f)});
     list.push_back({"coated white" + r, make(1, 0, roughness, 1, 0, 0.5f)});
     list.push_back({"white cloth" + r, make(1, 0, 1, 0, 1, roughness)});
+  }
+  for (const float strength : {0.3f, 1.0f})
+    list.push_back({"brushed metal", analytic::with_anisotropy(make(1, 1, 0.3f, 0, 0, 0.5f), strength)});
+  for (const float thickness_nm : {120.0f, 500.0f}) {
+    analytic::AnalyticMaterial film = make(1, 0, 0.4f, 0, 0, 0.5f);
+    film.film = 1.0f;
+    film.film_nm = thickness_nm;
+    list.push_back({"iridescent dielectric", film});
   }
   return list;
 }

@@ -24,9 +24,10 @@ namespace analytic {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 using namespace glm;
-// the second needs the first
+// each needs those before it
 // clang-format off
 #include "shared/constants.glsl"
+#include "shared/surface_geometry.glsl"
 #include "shared/analytic.glsl"
 // clang-format on
 #pragma GCC diagnostic pop
@@ -57,9 +58,17 @@ std::vector<AnalyticCase> analytic_cases() {
     return analytic::make_analytic(glm::vec3(0.6f, 0.3f, 0.1f), metallic, roughness, 1.5f, 1.0f, glm::vec3(1.0f), coat,
                                    coat_roughness, glm::vec3(sheen), 0.4f);
   };
-  return {{"matte", make(0.0f, 1.0f, 0.0f, 0.0f, 0.0f)},       {"plastic", make(0.0f, 0.3f, 0.0f, 0.0f, 0.0f)},
-          {"rough metal", make(1.0f, 0.7f, 0.0f, 0.0f, 0.0f)}, {"mirror", make(1.0f, 0.0f, 0.0f, 0.0f, 0.0f)},
-          {"coated", make(0.5f, 0.5f, 1.0f, 0.05f, 0.0f)},     {"cloth", make(0.0f, 0.9f, 0.0f, 0.0f, 1.0f)}};
+  analytic::AnalyticMaterial brushed = analytic::with_anisotropy(make(1.0f, 0.2f, 0.0f, 0.0f, 0.0f), 0.8f);
+  analytic::AnalyticMaterial tilted_coat = make(0.0f, 0.6f, 1.0f, 0.2f, 0.0f);
+  tilted_coat.coat_normal = glm::normalize(glm::vec3(0.2f, -0.1f, 1.0f));
+  return {{"brushed metal", brushed},
+          {"coat with a normal of its own", tilted_coat},
+          {"matte", make(0.0f, 1.0f, 0.0f, 0.0f, 0.0f)},
+          {"plastic", make(0.0f, 0.3f, 0.0f, 0.0f, 0.0f)},
+          {"rough metal", make(1.0f, 0.7f, 0.0f, 0.0f, 0.0f)},
+          {"mirror", make(1.0f, 0.0f, 0.0f, 0.0f, 0.0f)},
+          {"coated", make(0.5f, 0.5f, 1.0f, 0.05f, 0.0f)},
+          {"cloth", make(0.0f, 0.9f, 0.0f, 0.0f, 1.0f)}};
 }
 
 /// Light direction of a half vector, in the frame whose x is the azimuth of the view.

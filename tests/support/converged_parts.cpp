@@ -59,8 +59,9 @@ BrightCell cell_between(const Environment& all, const Environment& rest, int x, 
 
 /// The code that load_point, the BRDFs and the estimator need, from the shader's own files.
 std::string shared_source(bool measured) {
-  std::string text =
-      "#version 450 core\n#define MEASURED " + std::string(measured ? "1" : "0") + "\nlayout(local_size_x = 64) in;\n";
+  std::string text = "#version 450 core\n#define MEASURED " + std::string(measured ? "1" : "0") +
+                     "\n#define ANALYTIC_ANISOTROPY 0\n#define ANALYTIC_COAT_NORMAL 0\n#define ANALYTIC_FILM "
+                     "0\nlayout(local_size_x = 64) in;\n";
   for (const char* path :
        {"shared/frame.glsl", "shared/constants.glsl", "shared/latlong.glsl", "shared/octahedral.glsl",
         "shared/rgb9e5.glsl", "shared/gbuffer.glsl", "shared/material_table.glsl", "shared/luminance.glsl",

@@ -23,7 +23,6 @@ constexpr int kFunctionLines = 80, kFileLines = 500;
 const std::map<std::string, int> kExceptions = {
     // Each is one loop, whose parts share a dozen variables.
     {"shaders/bandwidth/mark.comp: main", 120},
-    {"shaders/gbuffer/resolve.comp: resolve_surface", 105},
     {"shaders/shared/octree.glsl: octree_trace", 101},
 };
 

@@ -28,37 +28,13 @@ std::string ContentKey::text() const {
 namespace {
 
 void mix_vector(const auto& v, int count, ContentKey* key) {
-  for (int i = 0; i < count; ++i) key->mix(static_cast<double>(v[i]));
-}
-
-void mix_texture(const TextureRef& t, ContentKey* key) {
-  for (const double v : {static_cast<double>(t.image), static_cast<double>(t.uv_set), static_cast<double>(t.wrap_s),
-                         static_cast<double>(t.wrap_t), t.nearest ? 1.0 : 0.0, static_cast<double>(t.rotation_rad)})
-    key->mix(v);
-  mix_vector(t.offset, 2, key);
-  mix_vector(t.scale, 2, key);
+  for (int k = 0; k < count; ++k) key->mix(static_cast<double>(v[k]));
 }
 
 void mix_material(const Material& m, ContentKey* key) {
   key->mix(m.name).mix(m.measured);
   if (!m.measured.empty() && !m.measured.starts_with("builtin:")) key->mix_bytes(read_file(m.measured));
-  mix_vector(m.base_color, 4, key);
-  mix_vector(m.emissive, 3, key);
-  mix_vector(m.specular_color, 3, key);
-  mix_vector(m.sheen_color, 3, key);
-  mix_vector(m.attenuation_color, 3, key);
-  for (const float v : {m.metallic, m.roughness, m.normal_scale, m.occlusion_strength, m.alpha_cutoff, m.clearcoat,
-                        m.clearcoat_roughness, m.transmission, m.ior, m.specular, m.sheen_roughness,
-                        m.thickness, m.attenuation_distance})
-    key->mix(static_cast<double>(v));
-  for (const bool v : {m.double_sided, m.unlit, m.tint_measured, m.glass}) key->mix(v ? 1.0 : 0.0);
-  key->mix(static_cast<double>(m.alpha_mode));
-  for (const TextureRef* t :
-       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
-        &m.emissive_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
-        &m.transmission_texture, &m.specular_texture, &m.specular_color_texture, &m.sheen_color_texture,
-        &m.sheen_roughness_texture})
-    mix_texture(*t, key);
+  for (const float number : numbers_of(m)) key->mix(static_cast<double>(number));
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ Studio::Studio(const SceneOptions& options)
 Scene Studio::overridden_scene() const {
   Scene scene = *scene_;
   const std::map<std::string, std::string> sources(options_.materials.begin(), options_.materials.end());
-  scene.materials = override_materials(std::move(scene.materials), sources);
+  scene.materials = effective_materials(scene, sources);
   return scene;
 }
 

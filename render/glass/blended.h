@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "render/reflections/mirrored_rays.h"
+
+namespace maquette {
+
+/// The layers of blended surfaces that a point may show; more behind them look like the last one.
+inline constexpr int kMostBlendedLayers = 4;
+
+/// Whether a part of an item is a surface that lets through what is behind it.
+bool is_blended(const SceneState& scene, std::size_t item);
+
+/// What blended surfaces show, before they are drawn over the picture: their layers are peeled off from front to back,
+/// and each is shaded as the hits of mirrored rays are, by the modes of its parts, with materials and lights as any
+/// opaque surface. Source: Everitt 2001, "Interactive Order-Independent Transparency".
+class Blended {
+ public:
+  /// Nothing of it is drawn: frees all.
+  void clear() { *this = Blended(); }
+  /// What carries out the pass `blended`. `averages_points`: of the mode; the other modes average whole pictures.
+  void run(const MirroredScene& scene, bool averages_points);
+  /// Binds radiance and depth of the layers for shaders/glass/glass.frag.
+  void bind(const Program& program) const;
+  std::size_t bytes() const;
+  static std::vector<ShaderVariant> shader_variants();
+
+ private:
+  void fit(const GridSize& size);
+  /// Draws the nearest of those behind layer `layer - 1`; false when there are none.
+  bool peel(const MirroredScene& scene, int layer);
+  void shade(const MirroredScene& scene, int layer, float blend);
+
+  MirroredRays rays_;
+  std::unique_ptr<ReflectorTechnique> technique_;
+  GlName<FramebufferTraits> framebuffer_;
+  Texture depth_buffer_;
+  std::array<Texture, 2> depth_;  ///< R32F, of this layer and the one before
+  Texture radiance_, depths_;     ///< RGBA32F and R32F, [layer]
+  int count_ = 0;                 ///< layers of this frame
+};
+
+}  // namespace maquette

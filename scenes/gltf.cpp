@@ -147,9 +147,9 @@ Scene load_gltf(const std::string& path, const std::string& scene) {
   try {
     return import_file(path, scene);
   } catch (const UsageError& e) {
-    throw UsageError({}, gltf::plain_line(e.what(), path));
+    throw UsageError({}, gltf::plain_line(e.what(), std::filesystem::path(path).parent_path().string()));
   } catch (const Error& e) {
-    throw Error({}, gltf::plain_line(e.what(), path));
+    throw Error({}, gltf::plain_line(e.what(), std::filesystem::path(path).parent_path().string()));
   } catch (const std::bad_alloc&) {
     throw too_large;
   } catch (const std::length_error&) {

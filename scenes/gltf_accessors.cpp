@@ -199,7 +199,9 @@ Bytes view_bytes(const Document& document, std::size_t view) {
   const auto index = static_cast<std::size_t>(bounds.buffer);
   const Bytes buffer = document.buffers[index];
   if (buffer.data() == nullptr && bounds.byteLength > 0)
-    throw Error(at(document.path, element("buffers", index)), "has no uri", kRemedy);
+    throw Error(at(document.path, element("buffers", index)),
+                document.root["buffers"][index].contains("uri") ? "is a fallback that is not read" : "has no uri",
+                kRemedy);
   if (bounds.byteOffset > buffer.size() || bounds.byteLength > buffer.size() - bounds.byteOffset)
     throw Error(at(document.path, element("bufferViews", view)),
                 "bytes " + std::to_string(bounds.byteOffset) + " to " +

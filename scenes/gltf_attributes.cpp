@@ -53,10 +53,10 @@ std::vector<glm::vec<N, float>> to_vectors(const DracoAttribute& attribute, floa
   return out;
 }
 
-std::vector<glm::vec4> with_alpha(const std::vector<glm::vec3>& colors, float alpha) {
+std::vector<glm::vec4> with_alpha(const std::vector<glm::vec3>& colors) {
   std::vector<glm::vec4> out;
   out.reserve(colors.size());
-  for (const glm::vec3& rgb : colors) out.emplace_back(rgb, alpha);
+  for (const glm::vec3& rgb : colors) out.emplace_back(rgb, 1.0f);
   return out;
 }
 
@@ -86,7 +86,7 @@ void AttributeReader::check_draco_counts() const {
   bool agree = !json_.contains("indices") || count_of(json_["indices"].get<std::size_t>()) == draco_.indices.size();
   for (const auto& [name, attribute] : draco_.attributes)
     agree = agree && count_of(accessor_of(name.c_str())) == draco_.vertex_count;
-  if (!agree) task_.warnings.add("its accessors count otherwise than its Draco data, which is used", task_.name());
+  if (!agree) task_.warnings.add("the counts of its accessors contradict its Draco data, which is used", task_.name());
 }
 
 template <int N>
@@ -148,11 +148,11 @@ std::vector<glm::vec4> AttributeReader::read_colors() const {
   if (const auto found = draco_.attributes.find(kName); found != draco_.attributes.end()) {
     const float divisor = divisor_of(found->second, accessor);
     out = found->second.components == 4 ? to_vectors<4>(found->second, divisor, where_ + "." + kName)
-                                        : with_alpha(to_vectors<3>(found->second, divisor, where_ + "." + kName), 1.0f);
+                                        : with_alpha(to_vectors<3>(found->second, divisor, where_ + "." + kName));
   } else if (accessor.type == TINYGLTF_TYPE_VEC4) {
     out = read_vectors<4>(document_, accessor_of(kName), Integers::normalized);
   } else {
-    out = with_alpha(read_vectors<3>(document_, accessor_of(kName), Integers::normalized), 1.0f);
+    out = with_alpha(read_vectors<3>(document_, accessor_of(kName), Integers::normalized));
   }
   if (task_.use == nullptr || !json_.contains("targets")) return out;
   const auto is_rgba = [&](const Json& target) {
@@ -162,6 +162,7 @@ std::vector<glm::vec4> AttributeReader::read_colors() const {
   const Json& targets = json_["targets"];
   std::any_of(targets.begin(), targets.end(), is_rgba) ? add_targets<4, 4>(kName, &out)
                                                        : add_targets<3, 4>(kName, &out);
+  for (glm::vec4& color : out) color = glm::clamp(color, 0.0f, 1.0f);  // as the specification demands after targets
   return out;
 }
 

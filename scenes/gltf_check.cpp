@@ -286,18 +286,6 @@ void canonicalise(Json* value) {
   }
 }
 
-/// RFC 3986 3.1: schemes are written in lower case and read in any.
-void canonicalise_schemes(Json* root) {
-  for (const char* array : {"buffers", "images"}) {
-    if (!root->is_object() || !root->contains(array) || !(*root)[array].is_array()) continue;
-    for (Json& item : (*root)[array]) {
-      if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
-      auto& uri = item["uri"].get_ref<std::string&>();
-      if (is_data_uri(uri)) uri.replace(0, 5, "data:");
-    }
-  }
-}
-
 void check_nesting(const std::string& path, std::string_view text) {
   int depth = 0;
   bool in_string = false;
@@ -352,7 +340,6 @@ Json parse_checked(const std::string& path, std::string_view text) {
                 "the file is damaged or not glTF");
   }
   canonicalise(&root);
-  canonicalise_schemes(&root);
   Checker(path, root).run();
   const std::string version = root["asset"]["version"].get<std::string>();
   const std::string required = root["asset"].value("minVersion", version);

@@ -43,6 +43,7 @@ struct Document {
   NodeTree tree;
   std::vector<MeshUse> mesh_uses;  ///< one for each mesh of the scene; those of the file come first
   std::vector<int> node_uses;      ///< of each node of the file: its mesh in the scene, or -1
+  std::size_t instance_count = 0;  ///< of EXT_mesh_gpu_instancing, of all nodes read so far
   Warnings warnings;
 };
 

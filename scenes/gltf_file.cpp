@@ -57,7 +57,10 @@ std::string plain_line(std::string_view text, std::string_view folder) {
     std::size_t end = begin;
     while (end < text.size() && !is_blank(text[end])) ++end;
     const std::string_view word = text.substr(begin, end - begin);
-    const std::size_t payload = word.find("data:");
+    // A payload begins a word or what is quoted; `metadata:` and folders are none.
+    const std::size_t start = word.find_first_not_of("\"'(");
+    const std::size_t payload =
+        word.substr(std::min(start, word.size())).starts_with("data:") ? start : std::string_view::npos;
     if (payload != std::string_view::npos) {
       out.append(word.substr(0, payload)).append("data:...");
     } else if (const std::size_t usual = word.starts_with(folder) ? folder.size() : 0; word.size() > kLongest + usual) {

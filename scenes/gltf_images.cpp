@@ -31,7 +31,7 @@ Bytes encoded_bytes(const Document& document, const Json& json, std::size_t inde
   if (json.contains("bufferView")) return view_bytes(document, json["bufferView"].get<std::size_t>());
   if (!json.contains("uri")) throw Error(where, "has neither uri nor bufferView");
   const auto& uri = json["uri"].get_ref<const std::string&>();
-  *owned = uri.starts_with("data:") ? decode_data_uri(where, uri) : read_file(resolve_uri(document.path, uri));
+  *owned = is_data_uri(uri) ? decode_data_uri(where, uri) : read_file(resolve_uri(document.path, uri));
   return *owned;
 }
 
@@ -109,8 +109,10 @@ void import_images(Document* document, Scene* scene) {
   const auto read = [&](std::size_t i) {
     TextureImage& image = scene->images[i];
     const Json& json = (*found)[i];
-    image.name = json.value("name", json.value("uri", std::string()));
-    if (image.name.starts_with("data:")) image.name.clear();
+    if (json.contains("name"))
+      image.name = json["name"].get<std::string>();
+    else if (json.contains("uri") && !is_data_uri(json["uri"].get_ref<const std::string&>()))
+      image.name = json["uri"].get<std::string>();
     results[i] = read_image(*document, json, i, uses[i], &image);
   };
   // Images that only stand in for a WebP image are read when they have to.

@@ -4,6 +4,8 @@
 #include <atomic>
 #include <exception>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include "scenes/error.h"
 #include "scenes/gltf_primitive.h"
@@ -126,7 +128,7 @@ void import_primitive(const Document& document, PrimitiveTask* task) {
   import_indices(&reader, task);
   out.material = json.value("material", -1);
   import_variants(document, reader, &out);
-  apply_skin(document, reader, task);
+  apply_skin(reader, task);
   repair_primitive(task);
   if (!reader.has("NORMAL")) add_flat_normals(&out);
 }
@@ -173,9 +175,11 @@ void import_meshes(Document* document, Scene* scene) {
     }
   }
   run_in_parallel(*document, &tasks);
+  std::set<std::pair<std::size_t, std::size_t>> warned;
   for (Task& task : tasks) {
     if (task.failure) std::rethrow_exception(task.failure);
-    document->warnings.merge(task.warnings);
+    // Each use of a mesh finds the same faults.
+    if (warned.insert({task.mesh, task.primitive}).second) document->warnings.merge(task.warnings);
     if (task.drawable) scene->meshes[task.target].primitives.push_back(std::move(task.out));
   }
 }

@@ -36,7 +36,7 @@ void check_transforms(const Document& document, const Scene& scene) {
 }
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";
-/// Limit of the instances of one node, so that a small file of zeros cannot ask for any number of nodes.
+/// Limit of the instances of a file, so that a small file of zeros cannot ask for any number of nodes.
 constexpr std::size_t kMaxInstances = std::size_t{1} << 20;
 
 /// One of the instances' attributes, or empty.
@@ -68,6 +68,9 @@ std::optional<std::vector<glm::mat4>> instances_of(Document* document, std::size
   const auto rotations = read_instances<4>(*document, attributes, "ROTATION", where, &count);
   const auto scales = read_instances<3>(*document, attributes, "SCALE", where, &count);
   if (!count) return std::nullopt;
+  document->instance_count += *count;
+  if (document->instance_count > kMaxInstances)
+    throw Error(where, "brings the file to more than " + std::to_string(kMaxInstances) + " instances", kRemedy);
   std::vector<glm::mat4> out(*count, glm::mat4(1.0f));
   for (std::size_t i = 0; i < *count; ++i) {
     if (!translations.empty()) out[i][3] = glm::vec4(translations[i], 1.0f);

@@ -55,7 +55,7 @@ class AttributeReader {
 };
 
 /// Moves positions, normals and tangents by the joints of the use's skin.
-void apply_skin(const Document& document, const AttributeReader& reader, PrimitiveTask* task);
+void apply_skin(const AttributeReader& reader, PrimitiveTask* task);
 
 /// Drops and replaces what is not finite or out of range, with warnings.
 void repair_primitive(PrimitiveTask* task);

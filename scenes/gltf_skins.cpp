@@ -12,9 +12,12 @@ namespace {
 constexpr const char* kRemedy = "the file is damaged; export it again";
 constexpr std::size_t kMostJointSets = 8;  ///< of four joints each
 
-/// Weights of a node's mesh without the zeros at the end: the node's own, or the mesh's.
+/// Weights of a node's mesh without the zeros at the end: the node's own, or the mesh's; none without targets.
 std::vector<float> weights_of(const Json& mesh, const Json* node) {
   std::vector<float> out;
+  if (std::none_of(mesh["primitives"].begin(), mesh["primitives"].end(),
+                   [](const Json& primitive) { return primitive.contains("targets"); }))
+    return out;
   const Json& holder = node != nullptr && node->contains("weights") ? *node : mesh;
   if (const auto found = holder.find("weights"); found != holder.end())
     for (const Json& weight : *found) out.push_back(static_cast<float>(weight.get<double>()));
@@ -157,7 +160,7 @@ void find_mesh_uses(Document* document) {
     if (document->tree.reached[i]) collector.add_node(i, world);
 }
 
-void apply_skin(const Document&, const AttributeReader& reader, PrimitiveTask* task) {
+void apply_skin(const AttributeReader& reader, PrimitiveTask* task) {
   if (task->use == nullptr || task->use->joints.empty() || !reader.has("JOINTS_0")) return;
   Primitive& out = task->out;
   Influences influences;

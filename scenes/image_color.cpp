@@ -1,5 +1,8 @@
 #include "scenes/image_color.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,10 +56,13 @@ glm::dmat3 rec709_from_rgb(const Primaries& primaries) {
 }
 
 void convert_colors(const glm::mat3& matrix, std::size_t texel_count, int channels, float* values) {
-  for (std::size_t i = 0; i < texel_count; ++i, values += channels) {
-    const glm::vec3 rgb = matrix * glm::vec3(values[0], values[1], values[2]);
-    for (int c = 0; c < 3; ++c) values[c] = rgb[c];
-  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, texel_count, 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      float* value = values + i * static_cast<std::size_t>(channels);
+      const glm::vec3 rgb = matrix * glm::vec3(value[0], value[1], value[2]);
+      for (int c = 0; c < 3; ++c) value[c] = rgb[c];
+    }
+  });
 }
 
 glm::vec3 desaturate_into_gamut(const glm::vec3& rgb, const glm::vec3& luminance_weights) {

@@ -33,7 +33,7 @@ constexpr int kChromaReach = 2 * static_cast<int>(kChromaFilter.size()) - 1;
 /// How the stored values become Rec.709.
 struct ColorSpace {
   std::optional<glm::mat3> rec709_from_file;  ///< nothing when they are Rec.709
-  glm::vec3 luminance_weights{0.2126f, 0.7152f, 0.0722f};
+  glm::vec3 luminance_weights{0.0f};
 };
 
 ColorSpace read_color_space(const Imf::Header& header, std::vector<std::string>* warnings) {

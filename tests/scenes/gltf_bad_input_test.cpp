@@ -140,7 +140,7 @@ TEST_F(GltfBadInput, MissingOrDamagedImages) {
   EXPECT_FALSE(scene.materials[0].normal_texture);
   EXPECT_FALSE(scene.materials[0].emissive_texture);
   expect_warning(scene, "images[0]: its textures are left out");
-  expect_warning(scene, "images[1] and 1 more: its textures are left out: is not a PNG or JPEG");
+  expect_warning(scene, "images[1] and 1 more: its textures are left out: is not a PNG, JPEG or WebP");
   expect_warning(scene, "images[3]: its textures are left out");
   expect_warning(scene, "materials[0].emissiveTexture: a texture without a readable image");
   root_["materials"][0]["normalTexture"]["index"] = 8;

@@ -192,7 +192,7 @@ TEST_F(GltfDracoMetadata, CountsThatContradict) {
   for (const int wrong : {0, 1, 2, 3}) {
     for (std::size_t i = 0; i < 4; ++i) root_["accessors"][i]["count"] = i == static_cast<std::size_t>(wrong) ? 9 : 3;
     const Scene scene = load();
-    expect_warning(scene, "meshes[0].primitives[0]: its accessors count otherwise than its Draco data");
+    expect_warning(scene, "meshes[0].primitives[0]: the counts of its accessors contradict its Draco data");
     EXPECT_EQ(scene.warnings.size(), 1u);
     EXPECT_EQ(count_triangles(scene), 1u);
   }

@@ -231,6 +231,20 @@ TEST(TextureFormats, AJpegWithoutItsHuffmanTablesIsRefused) {
   EXPECT_NE(message_of<Error>([&] { decode(bytes); }).find("cannot be decoded"), std::string::npos);
 }
 
+/// What hides nothing of the image does not lose it.
+TEST(TextureFormats, HarmlessOdditiesOfAJpegKeepTheImage) {
+  std::string bytes = jpeg_bytes({{70}});
+  bytes.insert(bytes.rfind("\xff\xd9"), std::string(40, 'a'));
+  const Decoded stray = decode(bytes);
+  EXPECT_EQ(stray.image.rgba[0], 70);
+  ASSERT_EQ(stray.notes.size(), 1u);
+  bytes = jpeg_bytes({{70}});
+  const std::size_t scan = bytes.rfind("\xff\xda");
+  const auto parts = static_cast<std::size_t>(bytes[scan + 4]);
+  bytes[scan + 6 + 2 * parts] = 0;  // Se, 63 in baseline images
+  EXPECT_EQ(decode(bytes).image.rgba[0], 70);
+}
+
 TEST(TextureFormats, BytesBetweenTheSegmentsOfAJpegAreSkippedWithANote) {
   std::string bytes = jpeg_bytes({{70}});
   bytes.insert(bytes.find("\xff\xc0"), "abc");
@@ -250,7 +264,8 @@ TEST(TextureFormats, MessagesAreOneLine) {
 }
 
 TEST(TextureFormats, OtherFormatsAreNamed) {
-  EXPECT_NE(message_of<Error>([] { decode("GIF89a"); }).find("not a PNG or JPEG image but GIF"), std::string::npos);
+  EXPECT_NE(message_of<Error>([] { decode("GIF89a"); }).find("not a PNG, JPEG or WebP image but GIF"),
+            std::string::npos);
   EXPECT_NE(message_of<Error>([] { decode("\xabKTX 20\xbb\r\n\x1a\n"); }).find("KTX2"), std::string::npos);
   EXPECT_NE(message_of<Error>([] { decode(std::string(500, 'x')); }).find("not a PNG"), std::string::npos);
   EXPECT_NE(message_of<Error>([] { decode(""); }).find("not a PNG"), std::string::npos);

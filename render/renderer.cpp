@@ -286,8 +286,8 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
   else
     mirrors.reflections.rest();
   if (!scene.facts().has_blended) mirrors.blended.clear();
-  passes.push_back({.names = {"blended"}, .run = [this, &mirrored, averages_points] {
-                      mirrors.blended.run(mirrored, averages_points);
+  passes.push_back({.names = {"blended"}, .run = [this, &mirrored, surfaces, averages_points] {
+                      mirrors.blended.run(mirrored, surfaces(), averages_points);
                     }});
   Pass glass{.names = {"glass"}};
   glass.skip = [recorded] {
@@ -331,7 +331,7 @@ FrameStats Renderer::Impl::stats_of(const FramePlan& plan, const FrameStatus& st
     layers[k].mode->add_counters(&stats.technique);
   }
   if (parts.several()) (*bytes)["parts"] = parts.bytes();
-  if (plan.glass) (*bytes)["glass"] = mirrors.panes.bytes();
+  if (plan.glass || mirrors.panes.bytes() > 0) (*bytes)["glass"] = mirrors.panes.bytes();
   if (mirrors.blended.bytes() > 0) (*bytes)["blended"] = mirrors.blended.bytes();
   if (plan.glossy) {
     (*bytes)["glossy"] = mirrors.glossy.bytes();
@@ -410,9 +410,9 @@ std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
     for (const ShaderVariant& variant : more)
       if (std::find(all.begin(), all.end(), variant) == all.end()) all.push_back(variant);
   };
-  for (const auto& more :
-       {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(), IndirectPass::shader_variants(),
-        Panes::shader_variants(), Blended::shader_variants(), Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
+  for (const auto& more : {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(),
+                           IndirectPass::shader_variants(), Panes::shader_variants(), Blended::shader_variants(),
+                           Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
     add(more);
   for (const Technique& technique : registry.techniques)
     if (technique.shader_variants) add(technique.shader_variants());

@@ -6,7 +6,6 @@
 
 #include "scenes/error.h"
 #include "scenes/gltf_document.h"
-#include "scenes/gltf_materials_save.h"
 
 namespace maquette::gltf {
 namespace {

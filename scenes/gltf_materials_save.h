@@ -14,9 +14,4 @@ namespace maquette {
 std::vector<nlohmann::json> materials_to_json(const Scene& scene, const std::string& path, nlohmann::json* root,
                                               std::set<std::string>* extensions);
 
-/// Glass unless the file says otherwise: it transmits, and is not all metal. Source: KHR_materials_transmission.
-inline bool may_transmit(const Material& m) {
-  return m.transmission > 0.0f && (m.metallic < 1.0f || m.metallic_roughness_texture);
-}
-
 }  // namespace maquette

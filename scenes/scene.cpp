@@ -67,6 +67,10 @@ int material_of(const Primitive& primitive, int variant) {
   return variant >= 0 && found != primitive.variant_materials.end() ? found->second : primitive.material;
 }
 
+bool may_transmit(const Material& m) {
+  return m.transmission > 0.0f && (m.metallic < 1.0f || m.metallic_roughness_texture);
+}
+
 std::vector<float> numbers_of(const Material& m) {
   std::vector<float> numbers{m.base_color.a,
                              m.metallic,
@@ -90,20 +94,15 @@ std::vector<float> numbers_of(const Material& m) {
                              m.iridescence_ior,
                              m.iridescence_least_nm,
                              m.iridescence_greatest_nm};
-  for (const glm::vec3& v :
-       {glm::vec3(m.base_color), m.emissive, m.specular_color, m.sheen_color, m.attenuation_color})
+  for (const glm::vec3& v : {glm::vec3(m.base_color), m.emissive, m.specular_color, m.sheen_color, m.attenuation_color})
     numbers.insert(numbers.end(), {v.x, v.y, v.z});
   for (const bool flag : {m.double_sided, m.unlit, m.tint_measured, m.glass}) numbers.push_back(flag ? 1.0f : 0.0f);
-  for (const TextureRef* t :
-       {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
-        &m.emissive_texture, &m.clearcoat_texture, &m.clearcoat_roughness_texture, &m.clearcoat_normal_texture,
-        &m.transmission_texture, &m.thickness_texture, &m.specular_texture, &m.specular_color_texture,
-        &m.sheen_color_texture, &m.sheen_roughness_texture, &m.anisotropy_texture, &m.iridescence_texture,
-        &m.iridescence_thickness_texture})
-    numbers.insert(numbers.end(),
-                   {static_cast<float>(t->image), static_cast<float>(t->uv_set), t->offset.x, t->offset.y, t->scale.x,
-                    t->scale.y, t->rotation_rad, static_cast<float>(t->wrap_s), static_cast<float>(t->wrap_t),
-                    t->nearest ? 1.0f : 0.0f});
+  for (const auto texture : kMaterialTextures) {
+    const TextureRef* t = &(m.*texture);
+    numbers.insert(numbers.end(), {static_cast<float>(t->image), static_cast<float>(t->uv_set), t->offset.x,
+                                   t->offset.y, t->scale.x, t->scale.y, t->rotation_rad, static_cast<float>(t->wrap_s),
+                                   static_cast<float>(t->wrap_t), t->nearest ? 1.0f : 0.0f});
+  }
   return numbers;
 }
 

@@ -81,9 +81,9 @@ struct Material {
   TextureRef clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture;
   TextureRef transmission_texture, specular_texture, specular_color_texture;
   TextureRef sheen_color_texture, sheen_roughness_texture;
-  TextureRef anisotropy_texture;                                ///< RG direction, B strength
+  TextureRef anisotropy_texture;                                  ///< RG direction, B strength
   TextureRef iridescence_texture, iridescence_thickness_texture;  ///< R, G
-  TextureRef thickness_texture;                                 ///< G
+  TextureRef thickness_texture;                                   ///< G
 
   /// Source of a tabulated BRDF: a MERL .binary path or `builtin:NAME`; empty for analytic shading.
   /// From the command line (--material) or `extras.maquette.measured` of the file.
@@ -95,6 +95,26 @@ struct Material {
   bool glass = false;
 };
 
+/// Its textures: first those of the G-buffer, in the order of kRole... in shaders/shared/material_table.glsl.
+inline constexpr std::array kMaterialTextures = {&Material::base_color_texture,
+                                                 &Material::metallic_roughness_texture,
+                                                 &Material::normal_texture,
+                                                 &Material::emissive_texture,
+                                                 &Material::occlusion_texture,
+                                                 &Material::clearcoat_texture,
+                                                 &Material::clearcoat_roughness_texture,
+                                                 &Material::clearcoat_normal_texture,
+                                                 &Material::transmission_texture,
+                                                 &Material::specular_texture,
+                                                 &Material::specular_color_texture,
+                                                 &Material::sheen_color_texture,
+                                                 &Material::sheen_roughness_texture,
+                                                 &Material::anisotropy_texture,
+                                                 &Material::iridescence_texture,
+                                                 &Material::iridescence_thickness_texture,
+                                                 &Material::thickness_texture};
+/// Glass unless the file says otherwise: it transmits, and is not all metal. Source: KHR_materials_transmission.
+bool may_transmit(const Material& material);
 /// All members of a material that are numbers or flags, textures included, for hashes of content.
 std::vector<float> numbers_of(const Material& material);
 

@@ -261,7 +261,10 @@ void add_picture_passes(const Planning& p, bool averages_points) {
            {"triangles"},
            {"blended"}});
   if (p.plan->glass)
-    p.add({"glass", "panes and blended surfaces, back to front", {"triangles", "picture", "reflections"}, {"picture"}});
+    p.add({"glass",
+           "panes and blended surfaces, back to front",
+           {"triangles", "picture", "reflections", "blended"},
+           {"picture"}});
   else
     p.leave_out("glass", "no material transmits or blends", kScene);
   const bool averages_over_panes = p.plan->glass && !averages_points && !first;

@@ -50,12 +50,16 @@ void Blended::fit(const GridSize& size) {
   glNamedFramebufferDrawBuffers(framebuffer, 2, buffers);
 }
 
-void Blended::run(const MirroredScene& scene, bool averages_points) {
+void Blended::run(const MirroredScene& scene, const Key& surfaces, bool averages_points) {
   PassTimer& timer = scene.frame.timer();
   timer.count_all_as("blended");
   fit(scene.frame.size());
   if (!technique_) technique_ = std::make_unique<PeeledHits>();
-  const float blend = averages_points ? 1.0f / static_cast<float>(scene.frame.accumulated + 1) : 1.0f;
+  const FrameContext& frame = scene.frame;
+  const Key now = Key::of(surfaces, frame.scene.revisions().all(), frame.bakes.all(), frame.request.settings);
+  frames_ = averages_points && frame.accumulated > 0 && mean_of_ == now ? frames_ + 1 : 1;
+  mean_of_ = now;
+  const float blend = 1.0f / static_cast<float>(frames_);
   const float none[4] = {};
   glClearTexImage(depths_.get(), 0, GL_RED, GL_FLOAT, none);
   for (count_ = 0; count_ < kMostBlendedLayers && peel(scene, count_); ++count_) shade(scene, count_, blend);
@@ -81,14 +85,15 @@ bool Blended::peel(const MirroredScene& scene, int layer) {
     if (!may_be_seen(scene.frame.constants.clip_from_world, buffers.bounds(i))) continue;
     const Material& m = state.material_of_item(i);
     const DrawItem& item = state.geometry().items[i];
-    const bool blends = m.alpha_mode == AlphaMode::blend, textured = blends && m.base_color_texture;
+    // What covers nothing is not shaded; the alpha of an opaque pane means nothing.
+    const bool reads_alpha = m.alpha_mode != AlphaMode::opaque, textured = reads_alpha && m.base_color_texture;
+    const float cutoff = m.alpha_mode == AlphaMode::mask ? m.alpha_cutoff : reads_alpha ? 1e-3f : -1.0f;
     const Program& program = scene.frame.programs.get(peel_variant(textured));
     glUseProgram(program.get());
     state.shows_both_sides(i) ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
     program.set("u_first_triangle", static_cast<int>(item.first_index / 3));
-    // What covers nothing is not shaded; a pane's alpha is none of coverage.
-    program.set("u_alpha", blends ? m.base_color.a : 1.0f);
-    program.set("u_cutoff", blends ? 1e-3f : -1.0f);
+    program.set("u_alpha", m.base_color.a);
+    program.set("u_cutoff", cutoff);
     program.set("u_peel", layer);
     if (textured) program.set("u_texture", buffers.texture(i, TextureRole::base_color));
     glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(item.index_count), GL_UNSIGNED_INT,
@@ -115,7 +120,7 @@ void Blended::shade(const MirroredScene& scene, int layer, float blend) {
   const int samples =
       std::max(scene.frame.constants.sampling.x, scene.frame.request.settings.get_int("reflections.samples"));
   rays_.bind_constants(scene, samples);
-  rays_.follow(scene, {.technique = *technique_});
+  rays_.follow(scene, {.technique = *technique_, .lists_tiles = false});
   const Program& store = scene.frame.programs.get(kStore);
   store.set("u_layer", layer);
   store.set("u_blend", blend);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "render/reflections/mirrored_rays.h"
@@ -21,8 +22,9 @@ class Blended {
  public:
   /// Nothing of it is drawn: frees all.
   void clear() { *this = Blended(); }
-  /// What carries out the pass `blended`. `averages_points`: of the mode; the other modes average whole pictures.
-  void run(const MirroredScene& scene, bool averages_points);
+  /// What carries out the pass `blended`. `surfaces`: all that the G-buffer depends on. `averages_points`: of the mode;
+  /// the other modes average whole pictures.
+  void run(const MirroredScene& scene, const Key& surfaces, bool averages_points);
   /// Binds radiance and depth of the layers for shaders/glass/glass.frag.
   void bind(const Program& program) const;
   std::size_t bytes() const;
@@ -41,6 +43,8 @@ class Blended {
   std::array<Texture, 2> depth_;  ///< R32F, of this layer and the one before
   Texture radiance_, depths_;     ///< RGBA32F and R32F, [layer]
   int count_ = 0;                 ///< layers of this frame
+  std::optional<Key> mean_of_;    ///< what `radiance_` is the mean of,
+  int frames_ = 0;                ///< over so many frames
 };
 
 }  // namespace maquette

@@ -236,9 +236,9 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   if (plan.visibility == "traced") scene.frame.bakes.octree().buffers().set_uniforms(program);
   glUseProgram(program.get());
   const bool blends = m.alpha_mode == AlphaMode::blend;
-  const float alpha = blends ? m.base_color.a : 1.0f;
+  glUniform1f(program.location("u_cutoff"), m.alpha_mode == AlphaMode::mask ? m.alpha_cutoff : -1.0f);
   glUniform1i(program.location("u_blends"), blends ? 1 : 0);
-  glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, alpha);
+  glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a);
   glUniform3f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b);
   if (kind.surface) scene.blended->bind(program);
   glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));

@@ -73,8 +73,9 @@ class Tracer {
     // Schlick's term with its maximum reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based
     // shading model".
     const shared::AnalyticMaterial& m = p.analytic;
-    const float x = 1.0f - p.wo.z, rough = std::sqrt(m.alpha);
-    const glm::vec3 f = m.f0 + (glm::max(glm::vec3(m.f90 * (1.0f - rough)), m.f0) - m.f0) * (x * x * x * x * x);
+    const float x = 1.0f - p.wo.z, rough = std::sqrt(shared::mean_alpha(m));
+    const glm::vec3 f0 = shared::base_f0(m, p.wo.z);
+    const glm::vec3 f = f0 + (glm::max(glm::vec3(m.f90 * (1.0f - rough)), f0) - f0) * (x * x * x * x * x);
     const float coat = m.coat * (0.04f + 0.96f * x * x * x * x * x);
     return (m.diffuse * (1.0f - std::max({f.x, f.y, f.z})) + f) * (1.0f - coat) + coat;
   }

@@ -35,8 +35,8 @@ int append_mips(const TextureImage& image, bool srgb, std::vector<glm::uvec2>* t
   static const Decoding kColour = make_decoding(true), kLinear = make_decoding(false);
   const Decoding& decoding = srgb ? kColour : kLinear;
   const auto decode = [&](int x, int y) {
-    const std::uint8_t* t =
-        &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x))];
+    const std::uint8_t* t = &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                                             static_cast<std::size_t>(x))];
     return glm::vec4(decoding[t[0]], decoding[t[1]], decoding[t[2]], kLinear[t[3]]);
   };
   const auto append = [&](int width, int height, const auto& texel) {
@@ -88,24 +88,8 @@ int add_texture(const Scene& scene, const TextureRef& r, bool srgb, StoredImages
 }  // namespace
 
 const TextureRef& texture_of(const Material& m, TextureRole role) {
-  const TextureRef* const by_role[kTextureRoles] = {&m.base_color_texture,
-                                                    &m.metallic_roughness_texture,
-                                                    &m.normal_texture,
-                                                    &m.emissive_texture,
-                                                    &m.occlusion_texture,
-                                                    &m.clearcoat_texture,
-                                                    &m.clearcoat_roughness_texture,
-                                                    &m.clearcoat_normal_texture,
-                                                    &m.transmission_texture,
-                                                    &m.specular_texture,
-                                                    &m.specular_color_texture,
-                                                    &m.sheen_color_texture,
-                                                    &m.sheen_roughness_texture,
-                                                    &m.anisotropy_texture,
-                                                    &m.iridescence_texture,
-                                                    &m.iridescence_thickness_texture,
-                                                    &m.thickness_texture};
-  return *by_role[static_cast<std::size_t>(role)];
+  static_assert(kMaterialTextures.size() == kTextureRoles);
+  return m.*kMaterialTextures[static_cast<std::size_t>(role)];
 }
 
 bool is_colour(TextureRole role) {

@@ -26,7 +26,8 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 
 OctreeJob make_job(const BakeRequest& request) {
   const Settings& settings = request.settings;
-  OctreeJob job = make_octree_job(request.scene, request.variant, settings.get_int("octree.depth"));
+  OctreeJob job = make_octree_job(request.scene, effective_materials(request.scene, request.materials), request.variant,
+                                  settings.get_int("octree.depth"));
   job.options.detail = octree_detail(settings);
   job.options.interest = find_interest(settings.get_string("octree.interest"), request.scene, job.geometry);
   const std::string& folder = request.folder.empty() ? settings.get_string("octree.bake") : request.folder;

@@ -237,15 +237,14 @@ class Builder {
     f.normal = length > 1e-6f ? smooth / length : f.geometric;
     const glm::vec4 vertex_color = blend(g.colors, face, w);
     f.color = glm::vec3(vertex_color);
+    float alpha = source_.textures.alpha_factor(material) * vertex_color.a;
     if (source_.textures.textured(material)) {
       const std::vector<glm::vec2>& uvs = uvs_of(material);
       const glm::vec4 texel = source_.textures.mean_color(material, blend(uvs, face, w), uv_span(uvs, face, f.area));
       f.color *= glm::vec3(texel);
-      if (source_.textures.cut_out(material)) {
-        const float alpha = source_.textures.alpha_factor(material) * texel.a * vertex_color.a;
-        f.opacity = alpha < source_.textures.cutoff(material) ? 0.0f : 1.0f;
-      }
+      alpha *= texel.a;
     }
+    if (source_.textures.cut_out(material)) f.opacity = alpha < source_.textures.cutoff(material) ? 0.0f : 1.0f;
     out->pieces.push_back(f);
   }
 

@@ -4,7 +4,7 @@
 
 namespace maquette {
 
-OctreeJob make_octree_job(const Scene& scene, int variant, int depth) {
+OctreeJob make_octree_job(const Scene& scene, const std::vector<Material>& materials, int variant, int depth) {
   OctreeJob job;
   job.geometry = flatten(scene);
   const int default_material = static_cast<int>(scene.materials.size());
@@ -16,10 +16,10 @@ OctreeJob make_octree_job(const Scene& scene, int variant, int depth) {
     if (material < 0 || material > default_material) material = default_material;
     job.materials.push_back(material);
     const bool named = material < default_material;
-    const Material* m = named ? &scene.materials[static_cast<std::size_t>(material)] : nullptr;
+    const Material* m = named ? &materials[static_cast<std::size_t>(material)] : nullptr;
     job.transmits.push_back(m && (m->glass || m->alpha_mode == AlphaMode::blend));
   }
-  job.textures = std::make_shared<const OctreeTextures>(scene, scene.materials);
+  job.textures = std::make_shared<const OctreeTextures>(scene, materials);
   job.options.depth = depth;
   job.options.detail = kOctreeMaxDetail;
   job.scene = scene.name;

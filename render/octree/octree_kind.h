@@ -22,7 +22,7 @@ struct OctreeJob {
 };
 
 /// What the file's own materials and visible nodes give; the renderer's job differs where materials are replaced.
-OctreeJob make_octree_job(const Scene& scene, int variant, int depth);
+OctreeJob make_octree_job(const Scene& scene, const std::vector<Material>& materials, int variant, int depth);
 
 struct OctreeResult {
   std::shared_ptr<const OctreeBricks> bricks;

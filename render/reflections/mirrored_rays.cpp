@@ -120,7 +120,7 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
 
 void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
   ReflectionTargets& t = *targets_;
-  list_tiles(&scene.frame.programs, true);
+  if (rule.lists_tiles) list_tiles(&scene.frame.programs, true);
   if (!scene.frame.plan.details)
     t.details = Texture();
   else if (!t.details)

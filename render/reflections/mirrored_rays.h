@@ -30,6 +30,7 @@ struct FollowRule {
   ReflectorTechnique& technique;
   bool keeps_hits = false;                             ///< those of the frame before hold: they are only shaded anew
   bool glossy = false;                                 ///< rays of opaque surfaces: they name materials, not reflectors
+  bool lists_tiles = true;                             ///< those of the rays are not listed yet
   float blend = 1.0f;                                  ///< of glossy ones: weight of this frame in the mean
   const std::vector<GhostDeviation>* ghost = nullptr;  ///< see ReflectionFrame
   const std::vector<FitDeviation>* fits = nullptr;

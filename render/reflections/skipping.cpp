@@ -18,9 +18,10 @@ const ShaderVariant kCover{"reflections/cover.frag", "reflections/cover.vert", {
 float channel_max(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 float channel_min(const glm::vec3& c) { return std::min({c.x, c.y, c.z}); }
 
-/// Textures that may make a lobe narrower than the material's factors say.
+/// What may make lobes other than the material's factors say, or than a round lobe with Schlick's term.
 bool varies(const Material& m) {
-  return m.metallic_roughness_texture || m.clearcoat_roughness_texture || m.sheen_roughness_texture;
+  return m.metallic_roughness_texture || m.clearcoat_roughness_texture || m.sheen_roughness_texture ||
+         m.clearcoat_normal_texture || m.anisotropy > 0.0f || m.iridescence > 0.0f;
 }
 
 shared::AnalyticMaterial analytic_of(const Material& m) {
@@ -163,7 +164,8 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
     const Material& m = scene.material_of_item(i);
     if (!buffers.visible(i) || !(scene.is_transparent(i) || reflectors.is_mirror(i))) continue;
     if (!may_be_seen(mirrored.frame.constants.clip_from_world, buffers.bounds(i))) continue;
-    const bool known = !m.base_color_texture && !reflectors.is_mirror(i);
+    const bool known = !m.base_color_texture && !m.transmission_texture && !(m.thickness > 0.0f) &&
+                       m.alpha_mode != AlphaMode::mask && !reflectors.is_mirror(i);
     const float share = known ? pane_share(m) : 0.0f;
     glUniform4f(program.location("u_cover"), share, std::max(m.ior, 1.0f),
                 std::clamp(channel_min(glm::vec3(m.base_color)), 0.0f, 1.0f),

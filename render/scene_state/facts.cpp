@@ -71,7 +71,8 @@ int count_reflectors(const Scene& scene, int variant) {
 
 float least_roughness(const Material& material) {
   const float base = material.metallic_roughness_texture ? 0.0f : material.roughness;
-  return material.clearcoat > 0.0f ? std::min(base, material.clearcoat_roughness) : base;
+  if (material.clearcoat <= 0.0f) return base;
+  return material.clearcoat_roughness_texture ? 0.0f : std::min(base, material.clearcoat_roughness);
 }
 
 void count_tables(const std::vector<Material>& materials, const std::vector<bool>& used, SceneFacts* facts) {

@@ -190,7 +190,8 @@ int tangent_uv_set(const Scene& scene, const Primitive& primitive) {
   for (const int index : candidates) {
     if (index < 0 || index >= static_cast<int>(scene.materials.size())) continue;
     const Material& material = scene.materials[static_cast<std::size_t>(index)];
-    for (const TextureRef* texture : {&material.normal_texture, &material.clearcoat_normal_texture})
+    for (const TextureRef* texture :
+         {&material.normal_texture, &material.clearcoat_normal_texture, &material.anisotropy_texture})
       if (*texture) return texture->uv_set;
   }
   return 0;

@@ -77,6 +77,8 @@ std::vector<Material> effective_materials(const Scene& scene, const std::map<std
   return materials;
 }
 
+bool is_cut_away(const Material& m) { return m.alpha_mode == AlphaMode::mask && m.base_color.a < m.alpha_cutoff; }
+
 glm::vec3 volume_absorption(const Material& m) {
   if (!(m.thickness > 0.0f)) return glm::vec3(0.0f);
   return -glm::log(glm::max(m.attenuation_color, glm::vec3(1e-20f))) * (m.thickness / m.attenuation_distance);

@@ -13,8 +13,11 @@ namespace maquette {
 /// `builtin:glass`), blended ones that cover everything as opaque ones, and unlit ones without what they do not show.
 std::vector<Material> effective_materials(const Scene& scene, const std::map<std::string, std::string>& sources);
 
-/// Natural logarithm of what a material's volume absorbs per channel over its thickness in the mesh's space; 0 without a
-/// volume. Source: KHR_materials_volume.
+/// Cut out everywhere: the other factors of its alpha are at most 1.
+bool is_cut_away(const Material& material);
+
+/// Natural logarithm of what a material's volume absorbs per channel over its thickness in the mesh's space; 0 without
+/// a volume. Source: KHR_materials_volume.
 glm::vec3 volume_absorption(const Material& material);
 
 /// Share of a material that is a pane of glass; the rest is an opaque surface. With `builtin:glass` or `extras` the

@@ -33,7 +33,6 @@ class SceneBuffers {
   const Bounds& bounds(std::size_t i) const { return bounds_[i]; }
   /// Material of item i under the current variant; materials.size() for the default one.
   int material(std::size_t i) const { return item_materials_[i]; }
-  /// Index of a material's base colour texture in the texture records, or -1.
   /// Of a texture that an item's material has: its index in the atlas, -1: none.
   int texture(std::size_t item, TextureRole role) const {
     const auto material = static_cast<std::size_t>(item_materials_[item]);

@@ -166,7 +166,7 @@ bool SceneState::is_transparent(std::size_t item) const {
 std::vector<bool> SceneState::transmitting_items() const {
   std::vector<bool> transmits;
   for (std::size_t i = 0; i < geometry().items.size(); ++i)
-    transmits.push_back(is_transparent(i) || !buffers_->visible(i));
+    transmits.push_back(is_transparent(i) || !buffers_->visible(i) || is_cut_away(material_of_item(i)));
   return transmits;
 }
 
@@ -174,6 +174,19 @@ std::vector<bool> SceneState::occluding_items() const {
   std::vector<bool> occluding = transmitting_items();
   occluding.flip();
   return occluding;
+}
+
+float SceneState::mean_alpha(std::size_t item) const {
+  const Material& m = material_of_item(item);
+  const DrawItem& drawn = geometry().items[item];
+  double vertices = 0.0, texels = 0.0;
+  for (std::uint32_t v = drawn.first_vertex; v < drawn.first_vertex + drawn.vertex_count; ++v)
+    vertices += static_cast<double>(geometry().colors[v].a);
+  double alpha = static_cast<double>(m.base_color.a) * vertices / std::max(drawn.vertex_count, 1u);
+  if (!m.base_color_texture) return static_cast<float>(alpha);
+  const TextureImage& image = scene_->images[static_cast<std::size_t>(m.base_color_texture.image)];
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) texels += image.rgba[i];
+  return static_cast<float>(alpha * texels / (255.0 * std::max(image.width * image.height, 1)));
 }
 
 std::vector<Passage> SceneState::passages() const {
@@ -187,7 +200,7 @@ std::vector<Passage> SceneState::passages() const {
     else if (const float share = pane_share(m); share > 0.0f)
       passages.push_back({share, std::max(m.ior, 1.0f), std::clamp(inside, 0.0f, 1.0f)});
     else
-      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - m.base_color.a : 1.0f, 1.0f, 1.0f});
+      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - mean_alpha(i) : 1.0f, 1.0f, 1.0f});
   }
   return passages;
 }

@@ -62,6 +62,8 @@ class SceneState {
   std::vector<bool> transmitting_items() const;
   /// [item] the opposite.
   std::vector<bool> occluding_items() const;
+  /// Of an item: factor times the means over its texture and its vertices.
+  float mean_alpha(std::size_t item) const;
   std::vector<Passage> passages() const;  ///< [item], as far as it transmits
   Scene edited_scene() const;             ///< with the effective materials and hidden nodes
   Bounds bounds() const;                  ///< of all items

@@ -26,6 +26,7 @@ uniform int u_blended_layers;
 uniform vec4 u_base;      // base colour, alpha
 uniform vec3 u_emission;  // cd/m2, of panes
 uniform int u_blends;     // 1: alpha is coverage
+uniform float u_cutoff;   // alpha below it is cut out; below 0: nothing is
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
 uniform vec3 u_absorption;  // of the volume behind a front face, over its thickness
 #if MIRRORED
@@ -106,15 +107,14 @@ float metal_reflectance(float c, float f0) {
 }
 #endif
 
-/// Base colour, and its coverage.
+/// Base colour, and its coverage; what is cut out is discarded.
 vec4 base_color() {
-  vec4 base = u_base * vec4(v_color.rgb, u_blends > 0 ? v_color.a : 1.0);
+  vec4 base = u_base * v_color;
 #if TEXTURES
-  if (u_textures.x < 0) return base;
-  vec4 color = texel(0);
-  base *= vec4(color.rgb, u_blends > 0 ? color.a : 1.0);
+  if (u_textures.x >= 0) base *= texel(0);
 #endif
-  return base;
+  if (base.a < u_cutoff) discard;
+  return vec4(base.rgb, u_blends > 0 ? base.a : 1.0);
 }
 
 void main() {

@@ -139,6 +139,7 @@ void store_surface(ivec2 pixel, vec3 origin, vec3 direction, OctreeHit hit, int 
   Surface surface = surface_of_material(seen.material, normal);
   if (!glows) surface.base_color *= seen.tint;
 #if DETAILS
+  surface.anisotropy = 0.0;  // a cell has no tangents
   store_details(pixel, surface);
 #endif
   float depth = max(hit.t, 1e-30);

@@ -126,7 +126,7 @@ std::string build_text(const Octree& octree, const Clock& took) {
 }
 
 void measure_scene(Figures* figures, const std::string& name, const Scene& scene, const glm::vec3& eye, int repeats) {
-  OctreeJob job = make_octree_job(scene, -1, kDepth);
+  OctreeJob job = make_octree_job(scene, scene.materials, -1, kDepth);
   const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
   shared::octree_view = {octree.words.data(), octree.planes.data()};
   const shared::OctreeFrame frame = shared::octree_frame(octree);
@@ -188,7 +188,8 @@ void measure_scene(Figures* figures, const std::string& name, const Scene& scene
 Figures measure_octree(Stage& stage) {
   Figures figures;
   if (stage.options().wants("dense")) {
-    const OctreeJob job = make_octree_job(dense_scene(kTwoMillion), -1, kDepth);
+    const Scene scene = dense_scene(kTwoMillion);
+    const OctreeJob job = make_octree_job(scene, scene.materials, -1, kDepth);
     const Clock begin = now();
     const Octree octree = build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
     const Clock took = now() - begin;

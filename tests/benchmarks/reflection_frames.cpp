@@ -138,7 +138,7 @@ std::string distances_text(const Distances& d) {
 
 /// Side of the finest cells, m.
 double cell_side_m(const Scene& scene, int depth) {
-  const OctreeJob job = make_octree_job(scene, -1, depth);
+  const OctreeJob job = make_octree_job(scene, scene.materials, -1, depth);
   const OctreeGrid grid =
       compute_octree_grid({job.geometry, job.materials, job.transmits, *job.textures}, job.options, nullptr);
   return grid.side_m / std::exp2(grid.depth - grid.detail);

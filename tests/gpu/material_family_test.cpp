@@ -139,6 +139,11 @@ class Generator {
       m->alpha_mode = AlphaMode::blend;
       m->base_color.a = chance(0.3f) ? 1.0f : number();
     } else if (kind < 0.5f) {
+      if (chance(0.3f)) {
+        m->alpha_mode = AlphaMode::mask;
+        m->base_color.a = number(0.3f, 1.0f);
+        m->alpha_cutoff = number(0.2f, 0.6f);
+      }
       m->metallic = m->unlit ? m->metallic : 0.0f;
       m->metallic_roughness_texture = {};
       m->transmission = number();

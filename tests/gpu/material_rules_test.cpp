@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "render/gl/context.h"
+#include "render/math/shared_formulas.h"
 #include "render/renderer.h"
 #include "tests/support/test_scenes.h"
 
@@ -182,6 +184,57 @@ TEST_F(MaterialRules, AVolumeAbsorbsOverItsThickness) {
   m.attenuation_distance = 0.4f;
   const Stage stage(m, &wall);
   expect(stage, 1.0f, 0.5f * glm::sqrt(m.attenuation_color), 0.02f);
+}
+
+/// A tilted slab, scaled by its node, with a texture of its thickness: the refracted way counts, and what both faces
+/// reflect.
+TEST_F(MaterialRules, ATiltedVolumeAbsorbsAlongTheRefractedWay) {
+  const Material wall = test::matte(glm::vec3(0.5f));
+  Material m = test::matte(glm::vec3(1.0f));
+  m.glass = true;
+  m.transmission = 1.0f;
+  m.ior = 1.5f;
+  m.thickness = 0.2f;
+  m.thickness_texture.image = 0;
+  m.attenuation_color = {0.9f, 0.5f, 0.1f};
+  m.attenuation_distance = 0.4f;
+  Stage stage(m, &wall);
+  stage.add_image(1, 1, {0, 128, 0, 255});
+  constexpr float kTilt = 0.9f, kScale = 2.0f;
+  stage.scene.nodes[0].local =
+      glm::scale(glm::rotate(glm::mat4(1.0f), kTilt, glm::vec3(0.0f, 1.0f, 0.0f)), glm::vec3(kScale));
+  const float cosine = std::cos(kTilt), inside_cosine = std::sqrt(1.0f - (1.0f - cosine * cosine) / (1.5f * 1.5f));
+  const float way = 0.2f * kScale * (128.0f / 255.0f) / inside_cosine;
+  glm::vec3 value(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    const glm::vec2 pane = shared::fresnel_pane(cosine, 1.5f, std::pow(m.attenuation_color[c], way / 0.4f));
+    value[c] = pane.x * 1.0f + pane.y * 0.5f;
+  }
+  expect(stage, 1.0f, value, 0.02f);
+}
+
+/// A fifth layer looks like the fourth: with equal layers nothing is lost.
+TEST_F(MaterialRules, MoreLayersThanAreShadedKeepTheirCoverage) {
+  const Material wall = test::matte(glm::vec3(0.5f));
+  Material m = test::matte(glm::vec3(0.8f, 0.2f, 0.4f));
+  m.alpha_mode = AlphaMode::blend;
+  m.base_color.a = 0.3f;
+  Stage stage(m, &wall);
+  for (int k = 1; k < 6; ++k)
+    test::add(&stage.scene, test::make_grid({-1, -1, -0.1f * static_cast<float>(k)}, {2, 0, 0}, {0, 2, 0}, 1, 0));
+  const float through = std::pow(0.7f, 6.0f);
+  expect(stage, 1.0f, (1.0f - through) * glm::vec3(0.8f, 0.2f, 0.4f) + through * glm::vec3(0.5f), 0.02f);
+}
+
+TEST_F(MaterialRules, GlassIsCutOutToo) {
+  const Material wall = test::matte(glm::vec3(0.5f));
+  Material m = test::matte(glm::vec3(0.2f));
+  m.glass = true;
+  m.transmission = 0.5f;
+  m.alpha_mode = AlphaMode::mask;
+  m.base_color.a = 0.4f;
+  const Stage stage(m, &wall);
+  expect(stage, 1.0f, glm::vec3(0.5f), 0.01f);
 }
 
 /// Dark linear colours of vertices keep their digits.

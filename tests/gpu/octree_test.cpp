@@ -24,7 +24,7 @@ using test::RayRecord;
 
 Octree build(const std::string& name, int depth) {
   const Scene scene = build_builtin_scene(name);
-  const OctreeJob job = make_octree_job(scene, -1, depth);
+  const OctreeJob job = make_octree_job(scene, scene.materials, -1, depth);
   return build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
 }
 

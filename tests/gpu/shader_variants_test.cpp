@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include "render/gbuffer/surfaces.h"
 #include "render/gl/context.h"
 #include "render/gl/program_cache.h"
 #include "render/renderer.h"
@@ -9,13 +10,26 @@
 namespace maquette {
 namespace {
 
+/// Whether what materials have changes a shader.
+bool reads_materials(const ShaderVariant& variant) {
+  return load_shader_text(variant.path).find("DETAILS") != std::string::npos;
+}
+
 TEST(ShaderVariants, EveryOneCompiles) {
   const GlContext context = GlContext::create_headless();
   ProgramCache cache;
-  std::set<ShaderVariant> seen;
-  for (const ShaderVariant& variant : all_shader_variants()) {
-    EXPECT_TRUE(seen.insert(variant).second) << variant.path << " is listed twice";
-    EXPECT_NO_THROW(cache.get(variant)) << variant.path;
+  // Without and with all that materials may have, and each of it alone.
+  for (const MaterialDetails& details :
+       {MaterialDetails{}, MaterialDetails{true, true, true, true}, MaterialDetails{true}, MaterialDetails{true, true},
+        MaterialDetails{true, false, true}, MaterialDetails{true, false, false, true}}) {
+    cache.set_common(shader_defines(details));
+    std::set<ShaderVariant> seen;
+    for (const ShaderVariant& variant : all_shader_variants()) {
+      EXPECT_TRUE(seen.insert(variant).second) << variant.path << " is listed twice";
+      const bool depends = reads_materials(variant);
+      if (details.any && !depends) continue;
+      EXPECT_NO_THROW(cache.get(variant)) << variant.path;
+    }
   }
   const auto errors = take_gl_errors();
   EXPECT_TRUE(errors.empty()) << errors.front();

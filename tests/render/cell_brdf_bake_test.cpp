@@ -34,7 +34,7 @@ Scene two_places() {
 
 CellBrdfJob job_of(const Scene& scene, const std::string& path) {
   CellBrdfJob job;
-  job.octree = make_octree_job(scene, -1, 5);
+  job.octree = make_octree_job(scene, scene.materials, -1, 5);
   job.octree.options.detail = 0;  // as always when cells have BRDFs
   job.octree.path = path;
   job.octree.must_load = true;
@@ -152,7 +152,7 @@ TEST(OctreeInterest, NamesNodesAndBoxes) {
 /// A seat that moves rebuilds the bricks that it leaves and enters, and no others.
 TEST(OctreeBuild, AMovedPartRebuildsWhereItWasAndIs) {
   const Scene scene = two_places();
-  OctreeJob job = make_octree_job(scene, -1, 6);
+  OctreeJob job = make_octree_job(scene, scene.materials, -1, 6);
   std::atomic<bool> cancel{false};
   job.before = run_octree_job(job, cancel, {})->bricks;
   const auto& item = job.geometry.items[3];  // the right post

@@ -13,7 +13,7 @@ namespace maquette {
 namespace {
 
 Octree build(const Scene& scene, int depth, int detail) {
-  OctreeJob job = make_octree_job(scene, -1, depth);
+  OctreeJob job = make_octree_job(scene, scene.materials, -1, depth);
   job.options.detail = detail;
   return build_octree({job.geometry, job.materials, job.transmits, *job.textures}, job.options);
 }

@@ -21,24 +21,6 @@ void expect_equal(const TextureRef& a, const TextureRef& b) {
   EXPECT_EQ(a.nearest, b.nearest);
 }
 
-constexpr TextureRef Material::*kTextures[] = {&Material::base_color_texture,
-                                               &Material::metallic_roughness_texture,
-                                               &Material::normal_texture,
-                                               &Material::occlusion_texture,
-                                               &Material::emissive_texture,
-                                               &Material::clearcoat_texture,
-                                               &Material::clearcoat_roughness_texture,
-                                               &Material::clearcoat_normal_texture,
-                                               &Material::transmission_texture,
-                                               &Material::specular_texture,
-                                               &Material::specular_color_texture,
-                                               &Material::sheen_color_texture,
-                                               &Material::sheen_roughness_texture,
-                                               &Material::anisotropy_texture,
-                                               &Material::iridescence_texture,
-                                               &Material::iridescence_thickness_texture,
-                                               &Material::thickness_texture};
-
 void expect_equal(const Material& a, const Material& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.base_color, b.base_color);
@@ -72,7 +54,7 @@ void expect_equal(const Material& a, const Material& b) {
   EXPECT_EQ(a.measured, b.measured);
   EXPECT_EQ(a.tint_measured, b.tint_measured);
   EXPECT_EQ(a.glass, b.glass);
-  for (const auto texture : kTextures) expect_equal(a.*texture, b.*texture);
+  for (const auto texture : kMaterialTextures) expect_equal(a.*texture, b.*texture);
 }
 
 void expect_equal(const Mesh& a, const Mesh& b) {
@@ -196,7 +178,7 @@ Scene everything() {
   material.measured = "builtin:paint-solid-red";
   material.glass = false;
   float rotation = 0.0f;
-  for (const auto texture : kTextures) {
+  for (const auto texture : kMaterialTextures) {
     TextureRef& ref = material.*texture;
     ref.image = 0;
     ref.rotation_rad = rotation += 0.1f;

@@ -28,7 +28,7 @@ std::string ContentKey::text() const {
 namespace {
 
 void mix_vector(const auto& v, int count, ContentKey* key) {
-  for (int k = 0; k < count; ++k) key->mix(static_cast<double>(v[k]));
+  for (int i = 0; i < count; ++i) key->mix(static_cast<double>(v[i]));
 }
 
 void mix_material(const Material& m, ContentKey* key) {

@@ -56,7 +56,8 @@ PaneKind kind_of(const PaneScene& scene, std::size_t item) {
   using Reflected = PaneKind::Reflected;
   const Material& material = scene.frame.scene.material_of_item(item);
   const glm::ivec4 textures = textures_of(scene.frame.scene, item);
-  PaneKind kind{.texture = (textures != glm::ivec4(-1)),
+  const bool normal = pane_share(material) > 0.0f && material.normal_texture;
+  PaneKind kind{.texture = (textures != glm::ivec4(-1) || normal),
                 .surface = is_partly_surface(material),
                 .pane = (pane_share(material) > 0.0f)};
   if (!scene.reflected.drawn || scene.reflectors.of_item(item) < 0) return kind;
@@ -248,6 +249,9 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   if (kind.texture) {
     const glm::ivec4 textures = textures_of(state, i);
     glUniform4i(program.location("u_textures"), textures.x, textures.y, textures.z, textures.w);
+    const bool normal = pane_share(m) > 0.0f && m.normal_texture;
+    program.set("u_normal_texture", normal ? buffers.texture(i, TextureRole::normal) : -1);
+    program.set("u_normal_scale", m.normal_scale);
   }
   const auto sorted = order_->first.find(i);
   const bool is_sorted = sorted != order_->first.end();

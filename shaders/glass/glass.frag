@@ -15,7 +15,10 @@
 #if TEXTURES
 #include "shared/texture_table.glsl"
 uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
-in vec2 v_uv[4];           // of each
+uniform int u_normal_texture;  // -1: none
+uniform float u_normal_scale;
+in vec2 v_uv[5];  // of each
+in vec4 v_tangent;
 vec4 texel(int k) { return sample_texture(u_textures[k], v_uv[k], dFdx(v_uv[k]), dFdy(v_uv[k])); }
 #endif
 #if SURFACE
@@ -117,11 +120,22 @@ vec4 base_color() {
   return vec4(base.rgb, u_blends > 0 ? base.a : 1.0);
 }
 
+/// Towards the viewer, with the material's normal texture.
+vec3 shading_normal(vec3 view) {
+  vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
+#if TEXTURES
+  if (u_normal_texture >= 0) {
+    vec3 mapped = sample_texture(u_normal_texture, v_uv[4], dFdx(v_uv[4]), dFdy(v_uv[4])).xyz * 2.0 - 1.0;
+    n = apply_normal_map(n, v_tangent, mapped, u_normal_scale);
+  }
+#endif
+  return dot(n, view) < 0.0 ? -n : n;
+}
+
 void main() {
   vec4 base = base_color();
   vec3 view = -normalize(v_position);
-  vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
-  n = dot(n, view) < 0.0 ? -n : n;
+  vec3 n = shading_normal(view);
   vec3 emission = u_emission;
 #if TEXTURES
   if (u_textures.w >= 0) emission *= texel(3).rgb;

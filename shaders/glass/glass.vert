@@ -7,7 +7,9 @@ layout(location = 0) in vec3 a_position;
 #if TEXTURES
 uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
 #include "shared/texture_table.glsl"
-out vec2 v_uv[4];
+uniform int u_normal_texture;  // -1: none
+out vec2 v_uv[5];               // the last of the normal
+out vec4 v_tangent;
 #endif
 #if VISIBILITY == 2
 #include "octree/tables.glsl"
@@ -35,6 +37,8 @@ void main() {
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
   v_color = vertex_color(gl_VertexID);
 #if TEXTURES
+  v_tangent = texelFetch(t_vertices, 4 * gl_VertexID + 2);
+  v_uv[4] = texture_coordinates(max(u_normal_texture, 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
   for (int k = 0; k < 4; ++k)
     v_uv[k] = texture_coordinates(max(u_textures[k], 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
 #endif

@@ -81,6 +81,7 @@ ViewInfo Renderer::Impl::look_at(const FrameRequest& request) {
   reflectors.update(scene, request, reflector, fits);
   ViewInfo view{request.width, request.height, request.msaa};
   view.reflections = request.reflections;
+  view.orthographic = request.camera.is_orthographic();
   view.part_modes = request.part_modes;
   view.reflectors = static_cast<int>(reflectors.all().size());
   view.mirrors = reflectors.has_mirrors();
@@ -98,6 +99,7 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   Pass lights_pass = once("list_lights", [&] { scene.list_lights(); });
   lights_pass.skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
   std::vector<Pass> passes{lights_pass, once("bake_visibility", [&] { bakes.update_visibility(scene); }),
+                           once("build_shadow_rays", [&] { bakes.update_shadow_rays(scene, request); }),
                            once("bake_indirect", [&] { bakes.update_indirect(scene, request); }),
                            once("build_octree",
                                 [&] {
@@ -112,7 +114,11 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   const auto lit = [](const ShadingPlan& layer) { return layer.lights; };
   const bool lights = std::any_of(wanted.layers.begin(), wanted.layers.end(), lit);
   if (!lights) scene.drop_lights();
+  const auto has_rays = [](const ShadingPlan& layer) { return layer.shadow_rays; };
+  const bool rays = std::any_of(wanted.layers.begin(), wanted.layers.end(), has_rays);
+  if (!rays) bakes.drop_shadow_rays();
   FrameStatus status;
+  status.has_sun = rays && scene.environment().sun();
   status.lights_count = !lights || scene.lights();
   const Technique* reflector = registry.find_reflector(request.reflections);
   if (!wanted.octree) status.keeps_octree = bakes.release_octree(reflector && reflector->can.needs_octree);
@@ -216,7 +222,8 @@ void Renderer::Impl::carry_out(const FrameRequest& request, const FramePlan& pla
   targets.composer.begin(plan, layers[0].radiance, blend);
   std::vector<ComposedLayer> composed;
   for (std::size_t k = 0; k < layers.size(); ++k)
-    composed.push_back({drawn[k], [this, k, &context] { return layers[k].indirect.bind(context); }});
+    composed.push_back({drawn[k], [this, k, &context] { return layers[k].indirect.bind(context); },
+                        plan.layers[k].shadow_rays ? &layers[k].shadows.light() : nullptr});
   const MirroredScene mirrored{
       context, drawn, parts, mirrors.reflectors, targets.composer.depth(layers[0].surfaces), [this](int layer) {
         bind_layer(layer);
@@ -227,6 +234,7 @@ void Renderer::Impl::carry_out(const FrameRequest& request, const FramePlan& pla
          {surface_passes(drawn[k].context, &layers[k], parts, &targets.sky), drawn[k].mode.passes(drawn[k].context)})
       passes.insert(passes.end(), more.begin(), more.end());
     passes.push_back(indirect_pass(drawn[k].context, &layers[k]));
+    passes.push_back(shadow_pass(drawn[k].context, &layers[k], averages_points));
   }
   frame.run(plan.passes, passes, [this](int layer) { bind_layer(layer); });
   ++last.accumulated;
@@ -411,7 +419,7 @@ std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
       if (std::find(all.begin(), all.end(), variant) == all.end()) all.push_back(variant);
   };
   for (const auto& more : {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(),
-                           IndirectPass::shader_variants(), Panes::shader_variants(), Blended::shader_variants(),
+                           IndirectPass::shader_variants(), ShadowPass::shader_variants(), Panes::shader_variants(), Blended::shader_variants(),
                            Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
     add(more);
   for (const Technique& technique : registry.techniques)

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/math/shared_formulas.h"
 #include "render/picture/presenter.h"
 #include "render/picture/tonemap.h"
 #include "render/renderer_impl.h"
@@ -49,8 +50,9 @@ Pick Renderer::pick(int x, int y) const {
   const FrameConstants& c = s.last.constants;
   const glm::vec2 ndc((2.0f * static_cast<float>(gx) + 1.0f) / static_cast<float>(size.grid_width()) - 1.0f,
                       (2.0f * static_cast<float>(gy) + 1.0f) / static_cast<float>(size.grid_height()) - 1.0f);
-  const glm::vec3 ray = glm::vec3(c.forward) + ndc.x * glm::vec3(c.right) - ndc.y * glm::vec3(c.up);
-  return pick_triangle(s.scene, triangle - 1, glm::vec3(c.eye) + ray * depth, ray);
+  const shared::EyeRay ray = shared::camera_ray(glm::vec3(c.forward), glm::vec3(c.right), glm::vec3(c.up), c.eye.w,
+                                                   glm::vec2(ndc.x, -ndc.y));
+  return pick_triangle(s.scene, triangle - 1, glm::vec3(c.eye) + ray.origin + ray.direction * depth, ray.direction);
 }
 
 const std::vector<std::string>& Renderer::debug_view_names() {
@@ -91,7 +93,7 @@ Image Renderer::Impl::read_view(const std::string& name) {
                   "add --reflections with a technique whose rays go through an octree, and see left_out of --stats");
     return mirrors.glossy.view();
   }
-  if (auto image = mirrors.reflections.view(name, !last.plan.reflections.empty(), glm::vec3(last.constants.eye)))
+  if (auto image = mirrors.reflections.view(name, !last.plan.reflections.empty(), last.constants))
     return std::move(*image);
   const FrameContext context{device, programs,       registry,     scene,     bakes,          light_samples,
                              frame,  targets.raster, last.request, last.plan, last.constants, last.accumulated};

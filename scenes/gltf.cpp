@@ -78,14 +78,18 @@ void open_buffers(Document* document, const Container& container) {
   document->buffers.resize(found->size());
   for (std::size_t i = 0; i < found->size(); ++i) {
     const Json& buffer = (*found)[i];
-    const Bytes bytes = open_buffer(document, i, buffer, container);
-    if (bytes.data() == nullptr && (!buffer.contains("uri") || is_fallback(buffer))) continue;
-    const auto size = buffer["byteLength"].get<std::size_t>();
-    if (bytes.size() < size)
-      throw Error(at(document->path, element("buffers", i)),
-                  "has " + std::to_string(bytes.size()) + " bytes, byteLength promises " + std::to_string(size),
-                  "the file is truncated; copy or export it again");
-    document->buffers[i] = bytes.first(size);
+    try {
+      const Bytes bytes = open_buffer(document, i, buffer, container);
+      if (bytes.data() == nullptr && (!buffer.contains("uri") || is_fallback(buffer))) continue;
+      const auto size = buffer["byteLength"].get<std::size_t>();
+      if (bytes.size() < size)
+        throw Error(at(document->path, element("buffers", i)),
+                    "has " + std::to_string(bytes.size()) + " bytes, byteLength promises " + std::to_string(size),
+                    "the file is truncated; copy or export it again");
+      document->buffers[i] = bytes.first(size);
+    } catch (const Error& e) {
+      document->buffer_faults.emplace(i, e);
+    }
   }
 }
 
@@ -101,6 +105,16 @@ void warn_of_the_rest(Document* document) {
 }
 
 }  // namespace
+
+/// Buffers that could not be read and that nothing needed: else the import has thrown the fault.
+void warn_of_buffers(Document* document) {
+  for (const auto& [index, fault] : document->buffer_faults) {
+    std::string line = fault.what();
+    const std::string where = at(document->path, element("buffers", index)) + ": ";
+    if (line.starts_with(where)) line = line.substr(where.size());
+    document->warnings.add(line + "; nothing needs it", element("buffers", index));
+  }
+}
 
 Document open_document(const std::string& path, const std::string& scene) {
   Document document;
@@ -133,6 +147,7 @@ Scene import_file(const std::string& path, const std::string& scene_name) {
   gltf::import_cages(document, &scene);
   gltf::import_patches(document, &scene);
   gltf::import_nodes(&document, &scene);
+  gltf::warn_of_buffers(&document);
   if (count_triangles(scene) == 0 && scene.patches.empty())
     document.warnings.add("there is nothing to see: the scene has no triangles");
   const std::string folder = std::filesystem::path(path).parent_path().string();

@@ -198,6 +198,7 @@ Bytes view_bytes(const Document& document, std::size_t view) {
     return document.decoded_views[view];
   const auto index = static_cast<std::size_t>(bounds.buffer);
   const Bytes buffer = document.buffers[index];
+  if (const auto fault = document.buffer_faults.find(index); fault != document.buffer_faults.end()) throw fault->second;
   if (buffer.data() == nullptr && bounds.byteLength > 0)
     throw Error(at(document.path, element("buffers", index)),
                 document.root["buffers"][index].contains("uri") ? "is a fallback that is not read" : "has no uri",

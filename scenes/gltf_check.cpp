@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -20,7 +22,7 @@ constexpr std::uint64_t kMaxInteger = std::uint64_t{1} << 53;
 /// Codes and identifiers are kept as int by tinygltf, as 32 bits by Draco.
 constexpr std::uint64_t kMaxCode = std::numeric_limits<std::int32_t>::max();
 
-constexpr std::array<std::string_view, 18> kReadExtensions = {
+constexpr std::array<std::string_view, 19> kReadExtensions = {
     "KHR_draco_mesh_compression", "KHR_mesh_quantization",
     "KHR_texture_transform",      "KHR_lights_punctual",
     "KHR_materials_clearcoat",    "KHR_materials_transmission",
@@ -30,6 +32,7 @@ constexpr std::array<std::string_view, 18> kReadExtensions = {
     "KHR_materials_volume",       "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",    "EXT_texture_webp",
     "KHR_materials_anisotropy",   "KHR_materials_iridescence",
+    "KHR_node_visibility",
 };
 
 enum class Kind { index, natural, code, stride, number, text, boolean, object, array };
@@ -119,6 +122,8 @@ constexpr Rule kRules[] = {
     {"nodes[].skin", Kind::index, false, "skins"},
     {"nodes[].weights[]", Kind::number, true},
     {"nodes[].extensions", Kind::object},
+    {"nodes[].extensions.KHR_node_visibility", Kind::object},
+    {"nodes[].extensions.KHR_node_visibility.visible", Kind::boolean},
     {"nodes[].extensions.EXT_mesh_gpu_instancing", Kind::object},
     {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes", Kind::object, true},
     {"nodes[].extensions.EXT_mesh_gpu_instancing.attributes{}", Kind::index, true, "accessors"},
@@ -325,13 +330,46 @@ bool is_read(const std::string& extension) {
   return std::find(kReadExtensions.begin(), kReadExtensions.end(), extension) != kReadExtensions.end();
 }
 
+/// Numbers beyond double, as in 1e309, become its largest: they are out of range wherever they stand, and what they say
+/// is judged there. The parser refuses a file that has one.
+std::string within_double(std::string_view text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t begin = i;
+    if (text[i] == '"') {
+      for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1 : 0;
+      i = std::min(i + 1, text.size());
+    } else if (std::isdigit(static_cast<unsigned char>(text[i]))) {
+      i = std::min(text.find_first_not_of("0123456789.eE+-", i), text.size());
+      if (std::isinf(std::strtod(std::string(text.substr(begin, i - begin)).c_str(), nullptr))) {
+        out += "1.7976931348623157e308";
+        continue;
+      }
+    } else {
+      ++i;
+    }
+    out += text.substr(begin, i - begin);
+  }
+  return out;
+}
+
+Json parse_numbers_of_any_size(std::string_view text) {
+  constexpr int kOverflow = 406;
+  try {
+    return Json::parse(text);
+  } catch (const Json::out_of_range& e) {
+    if (e.id != kOverflow) throw;
+    return Json::parse(within_double(text));
+  }
+}
+
 }  // namespace
 
 Json parse_checked(const std::string& path, std::string_view text) {
   check_nesting(path, text);
   Json root;
   try {
-    root = Json::parse(text);
+    root = parse_numbers_of_any_size(text);
   } catch (const Json::exception& e) {
     std::string message = e.what();
     message.resize(std::min(message.find("; last read"), message.size()));  // what was read may be a payload
@@ -342,9 +380,9 @@ Json parse_checked(const std::string& path, std::string_view text) {
   canonicalise(&root);
   Checker(path, root).run();
   const std::string version = root["asset"]["version"].get<std::string>();
-  const std::string required = root["asset"].value("minVersion", version);
-  if (!version.starts_with("2.") || (required != "2.0" && required != version))
-    throw Error(path, "is glTF " + std::max(version, required) + ", expected 2.0", "export as glTF 2.0");
+  const std::string required = root["asset"].value("minVersion", std::string("2.0"));
+  if (!version.starts_with("2.") || required != "2.0")
+    throw Error(path, "is glTF " + (version.starts_with("2.") ? required : version) + ", expected 2.0", "export as glTF 2.0");
   return root;
 }
 

@@ -4,11 +4,13 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "scenes/error.h"
 #include "scenes/gltf_file.h"
 #include "scenes/scene.h"
 
@@ -39,6 +41,7 @@ struct Document {
   tinygltf::Model model;  ///< without buffers, images, materials, extensions and extras
   std::vector<std::vector<std::byte>> owned_buffers;
   std::vector<Bytes> buffers;
+  std::map<std::size_t, Error> buffer_faults;  ///< of those that cannot be read: thrown where their bytes are needed
   std::vector<std::vector<std::byte>> decoded_views;  ///< of EXT_meshopt_compression; empty: as in the buffer
   NodeTree tree;
   std::vector<MeshUse> mesh_uses;  ///< one for each mesh of the scene; those of the file come first
@@ -50,6 +53,8 @@ struct Document {
 /// Opens the file for its scene of that name or index (empty: its default). Throws Error naming `path` and the element
 /// at fault, UsageError for a scene that is not there.
 Document open_document(const std::string& path, const std::string& scene);
+/// At the end of the import: names the buffers that could not be read and that nothing needed.
+void warn_of_buffers(Document* document);
 
 /// Decodes the buffer views of EXT_meshopt_compression in parallel.
 void decode_views(Document* document);

@@ -28,9 +28,17 @@ void Warnings::merge(const Warnings& other) {
 
 std::vector<std::string> Warnings::lines() const {
   std::vector<std::string> lines;
+  std::map<std::string, std::size_t> line_of;  // of an element by itself
   for (const Entry& entry : entries_) {
     std::string line = entry.where;
     if (!line.empty() && entry.count > 1) line += " and " + std::to_string(entry.count - 1) + " more";
+    if (!line.empty() && entry.count == 1) {
+      const auto [found, is_new] = line_of.emplace(line, lines.size());
+      if (!is_new) {
+        lines[found->second] += "; " + entry.what;
+        continue;
+      }
+    }
     lines.push_back(line.empty() ? entry.what : line + ": " + entry.what);
   }
   return lines;

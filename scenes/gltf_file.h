@@ -20,7 +20,7 @@ class Warnings {
   /// `what` is the kind and the text; `where` the element, e.g. `meshes[3].primitives[0]` (may be empty).
   void add(const std::string& what, const std::string& where = {});
   void merge(const Warnings& other);
-  /// In the order of first appearance.
+  /// In the order of first appearance; an element by itself has one line.
   std::vector<std::string> lines() const;
 
  private:

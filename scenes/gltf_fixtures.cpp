@@ -69,12 +69,49 @@ void report(Document* document, const Notes& notes, const std::string& where) {
   if (!line.empty()) document->warnings.add(line, where);
 }
 
-std::optional<Camera> read_camera(const FixtureReader& json, Notes* notes) {
-  if (json.text("type", notes) != "perspective" || !json.has_object("perspective")) {
-    *notes = {"only perspective cameras are read"};
+/// Near and far plane of either kind.
+void read_planes(const FixtureReader& lens, Camera* camera, Notes* notes) {
+  camera->near_m = lens.number("znear", notes).value_or(0.0f);
+  camera->far_m = std::numeric_limits<float>::infinity();
+  const std::optional<float> far_m = lens.number("zfar", notes);
+  const bool from_eye = camera->height_m > 0.0f && camera->near_m == 0.0f;  // which an orthographic camera may show
+  if (!(camera->near_m > 0.0f) && !from_eye) {
+    camera->near_m = far_m && *far_m > 0.0f ? std::min(kDefaultNear_m, *far_m * 1e-3f) : kDefaultNear_m;
+    notes->push_back("znear is not above 0: 1 cm is used, or a thousandth of zfar");
+  }
+  if (far_m && *far_m > camera->near_m) camera->far_m = *far_m;
+  if (far_m && !(*far_m > camera->near_m)) notes->push_back("zfar is not beyond znear and is ignored");
+}
+
+/// xmag and ymag are half of what is seen. Below 0 they would mirror the picture.
+std::optional<Camera> read_orthographic(const FixtureReader& lens, Notes* notes) {
+  Camera camera;
+  const float x = std::abs(lens.number("xmag", notes).value_or(0.0f)),
+              y = std::abs(lens.number("ymag", notes).value_or(0.0f));
+  if (!(x > 0.0f && y > 0.0f)) {
+    *notes = {"the camera is left out: xmag or ymag is 0 or missing"};
     return std::nullopt;
   }
-  const FixtureReader lens = json.member("perspective");
+  if (*lens.number("xmag", notes) < 0.0f || *lens.number("ymag", notes) < 0.0f)
+    notes->push_back("xmag or ymag is below 0: the picture is not mirrored");
+  camera.height_m = 2.0f * y;
+  camera.aspect = x / y;
+  read_planes(lens, &camera, notes);
+  return camera;
+}
+
+std::optional<Camera> read_camera(const FixtureReader& json, Notes* notes) {
+  const std::string type = json.text("type", notes);
+  if ((type != "perspective" && type != "orthographic") || !json.has_object(type.c_str())) {
+    *notes = {"the camera is left out: it is neither perspective nor orthographic"};
+    return std::nullopt;
+  }
+  const FixtureReader lens = json.member(type.c_str());
+  if (type == "orthographic") {
+    std::optional<Camera> camera = read_orthographic(lens, notes);
+    if (camera) camera->name = json.text("name", notes);
+    return camera;
+  }
   Camera camera;
   camera.name = json.text("name", notes);
   camera.fov_y_rad = lens.number("yfov", notes).value_or(0.0f);
@@ -82,15 +119,7 @@ std::optional<Camera> read_camera(const FixtureReader& json, Notes* notes) {
     *notes = {"the camera is left out: yfov is not between 0 and pi"};
     return std::nullopt;
   }
-  camera.near_m = lens.number("znear", notes).value_or(0.0f);
-  camera.far_m = std::numeric_limits<float>::infinity();
-  const std::optional<float> far_m = lens.number("zfar", notes);
-  if (!(camera.near_m > 0.0f)) {
-    camera.near_m = far_m && *far_m > 0.0f ? std::min(kDefaultNear_m, *far_m * 1e-3f) : kDefaultNear_m;
-    notes->push_back("znear is not above 0: 1 cm is used, or a thousandth of zfar");
-  }
-  if (far_m && *far_m > camera.near_m) camera.far_m = *far_m;
-  if (far_m && !(*far_m > camera.near_m)) notes->push_back("zfar is not beyond znear and is ignored");
+  read_planes(lens, &camera, notes);
   const std::optional<float> aspect = lens.number("aspectRatio", notes);
   if (aspect && *aspect > 0.0f) camera.aspect = *aspect;
   if (aspect && !(*aspect > 0.0f)) notes->push_back("aspectRatio is not above 0 and is ignored");

@@ -13,6 +13,23 @@ constexpr const char* kRemedy = "the file is damaged; export it again";
 /// Above this, squares of transformed points exceed float's range.
 constexpr float kMaxTransform = 1e12f;
 
+/// [node of the file] hidden by KHR_node_visibility, its own or that of a node above it.
+std::vector<bool> find_hidden(const Document& document) {
+  std::vector<bool> hidden(document.model.nodes.size(), false);
+  std::vector<int> open(document.tree.roots.begin(), document.tree.roots.end());
+  while (!open.empty()) {
+    const auto node = static_cast<std::size_t>(open.back());
+    open.pop_back();
+    const Json* extension = find_extension(element_json(document, "nodes", node), "KHR_node_visibility");
+    if (extension != nullptr && !extension->value("visible", true)) hidden[node] = true;
+    for (const int child : document.model.nodes[node].children) {
+      hidden[static_cast<std::size_t>(child)] = hidden[node];
+      open.push_back(child);
+    }
+  }
+  return hidden;
+}
+
 Node import_node(Document* document, std::size_t index, const Fixtures& fixtures, const Scene& scene) {
   const tinygltf::Node& source = document->model.nodes[index];
   const Json& json = element_json(*document, "nodes", index);
@@ -120,6 +137,7 @@ void place_mesh(Document* document, std::size_t index, std::size_t node, Scene* 
 void import_nodes(Document* document, Scene* scene) {
   const Fixtures fixtures = import_fixtures(document, scene);
   const NodeTree& tree = document->tree;
+  const std::vector<bool> hidden = find_hidden(*document);
   // Keeps only the nodes that the scene reaches, in the order of the file.
   std::vector<int> new_index(tree.parents.size(), -1);
   int count = 0;
@@ -128,6 +146,10 @@ void import_nodes(Document* document, Scene* scene) {
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] < 0) continue;
     Node node = import_node(document, i, fixtures, *scene);
+    if (hidden[i]) {
+      node.visible = false;
+      node.light = -1;
+    }
     node.parent = tree.parents[i] < 0 ? -1 : new_index[static_cast<std::size_t>(tree.parents[i])];
     for (const int child : document->model.nodes[i].children)
       node.children.push_back(new_index[static_cast<std::size_t>(child)]);

@@ -173,11 +173,18 @@ class GlbWriter {
 
   void write_cameras() {
     for (const Camera& camera : scene_.cameras) {
-      Json perspective = {{"yfov", camera.fov_y_rad}, {"znear", camera.near_m}};
-      if (std::isfinite(camera.far_m)) perspective["zfar"] = camera.far_m;
-      if (camera.aspect > 0.0f) perspective["aspectRatio"] = camera.aspect;
-      root_["cameras"].push_back(
-          {{"name", camera.name}, {"type", "perspective"}, {"perspective", std::move(perspective)}});
+      const bool parallel = camera.height_m > 0.0f;
+      Json lens = {{"znear", camera.near_m}};
+      if (std::isfinite(camera.far_m)) lens["zfar"] = camera.far_m;
+      if (parallel) {
+        lens["ymag"] = 0.5f * camera.height_m;
+        lens["xmag"] = 0.5f * camera.height_m * (camera.aspect > 0.0f ? camera.aspect : 1.0f);
+      } else {
+        lens["yfov"] = camera.fov_y_rad;
+        if (camera.aspect > 0.0f) lens["aspectRatio"] = camera.aspect;
+      }
+      const char* type = parallel ? "orthographic" : "perspective";
+      root_["cameras"].push_back({{"name", camera.name}, {"type", type}, {type, std::move(lens)}});
     }
   }
 

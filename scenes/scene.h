@@ -13,12 +13,13 @@
 
 namespace maquette {
 
-/// 8-bit texture image, row 0 on top, always RGBA (4 bytes a texel).
+/// Texture image, row 0 on top, always RGBA: 4 codes a texel.
 struct TextureImage {
   std::string name;
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> rgba;
+  std::vector<std::uint16_t> rgba16;  ///< the same in 16 bits, of images that have them; else empty
 };
 
 enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
@@ -163,6 +164,7 @@ struct Camera {
   float near_m = 0.01f;
   float far_m = 1000.0f;  ///< may be infinite
   float aspect = 0.0f;    ///< width over height of the picture that it was framed for; 0: any
+  float height_m = 0.0f;  ///< of what an orthographic camera shows; 0: perspective
 };
 
 struct PunctualLight {

@@ -77,17 +77,18 @@ void decode_png(Bytes bytes, TextureImage* image) {
   int width = 0, height = 0, channels = 0;
   if (stbi_info_from_memory(data, size, &width, &height, &channels) == 0) throw undecodable(stbi_failure_reason());
   set_size(width, height, image);
-  const auto load = [&](auto* texels, const auto& to_byte) {
+  const auto load = [&](auto* texels, auto* codes) {
     const std::unique_ptr<std::remove_pointer_t<decltype(texels)>, void (*)(void*)> owner(texels, stbi_image_free);
     if (texels == nullptr) throw undecodable(stbi_failure_reason());
-    std::transform(texels, texels + image->rgba.size(), image->rgba.begin(), to_byte);
+    codes->assign(texels, texels + image->rgba.size());
   };
   if (stbi_is_16_bit_from_memory(data, size) != 0) {
+    load(stbi_load_16_from_memory(data, size, &width, &height, &channels, 4), &image->rgba16);
     // Rounded: stb_image's own conversion cuts off.
-    load(stbi_load_16_from_memory(data, size, &width, &height, &channels, 4),
-         [](stbi_us v) { return static_cast<std::uint8_t>((v * 255u + 32767u) / 65535u); });
+    std::transform(image->rgba16.begin(), image->rgba16.end(), image->rgba.begin(),
+                   [](std::uint16_t v) { return static_cast<std::uint8_t>((v * 255u + 32767u) / 65535u); });
   } else {
-    load(stbi_load_from_memory(data, size, &width, &height, &channels, 4), [](stbi_uc v) { return v; });
+    load(stbi_load_from_memory(data, size, &width, &height, &channels, 4), &image->rgba);
   }
 }
 
@@ -159,6 +160,7 @@ void decode_texture(Bytes bytes, TextureImage* image, std::vector<std::string>* 
   image->width = decoded.width;
   image->height = decoded.height;
   image->rgba = std::move(decoded.rgba);
+  image->rgba16 = std::move(decoded.rgba16);
 }
 
 }  // namespace maquette

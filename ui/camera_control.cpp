@@ -50,7 +50,7 @@ void look_around(CameraView* camera, float yaw_rad, float pitch_rad) {
 void pan(CameraView* camera, float dx_px, float dy_px, float height_px) {
   const Basis basis = basis_of(*camera);
   const float distance = glm::length(camera->target - camera->eye);
-  const float metres = 2.0f * std::tan(0.5f * camera->fov_y_rad) * distance / std::max(height_px, 1.0f);
+  const float metres = camera->height_at(distance) / std::max(height_px, 1.0f);
   const glm::vec3 shift = metres * (dy_px * basis.up - dx_px * basis.right);
   camera->eye += shift;
   camera->target += shift;
@@ -58,6 +58,10 @@ void pan(CameraView* camera, float dx_px, float dy_px, float height_px) {
 
 void dolly(CameraView* camera, float steps) {
   const float factor = std::pow(0.9f, std::clamp(steps, -40.0f, 40.0f));
+  if (camera->is_orthographic()) {
+    camera->height_m = std::clamp(factor * camera->height_m, 1e-15f, 1e15f);
+    return;
+  }
   const glm::vec3 eye = camera->target + factor * (camera->eye - camera->target);
   // Not so near that eye and target become equal in float.
   const float distance = glm::length(eye - camera->target);
@@ -84,13 +88,35 @@ void frame_bounds(CameraView* camera, const Bounds& bounds, float aspect) {
   const float half_x = std::atan(std::tan(half_y) * std::max(aspect, 1e-3f));
   const float radius = std::max(bounds.radius(), 1e-6f);
   camera->target = bounds.center();
+  if (camera->is_orthographic()) {
+    camera->height_m = 2.0f * radius / std::min(1.0f, std::max(aspect, 1e-3f));
+    camera->eye = camera->target - 2.0f * radius * forward;
+    return;
+  }
   camera->eye = camera->target - forward * (radius / std::sin(std::min(half_x, half_y)));
 }
 
 void fit_aspect(CameraView* camera, float aspect) {
-  if (camera->aspect > aspect)
-    camera->fov_y_rad = 2.0f * std::atan(std::tan(0.5f * camera->fov_y_rad) * camera->aspect / std::max(aspect, 0.1f));
+  if (camera->aspect > aspect) {
+    const float growth = camera->aspect / std::max(aspect, 0.1f);
+    camera->fov_y_rad = 2.0f * std::atan(std::tan(0.5f * camera->fov_y_rad) * growth);
+    camera->height_m *= growth;
+  }
   camera->aspect = 0.0f;
+}
+
+void set_orthographic(CameraView* camera, bool orthographic) {
+  if (camera->is_orthographic() == orthographic) return;
+  const float distance = glm::length(camera->target - camera->eye);
+  if (orthographic) {
+    camera->height_m = camera->height_at(distance);
+  } else {
+    const glm::vec3 forward = basis_of(*camera).forward;
+    const float wanted = 0.5f * camera->height_m / std::tan(0.5f * camera->fov_y_rad);
+    camera->height_m = 0.0f;
+    const glm::vec3 eye = camera->target - wanted * forward;
+    if (eye != camera->target) camera->eye = eye;
+  }
 }
 
 }  // namespace maquette

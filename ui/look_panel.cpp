@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "scenes/environment.h"
+#include "ui/camera_control.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {
@@ -28,10 +29,21 @@ void draw_cameras(Ui& ui) {
     tooltip(ui.facts.cameras[i]);
     ImGui::PopID();
   }
-  float fov_deg = glm::degrees(ui.state.camera.fov_y_rad);
+  CameraView& camera = ui.state.camera;
+  bool orthographic = camera.is_orthographic();
+  row_label("Orthographic", "Parallel rays: equal lengths look equal at every distance");
+  if (ImGui::Checkbox("##orthographic", &orthographic)) set_orthographic(&camera, orthographic);
+  mark_item(ui, "camera/orthographic");
+  if (orthographic) {
+    row_label("Height", "Of what the picture shows");
+    ImGui::DragFloat("##height", &camera.height_m, 0.01f * camera.height_m, 1e-6f, 1e9f, "%.4g m",
+                     ImGuiSliderFlags_AlwaysClamp);
+    return;
+  }
+  float fov_deg = glm::degrees(camera.fov_y_rad);
   row_label("Field of view", "Vertical angle of view");
   if (ImGui::SliderFloat("##fov", &fov_deg, 5.0f, 120.0f, "%.0f\u00b0", ImGuiSliderFlags_AlwaysClamp))
-    ui.state.camera.fov_y_rad = glm::radians(fov_deg);
+    camera.fov_y_rad = glm::radians(fov_deg);
 }
 
 void draw_variants(Ui& ui) {

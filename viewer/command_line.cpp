@@ -131,6 +131,8 @@ std::vector<GivenOption> collect(const std::vector<std::string>& arguments, cons
 
 void check_combinations(const CommandLine& line) {
   const SceneOptions& options = line.options;
+  if (options.fov_deg && options.orthographic_m)
+    throw UsageError("--orthographic", "it does not go with --fov", "give one of them");
   if (!options.camera.empty() && options.eye)
     throw UsageError("--camera", "it excludes --eye", "leave one of them out");
   if (options.up && glm::length(*options.up) == 0.0f) throw UsageError("--up", "it has no direction");

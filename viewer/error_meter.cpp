@@ -55,6 +55,7 @@ CameraView grid_camera(const CameraView& camera, const PixelGrid& grid, int heig
   CameraView result = camera;
   const float share = static_cast<float>(grid.height * grid.factor) / static_cast<float>(height);
   result.fov_y_rad = 2.0f * std::atan(std::tan(0.5f * camera.fov_y_rad) * share);
+  result.height_m = camera.height_m * share;
   return result;
 }
 

@@ -202,6 +202,10 @@ std::vector<OptionDeclaration> camera_options() {
              [](O* o, const std::string& t) { o->up = parse_point(t, "--up"); }),
       shared("--fov", "DEG", "vertical field of view",
              [](O* o, const std::string& t) { o->fov_deg = static_cast<float>(parse_in(t, "--fov", 0.1, 170.0)); }),
+      shared("--orthographic", "M", "parallel rays, M metres from the picture's bottom to its top, instead of --fov",
+             [](O* o, const std::string& t) {
+               o->orthographic_m = static_cast<float>(parse_in(t, "--orthographic", 1e-9, 1e9));
+             }),
       shared("--size", "WxH", "picture in pixels (1280x720; `report`: 320x180)", parse_size),
   };
 }

@@ -195,7 +195,8 @@ int run_render(const CommandLine& line) {
   const std::shared_ptr<Scene> scene = scene_job.get();
   const std::shared_ptr<const Environment> environment = environment_job.get();
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  for (const std::string& warning : environment->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  for (const std::string& warning : environment->warnings)
+    std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
   const std::string warning = units_warning(*scene, *environment, options.env_scale, "--env-scale");
   if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
 

@@ -7,6 +7,7 @@
 
 #include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
+#include "render/technique/registry.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -43,6 +44,7 @@ CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& worl
   view.up = glm::normalize(glm::vec3(world_from_node[1]));
   const Camera& camera = scene.cameras[static_cast<std::size_t>(scene.nodes[node].camera)];
   view.fov_y_rad = camera.fov_y_rad;
+  view.height_m = camera.height_m;
   view.aspect = camera.aspect;
   return view;
 }
@@ -125,7 +127,11 @@ CameraView camera_of_options(const Scene& scene, const SceneOptions& options) {
   if (glm::length(glm::cross(forward, view.up)) < 1e-4f)
     view.up = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, -1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
   if (options.fov_deg) view.fov_y_rad = radians(*options.fov_deg);
-  if (options.fov_deg || options.eye) view.aspect = 0.0f;
+  if (options.fov_deg || options.orthographic_m) {
+    view.height_m = options.orthographic_m.value_or(0.0f);
+    view.aspect = 0.0f;
+  }
+  if (options.eye) view.aspect = 0.0f;
   return view;
 }
 
@@ -236,6 +242,10 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
   request.env_scale = options.env_scale;
   request.variant = find_variant(scene, options.variant);
   request.reflections = options.reflections;
+  const Technique* reflector = builtin_registry().find_reflector(request.reflections);
+  if (reflector && reflector->can.needs_eye && request.camera.is_orthographic())
+    throw UsageError("--reflections " + request.reflections, "it projects from an eye, and the camera is orthographic",
+                     "take one whose rays are traced: octree, raytraced");
   request.reflectors = options.reflectors;
   request.part_modes = options.part_modes;
   if (!request.part_modes.empty())

@@ -86,8 +86,8 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     if (!session->begin_dent(hit)) return;
     drag_ = Drag::dent;
     // A drag over the whole height of the picture moves the surface by half of the visible height there.
-    const float distance = glm::length(hit.position - state.camera.eye);
-    dent_metres_per_unit_ = distance * std::tan(0.5f * state.camera.fov_y_rad) / std::max(picture.height, 1.0f);
+    const float visible_m = state.camera.height_at(glm::length(hit.position - state.camera.eye));
+    dent_metres_per_unit_ = 0.5f * visible_m / std::max(picture.height, 1.0f);
     session->drag_dent(dent_depth(*session), state.dent_radius_m);
   } else if (event.button == 0) {
     drag_ = Drag::orbit;

@@ -325,10 +325,9 @@ void WindowSession::select(const Renderer::Pick& pick) {
 }
 
 void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
-  const glm::vec3& eye = state.camera.eye;
   const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
-  const glm::vec3 ray =
-      glm::normalize(camera.forward + at.x * camera.tan_y * aspect * camera.right + at.y * camera.tan_y * camera.up);
+  const EyeRay through = camera.ray_through({at.x * aspect, at.y});
+  const glm::vec3 &eye = through.origin, ray = glm::normalize(through.direction);
   // A mirror that is not a reflector yet is itself the opaque surface at this point.
   const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, eye) : 1e30f;
   const int node = find_mirror(*scene_, state.edits, eye, ray, limit_m);
@@ -355,7 +354,10 @@ void WindowSession::go_to_camera(int index) {
 }
 
 void WindowSession::meter_if_requested(bool continued) {
+  const Metered now{scene_, environment_, state.edits, renderer_.background_work().empty()};
+  if (!(metered_ == now)) metering_ = true;
   if (!metering_ || !state.auto_exposure) return;
+  metered_ = now;
   state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
   // A bake that is read from the cache may be finished before its frame is, and then shows only in the next frame.
   metering_ = !continued || !renderer_.background_work().empty();

@@ -99,6 +99,15 @@ class WindowSession {
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
   bool metering_ = true;
+  /// What the exposure was metered for: another of these is metered again.
+  struct Metered {
+    std::shared_ptr<const Scene> scene;
+    std::shared_ptr<const Environment> environment;
+    Edits edits;
+    bool bakes_done = false;
+    bool operator==(const Metered&) const = default;
+  };
+  Metered metered_;
   std::uint32_t seed_ = 0;
   std::uint64_t revision_ = 0, material_revision_ = 0;
 };

@@ -1,5 +1,7 @@
 #include "render/bake/scene_bakes.h"
 
+#include <algorithm>
+
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
 #include "render/octree/technique.h"
@@ -44,6 +46,7 @@ void SceneBakes::clear() {
   indirect_.clear();
   indirect_of_.reset();
   octree_.clear();
+  shadow_scene_.clear();
   own_.clear();
 }
 
@@ -55,7 +58,7 @@ void SceneBakes::update_own(const ShadingPlan& layer, const SceneState& scene, c
 }
 
 std::vector<const Bake*> SceneBakes::list() const {
-  std::vector<const Bake*> all{&visibility_, &indirect_, &octree_, &octree_.cell_bake()};
+  std::vector<const Bake*> all{&visibility_, &indirect_, &octree_, &octree_.cell_bake(), &shadow_scene_};
   for (const auto& [name, own] : own_) all.push_back(&own->bake());
   return all;
 }
@@ -64,6 +67,11 @@ void SceneBakes::update_visibility(const SceneState& scene) {
   if (scene.geometry().positions.empty()) return;
   if (visibility_.update(scene.geometry(), scene.transmitting_items(), scene.passages(), scene.revisions().geometry))
     ++visibility_revision_;
+}
+
+void SceneBakes::update_shadow_rays(const SceneState& scene, const FrameRequest& request) {
+  if (scene.geometry().positions.empty()) return;
+  if (shadow_scene_.update(scene, request.variant)) ++shadow_revision_;
 }
 
 std::shared_ptr<const IndirectInput> SceneBakes::make_indirect_input(const SceneState& scene, int variant) const {
@@ -138,13 +146,16 @@ bool SceneBakes::release_octree(bool may_return) {
 
 void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const {
   status->has_geometry = !scene.geometry().positions.empty();
-  if (wanted.any_layer_is_shadowed_by("baked")) status->visibility = status_of(visibility_);
+  if (wanted.any_layer_is_shadowed_by("baked") || any_layer_has_indirect(wanted))
+    status->visibility = status_of(visibility_);
   if (any_layer_has_indirect(wanted)) status->indirect = status_of(indirect_);
   for (const ShadingPlan& layer : wanted.layers) {
     const auto own = own_.find(layer.own_bake);
     if (own == own_.end()) continue;
     status->own_bakes[layer.own_bake] = status_of(own->second->bake());
   }
+  const auto has_rays = [](const ShadingPlan& layer) { return layer.shadow_rays; };
+  if (std::any_of(wanted.layers.begin(), wanted.layers.end(), has_rays)) status->shadow_rays = status_of(shadow_scene_);
   if (wanted.octree) status->octree = status_of(octree_);
   if (wanted.cell_brdfs && octree_.ready()) status->cell_brdfs = status_of(octree_.cell_bake());
 }
@@ -158,6 +169,13 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     update_own(layer, scene, request);
     if (!own->second->bake().ready()) return false;
   }
+  for (const ShadingPlan& layer : wanted.layers) {
+    if (!layer.shadow_rays || scene.geometry().positions.empty()) continue;
+    update_shadow_rays(scene, request);
+    shadow_scene_.wait();
+    update_shadow_rays(scene, request);
+    if (!shadow_scene_.ready()) return false;
+  }
   if (wanted.octree) {
     for (int round = 0; round < 3; ++round) {  // starts it, takes it over and starts the cells' BRDFs, takes them over
       update_octree(scene, request);
@@ -167,7 +185,8 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     update_cells(scene, request, wanted.cell_brdfs);
   }
   // What follows needs baked visibility.
-  if (!wanted.any_layer_is_shadowed_by("baked") || scene.geometry().positions.empty()) return true;
+  const bool needs_maps = wanted.any_layer_is_shadowed_by("baked") || any_layer_has_indirect(wanted);
+  if (!needs_maps || scene.geometry().positions.empty()) return true;
   update_visibility(scene);
   visibility_.wait();
   update_visibility(scene);
@@ -190,6 +209,7 @@ void SceneBakes::add_bytes(std::map<std::string, std::size_t>* bytes) const {
   if (visibility_.ready()) (*bytes)[visibility_.name()] = visibility_.bytes();
   if (indirect_.ready()) (*bytes)[indirect_.name()] = indirect_.bytes();
   if (octree_.ready()) (*bytes)[octree_.name()] = octree_.bytes();
+  if (shadow_scene_.ready()) (*bytes)[shadow_scene_.name()] = shadow_scene_.bytes();
   if (octree_.cells()) (*bytes)[octree_.cell_bake().name()] = octree_.cell_bytes();
   for (const auto& [name, own] : own_)
     if (own->bake().ready()) (*bytes)[name] = own->bake().bytes();

@@ -12,6 +12,7 @@
 #include "render/frame/request.h"
 #include "render/indirect/indirect_buffers.h"
 #include "render/octree/octree_store.h"
+#include "render/shadow_rays/shadow_scene.h"
 #include "render/scene_state/scene_state.h"
 #include "render/visibility/visibility_buffers.h"
 
@@ -30,6 +31,8 @@ class SceneBakes {
   void clear();
 
   void update_visibility(const SceneState& scene);
+  void update_shadow_rays(const SceneState& scene, const FrameRequest& request);
+  void drop_shadow_rays() { shadow_scene_.clear(); }
   /// Needs the bake of visibility; does nothing before it is there.
   void update_indirect(const SceneState& scene, const FrameRequest& request);
   void update_octree(const SceneState& scene, const FrameRequest& request);
@@ -48,10 +51,11 @@ class SceneBakes {
   const VisibilityBuffers& visibility() const { return visibility_; }
   const IndirectBuffers& indirect() const { return indirect_; }
   const OctreeStore& octree() const { return octree_; }
+  const ShadowScene& shadow_scene() const { return shadow_scene_; }
   std::uint32_t visibility_revision() const { return visibility_revision_; }
   /// Of all that points depend on besides indirect light.
-  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_, own_revision_); }
-  Key all() const { return Key::of(without_indirect(), indirect_revision_); }
+  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_, own_revision_, shadow_scene_.ready()); }
+  Key all() const { return Key::of(without_indirect(), indirect_revision_, shadow_revision_); }
 
   /// All of them, for the status line and those who wait.
   std::vector<const Bake*> list() const;
@@ -69,6 +73,8 @@ class SceneBakes {
   IndirectBuffers indirect_;
   std::optional<Key> indirect_of_;  ///< what the input of indirect light was made of
   OctreeStore octree_;
+  ShadowScene shadow_scene_;
+  std::uint32_t shadow_revision_ = 0;
   const Registry& registry_;
   std::map<std::string, std::unique_ptr<SceneBake>> own_;  ///< by Technique::own_bake
   std::uint32_t own_revision_ = 0;

@@ -172,7 +172,7 @@ std::vector<Pass> BandwidthMode::passes(const LayerContext& layer) {
     if (accumulation_) accumulation_->forget(swapped_.tiles(), &layer.frame.programs);
   }));
   passes.push_back(pass({"bandwidth"}, [this, &layer] {
-    const bool apart = rotation_ && layer.frame.scene.environment().sun();
+    const bool apart = layer.plan.sun_apart || (rotation_ && layer.frame.scene.environment().sun());
     prediction_.predict(layer, {tiles(layer), renewed_share(rotation_), apart}, &sampled_.lists());
   }));
   passes.back().skip = known;

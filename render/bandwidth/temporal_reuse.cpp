@@ -40,12 +40,6 @@ ShaderVariant gather_variant_of(int round, bool textures, bool sun) {
           {{"MORE", std::to_string(round)}, {"TEXTURES", flag(textures)}, {"SEPARATE_SUN", flag(sun)}}};
 }
 
-void set_sun(const Program& program, const SunBuffers& sun) {
-  const auto inverse = [](double integral) { return integral > 0.0 ? static_cast<float>(1.0 / integral) : 0.0f; };
-  glProgramUniform3f(program.get(), program.location("u_sun"), sun.least_luminance, inverse(sun.sun_sr),
-                     inverse(sun.rest_integral));
-}
-
 /// As in shaders/rotation/item.glsl.
 struct ReuseCounters {
   unsigned continued, small_items[2], large_items[2];
@@ -110,7 +104,8 @@ TileShare renewed_share(const LightRotation& rotation) {
 namespace {
 
 /// Of the points that shaders/rotation/schedule.comp lists; `reuses_history`: they may be reused.
-ShaderVariant scheduled_shade_variant(const ShadingPlan& plan, bool measured, bool reuses_history, bool sun) {
+ShaderVariant scheduled_shade_variant(ShadingPlan plan, bool measured, bool reuses_history, bool sun) {
+  plan.sun_apart = false;  // said below
   ShaderVariant variant = shade_variant(plan, measured);
   variant.defines.emplace_back("ROTATING", "1");
   variant.defines.emplace_back("REUSES_HISTORY", flag(reuses_history));
@@ -119,7 +114,8 @@ ShaderVariant scheduled_shade_variant(const ShadingPlan& plan, bool measured, bo
 }
 
 /// Of rotation/sun.comp.
-ShaderVariant sun_variant(const ShadingPlan& plan, bool measured) {
+ShaderVariant sun_variant(ShadingPlan plan, bool measured) {
+  plan.sun_apart = false;
   ShaderVariant variant = shade_variant(plan, measured);
   variant.path = "rotation/sun.comp";
   variant.defines.emplace_back("SEPARATE_SUN", "1");
@@ -222,6 +218,11 @@ void TemporalReuse::shade_sun(const Band& band, int list, unsigned points) {
   const LayerContext& layer = band.layer;
   const SunBuffers* sun = layer.frame.scene.environment().sun();
   if (!sun || points == 0) return;
+  if (layer.plan.sun_apart) {  // shadow rays bring its light
+    const float none[4] = {};
+    glClearTexImage(history_->sun.get(), 0, GL_RGBA, GL_FLOAT, none);
+    return;
+  }
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPoints, band.sampled.lists().points[list].get());
   glBindImageTexture(kImageSun, history_->sun.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const Program& program = layer.frame.programs.get(sun_variant(layer.plan, list == 0));

@@ -39,7 +39,7 @@ Technique bezier_technique() {
   info.quality_steps = resolution_steps();
   info.quality_steps.push_back(
       {.settings = {{"reflections.resolution", std::string("full")}, {"bezier.tolerance", 0.125}}});
-  info.can = {.needs_patches = true, .keeps_hits = true};
+  info.can = {.needs_eye = true, .needs_patches = true, .keeps_hits = true};
   info.make_reflector = make_bezier_reflections;
   info.shader_variants = bezier_shader_variants;
   info.add_passes = [](const PlanInput& in, ShadingPlan*, FramePlan* plan) {

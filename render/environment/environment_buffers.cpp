@@ -70,20 +70,26 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   b.least_luminance = sun.least_luminance;
   b.compact = sun.compact;
   b.sun_sr = sun.solid_angle_sr;
-  EnvironmentTables tables;
-  compute_importance(*sun.rest, tables);
-  b.rest_integral = tables.luminance_integral;
-  std::vector<EnvironmentSample> rest = sample_environment(*sun.rest, tables, pack_sky(*sun.rest, bias, 1), 0,
-                                                           static_cast<std::size_t>(EnvironmentBuffers::kListLength));
-  rest.resize(EnvironmentBuffers::kListLength);  // all zero when the rest is black
+  b.rest = sun.rest;
+  compute_importance(*sun.rest, b.rest_tables);
+  b.rest_integral = b.rest_tables.luminance_integral;
+  b.rest_sky = pack_sky(*sun.rest, bias, 1);
   b.sun_list = Buffer::from("sun samples", sun.samples);
   b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
-  b.rest_list = Buffer::from("light samples without the sun", rest);
+  b.rest_list = Buffer("light samples without the sun", EnvironmentBuffers::kListLength * sizeof(EnvironmentSample));
   b.rest_view = Texture::make_buffer("light samples without the sun", GL_RGBA32F, b.rest_list);
+  b.resample(0);
   return b;
 }
 
 }  // namespace
+
+void SunBuffers::resample(std::uint32_t seed) {
+  constexpr auto kLength = static_cast<std::size_t>(EnvironmentBuffers::kListLength);
+  std::vector<EnvironmentSample> samples = sample_environment(*rest, rest_tables, rest_sky, seed, kLength);
+  samples.resize(kLength);  // all zero when the rest is black
+  rest_list.update(0, kLength * sizeof(EnvironmentSample), samples.data());
+}
 
 void SunBuffers::bind() const {
   glBindTextureUnit(kUnitLightSamples, rest_view.get());
@@ -103,6 +109,7 @@ const SunBuffers* EnvironmentBuffers::sun() {
 void EnvironmentBuffers::resample(std::uint32_t seed) {
   const std::vector<EnvironmentSample> samples = sample_environment(*environment_, tables_, sky_, seed, kListLength);
   if (!samples.empty()) list_.update(0, samples.size() * sizeof(EnvironmentSample), samples.data());
+  if (sun_) sun_->resample(seed);
 }
 
 void EnvironmentBuffers::bind() const {

@@ -14,9 +14,14 @@ struct SunBuffers {
   float least_luminance = 0.0f;             ///< see Sun::least_luminance
   bool compact = true;
   double sun_sr = 0.0, rest_integral = 0.0;
+  std::shared_ptr<const Environment> rest;  ///< without the sun's texels
+  EnvironmentTables rest_tables;
+  PackedSky rest_sky;
   Buffer sun_list, rest_list;
   Texture sun_view, rest_view;
   void bind() const;  ///< units 15 and 23
+  /// Draws the list of the rest anew.
+  void resample(std::uint32_t seed);
   std::size_t bytes() const { return sun_list.bytes() + rest_list.bytes(); }
 };
 

@@ -3,12 +3,39 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/math/shared_formulas.h"
+
 namespace maquette {
 
-bool operator==(const CameraView& a, const CameraView& b) {
-  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_rad == b.fov_y_rad && a.near_m == b.near_m &&
-         a.far_m == b.far_m;
+float CameraView::height_at(float distance_m) const {
+  return is_orthographic() ? height_m : 2.0f * std::tan(0.5f * fov_y_rad) * distance_m;
 }
+
+bool operator==(const CameraView& a, const CameraView& b) {
+  return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_rad == b.fov_y_rad &&
+         a.height_m == b.height_m && a.near_m == b.near_m && a.far_m == b.far_m;
+}
+
+namespace {
+
+/// Moves the eye of an orthographic camera near to what is drawn, and sets the range of depths.
+void set_depths(const Bounds& bounds, CameraFrame* frame) {
+  frame->near_m = std::max(frame->near_m, 0.0f);
+  frame->nearest_m = frame->near_m;
+  frame->farthest_m = frame->near_m + 1.0f;
+  if (bounds.empty()) return;
+  const glm::dvec3 forward(frame->forward), half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
+  const double middle = glm::dot(forward, 0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - glm::dvec3(frame->eye));
+  // A little beyond, so that faces of the bounds are within.
+  const double reach = 1.0001 * glm::dot(glm::abs(forward), half) + 1e-6 * bounds.radius();
+  const double moved = std::max(middle - 2.0 * reach, 0.0);
+  frame->eye = glm::vec3(glm::dvec3(frame->eye) + moved * forward);
+  frame->near_m = static_cast<float>(std::max(frame->near_m - moved, 0.0));
+  frame->nearest_m = std::max(frame->near_m, static_cast<float>(middle - moved - reach));
+  frame->farthest_m = std::max(static_cast<float>(middle - moved + reach), frame->nearest_m + 1e-6f);
+}
+
+}  // namespace
 
 CameraFrame make_camera_frame(const CameraView& view, int width, int height, const Bounds& bounds) {
   CameraFrame frame;
@@ -19,11 +46,19 @@ CameraFrame make_camera_frame(const CameraView& view, int width, int height, con
   if (glm::dot(right, right) < 1e-12f) right = glm::vec3(1.0f, 0.0f, 0.0f);
   frame.right = glm::normalize(right);
   frame.up = glm::cross(frame.right, frame.forward);
-  frame.tan_y = std::tan(0.5f * view.fov_y_rad);
-  frame.tan_x = frame.tan_y * (static_cast<float>(width) / static_cast<float>(height));
+  frame.orthographic = view.is_orthographic();
+  frame.half_y = frame.orthographic ? 0.5f * view.height_m : std::tan(0.5f * view.fov_y_rad);
+  frame.half_x = frame.half_y * (static_cast<float>(width) / static_cast<float>(height));
   const float extent = bounds.empty() ? 1.0f : bounds.radius() + glm::length(view.eye - bounds.center());
   frame.near_m = view.near_m > 0.0f ? view.near_m : std::max(extent * 1e-4f, 1e-30f);
+  if (frame.orthographic) set_depths(bounds, &frame);
   return frame;
+}
+
+EyeRay CameraFrame::ray_through(const glm::vec2& ndc) const {
+  const shared::EyeRay ray =
+      shared::camera_ray(forward, right * half_x, up * half_y, orthographic ? 0.0f : 1.0f, ndc);
+  return {eye + ray.origin, ray.direction};
 }
 
 glm::mat4 clip_from_world(const CameraFrame& camera) {
@@ -35,10 +70,17 @@ glm::mat4 clip_from_world(const CameraFrame& camera) {
   }
   view[3] = glm::vec4(-glm::dot(camera.right, camera.eye), -glm::dot(camera.up, camera.eye),
                       glm::dot(camera.forward, camera.eye), 1.0f);
-  projection[0][0] = 1.0f / camera.tan_x;
-  projection[1][1] = 1.0f / camera.tan_y;
-  projection[2][3] = -1.0f;
-  projection[3][2] = camera.near_m;
+  projection[0][0] = 1.0f / camera.half_x;
+  projection[1][1] = 1.0f / camera.half_y;
+  if (camera.orthographic) {
+    const float range_m = camera.farthest_m - camera.nearest_m;
+    projection[2][2] = 1.0f / range_m;
+    projection[3][2] = camera.farthest_m / range_m;
+    projection[3][3] = 1.0f;
+  } else {
+    projection[2][3] = -1.0f;
+    projection[3][2] = camera.near_m;
+  }
   return projection * view;
 }
 

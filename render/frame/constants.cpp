@@ -11,10 +11,10 @@ FrameConstants make_frame_constants(const SceneState& scene, const FrameRequest&
   const EnvironmentBuffers& environment = scene.environment();
   FrameConstants c{};
   c.clip_from_world = clip_from_world(camera);
-  c.eye = glm::vec4(camera.eye, 0.0f);
-  c.forward = glm::vec4(camera.forward, 2.0f * camera.tan_y / static_cast<float>(request.height * size.side));
-  c.right = glm::vec4(camera.right * camera.tan_x, 0.0f);
-  c.up = glm::vec4(camera.up * camera.tan_y, 0.0f);
+  c.eye = glm::vec4(camera.eye, camera.orthographic ? 0.0f : 1.0f);
+  c.forward = glm::vec4(camera.forward, 2.0f * camera.half_y / static_cast<float>(request.height * size.side));
+  c.right = glm::vec4(camera.right * camera.half_x, 0.0f);
+  c.up = glm::vec4(camera.up * camera.half_y, 0.0f);
   c.environment = glm::vec4(std::cos(request.env_rotation_rad), std::sin(request.env_rotation_rad), request.env_scale,
                             static_cast<float>(environment.tables().luminance_integral));
   c.size = glm::ivec4(size.grid_width(), size.grid_height(), size.side, 0);
@@ -27,6 +27,15 @@ FrameConstants make_frame_constants(const SceneState& scene, const FrameRequest&
                                 scene.lights() ? scene.lights()->count() : 0, 0);
   c.quality = glm::vec4(1.0f, 1.0f, 0.0f, environment.sun_luminance());
   return c;
+}
+
+glm::vec3 from_eye(const FrameConstants& frame, const glm::vec3& world) {
+  const glm::vec3 d = world - glm::vec3(frame.eye), forward(frame.forward);
+  return frame.eye.w > 0.0f ? d : forward * glm::dot(forward, d);
+}
+
+float pixel_width(const FrameConstants& frame, float depth) {
+  return (frame.eye.w > 0.0f ? depth : 1.0f) * frame.forward.w;
 }
 
 }  // namespace maquette

@@ -1,10 +1,10 @@
 #include "render/frame/plan.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "render/bezier/patch_fit.h"
+#include "render/frame/planning.h"
 #include "render/frame/vocabulary.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
@@ -12,107 +12,6 @@
 namespace maquette {
 
 namespace {
-
-// LeftOut::decided_by, where it is no setting or option.
-constexpr const char *kScene = "scene", *kView = "view", *kMode = "mode", *kStatus = "status";
-
-/// What the decisions below share.
-struct Planning {
-  const PlanInput& in;
-  const Technique* reflector;  ///< that was asked for; null: off
-  FramePlan* plan;
-
-  void add(PlannedPass pass) const { plan->passes.push_back(std::move(pass)); }
-  void feature(const std::string& name, const std::string& reason) const {
-    const bool known = std::any_of(plan->features.begin(), plan->features.end(), [&](const Feature& feature) {
-      return feature.name == name && feature.reason == reason;
-    });
-    if (!known) plan->features.push_back({name, reason});
-  }
-  void leave_out(const std::string& what, const std::string& why, const std::string& decided_by) const {
-    const bool known = std::any_of(plan->left_out.begin(), plan->left_out.end(),
-                                   [&](const LeftOut& left_out) { return left_out.what == what; });
-    if (!known) plan->left_out.push_back({what, why, decided_by});
-  }
-};
-
-/// In whole percent, rounded down: 100 % means done.
-std::string percent_done(double progress) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0f %%", std::floor(100.0 * progress));
-  return text;
-}
-
-std::string not_ready(const std::string& what, const BakeStatus& bake) {
-  return what + " not " + (what == "it is" ? "built" : "ready") + " yet: " + percent_done(bake.progress);
-}
-
-// --- shadows, indirect light, lights of a layer ---
-
-void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* shading) {
-  if (mode.can.traces_picture) return;  // its own rays; add_passes says so
-  const std::string& asked = p.in.settings.get_string("shading.visibility");
-  if (!mode.can.shadows) return p.leave_out("visibility", "mode " + mode.name + " knows none", kMode);
-  if (asked == "traced") {
-    if (!p.in.status.octree.ready) return p.leave_out("visibility", "its octree is not built yet", kStatus);
-    shading->visibility = "traced";
-    return p.feature("visibility", "shading.visibility is traced: the samples' rays go through the octree");
-  }
-  if (asked == "baked" || (asked == "auto" && p.in.facts.enclosed)) {
-    if (!p.in.status.has_geometry) return p.leave_out("visibility", "nothing is there to occlude", kScene);
-    if (!p.in.status.visibility.ready)
-      return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility), kStatus);
-    shading->visibility = "baked";
-    return p.feature("visibility", asked == "baked"
-                                       ? "shading.visibility is baked"
-                                       : "the scene closes the eye in: without it light comes through the roof");
-  }
-  if (asked == "none") return p.leave_out("visibility", "shading.visibility is none", "shading.visibility");
-  p.leave_out("visibility", "the scene does not close the eye in", kScene);
-}
-
-/// Whether the settings want baked shadows, ready or not.
-bool wants_baked(const Planning& p, const Technique& mode) {
-  const std::string& asked = p.in.settings.get_string("shading.visibility");
-  return mode.can.shadows && (asked == "baked" || (asked == "auto" && p.in.facts.enclosed));
-}
-
-/// Indirect light fills what the sky's shadows leave black; without shadows there is nothing to fill.
-void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shading) {
-  if (mode.can.traces_picture) return;
-  const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("indirect", why, by); };
-  if (!mode.can.indirect) return leave_out("mode " + mode.name + " knows none", kMode);
-  if (p.in.settings.get_string("shading.indirect") == "none")
-    return leave_out("shading.indirect is none", "shading.indirect");
-  if (p.in.settings.get_string("shading.visibility") == "traced")
-    return leave_out("it goes with baked shadows, and shading.visibility is traced", "shading.visibility");
-  if (!wants_baked(p, mode))
-    return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
-  if (shading->visibility != "baked") return leave_out("it waits for the bake of visibility", kStatus);
-  if (!p.in.status.indirect.ready) return leave_out(not_ready("its bake is", p.in.status.indirect), kStatus);
-  shading->indirect = "baked";
-}
-
-void decide_lights(const Planning& p, const Technique& mode, ShadingPlan* shading) {
-  const bool shines = p.in.facts.has_punctual_lights || p.in.facts.has_emissive_meshes;
-  if (!shines) return p.leave_out("lights", "the scene has no lights and nothing that glows", kScene);
-  if (!mode.can.lights) return p.leave_out("lights", "mode " + mode.name + " knows the environment only", kMode);
-  if (!p.in.status.lights_count) return p.leave_out("lights", "what glows is too dim to count", kScene);
-  shading->lights = true;
-  p.feature("lights",
-            p.in.facts.has_emissive_meshes ? "emissive surfaces light the scene" : "the scene has lights of its own");
-}
-
-/// The bake that the technique itself declares.
-void decide_own_bake(const Planning& p, const Technique& mode, ShadingPlan* shading) {
-  if (!mode.own_bake) return;
-  const OwnBake& own = *mode.own_bake;
-  const auto status = p.in.status.own_bakes.find(own.name);
-  if (status != p.in.status.own_bakes.end() && !status->second.ready)
-    return p.leave_out(own.name, not_ready("its bake is", status->second), kStatus);
-  shading->own_bake = own.name;
-  p.feature(own.name, own.reason);
-}
 
 // --- reflections ---
 
@@ -132,6 +31,11 @@ void decide_reflections(const Planning& p, bool traces_picture) {
     return p.leave_out("reflections",
                        "the scene marks no reflector and has no pane of glass; name a mirror with --reflector", kScene);
   if (seen == 0) return p.leave_out("reflections", "no reflector is in view", kView);
+  if (p.reflector->can.needs_eye && view.orthographic)
+    return p.leave_out("reflections",
+                       "technique " + p.reflector->name +
+                           " projects from an eye, and the camera is orthographic: take one whose rays are traced",
+                       kView);
   if (p.reflector->can.needs_octree && !p.in.status.octree.ready)
     return p.leave_out("reflections", "their octree is not built yet", kStatus);
   p.plan->reflections = p.reflector->name;
@@ -380,6 +284,7 @@ void plan_layers(const Planning& p, const Registry& registry) {
   for (ShadingPlan& layer : layers) {
     const Technique& mode = registry.find_mode(layer.mode);
     decide_visibility(p, mode, &layer);
+    decide_shadow_rays(p, mode, &layer);
     decide_indirect(p, mode, &layer);
     decide_lights(p, mode, &layer);
     decide_own_bake(p, mode, &layer);
@@ -403,6 +308,7 @@ void plan_layers(const Planning& p, const Registry& registry) {
              "what sees no sky is lit by other surfaces: baked per vertex, all bounces",
              {"surfaces"},
              {"indirect light"}});
+    add_shadow_ray_passes(p, layers[k]);
     for (std::size_t i = first; i < p.plan->passes.size(); ++i) p.plan->passes[i].layer = static_cast<int>(k);
   }
   if (p.plan->glossy) {
@@ -451,9 +357,12 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
   if (registry.find_mode(wanted.layers[0].mode).can.traces_picture) return steps;
   if (any_layer([](const ShadingPlan& l) { return l.lights; }))
     steps.push_back({"list_lights", "lights and emissive surfaces are chosen from lists", {}, {"light lists"}});
-  if (wanted.any_layer_is_shadowed_by("baked"))
+  const bool indirect = any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; });
+  if (indirect || wanted.any_layer_is_shadowed_by("baked"))
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
-  if (any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; }))
+  if (any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
+    steps.push_back({"build_shadow_rays", "what shadow rays may meet, for the processor", {}, {"shadow_rays"}});
+  if (indirect)
     steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
   for (const ShadingPlan& layer : wanted.layers)
     if (!layer.own_bake.empty())
@@ -469,7 +378,7 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
 std::map<std::string, BakeStatus> FrameStatus::bakes() const {
   std::map<std::string, BakeStatus> wanted = own_bakes;
   wanted.insert(
-      {{"visibility", visibility}, {"indirect", indirect}, {words::kOctree, octree}, {"cell_brdfs", cell_brdfs}});
+      {{"visibility", visibility}, {"indirect", indirect}, {words::kOctree, octree}, {"cell_brdfs", cell_brdfs}, {"shadow_rays", shadow_rays}});
   std::erase_if(wanted, [](const auto& entry) { return !entry.second.wanted; });
   return wanted;
 }

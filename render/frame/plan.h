@@ -22,6 +22,7 @@ struct ViewInfo {
   std::string reflections = kNoReflections;
   int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
   int reflectors_in_view = -1;  ///< of them; -1: not known, all
+  bool orthographic = false;
   bool mirrors = false;         ///< some reflector is opaque
   int glossy_in_view = -1;      ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
   std::vector<PartMode> part_modes = {};  ///< nodes that have another shading mode than the rest
@@ -48,6 +49,8 @@ struct ShadingPlan {
   std::string indirect = "none";    ///< none or baked
   std::string own_bake;             ///< the technique's, once it is ready; else empty
   bool texture_bandwidth = false;
+  bool shadow_rays = false;               ///< what shines brightly is shadowed by rays, point by point
+  bool sun_apart = false;                 ///< by them alone comes the sun's light: samples leave it out
   bool lights = false;                    ///< punctual lights or emissive meshes are sampled
   bool sheen = false, clearcoat = false;  ///< lobes that analytic materials may have
 };

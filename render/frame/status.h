@@ -21,7 +21,7 @@ inline BakeStatus status_of(const Bake& bake) { return {bake.ready(), bake.progr
 /// What this frame can do: settings say what is wanted. A plain value; as it stands by default everything is ready and
 /// the frame is the first of its picture.
 struct FrameStatus {
-  BakeStatus visibility, indirect, octree, cell_brdfs;
+  BakeStatus visibility, indirect, octree, cell_brdfs, shadow_rays;
   std::map<std::string, BakeStatus> own_bakes;  ///< by Technique::own_bake; one that is not listed is ready
   bool has_geometry = true;
   bool lights_count = true;   ///< what shines is bright enough to be sampled
@@ -37,6 +37,7 @@ struct FrameStatus {
   // What has changed since the frame before.
   int accumulated = 0;          ///< frames in the picture so far: nothing has moved since the first of them
   bool light_rotated = false;   ///< only the environment's rotation: temporal reuse
+  bool has_sun = false;         ///< the environment has one that can be drawn apart
   bool sun_apart = false;       ///< the environment has a sun, which is then drawn apart
   bool tables_swapped = false;  ///< only measured tables of materials: the points of other materials are kept
 

@@ -10,6 +10,8 @@ std::vector<Word> pass_words() {
   return {
       {Kind::pass, "list_lights",
        "preparation: the lists that samples of lights and emissive surfaces are chosen from"},
+      {Kind::pass, "build_shadow_rays",
+       "preparation: starts to build what shadow rays may meet, or takes it over when it is done"},
       {Kind::pass, "bake_visibility", "preparation: starts the bake of visibility, or uploads it when it is done"},
       {Kind::pass, "bake_indirect", "preparation: the same for indirect light"},
       {Kind::pass, "build_octree", "preparation: the same for the octree"},
@@ -31,6 +33,8 @@ std::vector<Word> pass_words() {
        "the scene projected into the patches or triangles of the reflectors, and the nearest that each pixel's ray "
        "meets; "
        "flat ones by the mirrored eye"},
+      {Kind::pass, "draw_rays", "rays from each point to what may light it, and the light that they bring"},
+      {Kind::pass, "trace_rays", "what lies between, panes and cut-outs included, traced on the processor"},
       {Kind::pass, "reflected gbuffer", "normal and material, textures applied, of what the mirrored rays hit"},
       {Kind::pass, "reflected shade", "the hits shaded, by the mode of the part that is hit"},
       {Kind::pass, "blended", "shades the layers of blended surfaces, from front to back"},
@@ -43,6 +47,8 @@ std::vector<Word> feature_words() {
   return {
       {Kind::feature, "visibility",
        "shadows of the environment, per vertex and direction, or by rays through the octree"},
+      {Kind::feature, "shadow_rays",
+       "shadows of suns and lamps at every point, by rays that the processor traces; at rest of the whole sky"},
       {Kind::feature, "lights", "punctual lights and surfaces that glow, sampled"},
       {Kind::feature, "texture_bandwidth", "the bandwidth of textures in the prediction"},
       {Kind::feature, "sampling", "random samples of the BRDF and the environment"},

@@ -1,6 +1,7 @@
 #include "render/glass/panes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -38,26 +39,33 @@ ShaderVariant pane_variant(const ShadingPlan& plan, const PaneKind& kind) {
 
 const ShaderVariant kTiles{"glass/tiles.comp", "", {}};
 
+/// Of an orthographic camera far behind, as no point of its rays is the eye of all.
+glm::vec3 eye_for_order(const FrameContext& frame) {
+  const glm::vec3 eye(frame.constants.eye);
+  if (frame.constants.eye.w > 0.0f) return eye;
+  return eye - 1e3f * frame.scene.bounds().radius() * glm::vec3(frame.constants.forward);
+}
+
 float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
   const glm::vec3 d = bounds.center() - eye;
   return glm::dot(d, d);
 }
 
-/// Of base colour, transmission, thickness and emission, -1: none.
-glm::ivec4 textures_of(const SceneState& scene, std::size_t item) {
+/// In the order of shaders/glass/pane_textures.glsl, -1: none.
+std::array<int, 6> textures_of(const SceneState& scene, std::size_t item) {
   const Material& m = scene.material_of_item(item);
   const auto texture = [&](TextureRole role) { return texture_of(m, role) ? scene.buffers().texture(item, role) : -1; };
   const bool pane = pane_share(m) > 0.0f;
   return {texture(TextureRole::base_color), pane ? texture(TextureRole::transmission) : -1,
-          pane ? texture(TextureRole::thickness) : -1, texture(TextureRole::emissive)};
+          pane ? texture(TextureRole::thickness) : -1, texture(TextureRole::emissive),
+          pane ? texture(TextureRole::normal) : -1, m.transmission > 0.0f ? texture(TextureRole::metallic_roughness) : -1};
 }
 
 PaneKind kind_of(const PaneScene& scene, std::size_t item) {
   using Reflected = PaneKind::Reflected;
   const Material& material = scene.frame.scene.material_of_item(item);
-  const glm::ivec4 textures = textures_of(scene.frame.scene, item);
-  const bool normal = pane_share(material) > 0.0f && material.normal_texture;
-  PaneKind kind{.texture = (textures != glm::ivec4(-1) || normal),
+  const std::array<int, 6> textures = textures_of(scene.frame.scene, item);
+  PaneKind kind{.texture = std::any_of(textures.begin(), textures.end(), [](int texture) { return texture >= 0; }),
                 .surface = is_partly_surface(material),
                 .pane = (pane_share(material) > 0.0f)};
   if (!scene.reflected.drawn || scene.reflectors.of_item(item) < 0) return kind;
@@ -96,7 +104,7 @@ std::vector<ShaderVariant> Panes::shader_variants() {
 }
 
 void Panes::sort(const PaneScene& scene, const std::vector<std::size_t>& items) {
-  const glm::vec3 eye(scene.frame.constants.eye);
+  const glm::vec3 eye = eye_for_order(scene.frame);
   const Key now = Key::of(eye, scene.frame.scene.revisions().geometry, items);
   if (order_ && order_->of == now) return;
   order_.emplace(Order{.of = now, .first = {}, .indices = {}});
@@ -121,7 +129,7 @@ std::vector<std::size_t> Panes::items(const PaneScene& scene) const {
     const bool drawn = buffers.visible(i) && (state.is_transparent(i) || scene.reflectors.is_mirror(i));
     if (drawn && may_be_seen(scene.frame.constants.clip_from_world, buffers.bounds(i))) items.push_back(i);
   }
-  const glm::vec3 eye(scene.frame.constants.eye);
+  const glm::vec3 eye = eye_for_order(scene.frame);
   std::stable_sort(items.begin(), items.end(), [&](std::size_t a, std::size_t b) {
     return squared_distance(buffers.bounds(a), eye) > squared_distance(buffers.bounds(b), eye);
   });
@@ -247,11 +255,10 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   const glm::vec3 absorption = volume_absorption(m) * item.scale;
   glUniform3f(program.location("u_absorption"), absorption.r, absorption.g, absorption.b);
   if (kind.texture) {
-    const glm::ivec4 textures = textures_of(state, i);
-    glUniform4i(program.location("u_textures"), textures.x, textures.y, textures.z, textures.w);
-    const bool normal = pane_share(m) > 0.0f && m.normal_texture;
-    program.set("u_normal_texture", normal ? buffers.texture(i, TextureRole::normal) : -1);
+    const std::array<int, 6> textures = textures_of(state, i);
+    glUniform1iv(program.location("u_textures"), static_cast<GLsizei>(textures.size()), textures.data());
     program.set("u_normal_scale", m.normal_scale);
+    program.set("u_metallic", m.metallic);
   }
   const auto sorted = order_->first.find(i);
   const bool is_sorted = sorted != order_->first.end();

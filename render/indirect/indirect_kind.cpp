@@ -61,7 +61,10 @@ std::uint64_t key_of(const IndirectJob& job) {
   key = chain_hash(material_numbers(input.scene), key);
   key = chain_hash(light_numbers(input.scene), key);
   key = chain_hash(input.measured_hash, key);
-  for (const TextureImage& image : input.scene.images) key = chain_hash(image.rgba, key);
+  for (const TextureImage& image : input.scene.images) {
+    key = chain_hash(image.rgba, key);
+    if (!image.rgba16.empty()) key = chain_hash(image.rgba16, key);
+  }
   return chain_hash(std::vector<float>{job.sky.rotation_rad, job.sky.scale}, key);
 }
 

@@ -11,7 +11,7 @@ void Layer::bind() const {
 
 void Layer::add_bytes(std::map<std::string, std::size_t>* bytes) const {
   (*bytes)["gbuffer"] += surfaces.bytes() + own_triangles.bytes();
-  (*bytes)["shading"] += surfaces.tiles().tiles.bytes() + radiance.bytes() + indirect.bytes();
+  (*bytes)["shading"] += surfaces.tiles().tiles.bytes() + radiance.bytes() + indirect.bytes() + shadows.bytes();
   if (surfaces.has_texture_bandwidth()) (*bytes)["texture_bandwidth"] += surfaces.texture_bandwidth().bytes();
   mode->add_bytes(bytes);
 }
@@ -97,6 +97,12 @@ std::vector<Pass> surface_passes(const LayerContext& context, Layer* layer, cons
     if (context.index == 0) layer->surfaces.list_sky(all, sky, programs);
   };
   return {pass};
+}
+
+Pass shadow_pass(const LayerContext& context, Layer* layer, bool averages) {
+  return {.names = {"draw_rays", "trace_rays"}, .layer = context.index, .run = [&context, layer, averages] {
+            layer->shadows.run(context, averages);
+          }};
 }
 
 Pass indirect_pass(const LayerContext& context, Layer* layer) {

@@ -7,6 +7,7 @@
 #include "render/indirect/indirect_pass.h"
 #include "render/parts/parts.h"
 #include "render/shading/layer.h"
+#include "render/shadow_rays/shadow_pass.h"
 
 namespace maquette {
 
@@ -18,6 +19,7 @@ struct Layer {
   Texture radiance;       ///< RGBA32F, of the grid
   Texture own_triangles;  ///< of the raster, where several layers share it
   IndirectPass indirect;
+  ShadowPass shadows;
   FrameConstants constants{};
   Buffer block = Buffer("frame constants", sizeof(FrameConstants));
 
@@ -51,5 +53,7 @@ class LayerSet {
 /// What carries out the passes of the G-buffer and of indirect light of a layer.
 std::vector<Pass> surface_passes(const LayerContext& context, Layer* layer, const Parts& parts, SkyTiles* sky);
 Pass indirect_pass(const LayerContext& context, Layer* layer);
+/// `averages`: as ShadowPass::run.
+Pass shadow_pass(const LayerContext& context, Layer* layer, bool averages);
 
 }  // namespace maquette

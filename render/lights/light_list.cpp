@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "render/materials/texels.h"
 #include "scenes/luminance.h"
 
 namespace maquette {
@@ -30,8 +31,6 @@ struct WeightedLight {
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-double decode_srgb(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
-
 int wrap_texel(int i, int size, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp(i, 0, size - 1);
   const int period = wrap == Wrap::mirrored_repeat ? 2 * size : size;
@@ -47,18 +46,12 @@ glm::dvec2 transform_uv(const TextureRef& texture, const glm::vec2& uv) {
   return glm::dvec2(texture.offset) + glm::dvec2(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
 }
 
-glm::dvec3 nearest_texel(const TextureImage& image, const TextureRef& texture, const glm::dvec2& uv) {
-  static const auto kLinear = [] {
-    std::array<double, 256> table{};
-    for (std::size_t i = 0; i < table.size(); ++i) table[i] = decode_srgb(static_cast<double>(i) / 255.0);
-    return table;
-  }();
+glm::dvec3 nearest_texel(const TextureImage& image, const TextureRef& texture, const Texels& texels,
+                         const glm::dvec2& uv) {
   const auto to_int = [](double v) { return static_cast<int>(std::clamp(std::floor(v), -1e9, 1e9)); };
   const int x = wrap_texel(to_int(uv.x * image.width), image.width, texture.wrap_s);
   const int y = wrap_texel(to_int(uv.y * image.height), image.height, texture.wrap_t);
-  const std::size_t at =
-      4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x));
-  return {kLinear[image.rgba[at]], kLinear[image.rgba[at + 1]], kLinear[image.rgba[at + 2]]};
+  return glm::dvec3(texels(x, y));
 }
 
 /// Mean of the emissive texture over a triangle: a regular grid about as fine as the texels, up to kMaxTextureSteps.
@@ -66,6 +59,7 @@ glm::dvec3 mean_emissive_texture(const Scene& scene, const TextureRef& texture, 
   if (!texture || texture.image >= static_cast<int>(scene.images.size())) return glm::dvec3(1.0);
   const TextureImage& image = scene.images[static_cast<std::size_t>(texture.image)];
   if (image.width <= 0 || image.height <= 0) return glm::dvec3(1.0);
+  const Texels texels(image, true);
   std::array<glm::dvec2, 3> at{};
   for (std::size_t k = 0; k < 3; ++k) at[k] = transform_uv(texture, uv[k]);
   const glm::dvec2 size(image.width, image.height);
@@ -84,7 +78,7 @@ glm::dvec3 mean_emissive_texture(const Scene& scene, const TextureRef& texture, 
         const double third = inverted ? 2.0 / 3.0 : 1.0 / 3.0;
         const double a = (i + third) / steps;
         const double b = (j + third) / steps;
-        sum += nearest_texel(image, texture, at[0] + a * (at[1] - at[0]) + b * (at[2] - at[0]));
+        sum += nearest_texel(image, texture, texels, at[0] + a * (at[1] - at[0]) + b * (at[2] - at[0]));
       }
     }
   }

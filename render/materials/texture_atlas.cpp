@@ -6,23 +6,11 @@
 #include <glm/gtc/packing.hpp>
 
 #include "render/materials/mip_chain.h"
+#include "render/materials/texels.h"
 
 namespace maquette {
 
 namespace {
-
-/// Linear values of the 256 codes of a channel.
-using Decoding = std::array<float, 256>;
-
-Decoding make_decoding(bool srgb) {
-  Decoding out{};
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double v = static_cast<double>(i) / 255.0;
-    const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    out[i] = static_cast<float>(srgb ? linear : v);
-  }
-  return out;
-}
 
 /// A texel of 4 x 16 bits; colours as square roots of linear light, which shaders decode with one multiplication.
 glm::uvec2 encode(const glm::vec4& linear, bool srgb) {
@@ -32,13 +20,7 @@ glm::uvec2 encode(const glm::vec4& linear, bool srgb) {
 
 /// Appends the mip chain of an image, filtered in linear light, and returns the number of levels.
 int append_mips(const TextureImage& image, bool srgb, std::vector<glm::uvec2>* texels) {
-  static const Decoding kColour = make_decoding(true), kLinear = make_decoding(false);
-  const Decoding& decoding = srgb ? kColour : kLinear;
-  const auto decode = [&](int x, int y) {
-    const std::uint8_t* t = &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                             static_cast<std::size_t>(x))];
-    return glm::vec4(decoding[t[0]], decoding[t[1]], decoding[t[2]], kLinear[t[3]]);
-  };
+  const Texels decode(image, srgb);
   const auto append = [&](int width, int height, const auto& texel) {
     const std::size_t first = texels->size();
     texels->resize(first + static_cast<std::size_t>(width) * static_cast<std::size_t>(height));

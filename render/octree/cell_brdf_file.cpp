@@ -11,7 +11,7 @@ namespace maquette {
 namespace {
 
 constexpr const char* kKind = "octree_brdf";
-constexpr const char* kVersion = "2";
+constexpr const char* kVersion = "3";
 constexpr std::size_t kWeights = 4;
 constexpr std::uint32_t kMirrored = 1u << CellRotation::kBits;  ///< flag in the column `turn`
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 
+#include "render/materials/texels.h"
 #include "scenes/files.h"
 
 namespace maquette {
@@ -13,8 +14,6 @@ namespace {
 
 /// Finer texels are averaged when the mip chain is made: cells are millimetres wide.
 constexpr int kMaxSide = 512;
-
-float linear_from_srgb(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
 
 float wrapped(float x, Wrap wrap) {
   if (wrap == Wrap::clamp_to_edge) return std::clamp(x, 0.0f, 1.0f);
@@ -27,13 +26,7 @@ float wrapped(float x, Wrap wrap) {
 
 std::shared_ptr<const OctreeTextures::Chain> OctreeTextures::make_chain(const TextureImage& image) {
   auto chain = std::make_shared<Chain>();
-  float code[256];
-  for (int i = 0; i < 256; ++i) code[i] = linear_from_srgb(static_cast<float>(i) / 255.0f);
-  const auto decode = [&](int x, int y) {
-    const std::uint8_t* t =
-        &image.rgba[4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x))];
-    return glm::vec4(code[t[0]], code[t[1]], code[t[2]], static_cast<float>(t[3]) / 255.0f);
-  };
+  const Texels decode(image, true);
   MipLevel level{image.width, image.height, {}};
   if (std::max(image.width, image.height) <= kMaxSide) {
     for (int y = 0; y < image.height; ++y)
@@ -63,6 +56,8 @@ OctreeTextures::OctreeTextures(const Scene& scene, const std::vector<Material>& 
       if (!chains[image]) {
         chains[image] = make_chain(source);
         hashes[image] = content_hash(std::as_bytes(std::span(source.rgba)));
+        if (!source.rgba16.empty())
+          hashes[image] = content_hash(std::as_bytes(std::span(source.rgba16)), hashes[image]);
       }
       entry.chain = chains[image];
       const TextureRef& r = entry.reference;

@@ -7,14 +7,15 @@ namespace maquette {
 namespace {
 
 /// `bakes`: of indirect light that the picture lies between. `panes`: recorded ones.
-ShaderVariant compose_variant(int stage, bool textures, std::size_t bakes, bool panes, bool glossy) {
+ShaderVariant compose_variant(int stage, bool textures, std::size_t bakes, bool panes, bool glossy, bool shadows) {
   return {"shading/compose.comp",
           "",
           {{"STAGE", std::to_string(stage)},
            {"TEXTURES", flag(textures)},
            {"INDIRECT", std::to_string(bakes)},
            {"PANES", flag(panes)},
-           {"GLOSSY", flag(glossy)}}};
+           {"GLOSSY", flag(glossy)},
+           {"SHADOWS", flag(shadows)}}};
 }
 
 ShaderVariant listed(ShaderVariant compose) {
@@ -24,8 +25,8 @@ ShaderVariant listed(ShaderVariant compose) {
 
 ShaderVariant sky_variant(bool panes) { return {"shading/sky.comp", "", {{"PANES", flag(panes)}}}; }
 
-const ShaderVariant kFilter = compose_variant(2, false, 0, false, false),
-                    kSpread = listed(compose_variant(4, false, 0, false, false));
+const ShaderVariant kFilter = compose_variant(2, false, 0, false, false, false),
+                    kSpread = listed(compose_variant(4, false, 0, false, false, false));
 
 }  // namespace
 
@@ -34,11 +35,13 @@ std::vector<ShaderVariant> Composer::shader_variants() {
   for (const bool textures : {false, true})
     for (const std::size_t bakes : {0u, 1u, 2u})
       for (const bool panes : {false, true})
-        for (const bool glossy : {false, true}) {
-          for (const int stage : {0, 1}) variants.push_back(compose_variant(stage, textures, bakes, panes, glossy));
-          for (const int stage : {1, 3})
-            variants.push_back(listed(compose_variant(stage, textures, bakes, panes, glossy)));
-        }
+        for (const bool glossy : {false, true})
+          for (const bool shadows : {false, true}) {
+            for (const int stage : {0, 1})
+              variants.push_back(compose_variant(stage, textures, bakes, panes, glossy, shadows));
+            for (const int stage : {1, 3})
+              variants.push_back(listed(compose_variant(stage, textures, bakes, panes, glossy, shadows)));
+          }
   return variants;
 }
 
@@ -95,7 +98,7 @@ const Program& Composer::program_of(const ComposeScene& scene, const ComposedLay
                                     std::size_t bakes, bool quads, bool panes) const {
   const ComposeInfo info = composed.layer.mode.compose_info(scene.frame.scene);
   const bool glossy = scene.glossy_light && composed.layer.context.index == 0;
-  const ShaderVariant variant = compose_variant(stage, info.without_base_factor, bakes, panes, glossy);
+  const ShaderVariant variant = compose_variant(stage, info.without_base_factor, bakes, panes, glossy, composed.shadow_light);
   const Program& program = scene.frame.programs.get(quads ? listed(variant) : variant);
   if (panes) scene.panes->bind(program);
   if (bakes == 2) program.set("u_later", scene.frame.bakes.indirect().blend());
@@ -107,6 +110,7 @@ void Composer::compose_layer(const ComposeScene& scene, const ComposedLayer& com
   if (several_) layer.surfaces.bind();
   if (in_picture_) glBindTextureUnit(kUnitRadiance, layer.radiance.get());
   const std::size_t bakes = layer.plan.indirect == "baked" ? composed.bind_indirect() : 0;
+  if (composed.shadow_light) glBindTextureUnit(kUnitShadowLight, composed.shadow_light->get());
   if (scene.glossy_light && layer.index == 0) glBindTextureUnit(kUnitGlossy, scene.glossy_light->get());
   glBindImageTexture(kImageRadiance, in_picture_ ? picture_.get() : layer.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE,
                      GL_RGBA32F);
@@ -123,7 +127,7 @@ void Composer::compose_quads(const ComposeScene& scene, const ComposedLayer& com
   const ComposeInfo info = composed.layer.mode.compose_info(scene.frame.scene);
   const bool panes = scene.panes, glossy = scene.glossy_light && composed.layer.context.index == 0;
   const Program& plain = program_of(scene, composed, 3, bakes, true, panes);
-  plain.set("u_least_points", bakes > 0 || glossy || panes || scene.frame.scene.buffers().has_colors() ? 4 : 1);
+  plain.set("u_least_points", bakes > 0 || glossy || panes || composed.shadow_light || scene.frame.scene.buffers().has_colors() ? 4 : 1);
   dispatch_quads(plain, *info.plain_quads, 1);
   dispatch_quads(program_of(scene, composed, 1, bakes, true, panes), *info.mixed_quads, 4);
   dispatch_quads(scene.frame.programs.get(kSpread), *info.plain_quads, 1);

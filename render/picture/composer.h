@@ -14,6 +14,7 @@ struct ComposedLayer {
   const DrawnLayer& layer;
   /// Binds its indirect light of each bake that the frame lies between (shaders/shading/compose.comp); their count.
   std::function<std::size_t()> bind_indirect;
+  const Texture* shadow_light = nullptr;  ///< of render/shadow_rays, where the layer has it
 };
 
 /// Panes that are drawn in the same step as the points behind them.

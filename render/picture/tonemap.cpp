@@ -81,22 +81,24 @@ double mean_luminance(const Environment& environment) { return sum_light(environ
 
 float meter_exposure_ev(const Image& radiance, float environment_ev) {
   constexpr double kTarget = 0.1, kGlare = 0.3, kFloor = 0.004;  // of the display's linear range
-  constexpr float kMaxStops = 2.0f;
+  constexpr float kMaxStops = 5.0f;
+  constexpr double kFall = 1.5;  // of the weights: 0.22 in the middle of an edge, 0.05 in a corner
   if (radiance.channels < 3) return environment_ev;
   const double scale = std::exp2(static_cast<double>(environment_ev));
-  double sum = 0.0;
-  std::size_t count = 0;
+  double sum = 0.0, weights = 0.0;
+  const auto across = [](int i, int size) { return (2.0 * i + 1.0) / size - 1.0; };
   for (int y = 0; y < radiance.height; ++y) {
     for (int x = 0; x < radiance.width; ++x) {
       if (radiance.channels > 3 && radiance.at(x, y, 3) < 1.0f) continue;
       const double value = scale * luminance(radiance, x, y);
       if (!std::isfinite(value)) continue;
-      sum += std::log2(std::max(value, 0.0) + kFloor);
-      ++count;
+      const double u = across(x, radiance.width), v = across(y, radiance.height), weight = std::exp(-kFall * (u * u + v * v));
+      sum += weight * std::log2(std::max(value, 0.0) + kFloor);
+      weights += weight;
     }
   }
-  if (count == 0) return environment_ev;
-  const double average = sum / static_cast<double>(count);
+  if (!(weights > 0.0)) return environment_ev;
+  const double average = sum / weights;
   const auto stops = static_cast<float>(average > std::log2(kGlare) ? std::log2(kGlare) - average
                                                                     : std::max(std::log2(kTarget) - average, 0.0));
   return environment_ev + std::min(stops, kMaxStops);

@@ -95,9 +95,10 @@ Technique lookup_technique(const std::string& name, const std::string& help, con
   technique.name = name;
   technique.help = help;
   technique.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
-    if (settings.get_string("shading.visibility") == "baked")
-      return "a mode that looks up prefiltered maps knows no visibility (shading.visibility=baked); use one that takes "
-             "samples";
+    const std::string& asked = settings.get_string("shading.visibility");
+    if (asked == "baked" || asked == "rays")
+      return "a mode that looks up prefiltered maps knows no visibility (shading.visibility=" + asked +
+             "); use one that takes samples";
     return std::nullopt;
   };
   technique.add_passes = [filtered](const PlanInput&, ShadingPlan* shading, FramePlan* plan) {

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "render/environment/prefilter.h"
+#include "render/math/shared_formulas.h"
 
 namespace maquette {
 
@@ -26,13 +27,11 @@ glm::dvec3 view_at(double nv) { return {std::sqrt(1.0 - nv * nv), 0.0, nv}; }
 
 double sheen_albedo(double nv, double roughness) {
   const glm::dvec3 wo = view_at(nv);
-  const double inverse_alpha = 1.0 / std::max(roughness * roughness, 1e-2);
+  const auto alpha = static_cast<float>(std::max(roughness * roughness, 1e-2));
   double sum = 0.0;
   for (int i = 0; i < kSamples; ++i) {
     const glm::dvec3 wi = spiral(i, (i + 0.5) / kSamples), h = glm::normalize(wi + wo);
-    const double sin_h = std::sqrt(std::max(1.0 - h.z * h.z, 1e-8));
-    const double density = (2.0 + inverse_alpha) * std::pow(sin_h, inverse_alpha) / (2.0 * kPi);
-    sum += density * wi.z / (4.0 * std::max(wi.z + nv - wi.z * nv, 1e-4));
+    sum += wi.z * static_cast<double>(shared::sheen_lobe(glm::vec3(h), glm::vec3(wi), glm::vec3(wo), alpha));
   }
   return 2.0 * kPi * sum / kSamples;
 }

@@ -105,11 +105,10 @@ struct ReferencePicture::Impl {
     pixels.resize(pixel_count(r));
   }
 
-  glm::vec3 direction_through(const glm::vec2& at) const {
+  EyeRay eye_ray_through(const glm::vec2& at) const {
     const glm::vec2 size(request.width, request.height);
     const glm::vec2 ndc = 2.0f * at / size - 1.0f;
-    return shared::camera_ray(camera.forward, camera.right * camera.tan_x, camera.up * camera.tan_y,
-                              glm::vec2(ndc.x, -ndc.y));
+    return camera.ray_through(glm::vec2(ndc.x, -ndc.y));
   }
 
   /// A ray through a point of the picture, in pixels.
@@ -120,8 +119,10 @@ struct ReferencePicture::Impl {
   PixelRay ray_through(const glm::vec2& at) const {
     // Textures are filtered over as much as rasterisation does: the spacing of its samples.
     const float step = request.footprint * (request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f);
-    return {{camera.eye, direction_through(at), camera.near_m, std::numeric_limits<float>::max()},
-            {camera.eye, direction_through(at + glm::vec2(step, 0.0f)), direction_through(at + glm::vec2(0.0f, step))}};
+    const EyeRay ray = eye_ray_through(at), x = eye_ray_through(at + glm::vec2(step, 0.0f)),
+                    y = eye_ray_through(at + glm::vec2(0.0f, step));
+    return {{ray.origin, ray.direction, camera.near_m, std::numeric_limits<float>::max()},
+            {x.origin, y.origin, x.direction, y.direction}};
   }
 
   /// Number of paths of a pixel when the average is `average`.

@@ -49,8 +49,8 @@ struct Footprint {
 
 Footprint footprint_of(const RayDifferential& d, const glm::vec3& p0, const glm::vec3& e1, const glm::vec3& e2,
                        const glm::vec2& b) {
-  return {shared::intersect_plane_of_triangle(d.origin, d.direction_x, p0, e1, e2).barycentric - b,
-          shared::intersect_plane_of_triangle(d.origin, d.direction_y, p0, e1, e2).barycentric - b};
+  return {shared::intersect_plane_of_triangle(d.origin_x, d.direction_x, p0, e1, e2).barycentric - b,
+          shared::intersect_plane_of_triangle(d.origin_y, d.direction_y, p0, e1, e2).barycentric - b};
 }
 
 /// Reads the textures of one hit.
@@ -124,6 +124,7 @@ class FactorReader {
     times(TextureRole::thickness, 1, &f_.thickness);
     f_.mapped = normal(TextureRole::normal);
     if (!material_.measured) read_lobes();
+    if (has(TextureRole::metallic_roughness) && v.transmission > 0.0f) f_.pane *= 1.0f - f_.metallic;
   }
 
  private:
@@ -238,6 +239,8 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
     if (m.texture(TextureRole::clearcoat_normal) >= 0)
       coat_normal = shared::apply_normal_map(smooth, tangent, f.coat_mapped, v.clearcoat_normal_scale);
   }
+  // Metal transmits nothing, and the surface besides the pane has all of it.
+  if (f.pane > 0.0f && v.transmission > 0.0f) f.metallic = std::min(f.metallic / std::max(1.0f - f.pane, 1e-6f), 1.0f);
   p.n = shared::face_viewer(normal, p.normal, view);
   p.normal_adjusted = p.n != normal && p.n != -normal;
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
@@ -249,9 +252,10 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   }
   p.wo = local_view(p, view);
   const bool shines = p.front || (corner.material & kBothSides) != 0;
-  p.emission = shines ? f.emission : glm::vec3(0.0f);
   const bool same = normal == coat_normal;
   coat_normal = shared::face_viewer(coat_normal, p.normal, view);
+  p.emission = shines ? f.emission : glm::vec3(0.0f);
+  if (!m.measured) p.emission *= shared::emission_through_coat(f.clearcoat, glm::dot(coat_normal, view));
   fill_material(m, f, same ? nullptr : &coat_normal, &p);
 }
 
@@ -293,6 +297,8 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
   inside = glm::clamp(inside, 0.0f, 1.0f);
   float share = m.pane;
   if (m.texture(TextureRole::transmission) >= 0) share *= reader.read(m.texture(TextureRole::transmission)).x;
+  if (m.texture(TextureRole::metallic_roughness) >= 0 && m.values.transmission > 0.0f)
+    share *= 1.0f - m.values.metallic * reader.read(m.texture(TextureRole::metallic_roughness)).z;
   const auto passes = [&](float channel) {
     return shared::fresnel_pane(cosine, std::max(m.values.ior, 1.0f), channel).y;
   };

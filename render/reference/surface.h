@@ -13,7 +13,7 @@ inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::is
 
 /// Rays through the neighbouring pixels, for texture footprints; directions are as long as the ray's own.
 struct RayDifferential {
-  glm::vec3 origin{0.0f};
+  glm::vec3 origin_x{0.0f}, origin_y{0.0f};
   glm::vec3 direction_x{0.0f}, direction_y{0.0f};
 };
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "render/frame/camera.h"
+#include "render/frame/constants.h"
 
 namespace maquette {
 
@@ -204,10 +205,9 @@ float MirroredBound::bound_of_cell(Part* part, std::size_t number) const {
 }
 
 float MirroredBound::bound_of(Part* part, const FrameConstants& frame) const {
-  const glm::vec3 eye(frame.eye);
   std::vector<glm::vec3> directions;
   for (std::size_t k = 0; k < part->positions.size(); ++k) {
-    const glm::vec3 v = part->positions[k] - eye;
+    const glm::vec3 v = from_eye(frame, part->positions[k]);
     if (glm::length(v) < 1e-6f) return kUnbounded;
     directions.push_back(glm::reflect(glm::normalize(v), part->normals[k]));
   }

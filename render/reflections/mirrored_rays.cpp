@@ -28,6 +28,7 @@ ShaderVariant compose_variant(bool layers, bool glossy) {
            {"TEXTURES", "0"},
            {"INDIRECT", "0"},
            {"PANES", "0"},
+           {"SHADOWS", "0"},
            {"LAYERS", flag(layers)},
            {"GLOSSY", flag(glossy)}}};
 }

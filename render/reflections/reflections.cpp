@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/frame/constants.h"
 #include "render/gl/bindings.h"
 #include "render/gl/raster_state.h"
 #include "render/views/read_texture.h"
@@ -116,8 +117,9 @@ void Reflections::draw_panes(const Frame& frame, const ReflectionTargets& t) {
     program.set("u_first_triangle", static_cast<int>(scene.geometry().items[i].first_index / 3));
     program.set("u_reflector", static_cast<int>(k));
     const auto patch = patches.of_item.find(i);
+    // Seen by parallel rays the tolerance is a length, and the patch's own triangles always hold it.
     const CoarsePatch::Level* level =
-        patch == patches.of_item.end()
+        patch == patches.of_item.end() || context.constants.eye.w == 0.0f
             ? nullptr
             : coarsest_level(patch->second, glm::vec3(context.constants.eye),
                              kPaneTolerance_px * context.constants.forward.w * static_cast<float>(t.divisor));
@@ -265,7 +267,7 @@ Image Reflections::read_picture(const MirroredRays& rays, int channel) const {
   return image;
 }
 
-std::optional<Image> Reflections::view(const std::string& name, bool drawn, const glm::vec3& eye) const {
+std::optional<Image> Reflections::view(const std::string& name, bool drawn, const FrameConstants& frame) const {
   const std::vector<DebugViewInfo> known = views();
   if (std::none_of(known.begin(), known.end(), [&](const DebugViewInfo& v) { return v.name == name; }))
     return std::nullopt;
@@ -289,7 +291,7 @@ std::optional<Image> Reflections::view(const std::string& name, bool drawn, cons
   const auto origin = read_texture<float>(r.ray_origin, GL_RGBA, GL_FLOAT, 4);
   const auto along_m = read_texture<float>(r.depth, GL_RED, GL_FLOAT, 1);
   for (std::size_t i = 0; i < along_m.size(); ++i) {
-    const glm::vec3 to = glm::vec3(origin[4 * i], origin[4 * i + 1], origin[4 * i + 2]) - eye;
+    const glm::vec3 to = from_eye(frame, {origin[4 * i], origin[4 * i + 1], origin[4 * i + 2]});
     const bool hits = image.data[4 * i + 3] > 0.0f && along_m[i] > 0.0f;
     for (std::size_t c = 0; c < 3; ++c) image.data[4 * i + c] = hits ? glm::length(to) + along_m[i] : 0.0f;
   }

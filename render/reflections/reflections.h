@@ -33,7 +33,7 @@ class Reflections {
   static std::vector<ShaderVariant> shader_variants();
   static std::vector<DebugViewInfo> views();
   /// A debug view of the reflected picture, at its size. `drawn`: this frame has one. Throws Error when there is none.
-  std::optional<Image> view(const std::string& name, bool drawn, const glm::vec3& eye) const;
+  std::optional<Image> view(const std::string& name, bool drawn, const FrameConstants& frame) const;
 
  private:
   struct Frame {

@@ -22,7 +22,7 @@ void add_details(const Material& m, MaterialDetails* details) {
   details->anisotropy |= m.anisotropy > 0.0f;
   details->film |= m.iridescence > 0.0f;
   details->coat_normal |= m.clearcoat > 0.0f && (m.normal_texture || m.clearcoat_normal_texture);
-  const bool coat = m.clearcoat > 0.0f && m.clearcoat_roughness_texture;
+  const bool coat = m.clearcoat > 0.0f && (m.clearcoat_texture || m.clearcoat_roughness_texture);
   const bool specular = m.specular_texture || m.specular_color_texture;
   const bool sheen = m.sheen_color != glm::vec3(0.0f) && (m.sheen_color_texture || m.sheen_roughness_texture);
   details->any |= details->anisotropy || details->film || details->coat_normal || coat || specular || sheen ||

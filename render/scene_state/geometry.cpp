@@ -121,7 +121,8 @@ class InstanceWriter {
     }
   }
 
-  /// Directions of growing u and v of the normal texture's set, averaged over the triangles around a vertex.
+  /// Direction of growing u of the normal texture's set, averaged over the triangles around a vertex. The bitangent
+  /// points to the top of the texture, where v is 0: the green of a normal map is up (glTF 2.0, 3.9.3).
   /// Source: Lengyel 2001, Computing Tangent Space Basis Vectors for an Arbitrary Mesh.
   void write_tangents_from_uvs(const std::vector<glm::vec2>& uvs) {
     std::vector<glm::dvec3> along_u(vertex_count(), glm::dvec3(0.0)), along_v(vertex_count(), glm::dvec3(0.0));
@@ -138,7 +139,7 @@ class InstanceWriter {
     });
     for (std::size_t i = 0; i < vertex_count(); ++i) {
       const glm::dvec3 normal(out_.normals[vertex(i)]);
-      const double handedness = glm::dot(glm::cross(normal, along_u[i]), along_v[i]) < 0.0 ? -1.0 : 1.0;
+      const double handedness = glm::dot(glm::cross(normal, along_u[i]), along_v[i]) > 0.0 ? -1.0 : 1.0;
       set_tangent(i, along_u[i], handedness);
     }
   }

@@ -84,8 +84,15 @@ glm::vec3 volume_absorption(const Material& m) {
   return -glm::log(glm::max(m.attenuation_color, glm::vec3(1e-20f))) * (m.thickness / m.attenuation_distance);
 }
 
-float pane_share(const Material& m) { return !m.glass ? 0.0f : m.transmission > 0.0f ? m.transmission : 1.0f; }
+float pane_share(const Material& m) {
+  if (!m.glass) return 0.0f;
+  if (!(m.transmission > 0.0f)) return 1.0f;
+  return m.transmission * (m.metallic_roughness_texture ? 1.0f : 1.0f - m.metallic);
+}
 
-bool is_partly_surface(const Material& m) { return pane_share(m) < 1.0f || m.transmission_texture; }
+bool is_partly_surface(const Material& m) {
+  const bool metal = m.transmission > 0.0f && m.metallic_roughness_texture && m.metallic > 0.0f;
+  return pane_share(m) < 1.0f || m.transmission_texture || metal;
+}
 
 }  // namespace maquette

@@ -20,8 +20,8 @@ bool is_cut_away(const Material& material);
 /// a volume. Source: KHR_materials_volume.
 glm::vec3 volume_absorption(const Material& material);
 
-/// Share of a material that is a pane of glass; the rest is an opaque surface. With `builtin:glass` or `extras` the
-/// factor itself may be 0.
+/// Share of a material that is a pane of glass, before its textures; the rest is an opaque surface. Metal transmits
+/// nothing. With `builtin:glass` or `extras` the factor itself may be 0.
 float pane_share(const Material& material);
 
 /// Whether a share of a transparent material is a surface: coverage by alpha, or what does not transmit.

@@ -30,6 +30,12 @@ std::string visibility_define(const ShadingPlan& plan) {
   return plan.visibility == "traced" ? "2" : plan.visibility == "baked" ? "1" : "0";
 }
 
+void set_sun(const Program& program, const SunBuffers& sun) {
+  const auto inverse = [](double integral) { return integral > 0.0 ? static_cast<float>(1.0 / integral) : 0.0f; };
+  glProgramUniform3f(program.get(), program.location("u_sun"), sun.least_luminance, inverse(sun.sun_sr),
+                     inverse(sun.rest_integral));
+}
+
 ShaderVariant gather_variant(bool accumulate, bool textures) {
   return {"shading/gather.comp", "", {{"ACCUMULATE", flag(accumulate)}, {"TEXTURES", flag(textures)}}};
 }
@@ -41,6 +47,7 @@ ShaderVariant shade_variant(const ShadingPlan& plan, bool measured) {
       {{"MEASURED", flag(measured)}, {"VISIBILITY", visibility_define(plan)}, {"LIGHTS", flag(plan.lights)}}};
   if (!measured && !plan.sheen) variant.defines.emplace_back("ANALYTIC_SHEEN", "0");
   if (!measured && !plan.clearcoat) variant.defines.emplace_back("ANALYTIC_COAT", "0");
+  if (plan.sun_apart) variant.defines.emplace_back("SEPARATE_SUN", "1");
   return variant;
 }
 
@@ -53,11 +60,13 @@ std::vector<ShaderVariant> SampledShading::shader_variants() {
         plan.visibility = visibility;
         plan.lights = lights;
         variants.push_back(shade_hits_variant(plan, measured));
-        for (int lobes = 0; lobes < (measured ? 1 : 4); ++lobes) {
-          plan.sheen = lobes & 1;
-          plan.clearcoat = lobes & 2;
-          variants.push_back(shade_variant(plan, measured));
-        }
+        for (int lobes = 0; lobes < (measured ? 1 : 4); ++lobes)
+          for (const bool sun_apart : {false, true}) {
+            plan.sheen = lobes & 1;
+            plan.clearcoat = lobes & 2;
+            plan.sun_apart = sun_apart;
+            variants.push_back(shade_variant(plan, measured));
+          }
       }
   return variants;
 }
@@ -88,12 +97,15 @@ void SampledShading::mark_band(const Marking& marking, std::size_t band, unsigne
 
 void SampledShading::shade_lists(const FrameContext& frame, const ShadingPlan& plan, const unsigned counters[16],
                                  ShaderVariant (*variant)(const ShadingPlan&, bool), const Program& gather) {
+  const SunBuffers* sun = plan.sun_apart && variant == shade_variant ? frame.scene.environment().sun() : nullptr;
+  if (sun) glBindTextureUnit(kUnitLightSamples, sun->rest_view.get());
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferItems, lists_.items[list].get());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPartial, lists_.partial[list].get());
     const Program& program = frame.programs.get(variant(plan, list == 0));
     program.set("u_list", list);
+    if (sun) set_sun(program, *sun);
     if (plan.visibility == "traced") frame.bakes.octree().buffers().set_uniforms(program);
     dispatch_indirect(program, list * 32 + 8);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPoints, lists_.points[list].get());
@@ -101,6 +113,7 @@ void SampledShading::shade_lists(const FrameContext& frame, const ShadingPlan& p
     gather.set("u_list", list);
     dispatch(gather, 256, 1);
   }
+  if (sun) frame.scene.environment().bind();
 }
 
 void SampledShading::shade_hits(const HitShading& hits) {

@@ -11,6 +11,8 @@ namespace maquette {
 /// The shaders' VISIBILITY: 0 none, 1 baked, 2 traced.
 std::string visibility_define(const ShadingPlan& plan);
 ShaderVariant shade_variant(const ShadingPlan& plan, bool measured);
+/// Of shaders that leave the sun out of their samples (SEPARATE_SUN).
+void set_sun(const Program& program, const SunBuffers& sun);
 /// `textures`: points are kept without their base factor (shaders/bandwidth/base_factor.glsl).
 ShaderVariant gather_variant(bool accumulate, bool textures);
 

@@ -40,6 +40,7 @@ struct Capabilities {
   bool judges_reflections = false;  ///< noiseless: the report compares reflector techniques in it
   // Of reflectors:
   bool needs_octree = false;      ///< rays go through it
+  bool needs_eye = false;         ///< projects from one point: no orthographic cameras
   bool mirrors_glossy = false;    ///< glossy opaque surfaces mirror too
   bool needs_patches = false;     ///< curved meshes get patches fitted to them
   bool keeps_hits = false;        ///< hits hold while camera and surfaces stay

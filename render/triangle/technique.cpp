@@ -19,7 +19,7 @@ Technique triangle_technique() {
        .max = 32,
        .help = "a patch becomes this many quads a side; the picture is the same, the time is not"},
   };
-  info.can.keeps_hits = true;
+  info.can = {.needs_eye = true, .keeps_hits = true};
   info.make_reflector = make_triangle_reflections;
   info.shader_variants = triangle_shader_variants;
   info.quality_steps = resolution_steps();

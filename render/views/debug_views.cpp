@@ -1,3 +1,4 @@
+#include "render/math/shared_formulas.h"
 #include "render/views/debug_views.h"
 
 #include <algorithm>
@@ -25,11 +26,9 @@ glm::vec3 decode_normal(std::uint32_t packed) {
 }
 
 glm::vec3 decode_base_color(std::uint32_t packed) {
-  const auto part = [&](int shift) {
-    const float v = static_cast<float>(packed >> shift & 255u) / 255.0f;
-    return v * v;
-  };
-  return {part(0), part(8), part(16)};
+  constexpr int kBias = 34;  // kBaseColorBias
+  const glm::vec3 root = shared::unpack_rgb9e5(packed, kBias);
+  return root * root;
 }
 
 /// Scaled so that what is seen (alpha 1) has the mean 0.2.

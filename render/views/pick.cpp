@@ -31,7 +31,7 @@ Pick pick_by_ray(const SceneState& scene, const FrameRequest& request, int x, in
   const CameraFrame camera = make_camera_frame(request.camera, request.width, request.height, scene.bounds());
   const glm::vec2 ndc((2.0f * static_cast<float>(x) + 1.0f) / static_cast<float>(request.width) - 1.0f,
                       1.0f - (2.0f * static_cast<float>(y) + 1.0f) / static_cast<float>(request.height));
-  const glm::vec3 ray = shared::camera_ray(camera.forward, camera.right * camera.tan_x, camera.up * camera.tan_y, ndc);
+  const EyeRay ray = camera.ray_through(ndc);
   float nearest = std::numeric_limits<float>::max();
   std::uint32_t triangle = 0;
   for (std::size_t i = 0; i < g.items.size(); ++i) {
@@ -41,17 +41,17 @@ Pick pick_by_ray(const SceneState& scene, const FrameRequest& request, int x, in
     for (std::uint32_t k = item.first_index; k + 2 < item.first_index + item.index_count; k += 3) {
       const glm::vec3 a = g.positions[g.indices[k]], e1 = g.positions[g.indices[k + 1]] - a,
                       e2 = g.positions[g.indices[k + 2]] - a;
-      const shared::TriangleHit hit = shared::intersect_plane_of_triangle(camera.eye, ray, a, e1, e2);
+      const shared::TriangleHit hit = shared::intersect_plane_of_triangle(ray.origin, ray.direction, a, e1, e2);
       const bool inside =
           hit.barycentric.x >= 0.0f && hit.barycentric.y >= 0.0f && hit.barycentric.x + hit.barycentric.y <= 1.0f;
       if (!inside || hit.depth < camera.near_m || hit.depth >= nearest) continue;
-      if (culled && glm::dot(glm::cross(e1, e2), ray) > 0.0f) continue;
+      if (culled && glm::dot(glm::cross(e1, e2), ray.direction) > 0.0f) continue;
       nearest = hit.depth;
       triangle = k / 3;
     }
   }
   if (nearest == std::numeric_limits<float>::max()) return {};
-  return pick_triangle(scene, triangle, camera.eye + ray * nearest, ray);
+  return pick_triangle(scene, triangle, ray.origin + ray.direction * nearest, ray.direction);
 }
 
 }  // namespace maquette

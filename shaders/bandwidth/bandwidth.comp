@@ -69,8 +69,7 @@ vec4 find_bandwidth(ivec2 quad, ivec2 pixel, Pool pool) {
   nu_surface += texelFetch(t_texture_bandwidth_map, pixel, 0).x;
 #endif
   float scale = max(u_frame.environment.z, 1e-12);
-  float angle = u_frame.forward.w;
-  vec3 nu = screen_bandwidth(bend, nu_theta, nu_surface, angle);
+  vec3 nu = screen_bandwidth(bend, nu_theta, nu_surface, pixel_angle());
   // Half floats end at 65504, and infinity would turn the weights of upsampling into NaN.
   imageStore(o_axes, quad, min(vec4(nu, nu_theta), vec4(65000.0)));
   return vec4(max(nu.x, nu.y), radiance * scale, deviation * scale, 1.0);

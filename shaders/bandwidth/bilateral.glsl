@@ -16,10 +16,10 @@ Guide load_guide(ivec2 pixel) {
   float depth = uintBitsToFloat(packed_guide.x);
   Guide g;
   g.valid = depth > 0.0;
-  g.position = ray_through(vec2(pixel) + 0.5) * depth;
+  g.position = position_through(vec2(pixel) + 0.5, depth);
   g.normal = guide_normal(packed_guide.y);
   g.material = int(packed_guide.y >> 24u);
-  g.pixel_m = depth * u_frame.forward.w;
+  g.pixel_m = pixel_width(depth);
   g.open = 1.0;
   return g;
 }

@@ -4,8 +4,8 @@ const float kBroad = 2.5;
 
 /// `surface`: of the G-buffer; `flags`: first word of its material's record 6.
 bool is_broad(uvec4 surface, uint flags, bool measured) {
-  float roughness = float(surface.z & 255u) * (1.0 / 255.0);
-  bool coated = ((surface.z >> 8u) & 255u) != 0u;
+  float roughness = unpack_roughness(surface.z);
+  bool coated = material_floats(int(surface.z >> 16u), 3).x > 0.0;
   return measured ? unpackHalf2x16(flags).y <= kBroad
                   : bandwidth_ggx(max(roughness * roughness, 1e-3)) <= kBroad && !coated;
 }

@@ -27,7 +27,7 @@ void main() {
   float open = 1.0;
   if (!is_broad(surface, flags, (flags & kMaterialMeasured) != 0u)) {
     VisibilityPoint p = load_visibility(pixel, u_frame.eye.xyz + g.position, g.normal);
-    open = mean_visibility(p, reflect(normalize(g.position), p.normal));
+    open = mean_visibility(p, reflect(normalize(view_ray(pixel)), p.normal));
   }
   imageStore(o_sky_visibility, pixel, vec4(open));
 }

@@ -24,7 +24,7 @@ Sample load_sample(ivec2 pixel) {
   float depth = texelFetch(t_depth, pixel, 0).x;
   uvec4 g = texelFetch(t_surface, pixel, 0);
   s.valid = depth > 0.0;
-  s.position = ray_through(vec2(pixel) + 0.5) * depth;
+  s.position = position_through(vec2(pixel) + 0.5, depth);
   s.normal = unpack_normal(g.x);
   s.material = int(g.z >> 16u);
   return s;
@@ -43,11 +43,11 @@ struct Along {
 const float kLeastCosine = 0.02;  // of grazing views
 
 Along along_axis(Sample c, ivec2 pixel, ivec2 axis, float pixel_m) {
-  float tangent_m = pixel_m / max(dot(c.normal, -normalize(c.position)), kLeastCosine);
+  float tangent_m = pixel_m / max(dot(c.normal, -normalize(ray_through(vec2(pixel) + 0.5).direction)), kLeastCosine);
   // Without a neighbour: on the tangent plane.
-  vec3 ray = ray_through(vec2(pixel + axis) + 0.5);
-  float along_ray = dot(c.position, c.normal) / min(dot(ray, c.normal), -kLeastCosine * length(ray));
-  Along best = Along(ray * along_ray - c.position, vec3(0.0));
+  EyeRay ray = ray_through(vec2(pixel + axis) + 0.5);
+  float along_ray = dot(c.position - ray.origin, c.normal) / min(dot(ray.direction, c.normal), -kLeastCosine * length(ray.direction));
+  Along best = Along(ray.origin + ray.direction * along_ray - c.position, vec3(0.0));
   float best_change = 1e30;
   for (int side = -1; side <= 1; side += 2) {
     ivec2 q = pixel + side * axis;
@@ -77,7 +77,7 @@ void main() {
     imageStore(o_screen_curvature, quad, uvec4(0u));
   } else {
     Sample c = load_sample(pixel);
-    float pixel_m = texelFetch(t_depth, pixel, 0).x * u_frame.forward.w;
+    float pixel_m = pixel_width(texelFetch(t_depth, pixel, 0).x);
     Along x = along_axis(c, pixel, ivec2(1, 0), pixel_m), y = along_axis(c, pixel, ivec2(0, 1), pixel_m);
     imageStore(o_screen_curvature, quad, pack_screen_curvature(x.step_m, y.step_m, x.normal_change, y.normal_change));
   }

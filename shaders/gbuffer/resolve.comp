@@ -67,6 +67,7 @@ vec4 interpolate(Triangle t, int row) {
 struct Resolved {
   Surface surface;  // its normal: interpolated, unit
   vec3 emission;
+  float transmission;
   float texture_bandwidth;  // cycles/m
 };
 
@@ -84,6 +85,7 @@ Resolved load_material(Triangle t, int material) {
   r.surface.along = vec3(cos(rotation), sin(rotation), 0.0);  // along the tangents; the world's axes at the end
 #endif
   r.emission = material_floats(material, 2).rgb;
+  r.transmission = material_floats(material, 3).w;
   r.texture_bandwidth = 0.0;
   return r;
 }
@@ -124,6 +126,7 @@ void apply_texture(inout Resolved r, uint role, vec4 value, vec4 m1) {
   r.surface.roughness *= role == kRoleMetallicRoughness ? value.g : 1.0;
   r.surface.clearcoat *= role == kRoleClearcoat ? value.r : 1.0;
   r.emission *= role == kRoleEmissive ? value.rgb : vec3(1.0);
+  r.transmission *= role == kRoleTransmission ? value.r : 1.0;
 #if DETAILS
   r.surface.occlusion = role == kRoleOcclusion ? mix(1.0, value.r, m1.w) : r.surface.occlusion;
   r.surface.coat_roughness *= role == kRoleCoatRoughness ? value.g : 1.0;
@@ -179,7 +182,7 @@ void read_textures(ivec2 pixel, Triangle t, inout Resolved r) {
     float span = sqrt(max(length(dx) * length(dy), 1e-20));
     // Upsampling divides by the base colour and multiplies by it again (fill.comp), so only the remaining light contributes its detail.
     if (role == kRoleBaseColor) cycles_per_uv *= 1.0 - base_color_share(r.surface.metallic, (flags & kMaterialTinted) != 0u);
-    float nu = role != kRoleEmissive ? min(cycles_per_uv * span, 0.5) / (t.depth * u_frame.forward.w) : 0.0;
+    float nu = role != kRoleEmissive ? min(cycles_per_uv * span, 0.5) / pixel_width(t.depth) : 0.0;
     r.texture_bandwidth = max(r.texture_bandwidth, nu);
 #endif
   }
@@ -197,6 +200,8 @@ void resolve_surface(ivec2 pixel, int triangle) {
 #if TEXTURES
   read_textures(pixel, t, r);
 #endif
+  // Metal transmits nothing, and the surface besides the pane has all of it.
+  if (r.transmission > 0.0) r.surface.metallic = min(r.surface.metallic / max(1.0 - r.transmission * (1.0 - r.surface.metallic), 1e-6), 1.0);
   vec3 view = view_origin(pixel) - t.p0.xyz, to_eye = -normalize(view_ray(pixel)), geometric = cross(t.e1, t.e2);
   vec3 seen_side = dot(geometric, view) < 0.0 ? -geometric : geometric;
   r.surface.normal = face_viewer(r.surface.normal, seen_side, to_eye);
@@ -206,6 +211,12 @@ void resolve_surface(ivec2 pixel, int triangle) {
   r.surface.along = tangent_direction(r.surface.normal, interpolate(t, 2), r.surface.along.xy);
   store_details(pixel, r.surface);
 #endif
+#if DETAILS
+  vec3 coat_normal = r.surface.coat_normal;
+#else
+  vec3 coat_normal = r.surface.normal;
+#endif
+  r.emission *= emission_through_coat(r.surface.clearcoat, dot(coat_normal, to_eye));
   imageStore(o_surface, pixel, pack_surface(r.surface, r.emission));
   imageStore(o_depth, pixel, vec4(depth));
   imageStore(o_guide, pixel, uvec4(pack_guide(depth, r.surface.normal, r.surface.material), 0u, 0u));

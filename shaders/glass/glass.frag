@@ -1,7 +1,7 @@
 // Panes: the background times the transmittance, plus the mirrored environment times the reflectance; both faces with all bounces between
 // them (shared/fresnel.glsl). Thin: the transmitted ray is neither refracted nor shifted, and roughness is ignored.
 // Blended surfaces show what was shaded for them (render/glass/blended.h), with coverage alpha.
-// TEXTURES: the item has a texture of base colour, transmission, thickness or emission. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
+// TEXTURES: the item has one of glass/pane_textures.glsl. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
 // a reflector technique, 2 also a second image, 3 is an opaque metal. HATCHED: pixels of low confidence are hatched. All are
 // permutations, because software devices run branches that no invocation takes.
 // Blending is o_color + o_through * (what is there), so items are drawn back to front.
@@ -14,10 +14,10 @@
 #include "shading/environment_bilinear.glsl"
 #if TEXTURES
 #include "shared/texture_table.glsl"
-uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
-uniform int u_normal_texture;  // -1: none
+#include "glass/pane_textures.glsl"
 uniform float u_normal_scale;
-in vec2 v_uv[5];  // of each
+uniform float u_metallic;  // factor of the texture of the metal, which transmits nothing
+in vec2 v_uv[kPaneTextures];
 in vec4 v_tangent;
 vec4 texel(int k) { return sample_texture(u_textures[k], v_uv[k], dFdx(v_uv[k]), dFdy(v_uv[k])); }
 #endif
@@ -114,7 +114,7 @@ float metal_reflectance(float c, float f0) {
 vec4 base_color() {
   vec4 base = u_base * v_color;
 #if TEXTURES
-  if (u_textures.x >= 0) base *= texel(0);
+  if (u_textures[kPaneBaseColor] >= 0) base *= texel(kPaneBaseColor);
 #endif
   if (base.a < u_cutoff) discard;
   return vec4(base.rgb, u_blends > 0 ? base.a : 1.0);
@@ -124,10 +124,7 @@ vec4 base_color() {
 vec3 shading_normal(vec3 view) {
   vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
 #if TEXTURES
-  if (u_normal_texture >= 0) {
-    vec3 mapped = sample_texture(u_normal_texture, v_uv[4], dFdx(v_uv[4]), dFdy(v_uv[4])).xyz * 2.0 - 1.0;
-    n = apply_normal_map(n, v_tangent, mapped, u_normal_scale);
-  }
+  if (u_textures[kPaneNormal] >= 0) n = apply_normal_map(n, v_tangent, texel(kPaneNormal).xyz * 2.0 - 1.0, u_normal_scale);
 #endif
   return dot(n, view) < 0.0 ? -n : n;
 }
@@ -138,7 +135,7 @@ void main() {
   vec3 n = shading_normal(view);
   vec3 emission = u_emission;
 #if TEXTURES
-  if (u_textures.w >= 0) emission *= texel(3).rgb;
+  if (u_textures[kPaneEmission] >= 0) emission *= texel(kPaneEmission).rgb;
 #endif
   vec3 surface = vec3(0.0);
 #if SURFACE
@@ -148,8 +145,9 @@ void main() {
   float c = dot(n, view), pane = u_pane.x;
   vec3 absorption = gl_FrontFacing ? u_absorption : vec3(0.0);
 #if TEXTURES
-  if (u_textures.y >= 0) pane *= texel(1).r;
-  if (u_textures.z >= 0) absorption *= texel(2).g;
+  if (u_textures[kPaneTransmission] >= 0) pane *= texel(kPaneTransmission).r;
+  if (u_textures[kPaneThickness] >= 0) absorption *= texel(kPaneThickness).g;
+  if (u_textures[kPaneMetallic] >= 0) pane *= 1.0 - u_metallic * texel(kPaneMetallic).b;
 #endif
   // The refracted ray's way through a slab of that thickness.
   base.rgb *= exp(-absorption * inversesqrt(max(1.0 - (1.0 - c * c) / (u_pane.y * u_pane.y), 1e-6)));

@@ -5,10 +5,9 @@
 layout(location = 0) in vec3 a_position;
 #include "gbuffer/vertex.glsl"
 #if TEXTURES
-uniform ivec4 u_textures;  // of base colour, transmission, thickness and emission, -1: none
 #include "shared/texture_table.glsl"
-uniform int u_normal_texture;  // -1: none
-out vec2 v_uv[5];               // the last of the normal
+#include "glass/pane_textures.glsl"
+out vec2 v_uv[kPaneTextures];
 out vec4 v_tangent;
 #endif
 #if VISIBILITY == 2
@@ -17,7 +16,7 @@ out vec4 v_tangent;
 #include "shared/visibility.glsl"
 layout(binding = kUnitVisibility) uniform usamplerBuffer t_visibility;  // [vertex][side of +n, of -n][kVisibilityWords]
 #endif
-out vec3 v_position;  // m, relative to the eye
+out vec3 v_position;  // m, from where its ray starts
 out vec3 v_normal;
 out vec4 v_color;
 out float v_open;     // share of the mirror direction that is not occluded
@@ -33,13 +32,12 @@ float open_share(vec3 direction, bool back) {
 
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
-  v_position = a_position - u_frame.eye.xyz;
+  v_position = from_eye(a_position);
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
   v_color = vertex_color(gl_VertexID);
 #if TEXTURES
   v_tangent = texelFetch(t_vertices, 4 * gl_VertexID + 2);
-  v_uv[4] = texture_coordinates(max(u_normal_texture, 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
-  for (int k = 0; k < 4; ++k)
+  for (int k = 0; k < kPaneTextures; ++k)
     v_uv[k] = texture_coordinates(max(u_textures[k], 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
 #endif
   v_open = 1.0;

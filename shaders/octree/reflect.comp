@@ -81,7 +81,7 @@ float angle_along(ivec2 pixel, ivec2 step_px, vec4 direction) {
     float angle = length(other.xyz - direction.xyz);
     if (other.w == direction.w && angle > 0.0) least = min(least, angle);
   }
-  return least < 1e30 ? least : u_frame.forward.w;
+  return least < 1e30 ? least : pixel_angle();
 }
 /// Spread of the cone: that of the lobe, or that caused by the surface's curvature if larger. Blending cells with their neighbours doubles it.
 float spread_of(ivec2 pixel, vec4 direction) {
@@ -91,7 +91,7 @@ float spread_of(ivec2 pixel, vec4 direction) {
 
 /// True for a cell of the surface itself. The normal is halfway between the mirrored ray and the view direction.
 bool is_own(vec3 origin, vec4 direction, OctreeColor color, float t, float cell_m) {
-  vec3 normal = normalize(direction.xyz - normalize(origin - u_frame.eye.xyz));
+  vec3 normal = normalize(direction.xyz - normalize(from_eye(origin)));
   return color.material == int(direction.w) - 1 && t * dot(direction.xyz, normal) < kOwnHeight * cell_m;
 }
 #else
@@ -105,7 +105,7 @@ float spread_of(ivec2 pixel, vec4 direction) {
     sum += length(other.xyz - direction.xyz);
     count += 1.0;
   }
-  return count > 0.0 ? sum / count : u_frame.forward.w;
+  return count > 0.0 ? sum / count : pixel_angle();
 }
 bool is_within(vec3 p, int reflector, float margin) {
   return all(greaterThan(p, u_own_low[reflector] - margin)) && all(lessThan(p, u_own_high[reflector] + margin));
@@ -163,7 +163,7 @@ void main() {
   }
   vec4 origin = texelFetch(t_ray_origin, pixel, 0);
   float even_cell_m = float(1 << u_octree_detail) / u_octree.w;
-  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * even_cell_m, origin.w * u_frame.forward.w, spread_of(pixel, direction));
+  OctreeRay ray = OctreeRay(origin.xyz, direction.xyz, 0.0, 1e30, kFrameCells * even_cell_m, pixel_width(origin.w), spread_of(pixel, direction));
   OctreeHit hit;
   OctreeColor color;
   int steps = 0, own = 0;

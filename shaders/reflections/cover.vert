@@ -3,10 +3,10 @@
 #include "shared/frame.glsl"
 layout(location = 0) in vec3 a_position;
 layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
-out vec3 v_position;  // m, relative to the eye
+out vec3 v_position;  // m, from where its ray starts
 out vec3 v_normal;
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
-  v_position = a_position - u_frame.eye.xyz;
+  v_position = from_eye(a_position);
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
 }

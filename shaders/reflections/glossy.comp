@@ -39,7 +39,7 @@ vec4 met_around(ivec2 pixel, Point p, vec3 direction) {
   ivec2 low = ivec2(floor(at)), size = textureSize(t_met, 0);
   vec2 f = at - vec2(low);
   vec3 normal = world_from_environment(p.n);
-  float near_m = kSamePlane_px * float(u_divisor) * u_frame.forward.w * p.distance_m;
+  float near_m = kSamePlane_px * float(u_divisor) * pixel_width(p.distance_m);
   vec4 sum = vec4(0.0);
   for (int k = 0; k < 4; ++k) {
     ivec2 o = ivec2(k & 1, k >> 1), q = clamp(low + o, ivec2(0), size - 1);

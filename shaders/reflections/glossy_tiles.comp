@@ -3,6 +3,9 @@ layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
+#include "shared/octahedral.glsl"
+#include "shared/rgb9e5.glsl"
+#include "shared/gbuffer.glsl"
 #include "shared/material_table.glsl"
 #include "reflections/glossy_parts.glsl"
 layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
@@ -23,8 +26,8 @@ bool may_mirror(ivec2 pixel) {
 #if MEASURED
   if ((words.x & kMaterialMeasured) != 0u) return texelFetch(t_lobes, int(words.y) * kLobeTexels).w <= widest;
 #endif
-  bool coat = (word >> 8u & 255u) != 0u && material_floats(int(word >> 16u), 3).y <= widest;
-  return coat || float(word & 255u) * (1.0 / 255.0) <= widest;
+  vec4 coat = material_floats(int(word >> 16u), 3);
+  return (coat.x > 0.0 && coat.y <= widest) || unpack_roughness(word) <= widest;
 }
 
 void main() {

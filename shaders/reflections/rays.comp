@@ -32,10 +32,10 @@ struct PanePoint {
   vec2 x;       // parameters on the patch
 };
 
-/// Newton's method for eye + k ray = S(x). It starts from the parameters interpolated over the triangle, whose error is quadratic in its size.
-PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
+/// Newton's method for from + k ray = S(x). It starts from the parameters interpolated over the triangle, whose error is quadratic in its size.
+PanePoint refine(int number, vec2 x, vec3 from, vec3 ray, int steps) {
   BezierSurface s = load_patch(number);
-  vec3 eye = u_frame.eye.xyz - u_patches[number].origin.xyz;
+  vec3 eye = from - u_patches[number].origin.xyz;
   SurfaceJet jet;
   for (int k = 0; k <= steps; ++k) {
     jet = bezier_jet(s, x);
@@ -46,7 +46,9 @@ PanePoint refine(int number, vec2 x, vec3 ray, int steps) {
   }
   vec3 normal = cross(jet.dx, jet.dy), incident = normalize(ray);
   normal = dot(normal, normal) > 0.0 ? normalize(normal) : -incident;
-  return PanePoint(jet.p + u_patches[number].origin.xyz, normal, inverse_focal_distance(jet, eye, reflect(incident, normal)), x);
+  // Parallel rays come from far away.
+  vec3 source = u_frame.eye.w > 0.0 ? eye : jet.p - 1e9 * incident;
+  return PanePoint(jet.p + u_patches[number].origin.xyz, normal, inverse_focal_distance(jet, source, reflect(incident, normal)), x);
 }
 
 #if FITTED
@@ -58,13 +60,13 @@ const float kSharpest = 20.0;  // 1/m
 
 /// Compares the ray with that of the patch fitted to the triangle and records their largest differences. The patch is used to find what the ray
 /// hits, not to change the ray. Returns 1/m of the distance to the caustic.
-float compare_with_fit(int triangle, vec2 b, vec3 ray, vec3 origin, vec3 direction) {
+float compare_with_fit(int triangle, vec2 b, vec3 from, vec3 ray, vec3 origin, vec3 direction) {
   uvec4 record = texelFetch(t_fits, triangle);
   if (record.x == 0u) return kNoFocus;
   int number = int(record.x) - 1;
   vec2 x0 = unpackSnorm2x16(record.y), x1 = unpackSnorm2x16(record.z), x2 = unpackSnorm2x16(record.w);
-  PanePoint fitted = refine(number, x0 + b.x * (x1 - x0) + b.y * (x2 - x0), ray, 4);
-  vec3 incident = normalize(ray), miss = fitted.position - u_frame.eye.xyz;
+  PanePoint fitted = refine(number, x0 + b.x * (x1 - x0) + b.y * (x2 - x0), from, ray, 4);
+  vec3 incident = normalize(ray), miss = fitted.position - from;
   float offset = length(fitted.position - origin), angle = length(reflect(incident, fitted.normal) - direction);
   // A search that has not converged cannot be compared.
   bool found = length(miss - incident * dot(miss, incident)) < 1e-4 * length(miss);
@@ -122,9 +124,9 @@ void main() {
                         texelFetch(t_indices, 3 * triangle + 2).x);
     vec4 p0 = texelFetch(t_vertices, v.x), p1 = texelFetch(t_vertices, v.y), p2 = texelFetch(t_vertices, v.z);
     vec4 n0 = texelFetch(t_vertices, v.x + 1), n1 = texelFetch(t_vertices, v.y + 1), n2 = texelFetch(t_vertices, v.z + 1);
-    vec3 ray = ray_through(vec2(pixel) + 0.5), e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
+    vec3 from = view_origin(pixel), ray = view_ray(pixel), e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
     // Moller and Trumbore 1997, without the range tests: the rasteriser has made them.
-    vec3 q = cross(ray, e2), t = u_frame.eye.xyz - p0.xyz;
+    vec3 q = cross(ray, e2), t = from - p0.xyz;
     float determinant = dot(e1, q);
     float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
     vec2 b = clamp(vec2(dot(t, q), dot(ray, cross(t, e1))) * inverse, 0.0, 1.0);
@@ -136,7 +138,7 @@ void main() {
     point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
     ivec4 mirror = u_mirrors[reflector];
     vec2 uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
-    if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, ray, 2);
+    if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, from, ray, 2);
     vec3 incident = normalize(ray);
     float normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
     point.normal *= normal_side;
@@ -154,7 +156,7 @@ void main() {
       // The normal changes over these few millimetres: normals where the back reflects the ray and where the ray leaves.
       vec3 change = normal_change(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
       if (mirror.x >= 0) {
-        PanePoint beside = refine(mirror.x, 2.0 * uv - 1.0, point.position + ghost.offset - u_frame.eye.xyz, 2);
+        PanePoint beside = refine(mirror.x, 2.0 * uv - 1.0, from, point.position + ghost.offset - from, 2);
         change = facing_normal(beside.normal, incident) - point.normal;
       }
       back = normalize(point.normal + 0.5 * change);
@@ -170,7 +172,7 @@ void main() {
       }
 #endif
 #if FITTED
-      if (mirror.y == 1 && direction.w > 0.0) focus = compare_with_fit(triangle + mirror.z, b, ray, origin.xyz, direction.xyz);
+      if (mirror.y == 1 && direction.w > 0.0) focus = compare_with_fit(triangle + mirror.z, b, from, ray, origin.xyz, direction.xyz);
 #endif
     }
   }

@@ -74,7 +74,7 @@ void main() {
   vec4 direction = imageLoad(io_direction, pixel);
   if (direction.w <= 0.0) return;
   // The normal is halfway between the mirrored ray and the view direction.
-  vec3 incident = normalize(ray_through(vec2(pixel) + 0.5));
+  vec3 incident = normalize(view_ray(pixel));
   float cosine = sqrt(max(0.5 - 0.5 * dot(incident, direction.xyz), 0.0));
   vec3 unseen = unseen_radiance(pixel, int(texelFetch(t_pane, pixel, 0).x) - 1, direction.w, cosine);
   atomicAdd(b_followed, unseen.x < 0.0 ? 1u : 0u);

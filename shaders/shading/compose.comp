@@ -4,7 +4,7 @@
 // stages replace STAGE 1: STAGE 3 computes one value for each plain quad and stores it at its last point, which no other quad reads; STAGE 1 with
 // QUADS completes the points of the other quads; STAGE 4 copies a plain quad's value to all its points. sky.comp draws points that show the sky,
 // except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
-// interpolated between two (2). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
+// interpolated between two (2). SHADOWS: adds light that rays have shadowed (render/shadow_rays). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
 // with REFLECTED, accumulates what the mirrored rays of glossy surfaces show.
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
@@ -50,11 +50,17 @@ uniform float u_later;  // weight of the later one
 #if GLOSSY && !defined(REFLECTED)
 layout(binding = kUnitGlossy) uniform sampler2D t_glossy;
 #endif
+#if SHADOWS
+layout(binding = kUnitShadowLight) uniform sampler2D t_shadow_light;
+#endif
 vec3 complete(ivec2 p, vec3 shaded) {
   uvec4 g = texelFetch(t_surface, p, 0);
   uint flags = material_words(int(g.z >> 16u), 6).x;
 #if TEXTURES
   shaded *= base_factor(g, flags);
+#endif
+#if SHADOWS
+  shaded = max(shaded + texelFetch(t_shadow_light, p, 0).rgb, 0.0);
 #endif
 #if INDIRECT || GLOSSY
   vec3 indirect = vec3(0.0);
@@ -70,8 +76,7 @@ vec3 complete(ivec2 p, vec3 shaded) {
   shaded += indirect;
 #endif
   if ((flags & kMaterialUnlit) != 0u) {
-    vec4 y = unpackUnorm4x8(g.y);
-    shaded = y.rgb * y.rgb;
+    shaded = unpack_base_color(g.y);
   }
 #if GLOSSY && defined(REFLECTED)
   return shaded;  // emissive surfaces light opaque ones as lights already

@@ -93,6 +93,12 @@ Point load_point(ivec2 pixel) {
     p.inverse_albedo = 1.0 / max(a, 1e-6);
   } else {
     float ior = material_floats(s.material, 2).w;
+    if (!has_textures(s.material) && material_floats(s.material, 3).w == 0.0) {
+      // Not as the G-buffer rounds them.
+      vec4 m1 = material_floats(s.material, 1);
+      s.metallic = m1.x;
+      s.roughness = m1.y;
+    }
 #if DETAILS
     p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, ior, s.specular, s.specular_color, s.clearcoat, s.coat_roughness,
                                s.sheen_color, s.sheen_roughness);
@@ -115,7 +121,7 @@ Point load_point(ivec2 pixel) {
 #endif
 #else
     vec4 m3 = material_floats(s.material, 3), m4 = material_floats(s.material, 4);
-    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, ior, m3.z, m4.rgb, s.clearcoat, m3.y,
+    p.analytic = make_analytic(s.base_color, s.metallic, s.roughness, ior, m3.z, m4.rgb, m3.x, m3.y,
                                material_floats(s.material, 5).rgb, m4.w);
 #endif
     p.lobe_weights = analytic_lobe_weights(p.analytic, p.wo);

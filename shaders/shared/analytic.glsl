@@ -49,10 +49,65 @@ struct AnalyticMaterial {
 #endif
   vec3 sheen;
   float sheen_alpha;
+#if ANALYTIC_SHEEN
+  vec4 sheen_albedo;  // of sheen_albedo()
+#endif
 };
 
 /// Smallest alpha that float arithmetic and the half-pixel grid of normals can carry: a lobe of 0.06 degrees.
 const float kMinAlpha = 1.0e-3f;
+
+#if ANALYTIC_SHEEN
+/// Whether a lobe of sheen is there at all.
+MAQUETTE_FN bool has_sheen(AnalyticMaterial m) { return m.sheen.x + m.sheen.y + m.sheen.z > 0.0f; }
+
+/// Coefficients of the sheen's albedo for a roughness of 0.1 to 1: its logarithm is a cubic of the cosine's root. Fitted to quadratures of the lobe
+/// below; the albedo errs by at most 0.03 (SheenAlbedo.AgreesWithQuadrature).
+MAQUETTE_FN vec4 sheen_albedo_coefficients(float roughness) {
+  float root = sqrt(roughness);
+  float inverse = 1.0f / roughness;
+  return vec4(-8.74049f, 35.76781f, -61.44472f, 13.32194f) + vec4(9.04260f, -38.52659f, 68.28100f, -17.90755f) * root +
+         vec4(1.44872f, -5.91365f, 7.43722f, -0.38405f) * inverse +
+         vec4(-0.08785f, 0.41863f, -0.61878f, 0.06188f) * (inverse * inverse) +
+         vec4(-1.72751f, 8.59043f, -17.64239f, 6.93758f) * (roughness * roughness);
+}
+
+/// Albedo of a white sheen seen at a cosine.
+MAQUETTE_FN float sheen_albedo(vec4 coefficients, float cosine) {
+  float s = sqrt(max(cosine, 0.0f));
+  return exp(coefficients.x + s * (coefficients.y + s * (coefficients.z + s * coefficients.w)));
+}
+
+/// How much light of a direction the sheen leaves to what lies below. Source: KHR_materials_sheen, "Albedo-scaling technique".
+MAQUETTE_FN float below_sheen(AnalyticMaterial m, float cosine) {
+  float strongest = max(max(m.sheen.x, m.sheen.y), m.sheen.z);
+  return clamp(1.0f - strongest * sheen_albedo(m.sheen_albedo, cosine), 0.0f, 1.0f);
+}
+
+/// Logarithm of the masking at a cosine below 1/2. Source: Conty Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF".
+MAQUETTE_FN float sheen_masking(float cosine, float alpha) {
+  float rough = 1.0f - (1.0f - alpha) * (1.0f - alpha);
+  float a = 25.3245f + (21.5473f - 25.3245f) * rough;
+  float b = 3.32435f + (3.82987f - 3.32435f) * rough;
+  float c = 0.16801f + (0.19823f - 0.16801f) * rough;
+  float d = -1.27393f + (-1.97760f + 1.27393f) * rough;
+  float e = -4.85967f + (-4.32054f + 4.85967f) * rough;
+  return a / (1.0f + b * pow(max(cosine, 1.0e-6f), c)) + d * cosine + e;
+}
+MAQUETTE_FN float sheen_lambda(float cosine, float alpha) {
+  if (cosine < 0.5f) return exp(sheen_masking(cosine, alpha));
+  return exp(2.0f * sheen_masking(0.5f, alpha) - sheen_masking(1.0f - cosine, alpha));
+}
+
+/// The lobe of a white sheen, 1/sr: "Charlie" distribution and visibility of KHR_materials_sheen.
+MAQUETTE_FN float sheen_lobe(vec3 h, vec3 wi, vec3 wo, float alpha) {
+  float sin_h = sqrt(max(h.x * h.x + h.y * h.y, 1.0e-8f));
+  float inverse = 1.0f / alpha;
+  float d = (2.0f + inverse) * pow(sin_h, inverse) * 0.15915494309f;
+  float masked = 1.0f + sheen_lambda(wi.z, alpha) + sheen_lambda(wo.z, alpha);
+  return d / (masked * max(4.0f * wi.z * wo.z, 1.0e-12f));
+}
+#endif
 
 MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, float roughness, float ior, float specular,
                                vec3 specular_color, float coat, float coat_roughness, vec3 sheen,
@@ -79,6 +134,10 @@ MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, floa
   m.coat_alpha = max(coat_roughness * coat_roughness, kMinAlpha);
   m.sheen = sheen;
   m.sheen_alpha = max(sheen_roughness * sheen_roughness, 1.0e-2f);
+#if ANALYTIC_SHEEN
+  m.sheen_albedo = vec4(0.0f);
+  if (has_sheen(m)) m.sheen_albedo = sheen_albedo_coefficients(sqrt(m.sheen_alpha));
+#endif
   return m;
 }
 
@@ -222,16 +281,14 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
   vec3 specular = fresnel * (ggx_d(h, alpha) * ggx_visibility(wi, wo, alpha));
   AnalyticLobes r;
   r.total = m.diffuse * (kInvPi * (1.0f - largest_fresnel)) + specular;
+  r.specular = luminance(specular);
 #if ANALYTIC_SHEEN
-  if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0f) {
-    // Charlie distribution with the cheap visibility term of KHR_materials_sheen.
-    float sin_h = sqrt(max(h.x * h.x + h.y * h.y, 1.0e-8f));
-    float inv = 1.0f / m.sheen_alpha;
-    float d = (2.0f + inv) * pow(sin_h, inv) * 0.15915494309f;
-    r.total = r.total + m.sheen * (d / (4.0f * max(wi.z + wo.z - wi.z * wo.z, 1.0e-4f)));
+  if (has_sheen(m)) {
+    float below = min(below_sheen(m, wi.z), below_sheen(m, wo.z));
+    r.total = r.total * below + m.sheen * sheen_lobe(h, wi, wo, m.sheen_alpha);
+    r.specular *= below;
   }
 #endif
-  r.specular = luminance(specular);
   r.coat = 0.0f;
 #if ANALYTIC_COAT
   if (m.coat > 0.0f) {
@@ -248,7 +305,14 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
 MAQUETTE_FN vec3 analytic_lobe_weights(AnalyticMaterial m, vec3 wo) {
   float specular = luminance(base_fresnel(m, wo.z));
   float coat = m.coat * (0.04f + 0.96f * schlick_weight(max(around_coat(m, wo).z, 0.0f)));
-  float diffuse = luminance(m.diffuse) + 0.5f * luminance(m.sheen);
+  float diffuse = luminance(m.diffuse);
+#if ANALYTIC_SHEEN
+  if (has_sheen(m)) {
+    float below = below_sheen(m, wo.z);
+    specular *= below;
+    diffuse = diffuse * below + 0.5f * luminance(m.sheen);
+  }
+#endif
   vec3 p = vec3(diffuse * (1.0f - coat), specular * (1.0f - coat), coat);
   float sum = p.x + p.y + p.z;
   return sum > 0.0f ? p / sum : vec3(1.0f, 0.0f, 0.0f);

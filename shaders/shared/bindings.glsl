@@ -107,6 +107,7 @@ const int kUnitDetails = 67;
 const int kUnitBlendedDepth = 68;  // glass
 const int kUnitBlendedDepths = 69;  // glass
 const int kUnitBlendedRadiance = 70;  // glass
+const int kUnitShadowLight = 71;  // shading
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth
@@ -214,6 +215,7 @@ const int kBufferOfferLists = 9;
 const int kBufferOffers = 10;
 const int kBufferLargeOffers = 11;
 const int kBufferFitReach = 12;
+const int kBufferPointRays = 2;  // shadow_rays
 const int kBufferOctreeLayers = 13;
 
 #endif

@@ -1,10 +1,10 @@
 // Constants of one frame; std140, the same struct in GLSL and in C++ (render/frame/frame_constants.h asserts the offsets).
 // A pixel's ray is forward + ndc_x * right + ndc_y * up (right and up scaled by the field of view), so that the
-// parameter along it is the depth along the viewing axis.
+// parameter along it is the depth along the viewing axis. Parallel rays are forward and start at ndc_x * right + ndc_y * up.
 struct FrameConstants {
   mat4 clip_from_world;
-  vec4 eye;            // xyz, m
-  vec4 forward;        // xyz unit; w: angle of one pixel at the centre, rad
+  vec4 eye;            // xyz, m; w: 1, or 0 where the rays are parallel
+  vec4 forward;        // xyz unit; w: angle of one pixel at the centre, rad; of parallel rays its width, m
   vec4 right;          // xyz
   vec4 up;             // xyz
   vec4 environment;    // cos and sin of the rotation, scale (cd/m2 per stored unit), integral of luminance (stored units * sr)

@@ -1,11 +1,12 @@
 // The G-buffer of one grid point: 16 bytes and its depth.
 //   x  shading normal, octahedral, 2 x 16 bit
-//   y  base colour (square-root coded, 3 x 8 bit), metallic 8 bit
-//   z  roughness 8 bit, clearcoat 8 bit, material 16 bit
+//   y  roots of the base colour, shared exponent (kBaseColorBias): within 0.4 % of its largest channel, 1e-3 of a dark one beside it
+//   z  root of the roughness 10 bit, metallic 6 bit, material 16 bit
 //   w  emitted radiance, shared exponent (kEmissionBias), cd/m2
 // Depth along the viewing axis is a separate float; 0 where only the sky is visible.
 // DETAILS: two more layers of 16 bytes hold what scenes rarely have (unpack_details); without them points read it from the material.
 const int kEmissionBias = 10;
+const int kBaseColorBias = 34;  // to 64, as vertex colours may be
 #ifndef DETAILS
 #define DETAILS 0
 #endif
@@ -34,36 +35,47 @@ struct Surface {
 
 uvec4 pack_surface(Surface s, vec3 emission) {
   vec2 oct = octahedral_from_direction(s.normal) * 2.0f - 1.0f;
-  return uvec4(packSnorm2x16(oct), packUnorm4x8(vec4(sqrt(s.base_color), s.metallic)),
-               uint(clamp(s.roughness, 0.0f, 1.0f) * 255.0f + 0.5f) |
-                   (uint(clamp(s.clearcoat, 0.0f, 1.0f) * 255.0f + 0.5f) << 8u) | (uint(s.material) << 16u),
+  return uvec4(packSnorm2x16(oct), pack_rgb9e5(sqrt(max(s.base_color, vec3(0.0f))), kBaseColorBias),
+               uint(sqrt(clamp(s.roughness, 0.0f, 1.0f)) * 1023.0f + 0.5f) |
+                   (uint(clamp(s.metallic, 0.0f, 1.0f) * 63.0f + 0.5f) << 10u) | (uint(s.material) << 16u),
                pack_rgb9e5(emission, kEmissionBias));
 }
+
+vec3 unpack_base_color(uint y) {
+  vec3 root = unpack_rgb9e5(y, kBaseColorBias);
+  return root * root;
+}
+float unpack_roughness(uint z) {
+  float root = float(z & 1023u) * (1.0f / 1023.0f);
+  return root * root;
+}
+float unpack_metallic(uint z) { return float((z >> 10u) & 63u) * (1.0f / 63.0f); }
 
 vec3 unpack_normal(uint x) { return direction_from_octahedral(unpackSnorm2x16(x) * 0.5f + 0.5f); }
 
 Surface unpack_surface(uvec4 g) {
   Surface s;
   s.normal = unpack_normal(g.x);
-  vec4 y = unpackUnorm4x8(g.y);
-  s.base_color = y.xyz * y.xyz;
-  s.metallic = y.w;
-  s.roughness = float(g.z & 255u) * (1.0f / 255.0f);
-  s.clearcoat = float((g.z >> 8u) & 255u) * (1.0f / 255.0f);
+  s.base_color = unpack_base_color(g.y);
+  s.metallic = unpack_metallic(g.z);
+  s.roughness = unpack_roughness(g.z);
+  s.clearcoat = 0.0f;  // of unpack_details, or the material's
   s.material = int(g.z >> 16u);
   return s;
 }
 
 #if DETAILS
-const int kSpecularBias = 4;
+const int kSpecularBias = 34;  // colours to 64
 struct Details {
-  uvec4 lobes;   // coat roughness, sheen roughness | occlusion, specular | specular colour | sheen colour
+  uvec4 lobes;   // coat roughness, sheen roughness | clearcoat 11 bit, specular 11, occlusion 10 | specular colour | sheen colour
   uvec4 shapes;  // coat normal | direction of the anisotropy | its strength, film | thickness (half float), roughness
 };
 
 Details pack_details(Surface s) {
   Details d;
-  d.lobes = uvec4(packUnorm2x16(vec2(s.coat_roughness, s.sheen_roughness)), packUnorm2x16(vec2(s.occlusion, s.specular)),
+  d.lobes = uvec4(packUnorm2x16(vec2(s.coat_roughness, s.sheen_roughness)),
+                  uint(clamp(s.clearcoat, 0.0f, 1.0f) * 2047.0f + 0.5f) | (uint(clamp(s.specular, 0.0f, 1.0f) * 2047.0f + 0.5f) << 11u) |
+                      (uint(clamp(s.occlusion, 0.0f, 1.0f) * 1023.0f + 0.5f) << 22u),
                   pack_rgb9e5(s.specular_color, kSpecularBias), pack_rgb9e5(s.sheen_color, kSpecularBias));
   d.shapes = uvec4(packSnorm2x16(octahedral_from_direction(s.coat_normal) * 2.0f - 1.0f),
                    packSnorm2x16(octahedral_from_direction(s.along) * 2.0f - 1.0f), packUnorm2x16(vec2(s.anisotropy, s.film)),
@@ -72,11 +84,12 @@ Details pack_details(Surface s) {
 }
 
 Surface unpack_details(Surface s, uvec4 lobes, uvec4 shapes) {
-  vec2 roughness = unpackUnorm2x16(lobes.x), occlusion = unpackUnorm2x16(lobes.y), shares = unpackUnorm2x16(shapes.z);
+  vec2 roughness = unpackUnorm2x16(lobes.x), shares = unpackUnorm2x16(shapes.z);
   s.coat_roughness = roughness.x;
   s.sheen_roughness = roughness.y;
-  s.occlusion = occlusion.x;
-  s.specular = occlusion.y;
+  s.clearcoat = float(lobes.y & 2047u) * (1.0f / 2047.0f);
+  s.specular = float((lobes.y >> 11u) & 2047u) * (1.0f / 2047.0f);
+  s.occlusion = float(lobes.y >> 22u) * (1.0f / 1023.0f);
   s.specular_color = unpack_rgb9e5(lobes.z, kSpecularBias);
   s.sheen_color = unpack_rgb9e5(lobes.w, kSpecularBias);
   s.coat_normal = unpack_normal(shapes.x);

@@ -49,7 +49,14 @@ AnalyticReflectance analytic_reflectance(AnalyticMaterial m, float nv, float she
   r.specular = f0 * base.x + vec3(m.f90 * base.y);
   r.diffuse = m.diffuse * (1.0 - mix(largest_f0, max(m.f90, largest_f0), base.w));
   r.coat = 0.0;
-  if (m.sheen.x + m.sheen.y + m.sheen.z > 0.0) r.diffuse += m.sheen * reflectance(nv, sheen_roughness).z;
+#if ANALYTIC_SHEEN
+  if (has_sheen(m)) {
+    float below = below_sheen(m, nv);
+    r.specular *= below;
+    // The light comes from all sides: at 60 degrees from the normal in the mean.
+    r.diffuse = r.diffuse * min(below, below_sheen(m, 0.5)) + m.sheen * reflectance(nv, sheen_roughness).z;
+  }
+#endif
   if (m.coat > 0.0) {
     vec4 coat = reflectance(nv, sqrt(m.coat_alpha));
     r.coat = m.coat * (0.04 * coat.x + coat.y);

@@ -4,9 +4,20 @@
 #define MAQUETTE_FN
 #endif
 
-// Ray through a point of the picture (ndc, y up), not normalised: its parameter is the depth along `forward`. right and up are scaled by
-// the field of view.
-MAQUETTE_FN vec3 camera_ray(vec3 forward, vec3 right, vec3 up, vec2 ndc) { return forward + right * ndc.x + up * ndc.y; }
+struct EyeRay {
+  vec3 origin;     // relative to the eye, m
+  vec3 direction;  // not normalised: its parameter is the depth along `forward`
+};
+
+// Ray through a point of the picture (ndc, y up). right and up are half the picture at depth 1 m, or of parallel rays everywhere.
+// `perspective`: 1, or 0 for parallel rays.
+MAQUETTE_FN EyeRay camera_ray(vec3 forward, vec3 right, vec3 up, float perspective, vec2 ndc) {
+  vec3 across = right * ndc.x + up * ndc.y;
+  EyeRay ray;
+  ray.origin = across * (1.0f - perspective);
+  ray.direction = forward + across * perspective;
+  return ray;
+}
 
 struct TriangleHit {
   float depth;
@@ -54,6 +65,12 @@ MAQUETTE_FN vec3 face_viewer(vec3 normal, vec3 seen_side, vec3 view) {
   vec3 n = dot(normal, seen_side) < 0.0f ? -normal : normal;
   float facing = dot(n, view);
   return facing < 0.004f ? normalize(n + view * (0.004f - facing)) : n;
+}
+
+// Share of a surface's emission that comes through its coat. Source: KHR_materials_clearcoat, "Emission".
+MAQUETTE_FN float emission_through_coat(float coat, float cosine) {
+  float x = clamp(1.0f - cosine, 0.0f, 1.0f);
+  return 1.0f - coat * (0.04f + 0.96f * x * x * x * x * x);
 }
 
 struct TangentBasis {

@@ -124,7 +124,8 @@ Image traced_normals(const PathScene& scene, const PictureRequest& r) {
     for (int x = 0; x < r.width; ++x) {
       const glm::vec2 ndc(2.0f * (static_cast<float>(x) + 0.5f) / static_cast<float>(r.width) - 1.0f,
                           1.0f - 2.0f * (static_cast<float>(y) + 0.5f) / static_cast<float>(r.height));
-      const Ray ray{c.eye, shared::camera_ray(c.forward, c.right * c.tan_x, c.up * c.tan_y, ndc), c.near_m};
+      const EyeRay through = c.ray_through(ndc);
+      const Ray ray{through.origin, through.direction, c.near_m};
       RayHit hit;
       if (!intersect(scene, ray, RayKind::camera, 0, &hit)) continue;
       const SurfacePoint p = resolve_surface(scene, ray, hit, {});

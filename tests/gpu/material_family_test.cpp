@@ -1,13 +1,16 @@
 // A generated family of small scenes: materials by textures by alpha by lights by UV sets. Modes that sample agree with
-// the path tracer's direct transport within noise. MAQUETTE_FAMILY=COUNT[,SEED] draws more of them than CI does.
+// the path tracer's direct transport within noise: the scene as it was made in `reference`, and as it comes back from a
+// file, plain or compressed, in the others. MAQUETTE_FAMILY=COUNT[,SEED] draws more of them than CI does.
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <random>
 
 #include "render/gl/context.h"
 #include "render/renderer.h"
+#include "tests/support/compressed_glb.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -35,6 +38,15 @@ class Generator {
     test::add(&scene, test::make_grid({-9, -9, -3}, {18, 0, 0}, {0, 18, 0}, 1, 1));
     if (chance(0.5f)) add_light(&scene);
     return scene;
+  }
+
+  CameraView camera() {
+    CameraView view;
+    view.eye = {number(-0.3f, 0.3f), number(-0.3f, 0.3f), 4.0f};
+    view.target = glm::vec3(0.0f);
+    view.fov_y_rad = 0.5f;
+    if (chance(0.3f)) view.height_m = 2.0f;
+    return view;
   }
 
   std::shared_ptr<Environment> sky() {
@@ -144,8 +156,10 @@ class Generator {
         m->base_color.a = number(0.3f, 1.0f);
         m->alpha_cutoff = number(0.2f, 0.6f);
       }
-      m->metallic = m->unlit ? m->metallic : 0.0f;
-      m->metallic_roughness_texture = {};
+      if (chance(0.6f)) {
+        m->metallic = 0.0f;
+        m->metallic_roughness_texture = {};
+      }
       m->transmission = number();
       m->glass = true;
       m->transmission_texture = texture(scene, 0.5f);
@@ -177,18 +191,36 @@ class Generator {
 
 using Means = std::array<glm::dvec3, kBlocks * kBlocks>;
 
-Means draw(const std::shared_ptr<const Scene>& scene, const std::shared_ptr<const Environment>& sky,
-           const std::string& mode, int samples, int frames) {
+/// One member of the family.
+struct Member {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<Environment> sky;
+  CameraView camera;
+};
+
+/// From a file as its JSON and bytes, or with one of the codecs.
+std::shared_ptr<const Scene> reloaded(const Scene& scene, unsigned seed) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "maquette-family";
+  std::filesystem::create_directories(folder);
+  const std::string path = (folder / (std::to_string(seed) + ".glb")).string();
+  save_glb(path, scene);
+  if (seed % 3 == 1) test::compress_glb(path, test::MeshCodec::draco);
+  if (seed % 3 == 2) test::compress_glb(path, test::MeshCodec::meshopt);
+  auto loaded = std::make_shared<const Scene>(load_gltf(path));
+  std::filesystem::remove(path);
+  EXPECT_TRUE(loaded->warnings.empty()) << loaded->warnings.front();
+  return loaded;
+}
+
+Means draw(const Member& member, const std::string& mode, int samples, int frames) {
   Renderer renderer;
-  renderer.set_scene(scene);
-  renderer.set_environment(sky);
+  renderer.set_scene(member.scene);
+  renderer.set_environment(member.sky);
   FrameRequest r;
   r.mode = mode;
   r.width = r.height = kSide;
   r.samples = samples;
-  r.camera.eye = {0.0f, 0.0f, 4.0f};
-  r.camera.target = {0.0f, 0.0f, 0.0f};
-  r.camera.fov_y_rad = 0.5f;
+  r.camera = member.camera;
   r.settings.set("shading.visibility", std::string("none"));
   r.settings.set("reference.transport", std::string("direct"));
   for (int k = 0; k < frames; ++k) renderer.render(r, frames > 1);
@@ -214,7 +246,8 @@ std::string expect_alike(const Means& a, const Means& b, double relative) {
 }
 
 /// What a failure is of.
-std::string describe(const Scene& scene) {
+std::string describe(const Member& member) {
+  const Scene& scene = *member.scene;
   const Material& m = scene.materials[0];
   std::string text;
   const auto add = [&](const char* name, bool on) { text += on ? std::string(" ") + name : ""; };
@@ -231,6 +264,7 @@ std::string describe(const Scene& scene) {
   add("film", m.iridescence > 0.0f);
   add("colours", !scene.meshes[0].primitives[0].colors.empty());
   add("light", !scene.lights.empty());
+  add("orthographic", member.camera.is_orthographic());
   return text;
 }
 
@@ -242,13 +276,13 @@ TEST(MaterialFamily, ModesAgreeWithTheReference) {
   for (int k = 0; k < count; ++k) {
     const unsigned seed = first + static_cast<unsigned>(k);
     Generator generator(seed);
-    const auto scene = std::make_shared<const Scene>(generator.scene());
-    const auto sky = generator.sky();
-    const Means reference = draw(scene, sky, "reference", 400, 1);
-    EXPECT_EQ(expect_alike(draw(scene, sky, "uniform", 1024, 1), reference, 0.03), "")
-        << "uniform, seed " << seed << describe(*scene);
-    EXPECT_EQ(expect_alike(draw(scene, sky, "bandwidth", 1024, 2), reference, 0.03), "")
-        << "bandwidth, seed " << seed << describe(*scene);
+    Member member{std::make_shared<const Scene>(generator.scene()), generator.sky(), generator.camera()};
+    const Means reference = draw(member, "reference", 400, 1);
+    member.scene = reloaded(*member.scene, seed);
+    EXPECT_EQ(expect_alike(draw(member, "uniform", 1024, 1), reference, 0.03), "")
+        << "uniform, seed " << seed << describe(member);
+    EXPECT_EQ(expect_alike(draw(member, "bandwidth", 1024, 2), reference, 0.03), "")
+        << "bandwidth, seed " << seed << describe(member);
   }
   const std::vector<std::string> errors = take_gl_errors();
   EXPECT_TRUE(errors.empty()) << errors.front();

@@ -99,6 +99,7 @@ void expect_pooled_as_tap_by_tap(int w, int h, bool first_only) {
   FrameConstants constants{};
   constants.size = glm::ivec4(w, h, first_only ? 2 : 1, 4);
   constants.environment = glm::vec4(1.0f, 0.0f, 1.0f, 1.0f);
+  constants.eye.w = 1.0f;
   constants.forward.w = kAngle;
   const Buffer block("frame", sizeof constants, &constants);
   std::vector<unsigned> list;

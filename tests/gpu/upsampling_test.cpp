@@ -39,6 +39,7 @@ struct Grid {
 
   Grid() {
     constants.size = glm::ivec4(kWidth, kHeight, 1, 4);
+    constants.eye.w = 1.0f;
     constants.forward = glm::vec4(0.0f, 0.0f, -1.0f, kPixelAngle);
     constants.right = glm::vec4(0.5f * kPixelAngle * kWidth, 0.0f, 0.0f, 0.0f);
     constants.up = glm::vec4(0.0f, 0.5f * kPixelAngle * kHeight, 0.0f, 0.0f);

@@ -47,7 +47,7 @@ TEST(Flatten, FillsWhatIsMissing) {
   expect_valid(flat);
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_LT(glm::length(flat.normals[i] - glm::vec3(0, 0, 1)), 1e-6f);
-    EXPECT_LT(glm::length(flat.tangents[i] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(flat.tangents[i] - glm::vec4(1, 0, 0, -1)), 1e-6f);
     EXPECT_EQ(flat.uv1[i], glm::vec2(0.0f));
     EXPECT_EQ(flat.colors[i], glm::vec4(1.0f));
   }
@@ -71,32 +71,33 @@ TEST(Flatten, RewindsMirroredInstances) {
     const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(-2, 1, 1))));
     EXPECT_LT(glm::length(face_normal(flat, 0) - glm::vec3(0, 0, 1)), 1e-6f);
     EXPECT_LT(glm::length(flat.normals[0] - glm::vec3(0, 0, 1)), 1e-6f);
-    // u now grows towards -x; bitangent = w cross(n, t) must still point along +y.
+    // u now grows towards -x; bitangent = w cross(n, t) must still point to the texture's top, along -y.
     const glm::vec3 bitangent = flat.tangents[0].w * glm::cross(flat.normals[0], glm::vec3(flat.tangents[0]));
     EXPECT_LT(glm::length(glm::vec3(flat.tangents[0]) - glm::vec3(-1, 0, 0)), 1e-6f);
-    EXPECT_LT(glm::length(bitangent - glm::vec3(0, 1, 0)), 1e-6f);
+    EXPECT_LT(glm::length(bitangent - glm::vec3(0, -1, 0)), 1e-6f);
   }
 }
 
-/// glTF 2.0, 3.7.2.1: tangents belong to the texture coordinates of the normal texture.
+/// glTF 2.0, 3.7.2.1: tangents belong to the texture coordinates of the normal texture; the green of a normal map is up, where v
+/// falls (3.9.3).
 TEST(Flatten, TakesTangentsFromTheSetOfTheNormalTexture) {
   Primitive primitive = quad();
   primitive.uvs[1] = {{0, 0}, {0, 1}, {-1, 1}, {-1, 0}};  // u along -y, v along x
   primitive.material = 0;
   Scene scene = scene_of(primitive);
   scene.materials.resize(2);
-  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, -1)), 1e-6f);
   scene.materials[0].normal_texture.image = 0;
-  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(1, 0, 0, -1)), 1e-6f);
   scene.materials[0].normal_texture.uv_set = 1;
-  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, -1)), 1e-6f);
   scene.materials[0] = Material();
   scene.materials[1].clearcoat_normal_texture.image = 0;
   scene.materials[1].clearcoat_normal_texture.uv_set = 1;
   scene.meshes[0].primitives[0].variant_materials[0] = 1;
-  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, -1)), 1e-6f);
   scene.meshes[0].primitives[0].uvs[0].clear();  // the second set alone
-  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, 1)), 1e-6f);
+  EXPECT_LT(glm::length(flatten(scene).tangents[0] - glm::vec4(0, -1, 0, -1)), 1e-6f);
 }
 
 TEST(Flatten, MirrorsGivenTangents) {
@@ -127,7 +128,7 @@ TEST(Flatten, StaysFiniteAtExtremeScalesAndForDegenerateTriangles) {
     const FlatGeometry flat = flatten(scene_of(primitive, glm::scale(glm::mat4(1.0f), glm::vec3(scale))));
     expect_valid(flat);
     EXPECT_LT(glm::length(flat.normals[0] - glm::vec3(0, 0, 1)), 1e-6f);
-    EXPECT_LT(glm::length(flat.tangents[0] - glm::vec4(1, 0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(flat.tangents[0] - glm::vec4(1, 0, 0, -1)), 1e-6f);
   }
   expect_valid(flatten(scene_of(quad(), glm::mat4(0.0f))));  // scaled to nothing
 }

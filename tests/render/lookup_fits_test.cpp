@@ -8,6 +8,7 @@
 #include "render/prefilter/reflectance_tables.h"
 #include "render/sg/fit.h"
 #include "render/splitsum/fit.h"
+#include "tests/support/sheen.h"
 
 namespace {
 
@@ -57,11 +58,10 @@ TEST(ReflectanceTable, SheenAndSchlickAgreeWithBruteForce) {
         nv, [&](const glm::dvec3& wi, const glm::dvec3& h) { return std::pow(1.0 - glm::dot(wi, h), 5.0) / kPi; });
     EXPECT_NEAR(table.at(x, 5, 3), weight, 0.01 * weight + 1e-5);
     for (const int y : {6, 14}) {
-      const double roughness = (y + 0.5) / kTableSize, inverse = 1.0 / (roughness * roughness);
-      const double sheen = reflected(nv, [&](const glm::dvec3& wi, const glm::dvec3& h) {
-        const double d = (2.0 + inverse) * std::pow(std::sqrt(1.0 - h.z * h.z), inverse) / (2.0 * kPi);
-        return d / (4.0 * (wi.z + nv - wi.z * nv));
-      });
+      const double roughness = (y + 0.5) / kTableSize;
+      const glm::dvec3 wo(std::sqrt(1.0 - nv * nv), 0.0, nv);
+      const double sheen = reflected(
+          nv, [&](const glm::dvec3& wi, const glm::dvec3&) { return test::sheen_lobe(wi, wo, roughness * roughness); });
       EXPECT_NEAR(table.at(x, y, 2), sheen, 0.02 * sheen + 1e-4) << x << ' ' << y;
       EXPECT_EQ(table.at(x, y, 0), split.at(x, y, 0));
       EXPECT_EQ(table.at(x, y, 1), split.at(x, y, 1));

@@ -31,7 +31,7 @@ glm::vec3 direction_through(const PathScene& scene, const PictureRequest& r, int
   const CameraFrame camera = make_camera_frame(r.camera, r.width, r.height, scene.bounds);
   const glm::vec2 ndc = 2.0f * (glm::vec2(x, y) + 0.5f) / glm::vec2(r.width, r.height) - 1.0f;
   return glm::normalize(
-      shared::camera_ray(camera.forward, camera.right * camera.tan_x, camera.up * camera.tan_y, {ndc.x, -ndc.y}));
+      camera.ray_through({ndc.x, -ndc.y}).direction);
 }
 
 /// A room that is open above and in front, with one matte material (0), under a sky with a lamp.

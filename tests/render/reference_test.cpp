@@ -53,6 +53,7 @@ TEST(Reference, ClearPaneLosesNothing) {
   Material glass;
   glass.glass = true;
   glass.transmission = 1.0f;
+  glass.metallic = 0.0f;
   glass.roughness = 0.0f;
   glass.double_sided = true;
   const Scene scene = sphere_of(glass);
@@ -262,6 +263,7 @@ TEST(Reference, GuideToMirroredLampsIsUnbiased) {
   Material pane;
   pane.glass = true;
   pane.transmission = 1.0f;
+  pane.metallic = 0.0f;
   pane.roughness = 0.0f;
   pane.double_sided = true;
   scene.materials.push_back(pane);

@@ -126,7 +126,19 @@ TEST(Exposure, BuiltinsGiveAMiddleTone) {
   }
 }
 
-TEST(Exposure, MeteringBrightensDarkPicturesByAtMostTwoStopsAndDimsGlare) {
+TEST(Exposure, TheMiddleWeighsMore) {
+  Image picture(32, 32, 4, 1.0f);
+  const auto with_bright = [&](int first) {
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x)
+        for (int c = 0; c < 3; ++c)
+          picture.at(x, y, c) = x >= first && x < first + 8 && y >= first && y < first + 8 ? 0.3f : 0.01f;
+    return meter_exposure_ev(picture, 0.0f);
+  };
+  EXPECT_LT(with_bright(12), with_bright(0) - 0.3f);
+}
+
+TEST(Exposure, MeteringBrightensDarkPicturesByAtMostFiveStopsAndDimsGlare) {
   Image picture(4, 4, 4, 1.0f);
   const auto fill = [&](float v) {
     for (std::size_t i = 0; i < picture.data.size(); ++i) picture.data[i] = i % 4 == 3 ? 1.0f : v;
@@ -136,7 +148,9 @@ TEST(Exposure, MeteringBrightensDarkPicturesByAtMostTwoStopsAndDimsGlare) {
   fill(0.046f);
   EXPECT_NEAR(meter_exposure_ev(picture, 0.0f), std::log2(0.1f / 0.05f), 1e-4f);
   fill(0.0f);
-  EXPECT_FLOAT_EQ(meter_exposure_ev(picture, -2.0f), 0.0f);
+  EXPECT_NEAR(meter_exposure_ev(picture, -2.0f), -2.0f + std::log2(0.1f / 0.004f), 1e-4f);
+  fill(1e-4f);
+  EXPECT_NEAR(meter_exposure_ev(picture, -20.0f), -20.0f + std::log2(0.1f / 0.004f), 1e-3f);
   fill(8.0f);  // lit by lamps, not by the environment
   EXPECT_NEAR(meter_exposure_ev(picture, 0.0f), std::log2(0.3f / 8.004f), 1e-4f);
   // Sky (alpha 0) and invalid pixels do not count.

@@ -90,7 +90,31 @@ TEST_F(GltfCameras, ThatCannotBeRepairedAreLeftOut) {
   }
   for (const char* camera : {R"({"type": "perspective"})", R"({"type": "perspective", "perspective": 3})", "{}", "7",
                              R"({"type": 4, "perspective": {"yfov": 0.5, "znear": 1}})"})
-    expect_one(with_camera(camera), "cameras[0]", "only perspective cameras are read");
+    expect_one(with_camera(camera), "cameras[0]", "neither perspective nor orthographic");
+}
+
+TEST_F(GltfCameras, Orthographic) {
+  const auto with_mags = [&](const std::string& rest) {
+    return with_camera(R"({"type": "orthographic", "orthographic": {)" + rest + "}}");
+  };
+  const Scene scene = with_mags(R"("xmag": 3, "ymag": 2, "znear": 0, "zfar": 20)");
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_FLOAT_EQ(scene.cameras.at(0).height_m, 4.0f);
+  EXPECT_FLOAT_EQ(scene.cameras[0].aspect, 1.5f);
+  EXPECT_EQ(scene.cameras[0].near_m, 0.0f);
+  EXPECT_FLOAT_EQ(scene.cameras[0].far_m, 20.0f);
+  save_glb(path("saved.glb"), scene);
+  const Scene again = load_gltf(path("saved.glb"));
+  EXPECT_TRUE(again.warnings.empty());
+  EXPECT_FLOAT_EQ(again.cameras.at(0).height_m, 4.0f);
+  EXPECT_FLOAT_EQ(again.cameras[0].aspect, 1.5f);
+  const Scene mirrored = with_mags(R"("xmag": -3, "ymag": 2, "znear": 1, "zfar": 20)");
+  expect_one(mirrored, "cameras[0]", "not mirrored");
+  EXPECT_FLOAT_EQ(mirrored.cameras.at(0).aspect, 1.5f);
+  expect_one(with_mags(R"("xmag": 3, "ymag": 2, "znear": -1, "zfar": 20)"), "cameras[0]", "znear is not above 0");
+  expect_one(with_mags(R"("xmag": 3, "ymag": 2, "znear": 5, "zfar": 4)"), "cameras[0]", "zfar is not beyond");
+  for (const char* mags : {R"("xmag": 0, "ymag": 2)", R"("xmag": 1)", R"("xmag": 1, "ymag": "high")"})
+    expect_one(with_mags(mags), "cameras[0]", "xmag or ymag is 0 or missing");
 }
 
 TEST_F(GltfCameras, NodesWithoutOne) {

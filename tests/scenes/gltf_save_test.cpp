@@ -122,6 +122,7 @@ void expect_equal(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.cameras[i].fov_y_rad, b.cameras[i].fov_y_rad);
     EXPECT_EQ(a.cameras[i].aspect, b.cameras[i].aspect);
     EXPECT_EQ(a.cameras[i].near_m, b.cameras[i].near_m);
+    EXPECT_EQ(a.cameras[i].height_m, b.cameras[i].height_m);
     EXPECT_EQ(a.cameras[i].far_m, b.cameras[i].far_m);
   }
   ASSERT_EQ(a.lights.size(), b.lights.size());

@@ -55,6 +55,44 @@ class GltfStructure : public test::GltfFixture {
   }
 };
 
+TEST_F(GltfStructure, NumbersBeyondDoubleAreOutOfRange) {
+  write("data.bin", bytes_);
+  root_["cameras"] = test::Json::parse(R"([{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 77}}])");
+  root_["nodes"] = test::Json::parse(R"([{"mesh": 0, "name": "1e309 \" 1e309"}, {"camera": 0}])");
+  root_["scenes"][0]["nodes"] = {0, 1};
+  const Scene scene = load_gltf(write_text("scene.gltf", respell(text_with("data.bin"), "77", "-1.5e+309")));
+  expect_warning(scene, "cameras[0]: znear is not a number");
+  EXPECT_EQ(scene.nodes.at(0).name, "1e309 \" 1e309");
+  root_["nodes"][0]["translation"] = {77, 0, 0};
+  expect_error(write_text("scene.gltf", respell(text_with("data.bin"), "[77", "[1e999")), "its transform is not finite");
+}
+
+TEST_F(GltfStructure, ABufferThatNothingNeedsRefusesNothing) {
+  write("data.bin", bytes_);
+  test::Json root = root_;
+  root["buffers"] = {{{"byteLength", bytes_.size()}, {"uri", "data.bin"}}, {{"byteLength", 4}, {"uri", "gone.bin"}}};
+  const Scene scene = load_gltf(write_text("scene.gltf", root.dump()));
+  EXPECT_EQ(count_triangles(scene), 2u);
+  expect_warning(scene, "gone.bin");
+  root["bufferViews"][0]["buffer"] = 1;
+  expect_error(write_text("scene.gltf", root.dump()), "gone.bin");
+}
+
+TEST_F(GltfStructure, HiddenNodes) {
+  root_["extensionsUsed"] = root_["extensionsRequired"] = {"KHR_node_visibility", "KHR_lights_punctual"};
+  root_["extensions"]["KHR_lights_punctual"]["lights"] = test::Json::parse(R"([{"type": "point"}])");
+  root_["nodes"] = test::Json::parse(R"([{"mesh": 0}, {"mesh": 0, "children": [2, 3],
+      "extensions": {"KHR_node_visibility": {"visible": false}}}, {"mesh": 0, "extensions":
+      {"KHR_node_visibility": {"visible": true}}}, {"extensions": {"KHR_lights_punctual": {"light": 0}}},
+      {"mesh": 0, "extensions": {"KHR_node_visibility": {}}}])");
+  root_["scenes"][0]["nodes"] = {0, 1, 4};
+  const Scene scene = load();
+  EXPECT_TRUE(scene.warnings.empty());
+  for (const auto& [node, visible] : {std::pair(0, true), std::pair(1, false), std::pair(2, false), std::pair(4, true)})
+    EXPECT_EQ(scene.nodes.at(static_cast<std::size_t>(node)).visible, visible) << node;
+  EXPECT_EQ(scene.nodes.at(3).light, -1);
+}
+
 TEST_F(GltfStructure, IntegersAreSpelledInManyWays) {
   primitive()["material"] = 0;
   primitive()["mode"] = 4;

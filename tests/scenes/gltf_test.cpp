@@ -150,16 +150,16 @@ TEST_F(Gltf, ReadsCamerasAndLights) {
     {"type": "directional", "intensity": 1000, "color": [1, 0.5, 0]},
     {"type": "spot", "intensity": 7, "range": 2, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.3}}])");
   const Scene scene = load();
-  ASSERT_EQ(scene.cameras.size(), 2u);
+  ASSERT_EQ(scene.cameras.size(), 3u);
   EXPECT_EQ(scene.cameras[0].name, "driver");
   EXPECT_FLOAT_EQ(scene.cameras[0].fov_y_rad, 0.5f);
   EXPECT_FLOAT_EQ(scene.cameras[0].aspect, 1.5f);
-  EXPECT_EQ(scene.cameras[1].aspect, 0.0f);
+  EXPECT_EQ(scene.cameras[2].aspect, 0.0f);
+  EXPECT_FLOAT_EQ(scene.cameras[1].height_m, 2.0f);
   EXPECT_FLOAT_EQ(scene.cameras[0].far_m, 20.0f);
-  EXPECT_EQ(scene.nodes[2].camera, -1);
-  EXPECT_EQ(scene.nodes[3].camera, 1);
-  EXPECT_EQ(scene.cameras[1].name, "passenger");
-  expect_warning(scene, "cameras[1]: only perspective cameras");
+  EXPECT_EQ(scene.nodes[2].camera, 1);
+  EXPECT_EQ(scene.nodes[3].camera, 2);
+  EXPECT_EQ(scene.cameras[2].name, "passenger");
   ASSERT_EQ(scene.lights.size(), 2u);
   EXPECT_EQ(scene.lights[0].kind, PunctualLight::Kind::directional);
   EXPECT_EQ(scene.lights[0].color, glm::vec3(1, 0.5f, 0));

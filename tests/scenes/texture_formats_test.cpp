@@ -83,10 +83,12 @@ TEST(TextureFormats, PngTransparentColour) {
       {18, 18, 18, 0, 18, 18, 18, 255});
 }
 
-TEST(TextureFormats, PngOfSixteenBitsIsRounded) {
+TEST(TextureFormats, PngOfSixteenBits) {
+  const std::string fine = png_bytes(1, 1, 16, 6, std::string(1, '\0') + words({0x00ff, 0x7fff, 0x8080, 0xfffe}));
+  EXPECT_EQ(decode(fine).image.rgba16, (std::vector<std::uint16_t>{0x00ff, 0x7fff, 0x8080, 0xfffe}));
+  EXPECT_TRUE(decode(png_bytes(1, 1, 8, 6, std::string("\0\1\2\3\4", 5))).image.rgba16.empty());
   // Nearest to v / 257: 0x00ff is 0.99, 0x7fff is 127.5 - 0.002, 0x8080 is 128.
-  expect_texels(png_bytes(1, 1, 16, 6, std::string(1, '\0') + words({0x00ff, 0x7fff, 0x8080, 0xfffe})), 1,
-                {1, 127, 128, 255});
+  expect_texels(fine, 1, {1, 127, 128, 255});
   expect_texels(png_bytes(1, 1, 16, 2, std::string(1, '\0') + words({0x01ff, 0xffff, 0x0080})), 1, {2, 255, 0, 255});
   expect_texels(png_bytes(1, 1, 16, 4, std::string(1, '\0') + words({0x3fff, 0xbfff})), 1, {64, 64, 64, 191});
 }

@@ -112,6 +112,58 @@ TEST(CameraControl, ANarrowPictureKeepsTheWidthOnce) {
   EXPECT_NEAR(std::tan(0.5f * camera.fov_y_rad), 2.0f * half, 1e-5f);
 }
 
+/// Of parallel rays, in pixels of half the height.
+glm::vec2 project_parallel(const CameraView& camera, const glm::vec3& p) {
+  const glm::vec3 right = glm::normalize(glm::cross(forward(camera), camera.up));
+  const glm::vec3 d = p - camera.eye;
+  return glm::vec2(glm::dot(d, right), glm::dot(d, glm::cross(right, forward(camera)))) * (2.0f / camera.height_m);
+}
+
+TEST(CameraControl, OrthographicKeepsTheSizeAtTheTarget) {
+  CameraView camera = sample_camera();
+  const float height = camera.height_at(distance(camera));
+  set_orthographic(&camera, true);
+  EXPECT_FLOAT_EQ(camera.height_m, height);
+  const glm::vec3 eye = camera.eye;
+  dolly(&camera, 1.0f);
+  EXPECT_FLOAT_EQ(camera.height_m, 0.9f * height);
+  EXPECT_EQ(camera.eye, eye);
+  set_orthographic(&camera, false);
+  EXPECT_NEAR(camera.height_at(distance(camera)), 0.9f * height, 1e-5f);
+}
+
+TEST(CameraControl, OrthographicPanMovesAsMuchAsThePointer) {
+  CameraView camera = sample_camera();
+  set_orthographic(&camera, true);
+  const glm::vec3 p(0.3f, 0.2f, 0.1f);
+  const glm::vec2 before = project_parallel(camera, p);
+  pan(&camera, 30.0f, -20.0f, 200.0f);
+  const glm::vec2 moved = project_parallel(camera, p) - before;
+  EXPECT_NEAR(moved.x, 0.3f, 1e-5f);
+  EXPECT_NEAR(moved.y, 0.2f, 1e-5f);
+}
+
+TEST(CameraControl, OrthographicFrameShowsTheWholeBox) {
+  const Bounds bounds{{-2.0f, -1.0f, 3.0f}, {5.0f, 1.5f, 4.0f}};
+  for (const float aspect : {0.4f, 1.0f, 2.5f}) {
+    CameraView camera = sample_camera();
+    set_orthographic(&camera, true);
+    frame_bounds(&camera, bounds, aspect);
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::vec3 p(corner & 1 ? bounds.max.x : bounds.min.x, corner & 2 ? bounds.max.y : bounds.min.y,
+                        corner & 4 ? bounds.max.z : bounds.min.z);
+      const glm::vec2 at = project_parallel(camera, p);
+      EXPECT_LE(std::abs(at.x), aspect) << "aspect " << aspect;
+      EXPECT_LE(std::abs(at.y), 1.0f) << "aspect " << aspect;
+      EXPECT_GT(glm::dot(p - camera.eye, forward(camera)), 0.0f);
+    }
+    camera.aspect = 1.6f;
+    const float height = camera.height_m;
+    fit_aspect(&camera, 0.8f);
+    EXPECT_FLOAT_EQ(camera.height_m, 2.0f * height);
+  }
+}
+
 TEST(CameraControl, FlyMovesAlongTheView) {
   CameraView camera = sample_camera();
   const CameraView before = camera;

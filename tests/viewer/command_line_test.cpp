@@ -140,6 +140,8 @@ TEST(CommandLine, WrongValuesAreNamed) {
       {{"--eye", "1,,3"}, "x,y,z"},
       {{"--eye", "1,nan,3"}, "not a number"},
       {{"--fov", "180"}, "out of range"},
+      {{"--orthographic", "0"}, "out of range"},
+      {{"--orthographic", "2", "--fov", "20"}, "it does not go with --fov"},
       {{"--exposure", "bright"}, "not a number"},
       {{"--exposure", "inf"}, "not a number"},
       {{"--samples", "0"}, "out of range"},
@@ -225,7 +227,7 @@ TEST(CommandLine, DeclarationsAreSound) {
   for (const char* name :
        {"--mode",     "--reflections", "--reflector",    "--env",     "--env-rotation", "--env-scale",
         "--exposure", "--tonemap",     "--material",     "--variant", "--camera",       "--eye",
-        "--target",   "--up",          "--fov",          "--size",    "--samples",      "--seed",
+        "--target",   "--up",          "--fov",          "--orthographic", "--size",    "--samples",      "--seed",
         "--msaa",     "--frames",      "--target-error", "--time",    "--view",         "--dent",
         "--set",      "--stats",       "--reference",    "--look",    "--output"})
     EXPECT_TRUE(names.contains(name)) << name;

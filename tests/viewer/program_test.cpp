@@ -162,7 +162,8 @@ TEST(Program, DoctorAndInspectSpeakJson) {
   const Json sphere = Json::parse(run_maquette({"inspect", "builtin:sphere", "--json"}).out);
   EXPECT_EQ(sphere["kind"], "scene");
   EXPECT_GT(sphere["triangles"].get<int>(), 100);
-  EXPECT_EQ(sphere["plan"][0]["pass"], "raster");
+  EXPECT_EQ(sphere["plan"][0]["pass"], "build_shadow_rays");
+  EXPECT_EQ(sphere["plan"][1]["pass"], "raster");
   EXPECT_FALSE(sphere["closes_the_eye_in"].get<bool>());
   EXPECT_TRUE(Json::parse(run_maquette({"inspect", "builtin:cornell", "--json"}).out)["closes_the_eye_in"].get<bool>());
   const Json studio = Json::parse(run_maquette({"inspect", "builtin:studio", "--json"}).out);

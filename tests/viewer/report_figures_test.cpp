@@ -259,8 +259,8 @@ TEST(ReportSweep, ShadowsAreComparedWhereThereAreSome) {
     }
     return names;
   };
-  EXPECT_EQ(compared("cockpit", "auto"), "bandwidth-none bandwidth-traced ");
-  EXPECT_EQ(compared("cockpit", "traced"), "bandwidth-none bandwidth-baked ");
+  EXPECT_EQ(compared("cockpit", "auto"), "bandwidth-none bandwidth-baked bandwidth-traced ");
+  EXPECT_EQ(compared("cockpit", "traced"), "bandwidth-none bandwidth-baked bandwidth-rays ");
   EXPECT_EQ(compared("cockpit", "none"), "");
   EXPECT_EQ(compared("sphere", "auto"), "");
 }

@@ -70,6 +70,22 @@ TEST(Session, OptionsOverrideTheCamera) {
   EXPECT_THROW(camera_of_options(scene, options), UsageError);
 }
 
+TEST(Session, OrthographicByFileAndByOption) {
+  Scene scene = make_scene();
+  scene.cameras[0].height_m = 3.0f;
+  EXPECT_FLOAT_EQ(camera_of_options(scene, {}).height_m, 3.0f);
+  SceneOptions options;
+  options.fov_deg = 40.0f;
+  EXPECT_FALSE(camera_of_options(scene, options).is_orthographic());
+  options.fov_deg.reset();
+  options.orthographic_m = 7.0f;
+  EXPECT_FLOAT_EQ(camera_of_options(scene, options).height_m, 7.0f);
+  options.reflections = "bezier";
+  EXPECT_NE(usage_error([&] { make_request(scene, options); }).find("orthographic"), std::string::npos);
+  options.reflections = "raytraced";
+  EXPECT_NO_THROW(make_request(scene, options));
+}
+
 TEST(Session, WithoutACameraTheWholeSceneIsSeen) {
   Scene scene = make_scene();
   scene.nodes.resize(1);

@@ -90,6 +90,7 @@ FramePlan Conductor::plan_of(const SweptTechnique& technique, Scope scope) const
   const FrameRequest request =
       request_of(studio_->request(cameras_.front()), technique, technique.steps.front(), scope);
   ViewInfo view{request.width, request.height, request.msaa, request.reflections};
+  view.orthographic = request.camera.is_orthographic();
   if (!request.reflectors.empty()) view.reflectors = static_cast<int>(request.reflectors.size());
   return plan(facts_, request.mode, request.settings, view);
 }

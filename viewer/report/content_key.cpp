@@ -55,7 +55,8 @@ ContentKey scene_key(const Scene& scene) {
       key.mix(static_cast<double>(variant)).mix(static_cast<double>(material));
   }
   for (const Material& material : scene.materials) mix_material(material, &key);
-  for (const TextureImage& image : scene.images) key.mix(static_cast<double>(image.width)).mix_all(image.rgba);
+  for (const TextureImage& image : scene.images)
+    key.mix(static_cast<double>(image.width)).mix_all(image.rgba).mix_all(image.rgba16);
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     if (scene.nodes[i].light < 0) continue;
@@ -73,7 +74,7 @@ void mix_request(const FrameRequest& request, ContentKey* key) {
   mix_vector(request.camera.target, 3, key);
   mix_vector(request.camera.up, 3, key);
   for (const double v :
-       {static_cast<double>(request.camera.fov_y_rad), static_cast<double>(request.width),
+       {static_cast<double>(request.camera.fov_y_rad), static_cast<double>(request.camera.height_m), static_cast<double>(request.width),
         static_cast<double>(request.height), static_cast<double>(request.msaa), static_cast<double>(request.samples),
         static_cast<double>(request.seed), static_cast<double>(request.env_rotation_rad),
         static_cast<double>(request.env_scale), static_cast<double>(request.variant)})

@@ -31,7 +31,7 @@ namespace {
 void append_visibilities(const SweptTechnique& as_asked, const std::string& visibility, bool sweeps_visibility,
                          std::vector<SweptTechnique>* swept) {
   if (!sweeps_visibility || visibility == "none") return;
-  for (const char* other : {"none", "baked", "traced"}) {
+  for (const char* other : {"none", "baked", "traced", "rays"}) {
     if (other == visibility) continue;
     SweptTechnique technique = as_asked;
     technique.name += std::string("-") + other;
@@ -59,6 +59,7 @@ std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Sett
       try {
         const FramePlan frame = plan(facts, technique.mode, settings, view, {}, registry);
         visibility = frame.shading().visibility;
+        if (visibility == "baked" && frame.shading().shadow_rays) visibility = "rays";
         const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
                                       [](const LeftOut& l) { return l.what == "reflections"; });
         if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "render/frame/context.h"
+
+namespace maquette {
+
+/// The light of a layer that only rays can shadow at the picture's resolution: of the sun and of the scene's lights, and,
+/// while nothing moves, what the visibility maps err by for the rest of the sky. Rays are drawn by the device, traced on the
+/// processor, and summed here.
+class ShadowPass {
+ public:
+  /// Computes this frame's light. `averages`: the mean over the frames of the picture, where their pictures are not
+  /// averaged.
+  void run(const LayerContext& layer, bool averages);
+  /// For composing: RGBA32F, cd/m2, of the grid.
+  const Texture& light() const { return light_; }
+  std::size_t bytes() const { return light_.bytes() + rays_.bytes(); }
+  std::size_t ray_count() const { return ray_count_; }
+  static std::vector<ShaderVariant> shader_variants();
+
+ private:
+  /// A grid point, as far as the filter looks at it.
+  struct Point {
+    glm::vec3 position{0.0f};
+    float width_m = 0.0f;   ///< of a grid cell there; 0: no point
+    glm::vec3 normal{0.0f};  ///< of its triangle
+    glm::vec3 base{1.0f};    ///< base colour, which the filter leaves sharp
+  };
+  void trace_band(const LayerContext& layer, std::size_t band, int points, float blend);
+  /// The sky's share of the light, smoothed over as many neighbours as it has noise; into `sky_`.
+  void filter_sky(int width, int height);
+
+  Texture light_;
+  Buffer rays_;  ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
+  std::vector<glm::vec4> bright_, raw_sky_;    ///< means over the frames; the sky's over the base colour
+  std::vector<glm::vec4> sky_, spare_, sum_;  ///< the same, smoothed; of the filter; what is composed
+  std::vector<Point> points_;
+  std::size_t ray_count_ = 0;
+  int frames_ = 0, sky_frames_ = 0;
+};
+
+}  // namespace maquette

@@ -1,0 +1,179 @@
+// Shadows by rays from every point (render/shadow_rays): edges where the geometry puts them, panes that dim, and at rest the
+// path tracer's direct light.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "render/gl/context.h"
+#include "render/renderer.h"
+#include "scenes/angles.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+constexpr int kSide = 96;
+/// Centre of the sun's texel below.
+constexpr int kSunX = 40, kSunY = 8, kWidth = 128, kHeight = 64;
+
+glm::dvec3 to_sun() {
+  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kWidth, lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kHeight;
+  return {std::cos(lat) * std::sin(lon), std::sin(lat), std::cos(lat) * std::cos(lon)};
+}
+
+/// A dim sky with a sun of one texel.
+std::shared_ptr<Environment> sunny(float sky) {
+  auto environment = std::make_shared<Environment>();
+  environment->name = "sunny";
+  environment->width = kWidth;
+  environment->height = kHeight;
+  environment->rgb.assign(static_cast<std::size_t>(kWidth) * kHeight, glm::vec3(sky));
+  environment->rgb[kSunY * kWidth + kSunX] = glm::vec3(5000.0f);
+  return environment;
+}
+
+class ShadowRays : public ::testing::Test {
+ protected:
+  /// A floor of two large triangles below a square of 1 m at 1 m.
+  static Scene floor_below(const Material& square) {
+    Scene scene;
+    scene.materials = {test::matte(glm::vec3(0.5f)), square};
+    scene.materials[0].double_sided = scene.materials[1].double_sided = true;
+    test::add(&scene, test::make_grid({-20, 0, 20}, {40, 0, 0}, {0, 0, -40}, 1, 0));
+    test::add(&scene, test::make_grid({-0.5f, 1, 0.5f}, {1, 0, 0}, {0, 0, -1}, 1, 1));
+    return scene;
+  }
+  /// From below the square, straight down on its shadow.
+  static FrameRequest request(const std::string& mode) {
+    FrameRequest r;
+    r.mode = mode;
+    r.width = r.height = kSide;
+    r.samples = 64;
+    const glm::dvec3 middle = -to_sun() / to_sun().y;
+    r.camera.target = glm::vec3(middle.x, 0.0, middle.z);
+    r.camera.eye = r.camera.target + glm::vec3(0.0f, 0.95f, 0.0f);
+    r.camera.up = {0, 0, -1};
+    r.camera.fov_y_rad = 1.6f;
+    r.settings.set("shading.indirect", std::string("none"));
+    return r;
+  }
+  Image draw(const FrameRequest& r, int frames = 1) {
+    renderer_.finish_background_work(r);
+    for (int k = 0; k < frames; ++k) renderer_.render(r, frames > 1);
+    const auto errors = take_gl_errors();
+    EXPECT_TRUE(errors.empty()) << errors.front();
+    return renderer_.read_radiance();
+  }
+
+  GlContext context_ = GlContext::create_headless();
+  Renderer renderer_;
+};
+
+/// Where a pixel's centre sees the floor, and how far that is from the border of the square's shadow, in pixels; below 0
+/// inside.
+double beyond_shadow_px(const FrameRequest& r, int x, int y) {
+  const double pixel_m = 2.0 * std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad)) * 0.95 / kSide;
+  const double px = (x + 0.5 - 0.5 * kSide) * pixel_m, pz = (y + 0.5 - 0.5 * kSide) * pixel_m;
+  return (std::max(std::abs(px), std::abs(pz)) - 0.5) / pixel_m;
+}
+
+TEST_F(ShadowRays, TheSunsEdgeIsWhereTheGeometryPutsIt) {
+  renderer_.set_scene(std::make_shared<Scene>(floor_below(test::matte(glm::vec3(0.1f)))));
+  renderer_.set_environment(sunny(0.05f));
+  // A sun of a texel, bilinear: up to 0.05 rad wide each way, at 1.1 m.
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    const FrameRequest r = request(mode);
+    const Image image = draw(r);
+    const double penumbra_px = 0.06 * 1.2 / (2.0 * std::tan(0.8) * 0.95 / kSide);
+    double lit = 0.0, dark = 0.0, lit_count = 0.0, dark_count = 0.0;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
+        if (off > penumbra_px + 1.0) lit += value, ++lit_count;
+        if (off < -penumbra_px - 1.0) dark += value, ++dark_count;
+      }
+    lit /= lit_count;
+    dark /= dark_count;
+    EXPECT_LT(dark, 0.1 * lit) << mode;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
+        if (off > penumbra_px + 1.0) EXPECT_NEAR(value, lit, 0.15 * lit) << mode << " " << x << ", " << y;
+        if (off < -penumbra_px - 1.0) EXPECT_NEAR(value, dark, 0.1 * lit) << mode << " " << x << ", " << y;
+      }
+  }
+}
+
+/// All of the direct light, lamps and the dim sky included, at rest: as the path tracer has it without bounces.
+TEST_F(ShadowRays, AtRestTheDirectLightIsThePathTracers) {
+  Material pane;
+  pane.glass = true;
+  pane.transmission = 1.0f;
+  pane.metallic = 0.0f;
+  pane.roughness = 0.0f;
+  pane.base_color = {0.3f, 0.8f, 0.6f, 1.0f};
+  Material half = test::matte(glm::vec3(0.2f));
+  half.alpha_mode = AlphaMode::blend;
+  half.base_color.a = 0.5f;
+  Material cut = test::matte(glm::vec3(0.2f));
+  cut.alpha_mode = AlphaMode::mask;
+  cut.alpha_cutoff = 0.5f;
+  cut.base_color.a = 0.4f;
+  for (const Material& square : {test::matte(glm::vec3(0.1f)), pane, half, cut}) {
+    Scene scene = floor_below(square);
+    PunctualLight lamp;
+    lamp.kind = PunctualLight::Kind::point;
+    lamp.intensity = 3.0f;
+    scene.lights = {lamp};
+    Node node;
+    node.local = glm::mat4(1.0f);
+    node.local[3] = {0.7f, 2.0f, 0.2f, 1.0f};
+    node.light = 0;
+    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+    scene.nodes.push_back(node);
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    renderer_.set_environment(sunny(1.0f));
+    FrameRequest reference = request("reference");
+    reference.samples = 1500;
+    reference.settings.set("reference.bounces", 1);
+    const Image expected = draw(reference);
+    for (const char* mode : {"uniform", "bandwidth"}) {
+      const Image image = draw(request(mode), 48);
+      double worst = 0.0, mean = 0.0;
+      constexpr int kBlock = 12;
+      for (const float v : expected.data) mean += static_cast<double>(v) / static_cast<double>(expected.data.size());
+      for (int by = 0; by < kSide; by += kBlock)
+        for (int bx = 0; bx < kSide; bx += kBlock) {
+          double a = 0.0, b = 0.0;
+          for (int y = by; y < by + kBlock; ++y)
+            for (int x = bx; x < bx + kBlock; ++x) {
+              a += static_cast<double>(image.at(x, y, 1));
+              b += static_cast<double>(expected.at(x, y, 1));
+            }
+          worst = std::max(worst, std::abs(a - b) / (b + 0.2 * mean * kBlock * kBlock));
+        }
+      EXPECT_LT(worst, 0.06) << mode << ", alpha " << square.base_color.a << (square.glass ? " glass" : "");
+    }
+  }
+}
+
+TEST_F(ShadowRays, ThePlanSaysWhatTheyDo) {
+  renderer_.set_scene(std::make_shared<Scene>(floor_below(test::matte(glm::vec3(0.1f)))));
+  renderer_.set_environment(sunny(1.0f));
+  FrameRequest r = request("bandwidth");
+  const auto has_pass = [&](const FrameStats& stats, const char* name) {
+    return std::any_of(stats.plan.passes.begin(), stats.plan.passes.end(),
+                       [&](const PlannedPass& pass) { return pass.name == name; });
+  };
+  renderer_.finish_background_work(r);
+  EXPECT_TRUE(has_pass(renderer_.render(r), "trace_rays"));
+  for (const char* visibility : {"none", "baked", "traced"}) {
+    r.settings.set("shading.visibility", std::string(visibility));
+    renderer_.finish_background_work(r);
+    EXPECT_FALSE(has_pass(renderer_.render(r), "trace_rays")) << visibility;
+  }
+}
+
+}  // namespace
+}  // namespace maquette

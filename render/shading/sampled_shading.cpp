@@ -62,6 +62,7 @@ std::vector<ShaderVariant> SampledShading::shader_variants() {
         variants.push_back(shade_hits_variant(plan, measured));
         for (int lobes = 0; lobes < (measured ? 1 : 4); ++lobes)
           for (const bool sun_apart : {false, true}) {
+            if (sun_apart && plan.visibility == "traced") continue;  // goes with rays, not with these
             plan.sheen = lobes & 1;
             plan.clearcoat = lobes & 2;
             plan.sun_apart = sun_apart;

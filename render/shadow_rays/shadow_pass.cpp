@@ -43,15 +43,14 @@ constexpr int kBaseColorBias = 34;  ///< of shaders/shared/gbuffer.glsl
 /// Base colours are not taken for darker.
 constexpr float kLeastBase = 0.04f;
 
-ShaderVariant draw_variant(const ShadingPlan& plan, bool measured, bool sky) {
+ShaderVariant draw_variant(const ShadingPlan& plan, bool measured) {
   return {"shadow_rays/draw.comp",
           "",
           {{"MEASURED", flag(measured)},
            {"SEPARATE_SUN", flag(plan.sun_apart)},
            {"VISIBILITY", "0"},
            {"LIGHTS", flag(plan.lights)},
-           {"MAPS", flag(plan.visibility == "baked")},
-           {"SKY", flag(sky)}}};
+           {"MAPS", flag(plan.visibility == "baked")}}};
 }
 
 glm::vec3 direction_of(std::uint32_t packed) {
@@ -118,12 +117,12 @@ float likeness(const glm::vec3& offset, const glm::vec3& normal, const glm::vec3
 
 std::vector<ShaderVariant> ShadowPass::shader_variants() {
   std::vector<ShaderVariant> variants;
-  for (int k = 0; k < 32; ++k) {
+  for (int k = 0; k < 16; ++k) {
     ShadingPlan plan;
     plan.sun_apart = k & 1;
     plan.lights = k & 2;
     plan.visibility = k & 4 ? "baked" : "none";
-    variants.push_back(draw_variant(plan, k & 8, k & 16));
+    variants.push_back(draw_variant(plan, k & 8));
   }
   return variants;
 }
@@ -171,9 +170,10 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, int poi
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPointRays, rays_.get());
   for (const bool measured : {true, false}) {
     if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
-    const Program& program = frame.programs.get(draw_variant(layer.plan, measured, sky));
+    const Program& program = frame.programs.get(draw_variant(layer.plan, measured));
     if (sun) set_sun(program, *sun);
     program.set("u_frame_number", frame.accumulated);
+    program.set("u_sky", sky ? 1 : 0);
     if (sun)
       glProgramUniform2i(program.get(), program.location("u_sun_list"), SunBuffers::kListLength,
                          sun->compact ? kSunSamples : kSunsSamples);

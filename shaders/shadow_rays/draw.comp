@@ -1,7 +1,7 @@
 // Rays from every visible point to what lights it: towards the sun, to one of the scene's lights, and to the sky, each with the light that it brings if
 // nothing is in between. The host traces them (render/shadow_rays/shadow_pass.cpp).
 // SEPARATE_SUN: the environment has a sun, which the samples of shading leave out. LIGHTS: shading has the scene's lights without shadows. MAPS: shading has the sky
-// through visibility maps, else without shadows. SKY: rays to the sky as well.
+// through visibility maps, else without shadows.
 layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
@@ -24,6 +24,7 @@ layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 #endif
 layout(binding = kUnitSunSamples) uniform samplerBuffer t_sun_samples;  // two texels: direction, - | radiance over density, -
 uniform int u_frame_number;
+uniform int u_sky;          // 1: rays to the sky as well
 uniform ivec2 u_sun_list;  // entries, samples of a point that does not mirror the sun
 
 /// As in render/shadow_rays/shadow_pass.cpp. Light is the product with the BRDF and the cosine, cd/m2; directions are octahedral, world.
@@ -154,8 +155,6 @@ void main() {
   rays.to_lamp = pack_direction(lamp.world);
   rays.lamp_m = lamp.distance_m;
 #endif
-#if SKY
-  draw_sky(p, pixel, mask, rays);
-#endif
+  if (u_sky == 1) draw_sky(p, pixel, mask, rays);
   b_rays[id] = rays;
 }

@@ -98,7 +98,8 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
   };
   Pass lights_pass = once("list_lights", [&] { scene.list_lights(); });
   lights_pass.skip = [&] { return scene.lights_are_listed() ? std::string("they are those of before") : ""; };
-  std::vector<Pass> passes{lights_pass, once("bake_visibility", [&] { bakes.update_visibility(scene); }),
+  std::vector<Pass> passes{lights_pass,
+                           once("bake_visibility", [&] { bakes.update_visibility(scene); }),
                            once("build_shadow_rays", [&] { bakes.update_shadow_rays(scene, request); }),
                            once("bake_indirect", [&] { bakes.update_indirect(scene, request); }),
                            once("build_octree",
@@ -111,11 +112,8 @@ FrameStatus Renderer::Impl::prepare(const FrameRequest& request, const FramePlan
     if (!layer.own_bake.empty())
       passes.push_back(once("bake_" + layer.own_bake, [&] { bakes.update_own(layer, scene, request); }));
   frame.run(wanted.preparations, passes, [](int) {});
-  const auto lit = [](const ShadingPlan& layer) { return layer.lights; };
-  const bool lights = std::any_of(wanted.layers.begin(), wanted.layers.end(), lit);
+  const bool lights = wanted.prepares("list_lights"), rays = wanted.prepares("build_shadow_rays");
   if (!lights) scene.drop_lights();
-  const auto has_rays = [](const ShadingPlan& layer) { return layer.shadow_rays; };
-  const bool rays = std::any_of(wanted.layers.begin(), wanted.layers.end(), has_rays);
   if (!rays) bakes.drop_shadow_rays();
   FrameStatus status;
   status.has_sun = rays && scene.environment().sun();
@@ -419,8 +417,9 @@ std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
       if (std::find(all.begin(), all.end(), variant) == all.end()) all.push_back(variant);
   };
   for (const auto& more : {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(),
-                           IndirectPass::shader_variants(), ShadowPass::shader_variants(), Panes::shader_variants(), Blended::shader_variants(),
-                           Reflections::shader_variants(), Glossy::shader_variants(), Parts::shader_variants()})
+                           IndirectPass::shader_variants(), ShadowPass::shader_variants(), Panes::shader_variants(),
+                           Blended::shader_variants(), Reflections::shader_variants(), Glossy::shader_variants(),
+                           Parts::shader_variants()})
     add(more);
   for (const Technique& technique : registry.techniques)
     if (technique.shader_variants) add(technique.shader_variants());

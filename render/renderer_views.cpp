@@ -50,8 +50,8 @@ Pick Renderer::pick(int x, int y) const {
   const FrameConstants& c = s.last.constants;
   const glm::vec2 ndc((2.0f * static_cast<float>(gx) + 1.0f) / static_cast<float>(size.grid_width()) - 1.0f,
                       (2.0f * static_cast<float>(gy) + 1.0f) / static_cast<float>(size.grid_height()) - 1.0f);
-  const shared::EyeRay ray = shared::camera_ray(glm::vec3(c.forward), glm::vec3(c.right), glm::vec3(c.up), c.eye.w,
-                                                   glm::vec2(ndc.x, -ndc.y));
+  const shared::EyeRay ray =
+      shared::camera_ray(glm::vec3(c.forward), glm::vec3(c.right), glm::vec3(c.up), c.eye.w, glm::vec2(ndc.x, -ndc.y));
   return pick_triangle(s.scene, triangle - 1, glm::vec3(c.eye) + ray.origin + ray.direction * depth, ray.direction);
 }
 

@@ -382,7 +382,8 @@ Json parse_checked(const std::string& path, std::string_view text) {
   const std::string version = root["asset"]["version"].get<std::string>();
   const std::string required = root["asset"].value("minVersion", std::string("2.0"));
   if (!version.starts_with("2.") || required != "2.0")
-    throw Error(path, "is glTF " + (version.starts_with("2.") ? required : version) + ", expected 2.0", "export as glTF 2.0");
+    throw Error(path, "is glTF " + (version.starts_with("2.") ? required : version) + ", expected 2.0",
+                "export as glTF 2.0");
   return root;
 }
 

@@ -90,25 +90,26 @@ Section scene_section() {
 }
 
 Section light_section() {
-  return {"Light and shadow",
-          "What shading.visibility and shading.indirect show in the modes that take samples.",
-          {{"auto", "as rays"},
-           {"rays",
-            "suns, lamps and what else is bright are shadowed by a ray from every point, traced on the processor: panes "
-            "and cut-outs count, edges are as sharp as the picture. The rest of the sky is as with baked where the "
-            "scene closes the eye in, else unshadowed; while nothing moves, rays correct it until it is exact. A "
-            "quarter of a moving frame's time. Left out: what mirrors show, which is as with baked"},
-           {"baked",
-            "the environment alone, by maps of 0.22 rad a vertex: a few milliseconds a frame, after seconds of baking. "
-            "Left out: shadows of lamps, edges sharper than the mesh; the sun leaks by a cell"},
-           {"traced",
-            "every sample's ray goes through the octree: lamps too. Several times the frame's time; surfaces are as "
-            "fine as its cells, and panes do not dim"},
-           {"none", "no shadows: the paper's model, and what the report's estimator errors are of"},
-           {"indirect baked",
-            "light from surface to surface, all bounces, by vertex; with every kind of shadows. Left out: caustics, "
-            "what is finer than the mesh"},
-           {"indirect none", "what no light sees directly is black"}}};
+  return {
+      "Light and shadow",
+      "What shading.visibility and shading.indirect show in the modes that take samples.",
+      {{"auto", "as rays"},
+       {"rays",
+        "suns, lamps and what else is bright are shadowed by a ray from every point, traced on the processor: panes "
+        "and cut-outs count, edges are as sharp as the picture. The rest of the sky is as with baked where the "
+        "scene closes the eye in, else unshadowed; while nothing moves, rays correct it until it is exact. A "
+        "quarter of a moving frame's time. Left out: what mirrors show, which is as with baked"},
+       {"baked",
+        "the environment alone, by maps of 0.22 rad a vertex: a few milliseconds a frame, after seconds of baking. "
+        "Left out: shadows of lamps, edges sharper than the mesh; the sun leaks by a cell"},
+       {"traced",
+        "every sample's ray goes through the octree: lamps too. Several times the frame's time; surfaces are as "
+        "fine as its cells, and panes do not dim"},
+       {"none", "no shadows: the paper's model, and what the report's estimator errors are of"},
+       {"indirect baked",
+        "light from surface to surface, all bounces, by vertex; with every kind of shadows. Left out: caustics, "
+        "what is finer than the mesh"},
+       {"indirect none", "what no light sees directly is black"}}};
 }
 
 Section file_section() {
@@ -134,7 +135,7 @@ Section exit_section() {
 std::vector<Section> sections(const std::string& command) {
   if (command.empty())
     return {command_section(), option_section(command), scene_section(), mode_section(),
-            setting_section(), light_section(), file_section(), exit_section()};
+            setting_section(), light_section(),         file_section(),  exit_section()};
   std::vector<Section> chosen = {option_section(command)};
   if (command == "view" || command == "render" || command == "inspect") {
     chosen.push_back(scene_section());

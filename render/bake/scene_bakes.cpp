@@ -1,7 +1,5 @@
 #include "render/bake/scene_bakes.h"
 
-#include <algorithm>
-
 #include "render/octree/octree_file.h"
 #include "render/octree/octree_interest.h"
 #include "render/octree/technique.h"
@@ -14,12 +12,6 @@ namespace {
 /// So many frames of a window an octree stays that nothing in view goes through: to read it again takes a third of a
 /// second, in which nothing is mirrored.
 constexpr int kFramesWithoutOctree = 200;
-
-bool any_layer_has_indirect(const FramePlan& plan) {
-  for (const ShadingPlan& layer : plan.layers)
-    if (layer.indirect == "baked") return true;
-  return false;
-}
 
 OctreeState octree_state(const SceneState& scene, const Settings& settings) {
   OctreeState state;
@@ -146,16 +138,14 @@ bool SceneBakes::release_octree(bool may_return) {
 
 void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const {
   status->has_geometry = !scene.geometry().positions.empty();
-  if (wanted.any_layer_is_shadowed_by("baked") || any_layer_has_indirect(wanted))
-    status->visibility = status_of(visibility_);
-  if (any_layer_has_indirect(wanted)) status->indirect = status_of(indirect_);
+  if (wanted.prepares("bake_visibility")) status->visibility = status_of(visibility_);
+  if (wanted.prepares("bake_indirect")) status->indirect = status_of(indirect_);
   for (const ShadingPlan& layer : wanted.layers) {
     const auto own = own_.find(layer.own_bake);
     if (own == own_.end()) continue;
     status->own_bakes[layer.own_bake] = status_of(own->second->bake());
   }
-  const auto has_rays = [](const ShadingPlan& layer) { return layer.shadow_rays; };
-  if (std::any_of(wanted.layers.begin(), wanted.layers.end(), has_rays)) status->shadow_rays = status_of(shadow_scene_);
+  if (wanted.prepares("build_shadow_rays")) status->shadow_rays = status_of(shadow_scene_);
   if (wanted.octree) status->octree = status_of(octree_);
   if (wanted.cell_brdfs && octree_.ready()) status->cell_brdfs = status_of(octree_.cell_bake());
 }
@@ -169,8 +159,7 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     update_own(layer, scene, request);
     if (!own->second->bake().ready()) return false;
   }
-  for (const ShadingPlan& layer : wanted.layers) {
-    if (!layer.shadow_rays || scene.geometry().positions.empty()) continue;
+  if (wanted.prepares("build_shadow_rays") && !scene.geometry().positions.empty()) {
     update_shadow_rays(scene, request);
     shadow_scene_.wait();
     update_shadow_rays(scene, request);
@@ -185,12 +174,11 @@ bool SceneBakes::finish(const FramePlan& wanted, const SceneState& scene, const 
     update_cells(scene, request, wanted.cell_brdfs);
   }
   // What follows needs baked visibility.
-  const bool needs_maps = wanted.any_layer_is_shadowed_by("baked") || any_layer_has_indirect(wanted);
-  if (!needs_maps || scene.geometry().positions.empty()) return true;
+  if (!wanted.prepares("bake_visibility") || scene.geometry().positions.empty()) return true;
   update_visibility(scene);
   visibility_.wait();
   update_visibility(scene);
-  if (!any_layer_has_indirect(wanted) || !visibility_.ready()) return visibility_.ready();
+  if (!wanted.prepares("bake_indirect") || !visibility_.ready()) return visibility_.ready();
   for (int round = 0; round < 2; ++round) {  // starts the bake, then takes it over
     update_indirect(scene, request);
     indirect_.wait();

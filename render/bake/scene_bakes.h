@@ -12,8 +12,8 @@
 #include "render/frame/request.h"
 #include "render/indirect/indirect_buffers.h"
 #include "render/octree/octree_store.h"
-#include "render/shadow_rays/shadow_scene.h"
 #include "render/scene_state/scene_state.h"
+#include "render/shadow_rays/shadow_scene.h"
 #include "render/visibility/visibility_buffers.h"
 
 namespace maquette {
@@ -54,7 +54,9 @@ class SceneBakes {
   const ShadowScene& shadow_scene() const { return shadow_scene_; }
   std::uint32_t visibility_revision() const { return visibility_revision_; }
   /// Of all that points depend on besides indirect light.
-  Key without_indirect() const { return Key::of(visibility_revision_, octree_revision_, own_revision_, shadow_scene_.ready()); }
+  Key without_indirect() const {
+    return Key::of(visibility_revision_, octree_revision_, own_revision_, shadow_scene_.ready());
+  }
   Key all() const { return Key::of(without_indirect(), indirect_revision_, shadow_revision_); }
 
   /// All of them, for the status line and those who wait.

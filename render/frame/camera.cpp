@@ -25,7 +25,8 @@ void set_depths(const Bounds& bounds, CameraFrame* frame) {
   frame->farthest_m = frame->near_m + 1.0f;
   if (bounds.empty()) return;
   const glm::dvec3 forward(frame->forward), half = 0.5 * (glm::dvec3(bounds.max) - glm::dvec3(bounds.min));
-  const double middle = glm::dot(forward, 0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - glm::dvec3(frame->eye));
+  const double middle =
+      glm::dot(forward, 0.5 * (glm::dvec3(bounds.max) + glm::dvec3(bounds.min)) - glm::dvec3(frame->eye));
   // A little beyond, so that faces of the bounds are within.
   const double reach = 1.0001 * glm::dot(glm::abs(forward), half) + 1e-6 * bounds.radius();
   const double moved = std::max(middle - 2.0 * reach, 0.0);
@@ -56,8 +57,7 @@ CameraFrame make_camera_frame(const CameraView& view, int width, int height, con
 }
 
 EyeRay CameraFrame::ray_through(const glm::vec2& ndc) const {
-  const shared::EyeRay ray =
-      shared::camera_ray(forward, right * half_x, up * half_y, orthographic ? 0.0f : 1.0f, ndc);
+  const shared::EyeRay ray = shared::camera_ray(forward, right * half_x, up * half_y, orthographic ? 0.0f : 1.0f, ndc);
   return {eye + ray.origin, ray.direction};
 }
 

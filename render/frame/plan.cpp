@@ -362,8 +362,7 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
   if (any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
     steps.push_back({"build_shadow_rays", "what shadow rays may meet, for the processor", {}, {"shadow_rays"}});
-  if (indirect)
-    steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
+  if (indirect) steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
   for (const ShadingPlan& layer : wanted.layers)
     if (!layer.own_bake.empty())
       steps.push_back({"bake_" + layer.own_bake, "mode " + layer.mode + " draws with it", {}, {layer.own_bake}});
@@ -377,14 +376,22 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
 
 std::map<std::string, BakeStatus> FrameStatus::bakes() const {
   std::map<std::string, BakeStatus> wanted = own_bakes;
-  wanted.insert(
-      {{"visibility", visibility}, {"indirect", indirect}, {words::kOctree, octree}, {"cell_brdfs", cell_brdfs}, {"shadow_rays", shadow_rays}});
+  wanted.insert({{"visibility", visibility},
+                 {"indirect", indirect},
+                 {words::kOctree, octree},
+                 {"cell_brdfs", cell_brdfs},
+                 {"shadow_rays", shadow_rays}});
   std::erase_if(wanted, [](const auto& entry) { return !entry.second.wanted; });
   return wanted;
 }
 
 bool FramePlan::any_layer_is_shadowed_by(const std::string& visibility) const {
   return std::any_of(layers.begin(), layers.end(), [&](const ShadingPlan& l) { return l.visibility == visibility; });
+}
+
+bool FramePlan::prepares(const std::string& name) const {
+  return std::any_of(preparations.begin(), preparations.end(),
+                     [&](const PlannedPass& step) { return step.name == name; });
 }
 
 std::string FramePlan::pass_title(const std::string& name, int layer) const {

@@ -23,8 +23,8 @@ struct ViewInfo {
   int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
   int reflectors_in_view = -1;  ///< of them; -1: not known, all
   bool orthographic = false;
-  bool mirrors = false;         ///< some reflector is opaque
-  int glossy_in_view = -1;      ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
+  bool mirrors = false;     ///< some reflector is opaque
+  int glossy_in_view = -1;  ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
   std::vector<PartMode> part_modes = {};  ///< nodes that have another shading mode than the rest
 };
 
@@ -72,6 +72,8 @@ struct FramePlan {
 
   const ShadingPlan& shading() const { return layers.front(); }
   bool any_layer_is_shadowed_by(const std::string& visibility) const;
+  /// Whether the preparation of this name is one of its.
+  bool prepares(const std::string& name) const;
   /// How a pass is called where times and reasons are listed: with its mode, where several layers have one.
   std::string pass_title(const std::string& name, int layer) const;
 };

@@ -62,8 +62,11 @@ void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shad
   if (p.in.settings.get_string("shading.indirect") == "none")
     return leave_out("shading.indirect is none", "shading.indirect");
   const bool traced = p.in.settings.get_string("shading.visibility") == "traced";
-  if (!traced && !wants_baked(p, mode))
-    return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
+  if (!traced && !wants_baked(p, mode)) {
+    if (p.in.settings.get_string("shading.visibility") == "none")
+      return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
+    return leave_out("it goes with visibility maps, and the scene does not close the eye in", kScene);
+  }
   if (shading->visibility == "none" || !p.in.status.visibility.ready)
     return leave_out("it waits for the bake of visibility", kStatus);
   if (!p.in.status.indirect.ready) return leave_out(not_ready("its bake is", p.in.status.indirect), kStatus);
@@ -92,8 +95,12 @@ void decide_own_bake(const Planning& p, const Technique& mode, ShadingPlan* shad
 
 void add_shadow_ray_passes(const Planning& p, const ShadingPlan& shading) {
   if (!shading.shadow_rays) return;
-  const std::string sun = shading.sun_apart ? "the sun and " : "", sky = p.in.status.accumulated > 0 ? ", and to the sky" : "";
-  p.add({"draw_rays", "from each point to " + sun + "lamps" + sky + ", with what they bring", {"surfaces"}, {"shadow rays"}});
+  const std::string sun = shading.sun_apart ? "the sun and " : "",
+                    sky = p.in.status.accumulated > 0 ? ", and to the sky" : "";
+  p.add({"draw_rays",
+         "from each point to " + sun + "lamps" + sky + ", with what they bring",
+         {"surfaces"},
+         {"shadow rays"}});
   p.add({"trace_rays", "on the processor: what lies between", {"shadow rays"}, {"shadow light"}});
 }
 

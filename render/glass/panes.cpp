@@ -56,9 +56,12 @@ std::array<int, 6> textures_of(const SceneState& scene, std::size_t item) {
   const Material& m = scene.material_of_item(item);
   const auto texture = [&](TextureRole role) { return texture_of(m, role) ? scene.buffers().texture(item, role) : -1; };
   const bool pane = pane_share(m) > 0.0f;
-  return {texture(TextureRole::base_color), pane ? texture(TextureRole::transmission) : -1,
-          pane ? texture(TextureRole::thickness) : -1, texture(TextureRole::emissive),
-          pane ? texture(TextureRole::normal) : -1, m.transmission > 0.0f ? texture(TextureRole::metallic_roughness) : -1};
+  return {texture(TextureRole::base_color),
+          pane ? texture(TextureRole::transmission) : -1,
+          pane ? texture(TextureRole::thickness) : -1,
+          texture(TextureRole::emissive),
+          pane ? texture(TextureRole::normal) : -1,
+          m.transmission > 0.0f ? texture(TextureRole::metallic_roughness) : -1};
 }
 
 PaneKind kind_of(const PaneScene& scene, std::size_t item) {

@@ -32,8 +32,7 @@ bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry
     layer = std::make_unique<Layer>();
     layer->mode_name = shading.mode;
     layer->mode = registry.find_mode(shading.mode).make_mode();
-    layer->surfaces.fit(size, layer->mode->band_rows(size), shading.texture_bandwidth,
-                        wanted.details);
+    layer->surfaces.fit(size, layer->mode->band_rows(size), shading.texture_bandwidth, wanted.details);
     layer->radiance = Texture::make_2d("radiance", GL_RGBA32F, size.grid_width(), size.grid_height());
     layer->mode->fit(size);
     made(static_cast<int>(k));

@@ -30,8 +30,8 @@ struct Layer {
 /// The layers of the frame at hand.
 class LayerSet {
  public:
-  /// Makes those anew that are of another mode or size; others stay. True when any was made: nothing of the frame before
-  /// is left there. `made`: called with the index of each.
+  /// Makes those anew that are of another mode or size; others stay. True when any was made: nothing of the frame
+  /// before is left there. `made`: called with the index of each.
   bool fit(const FramePlan& wanted, const GridSize& size, const Registry& registry,
            const std::function<void(int)>& made);
   std::size_t size() const { return layers_.size(); }

@@ -27,8 +27,6 @@ const float* decoding(bool fine, bool srgb) {
 }  // namespace
 
 Texels::Texels(const TextureImage& image, bool srgb)
-    : image_(image),
-      colour_(decoding(!image.rgba16.empty(), srgb)),
-      plain_(decoding(!image.rgba16.empty(), false)) {}
+    : image_(image), colour_(decoding(!image.rgba16.empty(), srgb)), plain_(decoding(!image.rgba16.empty(), false)) {}
 
 }  // namespace maquette

@@ -98,7 +98,8 @@ const Program& Composer::program_of(const ComposeScene& scene, const ComposedLay
                                     std::size_t bakes, bool quads, bool panes) const {
   const ComposeInfo info = composed.layer.mode.compose_info(scene.frame.scene);
   const bool glossy = scene.glossy_light && composed.layer.context.index == 0;
-  const ShaderVariant variant = compose_variant(stage, info.without_base_factor, bakes, panes, glossy, composed.shadow_light);
+  const ShaderVariant variant =
+      compose_variant(stage, info.without_base_factor, bakes, panes, glossy, composed.shadow_light);
   const Program& program = scene.frame.programs.get(quads ? listed(variant) : variant);
   if (panes) scene.panes->bind(program);
   if (bakes == 2) program.set("u_later", scene.frame.bakes.indirect().blend());
@@ -127,7 +128,8 @@ void Composer::compose_quads(const ComposeScene& scene, const ComposedLayer& com
   const ComposeInfo info = composed.layer.mode.compose_info(scene.frame.scene);
   const bool panes = scene.panes, glossy = scene.glossy_light && composed.layer.context.index == 0;
   const Program& plain = program_of(scene, composed, 3, bakes, true, panes);
-  plain.set("u_least_points", bakes > 0 || glossy || panes || composed.shadow_light || scene.frame.scene.buffers().has_colors() ? 4 : 1);
+  plain.set("u_least_points",
+            bakes > 0 || glossy || panes || composed.shadow_light || scene.frame.scene.buffers().has_colors() ? 4 : 1);
   dispatch_quads(plain, *info.plain_quads, 1);
   dispatch_quads(program_of(scene, composed, 1, bakes, true, panes), *info.mixed_quads, 4);
   dispatch_quads(scene.frame.programs.get(kSpread), *info.plain_quads, 1);

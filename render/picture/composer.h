@@ -38,8 +38,8 @@ class Composer {
  public:
   /// Makes the images anew where the size is another one. `several`: layers share the frame.
   void fit(const GridSize& size, bool several);
-  /// Decides where surfaces are composed: in the picture itself, or in the grid that it is filtered from. `blend`: weight
-  /// of this frame in the mean over frames.
+  /// Decides where surfaces are composed: in the picture itself, or in the grid that it is filtered from. `blend`:
+  /// weight of this frame in the mean over frames.
   void begin(const FramePlan& plan, const Texture& radiance, float blend);
   void compose(const ComposeScene& scene);
   /// The mean over a pixel's samples, and with the frames before.

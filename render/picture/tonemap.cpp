@@ -92,7 +92,8 @@ float meter_exposure_ev(const Image& radiance, float environment_ev) {
       if (radiance.channels > 3 && radiance.at(x, y, 3) < 1.0f) continue;
       const double value = scale * luminance(radiance, x, y);
       if (!std::isfinite(value)) continue;
-      const double u = across(x, radiance.width), v = across(y, radiance.height), weight = std::exp(-kFall * (u * u + v * v));
+      const double u = across(x, radiance.width), v = across(y, radiance.height),
+                   weight = std::exp(-kFall * (u * u + v * v));
       sum += weight * std::log2(std::max(value, 0.0) + kFloor);
       weights += weight;
     }

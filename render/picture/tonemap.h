@@ -22,9 +22,9 @@ float suggest_exposure_ev(const Environment& environment);
 double mean_luminance(const Environment& environment);
 
 /// Adjusts `environment_ev` (of suggest_exposure_ev) to the picture: raised by up to 5 stops where the surfaces are
-/// dark (a cabin seen from inside gets a fraction of the daylight). Meters the log-average of the surfaces (alpha 1), with
-/// weight to the middle of the picture, to a display value of 0.1; lights count little, and the sky may clip. Lowered where that average is above 0.3, because lamps are
-/// brighter than the environment.
+/// dark (a cabin seen from inside gets a fraction of the daylight). Meters the log-average of the surfaces (alpha 1),
+/// with weight to the middle of the picture, to a display value of 0.1; lights count little, and the sky may clip.
+/// Lowered where that average is above 0.3, because lamps are brighter than the environment.
 float meter_exposure_ev(const Image& radiance, float environment_ev);
 
 /// Index of a name for `curve` of shaders/shared/tonemap.glsl. Throws UsageError that lists all names.

@@ -120,7 +120,7 @@ struct ReferencePicture::Impl {
     // Textures are filtered over as much as rasterisation does: the spacing of its samples.
     const float step = request.footprint * (request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f);
     const EyeRay ray = eye_ray_through(at), x = eye_ray_through(at + glm::vec2(step, 0.0f)),
-                    y = eye_ray_through(at + glm::vec2(0.0f, step));
+                 y = eye_ray_through(at + glm::vec2(0.0f, step));
     return {{ray.origin, ray.direction, camera.near_m, std::numeric_limits<float>::max()},
             {x.origin, y.origin, x.direction, y.direction}};
   }

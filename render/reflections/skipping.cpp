@@ -164,8 +164,8 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
     const Material& m = scene.material_of_item(i);
     if (!buffers.visible(i) || !(scene.is_transparent(i) || reflectors.is_mirror(i))) continue;
     if (!may_be_seen(mirrored.frame.constants.clip_from_world, buffers.bounds(i))) continue;
-    const bool known = !m.base_color_texture && !m.transmission_texture && !m.metallic_roughness_texture && !(m.thickness > 0.0f) &&
-                       m.alpha_mode != AlphaMode::mask && !reflectors.is_mirror(i);
+    const bool known = !m.base_color_texture && !m.transmission_texture && !m.metallic_roughness_texture &&
+                       !(m.thickness > 0.0f) && m.alpha_mode != AlphaMode::mask && !reflectors.is_mirror(i);
     const float share = known ? pane_share(m) : 0.0f;
     glUniform4f(program.location("u_cover"), share, std::max(m.ior, 1.0f),
                 std::clamp(channel_min(glm::vec3(m.base_color)), 0.0f, 1.0f),

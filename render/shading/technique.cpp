@@ -11,13 +11,15 @@ Technique shading_technique() {
   info.settings = {
       {.name = "shading.visibility",
        .default_value = std::string("auto"),
-       .help = "shadows: none (the paper), baked (of the environment, per vertex, found once in the background), traced "
-               "(the samples' rays through an octree), rays (at every point to what is bright, the rest of the sky as "
-               "baked until rays correct it at rest); auto is rays; see Light and shadow",
+       .help =
+           "shadows: none (the paper), baked (of the environment, per vertex, found once in the background), traced "
+           "(the samples' rays through an octree), rays (at every point to what is bright, the rest of the sky as "
+           "baked until rays correct it at rest); auto is rays; see Light and shadow",
        .choices = {"auto", "none", "baked", "traced", "rays"}},
       {.name = "shading.indirect",
        .default_value = std::string("baked"),
-       .help = "indirect light, where the scene closes the eye in or visibility is baked or traced: none, baked (per vertex, in the "
+       .help = "indirect light, where the scene closes the eye in or visibility is baked or traced: none, baked (per "
+               "vertex, in the "
                "background, follows the rotation of the environment)",
        .choices = {"none", "baked"}},
       {.name = "shading.reuse",

@@ -32,8 +32,8 @@ struct PointRays {
 };
 static_assert(sizeof(PointRays) == 80);
 
-/// Samples of the sun's light at a point that does not mirror it: of one, over which broad lobes hardly vary, and of several,
-/// among which they choose.
+/// Samples of the sun's light at a point that does not mirror it: of one, over which broad lobes hardly vary, and of
+/// several, among which they choose.
 constexpr int kSunSamples = 2, kSunsSamples = 16;
 /// Rays to a lamp end before it.
 constexpr float kBeforeLamp = 0.9999f;
@@ -53,9 +53,7 @@ ShaderVariant draw_variant(const ShadingPlan& plan, bool measured) {
            {"MAPS", flag(plan.visibility == "baked")}}};
 }
 
-glm::vec3 direction_of(std::uint32_t packed) {
-  return shared::direction_from_octahedral(glm::unpackUnorm2x16(packed));
-}
+glm::vec3 direction_of(std::uint32_t packed) { return shared::direction_from_octahedral(glm::unpackUnorm2x16(packed)); }
 
 /// A point as its triangle has it, on either side of it.
 struct SurfacePlace {
@@ -235,8 +233,8 @@ void ShadowPass::filter_sky(int width, int height) {
           const Point& other = points_[to];
           if (!(other.width_m > 0.0f)) continue;
           const float t = static_cast<float>(k) / static_cast<float>(radius);
-          const float weight = std::exp(-2.0f * t * t) *
-                               likeness(other.position - own.position, own.normal, other.normal, own.width_m);
+          const float weight =
+              std::exp(-2.0f * t * t) * likeness(other.position - own.position, own.normal, other.normal, own.width_m);
           spare_[at] += weight * sky_[to];
           weights += weight;
         }

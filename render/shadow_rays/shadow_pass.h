@@ -7,9 +7,9 @@
 
 namespace maquette {
 
-/// The light of a layer that only rays can shadow at the picture's resolution: of the sun and of the scene's lights, and,
-/// while nothing moves, what the visibility maps err by for the rest of the sky. Rays are drawn by the device, traced on the
-/// processor, and summed here.
+/// The light of a layer that only rays can shadow at the picture's resolution: of the sun and of the scene's lights,
+/// and, while nothing moves, what the visibility maps err by for the rest of the sky. Rays are drawn by the device,
+/// traced on the processor, and summed here.
 class ShadowPass {
  public:
   /// Computes this frame's light. `averages`: the mean over the frames of the picture, where their pictures are not
@@ -25,7 +25,7 @@ class ShadowPass {
   /// A grid point, as far as the filter looks at it.
   struct Point {
     glm::vec3 position{0.0f};
-    float width_m = 0.0f;   ///< of a grid cell there; 0: no point
+    float width_m = 0.0f;    ///< of a grid cell there; 0: no point
     glm::vec3 normal{0.0f};  ///< of its triangle
     glm::vec3 base{1.0f};    ///< base colour, which the filter leaves sharp
   };
@@ -34,8 +34,8 @@ class ShadowPass {
   void filter_sky(int width, int height);
 
   Texture light_;
-  Buffer rays_;  ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
-  std::vector<glm::vec4> bright_, raw_sky_;    ///< means over the frames; the sky's over the base colour
+  Buffer rays_;                               ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
+  std::vector<glm::vec4> bright_, raw_sky_;   ///< means over the frames; the sky's over the base colour
   std::vector<glm::vec4> sky_, spare_, sum_;  ///< the same, smoothed; of the filter; what is composed
   std::vector<Point> points_;
   std::size_t ray_count_ = 0;

@@ -15,14 +15,14 @@ struct ShadowSceneJob {
   int variant = -1;
 };
 
-/// The path tracer's scene without its tables of light and measured materials: what shadow rays need. Panes, cut-outs and
-/// coverage count in it as in mode `reference`.
+/// The path tracer's scene without its tables of light and measured materials: what shadow rays need. Panes, cut-outs
+/// and coverage count in it as in mode `reference`.
 class ShadowScene final : public KeyedBake<Key, ShadowSceneJob, std::shared_ptr<const PathScene>> {
  public:
   ShadowScene();
   const char* name() const override { return "shadow_rays"; }
-  /// Starts to build it when the surfaces have changed, and takes over what is there; the old one stays until then. True
-  /// when it is another. Throws what made it fail, once.
+  /// Starts to build it when the surfaces have changed, and takes over what is there; the old one stays until then.
+  /// True when it is another. Throws what made it fail, once.
   bool update(const SceneState& scene, int variant);
   /// Forgets it: another scene.
   void clear();

@@ -1,9 +1,9 @@
-#include "render/math/shared_formulas.h"
 #include "render/views/debug_views.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "render/math/shared_formulas.h"
 #include "render/picture/tonemap.h"
 #include "render/views/false_color.h"
 #include "render/views/read_texture.h"

@@ -1,7 +1,7 @@
-// Rays from every visible point to what lights it: towards the sun, to one of the scene's lights, and to the sky, each with the light that it brings if
-// nothing is in between. The host traces them (render/shadow_rays/shadow_pass.cpp).
-// SEPARATE_SUN: the environment has a sun, which the samples of shading leave out. LIGHTS: shading has the scene's lights without shadows. MAPS: shading has the sky
-// through visibility maps, else without shadows.
+// Rays from every visible point to what lights it: towards the sun, to one of the scene's lights, and to the sky, each
+// with the light that it brings if nothing is in between. The host traces them (render/shadow_rays/shadow_pass.cpp).
+// SEPARATE_SUN: the environment has a sun, which the samples of shading leave out. LIGHTS: shading has the scene's
+// lights without shadows. MAPS: shading has the sky through visibility maps, else without shadows.
 layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"

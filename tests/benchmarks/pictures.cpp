@@ -1,5 +1,5 @@
-// What the default mode shows, over the time that a view is at rest, against all light paths: RMSE from the products of the
-// differences from two halves of the reference, and FLIP beside that of the halves themselves.
+// What the default mode shows, over the time that a view is at rest, against all light paths: RMSE from the products of
+// the differences from two halves of the reference, and FLIP beside that of the halves themselves.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,7 +24,7 @@ constexpr double kTarget_s = 20.0;  ///< at which FLIP is judged
 
 struct PictureView {
   Case shown;
-  double flip = 0.10;  ///< largest allowed after kTarget_s
+  double flip = 0.10;                                   ///< largest allowed after kTarget_s
   std::function<CameraView(const Scene&)> camera = {};  ///< null: the scene's
 };
 
@@ -56,7 +56,8 @@ std::vector<PictureView> picture_views(const Options& options) {
                      std::string(camera) == "exterior" ? 0.06 : 0.10});
   views.push_back({{.name = "plate", .scene = "builtin:plate"}, 0.06});
   if (options.data.empty()) return views;
-  for (const auto& [light, file] : {std::pair("grace", "grace_latlong.exr"), std::pair("workshop", "autoshop_01_1k.hdr")}) {
+  for (const auto& [light, file] :
+       {std::pair("grace", "grace_latlong.exr"), std::pair("workshop", "autoshop_01_1k.hdr")}) {
     Case car{.scene = options.data + "/scenes/ferrari458.glb"};
     car.environment = options.data + "/environments/" + file;
     const auto add = [&](const char* name, double flip, std::function<CameraView(const Scene&)> camera) {
@@ -122,7 +123,9 @@ double error_of(const Image& picture, const std::array<Image, 2>& halves) {
     }
     count += 3;
   }
-  return count == 0 || mean <= 0.0 ? 0.0 : std::sqrt(std::max(sum / static_cast<double>(count), 0.0)) * static_cast<double>(count) / mean;
+  return count == 0 || mean <= 0.0
+             ? 0.0
+             : std::sqrt(std::max(sum / static_cast<double>(count), 0.0)) * static_cast<double>(count) / mean;
 }
 
 Image mean_of(const std::array<Image, 2>& halves) {
@@ -161,10 +164,15 @@ Figures measure_pictures(Stage& stage) {
       const Image picture = stage.renderer().read_radiance();
       const double flip = flip_of(picture, reference);
       if (seconds <= kTarget_s) judged_flip = flip;
-      measured += (measured.empty() ? "" : "; ") + number(seconds) + " s " + percent(error_of(picture, halves)) + ", " + number(flip);
-      save_exr((fs::path(stage.options().scratch) / "pictures" / (std::to_string(figures.size()) + "-shown.exr")).string(), picture);
+      measured += (measured.empty() ? "" : "; ") + number(seconds) + " s " + percent(error_of(picture, halves)) + ", " +
+                  number(flip);
+      save_exr(
+          (fs::path(stage.options().scratch) / "pictures" / (std::to_string(figures.size()) + "-shown.exr")).string(),
+          picture);
     }
-    save_exr((fs::path(stage.options().scratch) / "pictures" / (std::to_string(figures.size()) + "-reference.exr")).string(), reference);
+    save_exr(
+        (fs::path(stage.options().scratch) / "pictures" / (std::to_string(figures.size()) + "-reference.exr")).string(),
+        reference);
     figures.push_back(judged("default picture at rest, " + view.shown.name + ": RMSE, FLIP (LDR)",
                              "FLIP <= " + number(view.flip) + " after 20 s", measured + "; halves " + number(own),
                              judged_flip <= view.flip));

@@ -302,10 +302,8 @@ TEST_P(LightAndGlass, LampsThatOutshineTheSkyHaveAsManySamples) {
 
 Scene pane_scene(const glm::vec4& tint) {
   Scene scene;
-  Material glass;
+  Material glass = test::clear_pane();
   glass.name = "glass";
-  glass.glass = true;
-  glass.transmission = 1.0f;
   glass.ior = 1.52f;
   glass.base_color = tint;
   glass.double_sided = true;

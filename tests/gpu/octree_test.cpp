@@ -85,6 +85,7 @@ FrameRequest request_of(const std::string& mode) {
   r.width = r.height = 48;
   r.samples = 64;
   r.settings.set_from_text("shading.visibility", "traced");
+  r.settings.set_from_text("shading.indirect", "none");  // closed forms of direct light
   r.settings.set_from_text("octree.depth", "6");
   return r;
 }
@@ -172,7 +173,7 @@ TEST(OctreeReflections, StayWhileTheCameraLooksAway) {
           glm::vec3(0.2f * static_cast<float>(i % 4) - 0.3f, 0.2f * static_cast<float>(i / 4) - 0.3f, -0.5f);
     pane.material = static_cast<int>(scene.materials.size());
     pane.reflector = true;
-    scene.materials.emplace_back().glass = true;
+    scene.materials.push_back(test::clear_pane());
     scene.patches.push_back(pane);
     scene.nodes.emplace_back().patch = 0;
     scene.roots.push_back(static_cast<int>(scene.nodes.size()) - 1);

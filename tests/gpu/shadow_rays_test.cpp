@@ -1,5 +1,5 @@
-// Shadows by rays from every point (render/shadow_rays): edges where the geometry puts them, panes that dim, and at rest the
-// path tracer's direct light.
+// Shadows by rays from every point (render/shadow_rays): edges where the geometry puts them, panes that dim, and at
+// rest the path tracer's direct light.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,8 @@ constexpr int kSide = 96;
 constexpr int kSunX = 40, kSunY = 8, kWidth = 128, kHeight = 64;
 
 glm::dvec3 to_sun() {
-  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kWidth, lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kHeight;
+  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kWidth,
+               lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kHeight;
   return {std::cos(lat) * std::sin(lon), std::sin(lat), std::cos(lat) * std::cos(lon)};
 }
 
@@ -70,8 +71,8 @@ class ShadowRays : public ::testing::Test {
   Renderer renderer_;
 };
 
-/// Where a pixel's centre sees the floor, and how far that is from the border of the square's shadow, in pixels; below 0
-/// inside.
+/// Where a pixel's centre sees the floor, and how far that is from the border of the square's shadow, in pixels; below
+/// 0 inside.
 double beyond_shadow_px(const FrameRequest& r, int x, int y) {
   const double pixel_m = 2.0 * std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad)) * 0.95 / kSide;
   const double px = (x + 0.5 - 0.5 * kSide) * pixel_m, pz = (y + 0.5 - 0.5 * kSide) * pixel_m;
@@ -107,11 +108,7 @@ TEST_F(ShadowRays, TheSunsEdgeIsWhereTheGeometryPutsIt) {
 
 /// All of the direct light, lamps and the dim sky included, at rest: as the path tracer has it without bounces.
 TEST_F(ShadowRays, AtRestTheDirectLightIsThePathTracers) {
-  Material pane;
-  pane.glass = true;
-  pane.transmission = 1.0f;
-  pane.metallic = 0.0f;
-  pane.roughness = 0.0f;
+  Material pane = test::clear_pane();
   pane.base_color = {0.3f, 0.8f, 0.6f, 1.0f};
   Material half = test::matte(glm::vec3(0.2f));
   half.alpha_mode = AlphaMode::blend;

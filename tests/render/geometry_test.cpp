@@ -78,8 +78,8 @@ TEST(Flatten, RewindsMirroredInstances) {
   }
 }
 
-/// glTF 2.0, 3.7.2.1: tangents belong to the texture coordinates of the normal texture; the green of a normal map is up, where v
-/// falls (3.9.3).
+/// glTF 2.0, 3.7.2.1: tangents belong to the texture coordinates of the normal texture; the green of a normal map is
+/// up, where v falls (3.9.3).
 TEST(Flatten, TakesTangentsFromTheSetOfTheNormalTexture) {
   Primitive primitive = quad();
   primitive.uvs[1] = {{0, 0}, {0, 1}, {-1, 1}, {-1, 0}};  // u along -y, v along x

@@ -30,8 +30,7 @@ PictureRequest floor_request(float fov_y_rad = 0.08f) {
 glm::vec3 direction_through(const PathScene& scene, const PictureRequest& r, int x, int y) {
   const CameraFrame camera = make_camera_frame(r.camera, r.width, r.height, scene.bounds);
   const glm::vec2 ndc = 2.0f * (glm::vec2(x, y) + 0.5f) / glm::vec2(r.width, r.height) - 1.0f;
-  return glm::normalize(
-      camera.ray_through({ndc.x, -ndc.y}).direction);
+  return glm::normalize(camera.ray_through({ndc.x, -ndc.y}).direction);
 }
 
 /// A room that is open above and in front, with one matte material (0), under a sky with a lamp.
@@ -148,10 +147,7 @@ TEST(PathSharing, GlossySecondSurfaces) {
 
 /// Panes and a translucent sheet between first and second surfaces, for some of the pixels.
 TEST(PathSharing, ThinThingsBetween) {
-  Material pane;
-  pane.glass = true;
-  pane.transmission = 1.0f;
-  pane.roughness = 0.0f;
+  Material pane = clear_pane();
   pane.base_color = glm::vec4(0.5f, 0.8f, 0.9f, 1.0f);
   Material veil = matte({0.2f, 0.9f, 0.2f});
   veil.base_color.a = 0.5f;

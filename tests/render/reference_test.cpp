@@ -50,11 +50,7 @@ TEST(Reference, WhiteSphereVanishesInAFurnace) {
 }
 
 TEST(Reference, ClearPaneLosesNothing) {
-  Material glass;
-  glass.glass = true;
-  glass.transmission = 1.0f;
-  glass.metallic = 0.0f;
-  glass.roughness = 0.0f;
+  Material glass = test::clear_pane();
   glass.double_sided = true;
   const Scene scene = sphere_of(glass);
   for (const Transport transport : {Transport::full, Transport::direct}) {
@@ -260,11 +256,7 @@ TEST(Reference, DeadlineWithinAPassLeavesAPicture) {
 /// A lamp reflected by a pane onto a floor: the guide that finds it sooner does not change its brightness.
 TEST(Reference, GuideToMirroredLampsIsUnbiased) {
   Scene scene = load_scene("builtin:plate");
-  Material pane;
-  pane.glass = true;
-  pane.transmission = 1.0f;
-  pane.metallic = 0.0f;
-  pane.roughness = 0.0f;
+  Material pane = test::clear_pane();
   pane.double_sided = true;
   scene.materials.push_back(pane);
   Primitive wall;

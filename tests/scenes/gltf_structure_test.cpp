@@ -64,7 +64,8 @@ TEST_F(GltfStructure, NumbersBeyondDoubleAreOutOfRange) {
   expect_warning(scene, "cameras[0]: znear is not a number");
   EXPECT_EQ(scene.nodes.at(0).name, "1e309 \" 1e309");
   root_["nodes"][0]["translation"] = {77, 0, 0};
-  expect_error(write_text("scene.gltf", respell(text_with("data.bin"), "[77", "[1e999")), "its transform is not finite");
+  expect_error(write_text("scene.gltf", respell(text_with("data.bin"), "[77", "[1e999")),
+               "its transform is not finite");
 }
 
 TEST_F(GltfStructure, ABufferThatNothingNeedsRefusesNothing) {

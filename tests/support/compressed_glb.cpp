@@ -100,7 +100,8 @@ class Compressor {
   }
 
   const char* bytes_of(const Json& accessor) {
-    return bytes_.data() + root_["bufferViews"][accessor["bufferView"].get<std::size_t>()]["byteOffset"].get<std::size_t>();
+    return bytes_.data() +
+           root_["bufferViews"][accessor["bufferView"].get<std::size_t>()]["byteOffset"].get<std::size_t>();
   }
 
   std::vector<float> floats(const Json& index) {
@@ -134,9 +135,9 @@ class Compressor {
   }
 
   static draco::GeometryAttribute::Type kind(const std::string& name) {
-    return name == "POSITION" ? draco::GeometryAttribute::POSITION
-           : name == "NORMAL" ? draco::GeometryAttribute::NORMAL
-           : name == "COLOR_0" ? draco::GeometryAttribute::COLOR
+    return name == "POSITION"        ? draco::GeometryAttribute::POSITION
+           : name == "NORMAL"        ? draco::GeometryAttribute::NORMAL
+           : name == "COLOR_0"       ? draco::GeometryAttribute::COLOR
            : name.starts_with("TEX") ? draco::GeometryAttribute::TEX_COORD
                                      : draco::GeometryAttribute::GENERIC;
   }

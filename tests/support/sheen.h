@@ -21,8 +21,7 @@ inline double sheen_lambda(double cosine, double alpha) {
 /// The lobe of a white sheen, 1/sr.
 inline double sheen_lobe(const glm::dvec3& wi, const glm::dvec3& wo, double alpha) {
   const glm::dvec3 h = glm::normalize(wi + wo);
-  const double d =
-      (2.0 + 1.0 / alpha) * std::pow(1.0 - h.z * h.z, 0.5 / alpha) / (2.0 * std::numbers::pi);
+  const double d = (2.0 + 1.0 / alpha) * std::pow(1.0 - h.z * h.z, 0.5 / alpha) / (2.0 * std::numbers::pi);
   return d / ((1.0 + sheen_lambda(wi.z, alpha) + sheen_lambda(wo.z, alpha)) * 4.0 * wi.z * wo.z);
 }
 

@@ -84,6 +84,16 @@ inline Material matte(const glm::vec3& albedo) {
   return m;
 }
 
+/// Smooth glass that transmits all that it does not reflect.
+inline Material clear_pane() {
+  Material m;
+  m.glass = true;
+  m.transmission = 1.0f;
+  m.metallic = 0.0f;
+  m.roughness = 0.0f;
+  return m;
+}
+
 inline Material white_lambert() { return matte(glm::vec3(1.0f)); }
 
 inline std::shared_ptr<Environment> constant_sky(const glm::vec3& radiance) {

@@ -225,11 +225,11 @@ TEST(CommandLine, DeclarationsAreSound) {
   }
   // The contract's options.
   for (const char* name :
-       {"--mode",     "--reflections", "--reflector",    "--env",     "--env-rotation", "--env-scale",
-        "--exposure", "--tonemap",     "--material",     "--variant", "--camera",       "--eye",
-        "--target",   "--up",          "--fov",          "--orthographic", "--size",    "--samples",      "--seed",
-        "--msaa",     "--frames",      "--target-error", "--time",    "--view",         "--dent",
-        "--set",      "--stats",       "--reference",    "--look",    "--output"})
+       {"--mode",     "--reflections", "--reflector", "--env",          "--env-rotation", "--env-scale",
+        "--exposure", "--tonemap",     "--material",  "--variant",      "--camera",       "--eye",
+        "--target",   "--up",          "--fov",       "--orthographic", "--size",         "--samples",
+        "--seed",     "--msaa",        "--frames",    "--target-error", "--time",         "--view",
+        "--dent",     "--set",         "--stats",     "--reference",    "--look",         "--output"})
     EXPECT_TRUE(names.contains(name)) << name;
 }
 

@@ -91,10 +91,8 @@ TEST(ReportCommand, AnInterruptedReportIsKeptAndGoesOn) {
 TEST(ReportCommand, WhatCannotBeReflectedIsLeftOut) {
   const TemporaryFolder folder;
   Scene scene = test::sphere_of(test::white_lambert());
-  Material glass;
+  Material glass = test::clear_pane();
   glass.name = "glass";
-  glass.glass = true;
-  glass.transmission = 1.0f;
   scene.materials.push_back(glass);
   const int material = static_cast<int>(scene.materials.size()) - 1;
   for (int i = 0; i < 17; ++i)  // one more than are drawn at once

@@ -73,11 +73,11 @@ void mix_request(const FrameRequest& request, ContentKey* key) {
   mix_vector(request.camera.eye, 3, key);
   mix_vector(request.camera.target, 3, key);
   mix_vector(request.camera.up, 3, key);
-  for (const double v :
-       {static_cast<double>(request.camera.fov_y_rad), static_cast<double>(request.camera.height_m), static_cast<double>(request.width),
-        static_cast<double>(request.height), static_cast<double>(request.msaa), static_cast<double>(request.samples),
-        static_cast<double>(request.seed), static_cast<double>(request.env_rotation_rad),
-        static_cast<double>(request.env_scale), static_cast<double>(request.variant)})
+  for (const double v : {static_cast<double>(request.camera.fov_y_rad), static_cast<double>(request.camera.height_m),
+                         static_cast<double>(request.width), static_cast<double>(request.height),
+                         static_cast<double>(request.msaa), static_cast<double>(request.samples),
+                         static_cast<double>(request.seed), static_cast<double>(request.env_rotation_rad),
+                         static_cast<double>(request.env_scale), static_cast<double>(request.variant)})
     key->mix(v);
   key->mix(request.mode);
   if (request.reflections != kNoReflections) {

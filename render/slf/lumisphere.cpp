@@ -98,6 +98,13 @@ int Lumisphere::bin_of(const glm::vec3& direction) const {
   return bin_of_cell(y * side_ + x);
 }
 
+int Lumisphere::bin_near_cell(int x, int y) const {
+  const bool inside = x >= 0 && y >= 0 && x < side_ && y < side_;
+  if (const int bin = inside ? bin_of_cell(y * side_ + x) : -1; bin >= 0) return bin;
+  const glm::vec2 p = (glm::vec2(x, y) + 0.5f) * (2.0f / static_cast<float>(side_)) - 1.0f;
+  return bin_of(shared::direction_from_parabolic(p * (0.999f / std::max(glm::length(p), 1e-6f))));
+}
+
 float Lumisphere::area_density(const Bin& bin, const glm::vec2& p) const {
   const float step = low(1) - low(0);
   if (!bin.clipped) return 1.0f / (step * step);

@@ -20,6 +20,8 @@ class Lumisphere {
   int cell_of_bin(int bin) const { return bins_[static_cast<std::size_t>(bin)].cell; }
   /// Bin of a unit direction above the horizon.
   int bin_of(const glm::vec3& direction) const;
+  /// Bin of a cell, or, below the horizon and beyond the map's border, the one next to it.
+  int bin_near_cell(int x, int y) const;
   /// sr, clipped at the horizon.
   double solid_angle(int bin) const { return bins_[static_cast<std::size_t>(bin)].solid_angle; }
   /// Integral of the cosine over the clipped bin, sr.

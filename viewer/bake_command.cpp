@@ -36,7 +36,10 @@ int run_bake(const CommandLine& line) {
                             find_variant(*scene, options.variant),
                             options.settings,
                             {options.materials.begin(), options.materials.end()},
-                            options.output};
+                            options.output,
+                            [&] { return std::make_shared<const Environment>(load_environment(options.environment)); },
+                            glm::radians(options.env_rotation_deg),
+                            options.env_scale};
   const InterruptGuard guard;
   command.run(request, {InterruptGuard::flag(), print_progress(),
                         [](const std::string& text) { std::printf("%s\n", text.c_str()); }});

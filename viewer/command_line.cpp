@@ -15,7 +15,9 @@ std::string bake_names() {
   std::vector<std::string> names, later;
   for (const BakeCommand& command : builtin_registry().bakes()) names.push_back(command.name);
   for (const LaterName& mode : builtin_registry().later_modes) later.push_back(mode.name);
-  return join(names) + (later.empty() ? "" : " (" + join(later, " and ") + " arrive with a later version)");
+  return join(names) + (later.empty() ? ""
+                                      : " (" + join(later, " and ") + (later.size() == 1 ? " arrives" : " arrive") +
+                                            " with a later version)");
 }
 
 }  // namespace

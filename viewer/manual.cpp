@@ -86,7 +86,7 @@ Section scene_section() {
        {"builtin:sphere", "a unit sphere at the origin"},
        {"builtin:plate", "four statues of matte, plastic, paint and metal on a marble-textured floor"},
        {"builtin:cornell", "a box with coloured walls, open to the viewer"},
-       {"builtin:seat", "a seat made of subdivision surfaces"}}};
+       {"builtin:seat", "a seat in an open box with a red wall and a mirror wall, below a lamp"}}};
 }
 
 Section light_section() {

@@ -3,10 +3,12 @@
 #include <atomic>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "render/technique/settings.h"
+#include "scenes/environment.h"
 #include "scenes/scene.h"
 
 namespace maquette {
@@ -18,6 +20,9 @@ struct BakeRequest {
   const Settings& settings;
   std::map<std::string, std::string> materials;  ///< replaced: name to source
   std::string folder;                            ///< empty: where a render of these settings looks
+  /// Loads the environment, for bakes of light; called only by them. Null: there is none.
+  std::function<std::shared_ptr<const Environment>()> environment = {};
+  float env_rotation_rad = 0.0f, env_scale = 1.0f;
 };
 
 struct BakeControl {

@@ -6,6 +6,7 @@ namespace maquette {
 
 class SceneState;
 struct FrameRequest;
+struct ShadingPlan;
 
 /// A bake that a technique of its own draws with (Technique::own_bake): SceneBakes starts it, waits for it and lists
 /// it. Its class derives from KeyedBake, too.
@@ -15,7 +16,8 @@ class SceneBake {
   virtual Bake& bake() = 0;
   /// Starts it when what it depends on has changed, and takes over what a run has made, on the thread of OpenGL. Does
   /// not wait. True when what is drawn with has changed. Throws what made a run fail, once.
-  virtual bool update(const SceneState& scene, const FrameRequest& request) = 0;
+  /// `layer`: whose parts it is for.
+  virtual bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) = 0;
   /// Binds its textures and buffers, before the passes of a layer.
   virtual void bind() const = 0;
 };

@@ -46,7 +46,7 @@ void SceneBakes::update_own(const ShadingPlan& layer, const SceneState& scene, c
   if (layer.own_bake.empty()) return;
   std::unique_ptr<SceneBake>& own = own_[layer.own_bake];
   if (!own) own = registry_.find_mode(layer.mode).own_bake->make();
-  if (own->update(scene, request)) ++own_revision_;
+  if (own->update(scene, request, layer)) ++own_revision_;
 }
 
 std::vector<const Bake*> SceneBakes::list() const {

@@ -8,6 +8,7 @@
 #include "render/reflections/technique.h"
 #include "render/sg/technique.h"
 #include "render/shading/technique.h"
+#include "render/slf/technique.h"
 #include "render/splitsum/technique.h"
 #include "render/triangle/technique.h"
 #include "render/uniform/technique.h"
@@ -26,6 +27,7 @@ const Registry& builtin_registry() {
               uniform_technique(),
               splitsum_technique(),
               sg_technique(),
+              slf_technique(),
               reference_technique(),
               reflections_technique(),
               bezier_technique(),
@@ -33,10 +35,8 @@ const Registry& builtin_registry() {
               raytraced_technique(),
           },
       .default_mode = "bandwidth",
-      .later_modes = {{"slf", "surface light field"}, {"prt", "precomputed radiance transfer"}},
-      .later_settings = {{"slf.bake", "folder of the surface light field"},
-                         {"slf.texels", "side of the atlas"},
-                         {"prt.bake", "folder of the transfer"},
+      .later_modes = {{"prt", "precomputed radiance transfer"}},
+      .later_settings = {{"prt.bake", "folder of the transfer"},
                          {"prt.faces", "side of a light cube face"}}};
   return kRegistry;
 }

@@ -39,6 +39,7 @@ constexpr Part kParts[] = {
     {"reference", "the path tracer: rays a second, against closed forms and uniform, the car's cabin",
      measure_path_tracer},
     {"meter", "time until the window has the error of a view at rest", measure_meter},
+    {"slf", "surface light fields of the seat against mode reference: bases, compression, bake", measure_slf},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

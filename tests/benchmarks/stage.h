@@ -135,5 +135,6 @@ Figures measure_skipping(Stage& stage);
 Figures measure_octree(Stage& stage);
 Figures measure_path_tracer(Stage& stage);
 Figures measure_meter(Stage& stage);
+Figures measure_slf(Stage& stage);
 
 }  // namespace maquette::bench

@@ -39,6 +39,8 @@ FrameRequest request_for(const std::string& mode, const std::string& reflections
   r.camera.target = {0.0f, 0.0f, -1.0f};
   r.settings.set("shading.visibility", std::string("none"));
   r.settings.set("octree.depth", 6);
+  r.settings.set("slf.texels", 16);
+  r.settings.set("slf.paths", 1);
   return r;
 }
 
@@ -94,7 +96,7 @@ class CountBake final : public KeyedBake<Key, std::size_t, std::size_t>, public 
   CountBake() : KeyedBake(std::make_shared<CountKind>()) {}
   const char* name() const override { return "triangle_count"; }
   Bake& bake() override { return *this; }
-  bool update(const SceneState& scene, const FrameRequest&) override {
+  bool update(const SceneState& scene, const FrameRequest&, const ShadingPlan&) override {
     require(Key::of(scene.revisions().geometry), [&] { return scene.geometry().indices.size(); });
     const std::shared_ptr<const std::size_t> count = take();
     if (!count) return false;

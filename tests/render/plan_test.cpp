@@ -287,7 +287,8 @@ TEST(Plan, NeverFallsBack) {
   Settings baked;
   baked.set("shading.visibility", std::string("baked"));
   EXPECT_THROW(plan({}, "splitsum", baked, {}), Error);
-  EXPECT_THROW(plan({}, "slf", {}, {}), Error);
+  EXPECT_THROW(plan({}, "slf", baked, {}), Error);
+  EXPECT_THROW(plan({}, "prt", {}, {}), Error);
   EXPECT_THROW(plan({}, "nonsense", {}, {}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.msaa = 3}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.width = 0}), UsageError);

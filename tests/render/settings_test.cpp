@@ -84,7 +84,7 @@ TEST(Settings, UnknownNamesGetTheNearest) {
                        "did you mean baked?"));
   // Names reserved for later versions are known, and never accepted silently.
   EXPECT_TRUE(
-      contains(message_of<Error>([&] { settings.set_from_text("slf.texels", "8"); }), "not available in this version"));
+      contains(message_of<Error>([&] { settings.set_from_text("prt.faces", "8"); }), "not available in this version"));
 }
 
 TEST(Registry, EveryNameIsDistinctAndLaterOnesSaySo) {

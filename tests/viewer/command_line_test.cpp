@@ -201,7 +201,7 @@ TEST(CommandLine, CommandsAreChecked) {
 }
 
 TEST(CommandLine, LaterNamesAreKnownAndRefused) {
-  for (const Words& words : {Words{"--mode", "slf"}, Words{"--set", "slf.texels=64"}, Words{"--look", "A"}}) {
+  for (const Words& words : {Words{"--mode", "prt"}, Words{"--set", "prt.faces=64"}, Words{"--look", "A"}}) {
     Words all = {"render", "-o", "a.png"};
     all.insert(all.end(), words.begin(), words.end());
     try {

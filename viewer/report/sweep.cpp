@@ -63,6 +63,8 @@ std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Sett
         const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
                                       [](const LeftOut& l) { return l.what == "reflections"; });
         if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;
+        if (info.own_bake)
+          technique.refused = "it draws with a bake of its own of minutes: `maquette_bench` measures it";
       } catch (const Error& error) {
         technique.refused = error.what();
       }

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/bake/bake_command.h"
+
+namespace maquette {
+
+/// `maquette bake slf`: incident light, resumable; under `mpirun` several processes share it.
+BakeCommand light_field_bake_command();
+
+}  // namespace maquette

@@ -1,0 +1,168 @@
+#include "render/slf/buffers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+
+#include "render/math/shared_formulas.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+#include "slf/bindings.glsl"
+
+constexpr int kFieldBias = 28;             ///< of shaders/slf/light_field.glsl
+constexpr float kLargestStored = 1024.0f;  ///< well within half floats, and within kFieldBias
+
+float largest_of(const LightField& field) {
+  float largest = 0.0f;
+  if (field.compressed()) {
+    for (int k = 0; k < field.fit.pca.cluster_count(); ++k)
+      largest = std::max(largest, field.fit.pca.mean(k).cwiseAbs().maxCoeff());
+    if (field.fit.weights.size() > 0) largest = std::max(largest, field.fit.weights.cwiseAbs().maxCoeff());
+  } else if (field.outgoing && field.outgoing->radiance.size() > 0) {
+    largest = field.outgoing->radiance.maxCoeff();
+  }
+  return largest;
+}
+
+}  // namespace
+
+LightFieldBuffers::LightFieldBuffers(const LightField& field, std::size_t triangles) {
+  const float largest = largest_of(field);
+  scale_ = largest > 0.0f ? largest / kLargestStored : 1.0f;
+  upload_sides(field, triangles);
+  if (field.atlas.side == 0) return;
+  upload_codes(field);
+  if (field.compressed())
+    upload_lumispheres(field);
+  else
+    upload_stored(field);
+}
+
+void LightFieldBuffers::upload_sides(const LightField& field, std::size_t triangles) {
+  std::vector<std::uint32_t> slots(2 * std::max<std::size_t>(triangles, 1), 0u);
+  const float components = field.compressed() ? static_cast<float>(field.fit.weights.rows()) : 0.0f;
+  std::vector<glm::vec4> sides{
+      glm::vec4(scale_, static_cast<float>(field.side), components, field.compressed() ? 1.0f : 0.0f),
+      glm::vec4(static_cast<float>(std::max(field.atlas.side, 1)), 0.0f, 0.0f, 0.0f)};
+  for (std::size_t s = 0; s < field.atlas.sides.size(); ++s) {
+    const AtlasSide& side = field.atlas.sides[s];
+    slots[2 * static_cast<std::size_t>(side.triangle) + (side.back ? 1 : 0)] = static_cast<std::uint32_t>(s + 1);
+    sides.emplace_back(side.at[0], side.at[1]);
+    sides.emplace_back(side.at[2], static_cast<float>(side.chart), 0.0f);
+    sides.emplace_back(field.atlas.axes[side.chart], 0.0f);
+  }
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
+  if (std::max(slots.size(), sides.size()) > static_cast<std::size_t>(largest))
+    throw Error("surface light field",
+                std::to_string(field.atlas.sides.size()) + " triangles are more than this driver can address",
+                "choose fewer parts (slf.parts)");
+  slots_ = Buffer::from("light field slots", slots);
+  sides_ = Buffer::from("light field sides", sides);
+  slot_view_ = Texture::make_buffer("light field slots", GL_R32UI, slots_);
+  side_view_ = Texture::make_buffer("light field sides", GL_RGBA32F, sides_);
+}
+
+void LightFieldBuffers::upload_codes(const LightField& field) {
+  const int side = field.atlas.side;
+  const std::size_t cells = field.atlas.texel_of_cell.size();
+  std::vector<std::uint16_t> errors(cells, 0);
+  std::vector<std::uint8_t> clusters(cells, 0);
+  const Eigen::Index components = field.compressed() ? field.fit.weights.rows() : 0;
+  const int layers = std::max(static_cast<int>((components + 3) / 4), 1);
+  std::vector<std::uint64_t> weights(field.compressed() ? cells * static_cast<std::size_t>(layers) : 0, 0);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const std::uint32_t t = field.atlas.texel_of_cell[c];
+    if (t == LightFieldAtlas::kNone) continue;
+    errors[c] = glm::packHalf1x16(field.errors[t]);
+    if (!field.compressed()) continue;
+    clusters[c] = static_cast<std::uint8_t>(field.fit.owner[t]);
+    for (int l = 0; l < layers; ++l) {
+      glm::vec4 four(0.0f);
+      for (int k = 0; k < 4 && 4 * l + k < components; ++k) four[k] = field.fit.weights(4 * l + k, t) / scale_;
+      weights[static_cast<std::size_t>(l) * cells + c] = glm::packHalf4x16(four);
+    }
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  clusters_ = Texture::make_2d("light field clusters", GL_R8UI, side, side);
+  clusters_.upload(0, side, side, GL_RED_INTEGER, GL_UNSIGNED_BYTE, clusters.data());
+  errors_ = Texture::make_2d("light field errors", GL_R16F, side, side);
+  errors_.upload(0, side, side, GL_RED, GL_HALF_FLOAT, errors.data());
+  if (!field.compressed()) return;
+  weights_ = Texture::make_2d_array("light field weights", GL_RGBA16F, side, side, layers);
+  for (int l = 0; l < layers; ++l)
+    glTextureSubImage3D(weights_.get(), 0, 0, 0, l, side, side, 1, GL_RGBA, GL_HALF_FLOAT,
+                        weights.data() + static_cast<std::size_t>(l) * cells);
+}
+
+void LightFieldBuffers::upload_lumispheres(const LightField& field) {
+  const Lumisphere sphere(field.side);
+  const int tile = field.side + 2, count = field.fit.pca.cluster_count();
+  const int terms = static_cast<int>(field.fit.weights.rows()) + 1;
+  const int width = count * tile, height = terms * tile;
+  std::vector<std::uint64_t> texels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int k = 0; k < count; ++k) {
+    const Eigen::VectorXf mean = field.fit.pca.mean(k) / scale_;
+    const Eigen::MatrixXf components = field.fit.pca.components(k);
+    for (int term = 0; term < terms; ++term)
+      for (int y = 0; y < tile; ++y)
+        for (int x = 0; x < tile; ++x) {
+          const Eigen::Index row = 3 * sphere.bin_near_cell(x - 1, y - 1);
+          const auto value = [&](Eigen::Index c) { return term == 0 ? mean[row + c] : components(row + c, term - 1); };
+          texels[static_cast<std::size_t>(term * tile + y) * static_cast<std::size_t>(width) +
+                 static_cast<std::size_t>(k * tile + x)] = glm::packHalf4x16({value(0), value(1), value(2), 0.0f});
+        }
+  }
+  lumispheres_ = Texture::make_2d("light field lumispheres", GL_RGBA16F, width, height);
+  lumispheres_.upload(0, width, height, GL_RGBA, GL_HALF_FLOAT, texels.data());
+  lumispheres_.set_filter(GL_LINEAR, GL_LINEAR);
+}
+
+void LightFieldBuffers::upload_stored(const LightField& field) {
+  const Lumisphere sphere(field.side);
+  const auto cells = static_cast<std::size_t>(field.side * field.side);
+  const Eigen::MatrixXf& radiance = field.outgoing->radiance;
+  std::vector<std::uint32_t> words(cells * static_cast<std::size_t>(radiance.cols()));
+  GLint largest = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
+  if (words.size() > static_cast<std::size_t>(largest))
+    throw Error("surface light field",
+                std::to_string(words.size()) + " values are more than this driver can address uncompressed",
+                "compress them: --set slf.clusters=128");
+  std::vector<Eigen::Index> rows;
+  for (int y = 0; y < field.side; ++y)
+    for (int x = 0; x < field.side; ++x) rows.push_back(3 * sphere.bin_near_cell(x, y));
+  for (Eigen::Index t = 0; t < radiance.cols(); ++t)
+    for (std::size_t c = 0; c < cells; ++c) {
+      const glm::vec3 value(radiance(rows[c], t), radiance(rows[c] + 1, t), radiance(rows[c] + 2, t));
+      words[static_cast<std::size_t>(t) * cells + c] = shared::pack_rgb9e5(glm::max(value, 0.0f) / scale_, kFieldBias);
+    }
+  radiance_ = Buffer::from("light field radiance", words);
+  radiance_view_ = Texture::make_buffer("light field radiance", GL_R32UI, radiance_);
+  std::vector<std::uint32_t> texels = field.atlas.texel_of_cell;
+  std::replace(texels.begin(), texels.end(), LightFieldAtlas::kNone, 0u);
+  cells_ = Texture::make_2d("light field cells", GL_R32UI, field.atlas.side, field.atlas.side);
+  cells_.upload(0, field.atlas.side, field.atlas.side, GL_RED_INTEGER, GL_UNSIGNED_INT, texels.data());
+}
+
+void LightFieldBuffers::bind() const {
+  glBindTextureUnit(kUnitLightFieldSlots, slot_view_.get());
+  glBindTextureUnit(kUnitLightFieldSides, side_view_.get());
+  glBindTextureUnit(kUnitLightFieldClusters, clusters_.get());
+  glBindTextureUnit(kUnitLightFieldWeights, weights_.get());
+  glBindTextureUnit(kUnitLightFieldLumispheres, lumispheres_.get());
+  glBindTextureUnit(kUnitLightFieldCells, cells_.get());
+  glBindTextureUnit(kUnitLightFieldRadiance, radiance_view_.get());
+  glBindTextureUnit(kUnitLightFieldErrors, errors_.get());
+}
+
+std::size_t LightFieldBuffers::bytes() const {
+  return slots_.bytes() + sides_.bytes() + radiance_.bytes() + clusters_.bytes() + weights_.bytes() +
+         lumispheres_.bytes() + cells_.bytes() + errors_.bytes();
+}
+
+}  // namespace maquette

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "render/gl/objects.h"
+#include "render/slf/light_field.h"
+
+namespace maquette {
+
+/// A light field on the GPU, as shaders/slf/light_field.glsl reads it.
+class LightFieldBuffers {
+ public:
+  /// `triangles`: of the geometry. Throws Error where the driver cannot hold it.
+  LightFieldBuffers(const LightField& field, std::size_t triangles);
+  void bind() const;
+  std::size_t bytes() const;
+
+ private:
+  void upload_sides(const LightField& field, std::size_t triangles);
+  void upload_codes(const LightField& field);
+  void upload_lumispheres(const LightField& field);
+  void upload_stored(const LightField& field);
+
+  float scale_ = 1.0f;  ///< cd/m2 of a stored unit
+  Buffer slots_, sides_, radiance_;
+  Texture slot_view_, side_view_, radiance_view_;
+  Texture clusters_, weights_, lumispheres_, cells_, errors_;
+};
+
+}  // namespace maquette

@@ -1,0 +1,89 @@
+#include "render/slf/job.h"
+
+#include <sstream>
+
+#include "render/parts/parts.h"
+#include "render/scene_state/material_overrides.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+/// [node] whether `slf.parts` asks for it.
+std::vector<bool> named_nodes(const Scene& scene, const std::string& names) {
+  std::vector<bool> named(scene.nodes.size(), names.empty());
+  std::istringstream in(names);
+  for (std::string name; std::getline(in, name, ';');)
+    if (!name.empty())
+      for (const int node : find_nodes(scene, name)) named[static_cast<std::size_t>(node)] = true;
+  // Parents come before or after their children: nodes are visited from the roots.
+  std::vector<int> open = scene.roots;
+  while (!open.empty()) {
+    const int node = open.back();
+    open.pop_back();
+    for (const int child : scene.nodes[static_cast<std::size_t>(node)].children) {
+      if (named[static_cast<std::size_t>(node)]) named[static_cast<std::size_t>(child)] = true;
+      open.push_back(child);
+    }
+  }
+  return named;
+}
+
+}  // namespace
+
+LightBasis light_basis(const std::string& name) {
+  return name == "bins" ? LightBasis::bins : name == "harmonics" ? LightBasis::harmonics : LightBasis::haar;
+}
+
+std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, const Settings& settings) {
+  const Scene& scene = *input.scene;
+  const std::vector<bool> named = named_nodes(scene, settings.get_string("slf.parts"));
+  std::vector<AtlasPart> parts;
+  for (std::size_t i = 0; i < input.geometry->items.size(); ++i) {
+    const DrawItem& item = input.geometry->items[i];
+    const Node* node = item.node >= 0 ? &scene.nodes[static_cast<std::size_t>(item.node)] : nullptr;
+    if (node && (!node->visible || !named[static_cast<std::size_t>(item.node)])) continue;
+    if (node && input.wants && !input.wants(item.node)) continue;
+    const int index = material_of_item(scene, item, input.variant);
+    const Material material = index >= 0 ? input.shown->materials[static_cast<std::size_t>(index)] : Material();
+    if (pane_share(material) > 0.0f || material.alpha_mode == AlphaMode::blend) continue;
+    parts.push_back({i, material.double_sided});
+  }
+  return parts;
+}
+
+LightFieldJob make_light_field_job(const LightFieldInput& input, const Settings& settings) {
+  LightFieldJob job;
+  IncidentJob& incident = job.incident;
+  incident.scene = input.scene;
+  incident.geometry = input.geometry;
+  incident.environment = input.environment;
+  incident.variant = input.variant;
+  incident.parts = find_light_field_parts(input, settings);
+  incident.atlas.side = settings.get_int("slf.texels");
+  if (!settings.changed().contains("slf.texels")) incident.atlas.texels_per_m = settings.get_double("slf.texels_per_m");
+  incident.options.side = settings.get_int("slf.directions");
+  incident.options.paths = settings.get_int("slf.paths");
+  incident.options.env_rotation_rad = input.env_rotation_rad;
+  incident.options.env_scale = input.env_scale;
+  const std::string& folder = settings.get_string("slf.bake");
+  incident.folder = incident_folder(folder, incident);
+  incident.must_work = incident.may_make = false;
+  if (folder.empty())
+    incident.may_make = true;
+  else
+    incident.must_work = true;
+  incident.show_stale = settings.get_string("slf.stale") == "show";
+  job.scene = input.shown;
+  job.outgoing.basis = light_basis(settings.get_string("slf.basis"));
+  job.outgoing.haar_error = settings.get_double("slf.haar_error");
+  job.compression = {settings.get_int("slf.clusters"), settings.get_int("slf.components")};
+  const int side = incident.options.side;
+  if (job.outgoing.basis == LightBasis::haar && (side & (side - 1)) != 0)
+    throw Error("slf.directions=" + std::to_string(side), "Haar coefficients need a power of two",
+                "take 8, 16 or 32, or another slf.basis");
+  return job;
+}
+
+}  // namespace maquette

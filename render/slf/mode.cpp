@@ -1,0 +1,97 @@
+#include "render/slf/mode.h"
+
+#include <array>
+
+#include "render/gl/bindings.h"
+#include "render/shading/work_lists.h"
+#include "render/views/read_texture.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr const char *kShade = "slf/shade.comp", *kView = "slf/view.comp";
+constexpr std::array<const char*, 4> kViews{"slf_texels", "slf_charts", "slf_clusters", "slf_errors"};
+/// Of the environment, for cells with BRDFs: a mode without noise shows none there.
+constexpr int kSamplesOfCells = 64;
+
+class LightFieldMode : public ShadingMode {
+ public:
+  int band_rows(const GridSize& size) const override { return band_rows_of(size, false); }
+  void fit(const GridSize& size) override {
+    marks_ = Texture::make_2d("marks", GL_RGBA8UI, size.grid_width(), size.grid_height());
+  }
+  void set_constants(const FrameStart& start, const ShadingPlan&, FrameConstants* constants) const override {
+    constants->sampling = {1, 2, start.accumulated, static_cast<int>(start.request.seed)};
+  }
+  std::vector<Pass> passes(const LayerContext& layer) override {
+    return {{.names = {"shade"}, .layer = layer.index, .run = [this, &layer] {
+               run(layer.plan, {kShade, "", {}}, layer.radiance, marks_, layer.surfaces.tiles(), layer.frame.programs);
+               unsigned counts[2] = {};
+               counters_.read(0, sizeof counts, counts);
+               counts_ = {counts[0], counts[1], 0};
+             }}};
+  }
+  void shade_hits(const HitShading& hits) override {
+    const ReflectionTargets& t = hits.targets;
+    run(hits.plan, {kShade, "", {{"REFLECTED", "1"}}}, t.radiance, t.marks, t.tiles, hits.frame.programs);
+  }
+  int samples_of_cells() const override { return kSamplesOfCells; }
+  ShadingCounts counts() const override { return counts_; }
+  void add_bytes(std::map<std::string, std::size_t>* bytes) const override { (*bytes)["shading"] += marks_.bytes(); }
+  void add_counters(std::map<std::string, double>* counters) const override {
+    (*counters)["slf_pixels"] = static_cast<double>(counts_.shaded);
+    (*counters)["slf_pixels_without"] = static_cast<double>(counts_.visible - counts_.shaded);
+  }
+  std::optional<PointValue> view(const std::string& name, const LayerContext& layer) const override {
+    for (std::size_t i = 0; i < kViews.size(); ++i)
+      if (name == kViews[i]) return read_view(static_cast<int>(i), layer);
+    return std::nullopt;
+  }
+
+ private:
+  void run(const ShadingPlan& plan, const ShaderVariant& variant, const Texture& radiance, const Texture& marks,
+           const TileList& tiles, ProgramCache& programs) {
+    counters_.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, counters_.get());
+    glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageLookupMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+    ShaderVariant own = variant;
+    own.defines.emplace_back("BAKED", flag(!plan.own_bake.empty()));
+    dispatch_tiles(programs.get(own), tiles, kPerPoint);
+  }
+  PointValue read_view(int view, const LayerContext& layer) const {
+    const GridSize& size = layer.surfaces.size();
+    const Texture values = Texture::make_2d("view", GL_RGBA32F, size.grid_width(), size.grid_height());
+    const float black[4] = {};
+    glClearTexImage(values.get(), 0, GL_RGBA, GL_FLOAT, black);
+    if (!layer.plan.own_bake.empty()) {
+      layer.surfaces.bind();
+      const Program& program = layer.frame.programs.get({kView, "", {}});
+      program.set("u_view", view);
+      glBindImageTexture(kImageRadiance, values.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+      dispatch_tiles(program, layer.surfaces.tiles(), kPerPoint);
+    }
+    return value_of_texels<float>(values, GL_RGBA, GL_FLOAT, 1,
+                                  [](const float* v) { return glm::vec3(v[0], v[1], v[2]); });
+  }
+
+  Texture marks_;
+  Buffer counters_ = Buffer("light field counters", 2 * sizeof(unsigned));
+  ShadingCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<ShadingMode> make_light_field_mode() { return std::make_unique<LightFieldMode>(); }
+
+std::vector<ShaderVariant> light_field_shader_variants() {
+  std::vector<ShaderVariant> variants{{kView, "", {}}};
+  for (const bool baked : {false, true}) {
+    variants.push_back({kShade, "", {{"BAKED", flag(baked)}}});
+    variants.push_back({kShade, "", {{"REFLECTED", "1"}, {"BAKED", flag(baked)}}});
+  }
+  return variants;
+}
+
+}  // namespace maquette

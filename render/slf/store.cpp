@@ -1,0 +1,74 @@
+#include "render/slf/store.h"
+
+#include <algorithm>
+
+#include "render/frame/plan.h"
+#include "render/frame/request.h"
+#include "render/parts/parts.h"
+#include "render/scene_state/material_overrides.h"
+#include "render/scene_state/scene_state.h"
+#include "render/slf/job.h"
+
+namespace maquette {
+
+namespace {
+
+/// [node] whether the layer's mode shades it.
+std::vector<bool> nodes_of_layer(const Scene& scene, const FrameRequest& request, const ShadingPlan& layer) {
+  std::vector<std::string> modes{request.mode};
+  for (const PartMode& part : request.part_modes)
+    if (std::find(modes.begin(), modes.end(), part.mode) == modes.end()) modes.push_back(part.mode);
+  const bool is_default = layer.nodes.empty();
+  const auto own = std::find(modes.begin() + 1, modes.end(), layer.mode);
+  const int index = is_default ? 0 : static_cast<int>(own - modes.begin());
+  std::vector<bool> wanted;
+  for (const int mode : layers_of_nodes(scene, request.part_modes, modes)) wanted.push_back(mode == index);
+  return wanted;
+}
+
+Key key_of(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
+  Key key = Key::of(scene.revisions().all(), request.env_rotation_rad, request.env_scale, request.variant, nodes);
+  for (const auto& [name, value] : request.settings.changed()) {
+    if (!name.starts_with("slf.")) continue;
+    key.add(name);
+    key.add(to_text(value));
+  }
+  return key;
+}
+
+LightFieldJob make_job(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
+  auto shown = std::make_shared<Scene>(scene.edited_scene());
+  auto baked = std::make_shared<Scene>(*shown);
+  // Light is baked with the file's own materials, so that those that replace them are exchanged without tracing.
+  baked->materials = effective_materials(scene.scene(), {});
+  LightFieldInput input;
+  input.scene = std::move(baked);
+  input.shown = std::move(shown);
+  input.geometry = std::make_shared<const FlatGeometry>(scene.geometry());
+  input.environment = scene.environment().shared_environment();
+  input.variant = request.variant;
+  input.env_rotation_rad = request.env_rotation_rad;
+  input.env_scale = request.env_scale;
+  input.wants = [&nodes](int node) { return static_cast<bool>(nodes[static_cast<std::size_t>(node)]); };
+  return make_light_field_job(input, request.settings);
+}
+
+}  // namespace
+
+Baked<LightField> LightFieldKind::run(const LightFieldJob& job, const Baked<LightField>&,
+                                      const BakeTask<LightField>& task) {
+  const auto field = make_light_field(job, &memory_, task.cancel, task.progress);
+  return {field, field != nullptr, true};
+}
+
+bool LightFieldStore::update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
+  const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
+  require(key_of(scene, request, nodes), [&] { return make_job(scene, request, nodes); });
+  const std::shared_ptr<const LightField> field = take();
+  if (!field) return false;
+  buffers_.reset();
+  buffers_.emplace(*field, scene.geometry().indices.size() / 3);
+  return true;
+}
+
+}  // namespace maquette

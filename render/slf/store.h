@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "render/bake/bake_runner.h"
+#include "render/bake/scene_bake.h"
+#include "render/frame/key.h"
+#include "render/slf/buffers.h"
+#include "render/slf/light_field.h"
+
+namespace maquette {
+
+/// Makes light fields; keeps the incident light of the last one, so that an exchange of materials traces nothing.
+class LightFieldKind : public BakeKind<LightFieldJob, LightField> {
+ public:
+  Baked<LightField> run(const LightFieldJob& job, const Baked<LightField>&, const BakeTask<LightField>& task) override;
+
+ private:
+  LightFieldMemory memory_;
+};
+
+/// The light field of a scene on the GPU.
+class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, public SceneBake {
+ public:
+  LightFieldStore() : KeyedBake(std::make_shared<LightFieldKind>()) {}
+  const char* name() const override { return "slf"; }
+  Bake& bake() override { return *this; }
+  bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  void bind() const override { buffers_->bind(); }
+  bool ready() const override { return buffers_.has_value(); }
+  std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
+
+ private:
+  std::optional<LightFieldBuffers> buffers_;
+};
+
+}  // namespace maquette

@@ -1,0 +1,129 @@
+// A surface light field at a grid point: where in the atlas it is, and the radiance that leaves there towards the eye.
+// Needs frame, constants, octahedral, rgb9e5, gbuffer and parabolic included before.
+#include "shared/bindings.glsl"
+#include "slf/bindings.glsl"
+layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
+layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
+layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
+layout(binding = kUnitDepth) uniform sampler2D t_depth;
+layout(binding = kUnitLightFieldSlots) uniform usamplerBuffer t_slots;  // [2 triangle + back]: side of the atlas + 1, 0: none
+// Two texels of constants, then three a side: UVs of two corners | of the third, chart | axis of the chart
+layout(binding = kUnitLightFieldSides) uniform samplerBuffer t_sides;
+layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x]
+layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
+layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
+layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed
+layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], shared exponent
+layout(binding = kUnitLightFieldErrors) uniform sampler2D t_errors;       // [y][x]
+const int kFieldBias = 28;
+
+struct FieldConstants {
+  float scale;     // cd/m2 of a stored unit
+  int directions;  // side of a lumisphere
+  int components;
+  bool compressed;
+  int side;        // of the atlas
+};
+FieldConstants field_constants() {
+  vec4 a = texelFetch(t_sides, 0), b = texelFetch(t_sides, 1);
+  return FieldConstants(a.x, int(a.y), int(a.z), a.w > 0.5, int(b.x));
+}
+
+/// Where a grid point is in the atlas.
+struct FieldPoint {
+  bool known;     // the atlas has this side
+  vec2 at;        // texels
+  int chart;
+  vec3 position;  // m, world
+  vec3 wo;        // unit, local
+};
+
+FieldPoint load_field_point(ivec2 pixel) {
+  FieldPoint r;
+  int triangle = max(int(texelFetch(t_triangle, pixel, 0).x), 1) - 1;
+  ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x, texelFetch(t_indices, 3 * triangle + 2).x);
+  vec3 ray = view_ray(pixel), to_eye = -normalize(ray);
+  r.position = view_origin(pixel) + ray * texelFetch(t_depth, pixel, 0).x;
+  vec3 p0 = texelFetch(t_vertices, 4 * v.x).xyz;
+  vec3 e1 = texelFetch(t_vertices, 4 * v.y).xyz - p0, e2 = texelFetch(t_vertices, 4 * v.z).xyz - p0, d = r.position - p0;
+  int back = dot(cross(e1, e2), to_eye) < 0.0 ? 1 : 0;
+  // In units of the longer edge: in metres, fourth powers of small edges would underflow.
+  float unit = inversesqrt(max(max(dot(e1, e1), dot(e2, e2)), 1e-36));
+  e1 *= unit, e2 *= unit, d *= unit;
+  float a = dot(e1, e1), b = dot(e1, e2), c = dot(e2, e2), f = dot(d, e1), g = dot(d, e2);
+  vec2 w = clamp(vec2(c * f - b * g, a * g - b * f) / max(a * c - b * b, 1e-30), 0.0, 1.0);
+  w /= max(1.0, w.x + w.y);
+  int slot = int(texelFetch(t_slots, 2 * triangle + back).x);
+  r.known = slot > 0;
+  int side = 2 + 3 * max(slot - 1, 0);
+  vec4 s0 = texelFetch(t_sides, side), s1 = texelFetch(t_sides, side + 1);
+  r.at = s0.xy * (1.0 - w.x - w.y) + s0.zw * w.x + s1.xy * w.y;
+  r.chart = int(s1.z);
+  vec3 n = unpack_normal(texelFetch(t_surface, pixel, 0).x);
+  CarriedFrame frame = carried_frame(texelFetch(t_sides, side + 2).xyz, n);
+  r.wo = normalize(vec3(dot(frame.t, to_eye), dot(frame.b, to_eye), max(dot(n, to_eye), 1e-3)));
+  return r;
+}
+
+ivec2 clamp_cell(ivec2 cell, int side) { return clamp(cell, ivec2(0), ivec2(side - 1)); }
+
+/// Of a term (mean or a component) of a cluster, towards a point of the map in cells; a tile has a border of one cell.
+vec3 lumisphere_term(int cluster, int term, vec2 cells, int directions) {
+  vec2 tile = vec2(cluster, term) * float(directions + 2) + 1.0;
+  return texture(t_lumispheres, (tile + cells) / vec2(textureSize(t_lumispheres, 0))).rgb;
+}
+
+vec3 decode_cluster(int cluster, vec4 weights[4], vec2 cells, FieldConstants k) {
+  vec3 sum = lumisphere_term(cluster, 0, cells, k.directions);
+  for (int c = 0; c < k.components; ++c) sum += weights[c >> 2][c & 3] * lumisphere_term(cluster, c + 1, cells, k.directions);
+  return sum;
+}
+
+vec3 compressed_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
+  int layers = (k.components + 3) / 4;
+  vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+  ivec4 cluster;
+  for (int i = 0; i < 4; ++i) cluster[i] = int(texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
+  bool same = all(equal(cluster, ivec4(cluster.x)));
+  // Weights of one cluster blend; those of several mean different things, and each texel is decoded.
+  vec3 sum = vec3(0.0);
+  int decodes = same ? 1 : 4;
+  for (int i = 0; i < decodes; ++i) {
+    vec4 weights[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+    int first = same ? 0 : i, last = same ? 3 : i;
+    for (int j = first; j <= last; ++j) {
+      ivec2 cell = clamp_cell(base + ivec2(j & 1, j >> 1), k.side);
+      for (int l = 0; l < layers; ++l) weights[l] += (same ? share[j] : 1.0) * texelFetch(t_weights, ivec3(cell, l), 0);
+    }
+    sum += (same ? 1.0 : share[i]) * decode_cluster(cluster[i], weights, cells, k);
+  }
+  return sum;
+}
+
+vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
+  vec2 c = cells - 0.5, low = floor(c), g = c - low;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 4; ++i) {
+    int texel = int(texelFetch(t_cells, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
+    float share = ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y);
+    for (int j = 0; j < 4; ++j) {
+      ivec2 d = clamp_cell(ivec2(low) + ivec2(j & 1, j >> 1), k.directions);
+      float weight = share * ((j & 1) == 1 ? g.x : 1.0 - g.x) * (j > 1 ? g.y : 1.0 - g.y);
+      sum += weight * unpack_rgb9e5(texelFetch(t_field, (texel * k.directions + d.y) * k.directions + d.x).x, kFieldBias);
+    }
+  }
+  return sum;
+}
+
+/// cd/m2 towards the eye, without emission.
+vec3 field_radiance(FieldPoint p) {
+  FieldConstants k = field_constants();
+  vec2 at = p.at - 0.5, base = floor(at);
+  vec2 cells = (parabolic_from_direction(p.wo) * 0.5 + 0.5) * float(k.directions);
+  // A loop is skipped by software devices where no invocation enters it; both sides of a branch are not.
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < (k.compressed ? 1 : 0); ++i) sum = compressed_radiance(ivec2(base), at - base, cells, k);
+  for (int i = 0; i < (k.compressed ? 0 : 1); ++i) sum = stored_radiance(ivec2(base), at - base, cells, k);
+  return max(sum, vec3(0.0)) * k.scale;
+}

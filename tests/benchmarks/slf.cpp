@@ -1,0 +1,216 @@
+// Surface light fields: the seat in its box, against the path tracer.
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "render/reference/path_scene.h"
+#include "render/reference/reference.h"
+#include "render/slf/job.h"
+#include "render/technique/registry.h"
+#include "scenes/image_io.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette::bench {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr const char* kParts = "seat_cushion;seat_cushion_insert;seat_backrest;seat_backrest_insert;seat_headrest";
+
+struct Cover {
+  std::string name;
+  Material material;
+};
+
+Material ggx(float alpha) {
+  Material m;
+  m.base_color = glm::vec4(0.6f, 0.5f, 0.4f, 1.0f);
+  m.metallic = 1.0f;
+  m.roughness = std::sqrt(alpha);
+  return m;
+}
+std::vector<Cover> covers() {
+  Material fabric;
+  fabric.measured = "builtin:fabric-grey";
+  return {{"Lambert", test::matte(glm::vec3(0.5f))},
+          {"grey fabric", fabric},
+          {"GGX 0.3", ggx(0.3f)},
+          {"GGX 0.5", ggx(0.5f)}};
+}
+
+std::shared_ptr<const Scene> seat_covered(const Material& cover) {
+  auto scene = std::make_shared<Scene>(build_builtin_scene("seat"));
+  for (Material& m : scene->materials) {
+    if (m.name != "Seat" && m.name != "SeatInsert") continue;
+    const std::string name = m.name;
+    m = cover;
+    m.name = name;
+  }
+  scene->name = "builtin:seat";
+  return scene;
+}
+
+/// Squared error of a picture without the noise of two independent references, over the pixels of the mask.
+struct Sums {
+  double squares = 0.0, light = 0.0;
+  std::size_t count = 0;
+  double relative() const {
+    return light > 0.0
+               ? std::sqrt(std::max(squares, 0.0) / static_cast<double>(3 * count)) * static_cast<double>(count) / light
+               : 0.0;
+  }
+  void add(const Sums& other) { squares += other.squares, light += other.light, count += other.count; }
+};
+Sums compare(const Image& picture, const Image references[2], const Image& mask) {
+  Sums sums;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      if (!(mask.at(x, y, 0) + mask.at(x, y, 1) + mask.at(x, y, 2) > 0.0f)) continue;
+      ++sums.count;
+      for (int c = 0; c < 3; ++c) {
+        const double s = static_cast<double>(picture.at(x, y, c)), a = static_cast<double>(references[0].at(x, y, c)),
+                     b = static_cast<double>(references[1].at(x, y, c));
+        sums.squares += (s - a) * (s - b);
+        sums.light += (c == 0 ? 0.2126 : c == 1 ? 0.7152 : 0.0722) * 0.5 * (a + b);
+      }
+    }
+  return sums;
+}
+
+class SeatBench {
+ public:
+  explicit SeatBench(Stage& stage) : stage_(stage) {
+    const Options& options = stage.options();
+    for (const auto& [name, value] : options.settings) settings_.set_from_text(name, value);
+    if (!settings_.changed().contains("slf.texels")) settings_.set("slf.texels", 256);
+    settings_.set("slf.parts", std::string(kParts));
+    settings_.set("slf.basis", std::string("bins"));
+    paths_ = std::max(16, static_cast<int>(options.reference_seconds * 4.0));
+  }
+
+  Figures measure() {
+    Figures figures;
+    for (const Cover& cover : covers()) measure_cover(cover, &figures);
+    return figures;
+  }
+
+ private:
+  FrameRequest request(const Scene& scene, const std::string& camera) const {
+    FrameRequest r;
+    r.mode = "slf";
+    r.width = kWidth;
+    r.height = kHeight;
+    r.camera = find_camera(scene, camera);
+    r.settings = settings_;
+    return r;
+  }
+
+  void measure_cover(const Cover& cover, Figures* figures) {
+    const auto scene = seat_covered(cover.material);
+    const auto sky = test::constant_sky(0.0f);
+    Renderer& renderer = stage_.renderer();
+    renderer.set_scene(scene);
+    renderer.set_environment(sky);
+    const auto path_scene = build_path_scene({.scene = *scene, .environment = sky});
+    Sums stored, compressed;
+    double bake_s = 0.0;
+    for (const Camera& camera : scene->cameras) {
+      FrameRequest r = request(*scene, camera.name);
+      Image references[2];
+      for (std::uint32_t k = 0; k < 2; ++k) {
+        PictureRequest p{.camera = r.camera, .width = kWidth, .height = kHeight, .seed = 100 + k};
+        ReferencePicture picture(path_scene, p);
+        picture.add(paths_);
+        references[k] = picture.mean();
+      }
+      for (const bool packs : {false, true}) {
+        r.settings.set("slf.clusters", packs ? 128 : 0);
+        const Clock begin = now();
+        renderer.finish_background_work(r);
+        if (camera.name == scene->cameras.front().name && !packs) bake_s = 1e-3 * (now() - begin).wall_ms;
+        renderer.render(r);
+        const Image picture = renderer.read_radiance();
+        const Sums sums = compare(picture, references, renderer.read_debug_view("slf_texels"));
+        (packs ? compressed : stored).add(sums);
+        if (!stage_.options().charts.empty())
+          save_picture(cover.name + "-" + camera.name + (packs ? "-128x8" : "-stored"), picture, references[0]);
+      }
+    }
+    const std::string texels = std::to_string(settings_.get_int("slf.texels"));
+    figures->push_back(judged(
+        "light field of the seat, " + cover.name + ", " + texels + "^2 texels, uncompressed, against mode reference",
+        "<= 3 %", percent(stored.relative()), stored.relative() <= 0.03));
+    figures->push_back(judged("the same, 128 clusters, 8 components", "<= 4 %", percent(compressed.relative()),
+                              compressed.relative() <= 0.04));
+    figures->push_back(shown("incident bake of the seat, " + cover.name + " (or its load, where it was cached)",
+                             number(bake_s) + " s"));
+    measure_fields(scene, sky, cover, figures);
+  }
+
+  /// Bases and compression against direct bins, without a picture.
+  void measure_fields(const std::shared_ptr<const Scene>& scene, const std::shared_ptr<const Environment>& sky,
+                      const Cover& cover, Figures* figures) {
+    LightFieldInput input;
+    input.scene = input.shown = scene;
+    input.geometry = std::make_shared<const FlatGeometry>(flatten(*scene));
+    input.environment = sky;
+    const LightFieldJob job = make_light_field_job(input, settings_);
+    const std::atomic<bool> never{false};
+    const auto incident = bake_incident(job.incident, {}, never, {});
+    const auto dark = build_path_scene({.scene = *scene, .environment = sky});
+    const Eigen::VectorXf measure = outgoing_measure(Lumisphere(incident->field.side));
+    std::shared_ptr<const OutgoingField> bins;
+    for (const auto& [basis, name] : {std::pair(LightBasis::bins, "bins"), std::pair(LightBasis::haar, "haar"),
+                                      std::pair(LightBasis::harmonics, "harmonics")}) {
+      const Clock begin = now();
+      const auto out = compute_outgoing(*dark, incident->atlas, incident->field, {.basis = basis}, never);
+      const double seconds = 1e-3 * (now() - begin).wall_ms;
+      if (!bins) bins = out;
+      const double error = field_error(out->radiance, bins->radiance, measure);
+      const std::string text =
+          percent(error) + " of bins, " + number(out->coefficients) + " coefficients, " + number(seconds) + " s";
+      figures->push_back(basis == LightBasis::haar
+                             ? judged("outgoing light, " + cover.name + ", haar", "<= 2 % of bins", text, error <= 0.02)
+                             : shown("outgoing light, " + cover.name + ", " + name, text));
+    }
+    std::string table;
+    double table_s = 0.0;
+    for (const int components : {4, 8})
+      for (const int clusters : {1, 8, 32, 64, 128}) {
+        LightField field;
+        field.side = incident->field.side;
+        const Clock begin = now();
+        compress(bins, {clusters, components}, never, &field);
+        table_s += 1e-3 * (now() - begin).wall_ms;
+        table += (table.empty() ? "" : ", ") + std::to_string(clusters) + " x " + std::to_string(components) + ": " +
+                 percent(field.error);
+      }
+    figures->push_back(
+        shown("compression, " + cover.name + ", clusters x components", table + "; " + number(table_s) + " s"));
+  }
+
+  void save_picture(const std::string& name, const Image& picture, const Image& reference) const {
+    std::string file = name;
+    for (char& c : file)
+      if (c == ' ') c = '-';
+    const std::filesystem::path folder(stage_.options().charts);
+    std::filesystem::create_directories(folder);
+    Image both(2 * picture.width, picture.height, 3);
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < 2 * picture.width; ++x)
+        for (int c = 0; c < 3; ++c)
+          both.at(x, y, c) = x < picture.width ? picture.at(x, y, c) : reference.at(x - picture.width, y, c);
+    save_exr((folder / (file + ".exr")).string(), both);
+  }
+
+  Stage& stage_;
+  Settings settings_;
+  int paths_ = 64;
+};
+
+}  // namespace
+
+Figures measure_slf(Stage& stage) { return SeatBench(stage).measure(); }
+
+}  // namespace maquette::bench

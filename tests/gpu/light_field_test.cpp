@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/gl/context.h"
+#include "render/reference/reference.h"
+#include "render/renderer.h"
+#include "scenes/error.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+FrameRequest request_for(int texels) {
+  FrameRequest r;
+  r.mode = "slf";
+  r.width = 64;
+  r.height = 48;
+  r.settings.set("slf.texels", texels);
+  r.settings.set("slf.paths", 2);
+  r.settings.set("shading.visibility", std::string("none"));
+  return r;
+}
+
+struct Drawn {
+  Image picture;
+  FrameStats stats;
+};
+Drawn draw(Renderer* renderer, const FrameRequest& request) {
+  EXPECT_TRUE(renderer->finish_background_work(request));
+  Drawn drawn;
+  drawn.stats = renderer->render(request);
+  drawn.picture = renderer->read_radiance();
+  return drawn;
+}
+
+TEST(LightFieldMode, AConvexBodyUnderAConstantSkyShowsItsAlbedo) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const glm::vec3 albedo(0.8f, 0.5f, 0.2f), sky(2.0f, 3.0f, 4.0f);
+  renderer.set_scene(std::make_shared<Scene>(test::sphere_of(test::matte(albedo))));
+  renderer.set_environment(test::constant_sky(sky));
+  FrameRequest request = request_for(48);
+  request.camera.eye = {0.3f, 0.4f, 4.0f};
+  request.camera.fov_y_rad = 0.5f;
+  for (const int clusters : {0, 4}) {
+    request.settings.set("slf.clusters", clusters);
+    const Drawn drawn = draw(&renderer, request);
+    EXPECT_GT(drawn.stats.gpu_bytes.at("slf"), 0u);
+    int covered = 0;
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x) {
+        if (drawn.picture.at(x, y, 3) < 1.0f) continue;
+        ++covered;
+        // Facets cut a little of the hemisphere off where shading normals lean; the sphere has 128 quads an edge.
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(drawn.picture.at(x, y, c), albedo[c] * sky[c], 0.005f * albedo[c] * sky[c]) << x << " " << y;
+      }
+    EXPECT_GT(covered, 800);
+  }
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+/// A box with a lamp, its back wall of two colours: interreflection, shadows and the seams between walls.
+std::shared_ptr<Scene> lit_box() {
+  auto scene = std::make_shared<Scene>(test::box_scene(5, 4, test::matte({0.6f, 0.5f, 0.4f})));
+  Material glow = test::matte(glm::vec3(0.0f));
+  glow.emissive = glm::vec3(12.0f, 10.0f, 8.0f);
+  Material gloss;
+  gloss.name = "gloss";
+  gloss.roughness = std::sqrt(0.5f);
+  gloss.base_color = glm::vec4(0.7f, 0.7f, 0.7f, 1.0f);
+  scene->materials.push_back(glow);
+  scene->materials.push_back(gloss);
+  test::add(scene.get(), test::make_grid({-0.4f, 0.95f, -0.4f}, {0.8f, 0, 0}, {0, 0, 0.8f}, 1, 1), "lamp");
+  test::add(scene.get(), test::make_grid({-0.5f, -0.6f, -0.6f}, {0.9f, 0, 0.2f}, {0, 0.7f, -0.2f}, 4, 2), "panel");
+  return scene;
+}
+
+TEST(LightFieldMode, AgreesWithTheReferenceInABox) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto scene = lit_box();
+  const auto sky = test::constant_sky(0.1f);
+  renderer.set_scene(scene);
+  renderer.set_environment(sky);
+  FrameRequest request = request_for(96);
+  request.camera.eye = {0.1f, 0.0f, 0.9f};
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  request.camera.fov_y_rad = 1.2f;
+  Image references[2];
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    ReferencePicture picture(build_path_scene({.scene = *scene, .environment = sky}),
+                             {.camera = request.camera, .width = request.width, .height = request.height, .seed = k});
+    picture.add(64);
+    references[k] = picture.mean();
+  }
+  for (const int clusters : {0, 32}) {
+    request.settings.set("slf.clusters", clusters);
+    const Drawn drawn = draw(&renderer, request);
+    double squares = 0.0, light = 0.0;
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const double s = static_cast<double>(drawn.picture.at(x, y, c)),
+                       a = static_cast<double>(references[0].at(x, y, c)),
+                       b = static_cast<double>(references[1].at(x, y, c));
+          if (a > 5.0) continue;  // the lamp itself
+          squares += (s - a) * (s - b);
+          light += 0.5 * (a + b);
+        }
+    const double count = 3.0 * request.width * request.height;
+    EXPECT_LT(std::sqrt(std::max(squares, 0.0) / count) / (light / count), 0.06) << clusters;
+  }
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST(LightFieldMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(lit_box());
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = request_for(32);
+  request.camera.eye = {0.1f, 0.0f, 0.9f};
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  request.mode = "splitsum";
+  EXPECT_EQ(draw(&renderer, request).stats.gpu_bytes.count("slf"), 0u);
+  request.part_modes = {{"panel", "slf"}};
+  const Drawn both = draw(&renderer, request);
+  EXPECT_GT(both.stats.gpu_bytes.at("slf"), 0u);
+  const Image charts = renderer.read_debug_view("slf_charts");
+  int inside = 0;
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x) inside += charts.at(x, y, 0) > 0.0f ? 1 : 0;
+  EXPECT_GT(inside, 100);
+  EXPECT_LT(inside, request.width * request.height / 2);
+  for (const char* view : {"slf_texels", "slf_clusters", "slf_errors"}) renderer.read_debug_view(view);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST(LightFieldMode, MirroredRaysShowIt) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  auto scene = lit_box();
+  Material chrome;
+  chrome.name = "chrome";
+  chrome.roughness = 0.0f;
+  scene->materials.push_back(chrome);
+  test::add(scene.get(), test::make_grid({-0.9f, -0.9f, 0.2f}, {0.6f, 0, 0}, {0, 0.6f, 0}, 1, 3), "mirror")->reflector =
+      true;
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = request_for(32);
+  request.reflections = "raytraced";
+  request.camera.eye = {-0.4f, -0.4f, 0.95f};
+  request.camera.target = {-0.6f, -0.6f, 0.0f};
+  const Drawn drawn = draw(&renderer, request);
+  double light = 0.0;
+  for (const float v : drawn.picture.data) {
+    ASSERT_TRUE(std::isfinite(v));
+    light += static_cast<double>(v);
+  }
+  EXPECT_GT(light, 0.0);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST(LightFieldMode, NormalMapsAreRefusedByName) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  auto scene = lit_box();
+  scene->images.push_back(test::checkerboard());
+  scene->materials[2].normal_texture.image = 0;
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(1.0f));
+  try {
+    renderer.finish_background_work(request_for(16));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("gloss"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace maquette

@@ -61,7 +61,7 @@ struct EditorState {
   Edits edits;
   CameraView camera;
   std::string mode = builtin_registry().default_mode;
-  std::string reflections = kNoReflections;  ///< reflector technique
+  std::string reflections = kAutoReflections;  ///< reflector technique
   Settings settings;
   int msaa = 1;        ///< samples a pixel
   int still_msaa = 4;  ///< once nothing moves, if more

@@ -315,8 +315,8 @@ void plan_layers(const Planning& p, const Registry& registry) {
     const int in_view = p.in.view.glossy_in_view;
     p.add({"glossy",
            (in_view >= 0 ? std::to_string(in_view) + " glossy" : std::string("glossy")) +
-               " opaque surfaces may be seen: what they mirror of others is traced, " +
-               p.in.settings.get_string("reflections.resolution") + " resolution",
+               " opaque surfaces may be seen: what they mirror of others is traced, " + "reflections.resolution " +
+               p.in.settings.get_string("reflections.resolution"),
            {"surfaces"},
            {"glossy light"}});
   }
@@ -360,8 +360,9 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
   const bool indirect = any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; });
   if (indirect || wanted.any_layer_is_shadowed_by("baked"))
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
-  if (any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
-    steps.push_back({"build_shadow_rays", "what shadow rays may meet, for the processor", {}, {"shadow_rays"}});
+  const bool tinted = !wanted.reflections.empty() && wanted.glass;
+  if (tinted || any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
+    steps.push_back({"build_shadow_rays", "what rays on the processor may meet", {}, {"shadow_rays"}});
   if (indirect) steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
   for (const ShadingPlan& layer : wanted.layers)
     if (!layer.own_bake.empty())

@@ -69,9 +69,10 @@ const Technique& Registry::find_mode(const std::string& name, const std::string&
 
 const Technique* Registry::find_reflector(const std::string& name) const {
   if (name == kNoReflections) return nullptr;
+  if (name == kAutoReflections) return first_that(TechniqueKind::reflector, &Capabilities::is_exact);
   if (const Technique* technique = find(techniques, TechniqueKind::reflector, name)) return technique;
   std::vector<std::string> known = names(TechniqueKind::reflector);
-  known.insert(known.begin(), kNoReflections);
+  known.insert(known.begin(), {kNoReflections, kAutoReflections});
   fail("--reflections", name, known, {});
 }
 
@@ -82,7 +83,7 @@ std::vector<std::string> Registry::names(TechniqueKind kind) const {
   return found;
 }
 
-const Technique* Registry::first_that(TechniqueKind kind, bool Capabilities::* capability) const {
+const Technique* Registry::first_that(TechniqueKind kind, bool Capabilities::*capability) const {
   for (const Technique& technique : techniques)
     if (technique.kind == kind && technique.can.*capability) return &technique;
   return nullptr;
@@ -109,8 +110,7 @@ BakeCommand Registry::find_bake(const std::string& name) const {
 
 std::vector<DebugViewInfo> Registry::views() const {
   std::vector<DebugViewInfo> all;
-  for (const Technique& technique : techniques)
-    all.insert(all.end(), technique.views.begin(), technique.views.end());
+  for (const Technique& technique : techniques) all.insert(all.end(), technique.views.begin(), technique.views.end());
   return all;
 }
 

@@ -57,6 +57,10 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
 
 void Renderer::set_node_visible(int node, bool visible) { impl_->scene.set_node_visible(node, visible); }
 
+void Renderer::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
+  impl_->scene.set_texture_offset(material_name, offset);
+}
+
 void Renderer::set_interactive(bool interactive) {
   impl_->interactive = interactive;
   impl_->bakes.set_interactive(interactive);

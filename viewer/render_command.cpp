@@ -7,6 +7,7 @@
 #include "render/gl/context.h"
 #include "render/metrics/metrics.h"
 #include "render/picture/tonemap.h"
+#include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
@@ -201,10 +202,12 @@ int run_render(const CommandLine& line) {
   if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
 
   Renderer renderer;
-  renderer.set_scene(scene);
+  const std::shared_ptr<const Scene> drawn =
+      with_ground(scene, *environment, options.settings, radians(options.env_rotation_deg));
+  renderer.set_scene(drawn);
   renderer.set_environment(environment);
   for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
-  FrameRequest request = make_request(*scene, options);
+  FrameRequest request = make_request(*drawn, options);
   request.display =
       options.reference.empty() && (options.output.empty() || picture_format(options.output) == PictureFormat::png);
   const bool accumulates = options.time_s || options.target_error;

@@ -10,8 +10,10 @@
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/ground.h"
 #include "ui/camera_control.h"
 #include "viewer/reflector_picking.h"
+#include "viewer/rendered_view.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -40,6 +42,9 @@ Settings settings_of(const SceneOptions& options) {
 
 float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
 
+/// A file's scene with nothing level below it would float.
+bool wants_ground(const Scene& scene) { return !scene.name.starts_with("builtin:") && !has_ground(scene); }
+
 template <typename T>
 bool ready(const std::future<T>& file) {
   return file.valid() && file.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -64,6 +69,8 @@ WindowSession::WindowSession(const SceneOptions& options) {
     set_camera(camera_of_options(*scene, options));  // WindowPicture adapts it to the picture's size
   state.mode = options.mode;
   state.settings = settings_of(options);
+  if (!options.settings.changed().contains("ground.kind") && wants_ground(*scene))
+    state.settings.set("ground.kind", std::string("projected"));
   state.msaa = options.msaa;
   if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // the same frames however long they take
   state.tonemap = options.tonemap;
@@ -90,7 +97,7 @@ WindowSession::WindowSession(const SceneOptions& options) {
 void WindowSession::use_scene(ScenePointer scene) {
   renderer_.set_scene(scene);
   scene_ = std::move(scene);
-  bounds_ = compute_bounds(*scene_);
+  bounds_ = framed_bounds(*scene_);
   evaluators_.clear();
   dent_.reset();
   for (const std::string& warning : scene_->warnings)
@@ -99,14 +106,47 @@ void WindowSession::use_scene(ScenePointer scene) {
   fresh.environment = state.edits.environment;
   fresh.env_rotation_deg = state.edits.env_rotation_deg;
   fresh.env_scale = state.edits.env_scale;
-  applied_.materials.clear();
-  applied_.dents.clear();
-  applied_.hidden_nodes.clear();
+  forget_applied();
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
   undo_.reset(state.edits);
-  warn_of_units();
   request_metering();
+  ++revision_;
+}
+
+void WindowSession::forget_applied() {
+  applied_.materials.clear();
+  applied_.dents.clear();
+  applied_.hidden_nodes.clear();
+  ground_of_ = {};
+  ground_rotation_deg_ = 0.0f;
+}
+
+void WindowSession::apply_ground(bool busy) {
+  if (!environment_) return;  // still being read
+  const Settings& settings = state.settings;
+  GroundOf wanted{environment_, settings.get_string("ground.kind"), settings.get_double("ground.height"),
+                  settings.get_double("ground.roughness")};
+  const bool is = is_added_ground(*scene_, scene_->nodes.size() - 1), want = wanted.kind != "none";
+  if (!want) wanted = {};
+  if (is != want || !(ground_of_ == wanted)) {
+    // The ground is the last of everything: what names parts by number stays true.
+    auto scene = std::make_shared<Scene>(*scene_);
+    if (is) remove_ground(scene.get());
+    if (want) scene = std::make_shared<Scene>(*with_ground(scene, *environment_, settings, 0.0f));
+    renderer_.set_scene(scene);
+    scene_ = std::move(scene);
+    evaluators_.clear();
+    dent_.reset();
+    forget_applied();
+    ground_of_ = wanted;
+    request_metering();
+    ++revision_;
+  }
+  // While it is turned, the light alone follows: the ground's own light is found anew once it rests.
+  if (!want || busy || ground_rotation_deg_ == state.edits.env_rotation_deg) return;
+  ground_rotation_deg_ = state.edits.env_rotation_deg;
+  renderer_.set_texture_offset(kGroundName, ground_texture_offset(radians(ground_rotation_deg_)));
   ++revision_;
 }
 
@@ -121,14 +161,33 @@ void WindowSession::use_environment(EnvironmentPointer environment, const std::s
   remember(&environment_files_, source);
   state.edits.environment = source;
   applied_.environment = source;
-  warn_of_units();
   ++revision_;
 }
 
-void WindowSession::warn_of_units() {
+void WindowSession::set_advice(Message advice) {
+  const auto same = [&](const Message& message) { return message.topic == advice.topic; };
+  const auto known = std::find_if(messages_.begin(), messages_.end(), same);
+  if (known != messages_.end() && known->text == advice.text) return;
+  std::erase_if(messages_, same);
+  if (!advice.text.empty()) messages_.push_back(std::move(advice));
+}
+
+void WindowSession::advise() {
   if (!environment_) return;  // still being read
-  const std::string warning = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
-  if (!warning.empty()) add_message(MessageLevel::warning, environment_->name + ": " + warning);
+  float scale = 1.0f;
+  std::string units = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of", &scale);
+  if (!units.empty()) units = environment_->name + ": " + units;
+  char label[64];
+  std::snprintf(label, sizeof label, "Intensity %.4g", static_cast<double>(scale));
+  set_advice({MessageLevel::warning, units, true, "units", label,
+              [scale](EditorState* editor) { editor->edits.env_scale = scale; }});
+  std::string gloss = state.edits.materials.empty() ? gloss_warning(*scene_) : "";
+  if (scene_->name.starts_with("builtin:")) gloss.clear();
+  if (!gloss.empty()) gloss = std::filesystem::path(scene_->name).filename().string() + ": " + gloss;
+  set_advice({MessageLevel::warning, gloss, true, "gloss", "Open the library", [](EditorState* editor) {
+                editor->left_open = true;
+                editor->left_tab = 0;
+              }});
 }
 
 float WindowSession::suggested_exposure() const {
@@ -188,6 +247,7 @@ void WindowSession::poll_files() {
   if (ready(scene_file_)) {
     try {
       use_scene(scene_file_.get());
+      state.settings.set("ground.kind", std::string(wants_ground(*scene_) ? "projected" : "none"));
       set_camera(camera_of_options(*scene_, SceneOptions()));
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
@@ -198,10 +258,12 @@ void WindowSession::poll_files() {
 void WindowSession::update(bool busy) {
   poll_files();
   start_environment();
+  apply_ground(busy);
   if (state.edits.materials != applied_.materials) apply_materials();
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   undo_.observe(state.edits, busy || dent_.has_value());
+  advise();
 }
 
 void WindowSession::apply_materials() {
@@ -415,6 +477,7 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->can_undo = undo_.can_undo();
   if (state.reflections != "off") facts->reflecting = reflecting_nodes(*scene_, state.edits);
   facts->suggested_exposure_ev = suggested_exposure();
+  facts->command = render_command(*scene_, state);
 }
 
 }  // namespace maquette

@@ -74,7 +74,12 @@ class WindowSession {
   float suggested_exposure() const;
   void use_scene(ScenePointer scene);
   void use_environment(EnvironmentPointer environment, const std::string& source);
-  void warn_of_units();
+  /// Advice goes when it is stale.
+  void advise();
+  void set_advice(Message advice);
+  void apply_ground(bool busy);
+  /// The renderer has a new scene and nothing of the edits.
+  void forget_applied();
   void set_camera(const CameraView& camera);
   void poll_files();
   void apply_materials();
@@ -85,11 +90,20 @@ class WindowSession {
   bool move_surface(int mesh, const std::vector<glm::vec3>& points);
 
   Renderer renderer_;
-  std::shared_ptr<Scene> scene_;
+  std::shared_ptr<Scene> scene_;  ///< with its ground
   Bounds bounds_;
   std::shared_ptr<Environment> environment_;
   float suggested_ev_ = 0.0f;  ///< for an env_scale of 1
   Edits applied_;
+  /// What the ground was made for.
+  struct GroundOf {
+    std::shared_ptr<const Environment> environment;
+    std::string kind = "none";
+    double height_m = 0.0, roughness = 1.0;
+    bool operator==(const GroundOf&) const = default;
+  };
+  GroundOf ground_of_;
+  float ground_rotation_deg_ = 0.0f;
   UndoStack undo_;
   std::vector<Message> messages_;
   std::vector<std::string> environment_files_, brdf_files_;

@@ -351,7 +351,7 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
 
 /// What is brought up to date for a frame that has all it wants: Renderer::Impl::prepare (render/renderer.cpp) carries
 /// each step out.
-std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registry& registry) {
+std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const SceneFacts& facts, const Registry& registry) {
   std::vector<PlannedPass> steps;
   const auto any_layer = [&](const auto& has) { return std::any_of(wanted.layers.begin(), wanted.layers.end(), has); };
   if (registry.find_mode(wanted.layers[0].mode).can.traces_picture) return steps;
@@ -360,7 +360,7 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
   const bool indirect = any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; });
   if (indirect || wanted.any_layer_is_shadowed_by("baked"))
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
-  const bool tinted = !wanted.reflections.empty() && wanted.glass;
+  const bool tinted = !wanted.reflections.empty() && facts.has_glass;
   if (tinted || any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
     steps.push_back({"build_shadow_rays", "what rays on the processor may meet", {}, {"shadow_rays"}});
   if (indirect) steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
@@ -404,7 +404,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode, const Settings&
                const FrameStatus& status, const Registry& registry) {
   const FrameStatus all_ready;
   FramePlan plan = decide({facts, settings, view, status}, mode, registry);
-  plan.preparations = preparations_for(decide({facts, settings, view, all_ready}, mode, registry), registry);
+  plan.preparations = preparations_for(decide({facts, settings, view, all_ready}, mode, registry), facts, registry);
   return plan;
 }
 

@@ -22,7 +22,8 @@ void SceneState::set_scene(std::shared_ptr<const Scene> scene) {
   facts_variant_ = kNone;
   buffers_variant_ = -1;
   overrides_.clear();
-  effective_ = maquette::effective_materials(*scene_, overrides_);
+  texture_offsets_.clear();
+  find_effective_materials();
   upload_materials();
   ++revisions_.geometry;
   ++revisions_.occlusion;
@@ -51,7 +52,7 @@ void SceneState::set_material(const std::string& material_name, const std::strin
     sources[material_name] = source;
   if (!source.empty() && source != "builtin:glass") materials_.slot_of(source);  // throws before anything changes
   overrides_ = std::move(sources);
-  effective_ = maquette::effective_materials(*scene_, overrides_);
+  find_effective_materials();
   const std::uint32_t surfaces = revisions_.surfaces;
   upload_materials();
   if (revisions_.surfaces != surfaces) {
@@ -61,6 +62,22 @@ void SceneState::set_material(const std::string& material_name, const std::strin
     recount_tables();
     ++revisions_.tables;
   }
+}
+
+void SceneState::find_effective_materials() {
+  effective_ = maquette::effective_materials(*scene_, overrides_);
+  for (Material& material : effective_)
+    if (const auto offset = texture_offsets_.find(material.name); offset != texture_offsets_.end())
+      material.base_color_texture.offset = offset->second;
+}
+
+void SceneState::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
+  require_scene();
+  texture_offsets_[material_name] = offset;
+  find_effective_materials();
+  for (std::size_t i = 0; i < effective_.size(); ++i)
+    if (effective_[i].name == material_name) buffers_->set_texture_offset(i, offset);
+  ++revisions_.surfaces;
 }
 
 void SceneState::upload_materials() {

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "render/scene_state/material_overrides.h"
+#include "scenes/angles.h"
 #include "scenes/files.h"
 #include "ui/camera_control.h"
 #include "viewer/budget_curve.h"
@@ -13,8 +14,9 @@ namespace maquette::report {
 
 Studio::Studio(const SceneOptions& options)
     : options_(options),
-      scene_(load_session_scene(options)),
       environment_(std::make_shared<const Environment>(load_environment(options.environment))),
+      scene_(
+          with_ground(load_session_scene(options), *environment_, options.settings, radians(options.env_rotation_deg))),
       context_(GlContext::create_headless()),
       device_(query_device()),
       renderer_(std::make_unique<Renderer>()),

@@ -52,7 +52,8 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
   m.rough = m.pane > 0.0f && values.roughness * values.roughness > shared::kMinAlpha;
   // Source: KHR_materials_volume: color^(distance / attenuation distance).
   m.absorption = -glm::log(glm::max(values.attenuation_color, glm::vec3(1e-20f))) / values.attenuation_distance;
-  m.blended = values.alpha_mode == AlphaMode::blend && m.pane <= 0.0f;
+  m.own_coat_tangents = has_own_coat_tangents(values);
+  m.blended = values.alpha_mode == AlphaMode::blend;
   m.masked = values.alpha_mode == AlphaMode::mask &&
              (m.texture(TextureRole::base_color) >= 0 || values.base_color.a < values.alpha_cutoff);
   return m;

@@ -50,8 +50,9 @@ struct TracedMaterial {
   bool refracts() const { return solid || rough; }
   /// Share that straight rays cross.
   float clear() const { return refracts() ? 0.0f : pane; }
-  bool masked = false;   ///< cut out by alpha
-  bool blended = false;  ///< covers by alpha
+  bool masked = false;             ///< cut out by alpha
+  bool blended = false;            ///< covers by alpha
+  bool own_coat_tangents = false;  ///< where the file has none (has_own_coat_tangents)
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
 };
 

@@ -71,6 +71,18 @@ class TextureReader {
                                  along(footprint_.dy));
   }
 
+  /// Of the triangle, by the coordinates of one texture.
+  glm::vec4 tangent(int texture, const glm::vec3& normal, const TracedTriangle& t, const glm::vec4& otherwise) const {
+    shared::TextureFilter filter{scene_.atlas};
+    const bool second = (static_cast<int>(filter.texture_record(texture, 2).w) & 2) != 0;
+    const std::vector<glm::vec2>& set = second ? scene_.geometry.uv1 : scene_.geometry.uv0;
+    const auto along = [&](int k) {
+      return filter.texture_transformed(texture, set[corners_.index[k]] - set[corners_.index[0]]);
+    };
+    return shared::triangle_tangent(normal, t.positions[1] - t.positions[0], t.positions[2] - t.positions[0], along(1),
+                                    along(2), otherwise);
+  }
+
  private:
   const PathScene& scene_;
   Corners corners_;
@@ -174,6 +186,7 @@ void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* c
   p->pane = f.pane;
   p->thickness = f.thickness;
   const Material& v = m.values;
+  if (f.pane > 0.0f) p->faces = shared::pane_faces(v.ior, f.specular, f.specular_color);
   if (m.measured) {
     p->tint = v.tint_measured ? f.base_color : glm::vec3(1.0f);
     return;
@@ -232,12 +245,16 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   if (m.textured) {
     const Footprint footprint =
         options.differential ? footprint_of(*options.differential, p0, p1 - p0, p2 - p0, hit.barycentric) : Footprint();
-    FactorReader(m, TextureReader(scene, c, footprint), &f).read();
+    const TextureReader reader(scene, c, footprint);
+    FactorReader(m, reader, &f).read();
     const glm::vec4 tangent = c.mix(scene.geometry.tangents);
     if (m.texture(TextureRole::normal) >= 0)
       normal = shared::apply_normal_map(smooth, tangent, f.mapped, v.normal_scale);
-    if (m.texture(TextureRole::clearcoat_normal) >= 0)
-      coat_normal = shared::apply_normal_map(smooth, tangent, f.coat_mapped, v.clearcoat_normal_scale);
+    if (const int coat = m.texture(TextureRole::clearcoat_normal); coat >= 0) {
+      const bool own = m.own_coat_tangents && std::abs(tangent.w) < 1.5f;
+      coat_normal = shared::apply_normal_map(smooth, own ? reader.tangent(coat, smooth, corner, tangent) : tangent,
+                                             f.coat_mapped, v.clearcoat_normal_scale);
+    }
   }
   // Metal transmits nothing, and the surface besides the pane has all of it.
   if (f.pane > 0.0f && v.transmission > 0.0f) f.metallic = std::min(f.metallic / std::max(1.0f - f.pane, 1e-6f), 1.0f);
@@ -259,7 +276,8 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   fill_material(m, f, same ? nullptr : &coat_normal, &p);
 }
 
-PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
+PaneShares shares_of_pane(float cosine, const shared::PaneFaces& faces, const glm::vec3& inside) {
+  if (!shared::is_plain(faces)) return shared::pane_shares(cosine, faces, inside);
   PaneShares shares;
   for (int c = 0; c < 3; ++c) {
     if (c > 0 && inside[c] == inside[c - 1]) {
@@ -267,7 +285,7 @@ PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
       shares.transmitted[c] = shares.transmitted[c - 1];
       continue;
     }
-    const glm::vec2 pane = shared::fresnel_pane(cosine, std::max(ior, 1.0f), inside[c]);
+    const glm::vec2 pane = shared::fresnel_pane(cosine, faces.index.x, inside[c]);
     shares.reflected[c] = pane.x;
     shares.transmitted[c] = pane.y;
   }
@@ -276,7 +294,7 @@ PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
 
 PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
   PaneRays rays;
-  rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+  rays.shares = shares_of_pane(p.wo.z, p.faces, glm::clamp(p.base_color, 0.0f, 1.0f));
   rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
   rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
   // The shading normal reflects it below the geometric surface: it would leave through the pane.
@@ -299,11 +317,25 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
   if (m.texture(TextureRole::transmission) >= 0) share *= reader.read(m.texture(TextureRole::transmission)).x;
   if (m.texture(TextureRole::metallic_roughness) >= 0 && m.values.transmission > 0.0f)
     share *= 1.0f - m.values.metallic * reader.read(m.texture(TextureRole::metallic_roughness)).z;
-  const auto passes = [&](float channel) {
-    return shared::fresnel_pane(cosine, std::max(m.values.ior, 1.0f), channel).y;
-  };
-  const float red = passes(inside.x), green = inside.y == inside.x ? red : passes(inside.y);
-  return glm::vec3(red, green, inside.z == inside.y ? green : passes(inside.z)) * share;
+  float specular = m.values.specular;
+  glm::vec3 specular_color = m.values.specular_color;
+  if (m.texture(TextureRole::specular) >= 0) specular *= reader.read(m.texture(TextureRole::specular)).w;
+  if (m.texture(TextureRole::specular_color) >= 0)
+    specular_color *= glm::vec3(reader.read(m.texture(TextureRole::specular_color)));
+  return shares_of_pane(cosine, shared::pane_faces(m.values.ior, specular, specular_color), inside).transmitted * share;
+}
+
+float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
+               const RayDifferential& differential) {
+  const TracedMaterial& m = scene.material_of(triangle);
+  const Corners c = corners_of(scene, triangle, barycentric);
+  float alpha = m.values.base_color.a;
+  if (m.colored) alpha *= c.mix(scene.geometry.colors).w;
+  const int texture = m.texture(TextureRole::base_color);
+  if (texture < 0) return alpha;
+  const auto& [p0, p1, p2] = scene.triangles[triangle].positions;
+  const Footprint footprint = footprint_of(differential, p0, p1 - p0, p2 - p0, barycentric);
+  return alpha * TextureReader(scene, c, footprint).read(texture).w;
 }
 
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric) {

@@ -9,6 +9,7 @@
 #include "render/gl/bindings.h"
 #include "render/materials/texture_atlas.h"
 #include "render/materials/texture_bandwidth.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -182,7 +183,7 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
                        static_cast<std::uint32_t>(std::max(slot, 0)), std::bit_cast<std::uint32_t>(brdf_shares[i]),
                        std::bit_cast<std::uint32_t>(m.anisotropy_rotation_rad));
     words.push_back(bits(m.iridescence, m.iridescence_ior, m.iridescence_least_nm, m.iridescence_greatest_nm));
-    words.push_back(bits(m.clearcoat_normal_scale, 0.0f, 0.0f, 0.0f));
+    words.push_back(bits(m.clearcoat_normal_scale, has_own_coat_tangents(m) ? 1.0f : 0.0f, 0.0f, 0.0f));
     for (std::size_t k = 0; k < kSurfaceTextures; k += 4)
       words.emplace_back(list[k], list[k + 1], list[k + 2], list[k + 3]);
     // The whole record except the measured table, and what the raster reads from the material itself.

@@ -83,7 +83,7 @@ vec3 complete(ivec2 p, vec4 stored) {
 #if GLOSSY && defined(REFLECTED)
   return shaded;  // emissive surfaces light opaque ones as lights already
 #else
-  return shaded + unpack_rgb9e5(g.w, kEmissionBias);
+  return shaded + unpack_emission_share(g.w) * material_floats(int(g.z >> 16u), 2).rgb;
 #endif
 }
 #endif

@@ -109,6 +109,11 @@ void filter_level(const BtfLevel& fine, const BtfLevel& coarse, std::size_t coun
     }
 }
 
+/// As files hold them.
+std::vector<glm::vec3> rounded(const std::vector<glm::dvec3>& directions) {
+  return {directions.begin(), directions.end()};
+}
+
 std::uint64_t hash_of(const Btf& btf) {
   const std::vector<double> numbers = {static_cast<double>(btf.width), static_cast<double>(btf.height),
                                        static_cast<double>(btf.components), btf.texel_m};
@@ -116,10 +121,10 @@ std::uint64_t hash_of(const Btf& btf) {
   const auto chain = [&](const auto& values) { hash = content_hash(std::as_bytes(std::span(values)), hash); };
   for (const BtfView& view : btf.views) {
     chain(view.light_weights);
-    chain(view.lights->directions());
+    chain(rounded(view.lights->directions()));
     chain(view.factors);
   }
-  chain(btf.view_mesh.directions());
+  chain(rounded(btf.view_mesh.directions()));
   return hash;
 }
 

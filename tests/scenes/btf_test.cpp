@@ -275,7 +275,7 @@ TEST(Btf, LevelsAreTheFactorisationOfFilteredImages) {
     const glm::dvec3 light = btf.view_mesh.directions()[30], view = btf.view_mesh.directions()[11];
     glm::dvec3 mean(0.0);
     for (int t = 0; t < width * height; ++t)
-      for (int c = 0; c < 3; ++c) mean[c] += made_value(light, view, t, c) / (width * height);
+      for (int c = 0; c < 3; ++c) mean[c] += static_cast<double>(made_value(light, view, t, c)) / (width * height);
     for (const float footprint : {1.0f, 40.0f}) {
       const glm::vec3 coarse = evaluate_btf(btf, {{0.3f, 0.9f}, footprint}, glm::vec3(light), glm::vec3(view));
       EXPECT_LT(glm::length(glm::dvec3(coarse) - mean), width == 8 || footprint > 1.0f ? 1e-3 : 0.03);

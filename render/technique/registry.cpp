@@ -2,6 +2,7 @@
 
 #include "render/bandwidth/technique.h"
 #include "render/bezier/technique.h"
+#include "render/btf/technique.h"
 #include "render/octree/technique.h"
 #include "render/raytraced/technique.h"
 #include "render/reference/technique.h"
@@ -21,6 +22,7 @@ const Registry& builtin_registry() {
       .techniques =
           {
               shading_technique(),
+              btf_technique(),
               octree_technique(),
               bandwidth_technique(),
               uniform_technique(),

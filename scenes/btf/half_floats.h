@@ -5,12 +5,14 @@
 
 namespace maquette {
 
-/// Of a finite half float, denormals included: the exponent is moved by a multiplication.
+/// Of a finite half float, denormals included. No float here is denormal: the ray tracer makes its threads take those
+/// as zero, and results must not depend on the thread.
 inline float float_of_half(std::uint16_t half) {
-  const std::uint32_t bits = static_cast<std::uint32_t>(half & 0x7fff) << 13;
-  const float magnitude = std::bit_cast<float>(bits) * 0x1p112f;
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(magnitude) | static_cast<std::uint32_t>(half & 0x8000)
-                                                                            << 16);
+  const std::int32_t magnitude = half & 0x7fff;
+  const float small = static_cast<float>(magnitude) * 0x1p-24f;
+  const float normal = std::bit_cast<float>((magnitude << 13) + (112 << 23));
+  const float value = magnitude < 0x400 ? small : normal;
+  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) | static_cast<std::uint32_t>(half & 0x8000) << 16);
 }
 
 /// To the nearest, ties to even; what is too large becomes the largest half float.

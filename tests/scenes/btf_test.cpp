@@ -2,6 +2,7 @@
 
 #include <OpenEXR/ImfRgba.h>
 #include <gtest/gtest.h>
+#include <xmmintrin.h>
 
 #include <Eigen/SVD>
 #include <cmath>
@@ -156,6 +157,17 @@ TEST(HalfFloats, AllComeBackAndRoundAsImathDoes) {
   }
   EXPECT_EQ(float_of_half(half_of_float(1e30f)), 65504.0f);
   EXPECT_EQ(float_of_half(half_of_float(-1e30f)), -65504.0f);
+}
+
+/// As on the threads of the ray tracer, which flush denormal floats.
+TEST(HalfFloats, AreTheSameWhereDenormalFloatsCountAsZero) {
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040u);
+  std::vector<float> values(0x10000, 0.0f);
+  for (std::uint32_t bits = 0; bits < 0x10000; ++bits) values[bits] = float_of_half(static_cast<std::uint16_t>(bits));
+  _mm_setcsr(before);
+  for (std::uint32_t bits = 0; bits < 0x10000; ++bits)
+    if ((bits & 0x7c00) != 0x7c00) EXPECT_EQ(values[bits], imath_half_to_float(static_cast<std::uint16_t>(bits)));
 }
 
 /// Smooth in texels and directions, with more components than are kept.

@@ -82,7 +82,7 @@ FolderImages list_images(const std::string& folder, bool cosine) {
     place = path;
   }
   if (images.empty())
-    throw Error(folder, "holds no images that are named by their angles",
+    throw Error(folder, "is a folder without images that are named by their angles",
                 "expected names like \"tl015 pl000 tv030 pv060.jpg\" (.jpg, .png, .exr, .hdr)");
   return images;
 }

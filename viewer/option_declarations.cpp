@@ -164,7 +164,8 @@ std::vector<OptionDeclaration> light_and_material_options() {
       shared(
           "--material", "NAME=FILE",
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
-          "builtin:glass; `maquette inspect library` lists the library",
+          "builtin:glass; or a BTF: a folder of images, .btf, builtin:btf-leather; `maquette inspect library` lists "
+          "the library",
           [](O* o, const std::string& t) {
             o->materials.push_back(parse_pair(t, "--material", "NAME=FILE"));
             if (o->materials.back().second.empty())

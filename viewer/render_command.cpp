@@ -11,6 +11,7 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
+#include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/outputs.h"
@@ -201,6 +202,7 @@ int run_render(const CommandLine& line) {
   const std::string warning = units_warning(*scene, *environment, options.env_scale, "--env-scale");
   if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
 
+  prepare_btfs(options, *scene);
   Renderer renderer;
   const std::shared_ptr<const Scene> drawn =
       with_ground(scene, *environment, options.settings, radians(options.env_rotation_deg));

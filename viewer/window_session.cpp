@@ -4,7 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "render/btf/btf_source.h"
 #include "render/frame/camera.h"
+#include "render/frame/planning.h"
 #include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
 #include "scenes/angles.h"
@@ -84,13 +86,19 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
   for (const PartMode& part : options.part_modes)
     for (const int node : find_nodes(*scene, part.node)) state.edits.part_modes[node] = part.mode;
+  std::map<std::string, std::string> set_already;
   for (const auto& [name, source] : options.materials) {
-    renderer_.set_material(name, source);
+    const bool later = is_btf_source(source);  // the window opens before it is made
+    if (!later) renderer_.set_material(name, source);
     remember(&brdf_files_, source);
     for (const Material& material : scene->materials)
-      if (name == "*" || material.name == name) state.edits.materials[material.name] = source;
+      if (name == "*" || material.name == name) {
+        state.edits.materials[material.name] = source;
+        if (!later) set_already[material.name] = source;
+      }
   }
   applied_ = state.edits;
+  applied_.materials = set_already;
   undo_.reset(state.edits);
 }
 
@@ -201,14 +209,15 @@ void WindowSession::open(const std::string& source, int material) {
       (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
                                           contains_name(builtin_environment_names(), source.substr(8))))) {
     state.edits.environment = source;
-  } else if (extension == ".binary") {
+  } else if (extension == ".binary" || (extension != ".exr" && is_btf_source(source))) {
     if (material < 0 || material >= static_cast<int>(scene_->materials.size())) {
       add_message(MessageLevel::error, source +
                                            ": there is no material to give it to; drop it on a surface, or choose "
                                            "a material first");
       return;
     }
-    state.edits.materials[scene_->materials[static_cast<std::size_t>(material)].name] = source;
+    state.edits.materials[scene_->materials[static_cast<std::size_t>(material)].name] =
+        with_btf_reading(source, state.settings);
     state.selected_material = material;
   } else if (contains_name({".glb", ".gltf"}, extension) || source.starts_with("builtin:")) {
     if (scene_file_.valid()) {
@@ -220,7 +229,7 @@ void WindowSession::open(const std::string& source, int material) {
   } else {
     add_message(MessageLevel::error, source +
                                          ": what this is cannot be told from its extension; known are .glb, "
-                                         ".gltf, .hdr, .exr and .binary");
+                                         ".gltf, .hdr, .exr, .binary and .btf");
   }
 }
 
@@ -257,6 +266,7 @@ void WindowSession::poll_files() {
 
 void WindowSession::update(bool busy) {
   poll_files();
+  poll_btf();
   start_environment();
   apply_ground(busy);
   if (state.edits.materials != applied_.materials) apply_materials();
@@ -266,6 +276,54 @@ void WindowSession::update(bool busy) {
   advise();
 }
 
+bool WindowSession::is_ready(const std::string& source) {
+  if (source.empty() || !is_btf_source(source) || ready_btfs_.contains(source)) return true;
+  if (!btf_in_work_.empty()) return false;
+  if (!btf_worker_)
+    btf_worker_ = std::make_unique<BackgroundWorker<std::string, std::string>>(
+        [](const std::string& wanted, const BackgroundTask<std::string>& task) -> std::optional<std::string> {
+          BtfTask btf;
+          btf.progress = [&](const std::string&, double share) { task.progress(share); };
+          btf.cancelled = [&] { return task.cancel.load(); };
+          load_material_table(wanted, btf);
+          return wanted;
+        });
+  btf_in_work_ = source;
+  btf_worker_->submit(source);
+  return false;
+}
+
+void WindowSession::poll_btf() {
+  if (btf_in_work_.empty()) return;
+  const auto wanted = [&](const auto& entry) { return entry.second == btf_in_work_; };
+  std::map<std::string, std::string>& edits = state.edits.materials;
+  if (std::none_of(edits.begin(), edits.end(), wanted)) {  // another was chosen meanwhile
+    btf_worker_->cancel();
+    btf_in_work_.clear();
+    return;
+  }
+  try {
+    if (const std::optional<std::string> made = btf_worker_->take()) {
+      ready_btfs_.insert(*made);
+      btf_in_work_.clear();
+    }
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
+    for (auto entry = edits.begin(); entry != edits.end();) {
+      const auto before = applied_.materials.find(entry->first);
+      if (!wanted(*entry)) {
+        ++entry;
+      } else if (before != applied_.materials.end()) {
+        (entry++)->second = before->second;
+      } else {
+        entry = edits.erase(entry);
+      }
+    }
+    undo_.correct(state.edits);
+    btf_in_work_.clear();
+  }
+}
+
 void WindowSession::apply_materials() {
   std::map<std::string, std::string> wanted = state.edits.materials;
   for (const auto& [name, source] : applied_.materials) wanted.try_emplace(name, "");
@@ -273,6 +331,7 @@ void WindowSession::apply_materials() {
     const auto now = applied_.materials.find(name);
     const bool set = now != applied_.materials.end();
     if (set ? now->second == source : source.empty()) continue;
+    if (!is_ready(source)) continue;
     try {
       renderer_.set_material(name, source);
       if (source.empty())
@@ -471,6 +530,8 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->cameras = camera_names(*scene_);
   facts->background = renderer_.background_work();
   facts->loading = scene_file_.valid() ? scene_source_ : environment_file_.valid() ? environment_source_ : "";
+  if (facts->loading.empty() && !btf_in_work_.empty())
+    facts->loading = btf_in_work_ + " (" + percent_done(btf_worker_->progress()) + ")";
   facts->environment_files = environment_files_;
   facts->brdf_files = brdf_files_;
   facts->messages = &messages_;

@@ -6,9 +6,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "render/bake/background_worker.h"
 #include "render/renderer.h"
 #include "scenes/subdivision.h"
 #include "ui/editor_state.h"
@@ -57,7 +59,7 @@ class WindowSession {
   /// The number of these changes that replaced a material.
   std::uint64_t material_revision() const { return material_revision_; }
   void fill_facts(EditorFacts* facts) const;
-  bool loading() const { return scene_file_.valid() || environment_file_.valid(); }
+  bool loading() const { return scene_file_.valid() || environment_file_.valid() || !btf_in_work_.empty(); }
   float scene_radius() const { return bounds_.radius(); }
 
  private:
@@ -83,6 +85,9 @@ class WindowSession {
   void set_camera(const CameraView& camera);
   void poll_files();
   void apply_materials();
+  /// Whether a material's source can be set now; a BTF that is not in the cache is made in the background first.
+  bool is_ready(const std::string& source);
+  void poll_btf();
   void apply_dents();
   void apply_visibility();
   void start_environment();
@@ -110,6 +115,10 @@ class WindowSession {
   std::future<ScenePointer> scene_file_;
   std::future<EnvironmentPointer> environment_file_;
   std::string scene_source_, environment_source_;
+  /// Makes BTFs: gives the source of each that is ready. Null until one is asked for.
+  std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;
+  std::string btf_in_work_;  ///< empty: none
+  std::set<std::string> ready_btfs_;
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
   bool metering_ = true;

@@ -128,14 +128,14 @@ class FactorReader {
 
   void read() {
     const Material& v = material_.values;
-    if (!material_.measured || v.tint_measured) times(TextureRole::base_color, &f_.base_color);
+    if (!material_.tabulated() || v.tint_measured) times(TextureRole::base_color, &f_.base_color);
     times(TextureRole::emissive, &f_.emission);
     if (has(TextureRole::occlusion))
       f_.occlusion = glm::mix(1.0f, value(TextureRole::occlusion).x, v.occlusion_strength);
     if (has(TextureRole::transmission)) f_.pane *= value(TextureRole::transmission).x;
     times(TextureRole::thickness, 1, &f_.thickness);
     f_.mapped = normal(TextureRole::normal);
-    if (!material_.measured) read_lobes();
+    if (!material_.tabulated()) read_lobes();
     if (has(TextureRole::metallic_roughness) && v.transmission > 0.0f) f_.pane *= 1.0f - f_.metallic;
   }
 
@@ -179,6 +179,35 @@ class FactorReader {
   Factors& f_;
 };
 
+/// Where the BTF is read, its frame, and what directions are drawn by: the cosine alone.
+void place_btf(const PathScene& scene, const Corners& c, const RayHit& hit, const RayDifferential* differential,
+               const glm::vec3& outward, SurfacePoint* p) {
+  const TracedTriangle& corner = scene.triangles[hit.triangle];
+  const glm::vec4 tangent = c.mix(scene.geometry.tangents);
+  p->t = glm::normalize(shared::tangent_direction(p->n, tangent, glm::vec2(1.0f, 0.0f)));
+  const glm::vec3 up = shared::tangent_direction(outward, tangent, glm::vec2(0.0f, 1.0f));
+  p->b = glm::cross(p->n, p->t);
+  if (glm::dot(p->b, up) < 0.0f) p->b = -p->b;  // mirrored coordinates, or seen from behind
+  p->analytic = shared::make_analytic(glm::vec3(0.5f), 0.0f, 1.0f, 1.5f, 0.0f, glm::vec3(0.0f), 0.0f, 0.0f,
+                                      glm::vec3(0.0f), 0.0f);
+  p->lobe_weights = glm::vec3(1.0f, 0.0f, 0.0f);
+  const Btf& btf = *p->material->btf;
+  const float side = scene.metres_per_uv[corner.source];
+  if (!(side > 0.0f)) {
+    p->btf = {glm::vec2(0.5f), 1.0f};  // no coordinates: its mean
+    return;
+  }
+  const glm::vec2 tiles = side / glm::vec2(btf.width_m(), btf.height_m());
+  const std::vector<glm::vec2>& set = scene.geometry.uv0;
+  p->btf = {c.mix(set) * tiles, 0.0f};
+  if (!differential) return;
+  const auto& [p0, p1, p2] = corner.positions;
+  const Footprint f = footprint_of(*differential, p0, p1 - p0, p2 - p0, hit.barycentric);
+  const glm::vec2 a1 = set[c.index[1]] - set[c.index[0]], a2 = set[c.index[2]] - set[c.index[0]];
+  const auto length_along = [&](const glm::vec2& d) { return glm::length((a1 * d.x + a2 * d.y) * tiles); };
+  p->btf.footprint = std::max(length_along(f.dx), length_along(f.dy));
+}
+
 /// `coat_normal`: world, unit; null where it is that of the base.
 void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* coat_normal, SurfacePoint* p) {
   p->base_color = f.base_color;
@@ -187,7 +216,7 @@ void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* c
   p->thickness = f.thickness;
   const Material& v = m.values;
   if (f.pane > 0.0f) p->faces = shared::pane_faces(v.ior, f.specular, f.specular_color);
-  if (m.measured) {
+  if (m.tabulated()) {
     p->tint = v.tint_measured ? f.base_color : glm::vec3(1.0f);
     return;
   }
@@ -263,7 +292,9 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
   p.t = basis.t;
   p.b = basis.b;
-  if (f.anisotropy > 0.0f && !m.measured) {
+  if (m.btf) {
+    place_btf(scene, c, hit, options.differential, smooth, &p);
+  } else if (f.anisotropy > 0.0f && !m.measured) {
     p.t = glm::normalize(shared::tangent_direction(p.n, c.mix(scene.geometry.tangents), f.along));
     p.b = glm::cross(p.n, p.t);
   }
@@ -272,7 +303,7 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   const bool same = normal == coat_normal;
   coat_normal = shared::face_viewer(coat_normal, p.normal, view);
   p.emission = shines ? f.emission : glm::vec3(0.0f);
-  if (!m.measured) p.emission *= shared::emission_through_coat(f.clearcoat, glm::dot(coat_normal, view));
+  if (!m.tabulated()) p.emission *= shared::emission_through_coat(f.clearcoat, glm::dot(coat_normal, view));
   fill_material(m, f, same ? nullptr : &coat_normal, &p);
 }
 

@@ -29,7 +29,8 @@ struct SurfacePoint {
   float occlusion = 1.0f;    ///< of the environment's light, for direct transport; full transport has real occlusion
   float pane = 0.0f;         ///< share that is glass
   float thickness = 1.0f;    ///< of its volume: factor of the texture
-  // Without a measured table:
+  BtfLookup btf;             ///< where its BTF is read, if it has one
+  // Without a measured table; of a BTF, what directions are drawn by:
   shared::AnalyticMaterial analytic{};
   glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
   shared::PaneFaces faces{glm::vec3(1.0f), 1.0f};  ///< of glass

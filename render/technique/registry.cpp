@@ -2,6 +2,7 @@
 
 #include "render/bandwidth/technique.h"
 #include "render/bezier/technique.h"
+#include "render/btf/technique.h"
 #include "render/ground/technique.h"
 #include "render/octree/technique.h"
 #include "render/raytraced/technique.h"
@@ -22,6 +23,7 @@ const Registry& builtin_registry() {
       .techniques =
           {
               shading_technique(),
+              btf_technique(),
               ground_technique(),
               octree_technique(),
               bandwidth_technique(),

@@ -138,18 +138,4 @@ void add_seat(SceneBuilder* builder, const CockpitMaterials& m, const std::strin
   builder->add_part(name + "_base", base, m.hard, at);
 }
 
-Scene build_seat() {
-  SceneBuilder builder("builtin:seat");
-  CockpitMaterials m{};
-  m.seat = builder.add_material(measured_material("Seat", "leather-black", srgb(38, 37, 37), 0.0f, 0.55f));
-  m.insert = builder.add_material(measured_material("SeatInsert", "fabric-grey", srgb(112, 112, 114), 0.0f, 0.9f));
-  m.chrome = builder.add_material(measured_material("Chrome", "metal-chrome", srgb(215, 215, 218), 1.0f, 0.08f));
-  m.hard = builder.add_material(measured_material("Plastic", "plastic-matte-black", srgb(28, 28, 29), 0.0f, 0.6f));
-  add_seat(&builder, m, "seat", 0.0);
-  const int floor = builder.add_material(measured_material("Floor", "matte-white", srgb(225, 225, 225), 0.0f, 1.0f));
-  builder.add_part("floor", make_quad({-2.0, 0.215, 2.0}, {4.0, 0.0, 0.0}, {0.0, 0.0, -4.0}, 8), floor);
-  builder.add_camera("front", {1.15, 1.25, 1.75}, {0.0, 0.64, -0.22}, 30.0);
-  return std::move(builder.scene());
-}
-
 }  // namespace maquette::builtin

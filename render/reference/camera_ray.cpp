@@ -16,8 +16,13 @@ constexpr int kMostSplits = 6;            ///< consecutive panes at which a came
 class CameraRay::Splitter {
  public:
   Splitter(const PathScene& scene, const EnvironmentLight& environment, const RayDifferential* differential,
-           std::uint32_t chance, CameraRay* out)
-      : scene_(scene), environment_(environment), differential_(differential), chance_(chance), out_(*out) {}
+           std::uint32_t chance, const SeenShare* share, CameraRay* out)
+      : scene_(scene),
+        environment_(environment),
+        differential_(differential),
+        chance_(chance),
+        share_(share),
+        out_(*out) {}
 
   void follow(const Ray& ray) {
     branches_.push_back({ray, glm::vec3(1.0f), 0, true});
@@ -46,9 +51,9 @@ class CameraRay::Splitter {
     ++out_.rays_;
     const RayDifferential* footprint = branch.straight ? differential_ : nullptr;
     if (!intersect(scene_, branch.ray, differential_ ? RayKind::camera : RayKind::path, chance_, &hit, footprint)) {
-      if (!environment_.black())
-        out_.radiance_ +=
-            branch.weight * glm::vec3(environment_.radiance_and_density(glm::normalize(branch.ray.direction)));
+      if (environment_.black()) return;
+      const glm::vec4 sky = environment_.radiance_and_density(glm::normalize(branch.ray.direction));
+      out_.radiance_ += branch.weight * glm::vec3(sky) * share_of(branch, kNoTriangle, sky.w);
       return;
     }
     const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {footprint});
@@ -62,7 +67,7 @@ class CameraRay::Splitter {
     float surface = 1.0f;
     if (p.material->clear() > 0.0f) {
       surface = 1.0f - p.pane;
-      out_.radiance_ += covered * p.emission * p.pane;
+      out_.radiance_ += covered * p.emission * (p.pane * share_of(branch, hit.triangle, 0.0f));
       const PaneRays rays = rays_of_pane(p, branch.ray);
       const glm::vec3 weight = covered * p.pane;
       if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
@@ -72,29 +77,34 @@ class CameraRay::Splitter {
     }
     // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
     push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction}, behind, branch, branch.straight);
-    if (surface > 0.0f) add_surface(p, covered * surface, branch.straight);
+    if (surface > 0.0f) add_surface(p, covered * surface, branch);
   }
 
-  void add_surface(const SurfacePoint& p, const glm::vec3& weight, bool straight) {
-    out_.radiance_ += weight * p.emission;
+  float share_of(const Branch& branch, std::uint32_t triangle, float sky_density) const {
+    return share_ && branch.straight ? (*share_)(triangle, sky_density) : 1.0f;
+  }
+
+  void add_surface(const SurfacePoint& p, const glm::vec3& weight, const Branch& branch) {
+    if (p.emission != glm::vec3(0.0f)) out_.radiance_ += weight * p.emission * share_of(branch, p.triangle, 0.0f);
     if (p.material->values.unlit)
       out_.radiance_ += weight * p.base_color;
     else if (out_.surfaces_.size() < kMostBranches)
-      out_.surfaces_.push_back({p, weight, straight});
+      out_.surfaces_.push_back({p, weight, branch.straight});
   }
 
   const PathScene& scene_;
   const EnvironmentLight& environment_;
   const RayDifferential* differential_;
   std::uint32_t chance_;
+  const SeenShare* share_;
   CameraRay& out_;
   std::vector<Branch> branches_;
 };
 
 CameraRay::CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
-                     const RayDifferential* differential, std::uint32_t chance)
+                     const RayDifferential* differential, std::uint32_t chance, const SeenShare* share)
     : scene_(scene), environment_(environment) {
-  Splitter(scene, environment, differential, chance, this).follow(ray);
+  Splitter(scene, environment, differential, chance, share, this).follow(ray);
 }
 
 }  // namespace maquette

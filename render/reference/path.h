@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -19,13 +20,19 @@ struct PathEstimate {
 
 class FullPath;
 
+/// Which share of what shines on the straight line of a ray counts: of an emissive triangle, or, for kNoTriangle, of
+/// the sky, which plain importance sampling draws with the density `sky_density` (1/sr). For estimators that find the
+/// rest by light sampling.
+using SeenShare = std::function<float(std::uint32_t triangle, float sky_density)>;
+
 /// A camera ray and the surfaces that it reaches through and by panes. It is the same for all paths through a pixel's
 /// centre. `differential`: of a camera ray, which culls back faces of single-sided surfaces; null for any other ray.
-/// `chance`: random number that decides about blended surfaces, for rays that are not camera rays.
+/// `chance`: random number that decides about blended surfaces, for rays that are not camera rays. `share`: may be
+/// null.
 class CameraRay {
  public:
   CameraRay(const PathScene& scene, const EnvironmentLight& environment, const Ray& ray,
-            const RayDifferential* differential, std::uint32_t chance);
+            const RayDifferential* differential, std::uint32_t chance, const SeenShare* share = nullptr);
   std::uint32_t rays() const { return rays_; }  ///< traced by the constructor
 
  private:

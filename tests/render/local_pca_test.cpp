@@ -1,12 +1,14 @@
-#include "render/math/local_pca.h"
-
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <cmath>
 #include <numbers>
 #include <random>
+
+#include "render/math/local_pca_fit.h"
 
 namespace maquette {
 namespace {
@@ -134,6 +136,92 @@ TEST(LocalPca, DegenerateInput) {
   EXPECT_LT(mean_error(LocalPca::fit(few.leftCols(1), {}, {}), few.leftCols(1)), 1e-10);
   const Eigen::MatrixXf zeros = Eigen::MatrixXf::Zero(4, 9);
   EXPECT_EQ(mean_error(LocalPca::fit(zeros, {}, {}), zeros), 0.0);
+}
+
+/// Vectors near planes of a few clusters.
+Eigen::MatrixXf clustered(int dimensions, int count, int clusters, int components, float noise) {
+  std::mt19937 random(23);
+  std::normal_distribution<float> normal;
+  const auto draw = [&](int rows, int cols) {
+    return Eigen::MatrixXf(Eigen::MatrixXf::NullaryExpr(rows, cols, [&] { return normal(random); }));
+  };
+  std::vector<Eigen::MatrixXf> means, bases;
+  for (int k = 0; k < clusters; ++k)
+    means.push_back(4.0f * draw(dimensions, 1)), bases.push_back(draw(dimensions, components));
+  Eigen::MatrixXf x(dimensions, count);
+  for (int i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i % clusters);
+    x.col(i) = means[k] + bases[k] * draw(components, 1) + noise * draw(dimensions, 1);
+  }
+  return x;
+}
+
+TEST(LocalPcaOfAll, FindsWhatTheSampledFitFinds) {
+  const Eigen::MatrixXf x = clustered(150, 1500, 5, 3, 0.05f);
+  LocalPcaOptions options;
+  options.clusters = 5;
+  options.components = 3;
+  const LocalPca slow = LocalPca::fit(x, {}, options);
+  options.rounds = 14;
+  const LocalPcaFit fast = fit_local_pca(x, {}, options);
+  double error = 0.0;
+  for (int i = 0; i < 1500; ++i) {
+    const Eigen::VectorXf decoded = fast.pca.decode({fast.owner[static_cast<std::size_t>(i)], fast.weights.col(i)});
+    const double own = static_cast<double>((x.col(i) - decoded).squaredNorm());
+    EXPECT_NEAR(own, fast.errors[static_cast<std::size_t>(i)], 1e-3 * own + 1e-4);
+    error += own / 1500.0;
+  }
+  EXPECT_LT(error, 1.05 * slow.history().back());
+  EXPECT_LT(fast.lost, 0.01);
+}
+
+TEST(LocalPcaOfAll, IsTheSameForAnyNumberOfThreads) {
+  const Eigen::MatrixXf x = clustered(90, 2000, 7, 2, 0.3f);
+  LocalPcaOptions options;
+  options.clusters = 9;
+  options.components = 4;
+  options.rounds = 8;
+  const LocalPcaFit all = fit_local_pca(x, {}, options, 32);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const LocalPcaFit alone = fit_local_pca(x, {}, options, 32);
+  EXPECT_EQ(all.owner, alone.owner);
+  EXPECT_EQ(all.weights, alone.weights);
+  EXPECT_EQ(all.errors, alone.errors);
+}
+
+TEST(LocalPcaOfAll, OneClusterIsPlainPrincipalComponents) {
+  const Eigen::MatrixXf x = clustered(120, 600, 3, 2, 0.2f);
+  LocalPcaOptions options;
+  options.clusters = 1;
+  options.components = 6;
+  options.rounds = 6;
+  const LocalPcaFit fit = fit_local_pca(x, {}, options);
+  const Eigen::MatrixXd centred = (x.colwise() - x.rowwise().mean()).cast<double>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(centred * centred.transpose());
+  const double rest = solver.eigenvalues().head(120 - 6).sum();
+  double error = 0.0;
+  for (const double e : fit.errors) error += e;
+  EXPECT_NEAR(error, rest, 0.01 * rest);
+  const Eigen::MatrixXf basis = fit.pca.components(0);
+  for (int c = 0; c < 6; ++c) {
+    Eigen::Index largest = 0;
+    basis.col(c).cwiseAbs().maxCoeff(&largest);
+    EXPECT_GT(basis(largest, c), 0.0f);
+  }
+}
+
+TEST(LocalPcaOfAll, DegenerateInputIsNoTrouble) {
+  LocalPcaOptions options;
+  options.clusters = 128;
+  options.components = 8;
+  options.rounds = 6;
+  const LocalPcaFit zero = fit_local_pca(Eigen::MatrixXf::Zero(100, 50), {}, options);
+  EXPECT_EQ(zero.weights.cwiseAbs().maxCoeff(), 0.0f);
+  const Eigen::MatrixXf few = clustered(100, 5, 5, 1, 0.0f);
+  const LocalPcaFit fit = fit_local_pca(few, {}, options);
+  for (const double e : fit.errors) EXPECT_LT(e, 1e-4);
+  const LocalPcaFit same = fit_local_pca(few.col(0).replicate(1, 40), {}, options);
+  for (const double e : same.errors) EXPECT_LT(e, 1e-4);
 }
 
 }  // namespace

@@ -261,5 +261,35 @@ TEST(Cockpit, SurvivesSavingAndLoading) {
   EXPECT_LT(glm::length(compute_bounds(loaded).max - compute_bounds(scene).max), 1e-4f);
 }
 
+/// What the bake of surface light fields relies on: the lamp fills several bins of a lumisphere, and the seat's parts
+/// lie in the box.
+TEST(BuiltinScenes, TheSeatStandsInABoxBelowItsLamp) {
+  const Scene scene = build_builtin_scene("seat");
+  const auto bounds_of = [&](const char* name) {
+    Bounds bounds;
+    const int mesh = node_named(scene, name).mesh;
+    for (const glm::vec3& p : scene.meshes[static_cast<std::size_t>(mesh)].primitives[0].positions)
+      bounds.min = glm::min(bounds.min, p), bounds.max = glm::max(bounds.max, p);
+    return bounds;
+  };
+  const Bounds lamp = bounds_of("lamp"), cushion = bounds_of("seat_cushion"), back = bounds_of("seat_backrest");
+  const Bounds floor = bounds_of("floor"), ceiling = bounds_of("ceiling");
+  EXPECT_NEAR(lamp.max.y, ceiling.min.y, 0.02f);
+  for (const Bounds& part : {cushion, back}) {
+    EXPECT_GT(part.min.x, floor.min.x);
+    EXPECT_LT(part.max.x, floor.max.x);
+    EXPECT_GT(part.min.z, floor.min.z);
+    EXPECT_GT(part.min.y, floor.min.y);
+    EXPECT_LT(part.max.y, ceiling.min.y);
+  }
+  const glm::vec3 from(cushion.center().x, cushion.max.y, cushion.center().z);
+  for (const glm::vec3& edge :
+       {glm::vec3(lamp.min.x, lamp.min.y, lamp.center().z), glm::vec3(lamp.center().x, lamp.min.y, lamp.max.z)}) {
+    const float cosine = glm::dot(glm::normalize(edge - from), glm::normalize(lamp.center() - from));
+    EXPECT_GT(glm::degrees(std::acos(cosine)), 12.0f);
+  }
+  EXPECT_TRUE(node_named(scene, "mirror_wall").reflector);
+}
+
 }  // namespace
 }  // namespace maquette

@@ -1,0 +1,279 @@
+#include "render/math/local_pca_fit.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <random>
+
+namespace maquette {
+
+namespace {
+
+using Eigen::Index;
+/// Vectors that the sketch's subspace is computed from, at most.
+constexpr Index kSketchSamples = 16384;
+/// Columns that a thread takes at a time; sums are over whole blocks in their order.
+constexpr Index kBlock = 512;
+constexpr Index kSeedSamples = 8192;
+constexpr int kFullIterations = 2;  ///< of the subspace, in full dimension
+
+Index block_count(Index columns) { return (columns + kBlock - 1) / kBlock; }
+
+template <typename Work>
+void for_blocks(Index columns, const Work& work) {
+  tbb::parallel_for(Index{0}, block_count(columns),
+                    [&](Index b) { work(b * kBlock, std::min(kBlock, columns - b * kBlock)); });
+}
+
+void orthonormalize(Eigen::MatrixXf* m) {
+  if (m->cols() == 0) return;
+  const Eigen::HouseholderQR<Eigen::MatrixXf> qr(*m);
+  *m = qr.householderQ() * Eigen::MatrixXf::Identity(m->rows(), m->cols());
+}
+
+void fix_signs(Eigen::MatrixXf* basis) {
+  for (Index c = 0; c < basis->cols(); ++c) {
+    Index largest = 0;
+    basis->col(c).cwiseAbs().maxCoeff(&largest);
+    if ((*basis)(largest, c) < 0.0f) basis->col(c) = -basis->col(c);
+  }
+}
+
+/// Orthonormal eigenvectors of a symmetric matrix with the largest eigenvalues, those of zero left out.
+Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
+  if (matrix.rows() == 0) return Eigen::MatrixXf(0, 0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  Index kept = 0;
+  while (kept < std::min(count, values.size()) &&
+         values[values.size() - 1 - kept] > 1e-12 * std::max(values[values.size() - 1], 1e-280))
+    ++kept;
+  return solver.eigenvectors().rightCols(kept).rowwise().reverse().cast<float>();
+}
+
+/// One fit under way.
+class LocalPcaFitter {
+ public:
+  LocalPcaFitter(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure, const LocalPcaOptions& options,
+                 int sketch)
+      : options_(options), sketch_(sketch) {
+    measure_ = measure.size() > 0 ? Eigen::VectorXf(measure.cwiseMax(0.0f)) : Eigen::VectorXf::Ones(samples.rows());
+    scaled_ = measure_.cwiseSqrt().asDiagonal() * samples;
+    fit_.owner.assign(static_cast<std::size_t>(samples.cols()), 0);
+    errors_.assign(fit_.owner.size(), 0.0f);
+  }
+
+  LocalPcaFit fit() {
+    make_sketch();
+    seed();
+    const int rounds = std::max(options_.rounds, 1);
+    for (int round = 0; round < rounds && !(options_.stop && options_.stop()); ++round) {
+      assign();
+      // Components are raised one by one: started with all of them, clusters settle in worse places.
+      const int rising = std::max(rounds - 4, 1);
+      update(std::min(options_.components, options_.components * (round + 1) / rising + 1));
+    }
+    assign();
+    finish();
+    return std::move(fit_);
+  }
+
+ private:
+  struct Cluster {
+    Eigen::VectorXf mean;
+    Eigen::MatrixXf basis;
+  };
+
+  void make_sketch() {
+    mean_ = Eigen::VectorXd::Zero(scaled_.rows());
+    for (Index i = 0; i < scaled_.cols(); i += kBlock)
+      mean_ += scaled_.middleCols(i, std::min(kBlock, scaled_.cols() - i)).cast<double>().rowwise().sum();
+    mean_ /= static_cast<double>(scaled_.cols());
+    const Eigen::VectorXf mean = mean_.cast<float>();
+    if (scaled_.rows() <= sketch_) {
+      lift_ = Eigen::MatrixXf::Identity(scaled_.rows(), scaled_.rows());
+    } else {
+      const Index step = std::max<Index>(1, (scaled_.cols() + kSketchSamples - 1) / kSketchSamples);
+      const Index count = (scaled_.cols() + step - 1) / step;
+      std::vector<Eigen::MatrixXf> parts(static_cast<std::size_t>(block_count(count)));
+      for_blocks(count, [&](Index first, Index size) {
+        Eigen::MatrixXf x(scaled_.rows(), size);
+        for (Index i = 0; i < size; ++i) x.col(i) = scaled_.col((first + i) * step) - mean;
+        parts[static_cast<std::size_t>(first / kBlock)] = x * x.transpose();
+      });
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(scaled_.rows(), scaled_.rows());
+      for (const Eigen::MatrixXf& part : parts) gram += part.cast<double>();
+      lift_ = leading(gram, sketch_);
+      const double all = gram.trace(), kept = (lift_.cast<double>().transpose() * gram * lift_.cast<double>()).trace();
+      fit_.lost = all > 0.0 ? std::max(1.0 - kept / all, 0.0) : 0.0;
+      if (lift_.cols() == 0) lift_ = Eigen::MatrixXf::Identity(scaled_.rows(), 1);
+    }
+    small_.resize(lift_.cols(), scaled_.cols());
+    for_blocks(scaled_.cols(), [&](Index first, Index size) {
+      small_.middleCols(first, size).noalias() = lift_.transpose() * (scaled_.middleCols(first, size).colwise() - mean);
+    });
+  }
+
+  /// Source: Arthur and Vassilvitskii 2007, "k-means++", Sec. 2.2.
+  void seed() {
+    std::mt19937 random(options_.seed);
+    const Index step = std::max<Index>(1, small_.cols() / kSeedSamples), count = (small_.cols() + step - 1) / step;
+    const int wanted = std::clamp(options_.clusters, 1, static_cast<int>(small_.cols()));
+    Eigen::VectorXf nearest = Eigen::VectorXf::Constant(count, std::numeric_limits<float>::max());
+    Index pick = static_cast<Index>(random() % static_cast<unsigned>(count)) * step;
+    while (true) {
+      clusters_.push_back({small_.col(pick), Eigen::MatrixXf(small_.rows(), 0)});
+      if (static_cast<int>(clusters_.size()) == wanted) return;
+      double total = 0.0;
+      for (Index i = 0; i < count; ++i) {
+        nearest[i] = std::min(nearest[i], (small_.col(i * step) - clusters_.back().mean).squaredNorm());
+        total += static_cast<double>(nearest[i]);
+      }
+      if (!(total > 0.0)) return;  // fewer distinct vectors than clusters
+      double at = static_cast<double>(random()) / 4294967296.0 * total;
+      Index chosen = 0;
+      while (chosen + 1 < count && (at -= static_cast<double>(nearest[chosen])) > 0.0) ++chosen;
+      pick = chosen * step;
+    }
+  }
+
+  /// The cluster that reconstructs each vector best, in the sketch.
+  void assign() {
+    Index columns = 0;
+    for (const Cluster& c : clusters_) columns += 1 + c.basis.cols();
+    Eigen::MatrixXf gathered(small_.rows(), columns);
+    std::vector<Eigen::VectorXf> of_mean;
+    std::vector<float> mean2;
+    Index at = 0;
+    for (const Cluster& c : clusters_) {
+      gathered.col(at) = c.mean;
+      gathered.middleCols(at + 1, c.basis.cols()) = c.basis;
+      at += 1 + c.basis.cols();
+      of_mean.push_back(c.basis.transpose() * c.mean);
+      mean2.push_back(c.mean.squaredNorm());
+    }
+    for_blocks(small_.cols(), [&](Index first, Index size) {
+      const Eigen::MatrixXf products = gathered.transpose() * small_.middleCols(first, size);
+      for (Index i = 0; i < size; ++i) {
+        const float own = small_.col(first + i).squaredNorm();
+        float best = std::numeric_limits<float>::max();
+        int owner = 0;
+        const float* p = products.col(i).data();
+        for (std::size_t k = 0; k < clusters_.size(); ++k) {
+          const Index count = clusters_[k].basis.cols();
+          float error = own + mean2[k] - 2.0f * *p++;
+          for (Index c = 0; c < count; ++c, ++p) {
+            const float w = *p - of_mean[k][c];
+            error -= w * w;
+          }
+          if (error < best) best = error, owner = static_cast<int>(k);
+        }
+        fit_.owner[static_cast<std::size_t>(first + i)] = owner;
+        errors_[static_cast<std::size_t>(first + i)] = std::max(best, 0.0f);
+      }
+    });
+  }
+
+  std::vector<std::vector<Index>> find_members() {
+    std::vector<std::vector<Index>> members(clusters_.size());
+    for (std::size_t i = 0; i < fit_.owner.size(); ++i)
+      members[static_cast<std::size_t>(fit_.owner[i])].push_back(static_cast<Index>(i));
+    for (auto& m : members) {
+      if (!m.empty()) continue;
+      // An empty cluster restarts at the vector with the largest error.
+      const auto worst = std::max_element(errors_.begin(), errors_.end()) - errors_.begin();
+      errors_[static_cast<std::size_t>(worst)] = 0.0f;
+      m.push_back(worst);
+    }
+    return members;
+  }
+
+  void update(int components) {
+    const auto members = find_members();
+    tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t k) {
+      Eigen::VectorXd mean = Eigen::VectorXd::Zero(small_.rows());
+      for (const Index i : members[k]) mean += small_.col(i).cast<double>();
+      mean /= static_cast<double>(members[k].size());
+      Cluster& cluster = clusters_[k];
+      cluster.mean = mean.cast<float>();
+      cluster.basis.resize(small_.rows(), 0);
+      if (components == 0) return;
+      Eigen::MatrixXf x(small_.rows(), static_cast<Index>(members[k].size()));
+      for (Index i = 0; i < x.cols(); ++i)
+        x.col(i) = small_.col(members[k][static_cast<std::size_t>(i)]) - cluster.mean;
+      const Eigen::MatrixXd wide = x.cast<double>();
+      cluster.basis = leading(wide * wide.transpose(), components);
+    });
+  }
+
+  /// Means and components in full dimension, and the codes.
+  void finish() {
+    const Index n = scaled_.cols();
+    fit_.weights = Eigen::MatrixXf::Zero(options_.components, n);
+    fit_.errors.assign(static_cast<std::size_t>(n), 0.0);
+    const auto members = find_members();
+    const auto count = static_cast<Index>(clusters_.size()), dimensions = scaled_.rows();
+    Eigen::MatrixXf means(dimensions, count), bases = Eigen::MatrixXf::Zero(dimensions, count * options_.components);
+    tbb::parallel_for(Index{0}, count, [&](Index k) {
+      const auto& own = members[static_cast<std::size_t>(k)];
+      Eigen::MatrixXf x(dimensions, static_cast<Index>(own.size()));
+      Eigen::VectorXd mean = Eigen::VectorXd::Zero(dimensions);
+      for (const Index i : own) mean += scaled_.col(i).cast<double>();
+      means.col(k) = (mean / static_cast<double>(own.size())).cast<float>();
+      for (Index i = 0; i < x.cols(); ++i) x.col(i) = scaled_.col(own[static_cast<std::size_t>(i)]) - means.col(k);
+      const Eigen::MatrixXf basis = full_basis(x, clusters_[static_cast<std::size_t>(k)].basis);
+      bases.middleCols(k * options_.components, basis.cols()) = basis;
+      const Eigen::MatrixXf w = basis.transpose() * x;
+      x.noalias() -= basis * w;
+      for (Index i = 0; i < x.cols(); ++i) {
+        const Index sample = own[static_cast<std::size_t>(i)];
+        if (fit_.owner[static_cast<std::size_t>(sample)] != static_cast<int>(k)) continue;  // of an empty cluster
+        fit_.weights.col(sample).head(w.rows()) = w.col(i);
+        fit_.errors[static_cast<std::size_t>(sample)] = static_cast<double>(x.col(i).squaredNorm());
+      }
+    });
+    // A dimension of weight 0 is reconstructed as 0.
+    const Eigen::VectorXf inverse = (measure_.array() > 0.0f).select(measure_.array().max(1e-30f).rsqrt(), 0.0f);
+    fit_.pca = LocalPca::restore(measure_, inverse.asDiagonal() * means, inverse.asDiagonal() * bases);
+  }
+
+  /// Subspace iteration from what the sketch says, then the components in the order of their energy.
+  Eigen::MatrixXf full_basis(const Eigen::MatrixXf& x, const Eigen::MatrixXf& small) const {
+    if (small.cols() == 0 || x.cols() < 2) return Eigen::MatrixXf(x.rows(), 0);
+    Eigen::MatrixXf basis = lift_ * small;
+    orthonormalize(&basis);
+    for (int i = 0; i < kFullIterations; ++i) {
+      basis = x * (x.transpose() * basis);
+      orthonormalize(&basis);
+    }
+    const Eigen::MatrixXf w = basis.transpose() * x;
+    basis = basis * leading((w * w.transpose()).cast<double>(), basis.cols());
+    fix_signs(&basis);
+    return basis;
+  }
+
+  const LocalPcaOptions& options_;
+  const int sketch_;
+  LocalPcaFit fit_;
+  Eigen::VectorXf measure_;
+  Eigen::MatrixXf scaled_;  ///< [dimension][sample] by the roots of the measure
+  Eigen::VectorXd mean_;
+  Eigen::MatrixXf lift_;   ///< [dimension][sketch] orthonormal
+  Eigen::MatrixXf small_;  ///< [sketch][sample]
+  std::vector<Cluster> clusters_;
+  std::vector<float> errors_;
+};
+
+}  // namespace
+
+LocalPcaFit fit_local_pca(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure,
+                          const LocalPcaOptions& options, int sketch) {
+  assert(samples.cols() > 0 && (measure.size() == 0 || measure.size() == samples.rows()));
+  return LocalPcaFitter(samples, measure, options, sketch).fit();
+}
+
+}  // namespace maquette

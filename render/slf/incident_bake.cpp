@@ -1,0 +1,398 @@
+#include "render/slf/incident_bake.h"
+
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "render/bake/kept_bakes.h"
+#include "scenes/bake_file.h"
+#include "scenes/error.h"
+#include "scenes/files.h"
+
+namespace maquette {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char *kManifestKind = "slf", *kBlockKind = "slf-incident";
+constexpr const char* kVersion = "1";
+
+std::string hex(std::uint64_t value) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+template <typename T>
+std::uint64_t hash_values(const std::vector<T>& values, std::uint64_t seed) {
+  return chain_hash(values, seed);
+}
+
+std::vector<float> light_numbers(const IncidentJob& job) {
+  const Scene& scene = *job.scene;
+  std::vector<float> numbers{job.options.env_rotation_rad, job.options.env_scale};
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    const Node& node = scene.nodes[n];
+    if (!node.visible || node.light < 0 || node.light >= static_cast<int>(scene.lights.size())) continue;
+    const PunctualLight& l = scene.lights[static_cast<std::size_t>(node.light)];
+    numbers.insert(numbers.end(), {static_cast<float>(l.kind), l.color.x, l.color.y, l.color.z, l.intensity, l.range_m,
+                                   l.inner_cone_rad, l.outer_cone_rad});
+    for (int c = 0; c < 4; ++c)
+      for (int r = 0; r < 3; ++r) numbers.push_back(world[n][c][r]);
+  }
+  for (const Material& m : scene.materials)
+    numbers.insert(numbers.end(),
+                   {m.emissive.x, m.emissive.y, m.emissive.z, static_cast<float>(m.emissive_texture.image)});
+  return numbers;
+}
+
+std::map<std::string, std::string> attributes_of(const IncidentProvenance& p) {
+  return {{"version", kVersion},
+          {"scene", p.scene},
+          {"geometry", hex(p.geometry)},
+          {"light", hex(p.light)},
+          {"materials", hex(p.materials)},
+          {"atlas_side", std::to_string(p.atlas_side)},
+          {"lumisphere_side", std::to_string(p.lumisphere_side)},
+          {"paths", std::to_string(p.paths)}};
+}
+
+std::string attribute(const std::string& path, const BakeFile& file, const std::string& name) {
+  const auto found = file.attributes.find(name);
+  if (found == file.attributes.end()) throw Error(path, "the bake has no attribute '" + name + "'", "bake it again");
+  return found->second;
+}
+
+IncidentProvenance read_provenance(const std::string& path, const BakeFile& file) {
+  const auto number = [&](const char* name) {
+    return static_cast<int>(std::strtol(attribute(path, file, name).c_str(), nullptr, 10));
+  };
+  const auto hash = [&](const char* name) {
+    return static_cast<std::uint64_t>(std::strtoull(attribute(path, file, name).c_str(), nullptr, 16));
+  };
+  if (attribute(path, file, "version") != kVersion) throw Error(path, "the bake has another version", "bake it again");
+  return {attribute(path, file, "scene"), hash("geometry"),          hash("light"),  hash("materials"),
+          number("atlas_side"),           number("lumisphere_side"), number("paths")};
+}
+
+std::string manifest_path(const std::string& folder) { return (fs::path(folder) / "bake.exr").string(); }
+std::string block_path(const std::string& folder, std::size_t block) {
+  char name[40];
+  std::snprintf(name, sizeof name, "incident-%05zu.exr", block);
+  return (fs::path(folder) / name).string();
+}
+
+std::size_t block_count(std::size_t texels) { return (texels + kIncidentBlock - 1) / kIncidentBlock; }
+
+/// Text of what differs, or empty. Light and materials apart.
+std::string difference(const IncidentProvenance& found, const IncidentProvenance& wanted) {
+  if (found.scene != wanted.scene) return "scene " + found.scene + " instead of " + wanted.scene;
+  if (found.atlas_side != wanted.atlas_side)
+    return "an atlas of " + std::to_string(found.atlas_side) + " texels a side instead of " +
+           std::to_string(wanted.atlas_side);
+  if (found.lumisphere_side != wanted.lumisphere_side)
+    return "lumispheres of " + std::to_string(found.lumisphere_side) + " bins a side instead of " +
+           std::to_string(wanted.lumisphere_side);
+  if (found.geometry != wanted.geometry) return "another geometry, or other parts, of scene " + found.scene;
+  return {};
+}
+
+/// One bake under way.
+class Run {
+ public:
+  Run(const IncidentJob& job, const BakeRanks& ranks, const std::atomic<bool>& cancel,
+      const std::function<void(double)>& progress)
+      : job_(job), ranks_(ranks), cancel_(cancel), progress_(progress), bake_(std::make_shared<IncidentBake>()) {}
+
+  std::shared_ptr<const IncidentBake> make() {
+    bake_->atlas = make_atlas(*job_.geometry, job_.parts, job_.atlas);
+    bake_->provenance = provenance_of(job_);
+    bake_->provenance.atlas_side = bake_->atlas.side;
+    const Lumisphere lumisphere(job_.options.side);
+    IncidentField& field = bake_->field;
+    field.side = lumisphere.side();
+    field.bins = lumisphere.count();
+    field.masked.assign(bake_->atlas.texels.size(), false);
+    field.radiance.assign(field.masked.size() * stride(), 0.0f);
+    masked_.assign(field.masked.size(), 0);
+    check_manifest();
+    load_blocks();
+    if (!job_.may_make && done_ < blocks()) fail_incomplete();
+    if (!trace_blocks() || !await_others()) return nullptr;
+    for (std::size_t t = 0; t < masked_.size(); ++t) field.masked[t] = masked_[t] != 0;
+    fill_masked_texels(field.masked, &bake_->atlas);
+    if (progress_) progress_(1.0);
+    return bake_;
+  }
+
+ private:
+  std::size_t stride() const { return static_cast<std::size_t>(3 * bake_->field.bins); }
+  std::size_t texels() const { return bake_->atlas.texels.size(); }
+  std::size_t blocks() const { return block_count(texels()); }
+  std::size_t first(std::size_t block) const { return block * kIncidentBlock; }
+  std::size_t end(std::size_t block) const { return std::min(first(block) + kIncidentBlock, texels()); }
+
+  void check_manifest() {
+    if (job_.folder.empty()) return;
+    const std::string path = manifest_path(job_.folder);
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) {
+      if (!job_.may_make) throw Error(job_.folder, "there is no surface light field", "make it: maquette bake slf");
+      if (ranks_.rank == 0 || ranks_.count == 1) write_manifest(path);
+      return;
+    }
+    try {
+      found_ = read_provenance(path, load_bake_file(path));
+    } catch (const Error&) {
+      if (!job_.may_make) throw;
+      return write_manifest(path);
+    }
+    IncidentProvenance& wanted = bake_->provenance;
+    if (const std::string other = difference(found_, wanted); !other.empty())
+      throw Error(job_.folder, "the light field was baked from " + other,
+                  "name another folder, or remove it and bake again");
+    if (found_.light != wanted.light) {
+      bake_->stale = "its light was another";
+      if (job_.may_make || !job_.show_stale)
+        throw Error(job_.folder, "the light field is stale: it was baked under other light",
+                    job_.may_make ? "remove it and bake again" : "bake it again, or show it: --set slf.stale=show");
+    }
+    if (job_.may_make && (found_.materials != wanted.materials || found_.paths != wanted.paths))
+      throw Error(job_.folder,
+                  found_.paths != wanted.paths
+                      ? "the light field was begun with " + std::to_string(found_.paths) + " paths a bin"
+                      : "the light field was begun with other materials",
+                  "name another folder, or remove it and bake again");
+    if (!job_.may_make) wanted = found_;
+  }
+
+  void write_manifest(const std::string& path) {
+    try {
+      std::error_code ignored;
+      fs::create_directories(job_.folder, ignored);
+      BakeFile file;
+      file.attributes = attributes_of(bake_->provenance);
+      file.attributes["kind"] = kManifestKind;
+      file.attributes["texels"] = std::to_string(texels());
+      BakeTable table{"texels", {}, {}};
+      auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle"];
+      for (const AtlasTexel& t : bake_->atlas.texels) {
+        x.push_back(t.x);
+        y.push_back(t.y);
+        triangle.push_back(bake_->atlas.sides[t.side].triangle);
+      }
+      file.tables.push_back(std::move(table));
+      save_bake_file(path, file);
+    } catch (const Error&) {
+      if (job_.must_work) throw;
+    }
+  }
+
+  void load_blocks() {
+    have_.assign(blocks(), false);
+    if (job_.folder.empty()) return;
+    for (std::size_t b = 0; b < blocks() && !cancel_; ++b)
+      if (load_block(b)) bake_->reused += end(b) - first(b);
+  }
+
+  /// False where there is none. One that is damaged counts as none where it can be made again.
+  bool load_block(std::size_t block) {
+    const std::string path = block_path(job_.folder, block);
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) return false;
+    try {
+      const BakeFile file = load_bake_file(path);
+      if (attribute(path, file, "kind") != kBlockKind) throw Error(path, "the file holds no incident light");
+      if (attribute(path, file, "key") != key()) throw Error(path, "the block is of another bake", "bake it again");
+      const auto& masked = file.integers(path, "texels", "masked");
+      const std::size_t count = end(block) - first(block), values = count * static_cast<std::size_t>(bake_->field.bins);
+      static constexpr const char* kNames[] = {"R", "G", "B"};
+      if (masked.size() < count) throw Error(path, "the block is too short", "bake it again");
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto& channel = file.floats(path, "radiance", kNames[c]);
+        if (channel.size() < values) throw Error(path, "the block is too short", "bake it again");
+        for (std::size_t i = 0; i < values; ++i)
+          bake_->field.radiance[first(block) * stride() + 3 * i + c] = channel[i];
+      }
+      std::copy_n(masked.begin(), count, masked_.begin() + static_cast<std::ptrdiff_t>(first(block)));
+    } catch (const Error&) {
+      if (!job_.may_make) throw;
+      return false;
+    }
+    have_[block] = true;
+    ++done_;
+    report();
+    return true;
+  }
+
+  void save_block(std::size_t block) {
+    if (job_.folder.empty()) return;
+    BakeFile file;
+    file.attributes = {{"kind", kBlockKind}, {"key", key()}, {"block", std::to_string(block)}};
+    BakeTable radiance{"radiance", {}, {}}, state{"texels", {}, {}};
+    static constexpr const char* kNames[] = {"R", "G", "B"};
+    for (std::size_t c = 0; c < 3; ++c) {
+      auto& channel = radiance.floats[kNames[c]];
+      for (std::size_t i = first(block) * stride() + c; i < end(block) * stride(); i += 3)
+        channel.push_back(bake_->field.radiance[i]);
+    }
+    auto& masked = state.integers["masked"];
+    masked.assign(masked_.begin() + static_cast<std::ptrdiff_t>(first(block)),
+                  masked_.begin() + static_cast<std::ptrdiff_t>(end(block)));
+    file.tables = {std::move(state), std::move(radiance)};
+    try {
+      std::error_code ignored;
+      fs::create_directories(job_.folder, ignored);
+      save_bake_file(block_path(job_.folder, block), file);
+    } catch (const Error&) {
+      if (job_.must_work) throw;
+    }
+  }
+
+  bool trace_blocks() {
+    std::unique_ptr<IncidentTracer> tracer;
+    for (std::size_t b = 0; b < blocks(); ++b) {
+      if (have_[b] || (ranks_.count > 1 && static_cast<int>(b % static_cast<std::size_t>(ranks_.count)) != ranks_.rank))
+        continue;
+      if (cancel_) return false;
+      if (!tracer) tracer = make_tracer();
+      tbb::parallel_for(first(b), end(b), [&](std::size_t t) {
+        if (cancel_) return;
+        masked_[t] = tracer->trace(t, std::span(bake_->field.radiance).subspan(t * stride(), stride())) ? 1u : 0u;
+      });
+      if (cancel_) return false;
+      save_block(b);
+      have_[b] = true;
+      ++done_;
+      report();
+    }
+    return true;
+  }
+
+  bool await_others() {
+    while (done_ < blocks()) {
+      if (cancel_) return false;
+      bool any = false;
+      for (std::size_t b = 0; b < blocks(); ++b)
+        if (!have_[b]) any |= load_block(b);
+      if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return true;
+  }
+
+  std::unique_ptr<IncidentTracer> make_tracer() const {
+    const auto scene = build_path_scene({.scene = *job_.scene,
+                                         .environment = job_.environment,
+                                         .variant = job_.variant,
+                                         .geometry = job_.geometry.get()});
+    return std::make_unique<IncidentTracer>(scene, std::make_shared<const LightFieldAtlas>(bake_->atlas), job_.options);
+  }
+
+  std::string key() const {
+    std::string text;
+    for (const auto& [name, value] : attributes_of(bake_->provenance)) text += name + "=" + value + ";";
+    return hex(content_hash(std::as_bytes(std::span(text))));
+  }
+  [[noreturn]] void fail_incomplete() const {
+    throw Error(
+        job_.folder,
+        "the light field is not complete: " + std::to_string(done_) + " of " + std::to_string(blocks()) + " blocks",
+        "finish it: maquette bake slf");
+  }
+  void report() const {
+    if (progress_) progress_(static_cast<double>(done_) / static_cast<double>(blocks()));
+  }
+
+  const IncidentJob& job_;
+  const BakeRanks ranks_;
+  const std::atomic<bool>& cancel_;
+  const std::function<void(double)>& progress_;
+  std::shared_ptr<IncidentBake> bake_;
+  IncidentProvenance found_;
+  std::vector<std::uint32_t> masked_;  ///< words: threads write neighbours
+  std::vector<bool> have_;
+  std::size_t done_ = 0;
+};
+
+int number_of(const char* name) {
+  const char* value = std::getenv(name);
+  return value ? static_cast<int>(std::strtol(value, nullptr, 10)) : -1;
+}
+
+}  // namespace
+
+IncidentProvenance provenance_of(const IncidentJob& job) {
+  const FlatGeometry& g = *job.geometry;
+  IncidentProvenance p;
+  p.scene = job.scene->name;
+  std::vector<std::uint64_t> parts;
+  for (const AtlasPart& part : job.parts) parts.push_back(2 * part.item + (part.both_sides ? 1 : 0));
+  p.geometry = chain_hash(parts, 0);
+  p.geometry = chain_hash(g.positions, p.geometry);
+  p.geometry = chain_hash(g.normals, p.geometry);
+  p.geometry = chain_hash(g.indices, p.geometry);
+  p.geometry = chain_hash(g.uv1, p.geometry);
+  p.light = chain_hash(light_numbers(job), job.environment ? job.environment->hash : 0);
+  if (job.environment && job.environment->hash == 0) p.light = chain_hash(job.environment->rgb, p.light);
+  std::vector<float> numbers;
+  for (const Material& m : job.scene->materials) {
+    const std::vector<float> own = numbers_of(m);
+    numbers.insert(numbers.end(), own.begin(), own.end());
+    for (const char c : m.measured) numbers.push_back(static_cast<float>(c));
+  }
+  p.materials = chain_hash(numbers, static_cast<std::uint64_t>(job.variant + 1));
+  for (const TextureImage& image : job.scene->images) p.materials = chain_hash(image.rgba, p.materials);
+  p.atlas_side = job.atlas.side;
+  p.lumisphere_side = job.options.side;
+  p.paths = job.options.paths;
+  return p;
+}
+
+std::string incident_folder(const std::string& folder, const IncidentJob& job) {
+  if (!folder.empty()) {
+    std::string name = fs::path(job.scene->name).stem().string();
+    if (const auto colon = job.scene->name.find("builtin:"); colon == 0) name = job.scene->name.substr(8);
+    return (fs::path(folder) / (name + "-slf")).string();
+  }
+  const auto cache = cache_folder();
+  if (!cache) return {};
+  std::string text;
+  for (const auto& [name, value] : attributes_of(provenance_of(job))) text += name + "=" + value + ";";
+  text += std::to_string(job.atlas.texels_per_m);
+  return (*cache / ("slf-" + hex(content_hash(std::as_bytes(std::span(text)))))).string();
+}
+
+BakeRanks ranks_from_environment() {
+  for (const auto& [rank, size] :
+       {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), std::pair("PMI_RANK", "PMI_SIZE")})
+    if (number_of(rank) >= 0 && number_of(size) > number_of(rank)) return {number_of(rank), number_of(size)};
+  return {};
+}
+
+std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const BakeRanks& ranks,
+                                                  const std::atomic<bool>& cancel,
+                                                  const std::function<void(double)>& progress) {
+  return Run(job, ranks, cancel, progress).make();
+}
+
+IncidentSummary summarize_incident(const std::string& folder) {
+  const std::string path = manifest_path(folder);
+  const BakeFile file = load_bake_file(path);
+  if (attribute(path, file, "kind") != kManifestKind) throw Error(path, "the bake is no surface light field");
+  IncidentSummary summary;
+  summary.provenance = read_provenance(path, file);
+  summary.texels = std::strtoull(attribute(path, file, "texels").c_str(), nullptr, 10);
+  summary.blocks = block_count(summary.texels);
+  std::error_code ignored;
+  for (std::size_t b = 0; b < summary.blocks; ++b)
+    summary.blocks_done += fs::exists(block_path(folder, b), ignored) ? 1 : 0;
+  return summary;
+}
+
+}  // namespace maquette

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/slf/incident.h"
+#include "scenes/environment.h"
+
+namespace maquette {
+
+/// What a bake of incident light was made of: written into its files, and compared with what is asked for.
+struct IncidentProvenance {
+  std::string scene;            ///< its name, for messages
+  std::uint64_t geometry = 0;   ///< hash of all surfaces that stop or pass light, and of the parts with texels
+  std::uint64_t light = 0;      ///< hash of environment, its rotation and scale, lamps and emissive surfaces
+  std::uint64_t materials = 0;  ///< hash of the materials that light was reflected by
+  int atlas_side = 0, lumisphere_side = 0, paths = 0;
+  bool operator==(const IncidentProvenance&) const = default;
+};
+
+/// All that incident light is baked from, by value.
+struct IncidentJob {
+  std::shared_ptr<const Scene> scene;  ///< with the materials to bake with; hidden nodes are not visible
+  std::shared_ptr<const FlatGeometry> geometry;
+  std::shared_ptr<const Environment> environment;
+  int variant = -1;
+  std::vector<AtlasPart> parts;
+  AtlasOptions atlas;
+  IncidentOptions options;
+  std::string folder;       ///< of the bake's files; empty: it is kept in memory only
+  bool must_work = false;   ///< the folder was named by the user: what is damaged or cannot be written is an error
+  bool may_make = true;     ///< false: only what the folder holds is taken, and it must be whole
+  bool show_stale = false;  ///< with `may_make` false: also a bake of other light
+};
+
+struct IncidentBake {
+  LightFieldAtlas atlas;  ///< masked texels filled
+  IncidentField field;
+  IncidentProvenance provenance;
+  std::size_t reused = 0;  ///< texels that an earlier run had made
+  std::string stale;       ///< what it was made of that has changed; empty: nothing
+};
+
+IncidentProvenance provenance_of(const IncidentJob& job);
+/// Where the bake of a job is kept: below `folder`, or, where that is empty, in the cache by content. Empty without
+/// either.
+std::string incident_folder(const std::string& folder, const IncidentJob& job);
+
+/// Texels are traced and written in blocks of so many: what a run that was stopped leaves whole.
+inline constexpr std::size_t kIncidentBlock = 1024;
+
+/// Processes that share a bake: each traces the blocks whose number is its own modulo `count`, and waits for the files
+/// of the others.
+struct BakeRanks {
+  int rank = 0, count = 1;
+};
+/// Of `mpirun`: its variables OMPI_COMM_WORLD_RANK and _SIZE, or PMI_RANK and PMI_SIZE; else one process.
+BakeRanks ranks_from_environment();
+
+/// Loads the blocks that the folder holds, traces the others and writes each when it is done. Null once `cancel` is
+/// set. Throws Error: a bake of another scene or geometry, of other light where that may not be shown, damaged files
+/// or a full disk where `must_work`; what was written stays. The result is the same for any count of threads, ranks and
+/// interruptions.
+std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const BakeRanks& ranks,
+                                                  const std::atomic<bool>& cancel,
+                                                  const std::function<void(double)>& progress);
+
+/// What a folder holds, for `inspect`: provenance, whole or not. Throws Error.
+struct IncidentSummary {
+  IncidentProvenance provenance;
+  std::size_t texels = 0, blocks = 0, blocks_done = 0;
+};
+IncidentSummary summarize_incident(const std::string& folder);
+
+}  // namespace maquette

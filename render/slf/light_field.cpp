@@ -1,0 +1,131 @@
+#include "render/slf/light_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "render/reference/path_scene.h"
+
+namespace maquette {
+
+namespace {
+
+/// Share of the progress that incident light takes.
+constexpr double kIncidentShare = 0.9;
+
+std::shared_ptr<const IncidentBake> find_incident(const LightFieldJob& job, LightFieldMemory* memory,
+                                                  const std::atomic<bool>& cancel,
+                                                  const std::function<void(double)>& progress) {
+  const IncidentProvenance wanted = provenance_of(job.incident);
+  if (memory->incident && memory->folder == job.incident.folder && memory->provenance == wanted)
+    return memory->incident;
+  memory->incident = nullptr;
+  const auto baked = bake_incident(job.incident, {}, cancel, [&](double p) {
+    if (progress) progress(kIncidentShare * p);
+  });
+  if (!baked) return nullptr;
+  memory->incident = baked;
+  memory->folder = job.incident.folder;
+  memory->provenance = wanted;
+  return baked;
+}
+
+/// Geometry and materials alone: nothing is traced with it.
+std::shared_ptr<const PathScene> material_scene(const LightFieldJob& job, LightFieldMemory* memory) {
+  auto dark = std::make_shared<Environment>();
+  dark->width = 32;
+  dark->height = 16;
+  dark->rgb.assign(32 * 16, glm::vec3(0.0f));
+  return build_path_scene({.scene = *job.scene,
+                           .environment = dark,
+                           .variant = job.incident.variant,
+                           .geometry = job.incident.geometry.get(),
+                           .library = &memory->library});
+}
+
+}  // namespace
+
+void compress(const std::shared_ptr<const OutgoingField>& outgoing, const CompressionOptions& options,
+              const std::atomic<bool>& cancel, LightField* field) {
+  const Eigen::MatrixXf& radiance = outgoing->radiance;
+  field->errors.assign(static_cast<std::size_t>(radiance.cols()), 0.0f);
+  if (options.clusters == 0 || radiance.cols() == 0) {
+    field->outgoing = outgoing;
+    return;
+  }
+  const Eigen::VectorXf measure = outgoing_measure(Lumisphere(field->side));
+  LocalPcaOptions pca;
+  pca.clusters = options.clusters;
+  pca.components = options.components;
+  pca.rounds = 14;
+  pca.stop = [&] { return cancel.load(); };
+  field->fit = fit_local_pca(radiance, measure, pca);
+  const double all = measure.cast<double>().sum();
+  double sum = 0.0, squares = 0.0;
+  for (Eigen::Index t = 0; t < radiance.cols(); ++t) sum += measure.cast<double>().dot(radiance.col(t).cast<double>());
+  const double mean = sum / all / static_cast<double>(radiance.cols());
+  if (!(mean > 0.0)) return;
+  for (std::size_t t = 0; t < field->errors.size(); ++t) {
+    squares += field->fit.errors[t];
+    field->errors[t] = static_cast<float>(std::sqrt(field->fit.errors[t] / all) / mean);
+  }
+  field->error = std::sqrt(squares / all / static_cast<double>(radiance.cols())) / mean;
+}
+
+Eigen::VectorXf decode_texel(const LightField& field, std::size_t texel) {
+  if (!field.compressed()) return field.outgoing->radiance.col(static_cast<Eigen::Index>(texel));
+  return field.fit.pca.decode({field.fit.owner[texel], field.fit.weights.col(static_cast<Eigen::Index>(texel))});
+}
+
+std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side) {
+  std::vector<std::string> warnings;
+  std::set<const TracedMaterial*> seen;
+  std::vector<std::uint32_t> traced_of(scene.geometry.indices.size() / 3, 0);
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) traced_of[scene.triangles[i].source] = i;
+  for (const AtlasSide& s : atlas.sides) {
+    const std::uint32_t triangle = traced_of[s.triangle];
+    if (!seen.insert(&scene.material_of(triangle)).second) continue;
+    const glm::vec3 n = scene.triangles[triangle].geometric;
+    const glm::vec3 middle = (scene.triangles[triangle].positions[0] + scene.triangles[triangle].positions[1] +
+                              scene.triangles[triangle].positions[2]) /
+                             3.0f;
+    const SurfacePoint p = resolve_surface(scene, {middle + n, -n}, {1.0f, triangle, glm::vec2(1.0f / 3.0f)}, {});
+    const int wanted = lumisphere_side_for(peak_half_width(p));
+    if (wanted <= side) continue;
+    warnings.push_back("material " + p.material->values.name + " is too specular for lumispheres of " +
+                       std::to_string(side) + " x " + std::to_string(side) + " directions; " + std::to_string(wanted) +
+                       " would do (slf.directions)");
+  }
+  return warnings;
+}
+
+std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, LightFieldMemory* memory,
+                                                   const std::atomic<bool>& cancel,
+                                                   const std::function<void(double)>& progress) {
+  // Before anything is traced: a material that cannot be shown is named at once.
+  const std::shared_ptr<const PathScene> materials = material_scene(job, memory);
+  for (const AtlasPart& part : job.incident.parts) {
+    const int index = material_of_item(*job.scene, job.incident.geometry->items[part.item], job.incident.variant);
+    if (index < 0) continue;
+    require_light_field_material(job.scene->materials[static_cast<std::size_t>(index)]);
+  }
+  const auto incident = find_incident(job, memory, cancel, progress);
+  if (!incident) return nullptr;
+  auto field = std::make_shared<LightField>();
+  field->atlas = incident->atlas;
+  field->side = incident->field.side;
+  field->reused = incident->reused;
+  field->stale = incident->stale;
+  OutgoingOptions options = job.outgoing;
+  options.texel_m = incident->atlas.texels_per_m > 0.0 ? static_cast<float>(1.0 / incident->atlas.texels_per_m) : 0.0f;
+  const auto outgoing = compute_outgoing(*materials, incident->atlas, incident->field, options, cancel);
+  if (!outgoing) return nullptr;
+  field->coefficients = outgoing->coefficients;
+  field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
+  compress(outgoing, job.compression, cancel, field.get());
+  if (cancel) return nullptr;
+  if (progress) progress(1.0);
+  return field;
+}
+
+}  // namespace maquette

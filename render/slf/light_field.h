@@ -1,0 +1,67 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "render/math/local_pca_fit.h"
+#include "render/slf/incident_bake.h"
+#include "render/slf/outgoing.h"
+
+namespace maquette {
+
+struct CompressionOptions {
+  int clusters = 128;  ///< 0: the fields are kept as they are
+  int components = 8;
+};
+inline constexpr int kMostClusters = 256, kMostComponents = 16;
+
+/// Outgoing radiance of an atlas, ready to be drawn.
+struct LightField {
+  LightFieldAtlas atlas;
+  int side = Lumisphere::kDefaultSide;            ///< of the lumispheres
+  LocalPcaFit fit;                                ///< of all texels; empty where nothing is compressed
+  std::shared_ptr<const OutgoingField> outgoing;  ///< only where nothing is compressed
+  std::vector<float> errors;                      ///< [texel] RMS of compression, relative to the mean of all texels
+  double error = 0.0;                             ///< the same of all texels
+  double coefficients = 0.0;                      ///< of incident light, used per texel and channel
+  std::size_t reused = 0;                         ///< texels whose incident light an earlier run had made
+  std::string stale;
+  /// Materials too specular for the lumispheres, a line each.
+  std::vector<std::string> warnings;
+  bool compressed() const { return fit.pca.cluster_count() > 0; }
+};
+
+/// Everything a light field is made from, by value.
+struct LightFieldJob {
+  IncidentJob incident;
+  std::shared_ptr<const Scene> scene;  ///< with the materials to show
+  OutgoingOptions outgoing;
+  CompressionOptions compression;
+};
+
+/// What is kept between light fields of one incident bake, so that an exchange of materials traces nothing.
+struct LightFieldMemory {
+  std::string folder;
+  IncidentProvenance provenance;
+  std::shared_ptr<const IncidentBake> incident;
+  MeasuredLibrary library;
+};
+
+/// Compresses outgoing radiance into `field`.
+void compress(const std::shared_ptr<const OutgoingField>& outgoing, const CompressionOptions& options,
+              const std::atomic<bool>& cancel, LightField* field);
+
+/// Bakes or loads incident light, then makes and compresses outgoing light. Null once cancelled. Throws Error.
+std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, LightFieldMemory* memory,
+                                                   const std::atomic<bool>& cancel,
+                                                   const std::function<void(double)>& progress);
+
+/// A line for each material of the parts that is too specular for lumispheres of this side, with the side that would
+/// do. `scene`: built from the materials to show.
+std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side);
+
+/// Outgoing radiance of a texel after compression, [3 bin + channel].
+Eigen::VectorXf decode_texel(const LightField& field, std::size_t texel);
+
+}  // namespace maquette

@@ -57,6 +57,10 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
 
 void Renderer::set_node_visible(int node, bool visible) { impl_->scene.set_node_visible(node, visible); }
 
+void Renderer::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
+  impl_->scene.set_texture_offset(material_name, offset);
+}
+
 void Renderer::set_interactive(bool interactive) {
   impl_->interactive = interactive;
   impl_->bakes.set_interactive(interactive);
@@ -82,6 +86,7 @@ ViewInfo Renderer::Impl::look_at(const FrameRequest& request) {
   ViewInfo view{request.width, request.height, request.msaa};
   view.reflections = request.reflections;
   view.orthographic = request.camera.is_orthographic();
+  view.hidden_share = bakes.shadow_scene().hidden_share();
   view.part_modes = request.part_modes;
   view.reflectors = static_cast<int>(reflectors.all().size());
   view.mirrors = reflectors.has_mirrors();
@@ -390,8 +395,14 @@ bool Renderer::finish_background_work(const FrameRequest& asked) {
     s.mirrors.reflectors.patch_fits().wait();
     view = s.look_at(request);
   }
-  const FramePlan wanted = maquette::plan(s.scene.facts(), request.mode, request.settings, view, {}, s.registry);
-  return s.bakes.finish(wanted, s.scene, request);
+  // What is there decides what more is wanted.
+  for (std::optional<double> known = -1.0; known != view.hidden_share; view = s.look_at(request)) {
+    known = view.hidden_share;
+    const FramePlan wanted = maquette::plan(s.scene.facts(), request.mode, request.settings, view, {}, s.registry);
+    if (!s.bakes.finish(wanted, s.scene, request)) return false;
+    view.hidden_share = s.bakes.shadow_scene().hidden_share();
+  }
+  return true;
 }
 
 std::vector<BackgroundWork> Renderer::background_work() const {

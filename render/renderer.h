@@ -42,6 +42,8 @@ class Renderer {
   /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
+  /// Moves the base colour texture of the material named so, in its UV coordinates, until the next scene.
+  void set_texture_offset(const std::string& material_name, const glm::vec2& offset);
   /// For a window: modes that draw whole pictures then work on a thread of their own, `render` shows what there is so
   /// far and does not wait, and `accumulated_frames` counts the paths of a pixel.
   void set_interactive(bool interactive);

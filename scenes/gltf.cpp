@@ -61,6 +61,10 @@ Bytes open_buffer(Document* document, std::size_t index, const Json& buffer, con
   const auto& uri = found->get_ref<const std::string&>();
   if (is_data_uri(uri)) {
     owned = decode_data_uri(where, uri);
+    const std::string type = media_type(uri);
+    if (!type.empty() && type != "application/octet-stream" && type != "application/gltf-buffer")
+      document->warnings.add("its data URI says that it is something else than a buffer; it is read",
+                             element("buffers", index));
     return owned;
   }
   try {

@@ -51,6 +51,10 @@ std::string name_text(std::string_view text) {
   return "\"" + std::string(text) + "\"";
 }
 
+std::string name_node(const std::string& name, std::size_t index) {
+  return name.empty() ? element("nodes", index) : "node " + name_text(name);
+}
+
 std::string plain_line(std::string_view text, std::string_view folder) {
   constexpr std::size_t kLongest = 200, kKept = 40;
   std::string out;

@@ -50,6 +50,8 @@ void check_extensions(const std::string& path, const Json& root, Warnings* warni
 
 /// True for the scheme `data` in any case.
 bool is_data_uri(std::string_view uri);
+/// What a `data:` URI says that its bytes are, in lower case and without parameters; may be empty.
+std::string media_type(std::string_view uri);
 /// Bytes of a `data:` URI (base64 or percent-encoded text). Throws Error.
 std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri);
 /// Path of a relative URI, resolved against `path`: decoded, or as it is written where only that exists.
@@ -57,6 +59,8 @@ std::string resolve_uri(const std::string& path, std::string_view uri);
 
 /// `text` for a message: in quotation marks, or its length alone when it may be a payload.
 std::string name_text(std::string_view text);
+/// A node for a message: by its name, or by its index where it has none.
+std::string name_node(const std::string& name, std::size_t index);
 /// A message as one line without payloads, whatever names and texts of libraries are in it: long words are cut, except
 /// for the `folder` that they begin with.
 std::string plain_line(std::string_view text, std::string_view folder);

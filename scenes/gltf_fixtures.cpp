@@ -236,7 +236,7 @@ void place_cameras(Document* document, Scene* scene) {
     const glm::vec3 forward(world[i][2]), up(world[i][1]);
     const float area = glm::length(glm::cross(glm::normalize(forward), glm::normalize(up)));
     if (!(area > 0.0f)) {
-      document->warnings.add("its camera is left out: the node's scale is 0", "node " + name_text(node.name));
+      document->warnings.add("its camera is left out: the node's scale is 0", name_node(node.name, i));
       node.camera = -1;
       continue;
     }

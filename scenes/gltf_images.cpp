@@ -74,6 +74,16 @@ std::string mime_type_of(Bytes bytes) {
   }
 }
 
+/// What of an image says that it is of another type than `type`: its mimeType, its data URI; or null.
+const char* contradicted(const Json& json, const std::string& type) {
+  const auto mime = json.find("mimeType"), uri = json.find("uri");
+  if (mime != json.end() && mime->is_string() && mime->get_ref<const std::string&>() != type) return "mimeType";
+  if (uri == json.end() || json.contains("bufferView") || !is_data_uri(uri->get_ref<const std::string&>()))
+    return nullptr;
+  const std::string said = media_type(uri->get_ref<const std::string&>());
+  return said.empty() || said == type ? nullptr : "data URI";
+}
+
 /// Reads image `i`; its bytes count, whatever its `mimeType` says.
 ImageResult read_image(const Document& document, const Json& json, std::size_t i, const ImageUse& use,
                        TextureImage* image) {
@@ -82,11 +92,10 @@ ImageResult read_image(const Document& document, const Json& json, std::size_t i
   try {
     const Bytes bytes = encoded_bytes(document, json, i, &owned);
     decode_texture(bytes, image, &result.notes);
-    const auto mime = json.find("mimeType");
     if (use.core && texture_format(bytes) == TextureFormat::webp)
       result.notes.push_back("is a WebP image without the extension EXT_texture_webp; it is read");
-    else if (mime != json.end() && mime->is_string() && mime->get_ref<const std::string&>() != mime_type_of(bytes))
-      result.notes.push_back("is a " + texture_format_name(bytes) + " image, although its mimeType says otherwise");
+    else if (const char* name = contradicted(json, mime_type_of(bytes)); name != nullptr)
+      result.notes.push_back("is a " + texture_format_name(bytes) + " image, although its " + name + " says otherwise");
   } catch (const Error& e) {
     result.fault = e.what();
   }

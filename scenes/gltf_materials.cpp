@@ -11,7 +11,7 @@ namespace maquette::gltf {
 namespace {
 
 constexpr const char* kRemedy = "the file does not follow glTF 2.0; export it again";
-constexpr std::size_t kNearestFilter = 9728, kClampToEdge = 33071, kMirroredRepeat = 33648;
+constexpr std::size_t kNearestFilter = 9728, kRepeat = 10497, kClampToEdge = 33071, kMirroredRepeat = 33648;
 
 /// Reads one material; keeps its position in the file for error messages.
 class MaterialReader {
@@ -29,6 +29,7 @@ class MaterialReader {
     read_specular_and_sheen();
     read_anisotropy_and_film();
     read_extras();
+    if (out_.glass && !out_.unlit) warn_of_glass();
     return out_;
   }
 
@@ -54,11 +55,21 @@ class MaterialReader {
     if (value < 0.0f || value > 1.0f) document_.warnings.add(std::string(key) + " outside 0..1 is clamped", name_);
     return std::clamp(value, 0.0f, 1.0f);
   }
+  /// One that may not be below 0.
+  float amount(const Json& object, const char* key, float fallback) {
+    const float value = number(object, key, fallback);
+    if (value < 0.0f) document_.warnings.add(std::string(key) + " below 0 is clamped", name_);
+    return std::max(value, 0.0f);
+  }
+  /// `most`: the limit of the specification.
   template <int N>
-  glm::vec<N, float> colour(const Json& object, const char* key, const glm::vec<N, float>& fallback) {
+  glm::vec<N, float> colour(const Json& object, const char* key, const glm::vec<N, float>& fallback,
+                            float most = 1.0f) {
     const auto value = read_vector<N>(object, key, fallback, where_);
-    const auto clamped = glm::max(value, glm::vec<N, float>(0.0f));
-    if (clamped != value) document_.warnings.add(std::string(key) + " below 0 is clamped", name_);
+    const auto clamped = glm::clamp(value, 0.0f, most);
+    if (clamped != value)
+      document_.warnings.add(std::string(key) + (std::isinf(most) ? " below 0 is clamped" : " outside 0..1 is clamped"),
+                             name_);
     return clamped;
   }
 
@@ -124,8 +135,8 @@ class MaterialReader {
     out_.normal_scale = number(member(json_, "normalTexture"), "scale", out_.normal_scale);
     out_.occlusion_texture = texture(json_, "occlusionTexture");
     out_.occlusion_strength = factor(member(json_, "occlusionTexture"), "strength", out_.occlusion_strength);
-    const float strength = number(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
-    out_.emissive = colour<3>(json_, "emissiveFactor", out_.emissive) * std::max(strength, 0.0f);
+    const float strength = amount(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1.0f);
+    out_.emissive = colour<3>(json_, "emissiveFactor", out_.emissive) * strength;
     out_.emissive_texture = texture(json_, "emissiveTexture");
     const std::string mode = read_text(json_, "alphaMode", where_);
     if (mode == "MASK") {
@@ -135,7 +146,7 @@ class MaterialReader {
     } else if (!mode.empty() && mode != "OPAQUE") {
       document_.warnings.add("alphaMode \"" + mode + "\" is not known and taken as OPAQUE", name_);
     }
-    out_.alpha_cutoff = std::max(number(json_, "alphaCutoff", out_.alpha_cutoff), 0.0f);
+    out_.alpha_cutoff = amount(json_, "alphaCutoff", out_.alpha_cutoff);
     out_.double_sided = read_flag(json_, "doubleSided", false, where_);
     out_.unlit = find_extension(json_, "KHR_materials_unlit") != nullptr;
   }
@@ -153,9 +164,9 @@ class MaterialReader {
     out_.transmission_texture = texture(transmission, "transmissionTexture");
     out_.glass = may_transmit(out_);
     const Json& volume = extension("KHR_materials_volume");
-    out_.thickness = std::max(number(volume, "thicknessFactor", out_.thickness), 0.0f);
+    out_.thickness = amount(volume, "thicknessFactor", out_.thickness);
     out_.thickness_texture = texture(volume, "thicknessTexture");
-    out_.attenuation_color = glm::clamp(colour<3>(volume, "attenuationColor", out_.attenuation_color), 0.0f, 1.0f);
+    out_.attenuation_color = colour<3>(volume, "attenuationColor", out_.attenuation_color);
     out_.attenuation_distance = number(volume, "attenuationDistance", out_.attenuation_distance);
     if (!(out_.attenuation_distance > 0.0f)) {
       document_.warnings.add("an attenuationDistance that is not above 0 is taken as infinite", name_);
@@ -172,7 +183,8 @@ class MaterialReader {
     const Json& specular = extension("KHR_materials_specular");
     out_.specular = factor(specular, "specularFactor", out_.specular);
     out_.specular_texture = texture(specular, "specularTexture");
-    out_.specular_color = colour<3>(specular, "specularColorFactor", out_.specular_color);
+    out_.specular_color =
+        colour<3>(specular, "specularColorFactor", out_.specular_color, std::numeric_limits<float>::infinity());
     out_.specular_color_texture = texture(specular, "specularColorTexture");
     const Json& sheen = extension("KHR_materials_sheen");
     out_.sheen_color = colour<3>(sheen, "sheenColorFactor", out_.sheen_color);
@@ -194,9 +206,8 @@ class MaterialReader {
       document_.warnings.add("an iridescenceIor below 1 is taken as 1", name_);
       out_.iridescence_ior = 1.0f;
     }
-    const auto thickness = [&](const char* key, float fallback) { return std::max(number(film, key, fallback), 0.0f); };
-    out_.iridescence_least_nm = thickness("iridescenceThicknessMinimum", out_.iridescence_least_nm);
-    out_.iridescence_greatest_nm = thickness("iridescenceThicknessMaximum", out_.iridescence_greatest_nm);
+    out_.iridescence_least_nm = amount(film, "iridescenceThicknessMinimum", out_.iridescence_least_nm);
+    out_.iridescence_greatest_nm = amount(film, "iridescenceThicknessMaximum", out_.iridescence_greatest_nm);
     out_.iridescence_thickness_texture = texture(film, "iridescenceThicknessTexture");
   }
 
@@ -211,6 +222,23 @@ class MaterialReader {
     out_.glass = read_flag(*extras, "glass", out_.glass, where);
   }
 
+  /// What panes do not show of a material.
+  void warn_of_glass() {
+    constexpr float kSmooth = 0.032f;  // its GGX alpha is the least that is drawn
+    std::string lobes;
+    const auto add = [&](const char* name, bool is_there) {
+      if (is_there) lobes += (lobes.empty() ? "" : ", ") + std::string(name);
+    };
+    add("clearcoat", out_.clearcoat > 0.0f);
+    add("sheen", out_.sheen_color != glm::vec3(0.0f));
+    add("iridescence", out_.iridescence > 0.0f);
+    add("anisotropy", out_.anisotropy > 0.0f);
+    if (!lobes.empty()) document_.warnings.add("the share that transmits is drawn without " + lobes, name_);
+    if (out_.roughness > kSmooth)
+      document_.warnings.add("the share that transmits is drawn smooth, except by full transport of mode reference",
+                             name_);
+  }
+
   Document& document_;
   const Scene& scene_;
   const Json& json_;
@@ -219,10 +247,31 @@ class MaterialReader {
   Material out_;
 };
 
+/// Codes that glTF does not know are read as repeat and linear.
+void check_samplers(Document* document) {
+  const auto samplers = document->root.find("samplers");
+  if (samplers == document->root.end()) return;
+  for (std::size_t i = 0; i < samplers->size(); ++i) {
+    const auto check = [&](const char* key, std::initializer_list<std::size_t> known, const char* taken) {
+      const auto found = (*samplers)[i].find(key);
+      if (found == (*samplers)[i].end()) return;
+      const bool valid =
+          found->is_number_unsigned() && std::count(known.begin(), known.end(), found->get<std::size_t>()) > 0;
+      if (!valid)
+        document->warnings.add(std::string(key) + " is no code of glTF and taken as " + taken, element("samplers", i));
+    };
+    check("wrapS", {kRepeat, kClampToEdge, kMirroredRepeat}, "repeat");
+    check("wrapT", {kRepeat, kClampToEdge, kMirroredRepeat}, "repeat");
+    check("magFilter", {kNearestFilter, 9729}, "linear");
+    check("minFilter", {kNearestFilter, 9729, 9984, 9985, 9986, 9987}, "linear");
+  }
+}
+
 }  // namespace
 
 void import_materials(Document* document, Scene* scene) {
   import_images(document, scene);
+  check_samplers(document);
   if (const auto found = document->root.find("materials"); found != document->root.end())
     for (std::size_t i = 0; i < found->size(); ++i)
       scene->materials.push_back(MaterialReader(document, *scene, i).read());

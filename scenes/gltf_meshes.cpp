@@ -157,6 +157,28 @@ void run_in_parallel(const Document& document, std::vector<Task>* tasks) {
   });
 }
 
+/// UV sets that a material's textures read, as bits.
+unsigned sets_of(const Material& material) {
+  unsigned sets = 0;
+  for (const auto texture : kMaterialTextures)
+    if (material.*texture) sets |= 1u << (material.*texture).uv_set;
+  return sets;
+}
+
+/// A texture without its coordinates shows one texel all over.
+void warn_of_missing_coordinates(const Scene& scene, const Primitive& primitive, const Task& task, Warnings* warnings) {
+  unsigned sets = 0;
+  const auto add = [&](int material) {
+    if (material >= 0) sets |= sets_of(scene.materials.at(static_cast<std::size_t>(material)));
+  };
+  add(primitive.material);
+  for (const auto& [variant, material] : primitive.variant_materials) add(material);
+  for (std::size_t set = 0; set < primitive.uvs.size(); ++set)
+    if ((sets >> set & 1u) != 0 && primitive.uvs[set].empty())
+      warnings->add("its textures use TEXCOORD_" + std::to_string(set) + ", which it does not have: taken as (0, 0)",
+                    task.name());
+}
+
 }  // namespace
 
 void import_meshes(Document* document, Scene* scene) {
@@ -179,7 +201,10 @@ void import_meshes(Document* document, Scene* scene) {
   for (Task& task : tasks) {
     if (task.failure) std::rethrow_exception(task.failure);
     // Each use of a mesh finds the same faults.
-    if (warned.insert({task.mesh, task.primitive}).second) document->warnings.merge(task.warnings);
+    if (warned.insert({task.mesh, task.primitive}).second) {
+      if (task.drawable) warn_of_missing_coordinates(*scene, task.out, task, &task.warnings);
+      document->warnings.merge(task.warnings);
+    }
     if (task.drawable) scene->meshes[task.target].primitives.push_back(std::move(task.out));
   }
 }

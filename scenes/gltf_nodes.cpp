@@ -48,8 +48,8 @@ void check_transforms(const Document& document, const Scene& scene) {
   for (std::size_t i = 0; i < world.size(); ++i)
     for (int c = 0; c < 16; ++c)
       if (!(std::abs(glm::value_ptr(world[i])[c]) <= kMaxTransform))
-        throw Error(at(document.path, "node \"" + scene.nodes[i].name + "\""),
-                    "its transform is not finite or beyond 1e12", "scale the model");
+        throw Error(at(document.path, name_node(scene.nodes[i].name, i)), "its transform is not finite or beyond 1e12",
+                    "scale the model");
 }
 
 constexpr const char* kInstancing = "EXT_mesh_gpu_instancing";

@@ -81,6 +81,15 @@ bool ends_in_base64(std::string header) {
 
 bool is_data_uri(std::string_view uri) { return equal_but_for_case(uri.substr(0, kDataScheme.size()), kDataScheme); }
 
+std::string media_type(std::string_view uri) {
+  const std::string header = percent_decode(uri.substr(kDataScheme.size(), uri.find(',') - kDataScheme.size()));
+  std::string type = header.substr(0, header.find(';'));
+  std::erase_if(type, is_space);
+  std::transform(type.begin(), type.end(), type.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return type;
+}
+
 /// Source: RFC 2397, section 3: base64 is itself a URI's text, so that it may be percent-encoded too.
 std::vector<std::byte> decode_data_uri(const std::string& where, std::string_view uri) {
   const std::size_t comma = uri.find(',');

@@ -33,6 +33,7 @@ install_packages() {
 
 # build [ON|OFF]: with or without the tests.
 build() {
+  export CCACHE_DEPEND=1  # what the cache lacks is not preprocessed twice
   cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DMAQUETTE_TESTS="$1"
   ninja -C build
 }

@@ -134,13 +134,18 @@ const Message* last_unread(const EditorFacts& facts) {
   return nullptr;
 }
 
+float remedy_width(const Message& message) {
+  if (message.remedy.empty()) return 0.0f;
+  return ImGui::CalcTextSize(message.remedy.c_str()).x + scaled(20.0f);
+}
+
 }  // namespace
 
 float strip_height(const EditorFacts& facts, float width) {
   const Message* message = last_unread(facts);
   if (!message) return 0.0f;
   const float line = ImGui::GetTextLineHeight();
-  const float wrap = std::max(width - scaled(110.0f), scaled(80.0f));
+  const float wrap = std::max(width - scaled(110.0f) - remedy_width(*message), scaled(80.0f));
   const float text = ImGui::CalcTextSize(message->text.c_str(), nullptr, false, wrap).y;
   return std::min(text, kMaxStripLines * line) + scaled(18.0f);
 }
@@ -148,7 +153,7 @@ float strip_height(const EditorFacts& facts, float width) {
 void draw_strip(Ui& ui) {
   const Message* message = last_unread(ui.facts);
   if (!message) return;
-  const float wrap = std::max(ImGui::GetWindowWidth() - scaled(110.0f), scaled(80.0f));
+  const float wrap = std::max(ImGui::GetWindowWidth() - scaled(110.0f) - remedy_width(*message), scaled(80.0f));
   ImGui::PushStyleColor(ImGuiCol_Text, message->level == MessageLevel::error ? kError : kWarning);
   ImGui::SetCursorPosY(scaled(9.0f));
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + wrap);
@@ -156,6 +161,14 @@ void draw_strip(Ui& ui) {
   ImGui::PopTextWrapPos();
   ImGui::PopStyleColor();
   tooltip(message->text);
+  if (!message->remedy.empty()) {
+    ImGui::SetCursorPos({ImGui::GetWindowWidth() - scaled(92.0f) - remedy_width(*message), scaled(7.0f)});
+    if (ImGui::SmallButton(message->remedy.c_str())) {
+      message->carry_out(&ui.state);
+      ui.actions.dismiss_messages = true;
+    }
+    mark_item(ui, "remedy");
+  }
   ImGui::SetCursorPos({ImGui::GetWindowWidth() - scaled(82.0f), scaled(7.0f)});
   if (ImGui::SmallButton("Dismiss")) ui.actions.dismiss_messages = true;
   mark_item(ui, "dismiss");

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <glm/glm.hpp>
 #include <map>
 #include <memory>
@@ -61,7 +62,7 @@ struct EditorState {
   Edits edits;
   CameraView camera;
   std::string mode = builtin_registry().default_mode;
-  std::string reflections = kNoReflections;  ///< reflector technique
+  std::string reflections = kAutoReflections;  ///< reflector technique
   Settings settings;
   int msaa = 1;        ///< samples a pixel
   int still_msaa = 4;  ///< once nothing moves, if more
@@ -92,10 +93,14 @@ struct EditorState {
 };
 
 enum class MessageLevel { note, warning, error };
+struct EditorState;
 struct Message {
   MessageLevel level = MessageLevel::note;
   std::string text;
-  bool unread = true;  ///< shown in the strip below the picture until dismissed
+  bool unread = true;       ///< shown in the strip below the picture until dismissed
+  std::string topic = {};   ///< of advice, which goes when it is stale; else empty
+  std::string remedy = {};  ///< label of the button that does what is advised; empty: none
+  std::function<void(EditorState*)> carry_out = {};
 };
 
 /// Read-only results from the renderer and the session.
@@ -118,6 +123,7 @@ struct EditorFacts {
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;
   bool can_undo = false;
+  std::string command;     ///< of the shell, which renders this picture
   bool converged = false;  ///< the accumulation limit is reached
 };
 

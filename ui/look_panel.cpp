@@ -29,6 +29,9 @@ void draw_cameras(Ui& ui) {
     tooltip(ui.facts.cameras[i]);
     ImGui::PopID();
   }
+  if (ImGui::Button("Copy as command")) ImGui::SetClipboardText(ui.facts.command.c_str());
+  mark_item(ui, "copy as command");
+  tooltip(ui.facts.command);
   CameraView& camera = ui.state.camera;
   bool orthographic = camera.is_orthographic();
   row_label("Orthographic", "Parallel rays: equal lengths look equal at every distance");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "render/btf/builtin_geometry.h"
 #include "scenes/brdf.h"
 #include "ui/widgets.h"
 
@@ -15,6 +16,8 @@ std::string source_label(const std::string& source) {
   if (source.starts_with("builtin:")) {
     for (const BuiltinBrdf& brdf : builtin_brdfs())
       if (source.compare(8, std::string::npos, brdf.name) == 0) return brdf.label;
+    for (const BuiltinGeometry& btf : builtin_geometries())
+      if (source.compare(8, std::string::npos, btf.name) == 0) return btf.label;
   }
   return std::filesystem::path(source).stem().string();
 }
@@ -108,6 +111,9 @@ void library_row(Ui& ui, const Material& material, const std::string& label, con
 void draw_library(Ui& ui, const Material& material) {
   for (const BuiltinBrdf& brdf : builtin_brdfs())
     library_row(ui, material, brdf.label, "builtin:" + brdf.name, brdf.label + "\n" + brdf.model);
+  for (const BuiltinGeometry& btf : builtin_geometries())
+    library_row(ui, material, btf.label, "builtin:" + btf.name,
+                btf.label + "\n" + btf.model + "\nMade when first wanted, in minutes; then kept");
   library_row(ui, material, "Glass pane", "builtin:glass", "A thin pane that transmits and does not cast shadows");
   for (const std::string& file : ui.facts.brdf_files)
     library_row(ui, material, std::filesystem::path(file).stem().string(), file, file);

@@ -44,6 +44,7 @@ void draw_reflections(Ui& ui) {
     mark_item(ui, "reflections/" + name);
     tooltip(help);
   };
+  choice(kAutoReflections, "the exact technique, where the picture shows a mirror or glass");
   choice(kNoReflections, "mirrors and glass show the sky only");
   for (const Technique& technique : ui.facts.registry->techniques)
     if (technique.kind == TechniqueKind::reflector) choice(technique.name, technique.help);

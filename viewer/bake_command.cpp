@@ -3,27 +3,14 @@
 #include <cstdio>
 
 #include "render/technique/registry.h"
+#include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
+#include "viewer/progress_lines.h"
 #include "viewer/session.h"
 
 namespace maquette {
-
-namespace {
-
-/// A line on standard error whenever another tenth is done.
-std::function<void(const std::string&, double)> print_progress() {
-  return [shown = std::string(), tenths = -1](const std::string& what, double share) mutable {
-    const int percent = static_cast<int>(100.0 * share);
-    if (what == shown && percent / 10 == tenths) return;
-    shown = what;
-    tenths = percent / 10;
-    std::fprintf(stderr, "%s: %d %%\n", what.c_str(), percent);
-  };
-}
-
-}  // namespace
 
 int run_bake(const CommandLine& line) {
   const BakeCommand command = builtin_registry().find_bake(line.files.front());
@@ -32,6 +19,7 @@ int run_bake(const CommandLine& line) {
   if (!options.output.empty()) prepare_folder("--output", options.output);
   const std::shared_ptr<Scene> scene = load_session_scene(options);
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  prepare_btfs(options, *scene);
   const BakeRequest request{*scene,
                             find_variant(*scene, options.variant),
                             options.settings,

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "render/btf/btf_source.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -188,6 +189,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
   if ((line.command == "view" || line.command == "render" || line.command == "report") && !line.files.empty())
     line.options.scene = line.files.front();
+  for (auto& [name, source] : line.options.materials) source = with_btf_reading(source, line.options.settings);
   check_combinations(line);
   return line;
 }

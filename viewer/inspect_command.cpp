@@ -3,15 +3,19 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "render/btf/btf_source.h"
+#include "render/btf/builtin_geometry.h"
 #include "render/environment/environment_tables.h"
 #include "render/materials/brdf_tables.h"
 #include "render/parts/parts.h"
+#include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/luminance.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/inspect_btf.h"
 #include "viewer/json_values.h"
 #include "viewer/report_text.h"
 #include "viewer/session.h"
@@ -177,6 +181,8 @@ Json inspect_library() {
   json["materials"] = Json::array();
   for (const BuiltinBrdf& brdf : builtin_brdfs())
     json["materials"].push_back({{"name", "builtin:" + brdf.name}, {"label", brdf.label}, {"model", brdf.model}});
+  for (const BuiltinGeometry& btf : builtin_geometries())
+    json["materials"].push_back({{"name", "builtin:" + btf.name}, {"label", btf.label}, {"model", btf.model}});
   json["environments"] = Json::array();
   for (const std::string& name : builtin_environment_names()) json["environments"].push_back("builtin:" + name);
   json["scenes"] = Json::array();
@@ -204,6 +210,9 @@ Json inspect_builtin(const CommandLine& line, const std::string& name) {
 Json inspect(const CommandLine& line) {
   const std::string& source = line.files[0];
   if (source == "library") return inspect_library();
+  const std::string btf = with_btf_reading(source, line.options.settings);
+  if (is_btf_source(source) && (lower_extension(source) != ".exr" || is_factorised_btf(source)))
+    return inspect_btf(btf);
   if (source.starts_with("builtin:")) return inspect_builtin(line, source.substr(8));
   const std::string extension = lower_extension(source);
   if (extension == ".gltf" || extension == ".glb") return inspect_scene(line);
@@ -212,9 +221,9 @@ Json inspect(const CommandLine& line) {
   std::error_code error;
   if (!std::filesystem::exists(source, error))
     throw Error(source, "does not exist", "check the path; `maquette inspect library` lists what is built in");
-  if (std::filesystem::is_directory(source, error)) throw Error(source, "is a folder, not a file", "name a file in it");
-  throw UsageError(source, "neither a scene (.gltf, .glb), a BRDF (.binary) nor an environment (.hdr, .exr)",
-                   "`maquette inspect library` lists what is built in");
+  throw UsageError(
+      source, "neither a scene (.gltf, .glb), a BRDF (.binary), a BTF (folder, .btf) nor an environment (.hdr, .exr)",
+      "`maquette inspect library` lists what is built in");
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "viewer/moving_scale.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace maquette {
 
 namespace {
-constexpr float kScales[] = {1.0f, 0.7f, 0.5f, 0.35f, 0.25f};
+/// No coarser: shapes dissolve below half the resolution, which disturbs more than a low rate.
+constexpr float kScales[] = {1.0f, 0.7f, 0.5f};
 /// Within a move the resolution rises only for a large gain, so that the picture does not flicker.
 constexpr double kFinerShare = 0.5;
 constexpr int kSlowFrames = 2;
@@ -27,7 +29,7 @@ float MovingScale::next_scale(Kind kind, double full_px, float most) {
   }
   c.slow = 0;
   const float limit = same_move ? std::min(most, 0.99f * scale_) : most;
-  scale_ = std::min(most, kScales[4]);
+  scale_ = std::min(most, *std::rbegin(kScales));
   for (const float scale : kScales) {
     if (scale > limit || ms_per_px * full_px * scale * scale > kFluid_ms) continue;
     scale_ = scale;

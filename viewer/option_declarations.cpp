@@ -164,7 +164,8 @@ std::vector<OptionDeclaration> light_and_material_options() {
       shared(
           "--material", "NAME=FILE",
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
-          "builtin:glass; `maquette inspect library` lists the library",
+          "builtin:glass; or a BTF: a folder of images, .btf, builtin:btf-leather; `maquette inspect library` lists "
+          "the library",
           [](O* o, const std::string& t) {
             o->materials.push_back(parse_pair(t, "--material", "NAME=FILE"));
             if (o->materials.back().second.empty())
@@ -260,13 +261,14 @@ std::vector<OptionDeclaration> technique_options() {
           "shading mode of a node, by name or path (names from a root joined by /), and of what is below it; of nested "
           "ones the innermost counts",
           [](O* o, const std::string& t) { o->part_modes.push_back(parse_part_mode(t)); }, true))),
-      one_picture(plan_option(shared("--reflections", "NAME",
-                                     "reflector technique of mirrors and glass: off, " +
-                                         join(builtin_registry().names(TechniqueKind::reflector)) + " (off)",
-                                     [](O* o, const std::string& t) {
-                                       builtin_registry().find_reflector(t);
-                                       o->reflections = t;
-                                     }))),
+      one_picture(plan_option(
+          shared("--reflections", "NAME",
+                 "reflector technique of mirrors and glass: off, auto (the exact one, where there is a reflector), " +
+                     join(builtin_registry().names(TechniqueKind::reflector)) + " (auto)",
+                 [](O* o, const std::string& t) {
+                   builtin_registry().find_reflector(t);
+                   o->reflections = t;
+                 }))),
       shared(
           "--reflector", "NODE",
           "node that reflects, instead of those that the scene marks (all its panes where it marks none)",

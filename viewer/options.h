@@ -24,7 +24,7 @@ struct SceneOptions {
   std::string scene = "builtin:cockpit";
   std::string scene_of_file;  ///< name or index of a glTF scene; empty: the file's default
   std::string mode = builtin_registry().default_mode;
-  std::string reflections = kNoReflections;
+  std::string reflections = kAutoReflections;
   std::vector<std::string> reflectors;
   std::vector<PartMode> part_modes;  ///< `--mode-of NODE=MODE`
   std::string environment = "builtin:clear-sky";

@@ -7,9 +7,11 @@
 #include "render/gl/context.h"
 #include "render/metrics/metrics.h"
 #include "render/picture/tonemap.h"
+#include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
+#include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/outputs.h"
@@ -200,11 +202,14 @@ int run_render(const CommandLine& line) {
   const std::string warning = units_warning(*scene, *environment, options.env_scale, "--env-scale");
   if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
 
+  prepare_btfs(options, *scene);
   Renderer renderer;
-  renderer.set_scene(scene);
+  const std::shared_ptr<const Scene> drawn =
+      with_ground(scene, *environment, options.settings, radians(options.env_rotation_deg));
+  renderer.set_scene(drawn);
   renderer.set_environment(environment);
   for (const auto& [name, source] : options.materials) renderer.set_material(name, source);
-  FrameRequest request = make_request(*scene, options);
+  FrameRequest request = make_request(*drawn, options);
   request.display =
       options.reference.empty() && (options.output.empty() || picture_format(options.output) == PictureFormat::png);
   const bool accumulates = options.time_s || options.target_error;

@@ -11,6 +11,7 @@
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/ground.h"
 #include "scenes/luminance.h"
 #include "scenes/subdivision.h"
 #include "scenes/suggest.h"
@@ -85,6 +86,25 @@ Nearest nearest_surface(const Scene& scene, const std::vector<glm::mat4>& world,
 
 }  // namespace
 
+std::shared_ptr<const Scene> with_ground(std::shared_ptr<const Scene> scene, const Environment& environment,
+                                         const Settings& settings, float env_rotation_rad) {
+  if (settings.get_string("ground.kind") == "none") return scene;
+  auto grounded = std::make_shared<Scene>(*scene);
+  add_ground(grounded.get(), environment,
+             {.height_m = static_cast<float>(settings.get_double("ground.height")),
+              .roughness = static_cast<float>(settings.get_double("ground.roughness"))});
+  grounded->materials.back().base_color_texture.offset = ground_texture_offset(env_rotation_rad);
+  return grounded;
+}
+
+Bounds framed_bounds(const Scene& scene) {
+  const bool grounded = !scene.nodes.empty() && is_added_ground(scene, scene.nodes.size() - 1);
+  if (!grounded) return compute_bounds(scene);
+  Scene shown = scene;
+  shown.nodes.back().visible = false;
+  return compute_bounds(shown);
+}
+
 std::vector<std::string> camera_names(const Scene& scene) {
   std::vector<std::string> names;
   for (const Node& node : scene.nodes)
@@ -106,7 +126,7 @@ CameraView camera_by_name(const Scene& scene, const std::string& name) {
 
 CameraView camera_of_options(const Scene& scene, const SceneOptions& options) {
   const std::vector<std::string> names = camera_names(scene);
-  const Bounds bounds = compute_bounds(scene);
+  const Bounds bounds = framed_bounds(scene);
   CameraView view;
   if (!options.camera.empty())
     view = camera_by_name(scene, options.camera);
@@ -200,8 +220,26 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   return scene;
 }
 
+std::string gloss_warning(const Scene& scene) {
+  constexpr float kMatte = 0.9f;
+  std::size_t materials = 0;
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    const Material& m = scene.materials[i];
+    if (m.name == kGroundName) continue;
+    const bool measured = !m.measured.empty(), glass = m.glass || m.transmission > 0.0f,
+               gloss = m.roughness < kMatte || m.clearcoat > 0.0f || m.unlit ||
+                       (m.metallic_roughness_texture && m.roughness > 0.0f);
+    if (measured || glass || gloss) return {};
+    ++materials;
+  }
+  if (materials == 0) return {};
+  return (materials == 1 ? std::string("its one material has")
+                         : "its " + std::to_string(materials) + " materials have") +
+         " neither gloss nor glass, so paint looks like chalk; take measured ones from the library";
+}
+
 std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,
-                          const std::string& remedy) {
+                          const std::string& remedy, float* suited_env_scale) {
   constexpr double kStreetAtNight_cdm2 = 10.0, kHall_cdm2 = 500.0, kOutshines = 30.0;
   if (environment.name.starts_with("builtin:")) return {};
   double lamps = 0.0;
@@ -213,6 +251,7 @@ std::string units_warning(const Scene& scene, const Environment& environment, fl
     const double digit = std::pow(10.0, std::floor(std::log10(value)));
     return std::round(value / digit) * digit;
   };
+  if (suited_env_scale) *suited_env_scale = static_cast<float>(rounded(kHall_cdm2 / stored));
   char text[256];
   std::snprintf(
       text, sizeof text,

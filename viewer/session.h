@@ -14,6 +14,13 @@ namespace maquette {
 /// (camera, variant, material) is not in the scene.
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options);
 
+/// The scene with the ground that the settings ask for, in the light of an environment that is rotated so; the same
+/// scene where they ask for none.
+std::shared_ptr<const Scene> with_ground(std::shared_ptr<const Scene> scene, const Environment& environment,
+                                         const Settings& settings, float env_rotation_rad);
+/// World bounds of what a view should show: all but an added ground.
+Bounds framed_bounds(const Scene& scene);
+
 /// Camera names of the scene (the camera's, else its node's), in node order.
 std::vector<std::string> camera_names(const Scene& scene);
 /// View of a camera by name. Throws UsageError with the nearest names.
@@ -32,8 +39,12 @@ void press_dent(Scene* scene, const Dent& dent);
 
 /// A line for the user where the scene's own lamps outshine an environment that is no brighter than a street at night:
 /// most files are in units of their own. Empty otherwise. `remedy` is what to change, before the figure: "--env-scale".
+/// `suited_env_scale`: the one at which the environment is as bright as a hall, where the line is not empty.
 std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,
-                          const std::string& remedy);
+                          const std::string& remedy, float* suited_env_scale = nullptr);
+/// A line for the user where a scene's materials have neither gloss nor glass, as files have that know colours only.
+/// Empty otherwise.
+std::string gloss_warning(const Scene& scene);
 
 /// `--exposure`, or the one at which the environment looks right at once.
 float exposure_of(const SceneOptions& options, const Environment& environment);

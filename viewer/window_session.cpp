@@ -4,14 +4,18 @@
 #include <cmath>
 #include <filesystem>
 
+#include "render/btf/btf_source.h"
 #include "render/frame/camera.h"
+#include "render/frame/planning.h"
 #include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "scenes/ground.h"
 #include "ui/camera_control.h"
 #include "viewer/reflector_picking.h"
+#include "viewer/rendered_view.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -40,6 +44,9 @@ Settings settings_of(const SceneOptions& options) {
 
 float wrap_degrees(float degrees) { return degrees - 360.0f * std::round(degrees / 360.0f); }
 
+/// A file's scene with nothing level below it would float.
+bool wants_ground(const Scene& scene) { return !scene.name.starts_with("builtin:") && !has_ground(scene); }
+
 template <typename T>
 bool ready(const std::future<T>& file) {
   return file.valid() && file.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
@@ -64,6 +71,8 @@ WindowSession::WindowSession(const SceneOptions& options) {
     set_camera(camera_of_options(*scene, options));  // WindowPicture adapts it to the picture's size
   state.mode = options.mode;
   state.settings = settings_of(options);
+  if (!options.settings.changed().contains("ground.kind") && wants_ground(*scene))
+    state.settings.set("ground.kind", std::string("projected"));
   state.msaa = options.msaa;
   if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // the same frames however long they take
   state.tonemap = options.tonemap;
@@ -77,20 +86,26 @@ WindowSession::WindowSession(const SceneOptions& options) {
   state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
   for (const PartMode& part : options.part_modes)
     for (const int node : find_nodes(*scene, part.node)) state.edits.part_modes[node] = part.mode;
+  std::map<std::string, std::string> set_already;
   for (const auto& [name, source] : options.materials) {
-    renderer_.set_material(name, source);
+    const bool later = is_btf_source(source);  // the window opens before it is made
+    if (!later) renderer_.set_material(name, source);
     remember(&brdf_files_, source);
     for (const Material& material : scene->materials)
-      if (name == "*" || material.name == name) state.edits.materials[material.name] = source;
+      if (name == "*" || material.name == name) {
+        state.edits.materials[material.name] = source;
+        if (!later) set_already[material.name] = source;
+      }
   }
   applied_ = state.edits;
+  applied_.materials = set_already;
   undo_.reset(state.edits);
 }
 
 void WindowSession::use_scene(ScenePointer scene) {
   renderer_.set_scene(scene);
   scene_ = std::move(scene);
-  bounds_ = compute_bounds(*scene_);
+  bounds_ = framed_bounds(*scene_);
   evaluators_.clear();
   dent_.reset();
   for (const std::string& warning : scene_->warnings)
@@ -99,14 +114,47 @@ void WindowSession::use_scene(ScenePointer scene) {
   fresh.environment = state.edits.environment;
   fresh.env_rotation_deg = state.edits.env_rotation_deg;
   fresh.env_scale = state.edits.env_scale;
-  applied_.materials.clear();
-  applied_.dents.clear();
-  applied_.hidden_nodes.clear();
+  forget_applied();
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
   undo_.reset(state.edits);
-  warn_of_units();
   request_metering();
+  ++revision_;
+}
+
+void WindowSession::forget_applied() {
+  applied_.materials.clear();
+  applied_.dents.clear();
+  applied_.hidden_nodes.clear();
+  ground_of_ = {};
+  ground_rotation_deg_ = 0.0f;
+}
+
+void WindowSession::apply_ground(bool busy) {
+  if (!environment_) return;  // still being read
+  const Settings& settings = state.settings;
+  GroundOf wanted{environment_, settings.get_string("ground.kind"), settings.get_double("ground.height"),
+                  settings.get_double("ground.roughness")};
+  const bool is = is_added_ground(*scene_, scene_->nodes.size() - 1), want = wanted.kind != "none";
+  if (!want) wanted = {};
+  if (is != want || !(ground_of_ == wanted)) {
+    // The ground is the last of everything: what names parts by number stays true.
+    auto scene = std::make_shared<Scene>(*scene_);
+    if (is) remove_ground(scene.get());
+    if (want) scene = std::make_shared<Scene>(*with_ground(scene, *environment_, settings, 0.0f));
+    renderer_.set_scene(scene);
+    scene_ = std::move(scene);
+    evaluators_.clear();
+    dent_.reset();
+    forget_applied();
+    ground_of_ = wanted;
+    request_metering();
+    ++revision_;
+  }
+  // While it is turned, the light alone follows: the ground's own light is found anew once it rests.
+  if (!want || busy || ground_rotation_deg_ == state.edits.env_rotation_deg) return;
+  ground_rotation_deg_ = state.edits.env_rotation_deg;
+  renderer_.set_texture_offset(kGroundName, ground_texture_offset(radians(ground_rotation_deg_)));
   ++revision_;
 }
 
@@ -121,14 +169,33 @@ void WindowSession::use_environment(EnvironmentPointer environment, const std::s
   remember(&environment_files_, source);
   state.edits.environment = source;
   applied_.environment = source;
-  warn_of_units();
   ++revision_;
 }
 
-void WindowSession::warn_of_units() {
+void WindowSession::set_advice(Message advice) {
+  const auto same = [&](const Message& message) { return message.topic == advice.topic; };
+  const auto known = std::find_if(messages_.begin(), messages_.end(), same);
+  if (known != messages_.end() && known->text == advice.text) return;
+  std::erase_if(messages_, same);
+  if (!advice.text.empty()) messages_.push_back(std::move(advice));
+}
+
+void WindowSession::advise() {
   if (!environment_) return;  // still being read
-  const std::string warning = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of");
-  if (!warning.empty()) add_message(MessageLevel::warning, environment_->name + ": " + warning);
+  float scale = 1.0f;
+  std::string units = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of", &scale);
+  if (!units.empty()) units = environment_->name + ": " + units;
+  char label[64];
+  std::snprintf(label, sizeof label, "Intensity %.4g", static_cast<double>(scale));
+  set_advice({MessageLevel::warning, units, true, "units", label,
+              [scale](EditorState* editor) { editor->edits.env_scale = scale; }});
+  std::string gloss = state.edits.materials.empty() ? gloss_warning(*scene_) : "";
+  if (scene_->name.starts_with("builtin:")) gloss.clear();
+  if (!gloss.empty()) gloss = std::filesystem::path(scene_->name).filename().string() + ": " + gloss;
+  set_advice({MessageLevel::warning, gloss, true, "gloss", "Open the library", [](EditorState* editor) {
+                editor->left_open = true;
+                editor->left_tab = 0;
+              }});
 }
 
 float WindowSession::suggested_exposure() const {
@@ -142,14 +209,15 @@ void WindowSession::open(const std::string& source, int material) {
       (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
                                           contains_name(builtin_environment_names(), source.substr(8))))) {
     state.edits.environment = source;
-  } else if (extension == ".binary") {
+  } else if (extension == ".binary" || (extension != ".exr" && is_btf_source(source))) {
     if (material < 0 || material >= static_cast<int>(scene_->materials.size())) {
       add_message(MessageLevel::error, source +
                                            ": there is no material to give it to; drop it on a surface, or choose "
                                            "a material first");
       return;
     }
-    state.edits.materials[scene_->materials[static_cast<std::size_t>(material)].name] = source;
+    state.edits.materials[scene_->materials[static_cast<std::size_t>(material)].name] =
+        with_btf_reading(source, state.settings);
     state.selected_material = material;
   } else if (contains_name({".glb", ".gltf"}, extension) || source.starts_with("builtin:")) {
     if (scene_file_.valid()) {
@@ -161,7 +229,7 @@ void WindowSession::open(const std::string& source, int material) {
   } else {
     add_message(MessageLevel::error, source +
                                          ": what this is cannot be told from its extension; known are .glb, "
-                                         ".gltf, .hdr, .exr and .binary");
+                                         ".gltf, .hdr, .exr, .binary and .btf");
   }
 }
 
@@ -188,6 +256,7 @@ void WindowSession::poll_files() {
   if (ready(scene_file_)) {
     try {
       use_scene(scene_file_.get());
+      state.settings.set("ground.kind", std::string(wants_ground(*scene_) ? "projected" : "none"));
       set_camera(camera_of_options(*scene_, SceneOptions()));
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
@@ -197,11 +266,62 @@ void WindowSession::poll_files() {
 
 void WindowSession::update(bool busy) {
   poll_files();
+  poll_btf();
   start_environment();
+  apply_ground(busy);
   if (state.edits.materials != applied_.materials) apply_materials();
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   undo_.observe(state.edits, busy || dent_.has_value());
+  advise();
+}
+
+bool WindowSession::is_ready(const std::string& source) {
+  if (source.empty() || !is_btf_source(source) || ready_btfs_.contains(source)) return true;
+  if (!btf_in_work_.empty()) return false;
+  if (!btf_worker_)
+    btf_worker_ = std::make_unique<BackgroundWorker<std::string, std::string>>(
+        [](const std::string& wanted, const BackgroundTask<std::string>& task) -> std::optional<std::string> {
+          BtfTask btf;
+          btf.progress = [&](const std::string&, double share) { task.progress(share); };
+          btf.cancelled = [&] { return task.cancel.load(); };
+          load_material_table(wanted, btf);
+          return wanted;
+        });
+  btf_in_work_ = source;
+  btf_worker_->submit(source);
+  return false;
+}
+
+void WindowSession::poll_btf() {
+  if (btf_in_work_.empty()) return;
+  const auto wanted = [&](const auto& entry) { return entry.second == btf_in_work_; };
+  std::map<std::string, std::string>& edits = state.edits.materials;
+  if (std::none_of(edits.begin(), edits.end(), wanted)) {  // another was chosen meanwhile
+    btf_worker_->cancel();
+    btf_in_work_.clear();
+    return;
+  }
+  try {
+    if (const std::optional<std::string> made = btf_worker_->take()) {
+      ready_btfs_.insert(*made);
+      btf_in_work_.clear();
+    }
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
+    for (auto entry = edits.begin(); entry != edits.end();) {
+      const auto before = applied_.materials.find(entry->first);
+      if (!wanted(*entry)) {
+        ++entry;
+      } else if (before != applied_.materials.end()) {
+        (entry++)->second = before->second;
+      } else {
+        entry = edits.erase(entry);
+      }
+    }
+    undo_.correct(state.edits);
+    btf_in_work_.clear();
+  }
 }
 
 void WindowSession::apply_materials() {
@@ -211,6 +331,7 @@ void WindowSession::apply_materials() {
     const auto now = applied_.materials.find(name);
     const bool set = now != applied_.materials.end();
     if (set ? now->second == source : source.empty()) continue;
+    if (!is_ready(source)) continue;
     try {
       renderer_.set_material(name, source);
       if (source.empty())
@@ -409,12 +530,15 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->cameras = camera_names(*scene_);
   facts->background = renderer_.background_work();
   facts->loading = scene_file_.valid() ? scene_source_ : environment_file_.valid() ? environment_source_ : "";
+  if (facts->loading.empty() && !btf_in_work_.empty())
+    facts->loading = btf_in_work_ + " (" + percent_done(btf_worker_->progress()) + ")";
   facts->environment_files = environment_files_;
   facts->brdf_files = brdf_files_;
   facts->messages = &messages_;
   facts->can_undo = undo_.can_undo();
   if (state.reflections != "off") facts->reflecting = reflecting_nodes(*scene_, state.edits);
   facts->suggested_exposure_ev = suggested_exposure();
+  facts->command = render_command(*scene_, state);
 }
 
 }  // namespace maquette

@@ -6,9 +6,11 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "render/bake/background_worker.h"
 #include "render/renderer.h"
 #include "scenes/subdivision.h"
 #include "ui/editor_state.h"
@@ -57,7 +59,7 @@ class WindowSession {
   /// The number of these changes that replaced a material.
   std::uint64_t material_revision() const { return material_revision_; }
   void fill_facts(EditorFacts* facts) const;
-  bool loading() const { return scene_file_.valid() || environment_file_.valid(); }
+  bool loading() const { return scene_file_.valid() || environment_file_.valid() || !btf_in_work_.empty(); }
   float scene_radius() const { return bounds_.radius(); }
 
  private:
@@ -74,10 +76,18 @@ class WindowSession {
   float suggested_exposure() const;
   void use_scene(ScenePointer scene);
   void use_environment(EnvironmentPointer environment, const std::string& source);
-  void warn_of_units();
+  /// Advice goes when it is stale.
+  void advise();
+  void set_advice(Message advice);
+  void apply_ground(bool busy);
+  /// The renderer has a new scene and nothing of the edits.
+  void forget_applied();
   void set_camera(const CameraView& camera);
   void poll_files();
   void apply_materials();
+  /// Whether a material's source can be set now; a BTF that is not in the cache is made in the background first.
+  bool is_ready(const std::string& source);
+  void poll_btf();
   void apply_dents();
   void apply_visibility();
   void start_environment();
@@ -85,17 +95,30 @@ class WindowSession {
   bool move_surface(int mesh, const std::vector<glm::vec3>& points);
 
   Renderer renderer_;
-  std::shared_ptr<Scene> scene_;
+  std::shared_ptr<Scene> scene_;  ///< with its ground
   Bounds bounds_;
   std::shared_ptr<Environment> environment_;
   float suggested_ev_ = 0.0f;  ///< for an env_scale of 1
   Edits applied_;
+  /// What the ground was made for.
+  struct GroundOf {
+    std::shared_ptr<const Environment> environment;
+    std::string kind = "none";
+    double height_m = 0.0, roughness = 1.0;
+    bool operator==(const GroundOf&) const = default;
+  };
+  GroundOf ground_of_;
+  float ground_rotation_deg_ = 0.0f;
   UndoStack undo_;
   std::vector<Message> messages_;
   std::vector<std::string> environment_files_, brdf_files_;
   std::future<ScenePointer> scene_file_;
   std::future<EnvironmentPointer> environment_file_;
   std::string scene_source_, environment_source_;
+  /// Makes BTFs: gives the source of each that is ready. Null until one is asked for.
+  std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;
+  std::string btf_in_work_;  ///< empty: none
+  std::set<std::string> ready_btfs_;
   std::map<int, SubdivisionEvaluator> evaluators_;
   std::optional<DentDrag> dent_;
   bool metering_ = true;

@@ -76,11 +76,12 @@ std::vector<float> Accumulation::typical_kappas() const {
 
 std::vector<ShaderVariant> Accumulation::shader_variants() { return {kMeasure, kInterpolationError, kResetPoints}; }
 
-Accumulation::Accumulation(const GridSize& size, std::size_t tile_count, int levels) : levels_(levels) {
+Accumulation::Accumulation(const GridSize& size, std::size_t tile_count, int levels, bool textures)
+    : levels_(levels), spread_format_(textures ? GL_RG32F : GL_R32F) {
   const int w = size.grid_width(), h = size.grid_height();
   const int tiles_x = group_count(w, kTileSide), tiles_y = group_count(h, kTileSide);
   mean_ = Texture::make_2d("accumulated mean", GL_RGBA32F, w, h);
-  spread_ = Texture::make_2d("accumulated spread", GL_R32F, w, h);
+  spread_ = Texture::make_2d("accumulated spread", spread_format_, w, h);
   deviation_ = Texture::make_2d("measured deviation", GL_R32F, w, h);
   residual_ = Texture::make_2d("interpolation residual", GL_R32F, w, h);
   const int layers = shared::kClasses * (levels + 1);  // the coarsest level is never interpolated
@@ -93,7 +94,7 @@ Accumulation::Accumulation(const GridSize& size, std::size_t tile_count, int lev
 void Accumulation::clear() {
   const float zero[4] = {}, none[4] = {-1.0f, -1.0f, -1.0f, -1.0f};
   glClearTexImage(mean_.get(), 0, GL_RGBA, GL_FLOAT, zero);
-  glClearTexImage(spread_.get(), 0, GL_RED, GL_FLOAT, zero);
+  glClearTexImage(spread_.get(), 0, GL_RGBA, GL_FLOAT, zero);
   glClearTexImage(deviation_.get(), 0, GL_RED, GL_FLOAT, zero);
   glClearTexImage(residual_.get(), 0, GL_RED, GL_FLOAT, none);
   glClearTexImage(residuals_.get(), 0, GL_RGBA, GL_FLOAT, zero);  // tiles without surfaces stay so
@@ -106,7 +107,7 @@ void Accumulation::clear() {
 
 void Accumulation::forget(const TileList& tiles, ProgramCache* programs) {
   glBindImageTexture(kImageForgottenMean, mean_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  glBindImageTexture(kImageForgottenSpread, spread_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
+  glBindImageTexture(kImageForgottenSpread, spread_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, spread_format_);
   glBindImageTexture(kImageForgottenDeviation, deviation_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   glBindImageTexture(kImageForgottenResidual, residual_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32F);
   dispatch_tiles(programs->get(kResetPoints), tiles, kPerPoint);
@@ -115,8 +116,10 @@ void Accumulation::forget(const TileList& tiles, ProgramCache* programs) {
 
 void Accumulation::bind_for_gathering() const {
   glBindImageTexture(kImageMean, mean_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  glBindImageTexture(kImageSpread, spread_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_R32F);
+  glBindImageTexture(kImageSpread, spread_.get(), 0, GL_FALSE, 0, GL_READ_WRITE, spread_format_);
 }
+
+void Accumulation::bind_for_marking() const { glBindTextureUnit(kUnitSpread, spread_.get()); }
 
 void Accumulation::bind_for_filling() const {
   glBindTextureUnit(kUnitMean, mean_.get());

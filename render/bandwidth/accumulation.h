@@ -22,10 +22,12 @@ struct RefineRates {
 /// interpolation still serves. Made only for pictures that accumulate.
 class Accumulation {
  public:
-  /// For pictures of `size` with room for `tile_count` tiles; `levels`: that are interpolated.
-  Accumulation(const GridSize& size, std::size_t tile_count, int levels);
+  /// For pictures of `size` with room for `tile_count` tiles; `levels`: that are interpolated; `textures`: points are
+  /// kept without their base factor (shaders/bandwidth/base_factor.glsl).
+  Accumulation(const GridSize& size, std::size_t tile_count, int levels, bool textures);
   void clear();
   int levels() const { return levels_; }
+  bool textures() const { return spread_format_ == GL_RG32F; }
   /// What the frames so far say about the next one's sample counts. `visible`: points.
   RefineRates measure(const LayerContext& layer, const Texture& pyramid, const Texture& marks, std::size_t visible);
   /// Whether the list of light samples, used up `rounds` times by the typical point, is to be drawn anew: every point
@@ -35,6 +37,7 @@ class Accumulation {
   /// Drops what is known of points in these tiles.
   void forget(const TileList& tiles, ProgramCache* programs);
   void bind_for_gathering() const;  ///< images 1 and 2
+  void bind_for_marking() const;    ///< unit 72
   void bind_for_filling() const;    ///< units 18, 19 and 56, image 1
   /// Of each grid point the share of what it shows that was interpolated from others.
   std::vector<float> borrowed_shares(const std::vector<std::uint8_t>& marks, int samples_per_item) const;
@@ -49,8 +52,9 @@ class Accumulation {
   std::vector<float> typical_kappas() const;
 
   int levels_ = 0;
+  GLenum spread_format_;
   Texture mean_;         ///< RGBA32F: mean of the point's work items, and their number
-  Texture spread_;       ///< R32F: sum of squared deviations of the items
+  Texture spread_;       ///< R32F: sum of squared deviations of the items; RG32F with the mean of LightDraw::tinted
   Texture deviation_;    ///< R32F: measured deviation of one sample
   Texture residual_;     ///< R32F: squared distance of own mean and what was interpolated there; -1 for none
   Texture residuals_;    ///< RGBA32F: its sums [layer][tile] (shaders/bandwidth/measure.comp)

@@ -146,15 +146,16 @@ void BandwidthMode::set_constants(const FrameStart& start, const ShadingPlan& pl
 
 void BandwidthMode::prepare(const FrameStart& start, const LayerContext& layer) {
   const int levels = layer.constants.size.w;
+  const bool textures = layer.frame.scene.buffers().has_textures();
   if (repaints_) {
     if (!accumulate_) accumulation_.reset();
   } else if (start.accumulated == 0) {
     if (!accumulate_)
       accumulation_.reset();
-    else if (accumulation_ && accumulation_->levels() == levels)
+    else if (accumulation_ && accumulation_->levels() == levels && accumulation_->textures() == textures)
       accumulation_->clear();
     else
-      accumulation_.emplace(size_, layer.surfaces.tiles().tiles.bytes() / sizeof(unsigned), levels);
+      accumulation_.emplace(size_, layer.surfaces.tiles().tiles.bytes() / sizeof(unsigned), levels, textures);
   }
 }
 
@@ -216,6 +217,7 @@ void BandwidthMode::shade_band(const LayerContext& layer, std::size_t band) {
   mark.set("u_early_share", accumulation_ ? static_cast<float>(frame_ + 1) / kScoutFrames : 0.0f);
   glBindTextureUnit(kUnitAxes, prediction_.axes().get());
   if (rates_) {
+    accumulation_->bind_for_marking();
     glBindImageTexture(kImageMarkedRadiance, layer.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     mark.set("u_items_per_deviation", rates_->items_per_deviation);
     mark.set("u_least_deviation", rates_->least_deviation);

@@ -315,8 +315,8 @@ void plan_layers(const Planning& p, const Registry& registry) {
     const int in_view = p.in.view.glossy_in_view;
     p.add({"glossy",
            (in_view >= 0 ? std::to_string(in_view) + " glossy" : std::string("glossy")) +
-               " opaque surfaces may be seen: what they mirror of others is traced, " +
-               p.in.settings.get_string("reflections.resolution") + " resolution",
+               " opaque surfaces may be seen: what they mirror of others is traced, " + "reflections.resolution " +
+               p.in.settings.get_string("reflections.resolution"),
            {"surfaces"},
            {"glossy light"}});
   }
@@ -351,7 +351,7 @@ FramePlan decide(const PlanInput& input, const std::string& mode_name, const Reg
 
 /// What is brought up to date for a frame that has all it wants: Renderer::Impl::prepare (render/renderer.cpp) carries
 /// each step out.
-std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registry& registry) {
+std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const SceneFacts& facts, const Registry& registry) {
   std::vector<PlannedPass> steps;
   const auto any_layer = [&](const auto& has) { return std::any_of(wanted.layers.begin(), wanted.layers.end(), has); };
   if (registry.find_mode(wanted.layers[0].mode).can.traces_picture) return steps;
@@ -360,8 +360,9 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const Registr
   const bool indirect = any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; });
   if (indirect || wanted.any_layer_is_shadowed_by("baked"))
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
-  if (any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
-    steps.push_back({"build_shadow_rays", "what shadow rays may meet, for the processor", {}, {"shadow_rays"}});
+  const bool tinted = !wanted.reflections.empty() && facts.has_glass;
+  if (tinted || any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
+    steps.push_back({"build_shadow_rays", "what rays on the processor may meet", {}, {"shadow_rays"}});
   if (indirect) steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
   for (const ShadingPlan& layer : wanted.layers)
     if (!layer.own_bake.empty())
@@ -403,7 +404,7 @@ FramePlan plan(const SceneFacts& facts, const std::string& mode, const Settings&
                const FrameStatus& status, const Registry& registry) {
   const FrameStatus all_ready;
   FramePlan plan = decide({facts, settings, view, status}, mode, registry);
-  plan.preparations = preparations_for(decide({facts, settings, view, all_ready}, mode, registry), registry);
+  plan.preparations = preparations_for(decide({facts, settings, view, all_ready}, mode, registry), facts, registry);
   return plan;
 }
 

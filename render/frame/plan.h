@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,9 @@ struct ViewInfo {
   int reflectors = -1;          ///< named or marked in the scene; -1: as many as the facts count
   int reflectors_in_view = -1;  ///< of them; -1: not known, all
   bool orthographic = false;
-  bool mirrors = false;     ///< some reflector is opaque
+  bool mirrors = false;  ///< some reflector is opaque
+  /// How much of the sky the parts' surfaces hide from each other (render/shadow_rays); nothing: not known yet.
+  std::optional<double> hidden_share = {};
   int glossy_in_view = -1;  ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
   std::vector<PartMode> part_modes = {};  ///< nodes that have another shading mode than the rest
 };

@@ -15,10 +15,26 @@ std::string not_ready(const std::string& what, const BakeStatus& bake) {
   return what + " not " + (what == "it is" ? "built" : "ready") + " yet: " + percent_done(bake.progress);
 }
 
+namespace {
+
+/// Surfaces that hide less of the sky from each other have next to no indirect light either.
+constexpr double kLeastHiddenShare = 0.005;
+
+/// Why maps and indirect light are wanted or left out where the scene decides.
+std::string hidden_reason(const Planning& p) {
+  char text[80];
+  const double share = 100.0 * p.in.view.hidden_share.value_or(0.0);
+  std::snprintf(text, sizeof text, "surfaces hide %.2g %% of the sky from each other", share);
+  return text;
+}
+
+}  // namespace
+
 bool wants_baked(const Planning& p, const Technique& mode) {
   const std::string& asked = p.in.settings.get_string("shading.visibility");
-  const bool where_enclosed = asked == "auto" || asked == "rays";
-  return mode.can.shadows && (asked == "baked" || (where_enclosed && p.in.facts.enclosed));
+  const bool by_scene = asked == "auto" || asked == "rays";
+  const bool pays = p.in.facts.enclosed || p.in.view.hidden_share.value_or(0.0) >= kLeastHiddenShare;
+  return mode.can.shadows && (asked == "baked" || (by_scene && pays));
 }
 
 void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* shading) {
@@ -47,12 +63,14 @@ void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* sh
     if (!p.in.status.visibility.ready)
       return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility), kStatus);
     shading->visibility = "baked";
-    return p.feature("visibility", asked == "baked"
-                                       ? "shading.visibility is baked"
-                                       : "the scene closes the eye in: without it light comes through the roof");
+    return p.feature("visibility", asked == "baked" ? "shading.visibility is baked"
+                                   : p.in.facts.enclosed
+                                       ? "the scene closes the eye in: without it light comes through the roof"
+                                       : hidden_reason(p));
   }
   if (asked == "none") return p.leave_out("visibility", "shading.visibility is none", "shading.visibility");
-  p.leave_out("visibility", "the scene does not close the eye in", kScene);
+  if (!p.in.view.hidden_share) return p.leave_out("visibility", "what hides the sky is not counted yet", kStatus);
+  p.leave_out("visibility", hidden_reason(p), kScene);
 }
 
 void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shading) {
@@ -65,7 +83,7 @@ void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shad
   if (!traced && !wants_baked(p, mode)) {
     if (p.in.settings.get_string("shading.visibility") == "none")
       return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
-    return leave_out("it goes with visibility maps, and the scene does not close the eye in", kScene);
+    return leave_out("it goes with visibility maps, which are left out", p.in.view.hidden_share ? kScene : kStatus);
   }
   if (shading->visibility == "none" || !p.in.status.visibility.ready)
     return leave_out("it waits for the bake of visibility", kStatus);

@@ -13,7 +13,7 @@
 namespace maquette {
 
 /// What `reflections` says where no technique draws mirrors and glass.
-inline constexpr const char* kNoReflections = "off";
+inline constexpr const char *kNoReflections = "off", *kAutoReflections = "auto";  ///< auto: the exact technique
 
 /// Everything one frame depends on besides scene, environment and materials.
 struct FrameRequest {

@@ -36,11 +36,12 @@ std::vector<ShaderVariant> Blended::shader_variants() {
 void Blended::fit(const GridSize& size) {
   const int w = size.grid_width(), h = size.grid_height();
   rays_.fit(size, 1);
-  if (radiance_ && radiance_.width() == w && radiance_.height() == h) return;
+  if (depth_buffer_ && depth_buffer_.width() == w && depth_buffer_.height() == h) return;
   depth_buffer_ = Texture::make_2d("blended depth buffer", GL_DEPTH_COMPONENT32F, w, h);
   for (Texture& depth : depth_) depth = Texture::make_2d("blended depth", GL_R32F, w, h);
-  radiance_ = Texture::make_2d_array("blended radiance", GL_RGBA32F, w, h, kMostBlendedLayers);
-  depths_ = Texture::make_2d_array("blended depths", GL_R32F, w, h, kMostBlendedLayers);
+  radiance_ = Texture();
+  depths_ = Texture();
+  kept_layers_ = 0;
   GLuint framebuffer = 0;
   glCreateFramebuffers(1, &framebuffer);
   framebuffer_ = GlName<FramebufferTraits>(framebuffer);
@@ -50,9 +51,46 @@ void Blended::fit(const GridSize& size) {
   glNamedFramebufferDrawBuffers(framebuffer, 2, buffers);
 }
 
+/// What the layers before show is kept.
+void Blended::fit_layers(int count) {
+  if (count <= kept_layers_) return;
+  const int w = depth_buffer_.width(), h = depth_buffer_.height();
+  const auto grow = [&](Texture* texture, const char* name, GLenum format) {
+    Texture larger = Texture::make_2d_array(name, format, w, h, count);
+    if (kept_layers_ > 0)
+      glCopyImageSubData(texture->get(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0, larger.get(), GL_TEXTURE_2D_ARRAY, 0, 0, 0, 0,
+                         w, h, kept_layers_);
+    *texture = std::move(larger);
+  };
+  grow(&radiance_, "blended radiance", GL_RGBA32F);
+  grow(&depths_, "blended depths", GL_R32F);
+  const float none[4] = {};
+  glClearTexSubImage(depths_.get(), 0, 0, 0, kept_layers_, w, h, count - kept_layers_, GL_RED, GL_FLOAT, none);
+  kept_layers_ = count;
+}
+
+std::vector<std::size_t> Blended::items(const MirroredScene& scene) const {
+  const SceneState& state = scene.frame.scene;
+  const SceneBuffers& buffers = state.buffers();
+  std::vector<std::size_t> items;
+  for (std::size_t i = 0; i < state.geometry().items.size(); ++i)
+    if (buffers.visible(i) && is_blended(state, i) && !scene.reflectors.is_mirror(i) &&
+        may_be_seen(scene.frame.constants.clip_from_world, buffers.bounds(i)))
+      items.push_back(i);
+  return items;
+}
+
 void Blended::run(const MirroredScene& scene, const Key& surfaces, bool averages_points) {
   PassTimer& timer = scene.frame.timer();
   timer.count_all_as("blended");
+  count_ = 0;
+  const std::vector<std::size_t> drawn = items(scene);
+  if (drawn.empty()) {
+    clear();
+    timer.end("blended");
+    timer.count_all_as("");
+    return;
+  }
   fit(scene.frame.size());
   if (!technique_) technique_ = std::make_unique<PeeledHits>();
   const FrameContext& frame = scene.frame;
@@ -61,14 +99,17 @@ void Blended::run(const MirroredScene& scene, const Key& surfaces, bool averages
   mean_of_ = now;
   const float blend = 1.0f / static_cast<float>(frames_);
   const float none[4] = {};
-  glClearTexImage(depths_.get(), 0, GL_RED, GL_FLOAT, none);
-  for (count_ = 0; count_ < kMostBlendedLayers && peel(scene, count_); ++count_) shade(scene, count_, blend);
+  if (depths_) glClearTexImage(depths_.get(), 0, GL_RED, GL_FLOAT, none);
+  for (; count_ < kMostBlendedLayers && peel(scene, drawn, count_); ++count_) {
+    fit_layers(count_ + 1);
+    shade(scene, count_, blend);
+  }
   scene.bind_layer(0);
   timer.end("blended");
   timer.count_all_as("");
 }
 
-bool Blended::peel(const MirroredScene& scene, int layer) {
+bool Blended::peel(const MirroredScene& scene, const std::vector<std::size_t>& items, int layer) {
   const SceneState& state = scene.frame.scene;
   const SceneBuffers& buffers = state.buffers();
   const Texture &own = depth_[static_cast<std::size_t>(layer % 2)],
@@ -80,9 +121,7 @@ bool Blended::peel(const MirroredScene& scene, int layer) {
   glBindTextureUnit(kUnitOpaqueDepth, scene.frame.raster.depth_buffer().get());
   glBindTextureUnit(kUnitBlendedDepth, nearer.get());
   glBindVertexArray(buffers.vertex_array());
-  for (std::size_t i = 0; i < state.geometry().items.size(); ++i) {
-    if (!buffers.visible(i) || !is_blended(state, i) || scene.reflectors.is_mirror(i)) continue;
-    if (!may_be_seen(scene.frame.constants.clip_from_world, buffers.bounds(i))) continue;
+  for (const std::size_t i : items) {
     const Material& m = state.material_of_item(i);
     const DrawItem& item = state.geometry().items[i];
     // What covers nothing is not shaded; the alpha of an opaque pane means nothing.

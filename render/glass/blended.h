@@ -32,8 +32,11 @@ class Blended {
 
  private:
   void fit(const GridSize& size);
+  void fit_layers(int count);
+  /// Those that may be seen.
+  std::vector<std::size_t> items(const MirroredScene& scene) const;
   /// Draws the nearest of those behind layer `layer - 1`; false when there are none.
-  bool peel(const MirroredScene& scene, int layer);
+  bool peel(const MirroredScene& scene, const std::vector<std::size_t>& items, int layer);
   void shade(const MirroredScene& scene, int layer, float blend);
 
   MirroredRays rays_;
@@ -41,10 +44,11 @@ class Blended {
   GlName<FramebufferTraits> framebuffer_;
   Texture depth_buffer_;
   std::array<Texture, 2> depth_;  ///< R32F, of this layer and the one before
-  Texture radiance_, depths_;     ///< RGBA32F and R32F, [layer]
-  int count_ = 0;                 ///< layers of this frame
-  std::optional<Key> mean_of_;    ///< what `radiance_` is the mean of,
-  int frames_ = 0;                ///< over so many frames
+  Texture radiance_, depths_;     ///< RGBA32F and R32F, [layer]: as many as there have been
+  int kept_layers_ = 0;
+  int count_ = 0;               ///< layers of this frame
+  std::optional<Key> mean_of_;  ///< what `radiance_` is the mean of,
+  int frames_ = 0;              ///< over so many frames
 };
 
 }  // namespace maquette

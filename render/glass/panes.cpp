@@ -19,6 +19,7 @@ namespace {
 /// What an item is made of.
 struct PaneKind {
   bool texture = false, surface = false, pane = false;
+  bool specular = false;  ///< of a pane: its faces reflect otherwise than their index says
   bool record = false;
   /// What of a reflector it shows besides the sky; `both`: a second image too.
   enum class Reflected { none, front, both, mirror } reflected = Reflected::none;
@@ -31,7 +32,7 @@ ShaderVariant pane_variant(const ShadingPlan& plan, const PaneKind& kind) {
           {{"VISIBILITY", visibility_define(plan)},
            {"TEXTURES", flag(kind.texture)},
            {"SURFACE", flag(kind.surface)},
-           {"PANE", flag(kind.pane)},
+           {"PANE", kind.specular ? "2" : flag(kind.pane)},
            {"RECORD", flag(kind.record)},
            {"MIRRORED", std::to_string(static_cast<int>(kind.reflected))},
            {"HATCHED", flag(kind.hatched)}}};
@@ -52,7 +53,8 @@ float squared_distance(const Bounds& bounds, const glm::vec3& eye) {
 }
 
 /// In the order of shaders/glass/pane_textures.glsl, -1: none.
-std::array<int, 6> textures_of(const SceneState& scene, std::size_t item) {
+using PaneTextures = std::array<int, 8>;
+PaneTextures textures_of(const SceneState& scene, std::size_t item) {
   const Material& m = scene.material_of_item(item);
   const auto texture = [&](TextureRole role) { return texture_of(m, role) ? scene.buffers().texture(item, role) : -1; };
   const bool pane = pane_share(m) > 0.0f;
@@ -61,20 +63,24 @@ std::array<int, 6> textures_of(const SceneState& scene, std::size_t item) {
           pane ? texture(TextureRole::thickness) : -1,
           texture(TextureRole::emissive),
           pane ? texture(TextureRole::normal) : -1,
-          m.transmission > 0.0f ? texture(TextureRole::metallic_roughness) : -1};
+          m.transmission > 0.0f ? texture(TextureRole::metallic_roughness) : -1,
+          pane ? texture(TextureRole::specular) : -1,
+          pane ? texture(TextureRole::specular_color) : -1};
 }
 
 PaneKind kind_of(const PaneScene& scene, std::size_t item) {
   using Reflected = PaneKind::Reflected;
   const Material& material = scene.frame.scene.material_of_item(item);
-  const std::array<int, 6> textures = textures_of(scene.frame.scene, item);
+  const PaneTextures textures = textures_of(scene.frame.scene, item);
   PaneKind kind{.texture = std::any_of(textures.begin(), textures.end(), [](int texture) { return texture >= 0; }),
                 .surface = is_partly_surface(material),
                 .pane = (pane_share(material) > 0.0f)};
+  kind.specular = kind.pane && !has_plain_faces(material);
+  kind.texture |= kind.specular;  // few have them, and it halves the permutations
   if (!scene.reflected.drawn || scene.reflectors.of_item(item) < 0) return kind;
   if (scene.reflectors.is_mirror(item)) {
     kind.reflected = Reflected::mirror;
-    kind.surface = kind.pane = false;
+    kind.surface = kind.pane = kind.specular = false;
   } else {
     kind.reflected = scene.reflected.has_ghost ? Reflected::both : Reflected::front;
   }
@@ -94,13 +100,22 @@ std::vector<ShaderVariant> Panes::shader_variants() {
       for (int k = 0; k < 5; ++k) {
         const bool hatched = k > 2;
         const auto reflected = static_cast<Reflected>(hatched ? k - 2 : k);
-        for (const int shares : {1, 2, 3})
-          variants.push_back(
-              pane_variant(plan, {textured, (shares & 1) != 0, (shares & 2) != 0, false, reflected, hatched}));
+        for (const int shares : {1, 2, 3, 6, 7}) {  // surface, pane, its faces
+          if ((shares & 4) != 0 && !textured) continue;
+          variants.push_back(pane_variant(plan, {.texture = textured,
+                                                 .surface = (shares & 1) != 0,
+                                                 .pane = (shares & 2) != 0,
+                                                 .specular = (shares & 4) != 0,
+                                                 .reflected = reflected,
+                                                 .hatched = hatched}));
+        }
       }
       for (const bool hatched : {false, true})
-        variants.push_back(pane_variant(plan, {textured, false, false, false, Reflected::mirror, hatched}));
-      variants.push_back(pane_variant(plan, {.texture = textured, .pane = true, .record = true}));
+        variants.push_back(
+            pane_variant(plan, {.texture = textured, .reflected = Reflected::mirror, .hatched = hatched}));
+      for (const bool specular : {false, textured})
+        variants.push_back(
+            pane_variant(plan, {.texture = textured, .pane = true, .specular = specular, .record = true}));
     }
   }
   return variants;
@@ -253,12 +268,14 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   glUniform4f(program.location("u_base"), m.base_color.r, m.base_color.g, m.base_color.b, m.base_color.a);
   glUniform3f(program.location("u_emission"), m.emissive.r, m.emissive.g, m.emissive.b);
   if (kind.surface) scene.blended->bind(program);
-  glUniform2f(program.location("u_pane"), pane_share(m), std::max(m.ior, 1.0f));
+  glUniform2f(program.location("u_pane"), pane_share(m), m.ior);
+  if (kind.specular)
+    glUniform4f(program.location("u_specular"), m.specular_color.r, m.specular_color.g, m.specular_color.b, m.specular);
   if (kind.reflected != PaneKind::Reflected::none) program.set("u_reflector", scene.reflectors.of_item(i));
   const glm::vec3 absorption = volume_absorption(m) * item.scale;
   glUniform3f(program.location("u_absorption"), absorption.r, absorption.g, absorption.b);
   if (kind.texture) {
-    const std::array<int, 6> textures = textures_of(state, i);
+    const PaneTextures textures = textures_of(state, i);
     glUniform1iv(program.location("u_textures"), static_cast<GLsizei>(textures.size()), textures.data());
     program.set("u_normal_scale", m.normal_scale);
     program.set("u_metallic", m.metallic);

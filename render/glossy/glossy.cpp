@@ -76,7 +76,7 @@ void Glossy::set_uniforms(const MirroredScene& scene, const Program& program) co
                       &triangles[0].x);
   program.set("u_named_count", static_cast<int>(named.size()));
   program.set("u_roughness", static_cast<float>(request.settings.get_double("octree.glossy")));
-  program.set("u_divisor", reflection_divisor(request.settings));
+  program.set("u_divisor", reflection_divisor(request.settings, false));
 }
 
 void Glossy::find_tiles(const MirroredScene& scene) {
@@ -117,7 +117,7 @@ void Glossy::run(const MirroredScene& scene, const Key& surfaces, bool averages_
   const Key now = Key::of(surfaces, frame.scene.revisions().all(), frame.bakes.all(), frame.request.reflectors,
                           frame.request.settings);
   const bool had = rays_.has_images();
-  rays_.fit(frame.size(), reflection_divisor(frame.request.settings));
+  rays_.fit(frame.size(), reflection_divisor(frame.request.settings, false));
   ReflectionTargets& t = rays_.targets();
   if (!t.mean) t.mean = Texture::make_2d("glossy radiance", GL_RGBA32F, t.width, t.height);
   const bool kept = had && traced_ == now && frame.request.settings.get_bool("shading.reuse");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/btf/btf_source.h"
 #include "render/gl/bindings.h"
 #include "render/materials/lobes.h"
 #include "render/math/shared_formulas.h"
@@ -73,7 +74,7 @@ void MaterialStore::reserve(std::size_t slots) {
 int MaterialStore::slot_of(const std::string& source) {
   for (std::size_t i = 0; i < entries_.size(); ++i)
     if (entries_[i].source == source) return static_cast<int>(i);
-  const BrdfTable brdf = load_brdf(source);
+  const BrdfTable brdf = load_material_table(source);
   const BrdfTables tables = load_brdf_tables(brdf);
   const std::size_t slot = entries_.size();
   reserve(slot + 1);

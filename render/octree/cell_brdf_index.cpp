@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "render/btf/btf_source.h"
 #include "render/octree/cell_brdf_bake.h"
 #include "scenes/files.h"
 
@@ -18,7 +19,7 @@ std::vector<CellMaterial> make_cell_materials(const std::vector<Material>& mater
     std::shared_ptr<const BrdfTable> table;
     if (!m.measured.empty()) {
       auto& entry = (*library)[m.measured];
-      if (!entry) entry = std::make_shared<const BrdfTable>(load_brdf(m.measured));
+      if (!entry) entry = std::make_shared<const BrdfTable>(load_material_table(m.measured));
       table = entry;
     }
     result.emplace_back(m, table);

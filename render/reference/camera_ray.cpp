@@ -49,30 +49,35 @@ class CameraRay::Splitter {
   void advance(const Branch& branch) {
     RayHit hit;
     ++out_.rays_;
-    if (!intersect(scene_, branch.ray, differential_ ? RayKind::camera : RayKind::path, chance_, &hit)) {
+    const RayDifferential* footprint = branch.straight ? differential_ : nullptr;
+    if (!intersect(scene_, branch.ray, differential_ ? RayKind::camera : RayKind::path, chance_, &hit, footprint)) {
       if (environment_.black()) return;
       const glm::vec4 sky = environment_.radiance_and_density(glm::normalize(branch.ray.direction));
       out_.radiance_ += branch.weight * glm::vec3(sky) * share_of(branch, kNoTriangle, sky.w);
       return;
     }
-    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {branch.straight ? differential_ : nullptr});
+    const SurfacePoint p = resolve_surface(scene_, branch.ray, hit, {footprint});
+    const bool splits = p.material->blended && differential_;
+    float alpha = 1.0f;
+    if (splits)
+      alpha = footprint ? alpha_at(scene_, hit.triangle, hit.barycentric, *footprint)
+                        : alpha_at(scene_, hit.triangle, hit.barycentric);
+    const glm::vec3 covered = branch.weight * alpha;
+    glm::vec3 behind = branch.weight * (1.0f - alpha);
     float surface = 1.0f;
     if (p.material->clear() > 0.0f) {
       surface = 1.0f - p.pane;
-      out_.radiance_ += branch.weight * p.emission * (p.pane * share_of(branch, hit.triangle, 0.0f));
+      out_.radiance_ += covered * p.emission * (p.pane * share_of(branch, hit.triangle, 0.0f));
       const PaneRays rays = rays_of_pane(p, branch.ray);
-      const glm::vec3 weight = branch.weight * p.pane;
-      // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
+      const glm::vec3 weight = covered * p.pane;
       if (branch.splits < kMostSplits) push(rays.mirrored, weight * rays.shares.reflected, branch, false);
-      push(rays.passed, weight * rays.shares.transmitted, branch, branch.straight);
-    } else if (p.material->blended && differential_) {
-      surface = alpha_at(scene_, hit.triangle, hit.barycentric);
-      push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction},
-           branch.weight * (1.0f - surface), branch, branch.straight);
-    } else {
+      behind += weight * rays.shares.transmitted;
+    } else if (!splits) {
       out_.covered_ |= branch.straight;
     }
-    if (surface > 0.0f) add_surface(p, branch.weight * surface, branch);
+    // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
+    push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction}, behind, branch, branch.straight);
+    if (surface > 0.0f) add_surface(p, covered * surface, branch);
   }
 
   float share_of(const Branch& branch, std::uint32_t triangle, float sky_density) const {

@@ -77,18 +77,45 @@ GlassSample refract_or_mirror(const glm::vec3& direction, const glm::vec3& facet
   return sample;
 }
 
+/// The same of a face that does not reflect as its index says, for unpolarised light.
+GlassSample refract_or_mirror(const glm::vec3& direction, const glm::vec3& facet, float eta, float choice,
+                              const shared::PaneFaces& faces) {
+  const float cosine = std::clamp(-glm::dot(direction, facet), 0.0f, 1.0f);
+  const float other = fresnel_at_interface(cosine, eta).other, outside = eta <= 1.0f ? cosine : other;
+  GlassSample sample;
+  sample.direction = direction + facet * (2.0f * cosine);
+  sample.weight = glm::vec3(1.0f);
+  if (other < 0.0f) return sample;  // total internal reflection
+  glm::vec3 reflected;
+  for (int c = 0; c < 3; ++c) reflected[c] = faces.share * shared::fresnel_surface(outside, faces.index[c]);
+  const float probability = std::clamp(largest(reflected), 0.0f, 1.0f);
+  sample.passed = choice >= probability;
+  sample.weight = reflected / std::max(probability, 1e-20f);
+  if (!sample.passed) return sample;
+  const glm::vec2 passes = shared::face_passes(outside, faces);
+  sample.direction = glm::normalize(direction * eta + facet * (eta * cosine - other));
+  sample.weight = glm::vec3(eta * eta * 0.5f * (passes.x + passes.y) / (1.0f - probability));
+  return sample;
+}
+
 GlassSample sample_solid_glass(const SurfacePoint& p, const glm::vec3& direction, float alpha, const glm::vec2& u,
                                float choice, Polarisation* polarisation) {
   const float index = std::max(p.material->values.ior, 1.0f);
   const float eta = p.front ? 1.0f / index : index;
-  const glm::vec3 facet = alpha > 0.0f ? p.to_world(shared::sample_ggx_visible(p.wo, shared::round_width(alpha), u.x, u.y)) : p.n;
+  const glm::vec3 facet =
+      alpha > 0.0f ? p.to_world(shared::sample_ggx_visible(p.wo, shared::round_width(alpha), u.x, u.y)) : p.n;
   const Polarisation before = *polarisation;
-  GlassSample sample = refract_or_mirror(direction, facet, eta, choice, polarisation);
+  const auto leave = [&](const glm::vec3& normal) {
+    if (shared::is_plain(p.faces)) return refract_or_mirror(direction, normal, eta, choice, polarisation);
+    *polarisation = {};
+    return refract_or_mirror(direction, normal, eta, choice, p.faces);
+  };
+  GlassSample sample = leave(facet);
   const float side = glm::dot(sample.direction, p.normal);
   // The shading normal sent the ray to the wrong side of the geometric surface: use the geometric normal instead.
   if (sample.passed ? side >= 0.0f : side <= 0.0f) {
     *polarisation = before;
-    sample = refract_or_mirror(direction, p.normal, eta, choice, polarisation);
+    sample = leave(p.normal);
   }
   sample.weight *= shadowing(std::abs(glm::dot(sample.direction, p.n)), p.wo.z, alpha);
   // The base colour tints once for each crossing of the body: where the ray enters.
@@ -102,7 +129,7 @@ GlassSample sample_rough_pane(const SurfacePoint& p, float alpha, const glm::vec
   const float cosine = std::clamp(glm::dot(p.wo, facet), 0.0f, 1.0f);
   glm::vec3 wi = facet * (2.0f * cosine) - p.wo;
   if (wi.z <= 0.0f) return sample;  // masked by other facets
-  const PaneShares shares = pane_shares(cosine, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+  const PaneShares shares = shares_of_pane(cosine, p.faces, glm::clamp(p.base_color, 0.0f, 1.0f));
   const float reflect = largest(shares.reflected), pass = largest(shares.transmitted);
   if (!(reflect + pass > 0.0f)) return sample;
   const float probability = reflect / (reflect + pass);

@@ -42,7 +42,8 @@ glm::vec3 reflect_unshadowed(const PathScene& scene, const EnvironmentLight& env
   return sum;
 }
 
-/// What a volume lets through on the way of the refracted ray through a slab of its thickness: panes stand for its faces.
+/// What a volume lets through on the way of the refracted ray through a slab of its thickness: panes stand for its
+/// faces.
 glm::vec3 kept_inside(const PathScene& scene, const SurfacePoint& p) {
   if (!p.front) return glm::vec3(1.0f);
   const float ior = std::max(p.material->values.ior, 1.0f), c = p.wo.z;
@@ -62,32 +63,35 @@ PathEstimate estimate_direct(const PathScene& scene, const EnvironmentLight& env
     const std::uint32_t dimension = 1 + static_cast<std::uint32_t>(layer) * kDimensionsALayer;
     RayHit hit;
     ++result.rays;
-    if (!intersect(scene, ray, RayKind::camera, 0, &hit)) {
+    if (!intersect(scene, ray, RayKind::camera, 0, &hit, differential)) {
       result.radiance += through * glm::vec3(environment.radiance_and_density(glm::normalize(ray.direction)));
       return result;
     }
     const SurfacePoint p = resolve_surface(scene, ray, hit, {differential});
     const TracedMaterial& m = *p.material;
-    const auto surface = [&] {
-      return m.values.unlit ? p.base_color : reflect_unshadowed(scene, environment, sampler, dimension, p);
-    };
+    float alpha = 1.0f;
+    if (m.blended)
+      alpha = differential ? alpha_at(scene, hit.triangle, hit.barycentric, *differential)
+                           : alpha_at(scene, hit.triangle, hit.barycentric);
+    glm::vec3 shown = p.emission;
+    if (p.pane < 1.0f)
+      shown += (1.0f - p.pane) *
+               (m.values.unlit ? p.base_color : reflect_unshadowed(scene, environment, sampler, dimension, p));
     if (m.pane <= 0.0f && !m.blended) {
       result.covered = true;
-      result.radiance += through * (p.emission + surface());
+      result.radiance += through * shown;
       return result;
     }
+    glm::vec3 behind(1.0f - alpha);
     if (m.pane > 0.0f) {
-      const PaneShares shares = pane_shares(p.wo.z, m.values.ior, glm::clamp(p.base_color, 0.0f, 1.0f) * kept_inside(scene, p));
+      const PaneShares shares =
+          shares_of_pane(p.wo.z, p.faces, glm::clamp(p.base_color, 0.0f, 1.0f) * kept_inside(scene, p));
       const glm::vec3 mirrored = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
-      result.radiance += through * (p.emission + p.pane * shares.reflected *
-                                                     glm::vec3(environment.radiance_and_density(mirrored)));
-      if (p.pane < 1.0f) result.radiance += through * (1.0f - p.pane) * surface();
-      through *= shares.transmitted * p.pane;
-    } else {
-      const float alpha = alpha_at(scene, hit.triangle, hit.barycentric);
-      result.radiance += through * alpha * (p.emission + surface());
-      through *= 1.0f - alpha;
+      shown += p.pane * shares.reflected * glm::vec3(environment.radiance_and_density(mirrored));
+      behind += alpha * p.pane * shares.transmitted;
     }
+    result.radiance += through * alpha * shown;
+    through *= behind;
     ray.origin = offset_from_surface(p.position, p.error, -p.normal);
     ray.near = 0.0f;
   }

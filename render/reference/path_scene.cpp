@@ -4,10 +4,12 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <set>
 #include <span>
 
+#include "render/btf/btf_source.h"
 #include "render/environment/texel_cell.h"
 #include "render/reference/traversal.h"
 #include "render/reference/triangle_pairs.h"
@@ -20,6 +22,10 @@ namespace {
 
 std::shared_ptr<const MeasuredMaterial> load_measured(const std::string& source) {
   auto material = std::make_shared<MeasuredMaterial>();
+  if (is_btf_source(source)) {
+    material->btf = load_btf(source);
+    return material;
+  }
   const BrdfTable table = load_brdf(source);
   material->values = PackedBrdf(table);
   material->tables = load_brdf_tables(table);
@@ -46,16 +52,43 @@ TracedMaterial make_material(const Material& values, const TextureAtlas& atlas, 
     if (texture_of(values, static_cast<TextureRole>(k))) m.textures[k] = atlas.of_material[index][k];
     m.textured |= m.textures[k] >= 0;
   }
-  if (!values.measured.empty()) m.measured = library.at(values.measured);
+  if (!values.measured.empty()) {
+    const std::shared_ptr<const MeasuredMaterial>& table = library.at(values.measured);
+    m.btf = table->btf;
+    if (!m.btf) m.measured = table;
+  }
   m.pane = pane_share(values);
   m.solid = m.pane > 0.0f && values.thickness > 0.0f;
   m.rough = m.pane > 0.0f && values.roughness * values.roughness > shared::kMinAlpha;
   // Source: KHR_materials_volume: color^(distance / attenuation distance).
   m.absorption = -glm::log(glm::max(values.attenuation_color, glm::vec3(1e-20f))) / values.attenuation_distance;
-  m.blended = values.alpha_mode == AlphaMode::blend && m.pane <= 0.0f;
+  m.own_coat_tangents = has_own_coat_tangents(values);
+  m.blended = values.alpha_mode == AlphaMode::blend;
   m.masked = values.alpha_mode == AlphaMode::mask &&
              (m.texture(TextureRole::base_color) >= 0 || values.base_color.a < values.alpha_cutoff);
   return m;
+}
+
+/// A BTF has a scale of its own: texture coordinates only say how it runs over the surface.
+void measure_uvs(PathScene* scene) {
+  const bool any = std::any_of(scene->materials.begin(), scene->materials.end(), [](const auto& m) { return m.btf; });
+  if (!any) return;
+  const FlatGeometry& g = scene->geometry;
+  scene->metres_per_uv.assign(g.indices.size() / 3, 0.0f);
+  for (const DrawItem& item : g.items) {
+    double area = 0.0, of_uvs = 0.0;
+    for (std::uint32_t i = item.first_index; i < item.first_index + item.index_count; i += 3) {
+      const std::uint32_t* c = &g.indices[i];
+      const glm::dvec3 p(g.positions[c[0]]), e1 = glm::dvec3(g.positions[c[1]]) - p,
+                                             e2 = glm::dvec3(g.positions[c[2]]) - p;
+      const glm::dvec2 q(g.uv0[c[0]]), s = glm::dvec2(g.uv0[c[1]]) - q, t = glm::dvec2(g.uv0[c[2]]) - q;
+      area += glm::length(glm::cross(e1, e2));
+      of_uvs += std::abs(s.x * t.y - t.x * s.y);
+    }
+    const double side = of_uvs > 0.0 ? std::sqrt(area / of_uvs) : 0.0;
+    std::fill_n(scene->metres_per_uv.begin() + item.first_index / 3, item.index_count / 3,
+                std::isfinite(side) ? static_cast<float>(side) : 0.0f);
+  }
 }
 
 int material_index(const Scene& scene, const DrawItem& item, int variant) {
@@ -263,6 +296,7 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
       scene->materials.push_back(make_material(input.scene.materials[i], scene->atlas, i, *library));
     scene->materials.push_back(make_material(Material(), scene->atlas, input.scene.materials.size(), *library));
     gather_triangles(input, scene.get());
+    measure_uvs(scene.get());
     tbb::parallel_invoke([&] { gather_lights(input, scene.get()); }, [&] { build_hierarchy(scene.get()); });
   };
   tbb::parallel_invoke(surfaces, [&] { scene->environment = make_environment(input.environment); });

@@ -15,6 +15,7 @@
 #include "render/reference/light_guide.h"
 #include "render/reference/packed_brdf.h"
 #include "render/reference/reference.h"
+#include "scenes/btf/btf.h"
 
 namespace maquette {
 
@@ -30,8 +31,9 @@ struct TextureFilter {
 
 }  // namespace shared
 
-/// A measured BRDF with the tables for sampling it.
+/// A measured BRDF with the tables for sampling it; or a BTF, without them.
 struct MeasuredMaterial {
+  std::shared_ptr<const Btf> btf;  ///< null: a BRDF
   PackedBrdf values;
   BrdfTables tables;
 };
@@ -42,6 +44,9 @@ struct TracedMaterial {
   bool textured = false;                      ///< any of them
   bool colored = false;                       ///< vertex colours other than 1
   std::shared_ptr<const MeasuredMaterial> measured;
+  std::shared_ptr<const Btf> btf;
+  /// Reflects by tables, not by the lobes of an analytic material.
+  bool tabulated() const { return measured || btf; }
   float pane = 0.0f;           ///< share that is glass: a thin pane unless it refracts
   bool solid = false;          ///< glass with a volume: refracts
   bool rough = false;          ///< glass that scatters
@@ -50,8 +55,9 @@ struct TracedMaterial {
   bool refracts() const { return solid || rough; }
   /// Share that straight rays cross.
   float clear() const { return refracts() ? 0.0f : pane; }
-  bool masked = false;   ///< cut out by alpha
-  bool blended = false;  ///< covers by alpha
+  bool masked = false;             ///< cut out by alpha
+  bool blended = false;            ///< covers by alpha
+  bool own_coat_tangents = false;  ///< where the file has none (has_own_coat_tangents)
   int texture(TextureRole role) const { return textures[static_cast<std::size_t>(role)]; }
 };
 
@@ -113,6 +119,9 @@ struct PathScene {
   std::array<std::uint32_t, kHidden> pair_count{};
   bool quads = false;  ///< the ray tracer's primitives are quads (unpaired triangles degenerate ones), else triangles
   std::vector<std::uint32_t> triangle_light;  ///< [triangle] light of `lights`, kNoTriangle: none; may be empty
+  /// [triangle of the geometry] side on the surface of the square of texture coordinates [0, 1]^2, the mean over its
+  /// primitive; 0: it has none. Empty without BTFs.
+  std::vector<float> metres_per_uv;
   TextureAtlas atlas;
   LightGrid lights;
   std::vector<std::uint32_t> light_triangles;  ///< [light] its triangle; kNoTriangle: none

@@ -58,7 +58,7 @@ bool shares_second(const SurfacePoint& p, const glm::vec3& direction) {
 }
 
 glm::vec3 view_independent_brdf(const SurfacePoint& p) {
-  if (p.material->measured) return glm::vec3(0.0f);
+  if (p.material->tabulated()) return glm::vec3(0.0f);
   // As evaluate_analytic with a Fresnel weight of 0.
   const shared::AnalyticMaterial& m = p.analytic;
   return m.diffuse * (shared::kInvPi * std::max(1.0f - largest(m.f0), 0.0f) * (1.0f - 0.04f * m.coat));

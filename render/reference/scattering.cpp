@@ -75,6 +75,7 @@ void QueryBatch::complete() {
 glm::vec3 evaluate_brdf(const SurfacePoint& p, const BrdfQuery& query) {
   if (const MeasuredMaterial* measured = p.material->measured.get())
     return measured->values.look_up(query.cell) * p.tint;
+  if (const Btf* btf = p.material->btf.get()) return evaluate_btf(*btf, p.btf, query.wi, p.wo) * p.tint;
   return shared::evaluate_analytic(p.analytic, query.wi, p.wo).total;
 }
 

@@ -71,6 +71,18 @@ class TextureReader {
                                  along(footprint_.dy));
   }
 
+  /// Of the triangle, by the coordinates of one texture.
+  glm::vec4 tangent(int texture, const glm::vec3& normal, const TracedTriangle& t, const glm::vec4& otherwise) const {
+    shared::TextureFilter filter{scene_.atlas};
+    const bool second = (static_cast<int>(filter.texture_record(texture, 2).w) & 2) != 0;
+    const std::vector<glm::vec2>& set = second ? scene_.geometry.uv1 : scene_.geometry.uv0;
+    const auto along = [&](int k) {
+      return filter.texture_transformed(texture, set[corners_.index[k]] - set[corners_.index[0]]);
+    };
+    return shared::triangle_tangent(normal, t.positions[1] - t.positions[0], t.positions[2] - t.positions[0], along(1),
+                                    along(2), otherwise);
+  }
+
  private:
   const PathScene& scene_;
   Corners corners_;
@@ -116,14 +128,14 @@ class FactorReader {
 
   void read() {
     const Material& v = material_.values;
-    if (!material_.measured || v.tint_measured) times(TextureRole::base_color, &f_.base_color);
+    if (!material_.tabulated() || v.tint_measured) times(TextureRole::base_color, &f_.base_color);
     times(TextureRole::emissive, &f_.emission);
     if (has(TextureRole::occlusion))
       f_.occlusion = glm::mix(1.0f, value(TextureRole::occlusion).x, v.occlusion_strength);
     if (has(TextureRole::transmission)) f_.pane *= value(TextureRole::transmission).x;
     times(TextureRole::thickness, 1, &f_.thickness);
     f_.mapped = normal(TextureRole::normal);
-    if (!material_.measured) read_lobes();
+    if (!material_.tabulated()) read_lobes();
     if (has(TextureRole::metallic_roughness) && v.transmission > 0.0f) f_.pane *= 1.0f - f_.metallic;
   }
 
@@ -167,6 +179,35 @@ class FactorReader {
   Factors& f_;
 };
 
+/// Where the BTF is read, its frame, and what directions are drawn by: the cosine alone.
+void place_btf(const PathScene& scene, const Corners& c, const RayHit& hit, const RayDifferential* differential,
+               const glm::vec3& outward, SurfacePoint* p) {
+  const TracedTriangle& corner = scene.triangles[hit.triangle];
+  const glm::vec4 tangent = c.mix(scene.geometry.tangents);
+  p->t = glm::normalize(shared::tangent_direction(p->n, tangent, glm::vec2(1.0f, 0.0f)));
+  const glm::vec3 up = shared::tangent_direction(outward, tangent, glm::vec2(0.0f, 1.0f));
+  p->b = glm::cross(p->n, p->t);
+  if (glm::dot(p->b, up) < 0.0f) p->b = -p->b;  // mirrored coordinates, or seen from behind
+  p->analytic = shared::make_analytic(glm::vec3(0.5f), 0.0f, 1.0f, 1.5f, 0.0f, glm::vec3(0.0f), 0.0f, 0.0f,
+                                      glm::vec3(0.0f), 0.0f);
+  p->lobe_weights = glm::vec3(1.0f, 0.0f, 0.0f);
+  const Btf& btf = *p->material->btf;
+  const float side = scene.metres_per_uv[corner.source];
+  if (!(side > 0.0f)) {
+    p->btf = {glm::vec2(0.5f), 1.0f};  // no coordinates: its mean
+    return;
+  }
+  const glm::vec2 tiles = side / glm::vec2(btf.width_m(), btf.height_m());
+  const std::vector<glm::vec2>& set = scene.geometry.uv0;
+  p->btf = {c.mix(set) * tiles, 0.0f};
+  if (!differential) return;
+  const auto& [p0, p1, p2] = corner.positions;
+  const Footprint f = footprint_of(*differential, p0, p1 - p0, p2 - p0, hit.barycentric);
+  const glm::vec2 a1 = set[c.index[1]] - set[c.index[0]], a2 = set[c.index[2]] - set[c.index[0]];
+  const auto length_along = [&](const glm::vec2& d) { return glm::length((a1 * d.x + a2 * d.y) * tiles); };
+  p->btf.footprint = std::max(length_along(f.dx), length_along(f.dy));
+}
+
 /// `coat_normal`: world, unit; null where it is that of the base.
 void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* coat_normal, SurfacePoint* p) {
   p->base_color = f.base_color;
@@ -174,7 +215,8 @@ void fill_material(const TracedMaterial& m, const Factors& f, const glm::vec3* c
   p->pane = f.pane;
   p->thickness = f.thickness;
   const Material& v = m.values;
-  if (m.measured) {
+  if (f.pane > 0.0f) p->faces = shared::pane_faces(v.ior, f.specular, f.specular_color);
+  if (m.tabulated()) {
     p->tint = v.tint_measured ? f.base_color : glm::vec3(1.0f);
     return;
   }
@@ -232,12 +274,16 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   if (m.textured) {
     const Footprint footprint =
         options.differential ? footprint_of(*options.differential, p0, p1 - p0, p2 - p0, hit.barycentric) : Footprint();
-    FactorReader(m, TextureReader(scene, c, footprint), &f).read();
+    const TextureReader reader(scene, c, footprint);
+    FactorReader(m, reader, &f).read();
     const glm::vec4 tangent = c.mix(scene.geometry.tangents);
     if (m.texture(TextureRole::normal) >= 0)
       normal = shared::apply_normal_map(smooth, tangent, f.mapped, v.normal_scale);
-    if (m.texture(TextureRole::clearcoat_normal) >= 0)
-      coat_normal = shared::apply_normal_map(smooth, tangent, f.coat_mapped, v.clearcoat_normal_scale);
+    if (const int coat = m.texture(TextureRole::clearcoat_normal); coat >= 0) {
+      const bool own = m.own_coat_tangents && std::abs(tangent.w) < 1.5f;
+      coat_normal = shared::apply_normal_map(smooth, own ? reader.tangent(coat, smooth, corner, tangent) : tangent,
+                                             f.coat_mapped, v.clearcoat_normal_scale);
+    }
   }
   // Metal transmits nothing, and the surface besides the pane has all of it.
   if (f.pane > 0.0f && v.transmission > 0.0f) f.metallic = std::min(f.metallic / std::max(1.0f - f.pane, 1e-6f), 1.0f);
@@ -246,7 +292,9 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   const shared::TangentBasis basis = shared::tangent_basis(p.n);
   p.t = basis.t;
   p.b = basis.b;
-  if (f.anisotropy > 0.0f && !m.measured) {
+  if (m.btf) {
+    place_btf(scene, c, hit, options.differential, smooth, &p);
+  } else if (f.anisotropy > 0.0f && !m.measured) {
     p.t = glm::normalize(shared::tangent_direction(p.n, c.mix(scene.geometry.tangents), f.along));
     p.b = glm::cross(p.n, p.t);
   }
@@ -255,11 +303,12 @@ void resolve_surface(const PathScene& scene, const Ray& ray, const RayHit& hit, 
   const bool same = normal == coat_normal;
   coat_normal = shared::face_viewer(coat_normal, p.normal, view);
   p.emission = shines ? f.emission : glm::vec3(0.0f);
-  if (!m.measured) p.emission *= shared::emission_through_coat(f.clearcoat, glm::dot(coat_normal, view));
+  if (!m.tabulated()) p.emission *= shared::emission_through_coat(f.clearcoat, glm::dot(coat_normal, view));
   fill_material(m, f, same ? nullptr : &coat_normal, &p);
 }
 
-PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
+PaneShares shares_of_pane(float cosine, const shared::PaneFaces& faces, const glm::vec3& inside) {
+  if (!shared::is_plain(faces)) return shared::pane_shares(cosine, faces, inside);
   PaneShares shares;
   for (int c = 0; c < 3; ++c) {
     if (c > 0 && inside[c] == inside[c - 1]) {
@@ -267,7 +316,7 @@ PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
       shares.transmitted[c] = shares.transmitted[c - 1];
       continue;
     }
-    const glm::vec2 pane = shared::fresnel_pane(cosine, std::max(ior, 1.0f), inside[c]);
+    const glm::vec2 pane = shared::fresnel_pane(cosine, faces.index.x, inside[c]);
     shares.reflected[c] = pane.x;
     shares.transmitted[c] = pane.y;
   }
@@ -276,7 +325,7 @@ PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside) {
 
 PaneRays rays_of_pane(const SurfacePoint& p, const Ray& ray) {
   PaneRays rays;
-  rays.shares = pane_shares(p.wo.z, p.material->values.ior, glm::clamp(p.base_color, 0.0f, 1.0f));
+  rays.shares = shares_of_pane(p.wo.z, p.faces, glm::clamp(p.base_color, 0.0f, 1.0f));
   rays.mirrored.origin = offset_from_surface(p.position, p.error, p.normal);
   rays.mirrored.direction = p.to_world({-p.wo.x, -p.wo.y, p.wo.z});
   // The shading normal reflects it below the geometric surface: it would leave through the pane.
@@ -299,11 +348,25 @@ glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, con
   if (m.texture(TextureRole::transmission) >= 0) share *= reader.read(m.texture(TextureRole::transmission)).x;
   if (m.texture(TextureRole::metallic_roughness) >= 0 && m.values.transmission > 0.0f)
     share *= 1.0f - m.values.metallic * reader.read(m.texture(TextureRole::metallic_roughness)).z;
-  const auto passes = [&](float channel) {
-    return shared::fresnel_pane(cosine, std::max(m.values.ior, 1.0f), channel).y;
-  };
-  const float red = passes(inside.x), green = inside.y == inside.x ? red : passes(inside.y);
-  return glm::vec3(red, green, inside.z == inside.y ? green : passes(inside.z)) * share;
+  float specular = m.values.specular;
+  glm::vec3 specular_color = m.values.specular_color;
+  if (m.texture(TextureRole::specular) >= 0) specular *= reader.read(m.texture(TextureRole::specular)).w;
+  if (m.texture(TextureRole::specular_color) >= 0)
+    specular_color *= glm::vec3(reader.read(m.texture(TextureRole::specular_color)));
+  return shares_of_pane(cosine, shared::pane_faces(m.values.ior, specular, specular_color), inside).transmitted * share;
+}
+
+float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
+               const RayDifferential& differential) {
+  const TracedMaterial& m = scene.material_of(triangle);
+  const Corners c = corners_of(scene, triangle, barycentric);
+  float alpha = m.values.base_color.a;
+  if (m.colored) alpha *= c.mix(scene.geometry.colors).w;
+  const int texture = m.texture(TextureRole::base_color);
+  if (texture < 0) return alpha;
+  const auto& [p0, p1, p2] = scene.triangles[triangle].positions;
+  const Footprint footprint = footprint_of(differential, p0, p1 - p0, p2 - p0, barycentric);
+  return alpha * TextureReader(scene, c, footprint).read(texture).w;
 }
 
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/math/surface_formulas.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/traversal.h"
 
@@ -10,12 +11,6 @@ namespace maquette {
 
 inline float largest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 inline bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-/// Rays through the neighbouring pixels, for texture footprints; directions are as long as the ray's own.
-struct RayDifferential {
-  glm::vec3 origin_x{0.0f}, origin_y{0.0f};
-  glm::vec3 direction_x{0.0f}, direction_y{0.0f};
-};
 
 /// A surface point with its material after textures, ready for shading.
 struct SurfacePoint {
@@ -34,9 +29,11 @@ struct SurfacePoint {
   float occlusion = 1.0f;    ///< of the environment's light, for direct transport; full transport has real occlusion
   float pane = 0.0f;         ///< share that is glass
   float thickness = 1.0f;    ///< of its volume: factor of the texture
-  // Without a measured table:
+  BtfLookup btf;             ///< where its BTF is read, if it has one
+  // Without a measured table; of a BTF, what directions are drawn by:
   shared::AnalyticMaterial analytic{};
   glm::vec3 lobe_weights{1.0f, 0.0f, 0.0f};
+  shared::PaneFaces faces{glm::vec3(1.0f), 1.0f};  ///< of glass
 
   glm::vec3 to_local(const glm::vec3& d) const { return {glm::dot(t, d), glm::dot(b, d), glm::dot(n, d)}; }
   glm::vec3 to_world(const glm::vec3& w) const { return t * w.x + b * w.y + n * w.z; }
@@ -61,14 +58,16 @@ inline SurfacePoint resolve_surface(const PathScene& scene, const Ray& ray, cons
 glm::vec3 pane_transmittance(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
                              const glm::vec3& view);
 
+/// Alpha of a surface at barycentric coordinates of its triangle, as the mean of the ray's footprint.
+float alpha_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric,
+               const RayDifferential& differential);
+
 /// Emitted radiance at barycentric coordinates of a triangle, texture unfiltered.
 glm::vec3 emission_at(const PathScene& scene, std::uint32_t triangle, const glm::vec2& barycentric);
 
 /// Reflectance and transmittance of a pane per channel. `inside`: internal transmittance of one crossing.
-struct PaneShares {
-  glm::vec3 reflected, transmitted;
-};
-PaneShares pane_shares(float cosine, float ior, const glm::vec3& inside);
+using shared::PaneShares;
+PaneShares shares_of_pane(float cosine, const shared::PaneFaces& faces, const glm::vec3& inside);
 
 /// The reflected and the transmitted ray of a pane that was hit at `p`, with their shares.
 struct PaneRays {

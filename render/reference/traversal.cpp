@@ -19,7 +19,8 @@ struct RayContext {
   const PathScene* scene;
   RayKind kind;
   std::uint32_t chance;
-  RayPassage* passage;  ///< for shadow rays
+  RayPassage* passage;                  ///< for shadow rays
+  const RayDifferential* differential;  ///< may be null
 };
 
 bool is_black(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
@@ -68,7 +69,12 @@ void skip_by_alpha(const RTCFilterFunctionNArguments* args) {
   const auto* context = reinterpret_cast<const RayContext*>(args->context);
   const Candidate c = candidate_of(*context->scene, args);
   const TracedMaterial& m = context->scene->material_of(c.triangle);
-  if (m.masked && alpha_at(*context->scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
+  if (m.masked) {
+    const float alpha = context->differential
+                            ? alpha_at(*context->scene, c.triangle, c.barycentric, *context->differential)
+                            : alpha_at(*context->scene, c.triangle, c.barycentric);
+    if (alpha < m.values.alpha_cutoff) args->valid[0] = 0;
+  }
   if (m.blended && context->kind == RayKind::path) {
     const float u =
         static_cast<float>(mix_seed(context->chance, context->scene->triangles[c.triangle].source) >> 8) * 0x1p-24f;
@@ -99,17 +105,14 @@ void attenuate_by_alpha(const RTCFilterFunctionNArguments* args) {
   const PathScene& scene = *context->scene;
   const Candidate c = candidate_of(scene, args);
   const TracedMaterial& m = scene.material_of(c.triangle);
-  if (m.masked) {
-    if (alpha_at(scene, c.triangle, c.barycentric) < m.values.alpha_cutoff) args->valid[0] = 0;
-    return;
-  }
-  const float alpha = alpha_at(scene, c.triangle, c.barycentric);
-  if (context->kind == RayKind::reconnection) {
-    if (!(alpha > 0.0f)) args->valid[0] = 0;
-    return;
-  }
+  float alpha = alpha_at(scene, c.triangle, c.barycentric);
+  if (m.masked) alpha = alpha < m.values.alpha_cutoff ? 0.0f : 1.0f;
+  if (!(alpha > 0.0f)) args->valid[0] = 0;
+  if (context->kind == RayKind::reconnection || !(alpha > 0.0f)) return;
+  glm::vec3 passes(1.0f - alpha);
+  if (m.clear() > 0.0f) passes += alpha * pane_transmittance(scene, c.triangle, c.barycentric, c.direction);
   glm::vec3& left = context->passage->transmittance;
-  left *= 1.0f - alpha;
+  left *= passes;
   if (!is_black(left)) args->valid[0] = 0;
 }
 
@@ -171,13 +174,15 @@ void build_hierarchy(PathScene* scene) {
                 "free memory, or use a lighter model");
 }
 
-bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit) {
+bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit,
+               const RayDifferential* differential) {
   if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, false});
   RayContext context;
   rtcInitIntersectContext(&context.base);
   context.scene = &scene;
   context.kind = kind;
   context.chance = chance;
+  context.differential = differential;
   if (kind == RayKind::camera) context.base.filter = cull_backs;
   RTCRayHit query;
   query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
@@ -202,6 +207,7 @@ bool passes(const PathScene& scene, const Ray& ray, RayKind kind, RayPassage* pa
   context.kind = kind;
   context.chance = 0;
   context.passage = passage;
+  context.differential = nullptr;
   RTCRay query = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
   rtcOccluded1(scene.embree.get(), &context.base, &query);
   return query.tfar >= 0.0f;

@@ -26,11 +26,19 @@ struct Ray {
   float far = 3.4e38f;
 };
 
+/// Rays through the neighbouring pixels, for texture footprints; directions are as long as the ray's own.
+struct RayDifferential {
+  glm::vec3 origin_x{0.0f}, origin_y{0.0f};
+  glm::vec3 direction_x{0.0f}, direction_y{0.0f};
+};
+
 /// Fills PathScene::device and embree. Throws Error when the ray tracer does not start or runs out of memory.
 void build_hierarchy(PathScene* scene);
 
 /// Nearest surface that stops the ray; panes do. `chance`: random number that decides about blended surfaces.
-bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit);
+/// `differential`: what cuts out is the mean alpha of its footprint, as rasterisation has it; null: unfiltered.
+bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit,
+               const RayDifferential* differential = nullptr);
 /// What a shadow ray passed through. The transmittance of its panes is computed later, once they are in the cache.
 struct RayPassage {
   static constexpr std::uint32_t kMostPanes = 8;  ///< not yet computed

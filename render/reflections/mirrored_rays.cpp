@@ -5,6 +5,7 @@
 #include "render/gbuffer/surfaces.h"
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
+#include "render/reflections/pane_tint.h"
 #include "render/shading/work_lists.h"
 
 namespace maquette {
@@ -20,7 +21,7 @@ ShaderVariant resolve_variant(bool textures, bool colors) {
       {{"REFLECTED", "1"}, {"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", "0"}, {"VERTEX_COLORS", flag(colors)}}};
 }
 
-ShaderVariant compose_variant(bool layers, bool glossy) {
+ShaderVariant compose_variant(bool layers, bool glossy, bool tint) {
   return {"shading/compose.comp",
           "",
           {{"REFLECTED", "1"},
@@ -30,22 +31,22 @@ ShaderVariant compose_variant(bool layers, bool glossy) {
            {"PANES", "0"},
            {"SHADOWS", "0"},
            {"LAYERS", flag(layers)},
+           {"TINT", flag(tint)},
            {"GLOSSY", flag(glossy)}}};
 }
 
 }  // namespace
 
-int reflection_divisor(const Settings& settings) {
+int reflection_divisor(const Settings& settings, bool at_rest) {
   const std::string& resolution = settings.get_string("reflections.resolution");
+  if (resolution == "auto") return at_rest ? 1 : 2;
   return resolution == "full" ? 1 : resolution == "half" ? 2 : 4;
 }
 
 std::vector<ShaderVariant> MirroredRays::shader_variants() {
   std::vector<ShaderVariant> variants{list_tiles_variant(false), list_tiles_variant(true)};
-  for (int k = 0; k < 4; ++k) {
-    variants.push_back(resolve_variant(k & 1, k & 2));
-    variants.push_back(compose_variant(k & 1, k & 2));
-  }
+  for (int k = 0; k < 4; ++k) variants.push_back(resolve_variant(k & 1, k & 2));
+  for (int k = 0; k < 8; ++k) variants.push_back(compose_variant(k & 1, k & 2, k & 4));
   return variants;
 }
 
@@ -110,7 +111,10 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
   glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
   const std::vector<bool> occluding = scene.frame.scene.occluding_items();
   const ReflectionFrame frame = reflection_frame(scene, rule, occluding);
-  if (!rule.keeps_hits) find_hits(scene, rule, frame);
+  if (!rule.keeps_hits) {
+    find_hits(scene, rule, frame);
+    find_tint(scene, rule);
+  }
   glBindTextureUnit(kUnitTriangle, t.triangle.get());
   glBindTextureUnit(kUnitSurface, t.surface.get());
   if (t.details) glBindTextureUnit(kUnitDetails, t.details.get());
@@ -139,6 +143,24 @@ void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule,
   dispatch_tiles(scene.frame.programs.get(resolve_variant(buffers.has_textures(), buffers.has_colors())), t.tiles,
                  kPerPoint);
   scene.frame.timer().end("reflected gbuffer");
+}
+
+void MirroredRays::find_tint(const MirroredScene& scene, const FollowRule& rule) {
+  ReflectionTargets& t = *targets_;
+  const FrameContext& frame = scene.frame;
+  const std::shared_ptr<const PathScene>& panes = frame.bakes.shadow_scene().scene();
+  if (!panes || !frame.scene.facts().has_glass) {
+    t.tint = Texture();
+    return;
+  }
+  if (!t.tint) t.tint = Texture::make_2d("tint of panes", GL_RGBA16, t.width, t.height);
+  // A pane does not tint what it mirrors itself.
+  std::vector<TriangleRange> own;
+  for (std::size_t k = 0; !rule.glossy && k < scene.reflectors.all().size(); ++k) {
+    const DrawItem& item = frame.scene.geometry().items[scene.reflectors.all()[k].item];
+    own.push_back({item.first_index / 3, (item.first_index + item.index_count) / 3});
+  }
+  find_pane_tint(*panes, own, &t);
 }
 
 void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule) {
@@ -174,7 +196,8 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
       rule.technique.shade_layers(frame, first.context.plan.visibility == "traced",
                                   samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy));
+  const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy, static_cast<bool>(t.tint)));
+  if (t.tint) glBindTextureUnit(kUnitPaneTint, t.tint.get());
   if (rule.glossy) {
     program.set("u_blend", rule.blend);
     glBindImageTexture(kImageMean, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);

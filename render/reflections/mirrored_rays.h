@@ -12,8 +12,9 @@
 
 namespace maquette {
 
-/// Points of the grid along one side of a pixel of the reflected picture.
-int reflection_divisor(const Settings& settings);
+/// Points of the grid along one side of a pixel of the reflected picture. `at_rest`: nothing has moved since the frame
+/// before.
+int reflection_divisor(const Settings& settings, bool at_rest);
 
 /// The frame's layers, and what is handed to all that mirrors them.
 struct MirroredScene {
@@ -63,6 +64,8 @@ class MirroredRays {
   ReflectionFrame reflection_frame(const MirroredScene& scene, const FollowRule& rule,
                                    const std::vector<bool>& occluding);
   void find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
+  /// What panes on the way of the rays leave, once it can be told.
+  void find_tint(const MirroredScene& scene, const FollowRule& rule);
   void shade_hits(const MirroredScene& scene, const FollowRule& rule);
   void complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
 

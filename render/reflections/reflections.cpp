@@ -21,6 +21,8 @@ constexpr float kPaneTolerance_px = 0.1f;
 const ShaderVariant kPane{"reflections/pane.frag", "reflections/pane.vert", {}},
     kProbes{"reflections/probes.comp", "", {}};
 
+int divisor_of(const FrameContext& frame) { return reflection_divisor(frame.request.settings, frame.accumulated > 0); }
+
 ShaderVariant rays_variant(bool ghost, bool fitted) {
   return {"reflections/rays.comp", "", {{"GHOST", flag(ghost)}, {"FITTED", flag(fitted)}}};
 }
@@ -65,7 +67,7 @@ Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, s
   pass.run = [=, this, &scene, names = pass.names] {
     const FrameContext& context = scene.frame;
     const Key now = Key::of(surfaces(), context.scene.revisions().all(), context.bakes.all(), technique_name_,
-                            context.request.reflectors, context.request.settings);
+                            context.request.reflectors, context.request.settings, divisor_of(context));
     const bool kept = may_keep && rays_.has_images() && traced_ == now;
     traced_.reset();
     run({scene, behind(), kept});
@@ -79,7 +81,7 @@ Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, s
 
 void Reflections::run(const Frame& frame) {
   const MirroredScene& scene = frame.scene;
-  const int divisor = reflection_divisor(scene.frame.request.settings);
+  const int divisor = divisor_of(scene.frame);
   const GridSize& grid = scene.frame.size();
   if (!skips_) probes_.clear();
   if (scene.frame.request.settings.get_bool("reflections.ghost")) {

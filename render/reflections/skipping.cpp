@@ -165,7 +165,8 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
     if (!buffers.visible(i) || !(scene.is_transparent(i) || reflectors.is_mirror(i))) continue;
     if (!may_be_seen(mirrored.frame.constants.clip_from_world, buffers.bounds(i))) continue;
     const bool known = !m.base_color_texture && !m.transmission_texture && !m.metallic_roughness_texture &&
-                       !(m.thickness > 0.0f) && m.alpha_mode != AlphaMode::mask && !reflectors.is_mirror(i);
+                       !(m.thickness > 0.0f) && m.alpha_mode != AlphaMode::mask && has_plain_faces(m) &&
+                       !reflectors.is_mirror(i);
     const float share = known ? pane_share(m) : 0.0f;
     glUniform4f(program.location("u_cover"), share, std::max(m.ior, 1.0f),
                 std::clamp(channel_min(glm::vec3(m.base_color)), 0.0f, 1.0f),
@@ -203,7 +204,7 @@ void Skipping::bind(const MirroredScene& mirrored, const ReflectionTargets& prob
     const auto first = static_cast<GLint>(scene.geometry().items[reflectors[k].item].first_index / 3);
     offsets[k] = static_cast<GLint>(bound_.first_of_reflector()[k]) - first;
     optics[k] = {std::max(m.ior, 1.0f), std::clamp(channel_max(glm::vec3(m.base_color)), 0.0f, 1.0f),
-                 reflectors[k].mirror ? 0.0f : 1.0f};
+                 reflectors[k].mirror || !has_plain_faces(m) ? 0.0f : 1.0f};
   }
   constexpr auto kCount = static_cast<GLsizei>(kMaxReflectors);
   glProgramUniform1iv(program.get(), program.location("u_part_offset"), kCount, offsets.data());

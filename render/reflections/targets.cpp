@@ -36,7 +36,7 @@ std::size_t reflection_bytes(const ReflectionTargets& t) {
   std::size_t sum = 0;
   for (const Texture* texture :
        {&t.pane, &t.pane_depth, &t.ray_origin, &t.ray_direction, &t.triangle, &t.effort, &t.focus, &t.low_confidence,
-        &t.surface, &t.details, &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean, &t.layer_depth})
+        &t.surface, &t.details, &t.depth, &t.guide, &t.marks, &t.radiance, &t.layers, &t.mean, &t.tint, &t.layer_depth})
     sum += texture->bytes();
   return sum + t.tiles.tiles.bytes();
 }

@@ -30,6 +30,7 @@ struct ReflectionTargets {
   Texture details;                ///< of the hit, as in the frame's G-buffer; made on demand
   Texture layer_depth;            ///< depth where the hit is of one layer, 0 elsewhere; made on demand
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
+  Texture tint;                   ///< RGBA16, share of the hit's light that panes on the way leave; made on demand
   Texture mean;                   ///< RGBA32F, of glossy surfaces: their radiance averaged over frames; made on demand
 };
 

@@ -11,9 +11,10 @@ Technique reflections_technique() {
   info.help = "what the reflector techniques share";
   info.settings = {
       {.name = "reflections.resolution",
-       .default_value = std::string("half"),
-       .help = "of the reflected picture: full, half or quarter of the picture's own",
-       .choices = {"full", "half", "quarter"}},
+       .default_value = std::string("auto"),
+       .help = "of the reflected picture: full, half or quarter of the picture's own; auto: half while something "
+               "moves, full at rest (half for glossy surfaces)",
+       .choices = {"auto", "full", "half", "quarter"}},
       {.name = "reflections.samples",
        .default_value = 16,
        .min = 2,

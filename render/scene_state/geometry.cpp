@@ -17,10 +17,12 @@ namespace {
 struct Instance {
   const Primitive* source = nullptr;
   glm::mat4 world_from_node{1.0f};
-  int tangent_uv_set = 0;
+  TextureRef mapped;  ///< whose coordinates tangents follow
   DrawItem item;
 };
 
+/// Magnitude of the handedness of tangents that the file gave: textures with coordinates of their own use these too.
+constexpr double kOfFile = 2.0;
 constexpr glm::dvec3 kUp(0.0, 1.0, 0.0);
 
 glm::dvec3 normalize_or(const glm::dvec3& v, const glm::dvec3& fallback) {
@@ -44,7 +46,7 @@ class InstanceWriter {
         world_(instance.world_from_node),
         linear_(instance.world_from_node),
         mirrored_(glm::determinant(linear_) < 0.0),
-        tangent_uv_set_(static_cast<std::size_t>(instance.tangent_uv_set)),
+        mapped_(instance.mapped),
         item_(instance.item),
         out_(*out) {}
 
@@ -111,23 +113,24 @@ class InstanceWriter {
     if (!source_.tangents.empty()) {
       for (std::size_t i = 0; i < vertex_count(); ++i) {
         const glm::dvec3 tangent = linear_ * glm::dvec3(source_.tangents[i]);
-        const double handedness = (source_.tangents[i].w < 0.0f) != mirrored_ ? -1.0 : 1.0;
+        const double handedness = (source_.tangents[i].w < 0.0f) != mirrored_ ? -kOfFile : kOfFile;
         set_tangent(i, tangent, handedness);
       }
-    } else if (!source_.uvs[tangent_uv_set_].empty()) {
-      write_tangents_from_uvs(tangent_uv_set_ == 0 ? out_.uv0 : out_.uv1);
+    } else if (!source_.uvs[static_cast<std::size_t>(mapped_.uv_set)].empty()) {
+      write_tangents_from_uvs(mapped_.uv_set == 0 ? out_.uv0 : out_.uv1);
     } else {
       for (std::size_t i = 0; i < vertex_count(); ++i) set_tangent(i, glm::dvec3(0.0), 1.0);
     }
   }
 
-  /// Direction of growing u of the normal texture's set, averaged over the triangles around a vertex. The bitangent
+  /// Direction of growing u of the normal texture, averaged over the triangles around a vertex. The bitangent
   /// points to the top of the texture, where v is 0: the green of a normal map is up (glTF 2.0, 3.9.3).
   /// Source: Lengyel 2001, Computing Tangent Space Basis Vectors for an Arbitrary Mesh.
   void write_tangents_from_uvs(const std::vector<glm::vec2>& uvs) {
     std::vector<glm::dvec3> along_u(vertex_count(), glm::dvec3(0.0)), along_v(vertex_count(), glm::dvec3(0.0));
     for_each_triangle([&](const std::uint32_t* t, const glm::dvec3* p) {
-      const glm::dvec2 uv0(uvs[t[0]]), s(glm::dvec2(uvs[t[1]]) - uv0), r(glm::dvec2(uvs[t[2]]) - uv0);
+      const glm::dvec2 uv0(uvs[t[0]]), s(transformed(glm::dvec2(uvs[t[1]]) - uv0)),
+          r(transformed(glm::dvec2(uvs[t[2]]) - uv0));
       const double area = s.x * r.y - r.x * s.y;
       if (area == 0.0) return;
       const glm::dvec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
@@ -142,6 +145,14 @@ class InstanceWriter {
       const double handedness = glm::dot(glm::cross(normal, along_u[i]), along_v[i]) > 0.0 ? -1.0 : 1.0;
       set_tangent(i, along_u[i], handedness);
     }
+  }
+
+  /// By the linear part of KHR_texture_transform.
+  glm::dvec2 transformed(const glm::dvec2& uv) const {
+    const glm::dvec2 scaled = glm::dvec2(mapped_.scale) * uv;
+    const double c = std::cos(static_cast<double>(mapped_.rotation_rad));
+    const double s = std::sin(static_cast<double>(mapped_.rotation_rad));
+    return {c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x};
   }
 
   void set_tangent(std::size_t i, const glm::dvec3& tangent, double handedness) {
@@ -177,15 +188,15 @@ class InstanceWriter {
   glm::mat4 world_;
   glm::dmat3 linear_;
   bool mirrored_;
-  std::size_t tangent_uv_set_;
+  TextureRef mapped_;
   DrawItem item_;
   FlatGeometry& out_;
 };
 
-/// The set of the normal texture, or of the coat's where the material has no other. Tangents are the same in all
-/// variants: the first material with such a texture counts. Source: glTF 2.0, 3.7.2.1: tangents of the texture
-/// coordinates associated with the normal texture.
-int tangent_uv_set(const Scene& scene, const Primitive& primitive) {
+/// The normal texture, or the coat's where the material has no other. Tangents are the same in all variants: the first
+/// material with such a texture counts. Source: glTF 2.0, 3.7.2.1: tangents of the texture coordinates associated with
+/// the normal texture; KHR_texture_transform transforms these.
+TextureRef mapped_texture(const Scene& scene, const Primitive& primitive) {
   std::vector<int> candidates = {primitive.material};
   for (const auto& [variant, material] : primitive.variant_materials) candidates.push_back(material);
   for (const int index : candidates) {
@@ -193,9 +204,9 @@ int tangent_uv_set(const Scene& scene, const Primitive& primitive) {
     const Material& material = scene.materials[static_cast<std::size_t>(index)];
     for (const TextureRef* texture :
          {&material.normal_texture, &material.clearcoat_normal_texture, &material.anisotropy_texture})
-      if (*texture) return texture->uv_set;
+      if (*texture) return *texture;
   }
-  return 0;
+  return {};
 }
 
 std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Primitive>& patches) {
@@ -214,7 +225,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
       for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
         instance.item.primitive = static_cast<int>(p);
         instance.source = &mesh.primitives[p];
-        instance.tangent_uv_set = tangent_uv_set(scene, mesh.primitives[p]);
+        instance.mapped = mapped_texture(scene, mesh.primitives[p]);
         instances.push_back(instance);
       }
     }
@@ -222,7 +233,7 @@ std::vector<Instance> collect_instances(const Scene& scene, const std::vector<Pr
       instance.item.mesh = instance.item.primitive = -1;
       instance.item.patch = node.patch;
       instance.source = &patches[static_cast<std::size_t>(node.patch)];
-      instance.tangent_uv_set = 0;
+      instance.mapped = {};
       instances.push_back(instance);
     }
   }

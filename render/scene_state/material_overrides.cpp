@@ -18,9 +18,12 @@ Material make_glass(const Material& replaced) {
   return glass;
 }
 
-/// Unlit: the base colour and its alpha are all that shows. Source: KHR_materials_unlit.
+/// Unlit: the base colour and its alpha are all that shows, of glass too. Source: KHR_materials_unlit.
 void drop_unseen(Material* material) {
   if (!material->unlit) return;
+  material->glass = false;
+  material->transmission = 0.0f;
+  material->clearcoat = 0.0f;
   material->emissive = glm::vec3(0.0f);
   material->emissive_texture = material->occlusion_texture = material->normal_texture = TextureRef();
 }
@@ -88,6 +91,17 @@ float pane_share(const Material& m) {
   if (!m.glass) return 0.0f;
   if (!(m.transmission > 0.0f)) return 1.0f;
   return m.transmission * (m.metallic_roughness_texture ? 1.0f : 1.0f - m.metallic);
+}
+
+bool has_own_coat_tangents(const Material& m) {
+  const TextureRef &base = m.normal_texture, &coat = m.clearcoat_normal_texture;
+  return base && coat &&
+         (base.uv_set != coat.uv_set || base.rotation_rad != coat.rotation_rad || base.scale != coat.scale);
+}
+
+bool has_plain_faces(const Material& m) {
+  return m.specular == 1.0f && m.specular_color == glm::vec3(1.0f) && m.ior >= 1.0f && !m.specular_texture &&
+         !m.specular_color_texture;
 }
 
 bool is_partly_surface(const Material& m) {

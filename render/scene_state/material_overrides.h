@@ -24,6 +24,15 @@ glm::vec3 volume_absorption(const Material& material);
 /// nothing. With `builtin:glass` or `extras` the factor itself may be 0.
 float pane_share(const Material& material);
 
+/// Whether the coat's normal texture has other coordinates than the normal texture, by which tangents are computed:
+/// then it needs tangents of its own, where the file has none. Source: glTF 2.0, 3.7.2.1: those of "the texture
+/// coordinates associated with the normal texture", which are transformed ones (KHR_texture_transform).
+bool has_own_coat_tangents(const Material& material);
+
+/// Whether the faces of a pane of it reflect as its refractive index alone says (KHR_materials_specular, and an index
+/// of 0, say otherwise).
+bool has_plain_faces(const Material& material);
+
 /// Whether a share of a transparent material is a surface: coverage by alpha, or what does not transmit.
 bool is_partly_surface(const Material& material);
 

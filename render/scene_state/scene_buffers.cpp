@@ -9,6 +9,7 @@
 #include "render/gl/bindings.h"
 #include "render/materials/texture_atlas.h"
 #include "render/materials/texture_bandwidth.h"
+#include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -137,6 +138,15 @@ void SceneBuffers::build_textures(const Scene& scene) {
   texture_bandwidth_view_ = Texture::make_buffer("texture bandwidth", GL_R32F, texture_bandwidth_);
 }
 
+void SceneBuffers::set_texture_offset(std::size_t material, const glm::vec2& offset) {
+  if (material >= textures_.size()) return;
+  const int texture = textures_[material][static_cast<std::size_t>(TextureRole::base_color)];
+  if (texture < 0) return;
+  constexpr std::size_t kRecordTexels = 3, kOffsetTexel = 2;
+  texture_records_.update((kRecordTexels * static_cast<std::size_t>(texture) + kOffsetTexel) * sizeof(glm::vec4),
+                          sizeof offset, &offset);
+}
+
 bool SceneBuffers::update_materials(const std::vector<Material>& materials, const std::vector<int>& brdf_slots,
                                     const std::vector<float>& brdf_shares, const std::vector<float>& bandwidth_limits,
                                     const std::vector<bool>& table_swapped) {
@@ -173,8 +183,9 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
                        static_cast<std::uint32_t>(std::max(slot, 0)), std::bit_cast<std::uint32_t>(brdf_shares[i]),
                        std::bit_cast<std::uint32_t>(m.anisotropy_rotation_rad));
     words.push_back(bits(m.iridescence, m.iridescence_ior, m.iridescence_least_nm, m.iridescence_greatest_nm));
-    words.push_back(bits(m.clearcoat_normal_scale, 0.0f, 0.0f, 0.0f));
-    for (std::size_t k = 0; k < kSurfaceTextures; k += 4) words.emplace_back(list[k], list[k + 1], list[k + 2], list[k + 3]);
+    words.push_back(bits(m.clearcoat_normal_scale, has_own_coat_tangents(m) ? 1.0f : 0.0f, 0.0f, 0.0f));
+    for (std::size_t k = 0; k < kSurfaceTextures; k += 4)
+      words.emplace_back(list[k], list[k + 1], list[k + 2], list[k + 3]);
     // The whole record except the measured table, and what the raster reads from the material itself.
     surface_words.insert(surface_words.end(), words.end() - kMaterialTexels, words.end());
     glm::uvec4& of_table = surface_words.end()[kFlagsTexel - kMaterialTexels];

@@ -41,6 +41,8 @@ class SceneBuffers {
   /// Items with this flag off are not drawn.
   bool visible(std::size_t i) const { return visible_[i]; }
   void set_node_visible(int node, bool visible);
+  /// Of the base colour texture of a material that has one.
+  void set_texture_offset(std::size_t material, const glm::vec2& offset);
 
   GLuint vertex_array() const { return vertex_array_.get(); }
   GLuint indices() const { return indices_.get(); }

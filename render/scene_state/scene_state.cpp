@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/math/surface_formulas.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
@@ -22,7 +23,8 @@ void SceneState::set_scene(std::shared_ptr<const Scene> scene) {
   facts_variant_ = kNone;
   buffers_variant_ = -1;
   overrides_.clear();
-  effective_ = maquette::effective_materials(*scene_, overrides_);
+  texture_offsets_.clear();
+  find_effective_materials();
   upload_materials();
   ++revisions_.geometry;
   ++revisions_.occlusion;
@@ -51,7 +53,7 @@ void SceneState::set_material(const std::string& material_name, const std::strin
     sources[material_name] = source;
   if (!source.empty() && source != "builtin:glass") materials_.slot_of(source);  // throws before anything changes
   overrides_ = std::move(sources);
-  effective_ = maquette::effective_materials(*scene_, overrides_);
+  find_effective_materials();
   const std::uint32_t surfaces = revisions_.surfaces;
   upload_materials();
   if (revisions_.surfaces != surfaces) {
@@ -61,6 +63,22 @@ void SceneState::set_material(const std::string& material_name, const std::strin
     recount_tables();
     ++revisions_.tables;
   }
+}
+
+void SceneState::find_effective_materials() {
+  effective_ = maquette::effective_materials(*scene_, overrides_);
+  for (Material& material : effective_)
+    if (const auto offset = texture_offsets_.find(material.name); offset != texture_offsets_.end())
+      material.base_color_texture.offset = offset->second;
+}
+
+void SceneState::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
+  require_scene();
+  texture_offsets_[material_name] = offset;
+  find_effective_materials();
+  for (std::size_t i = 0; i < effective_.size(); ++i)
+    if (effective_[i].name == material_name) buffers_->set_texture_offset(i, offset);
+  ++revisions_.surfaces;
 }
 
 void SceneState::upload_materials() {
@@ -189,18 +207,35 @@ float SceneState::mean_alpha(std::size_t item) const {
   return static_cast<float>(alpha * texels / (255.0 * std::max(image.width * image.height, 1)));
 }
 
+namespace {
+
+/// Of the mean of its channels. Where alpha leaves a part open, the pane is one that reflects and absorbs as much less
+/// at normal incidence: at glancing angles it is too dark.
+Passage passage_of_pane(const Material& m, float share, float inside, float alpha) {
+  const shared::PaneFaces faces = shared::pane_faces(m.ior, m.specular, m.specular_color);
+  if (shared::is_plain(faces) && alpha >= 1.0f) return {share, faces.index.x, inside};
+  const glm::vec3 reflected = shared::pane_shares(1.0f, faces, glm::vec3(1.0f)).reflected;
+  const float both = alpha * (reflected.x + reflected.y + reflected.z) / 3.0f, open = 1.0f - alpha;
+  const float passing = open + alpha * share;
+  return {passing, shared::index_of_f0(both / (2.0f - both)),
+          (open + alpha * share * inside) / std::max(passing, 1e-6f)};
+}
+
+}  // namespace
+
 std::vector<Passage> SceneState::passages() const {
   std::vector<Passage> passages;
   for (std::size_t i = 0; i < geometry().items.size(); ++i) {
     const Material& m = material_of_item(i);
     const glm::vec3 color = glm::vec3(m.base_color) * glm::exp(-volume_absorption(m) * geometry().items[i].scale);
     const float inside = (color.r + color.g + color.b) / 3.0f;
+    const float alpha = m.alpha_mode == AlphaMode::blend ? mean_alpha(i) : 1.0f;
     if (!buffers_->visible(i))
       passages.emplace_back();
     else if (const float share = pane_share(m); share > 0.0f)
-      passages.push_back({share, std::max(m.ior, 1.0f), std::clamp(inside, 0.0f, 1.0f)});
+      passages.push_back(passage_of_pane(m, share, std::clamp(inside, 0.0f, 1.0f), alpha));
     else
-      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - mean_alpha(i) : 1.0f, 1.0f, 1.0f});
+      passages.push_back({m.alpha_mode == AlphaMode::blend ? 1.0f - alpha : 1.0f, 1.0f, 1.0f});
   }
   return passages;
 }

@@ -26,6 +26,8 @@ class SceneState {
   void set_material(const std::string& material_name, const std::string& source);
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
+  /// See Renderer::set_texture_offset.
+  void set_texture_offset(const std::string& material_name, const glm::vec2& offset);
 
   /// Brings variant and facts up to date.
   void update(int variant);
@@ -77,6 +79,7 @@ class SceneState {
   void add_bytes(std::map<std::string, std::size_t>* bytes) const;
 
  private:
+  void find_effective_materials();
   void upload_materials();
   /// All of the facts that changes when a material takes another measured table.
   void recount_tables();
@@ -86,7 +89,8 @@ class SceneState {
   std::shared_ptr<const Scene> scene_;
   std::optional<SceneBuffers> buffers_;
   MaterialStore materials_;
-  std::map<std::string, std::string> overrides_;  ///< material name (or `*`) -> source
+  std::map<std::string, std::string> overrides_;      ///< material name (or `*`) -> source
+  std::map<std::string, glm::vec2> texture_offsets_;  ///< material name -> of its base colour texture
   std::vector<Material> effective_;
   std::vector<int> slots_;
   std::vector<bool> swapped_;  ///< [material] another measured table since the frame before

@@ -18,9 +18,8 @@ Technique shading_technique() {
        .choices = {"auto", "none", "baked", "traced", "rays"}},
       {.name = "shading.indirect",
        .default_value = std::string("baked"),
-       .help = "indirect light, where the scene closes the eye in or visibility is baked or traced: none, baked (per "
-               "vertex, in the "
-               "background, follows the rotation of the environment)",
+       .help = "indirect light, where surfaces hide the sky from each other or visibility is baked or traced: none, "
+               "baked (per vertex, in the background, follows the rotation of the environment)",
        .choices = {"none", "baked"}},
       {.name = "shading.reuse",
        .default_value = true,

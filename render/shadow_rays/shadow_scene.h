@@ -15,9 +15,16 @@ struct ShadowSceneJob {
   int variant = -1;
 };
 
+struct ShadowGeometry {
+  std::shared_ptr<const PathScene> scene;
+  /// Share of the sky, weighted by the cosine, that opaque surfaces hide from points of the scene's parts; each part
+  /// counts the same, however large it is. By a few thousand rays.
+  double hidden_share = 0.0;
+};
+
 /// The path tracer's scene without its tables of light and measured materials: what shadow rays need. Panes, cut-outs
 /// and coverage count in it as in mode `reference`.
-class ShadowScene final : public KeyedBake<Key, ShadowSceneJob, std::shared_ptr<const PathScene>> {
+class ShadowScene final : public KeyedBake<Key, ShadowSceneJob, ShadowGeometry> {
  public:
   ShadowScene();
   const char* name() const override { return "shadow_rays"; }
@@ -27,12 +34,13 @@ class ShadowScene final : public KeyedBake<Key, ShadowSceneJob, std::shared_ptr<
   /// Forgets it: another scene.
   void clear();
   /// Null while there is none.
-  const std::shared_ptr<const PathScene>& scene() const { return scene_; }
-  bool ready() const override { return static_cast<bool>(scene_); }
+  const std::shared_ptr<const PathScene>& scene() const { return built_.scene; }
+  std::optional<double> hidden_share() const { return ready() ? std::optional(built_.hidden_share) : std::nullopt; }
+  bool ready() const override { return static_cast<bool>(built_.scene); }
   std::size_t bytes() const override;
 
  private:
-  std::shared_ptr<const PathScene> scene_;
+  ShadowGeometry built_;
 };
 
 }  // namespace maquette

@@ -2,6 +2,8 @@
 
 #include "render/bandwidth/technique.h"
 #include "render/bezier/technique.h"
+#include "render/btf/technique.h"
+#include "render/ground/technique.h"
 #include "render/octree/technique.h"
 #include "render/raytraced/technique.h"
 #include "render/reference/technique.h"
@@ -22,6 +24,8 @@ const Registry& builtin_registry() {
       .techniques =
           {
               shading_technique(),
+              btf_technique(),
+              ground_technique(),
               octree_technique(),
               bandwidth_technique(),
               uniform_technique(),
@@ -69,9 +73,10 @@ const Technique& Registry::find_mode(const std::string& name, const std::string&
 
 const Technique* Registry::find_reflector(const std::string& name) const {
   if (name == kNoReflections) return nullptr;
+  if (name == kAutoReflections) return first_that(TechniqueKind::reflector, &Capabilities::is_exact);
   if (const Technique* technique = find(techniques, TechniqueKind::reflector, name)) return technique;
   std::vector<std::string> known = names(TechniqueKind::reflector);
-  known.insert(known.begin(), kNoReflections);
+  known.insert(known.begin(), {kNoReflections, kAutoReflections});
   fail("--reflections", name, known, {});
 }
 
@@ -82,7 +87,7 @@ std::vector<std::string> Registry::names(TechniqueKind kind) const {
   return found;
 }
 
-const Technique* Registry::first_that(TechniqueKind kind, bool Capabilities::* capability) const {
+const Technique* Registry::first_that(TechniqueKind kind, bool Capabilities::*capability) const {
   for (const Technique& technique : techniques)
     if (technique.kind == kind && technique.can.*capability) return &technique;
   return nullptr;
@@ -109,8 +114,7 @@ BakeCommand Registry::find_bake(const std::string& name) const {
 
 std::vector<DebugViewInfo> Registry::views() const {
   std::vector<DebugViewInfo> all;
-  for (const Technique& technique : techniques)
-    all.insert(all.end(), technique.views.begin(), technique.views.end());
+  for (const Technique& technique : techniques) all.insert(all.end(), technique.views.begin(), technique.views.end());
   return all;
 }
 

@@ -33,10 +33,20 @@ const float kLeastWeight = 1.1;
 #endif
 uniform int u_level;
 
-#if TEXTURES && OWN
+#if TEXTURES
+#define Stored vec4  // of base_factor.glsl
+#if OWN
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
+#include "shared/luminance.glsl"
 #include "shared/material_table.glsl"
 #include "bandwidth/base_factor.glsl"
+#endif
+Stored stored_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_frame.size.xy - 1)); }
+vec4 to_store(Stored value) { return value; }
+#else
+#define Stored vec3  // radiance
+Stored stored_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_frame.size.xy - 1)).rgb; }
+vec4 to_store(Stored value) { return vec4(value, 1.0); }
 #endif
 
 // The weights depend only on the visible surfaces. FIND: computes and stores the weights of all points, and fills nothing. KEPT: reads them from
@@ -72,15 +82,17 @@ uint find_weights(Guide center, ivec2 pixel, ivec2 axis, int s) {
   return pack_weights(vec2(weights[1], weights[2]));
 }
 
-/// `value`: interpolated radiance; w: sum of the neighbours' bilateral weights, independent of the shape of the anisotropic kernel.
-void store_filled(ivec2 pixel, uvec4 mark, vec4 value) {
+/// `evidence`: sum of the neighbours' bilateral weights, independent of the shape of the anisotropic kernel.
+void store_filled(ivec2 pixel, uvec4 mark, Stored value, float evidence) {
 #if OWN
   if (mark.x != 0u) {
     vec4 own = texelFetch(t_mean, pixel, 0);
-    bool known = value.w >= kLeastWeight;
+    bool known = evidence >= kLeastWeight;
 #if TEXTURES
     uvec4 surface = texelFetch(t_surface, pixel, 0);
-    vec3 base = base_factor(surface, material_words(int(surface.z >> 16u), 6).x);
+    uint flags = material_words(int(surface.z >> 16u), 6).x;
+    float share = tinted_share(value, flags);
+    vec3 base = base_factor(value, surface, flags);
 #else
     const vec3 base = vec3(1.0);
 #endif
@@ -90,30 +102,35 @@ void store_filled(ivec2 pixel, uvec4 mark, vec4 value) {
     float kappa = texelFetch(t_worth, ivec3(pixel / kTile, worth_layer(u_level, int(mark.y))), 0).x;
     kappa = point_kappa(kappa, own.w, residual, item_variance(d, u_frame.sampling.y));
     value.rgb += apart / base * (known ? own_weight(own.w, kappa) : 1.0);
+#if TEXTURES
+    value.w = share * luminance(value.rgb);
+#endif
   }
 #endif
-  imageStore(io_radiance, pixel, vec4(value.rgb, 1.0));
+  imageStore(io_radiance, pixel, to_store(value));
 }
 
-vec3 radiance_at(ivec2 q) { return imageLoad(io_radiance, clamp(q, ivec2(0), u_frame.size.xy - 1)).rgb; }
-
-/// Value and weight from the points at -3, -1, 1, 3 steps along an axis.
-vec4 along(ivec2 pixel, ivec2 axis, uint packed_weights) {
-  vec3 before = radiance_at(pixel - axis), after = radiance_at(pixel + axis);
+struct Along {
+  Stored value;
+  float weight;
+};
+/// From the points at -3, -1, 1, 3 steps along an axis.
+Along along(ivec2 pixel, ivec2 axis, uint packed_weights) {
+  Stored before = stored_at(pixel - axis), after = stored_at(pixel + axis);
 #if CUBIC
-  vec3 first = radiance_at(pixel - 3 * axis), last = radiance_at(pixel + 3 * axis);
+  Stored first = stored_at(pixel - 3 * axis), last = stored_at(pixel + 3 * axis);
   if (packed_weights == kCubic) {
-    vec3 cubic = (9.0 * (before + after) - first - last) * 0.0625;
+    Stored cubic = (9.0 * (before + after) - first - last) * 0.0625;
     // Noise must not make the cubic undershoot far below its neighbours.
-    vec3 low = min(min(first, last), min(before, after));
-    return vec4(max(cubic, low * 0.5), 2.0);
+    Stored low = min(min(first, last), min(before, after));
+    return Along(max(cubic, low * 0.5), 2.0);
   }
 #endif
   vec2 w = unpack_weights(packed_weights);
   // A point with weight 0 may never have been written, and may contain anything.
   float sum = w.x + w.y;
-  vec3 both = (w.x > 0.0 ? before * w.x : vec3(0.0)) + (w.y > 0.0 ? after * w.y : vec3(0.0));
-  return vec4(both / max(sum, 1e-12), sum);
+  Stored both = (w.x > 0.0 ? before * w.x : Stored(0.0)) + (w.y > 0.0 ? after * w.y : Stored(0.0));
+  return Along(both / max(sum, 1e-12), sum);
 }
 
 #if MIDDLE
@@ -136,17 +153,21 @@ void fill(ivec2 pixel, ivec2 odd, int s, uvec4 mark) {
 #if FIND
   imageStore(io_weights, pixel, uvec4(weights.x | (weights.y << 16u), weights.z | (weights.w << 16u), 0u, 0u));
 #elif MIDDLE
-  vec4 share = axis_shares(texelFetch(t_axes, pixel / 2, 0).xyz, CUBIC == 1), value = vec4(0.0);
+  vec4 share = axis_shares(texelFetch(t_axes, pixel / 2, 0).xyz, CUBIC == 1);
+  Stored value = Stored(0.0);
+  float sum = 0.0;
   vec4 evidence;
   for (int k = 0; k < 4; ++k) {
-    vec4 v = along(pixel, s * kAxes[k], weights[k]);
-    float w = share[k] * v.w + 1e-20;
-    value += vec4(v.rgb * w, w);
-    evidence[k] = v.w;
+    Along v = along(pixel, s * kAxes[k], weights[k]);
+    float w = share[k] * v.weight + 1e-20;
+    value += v.value * w;
+    sum += w;
+    evidence[k] = v.weight;
   }
-  store_filled(pixel, mark, vec4(value.rgb / value.w, max(evidence.x + evidence.y, evidence.z + evidence.w)));
+  store_filled(pixel, mark, value / sum, max(evidence.x + evidence.y, evidence.z + evidence.w));
 #else
-  store_filled(pixel, mark, along(pixel, s * odd, weights.x));
+  Along v = along(pixel, s * odd, weights.x);
+  store_filled(pixel, mark, v.value, v.weight);
 #endif
 }
 
@@ -155,12 +176,12 @@ void main() {
   ivec2 first = listed_quad(int(linear_id()));
   if (first.x < 0) return;
   Guide around[4];
-  vec3 radiance[4];
+  Stored corners[4];
   for (int k = 0; k < 4; ++k) {
     ivec2 q = first + 2 * ivec2(k & 1, k >> 1);
     around[k] = load_guide(min(q, u_frame.size.xy - 1));
     around[k].valid = around[k].valid && all(lessThan(q, u_frame.size.xy));
-    radiance[k] = radiance_at(q);
+    corners[k] = stored_at(q);
   }
   // In the middle both axes give the mean of all four points, and each diagonal the mean of its two.
   vec4 share = axis_shares(texelFetch(t_axes, first / 2, 0).xyz, false);
@@ -169,17 +190,17 @@ void main() {
   for (int j = 1; j < 4; ++j) {
     ivec2 pixel = first + ivec2(j & 1, j >> 1);
     Guide center = load_guide(pixel);
-    vec4 value = vec4(0.0);
-    float evidence = 0.0;
+    Stored value = Stored(0.0);
+    float evidence = 0.0, sum = 0.0;
     for (int k = 0; k < 4; ++k) {
       float weight = (k & ~j) == 0 ? bilateral_weight(center, around[k], 1.0) : 0.0;
       evidence += weight;
       weight *= j < 3 ? 1.0 : k == 0 || k == 3 ? diagonal_shares.x : diagonal_shares.y;
-      value += weight > 0.0 ? weight * vec4(radiance[k], 1.0) : vec4(0.0);
+      value += weight > 0.0 ? weight * corners[k] : Stored(0.0);
+      sum += weight;
     }
-    value = vec4(value.rgb / max(value.w, 1e-12), evidence);
     uvec4 mark = texelFetch(t_marks, pixel, 0);
-    if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) store_filled(pixel, mark, value);
+    if (mark.w != 0u && (OWN == 1 || mark.x == 0u)) store_filled(pixel, mark, value / max(sum, 1e-12), evidence);
   }
 }
 #else

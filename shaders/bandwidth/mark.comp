@@ -242,8 +242,9 @@ bool is_shaded_early(ivec2 pixel, int enters) { return unit_hash(pixel) < u_earl
 #if REFINE
 #include "bandwidth/wanted.glsl"
 #if TEXTURES
-#include "bandwidth/base_factor.glsl"
+layout(binding = kUnitSpread) uniform sampler2D t_spread;  // y: mean of what the base colour scales
 #endif
+#include "bandwidth/without_base.glsl"
 
 /// Standard deviation of one sample at a point that is shaded for the first time: the mean of the coarser points around it, or half of the
 /// prediction if that is larger, because missing a mirrored lamp between them is worse than a few samples too many.
@@ -363,11 +364,11 @@ void main() {
       if ((flags & kMaterialUnlit) != 0u) d = uvec3(0u, 0u, 0u);
       ++visible;
 #if REFINE
-      vec3 known = texelFetch(t_mean, pixel, 0).rgb;
+      vec4 known = vec4(texelFetch(t_mean, pixel, 0).rgb, 0.0);
 #if TEXTURES
-      known /= base_factor(surface, flags);
+      known.w = texelFetch(t_spread, pixel, 0).y;
 #endif
-      if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, vec4(known, 1.0));
+      if (d.x != 0u && d.z == 0u) imageStore(o_radiance, pixel, without_base(known, surface));
       uint seen = imageLoad(io_marks, pixel).w;
 #else
       uint seen = ((agree >> (16 + quad)) & 1) != 0 ? 3u : 1u;

@@ -6,7 +6,7 @@ layout(local_size_x = 64) in;
 #include "shared/material_table.glsl"
 layout(binding = kUnitSurface) uniform usampler2D t_surface;
 layout(binding = kImageForgottenMean, rgba32f) uniform writeonly image2D o_mean;
-layout(binding = kImageForgottenSpread, r32f) uniform writeonly image2D o_spread;
+layout(binding = kImageForgottenSpread) uniform writeonly image2D o_spread;
 layout(binding = kImageForgottenDeviation, r32f) uniform writeonly image2D o_deviation;
 layout(binding = kImageForgottenResidual, r32f) uniform writeonly image2D o_residual;
 

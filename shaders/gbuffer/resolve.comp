@@ -12,6 +12,7 @@ layout(local_size_x = 64) in;
 #include "gbuffer/material_surface.glsl"
 #if TEXTURES
 #include "shared/texture_table.glsl"
+#include "shared/triangle_tangent.glsl"
 #endif
 layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
@@ -66,7 +67,7 @@ vec4 interpolate(Triangle t, int row) {
 /// A point's material, before and after its textures.
 struct Resolved {
   Surface surface;  // its normal: interpolated, unit
-  vec3 emission;
+  vec3 emission;  // share of the material's
   float transmission;
   float texture_bandwidth;  // cycles/m
 };
@@ -84,7 +85,7 @@ Resolved load_material(Triangle t, int material) {
   float rotation = uintBitsToFloat(material_words(material, 6).w);
   r.surface.along = vec3(cos(rotation), sin(rotation), 0.0);  // along the tangents; the world's axes at the end
 #endif
-  r.emission = material_floats(material, 2).rgb;
+  r.emission = vec3(1.0);
   r.transmission = material_floats(material, 3).w;
   r.texture_bandwidth = 0.0;
   return r;
@@ -146,6 +147,20 @@ void apply_texture(inout Resolved r, uint role, vec4 value, vec4 m1) {
 #endif
 }
 
+#if DETAILS
+/// Of the triangle, by the coordinates of one texture.
+vec4 tangent_of_texture(Triangle t, int index, vec3 normal, vec4 otherwise) {
+  bool second = (int(texture_record(index, 2).w) & 2) != 0;
+  vec2 uv[3];
+  for (int k = 0; k < 3; ++k) {
+    vec2 first = vec2(k == 0 ? t.p0.w : k == 1 ? t.p1.w : t.p2.w, k == 0 ? t.n0.w : k == 1 ? t.n1.w : t.n2.w);
+    uv[k] = second ? texelFetch(t_vertices, t.vertices[k] + 3).xy : first;
+  }
+  return triangle_tangent(normal, t.e1, t.e2, texture_transformed(index, uv[1] - uv[0]), texture_transformed(index, uv[2] - uv[0]),
+                          otherwise);
+}
+#endif
+
 void read_textures(ivec2 pixel, Triangle t, inout Resolved r) {
   int material = r.surface.material;
   if (!has_textures(material)) return;
@@ -154,6 +169,7 @@ void read_textures(ivec2 pixel, Triangle t, inout Resolved r) {
   vec4 m1 = material_floats(material, 1);
 #if DETAILS
   vec3 coat_mapped = vec3(0.0, 0.0, 1.0);
+  int coat_texture = -1;
 #endif
 #if TEXTURE_BANDWIDTH
   uint flags = material_words(material, 6).x;
@@ -174,6 +190,7 @@ void read_textures(ivec2 pixel, Triangle t, inout Resolved r) {
     mapped = role == kRoleNormal ? value.xyz * 2.0 - 1.0 : mapped;
 #if DETAILS
     coat_mapped = role == kRoleCoatNormal ? value.xyz * 2.0 - 1.0 : coat_mapped;
+    coat_texture = role == kRoleCoatNormal ? index : coat_texture;
 #endif
 #if TEXTURE_BANDWIDTH
     // Cycles per unit of UV, times units of UV per metre of the pixel's footprint; limited to the Nyquist frequency of the pixels.
@@ -188,7 +205,10 @@ void read_textures(ivec2 pixel, Triangle t, inout Resolved r) {
   }
   vec4 tangent = interpolate(t, 2);
 #if DETAILS
-  r.surface.coat_normal = apply_normal_map(r.surface.normal, tangent, coat_mapped, material_floats(material, 8).x);
+  vec4 m8 = material_floats(material, 8);
+  bool own = m8.y > 0.0 && abs(tangent.w) < 1.5;
+  vec4 coat_tangent = own ? tangent_of_texture(t, max(coat_texture, 0), r.surface.normal, tangent) : tangent;
+  r.surface.coat_normal = apply_normal_map(r.surface.normal, coat_tangent, coat_mapped, m8.x);
 #endif
   r.surface.normal = apply_normal_map(r.surface.normal, tangent, mapped, m1.z);
 }

@@ -1,6 +1,6 @@
 // Attributes of a vertex by its index, of the table that render/scene_state/scene_buffers.cpp writes.
 #include "shared/bindings.glsl"
-// 4 texels a vertex: position, uv0.x | normal, uv0.y | tangent | uv1, colour as four half floats
+// 4 texels a vertex: position, uv0.x | normal, uv0.y | tangent, w beyond 1.5 where the file gave it | uv1, colour as four half floats
 layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
 
 vec4 unpack_vertex_color(vec2 bits) {

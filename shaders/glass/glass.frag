@@ -1,7 +1,8 @@
 // Panes: the background times the transmittance, plus the mirrored environment times the reflectance; both faces with all bounces between
 // them (shared/fresnel.glsl). Thin: the transmitted ray is neither refracted nor shifted, and roughness is ignored.
-// Blended surfaces show what was shaded for them (render/glass/blended.h), with coverage alpha.
-// TEXTURES: the item has one of glass/pane_textures.glsl. SURFACE: a share of it is a surface. PANE: a share of it transmits. MIRRORED: 1 shows the result of
+// Blended surfaces show what was shaded for them (render/glass/blended.h). Coverage alpha blends either with what is behind.
+// TEXTURES: the item has one of glass/pane_textures.glsl. SURFACE: a share of it is a surface. PANE: a share of it transmits; 2: its faces
+// reflect as KHR_materials_specular says. MIRRORED: 1 shows the result of
 // a reflector technique, 2 also a second image, 3 is an opaque metal. HATCHED: pixels of low confidence are hatched. All are
 // permutations, because software devices run branches that no invocation takes.
 // Blending is o_color + o_through * (what is there), so items are drawn back to front.
@@ -11,15 +12,19 @@
 #include "shared/latlong.glsl"
 #include "shared/rgb9e5.glsl"
 #include "shared/fresnel.glsl"
+#include "shared/pane_faces.glsl"
 #include "shading/environment_bilinear.glsl"
 #if TEXTURES
 #include "shared/texture_table.glsl"
 #include "glass/pane_textures.glsl"
 uniform float u_normal_scale;
 uniform float u_metallic;  // factor of the texture of the metal, which transmits nothing
-in vec2 v_uv[kPaneTextures];
+in vec4 v_uv;              // of both sets
 in vec4 v_tangent;
-vec4 texel(int k) { return sample_texture(u_textures[k], v_uv[k], dFdx(v_uv[k]), dFdy(v_uv[k])); }
+vec4 texel(int k) {
+  vec2 uv = texture_coordinates(u_textures[k], v_uv.xy, v_uv.zw);
+  return sample_texture(u_textures[k], uv, dFdx(uv), dFdy(uv));
+}
 #endif
 #if SURFACE
 layout(binding = kUnitBlendedRadiance) uniform sampler2DArray t_blended_radiance;  // [layer] from front to back, cd/m2
@@ -32,6 +37,9 @@ uniform int u_blends;     // 1: alpha is coverage
 uniform float u_cutoff;   // alpha below it is cut out; below 0: nothing is
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
 uniform vec3 u_absorption;  // of the volume behind a front face, over its thickness
+#if PANE == 2
+uniform vec4 u_specular;  // specular colour, specular factor
+#endif
 #if MIRRORED
 layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // w: reflector + 1, below 0 where the ray was not followed
 layout(binding = kUnitReflection) uniform sampler2D t_reflection;       // what the nearest reflector of each pixel shows, cd/m2
@@ -105,8 +113,7 @@ vec3 hatch_filter() {
 
 /// Reflectance of a smooth metal known by its colour at normal incidence: Fresnel's equations with the real index that has it.
 float metal_reflectance(float c, float f0) {
-  float root = sqrt(clamp(f0, 0.0, 0.999));
-  return fresnel_surface(c, (1.0 + root) / (1.0 - root));
+  return fresnel_surface(c, index_of_f0(f0));
 }
 #endif
 
@@ -129,6 +136,42 @@ vec3 shading_normal(vec3 view) {
   return dot(n, view) < 0.0 ? -n : n;
 }
 
+#if PANE
+PaneFaces faces_of_pane() {
+#if PANE == 2
+  vec4 specular = u_specular;
+#if TEXTURES
+  if (u_textures[kPaneSpecular] >= 0) specular.a *= texel(kPaneSpecular).a;
+  if (u_textures[kPaneSpecularColor] >= 0) specular.rgb *= texel(kPaneSpecularColor).rgb;
+#endif
+  return pane_faces(u_pane.y, specular.a, specular.rgb);
+#else
+  return plain_faces(u_pane.y);
+#endif
+}
+
+PaneShares shares_of_pane(float c, vec3 inside) {
+#if PANE == 2
+  return pane_shares(c, faces_of_pane(), inside);
+#else
+  return plain_pane_shares(c, u_pane.y, inside);
+#endif
+}
+
+#if MIRRORED == 2
+/// Of all light that returns from the inside.
+vec3 back_reflectance(float c, vec3 inside, vec3 reflected) {
+#if PANE == 2
+  PaneFaces f = faces_of_pane();
+  vec3 front = f.share * vec3(fresnel_surface(c, f.index.x), fresnel_surface(c, f.index.y), fresnel_surface(c, f.index.z));
+  return max(reflected - front, 0.0);
+#else
+  return vec3(fresnel_faces(c, u_pane.y, inside.r).y, fresnel_faces(c, u_pane.y, inside.g).y, fresnel_faces(c, u_pane.y, inside.b).y);
+#endif
+}
+#endif
+#endif
+
 void main() {
   vec4 base = base_color();
   vec3 view = -normalize(v_position);
@@ -150,19 +193,19 @@ void main() {
   if (u_textures[kPaneMetallic] >= 0) pane *= 1.0 - u_metallic * texel(kPaneMetallic).b;
 #endif
   // The refracted ray's way through a slab of that thickness.
-  base.rgb *= exp(-absorption * inversesqrt(max(1.0 - (1.0 - c * c) / (u_pane.y * u_pane.y), 1e-6)));
-  vec2 red = fresnel_pane(c, u_pane.y, base.r), green = fresnel_pane(c, u_pane.y, base.g), blue = fresnel_pane(c, u_pane.y, base.b);
+  base.rgb = clamp(base.rgb, 0.0, 1.0) * exp(-absorption * inversesqrt(max(1.0 - (1.0 - c * c) / pow(max(u_pane.y, 1.0), 2.0), 1e-6)));
+  PaneShares shares = shares_of_pane(c, base.rgb);
 #endif
 #if RECORD
   uint number = atomicAdd(b_count, 1u) + 1u;
   if (number > uint(b_layers.length())) return;  // the host sees the count
   vec2 mirrored = latlong_uv_from_direction(reflect(-view, n));
-  vec3 share = vec3(red.x, green.x, blue.x) * v_open, through = vec3(red.y, green.y, blue.y) * pane;
+  vec3 share = shares.reflected * (v_open * base.a), through = 1.0 - base.a + shares.transmitted * (pane * base.a);
   uint behind = imageAtomicExchange(io_heads, ivec2(gl_FragCoord.xy), number);
   Layer layer;
   layer.behind_uv_share = uvec4(behind, floatBitsToUint(vec3(mirrored, share.r)));
   layer.share_through = vec4(share.gb, through.rg);
-  layer.through_added = vec4(through.b, emission);
+  layer.through_added = vec4(through.b, emission * base.a);
   b_layers[number - 1u] = layer;
 #else
   o_color = vec4(surface * base.a, 0.0);
@@ -174,16 +217,16 @@ void main() {
     vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     mirrored = mix(mirrored, scene.rgb, scene.w);
 #endif
-    vec3 reflected = vec3(red.x, green.x, blue.x) * mirrored;
+    vec3 reflected = shares.reflected * mirrored;
 #if MIRRORED == 2
     if (scene.w > 0.0) {
       vec4 second = reflected_scene(t_ghost_direction, t_ghost);
-      vec3 back = vec3(fresnel_faces(c, u_pane.y, base.r).y, fresnel_faces(c, u_pane.y, base.g).y, fresnel_faces(c, u_pane.y, base.b).y);
+      vec3 back = back_reflectance(c, base.rgb, shares.reflected);
       reflected += back * (second.rgb - mirrored) * second.w;
     }
 #endif
-    o_color = vec4(pane * (emission + reflected) + (1.0 - pane) * surface, 0.0);
-    o_through = vec4(vec3(red.y, green.y, blue.y) * pane, 1.0);
+    o_color = vec4(base.a * (pane * (emission + reflected) + (1.0 - pane) * surface), 0.0);
+    o_through = vec4(1.0 - base.a + shares.transmitted * (pane * base.a), 1.0);
   }
 #endif
 #if MIRRORED == 3

@@ -5,9 +5,7 @@
 layout(location = 0) in vec3 a_position;
 #include "gbuffer/vertex.glsl"
 #if TEXTURES
-#include "shared/texture_table.glsl"
-#include "glass/pane_textures.glsl"
-out vec2 v_uv[kPaneTextures];
+out vec4 v_uv;  // of both sets
 out vec4 v_tangent;
 #endif
 #if VISIBILITY == 2
@@ -37,8 +35,7 @@ void main() {
   v_color = vertex_color(gl_VertexID);
 #if TEXTURES
   v_tangent = texelFetch(t_vertices, 4 * gl_VertexID + 2);
-  for (int k = 0; k < kPaneTextures; ++k)
-    v_uv[k] = texture_coordinates(max(u_textures[k], 0), vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
+  v_uv = vec4(vertex_uv0(gl_VertexID), vertex_uv1(gl_VertexID));
 #endif
   v_open = 1.0;
 #if VISIBILITY

@@ -143,7 +143,7 @@ void store_surface(ivec2 pixel, vec3 origin, vec3 direction, OctreeHit hit, int 
   store_details(pixel, surface);
 #endif
   float depth = max(hit.t, 1e-30);
-  imageStore(o_surface, pixel, pack_surface(surface, glows ? m2.rgb * seen.tint : m2.rgb));
+  imageStore(o_surface, pixel, pack_surface(surface, glows ? seen.tint : vec3(1.0)));
   imageStore(o_depth, pixel, vec4(depth));
   imageStore(o_guide, pixel, uvec4(pack_guide(depth, normal, seen.material), 0u, 0u));
   imageStore(o_effort, pixel, uvec4(uint(min(steps, 255)), uint(hit.level), 0u, 0u));

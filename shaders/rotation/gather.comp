@@ -37,6 +37,7 @@ uniform int u_point_capacity;
 uniform float u_sample_scale;
 
 #include "bandwidth/block_share.glsl"
+layout(binding = kUnitSurface) uniform usampler2D t_surface;
 #include "bandwidth/without_base.glsl"
 
 vec4 mean_of_items(ShadedPoint point, uint count) {
@@ -77,7 +78,7 @@ void main() {
     // The history of a point whose prediction failed is not used in the next frame.
     vec3 mean = mean_of_items(point, point.item_count).rgb;
     imageStore(io_history, pixel, vec4(mean, 0.0));
-    imageStore(o_radiance, pixel, vec4(without_base(mean + sun_at(pixel), pixel), 1.0));
+    imageStore(o_radiance, pixel, without_assumed_base(mean + sun_at(pixel), texelFetch(t_surface, pixel, 0)));
 #else
     vec4 now = mean_of_items(point, point.item_count);
     vec3 mean = now.rgb;
@@ -95,7 +96,7 @@ void main() {
       for (uint i = 0u; i < (fits ? more : 0u); ++i)
         b_items[first + i] = Item(point.pixel, pack_temporal_item(0x200000u + uint(u_frame_number) * 1024u + i, more_size_log2(), 0u));
     }
-    imageStore(o_radiance, pixel, vec4(without_base(max(mean + sun_at(pixel), vec3(0.0)), pixel), 1.0));
+    imageStore(o_radiance, pixel, without_assumed_base(max(mean + sun_at(pixel), vec3(0.0)), texelFetch(t_surface, pixel, 0)));
 #endif
   }
 }

@@ -5,7 +5,7 @@
 // QUADS completes the points of the other quads; STAGE 4 copies a plain quad's value to all its points. sky.comp draws points that show the sky,
 // except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
 // interpolated between two (2). SHADOWS: adds light that rays have shadowed (render/shadow_rays). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
-// with REFLECTED, accumulates what the mirrored rays of glossy surfaces show.
+// with REFLECTED, accumulates what the mirrored rays of glossy surfaces show. TINT: panes on the way of reflected rays leave a share of the light.
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #if STAGE == 2
@@ -38,6 +38,7 @@ uniform float u_blend;  // weight of this frame in the mean
 #endif
 #if STAGE < 2 || STAGE == 3
 #if TEXTURES
+#include "shared/luminance.glsl"
 #include "bandwidth/base_factor.glsl"
 #endif
 #if INDIRECT
@@ -53,11 +54,12 @@ layout(binding = kUnitGlossy) uniform sampler2D t_glossy;
 #if SHADOWS
 layout(binding = kUnitShadowLight) uniform sampler2D t_shadow_light;
 #endif
-vec3 complete(ivec2 p, vec3 shaded) {
+vec3 complete(ivec2 p, vec4 stored) {
+  vec3 shaded = stored.rgb;
   uvec4 g = texelFetch(t_surface, p, 0);
   uint flags = material_words(int(g.z >> 16u), 6).x;
 #if TEXTURES
-  shaded *= base_factor(g, flags);
+  shaded *= base_factor(stored, g, flags);
 #endif
 #if SHADOWS
   shaded = max(shaded + texelFetch(t_shadow_light, p, 0).rgb, 0.0);
@@ -81,7 +83,7 @@ vec3 complete(ivec2 p, vec3 shaded) {
 #if GLOSSY && defined(REFLECTED)
   return shaded;  // emissive surfaces light opaque ones as lights already
 #else
-  return shaded + unpack_rgb9e5(g.w, kEmissionBias);
+  return shaded + unpack_emission_share(g.w) * material_floats(int(g.z >> 16u), 2).rgb;
 #endif
 }
 #endif
@@ -117,6 +119,9 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
   return sum;
 }
 #endif
+#if TINT
+layout(binding = kUnitPaneTint) uniform sampler2D t_pane_tint;
+#endif
 #if GLOSSY
 layout(binding = kImageMean, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
 uniform float u_blend;                                          // weight of this frame
@@ -129,9 +134,12 @@ void main() {
   if (reflector < 0.0) value = vec4(texelFetch(t_ray_origin, pixel, 0).xyz, 0.0);  // not followed: rays.comp says why
   if (reflector > 0.0) {
     bool surface = texelFetch(t_depth, pixel, 0).x > 0.0;
-    value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel).rgb), 1.0) : vec4(ray_end(pixel), 0.0);
+    value = surface ? vec4(complete(pixel, imageLoad(io_radiance, pixel)), 1.0) : vec4(ray_end(pixel), 0.0);
 #if LAYERS
     value = with_layers(pixel, value);
+#endif
+#if TINT
+    value.rgb *= texelFetch(t_pane_tint, pixel, 0).rgb;
 #endif
   }
   imageStore(io_radiance, pixel, value);
@@ -170,8 +178,8 @@ uniform int u_least_points;  // how many of a quad's four points are completed a
 void main() {
   ivec2 first = listed_quad(int(linear_id()));
   if (first.x < 0) return;
-  vec3 near = imageLoad(io_radiance, first).rgb, right = imageLoad(io_radiance, first + ivec2(2, 0)).rgb;
-  vec3 below = imageLoad(io_radiance, first + ivec2(0, 2)).rgb, far = imageLoad(io_radiance, first + 2).rgb;
+  vec4 near = imageLoad(io_radiance, first), right = imageLoad(io_radiance, first + ivec2(2, 0));
+  vec4 below = imageLoad(io_radiance, first + ivec2(0, 2)), far = imageLoad(io_radiance, first + 2);
   int points = u_least_points;
 #if TEXTURES
   points = has_textures(int(texelFetch(t_surface, first, 0).z >> 16u)) ? 4 : points;
@@ -181,8 +189,8 @@ void main() {
   do {  // tested at the end, as in integrate.glsl
     ivec2 step = ivec2(k & 1, k >> 1);
     vec2 at = points == 1 ? vec2(0.25) : 0.5 * vec2(step);
-    vec3 shaded = mix(mix(near, right, at.x), mix(below, far, at.x), at.y);
-    sum += through_panes(first + step, complete(first + step, shaded));
+    vec4 stored = mix(mix(near, right, at.x), mix(below, far, at.x), at.y);
+    sum += through_panes(first + step, complete(first + step, stored));
   } while (++k < points);
   imageStore(io_radiance, first + 1, vec4(sum / float(points), 1.0));
 }
@@ -197,9 +205,9 @@ void main() {
 #endif
   if (pixel.x < 0 || texelFetch(t_depth, pixel, 0).x <= 0.0) return;
 #if STAGE == 0
-  store_blended(pixel, vec4(through_panes(pixel, complete(pixel, texelFetch(t_radiance, pixel, 0).rgb)), 1.0));
+  store_blended(pixel, vec4(through_panes(pixel, complete(pixel, texelFetch(t_radiance, pixel, 0))), 1.0));
 #else
-  imageStore(io_radiance, pixel, vec4(through_panes(pixel, complete(pixel, imageLoad(io_radiance, pixel).rgb)), 1.0));
+  imageStore(io_radiance, pixel, vec4(through_panes(pixel, complete(pixel, imageLoad(io_radiance, pixel))), 1.0));
 #endif
 }
 #endif

@@ -111,7 +111,8 @@ vec2 node_choice(Estimator e, uint n) { return vec2(unit_float(e.q4 + n * kStep4
 
 struct LobeTerms {
   vec3 f;
-  float f_hat;  // density for the balance heuristic
+  float f_hat;   // density for the balance heuristic
+  float tinted;  // of AnalyticLobes; measured tables have the same share everywhere
 };
 
 #if MEASURED
@@ -126,11 +127,12 @@ CellDraw draw_cell(Estimator e, uint n) {
 }
 LobeTerms lobe_terms(Point p, vec3 wi, uvec2 words, float fraction) {
   vec3 f = brdf_value(words, fraction) * p.tint;
-  return LobeTerms(f, luminance(f) * wi.z * p.inverse_albedo);
+  return LobeTerms(f, luminance(f) * wi.z * p.inverse_albedo, 0.0);
 }
 #else
 LobeTerms lobe_terms(Point p, vec3 wi) {
-  return LobeTerms(evaluate_analytic(p.analytic, wi, p.wo).total, analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo));
+  AnalyticLobes lobes = evaluate_analytic(p.analytic, wi, p.wo);
+  return LobeTerms(lobes.total, analytic_pdf(p.analytic, p.lobe_weights, wi, p.wo), lobes.tinted);
 }
 #endif
 

@@ -69,6 +69,7 @@ struct LightDraw {
   vec3 world;       // to the light
   float distance_m;
   vec3 outgoing;    // cd/m2, already divided by the probabilities; 0 where it does not shine
+  float tinted;     // luminance of its part that the base colour scales, for a white one
 };
 
 /// Random numbers of sample `index` of a point.
@@ -90,15 +91,22 @@ LightDraw draw_light(Point p, LightChoice choice, LightNumbers n, vec2 xi) {
   r.wi = to_local(p, environment_from_world(s.wi));
   r.distance_m = s.distance_m;
   r.outgoing = vec3(0.0);
+  r.tinted = 0.0;
   if (r.wi.z <= 0.0) return r;
 #if MEASURED
-  vec3 f = measured_brdf(p.slot, r.wi, p.wo, xi) * p.tint;
+  r.outgoing = measured_brdf(p.slot, r.wi, p.wo, xi) * p.tint * s.radiance * r.wi.z;
 #else
-  vec3 f = evaluate_analytic(p.analytic, r.wi, p.wo).total;
+  AnalyticLobes lobes = evaluate_analytic(p.analytic, r.wi, p.wo);
+  r.outgoing = lobes.total * s.radiance * r.wi.z;
+  r.tinted = lobes.tinted * luminance(s.radiance) * r.wi.z;
 #endif
-  r.outgoing = f * s.radiance * r.wi.z;
-  if (r.light.kind == kLightTriangle) r.outgoing = min(r.outgoing, kMaxMirrors * r.light.color);
-  r.outgoing /= max(r.light.selection_pdf, 1e-20);
+  if (r.light.kind == kLightTriangle) {
+    r.outgoing = min(r.outgoing, kMaxMirrors * r.light.color);
+    r.tinted = min(r.tinted, kMaxMirrors * luminance(r.light.color));
+  }
+  float inverse_pdf = 1.0 / max(r.light.selection_pdf, 1e-20);
+  r.outgoing *= inverse_pdf;
+  r.tinted *= inverse_pdf;
   return r;
 }
 
@@ -111,20 +119,22 @@ float light_share(LightDraw d) {
 }
 #endif
 
-/// Mean over this work item's light samples, cd/m2.
-vec3 direct_lights(Point p, uint rotation, uint first_sample, int count) {
+/// Mean over this work item's light samples, cd/m2; w: of LightDraw::tinted.
+vec4 direct_lights(Point p, uint rotation, uint first_sample, int count) {
   LightChoice choice = light_choice(p.position);
   int samples = light_sample_count(choice, count);
   uint first = first_sample / uint(count) * uint(samples);
-  vec3 sum = vec3(0.0);
+  vec4 sum = vec4(0.0);
   int i = 0;
   do {
     uint index = first + uint(i);
     LightDraw d = draw_light(p, choice, light_numbers(rotation, index), unit_pair(hash(rotation + index * 0xD1B54A33u)));
 #if VISIBILITY == 2
-    d.outgoing *= light_share(d);
+    float share = light_share(d);
+    d.outgoing *= share;
+    d.tinted *= share;
 #endif
-    sum += d.outgoing;
+    sum += vec4(d.outgoing, d.tinted);
   } while (++i < samples);
   return sum / float(samples);
 }

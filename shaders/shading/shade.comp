@@ -43,6 +43,7 @@ layout(std430, binding = kBufferPartial) writeonly buffer Partial { vec4 b_parti
 
 struct Result {
   vec3 sum;
+  float tinted;  // luminance of what the base colour scales, for a white one
 #ifdef ROTATING
 #if REUSES_HISTORY
   vec3 before;  // value of the current sample under the previous rotation
@@ -66,7 +67,11 @@ void add_sample(inout Result r, vec3 now) {
 }
 #define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) add_sample(result, f * radiance * weight)
 #else
-#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) result.sum += f * radiance * weight
+void add_sample(inout Result r, vec3 f, float tinted, vec3 light) {
+  r.sum += f * light;
+  r.tinted += tinted * luminance(light);
+}
+#define ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf) add_sample(result, f, lobe.tinted, radiance * weight)
 #endif
 #ifdef ROTATING
 #define SAMPLE_GROUP 2
@@ -91,6 +96,7 @@ void main() {
   Point p = load_point(pixel);
   Result result;
   result.sum = vec3(0.0);
+  result.tinted = 0.0;
 #if VISIBILITY
   result.visibility = load_visibility(pixel, p.position, world_from_environment(p.n));
 #endif
@@ -113,22 +119,29 @@ void main() {
   integrate(p, pixel, first_sample, count, result);
   float sky_scale = u_frame.environment.z * p.occlusion;
   vec3 sum = result.sum * sky_scale;
-  float spread = 1.0;
 #ifdef ROTATING
   // Of one sample, from the terms of the sum.
-  spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * sky_scale * sky_scale;
+  float spread = (float(count) * result.squares - dot(result.sum, result.sum) * (1.0 / 3.0)) * sky_scale * sky_scale;
 #endif
 #if LIGHTS
 #if VISIBILITY == 2
   g_light_visibility = result.visibility;
 #endif
-  vec3 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
+  vec4 lights = direct_lights(p, hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w))), first_sample, count);
 #if defined(ROTATING) && REUSES_HISTORY
   lights *= 1.0 - temporal.kept;  // lights do not rotate: before and after are equal
   // One light sample does not show the variance of light samples; its square is an upper bound.
-  spread += temporal.kept > 0.0 ? float(count) * dot(lights, lights) * (1.0 / 3.0) : 0.0;
+  spread += temporal.kept > 0.0 ? float(count) * dot(lights.rgb, lights.rgb) * (1.0 / 3.0) : 0.0;
 #endif
-  sum += lights;
+  sum += lights.rgb;
 #endif
+#ifdef ROTATING
   b_partial[id] = vec4(sum, spread);
+#else
+  float tinted = result.tinted * sky_scale;
+#if LIGHTS
+  tinted += lights.w;
+#endif
+  b_partial[id] = vec4(sum, tinted);
+#endif
 }

@@ -31,6 +31,7 @@
 
 struct AnalyticMaterial {
   vec3 diffuse;      // albedo of the Lambert lobe
+  float lambert;     // the same of a white base
   vec3 f0;           // specular reflectance at normal incidence
   float f90;
   float alpha;       // GGX alpha = roughness^2, along x
@@ -115,7 +116,8 @@ MAQUETTE_FN AnalyticMaterial make_analytic(vec3 base_color, float metallic, floa
   AnalyticMaterial m;
   float r = (ior - 1.0f) / (ior + 1.0f);
   vec3 dielectric = min(specular_color * (r * r), vec3(1.0f)) * specular;
-  m.diffuse = base_color * (1.0f - metallic);
+  m.lambert = 1.0f - metallic;
+  m.diffuse = base_color * m.lambert;
   m.f0 = dielectric * (1.0f - metallic) + base_color * metallic;
   m.f90 = specular * (1.0f - metallic) + metallic;
   m.alpha = max(roughness * roughness, kMinAlpha);
@@ -254,6 +256,7 @@ struct AnalyticLobes {
   vec3 total;      // BRDF, 1/sr
   float specular;  // luminance of the base's GGX lobe, 1/sr
   float coat;      // luminance of the coat's lobe, 1/sr
+  float tinted;    // what the base colour scales, for a white one, 1/sr
 };
 
 #if ANALYTIC_COAT
@@ -278,8 +281,10 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
   vec3 fresnel = base_fresnel(m, cos_d);
   float largest_fresnel = max(max(fresnel.x, fresnel.y), fresnel.z);
   GgxWidth alpha = base_width(m);
-  vec3 specular = fresnel * (ggx_d(h, alpha) * ggx_visibility(wi, wo, alpha));
+  float facets = ggx_d(h, alpha) * ggx_visibility(wi, wo, alpha);
+  vec3 specular = fresnel * facets;
   AnalyticLobes r;
+  r.tinted = m.lambert * (kInvPi * (1.0f - largest_fresnel)) + (1.0f - m.lambert) * (1.0f - schlick_weight(cos_d)) * facets;
   r.total = m.diffuse * (kInvPi * (1.0f - largest_fresnel)) + specular;
   r.specular = luminance(specular);
 #if ANALYTIC_SHEEN
@@ -287,6 +292,7 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
     float below = min(below_sheen(m, wi.z), below_sheen(m, wo.z));
     r.total = r.total * below + m.sheen * sheen_lobe(h, wi, wo, m.sheen_alpha);
     r.specular *= below;
+    r.tinted *= below;
   }
 #endif
   r.coat = 0.0f;
@@ -296,6 +302,7 @@ MAQUETTE_FN AnalyticLobes evaluate_analytic(AnalyticMaterial m, vec3 wi, vec3 wo
     r.coat = fc * coat_lobe(m, h, wi, wo);
     r.total = r.total * (1.0f - fc) + vec3(r.coat);
     r.specular *= 1.0f - fc;
+    r.tinted *= 1.0f - fc;
   }
 #endif
   return r;

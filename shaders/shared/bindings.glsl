@@ -32,7 +32,6 @@ const int kUnitMean = 18;  // bandwidth
 const int kUnitDeviation = 19;  // bandwidth
 const int kUnitLaterLight = 19;  // shading
 const int kUnitRenewed = 19;  // rotation
-const int kUnitSpread = 19;  // bandwidth
 const int kUnitAxes = 20;  // bandwidth, rotation
 const int kUnitTextureBandwidthMap = 20;  // bandwidth
 const int kUnitPyramid = 21;  // bandwidth, rotation
@@ -108,6 +107,8 @@ const int kUnitBlendedDepth = 68;  // glass
 const int kUnitBlendedDepths = 69;  // glass
 const int kUnitBlendedRadiance = 70;  // glass
 const int kUnitShadowLight = 71;  // shading
+const int kUnitSpread = 72;  // bandwidth
+const int kUnitPaneTint = 73;  // shading
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth

@@ -10,7 +10,8 @@ vec4 material_floats(int material, int texel) {
 // Texel 0: base colour rgb, alpha cutoff. 1: metallic, roughness, normal scale, occlusion strength. 2: emission rgb, ior.
 // 3: clearcoat, coat roughness, specular, transmission. 4: specular colour rgb, sheen roughness. 5: sheen rgb, anisotropy strength.
 // 6: flags and (upper half, as a half float) the largest bandwidth of the measured table in cycles/rad, BRDF slot, BRDF sample share (float),
-// rotation of the anisotropy, rad. 7: iridescence, its refractive index, least and greatest thickness, nm. 8: coat normal scale.
+// rotation of the anisotropy, rad. 7: iridescence, its refractive index, least and greatest thickness, nm. 8: coat normal scale, 1 where the
+// coat's normal texture has coordinates unlike those of the normal texture.
 // 9 to 12: textures. A texture is its record's index with its role in the upper half; the list ends with kNoTexture.
 const int kMaterialTextures = 9;  // first texel of the list
 const int kMostTextures = 16;

@@ -73,6 +73,7 @@ std::vector<PictureView> picture_views(const Options& options) {
 
 FrameRequest request_of(Stage& stage, const PictureView& view, const std::string& mode, std::uint32_t seed) {
   FrameRequest r = stage.request(mode, 0, seed);
+  r.reflections = kAutoReflections;  // as commands and window have it
   const bool asked = std::any_of(stage.options().settings.begin(), stage.options().settings.end(),
                                  [](const auto& s) { return s.first == "shading.visibility"; });
   if (!asked) r.settings.set_from_text("shading.visibility", "auto");

@@ -182,6 +182,7 @@ TEST(WorkLists, GrowWithoutLosingASample) {
   request.width = request.height = 64;
   request.settings.set_from_text("bandwidth.max_level", "0");
   request.settings.set_from_text("shading.reuse", "false");
+  EXPECT_TRUE(renderer.finish_background_work(request));
   request.samples = 4;
   const std::size_t before = renderer.render(request).gpu_bytes.at("shading");
   request.samples = 1024;

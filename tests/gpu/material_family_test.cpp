@@ -208,7 +208,8 @@ std::shared_ptr<const Scene> reloaded(const Scene& scene, unsigned seed) {
   if (seed % 3 == 2) test::compress_glb(path, test::MeshCodec::meshopt);
   auto loaded = std::make_shared<const Scene>(load_gltf(path));
   std::filesystem::remove(path);
-  EXPECT_TRUE(loaded->warnings.empty()) << loaded->warnings.front();
+  for (const std::string& line : loaded->warnings)
+    EXPECT_NE(line.find("the share that transmits is drawn"), std::string::npos) << line;
   return loaded;
 }
 

@@ -4,86 +4,11 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "render/gl/context.h"
 #include "render/math/shared_formulas.h"
-#include "render/renderer.h"
-#include "tests/support/test_scenes.h"
+#include "tests/gpu/material_stage.h"
 
 namespace maquette {
 namespace {
-
-constexpr const char* kModes[] = {"uniform", "bandwidth", "splitsum", "sg", "reference"};
-
-/// A square before the eye; behind it, where `wall` says so, a large one.
-struct Stage {
-  Scene scene;
-  explicit Stage(const Material& material, const Material* wall = nullptr) {
-    scene.materials.push_back(material);
-    Primitive front = test::make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 0);
-    front.uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-    test::add(&scene, front);
-    if (!wall) return;
-    scene.materials.push_back(*wall);
-    test::add(&scene, test::make_grid({-9, -9, -1}, {18, 0, 0}, {0, 18, 0}, 1, 1));
-  }
-  void add_image(int width, int height, const std::vector<std::uint8_t>& rgba) {
-    TextureImage image;
-    image.width = width;
-    image.height = height;
-    image.rgba = rgba;
-    scene.images.push_back(image);
-  }
-  /// Straight at the square, irradiance `lux`.
-  void add_light(float lux) {
-    PunctualLight light;
-    light.kind = PunctualLight::Kind::directional;
-    light.intensity = lux;
-    scene.lights.push_back(light);
-    Node node;
-    node.light = 0;
-    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
-    scene.nodes.push_back(node);
-  }
-  std::vector<glm::vec4>& colors() { return scene.meshes[0].primitives[0].colors; }
-};
-
-class MaterialRules : public ::testing::Test {
- protected:
-  /// Mean of the middle.
-  glm::vec3 draw(const Stage& stage, const std::string& mode, float sky, int samples = 256) {
-    Renderer renderer;
-    renderer.set_scene(std::make_shared<Scene>(stage.scene));
-    renderer.set_environment(test::constant_sky(sky));
-    FrameRequest r;
-    r.mode = mode;
-    r.width = r.height = 32;
-    r.samples = samples;
-    r.camera.eye = {0.0f, 0.0f, 3.0f};
-    r.camera.target = {0.0f, 0.0f, 0.0f};
-    r.camera.fov_y_rad = 0.5f;
-    r.settings.set("shading.visibility", std::string("none"));
-    r.settings.set("reference.transport", std::string("direct"));
-    renderer.render(r);
-    const Image image = renderer.read_radiance();
-    glm::vec3 sum(0.0f);
-    for (int y = 12; y < 20; ++y)
-      for (int x = 12; x < 20; ++x)
-        for (int c = 0; c < 3; ++c) sum[c] += image.at(x, y, c) / 64.0f;
-    return sum;
-  }
-  static bool has_lights(const std::string& mode) { return mode != "splitsum" && mode != "sg"; }
-  void expect(const Stage& stage, float sky, const glm::vec3& value, float relative, bool needs_lights = false) {
-    for (const std::string mode : kModes) {
-      if (needs_lights && !has_lights(mode)) continue;
-      const glm::vec3 found = draw(stage, mode, sky);
-      for (int c = 0; c < 3; ++c)
-        EXPECT_NEAR(found[c], value[c], relative * value[c] + 1e-4f) << mode << ", channel " << c;
-    }
-    EXPECT_TRUE(take_gl_errors().empty());
-  }
-
-  GlContext context_ = GlContext::create_headless();
-};
 
 TEST_F(MaterialRules, OcclusionDimsTheSkyAlone) {
   Material m = test::matte({0.6f, 0.4f, 0.2f});
@@ -194,6 +119,7 @@ TEST_F(MaterialRules, ATiltedVolumeAbsorbsAlongTheRefractedWay) {
   m.glass = true;
   m.transmission = 1.0f;
   m.ior = 1.5f;
+  m.specular = 1.0f;
   m.thickness = 0.2f;
   m.thickness_texture.image = 0;
   m.attenuation_color = {0.9f, 0.5f, 0.1f};
@@ -235,6 +161,71 @@ TEST_F(MaterialRules, GlassIsCutOutToo) {
   m.base_color.a = 0.4f;
   const Stage stage(m, &wall);
   expect(stage, 1.0f, glm::vec3(0.5f), 0.01f);
+}
+
+/// Small channels beside large ones keep their digits, of factors and of textures.
+TEST_F(MaterialRules, EmissionKeepsEveryChannel) {
+  Material m = test::matte(glm::vec3(0.0f));
+  m.emissive = {1000.0f, 1.0f, 0.1f};
+  expect(Stage(m), 0.0f, m.emissive, 0.003f);
+  m.emissive = glm::vec3(1000.0f);
+  m.emissive_texture.image = 0;
+  Stage stage(m);
+  stage.add_image(1, 1, {255, 10, 1, 255});
+  expect(stage, 0.0f, {1000.0f, 1000.0f * 10.0f / 255.0f / 12.92f, 1000.0f / 255.0f / 12.92f}, 0.01f);
+}
+
+/// Many texels a pixel: coverage by their mean, and cut-outs by it too.
+TEST_F(MaterialRules, AlphaOfMinifiedTexturesIsTheirMean) {
+  Material wall = test::matte(glm::vec3(0.0f));
+  wall.unlit = true;
+  Material m = test::matte(glm::vec3(1.0f));
+  m.unlit = true;
+  m.base_color_texture.image = 0;
+  m.base_color_texture.scale = glm::vec2(40.0f);
+  std::vector<std::uint8_t> rgba;
+  for (int i = 0; i < 33 * 17; ++i)
+    rgba.insert(rgba.end(), {255, 255, 255, static_cast<std::uint8_t>(i % 4 == 0 ? 255 : 40)});
+  const float mean = (141.0f * 255.0f + 420.0f * 40.0f) / (561.0f * 255.0f);
+  for (const AlphaMode mode : {AlphaMode::blend, AlphaMode::mask}) {
+    m.alpha_mode = mode;
+    m.alpha_cutoff = 0.3f;  // below the mean, above most texels
+    Stage stage(m, &wall);
+    stage.add_image(33, 17, rgba);
+    expect(stage, 0.0f, glm::vec3(mode == AlphaMode::blend ? mean : 1.0f), 0.01f);
+    transport_ = "full";
+    EXPECT_NEAR(draw(stage, "reference", 0.0f, 1).x, mode == AlphaMode::blend ? mean : 1.0f, 0.01f);
+    transport_ = "direct";
+  }
+}
+
+/// A coat's normal texture on coordinates of its own has tangents of its own (glTF 2.0, 3.7.2.1), also beside a flat
+/// normal texture on others.
+TEST_F(MaterialRules, CoatNormalsFollowTheirOwnCoordinates) {
+  Material m = test::matte(glm::vec3(0.0f));
+  m.clearcoat = 1.0f;
+  m.clearcoat_roughness = 0.5f;
+  m.clearcoat_normal_texture.image = 0;
+  m.clearcoat_normal_texture.uv_set = 1;
+  m.clearcoat_normal_texture.rotation_rad = 0.5f;
+  sky_ = test::constant_sky(0.1f);
+  for (std::size_t i = 0; i < sky_->rgb.size(); ++i)
+    if (i % 32 < 16) sky_->rgb[i] = glm::vec3(10.0f);  // towards +x
+  const auto stage_of = [](const Material& material) {
+    Stage stage(material);
+    stage.add_image(1, 1, {210, 128, 220, 255});
+    stage.add_image(1, 1, {128, 128, 255, 255});
+    stage.scene.meshes[0].primitives[0].uvs[1] = {{0, 0}, {0, 1}, {-1, 0}, {-1, 1}};
+    return stage;
+  };
+  Material both = m, first = m;
+  both.normal_texture.image = 1;
+  first.clearcoat_normal_texture.uv_set = 0;
+  for (const std::string mode : {"uniform", "reference"}) {
+    const float alone = draw(stage_of(m), mode, 0.0f, 2048).y, beside = draw(stage_of(both), mode, 0.0f, 2048).y;
+    EXPECT_NEAR(beside, alone, 0.02f * alone) << mode;
+    EXPECT_GT(std::abs(draw(stage_of(first), mode, 0.0f, 2048).y - alone), 0.06f * alone) << mode;
+  }
 }
 
 /// Dark linear colours of vertices keep their digits.

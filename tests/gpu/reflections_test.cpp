@@ -299,6 +299,7 @@ TEST_F(Reflections, HitsAreKeptWhileOnlyTheLightTurns) {
   for (const char* technique : {"raytraced", "bezier", "triangle"}) {
     SCOPED_TRACE(technique);
     FrameRequest request = request_of(technique);
+    EXPECT_TRUE(renderer_.finish_background_work(request));
     EXPECT_TRUE(finds_hits(renderer_.render(request)));
     request.env_rotation_rad = 1.0f;
     EXPECT_FALSE(finds_hits(renderer_.render(request)));

@@ -1,7 +1,9 @@
 // The shading estimator judged as a whole: against quadrature, against itself with other seeds, and mode against mode.
+#define GLM_ENABLE_EXPERIMENTAL
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <glm/gtx/quaternion.hpp>
 #include <memory>
 #include <string>
 
@@ -10,6 +12,7 @@
 #include "render/renderer.h"
 #include "scenes/luminance.h"
 #include "tests/support/local_bandwidth.h"
+#include "tests/support/path_scenes.h"
 #include "tests/support/sphere_quadrature.h"
 #include "tests/support/test_scenes.h"
 
@@ -183,18 +186,16 @@ TEST_F(Estimator, WhatMasksCoverWithinAFewPixelsIsNotFilledOver) {
   EXPECT_LT(repainted, 0.05);
 }
 
-TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
-  // Under an even sky only the texture varies, and interpolation works on the picture without the texture.
-  // The specular reflection of a dark texel is as bright as that of a bright one.
-  show("builtin:matte-white");
+/// A square of 2.6 m in the plane z = 0 with a glossy chequer of 1 and 80 %.
+Scene glossy_chequer(float roughness) {
   Scene scene;
   Material material = test::matte(glm::vec3(1.0f));
   material.specular = 1.0f;
-  material.roughness = 0.4f;
+  material.roughness = roughness;
   TextureImage texture;
   texture.width = texture.height = 64;
   for (int i = 0; i < 64 * 64; ++i) {
-    const int dark = (i % 64 / 8 + i / 64 / 8) % 2;  // a chequer of 1 and 80 %
+    const int dark = (i % 64 / 8 + i / 64 / 8) % 2;
     for (int c = 0; c < 4; ++c) texture.rgba.push_back(c == 3 ? 255 : static_cast<std::uint8_t>(dark ? 25 : 230));
   }
   scene.images.push_back(texture);
@@ -203,13 +204,62 @@ TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
   Primitive grid = test::make_grid({-1.3f, -1.3f, 0.0f}, {2.6f, 0, 0}, {0, 2.6f, 0}, 1, 0);
   grid.uvs[0] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}};
   test::add(&scene, grid);
-  renderer_.set_scene(std::make_shared<Scene>(scene));
+  return scene;
+}
+
+TEST_F(Estimator, DarkTexelsAreFilledAsTheyReflect) {
+  // Under an even sky only the texture varies, and interpolation works on the picture without the texture.
+  // The specular reflection of a dark texel is as bright as that of a bright one.
+  show("builtin:matte-white");
+  renderer_.set_scene(std::make_shared<Scene>(glossy_chequer(0.4f)));
   renderer_.set_environment(test::constant_sky(1.0f));
   const Image converged = draw(request("uniform", 512, 5, 64));
   const Image filled = draw(request("bandwidth", 256, 6, 64));
   const double error = difference(filled, converged);
   RecordProperty("error", std::to_string(error));
   EXPECT_LT(error, 0.02);
+}
+
+/// Where gloss mirrors what is far brighter than the light on the matte part, by sky or lamps, dark texels show little
+/// but gloss. They are filled from bright ones without bias, in one frame and at rest.
+TEST_F(Estimator, DarkTexelsMirrorABrightSky) {
+  show("builtin:matte-white");
+  Scene scene = glossy_chequer(0.3f);
+  const auto half_bright =
+      test::sky_of(128, 64, [](const glm::dvec3& d) { return glm::dvec3(d.y > 0.0 ? 20.0 : 0.5); });
+  for (const bool lamp : {false, true}) {
+    if (lamp) {
+      PunctualLight light;
+      light.kind = PunctualLight::Kind::directional;
+      light.intensity = 60.0f;
+      scene.lights.push_back(light);
+      Node node;
+      node.light = 0;  // shines along its -Z: from above the square's far edge to the eye
+      node.local = glm::mat4_cast(glm::rotation(glm::vec3(0, 0, -1), glm::normalize(glm::vec3(0.0f, -1.0f, -0.4f))));
+      scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+      scene.nodes.push_back(node);
+    }
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    renderer_.set_environment(lamp ? test::constant_sky(0.5f) : half_bright);
+    const auto grazing = [](const std::string& mode, int samples, std::uint32_t seed) {
+      FrameRequest r = request(mode, samples, seed, 96);
+      r.camera.eye = {0.0f, -4.2f, 1.4f};
+      r.camera.fov_y_rad = 0.35f;
+      return r;
+    };
+    const Image converged = draw(grazing("uniform", 1024, 5), 2);
+    const Image once = draw(grazing("bandwidth", 1024, 6)), at_rest = draw(grazing("bandwidth", 128, 7), 12);
+    const Image base = renderer_.read_debug_view("base_color");
+    double truth = 0.0, first = 0.0, rest = 0.0;
+    for (std::size_t i = 0; i < base.data.size(); i += 4) {
+      if (converged.data[i + 3] < 1.0f || base.data[i] > 0.05f) continue;
+      truth += static_cast<double>(converged.data[i]);
+      first += static_cast<double>(once.data[i]);
+      rest += static_cast<double>(at_rest.data[i]);
+    }
+    EXPECT_NEAR(first / truth, 1.0, 0.02) << (lamp ? "lamp" : "sky");
+    EXPECT_NEAR(rest / truth, 1.0, 0.02) << (lamp ? "lamp" : "sky");
+  }
 }
 
 // Of an edge pixel's four points only those with a neighbour on their own surface are interpolated.

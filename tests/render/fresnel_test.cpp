@@ -3,7 +3,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/math/shared_formulas.h"
+#include "render/math/surface_formulas.h"
 
 namespace maquette {
 namespace {
@@ -132,6 +132,59 @@ TEST(Pane, FacesSumToThePane) {
         EXPECT_NEAR(faces.y, 0.0f, 0x1p-22f);  // rounding of both
       }
     }
+}
+
+/// All bounces between two faces, summed one by one in double.
+TEST(Pane, FacesReflectAsSpecularSays) {
+  std::mt19937 random(3);
+  const auto number = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
+  for (int k = 0; k < 200; ++k) {
+    const float c = number(0.02f, 1.0f), ior = number(1.0f, 2.5f), specular = k % 5 == 0 ? 0.0f : number(0.0f, 1.0f);
+    const glm::vec3 color(number(0.0f, 1.0f), number(0.0f, 1.0f), number(0.0f, 3.0f));
+    const glm::vec3 inside(number(0.0f, 1.0f), 1.0f, number(0.0f, 1.0f));
+    const shared::PaneFaces faces = shared::pane_faces(ior, specular, color);
+    const shared::PaneShares found = shared::pane_shares(c, faces, inside);
+    glm::dvec2 largest(0.0);
+    for (int i = 0; i < 3; ++i) {
+      const double f0 = std::min(std::pow((ior - 1.0) / (ior + 1.0), 2.0) * static_cast<double>(color[i]), 0.999);
+      const glm::dvec2 face(shared::fresnel_sp(1.0f, faces.index[i]));
+      EXPECT_NEAR(face.x, f0, 1e-4);
+      largest = glm::max(largest, glm::dvec2(shared::fresnel_sp(c, faces.index[i])) * static_cast<double>(specular));
+    }
+    for (int i = 0; i < 3; ++i) {
+      double reflected = 0.0, transmitted = 0.0;
+      for (int side = 0; side < 2; ++side) {
+        const double r =
+            static_cast<double>(shared::fresnel_sp(c, faces.index[i])[side]) * static_cast<double>(specular);
+        const double passes = 1.0 - largest[side], in = static_cast<double>(inside[i]);
+        double light = passes * in;
+        reflected += 0.5 * r;
+        for (int bounce = 0; bounce < 20000 && light > 1e-9; ++bounce, light *= r * in)
+          (bounce % 2 == 0 ? transmitted : reflected) += 0.5 * light * passes;
+      }
+      EXPECT_NEAR(found.reflected[i], reflected, 2e-5) << c << " " << ior << " " << specular;
+      EXPECT_NEAR(found.transmitted[i], transmitted, 2e-5) << c << " " << ior << " " << specular;
+    }
+  }
+}
+
+TEST(Pane, PlainFacesAreThoseOfTheIndex) {
+  for (const float c : {0.1f, 0.5f, 1.0f}) {
+    EXPECT_TRUE(shared::is_plain(shared::pane_faces(1.52f, 1.0f, glm::vec3(1.0f))));
+    const shared::PaneShares all = shared::pane_shares(c, shared::plain_faces(1.52f), {1.0f, 0.5f, 0.0f});
+    const shared::PaneShares plain = shared::plain_pane_shares(c, 1.52f, {1.0f, 0.5f, 0.0f});
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec2 pane = shared::fresnel_pane(c, 1.52f, i == 0 ? 1.0f : i == 1 ? 0.5f : 0.0f);
+      EXPECT_NEAR(all.reflected[i], pane.x, 2e-6f);
+      EXPECT_NEAR(all.transmitted[i], pane.y, 2e-6f);
+      EXPECT_EQ(plain.reflected[i], pane.x);
+      EXPECT_EQ(plain.transmitted[i], pane.y);
+    }
+  }
+  EXPECT_NEAR(shared::pane_shares(0.3f, shared::pane_faces(1.5f, 0.0f, glm::vec3(1.0f)), glm::vec3(1.0f)).transmitted.x,
+              1.0f, 1e-6f);
+  // An index of 0 reflects all (KHR_materials_ior).
+  EXPECT_NEAR(shared::pane_faces(0.0f, 1.0f, glm::vec3(1.0f)).index.x, shared::index_of_f0(1.0f), 1.0f);
 }
 
 }  // namespace

@@ -278,5 +278,74 @@ TEST_F(GltfBadInput, BadExtras) {
   expect_error("nodes[0].extras.maquette.bezier_patch: is out of range");
 }
 
+/// Factors beyond what the specification allows are clamped, each with one warning that names the material.
+TEST_F(GltfBadInput, FactorsOutOfRange) {
+  primitive()["material"] = 0;
+  root_["materials"] = test::Json::parse(R"([{"name": "m", "alphaMode": "MASK", "alphaCutoff": -0.5,
+      "emissiveFactor": [0.5, 3, 1], "pbrMetallicRoughness": {"baseColorFactor": [1.5, 0.5, 0.5, 1],
+      "metallicFactor": 1.5, "roughnessFactor": -0.5}, "extensions": {
+        "KHR_materials_transmission": {"transmissionFactor": 2},
+        "KHR_materials_volume": {"thicknessFactor": -1, "attenuationColor": [2, 1, 1]},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 4, "clearcoatRoughnessFactor": 2},
+        "KHR_materials_specular": {"specularFactor": 2, "specularColorFactor": [4, 1, -1]},
+        "KHR_materials_sheen": {"sheenColorFactor": [2, 0, 0], "sheenRoughnessFactor": 3},
+        "KHR_materials_emissive_strength": {"emissiveStrength": -1},
+        "KHR_materials_iridescence": {"iridescenceThicknessMaximum": -3}}}])");
+  const Scene scene = load();
+  for (const char* key : {"metallicFactor", "roughnessFactor", "transmissionFactor", "clearcoatFactor",
+                          "specularFactor", "clearcoatRoughnessFactor", "sheenRoughnessFactor", "baseColorFactor",
+                          "emissiveFactor", "sheenColorFactor", "attenuationColor"})
+    expect_warning(scene, std::string(key) + " outside 0..1 is clamped");
+  for (const char* key :
+       {"alphaCutoff", "thicknessFactor", "specularColorFactor", "emissiveStrength", "iridescenceThicknessMaximum"})
+    expect_warning(scene, std::string(key) + " below 0 is clamped");
+  EXPECT_EQ(scene.warnings.size(), 1u);  // of materials[0]
+  const Material& m = scene.materials[0];
+  EXPECT_EQ(m.metallic, 1.0f);
+  EXPECT_EQ(m.roughness, 0.0f);
+  EXPECT_EQ(m.base_color.r, 1.0f);
+  EXPECT_EQ(m.alpha_cutoff, 0.0f);
+  EXPECT_EQ(m.specular_color, glm::vec3(4, 1, 0));
+  EXPECT_EQ(m.thickness, 0.0f);
+}
+
+TEST_F(GltfBadInput, SamplersAndCoordinatesThatAreNotThere) {
+  primitive()["material"] = 0;
+  root_["images"] = test::Json::parse(
+      R"([{"uri": "data:image/jpeg;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8/5+hHgAHggJ/PchI7wAAAABJRU5ErkJggg=="}])");
+  root_["samplers"] = test::Json::parse(R"([{"magFilter": 7, "minFilter": 9985, "wrapS": 33648, "wrapT": 10496}])");
+  root_["textures"] = test::Json::parse(R"([{"source": 0, "sampler": 0}])");
+  root_["materials"] = test::Json::parse(R"([{"normalTexture": {"index": 0, "texCoord": 1},
+      "emissiveTexture": {"index": 0, "texCoord": 1}}])");
+  const Scene scene = load();
+  EXPECT_EQ(scene.warnings.size(), 3u);
+  expect_warning(scene, "magFilter is no code of glTF and taken as linear");
+  expect_warning(scene, "wrapT is no code of glTF and taken as repeat");
+  expect_warning(scene, "meshes[0].primitives[0]: its textures use TEXCOORD_1, which it does not have");
+  expect_warning(scene, "images[0]: is a PNG image, although its data URI says otherwise");
+  EXPECT_EQ(scene.materials[0].normal_texture.wrap_s, Wrap::mirrored_repeat);
+  EXPECT_EQ(scene.materials[0].normal_texture.wrap_t, Wrap::repeat);
+}
+
+TEST_F(GltfBadInput, NodesWithoutNamesAreCalledByTheirIndex) {
+  root_["nodes"][0]["scale"] = {1e30, 1, 1};
+  expect_error("nodes[0]: its transform is not finite");
+  root_["nodes"][0]["name"] = "huge";
+  expect_error("node \"huge\": its transform is not finite");
+}
+
+/// What panes do not show of a material is named once.
+TEST_F(GltfBadInput, LobesThatPanesDoNotHave) {
+  primitive()["material"] = 0;
+  root_["materials"] = test::Json::parse(R"([{"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1},
+      "KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {"sheenColorFactor": [1, 0, 0]}},
+      "pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.5}}])");
+  Scene scene = load();
+  expect_warning(scene, "materials[0]: the share that transmits is drawn without clearcoat, sheen");
+  expect_warning(scene, "; the share that transmits is drawn smooth");
+  root_["materials"][0]["extensions"]["KHR_materials_unlit"] = test::Json::object();
+  EXPECT_TRUE(load().warnings.empty());
+}
+
 }  // namespace
 }  // namespace maquette

@@ -215,6 +215,7 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   HeadlessEditor editor(1280.0f, 2000.0f);
   editor.facts.scene = &scene;
   editor.state.mode = "bandwidth";
+  editor.state.reflections = "off";
   editor.state.right_tab = 1;
   editor.step(3);
   const auto expect_shown = [&](const std::set<std::string>& techniques) {
@@ -226,7 +227,7 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
     }
     EXPECT_GE(shown, 4);
   };
-  expect_shown({"bandwidth", "shading"});
+  expect_shown({"bandwidth", "shading", "ground"});
   ASSERT_TRUE(editor.click("reflections"));
   editor.step(2);
   ASSERT_TRUE(editor.click("reflections/raytraced"));
@@ -241,7 +242,24 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   editor.state.tool = Tool::camera;
   editor.state.settings.set_from_text("shading.visibility", "traced");
   editor.step(3);
-  expect_shown({"bandwidth", "shading", "octree", "reflections", "raytraced"});
+  expect_shown({"bandwidth", "shading", "ground", "octree", "reflections", "raytraced"});
+}
+
+TEST(Panels, AdviceIsCarriedOutByItsButton) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 900.0f);
+  editor.facts.scene = &scene;
+  std::vector<Message> messages{{MessageLevel::warning, "the lamps outshine the environment", true, "units",
+                                 "Intensity 900", [](EditorState* state) { state->edits.env_scale = 900.0f; }}};
+  editor.facts.messages = &messages;
+  editor.step(2);
+  ASSERT_TRUE(editor.click("remedy"));
+  EXPECT_EQ(editor.state.edits.env_scale, 900.0f);
+  EXPECT_TRUE(editor.actions.dismiss_messages);
+  messages[0].remedy.clear();
+  editor.step(2);
+  EXPECT_FALSE(editor.frame.items.contains("remedy"));
+  EXPECT_TRUE(editor.frame.items.contains("dismiss"));
 }
 
 TEST(Panels, TheErrorTabMeasuresOnlyWhileInSight) {

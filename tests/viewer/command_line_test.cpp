@@ -32,7 +32,7 @@ TEST(CommandLine, NothingIsTheCockpitInAWindow) {
   EXPECT_EQ(line.command, "view");
   EXPECT_EQ(line.options.scene, "builtin:cockpit");
   EXPECT_EQ(line.options.mode, "bandwidth");
-  EXPECT_EQ(line.options.reflections, "off");
+  EXPECT_EQ(line.options.reflections, "auto");
 }
 
 TEST(CommandLine, EveryOptionReachesItsField) {
@@ -166,7 +166,7 @@ TEST(CommandLine, WrongValuesAreNamed) {
       {{"--target-error", "-1"}, "out of range"},
       {{"--env", ""}, "empty"},
       {{"--camera", ""}, "--camera: its value is empty"},
-      {{"--reflector", "windshield"}, "while --reflections is off"},
+      {{"--reflections", "off", "--reflector", "windshield"}, "while --reflections is off"},
       {{"--mode", "uniform", "--mode", "sg"}, "given twice"},
       {{"--moed", "uniform"}, "did you mean --mode"},
       {{"--json"}, "it belongs to compare"},

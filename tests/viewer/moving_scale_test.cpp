@@ -34,7 +34,7 @@ TEST(MovingScale, ALightThatIsCheapToTurnKeepsItsSize) {
 }
 
 TEST(MovingScale, TheSizeSettlesWhereFramesAreFluid) {
-  for (const double cost : {150.0, 300.0, 700.0}) {
+  for (const double cost : {150.0, 300.0, 390.0}) {
     MovingScale moving;
     const Move m = move(moving, Kind::light, cost, 40);
     EXPECT_LE(cost * m.scale * m.scale, MovingScale::kFluid_ms) << cost;
@@ -43,6 +43,14 @@ TEST(MovingScale, TheSizeSettlesWhereFramesAreFluid) {
     moving.rest();
     EXPECT_EQ(moving.next_scale(Kind::light, kPx, 1.0f), m.scale) << "the next move begins as this one ended";
   }
+}
+
+TEST(MovingScale, NeverBelowHalfTheResolution) {
+  MovingScale moving;
+  moving.note_still(5000.0, kPx);
+  const Move m = move(moving, Kind::other, 5000.0, 20);
+  EXPECT_EQ(m.scale, 0.5f);
+  EXPECT_EQ(m.changes, 0);
 }
 
 TEST(MovingScale, OneSlowFrameChangesNothing) {

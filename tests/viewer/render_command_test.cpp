@@ -64,7 +64,7 @@ TEST(Render, StatsHoldWhatTheContractSays) {
   const Json stats = run_with_stats(folder, {"--frames", "3", "--set", "bandwidth.max_level=3"});
   EXPECT_EQ(stats["scene"], "builtin:sphere");
   EXPECT_EQ(stats["mode"], "bandwidth");
-  EXPECT_EQ(stats["reflections"], "off");
+  EXPECT_EQ(stats["reflections"], "auto");
   EXPECT_EQ(stats["size"], Json::array({40, 24}));
   EXPECT_FALSE(stats["device"].get<std::string>().empty());
   EXPECT_EQ(stats["settings"]["bandwidth.max_level"], 3);

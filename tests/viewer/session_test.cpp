@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "scenes/error.h"
+#include "tests/support/test_scenes.h"
+#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
@@ -184,6 +186,18 @@ TEST(Session, ADentThatTouchesNothingSaysHowFar) {
   EXPECT_THROW(press_dent(&plain, dent), Error);
 }
 
+TEST(Session, MaterialsOfColoursOnlyAreNamed) {
+  Scene scene = load_scene("builtin:sphere");
+  scene.materials.assign(3, test::matte(glm::vec3(0.5f)));
+  EXPECT_NE(gloss_warning(scene).find("3 materials have neither gloss nor glass"), std::string::npos);
+  scene.materials[1].roughness = 0.3f;
+  EXPECT_EQ(gloss_warning(scene), "");
+  scene.materials[1] = test::clear_pane();
+  EXPECT_EQ(gloss_warning(scene), "");
+  EXPECT_EQ(gloss_warning(Scene()), "");
+  EXPECT_EQ(gloss_warning(load_scene("builtin:cockpit")), "");
+}
+
 TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
   Scene scene = load_scene("builtin:sphere");
   Environment environment;
@@ -197,6 +211,9 @@ TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
             "about 0.6 cd/m2 on average, the scene's lamps up to 400: as at night. If the file is in units of its own, "
             "--env-scale 800 lights it as a hall");
   EXPECT_EQ(units_warning(scene, environment, 800.0f, "--env-scale"), "");
+  float suited = 0.0f;
+  units_warning(scene, environment, 1.0f, "", &suited);
+  EXPECT_EQ(suited, 800.0f);
   EXPECT_EQ(units_warning(scene, environment, 0.0f, "--env-scale"), "") << "dark on purpose";
   environment.rgb.assign(2048, glm::vec3(0.0f));
   EXPECT_EQ(units_warning(scene, environment, 1.0f, "--env-scale"), "") << "black on purpose";

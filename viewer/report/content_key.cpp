@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "render/btf/btf_source.h"
 #include "render/scene_state/geometry.h"
 #include "scenes/files.h"
 
@@ -33,7 +34,8 @@ void mix_vector(const auto& v, int count, ContentKey* key) {
 
 void mix_material(const Material& m, ContentKey* key) {
   key->mix(m.name).mix(m.measured);
-  if (!m.measured.empty() && !m.measured.starts_with("builtin:")) key->mix_bytes(read_file(m.measured));
+  if (!m.measured.empty() && !m.measured.starts_with("builtin:"))
+    key->mix(std::to_string(material_source_key(m.measured)));
   for (const float number : numbers_of(m)) key->mix(static_cast<double>(number));
 }
 

@@ -151,6 +151,7 @@ std::optional<Judge> obtain_reflection_reference(Studio* studio, const std::stri
                                                  const SweptTechnique& raytraced) {
   const FrameRequest request =
       request_of(studio->request(camera), raytraced, raytraced.steps.back(), Scope::reflection);
+  studio->renderer().finish_background_work(request);
   const FrameStats stats = studio->renderer().render(request);
   if (stats.plan.reflections.empty()) return std::nullopt;
   ContentKey key = studio->key();

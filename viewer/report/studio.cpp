@@ -3,9 +3,12 @@
 #include <cstdio>
 #include <map>
 
+#include "render/btf/btf_source.h"
 #include "render/scene_state/material_overrides.h"
+#include "scenes/angles.h"
 #include "scenes/files.h"
 #include "ui/camera_control.h"
+#include "viewer/btf_preparation.h"
 #include "viewer/budget_curve.h"
 #include "viewer/session.h"
 
@@ -13,20 +16,22 @@ namespace maquette::report {
 
 Studio::Studio(const SceneOptions& options)
     : options_(options),
-      scene_(load_session_scene(options)),
       environment_(std::make_shared<const Environment>(load_environment(options.environment))),
+      scene_(
+          with_ground(load_session_scene(options), *environment_, options.settings, radians(options.env_rotation_deg))),
       context_(GlContext::create_headless()),
       device_(query_device()),
       renderer_(std::make_unique<Renderer>()),
       key_(scene_key(*scene_)) {
   for (const std::string& warning : scene_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const std::string& warning : environment_->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  prepare_btfs(options, *scene_);
   renderer_->set_scene(scene_);
   renderer_->set_environment(environment_);
   for (const auto& [name, source] : options.materials) {
     renderer_->set_material(name, source);
     key_.mix(name).mix(source);
-    if (!source.starts_with("builtin:")) key_.mix_bytes(read_file(source));
+    if (!source.starts_with("builtin:")) key_.mix(std::to_string(material_source_key(source)));
   }
   const std::uint64_t environment_hash = environment_->hash;
   key_.mix_bytes(std::as_bytes(std::span(&environment_hash, 1)));

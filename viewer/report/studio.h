@@ -36,8 +36,8 @@ class Studio {
 
  private:
   SceneOptions options_;
-  std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Environment> environment_;
+  std::shared_ptr<const Scene> scene_;
   GlContext context_;
   DeviceInfo device_;
   std::unique_ptr<Renderer> renderer_;

@@ -181,7 +181,7 @@ class Run {
       file.attributes["kind"] = kManifestKind;
       file.attributes["texels"] = std::to_string(texels());
       BakeTable table{"texels", {}, {}};
-      auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle"];
+      auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle_number"];
       for (const AtlasTexel& t : bake_->atlas.texels) {
         x.push_back(t.x);
         y.push_back(t.y);

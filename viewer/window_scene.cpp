@@ -23,13 +23,13 @@ void WindowSession::apply_ground(bool busy) {
   const Settings& settings = state.settings;
   GroundOf wanted{environment_, settings.get_string("ground.kind"), settings.get_double("ground.height"),
                   settings.get_double("ground.roughness")};
-  const bool is = is_added_ground(*scene_, scene_->nodes.size() - 1), want = wanted.kind != "none";
+  const bool want = wanted.kind != "none";
   if (!want) wanted = {};
-  if (is != want || !(ground_of_ == wanted)) {
+  if (!(ground_of_ == wanted)) {
     // The ground is the last of everything: what names parts by number stays true.
     auto scene = std::make_shared<Scene>(*scene_);
-    if (is) remove_ground(scene.get());
-    if (want) scene = std::make_shared<Scene>(*with_ground(scene, *environment_, settings, 0.0f));
+    remove_ground(scene.get());
+    if (want) add_ground(scene.get(), *environment_, ground_options(settings));
     renderer_.set_scene(scene);
     scene_ = std::move(scene);
     evaluators_.clear();

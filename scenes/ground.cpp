@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "scenes/modelling.h"
+#include "scenes/srgb.h"
 
 namespace maquette {
 
@@ -16,8 +16,6 @@ constexpr double kRadii = 6.0, kHeights = 10.0;
 constexpr int kAround = 96, kRings = 72;
 /// Texture: of the whole circle, and from the nadir to the horizon.
 constexpr int kTextureWidth = 1024, kTextureHeight = 512;
-
-double srgb_from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
 
 /// Distance of ring k from the middle, m: as fine near the scene as its shadows need, with equal steps of the angle far
 /// away.

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes/srgb.h"
+
 namespace maquette::modelling {
 
 glm::vec3 srgb(int r, int g, int b) {
-  const auto linear = [](int c) {
-    const double x = c / 255.0;
-    return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
-  };
+  const auto linear = [](int c) { return static_cast<float>(linear_from_srgb(c / 255.0)); };
   return {linear(r), linear(g), linear(b)};
 }
 

@@ -86,13 +86,16 @@ Nearest nearest_surface(const Scene& scene, const std::vector<glm::mat4>& world,
 
 }  // namespace
 
+GroundOptions ground_options(const Settings& settings) {
+  return {.height_m = static_cast<float>(settings.get_double("ground.height")),
+          .roughness = static_cast<float>(settings.get_double("ground.roughness"))};
+}
+
 std::shared_ptr<const Scene> with_ground(std::shared_ptr<const Scene> scene, const Environment& environment,
                                          const Settings& settings, float env_rotation_rad) {
-  if (settings.get_string("ground.kind") == "none") return scene;
+  if (settings.get_string("ground.kind") == "none" || compute_bounds(*scene).empty()) return scene;
   auto grounded = std::make_shared<Scene>(*scene);
-  add_ground(grounded.get(), environment,
-             {.height_m = static_cast<float>(settings.get_double("ground.height")),
-              .roughness = static_cast<float>(settings.get_double("ground.roughness"))});
+  add_ground(grounded.get(), environment, ground_options(settings));
   grounded->materials.back().base_color_texture.offset = ground_texture_offset(env_rotation_rad);
   return grounded;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/renderer.h"
+#include "scenes/ground.h"
 #include "scenes/scene.h"
 #include "viewer/options.h"
 
@@ -18,6 +19,8 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options);
 /// scene where they ask for none.
 std::shared_ptr<const Scene> with_ground(std::shared_ptr<const Scene> scene, const Environment& environment,
                                          const Settings& settings, float env_rotation_rad);
+/// Of the settings `ground.height` and `ground.roughness`.
+GroundOptions ground_options(const Settings& settings);
 /// World bounds of what a view should show: all but an added ground.
 Bounds framed_bounds(const Scene& scene);
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "scenes/srgb.h"
+
 namespace maquette {
 
 namespace {
@@ -11,8 +13,7 @@ std::vector<float> make_decoding(std::size_t codes, bool srgb) {
   std::vector<float> out(codes);
   for (std::size_t i = 0; i < codes; ++i) {
     const double v = static_cast<double>(i) / static_cast<double>(codes - 1);
-    const double linear = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    out[i] = static_cast<float>(srgb ? linear : v);
+    out[i] = static_cast<float>(srgb ? linear_from_srgb(v) : v);
   }
   return out;
 }

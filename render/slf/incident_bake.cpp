@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "render/bake/kept_bakes.h"
+#include "render/lights/light_numbers.h"
 #include "scenes/bake_file.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -28,24 +29,12 @@ std::string hex(std::uint64_t value) {
   return text;
 }
 
-template <typename T>
-std::uint64_t hash_values(const std::vector<T>& values, std::uint64_t seed) {
-  return chain_hash(values, seed);
-}
-
-std::vector<float> light_numbers(const IncidentJob& job) {
+/// What shines besides the environment's texels.
+std::vector<float> numbers_of_light(const IncidentJob& job) {
   const Scene& scene = *job.scene;
   std::vector<float> numbers{job.options.env_rotation_rad, job.options.env_scale};
-  const std::vector<glm::mat4> world = compute_world_transforms(scene);
-  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
-    const Node& node = scene.nodes[n];
-    if (!node.visible || node.light < 0 || node.light >= static_cast<int>(scene.lights.size())) continue;
-    const PunctualLight& l = scene.lights[static_cast<std::size_t>(node.light)];
-    numbers.insert(numbers.end(), {static_cast<float>(l.kind), l.color.x, l.color.y, l.color.z, l.intensity, l.range_m,
-                                   l.inner_cone_rad, l.outer_cone_rad});
-    for (int c = 0; c < 4; ++c)
-      for (int r = 0; r < 3; ++r) numbers.push_back(world[n][c][r]);
-  }
+  const std::vector<float> lamps = light_numbers(scene);
+  numbers.insert(numbers.end(), lamps.begin(), lamps.end());
   for (const Material& m : scene.materials)
     numbers.insert(numbers.end(),
                    {m.emissive.x, m.emissive.y, m.emissive.z, static_cast<float>(m.emissive_texture.image)});
@@ -181,7 +170,7 @@ class Run {
       file.attributes["kind"] = kManifestKind;
       file.attributes["texels"] = std::to_string(texels());
       BakeTable table{"texels", {}, {}};
-      auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle"];
+      auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle_number"];
       for (const AtlasTexel& t : bake_->atlas.texels) {
         x.push_back(t.x);
         y.push_back(t.y);
@@ -338,7 +327,7 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
   p.geometry = chain_hash(g.normals, p.geometry);
   p.geometry = chain_hash(g.indices, p.geometry);
   p.geometry = chain_hash(g.uv1, p.geometry);
-  p.light = chain_hash(light_numbers(job), job.environment ? job.environment->hash : 0);
+  p.light = chain_hash(numbers_of_light(job), job.environment ? job.environment->hash : 0);
   if (job.environment && job.environment->hash == 0) p.light = chain_hash(job.environment->rgb, p.light);
   std::vector<float> numbers;
   for (const Material& m : job.scene->materials) {

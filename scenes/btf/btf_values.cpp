@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "scenes/error.h"
+#include "scenes/srgb.h"
 
 namespace maquette {
 
@@ -18,10 +19,9 @@ float rho_of_value(bool cosine, const glm::dvec3& direction) {
 }
 
 float linear_of_encoded(float value, double gamma) {
-  // Source: IEC 61966-2-1.
   const double v = std::max(0.0, static_cast<double>(value));
   if (gamma > 0.0) return static_cast<float>(std::pow(v, gamma));
-  return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+  return static_cast<float>(linear_from_srgb(v));
 }
 
 void check_finite(const std::string& where, const std::string& what, const float* values, std::size_t count) {

@@ -86,6 +86,7 @@ TEST(PathTracer, LosslessSurfacesVanishInAFurnace) {
   mirror.metallic = 1.0f;
   mirror.roughness = 0.0f;
   Material pane = matte(glm::vec3(1.0f));
+  pane.specular = 1.0f;
   pane.glass = true;
   pane.transmission = 1.0f;
   pane.roughness = 0.0f;
@@ -158,6 +159,7 @@ TEST(PathTracer, MirrorSphereShowsTheSky) {
 /// Known values of a clear pane, n = 1.52, both faces: reflection of the bright half, and transmission from it.
 TEST(PathTracer, PaneFollowsFresnel) {
   Material pane = matte(glm::vec3(1.0f));
+  pane.specular = 1.0f;
   pane.glass = true;
   pane.transmission = 1.0f;
   pane.roughness = 0.0f;

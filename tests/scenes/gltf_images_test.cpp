@@ -14,6 +14,7 @@ class GltfImages : public test::GltfFixture {
   GltfImages() {
     add_quad();
     primitive()["material"] = 0;
+    primitive()["attributes"]["TEXCOORD_0"] = add_accessor<float>({0, 0, 1, 0, 1, 1, 0, 1}, 5126, "VEC2", 2);
     root_["materials"] = Json::parse(R"([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}])");
     root_["textures"] = Json::array({Json::object()});
     root_["images"] = Json::array();

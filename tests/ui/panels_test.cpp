@@ -227,7 +227,7 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
     }
     EXPECT_GE(shown, 4);
   };
-  expect_shown({"bandwidth", "shading", "ground"});
+  expect_shown({"bandwidth", "shading", "ground", "btf"});
   ASSERT_TRUE(editor.click("reflections"));
   editor.step(2);
   ASSERT_TRUE(editor.click("reflections/raytraced"));
@@ -242,7 +242,7 @@ TEST(Panels, EveryDeclaredSettingOfTheModeHasAControl) {
   editor.state.tool = Tool::camera;
   editor.state.settings.set_from_text("shading.visibility", "traced");
   editor.step(3);
-  expect_shown({"bandwidth", "shading", "ground", "octree", "reflections", "raytraced"});
+  expect_shown({"bandwidth", "shading", "ground", "btf", "octree", "reflections", "raytraced"});
 }
 
 TEST(Panels, AdviceIsCarriedOutByItsButton) {

@@ -6,7 +6,6 @@
 
 #include "scenes/error.h"
 #include "tests/support/test_scenes.h"
-#include "tests/support/test_scenes.h"
 
 namespace maquette {
 namespace {
@@ -184,6 +183,22 @@ TEST(Session, ADentThatTouchesNothingSaysHowFar) {
   }
   Scene plain = make_scene();
   EXPECT_THROW(press_dent(&plain, dent), Error);
+}
+
+TEST(Session, AGroundIsAddedOnlyBelowSomething) {
+  Environment environment;
+  environment.width = 4;
+  environment.height = 2;
+  environment.rgb.assign(8, glm::vec3(1.0f));
+  Settings settings;
+  const auto nothing = std::make_shared<const Scene>(),
+             sphere = std::make_shared<const Scene>(load_scene("builtin:sphere"));
+  EXPECT_EQ(with_ground(sphere, environment, settings, 0.0f), sphere);
+  settings.set("ground.kind", std::string("projected"));
+  EXPECT_EQ(with_ground(nothing, environment, settings, 0.0f), nothing);
+  const auto grounded = with_ground(sphere, environment, settings, 0.5f);
+  EXPECT_EQ(grounded->nodes.size(), sphere->nodes.size() + 1);
+  EXPECT_EQ(framed_bounds(*grounded).max, compute_bounds(*sphere).max);
 }
 
 TEST(Session, MaterialsOfColoursOnlyAreNamed) {

@@ -1,0 +1,75 @@
+// What a window adds to the scene it was given, and what it advises about it.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "scenes/angles.h"
+#include "scenes/ground.h"
+#include "viewer/session.h"
+#include "viewer/window_session.h"
+
+namespace maquette {
+
+void WindowSession::forget_applied() {
+  applied_.materials.clear();
+  applied_.dents.clear();
+  applied_.hidden_nodes.clear();
+  ground_of_ = {};
+  ground_rotation_deg_ = 0.0f;
+}
+
+void WindowSession::apply_ground(bool busy) {
+  if (!environment_) return;  // still being read
+  const Settings& settings = state.settings;
+  GroundOf wanted{environment_, settings.get_string("ground.kind"), settings.get_double("ground.height"),
+                  settings.get_double("ground.roughness")};
+  const bool want = wanted.kind != "none";
+  if (!want) wanted = {};
+  if (!(ground_of_ == wanted)) {
+    // The ground is the last of everything: what names parts by number stays true.
+    auto scene = std::make_shared<Scene>(*scene_);
+    remove_ground(scene.get());
+    if (want) add_ground(scene.get(), *environment_, ground_options(settings));
+    renderer_.set_scene(scene);
+    scene_ = std::move(scene);
+    evaluators_.clear();
+    dent_.reset();
+    forget_applied();
+    ground_of_ = wanted;
+    request_metering();
+    ++revision_;
+  }
+  // While it is turned, the light alone follows: the ground's own light is found anew once it rests.
+  if (!want || busy || ground_rotation_deg_ == state.edits.env_rotation_deg) return;
+  ground_rotation_deg_ = state.edits.env_rotation_deg;
+  renderer_.set_texture_offset(kGroundName, ground_texture_offset(radians(ground_rotation_deg_)));
+  ++revision_;
+}
+
+void WindowSession::set_advice(Message advice) {
+  const auto same = [&](const Message& message) { return message.topic == advice.topic; };
+  const auto known = std::find_if(messages_.begin(), messages_.end(), same);
+  if (known != messages_.end() && known->text == advice.text) return;
+  std::erase_if(messages_, same);
+  if (!advice.text.empty()) messages_.push_back(std::move(advice));
+}
+
+void WindowSession::advise() {
+  if (!environment_) return;  // still being read
+  float scale = 1.0f;
+  std::string units = units_warning(*scene_, *environment_, state.edits.env_scale, "an Intensity of", &scale);
+  if (!units.empty()) units = environment_->name + ": " + units;
+  char label[64];
+  std::snprintf(label, sizeof label, "Intensity %.4g", static_cast<double>(scale));
+  set_advice({MessageLevel::warning, units, true, "units", label,
+              [scale](EditorState* editor) { editor->edits.env_scale = scale; }});
+  std::string gloss = state.edits.materials.empty() ? gloss_warning(*scene_) : "";
+  if (scene_->name.starts_with("builtin:")) gloss.clear();
+  if (!gloss.empty()) gloss = std::filesystem::path(scene_->name).filename().string() + ": " + gloss;
+  set_advice({MessageLevel::warning, gloss, true, "gloss", "Open the library", [](EditorState* editor) {
+                editor->left_open = true;
+                editor->left_tab = 0;
+              }});
+}
+
+}  // namespace maquette

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
+#include "render/gl/bindings.h"
 #include "render/math/shared_formulas.h"
 #include "scenes/error.h"
 
 namespace maquette {
 
 namespace {
-
-#include "slf/bindings.glsl"
 
 constexpr int kFieldBias = 28;             ///< of shaders/slf/light_field.glsl
 constexpr float kLargestStored = 1024.0f;  ///< well within half floats, and within kFieldBias

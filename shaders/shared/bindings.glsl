@@ -109,6 +109,14 @@ const int kUnitBlendedRadiance = 70;  // glass
 const int kUnitShadowLight = 71;  // shading
 const int kUnitSpread = 72;  // bandwidth
 const int kUnitPaneTint = 73;  // shading
+const int kUnitLightFieldSlots = 74;  // slf
+const int kUnitLightFieldSides = 75;  // slf
+const int kUnitLightFieldClusters = 76;  // slf
+const int kUnitLightFieldWeights = 77;  // slf
+const int kUnitLightFieldLumispheres = 78;  // slf
+const int kUnitLightFieldCells = 79;  // slf
+const int kUnitLightFieldRadiance = 80;  // slf
+const int kUnitLightFieldErrors = 81;  // slf
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth

@@ -1,7 +1,6 @@
 // A surface light field at a grid point: where in the atlas it is, and the radiance that leaves there towards the eye.
 // Needs frame, constants, octahedral, rgb9e5, gbuffer and parabolic included before.
 #include "shared/bindings.glsl"
-#include "slf/bindings.glsl"
 layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
 layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;

@@ -92,8 +92,7 @@ ViewInfo Renderer::Impl::look_at(const FrameRequest& request) {
   view.mirrors = reflectors.has_mirrors();
   const glm::mat4 clip = clip_of(request);
   view.reflectors_in_view = reflectors.in_view(scene, clip);
-  view.glossy_in_view =
-      reflector && reflector->can.mirrors_glossy ? glossy_in_view(scene, reflectors, request, clip) : 0;
+  view.glossy_in_view = reflector && reflector->make_glossy ? glossy_in_view(scene, reflectors, request, clip) : 0;
   return view;
 }
 
@@ -273,7 +272,8 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
   const bool averages_points = registry.find_mode(plan.shading().mode).can.averages_points;
   if (!plan.glossy) mirrors.glossy.clear();
   passes.push_back({.names = {"glossy"}, .run = [this, &mirrored, surfaces, averages_points] {
-                      mirrors.glossy.run(mirrored, surfaces(), averages_points);
+                      mirrors.glossy.run(mirrored, *registry.find_reflector(mirrored.frame.request.reflections),
+                                         surfaces(), averages_points);
                     }});
   const auto recorded = std::make_shared<bool>(false);
   passes.push_back(
@@ -292,7 +292,8 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
          composer.compose(scene_of);
        }});
   if (!plan.reflections.empty())
-    passes.push_back(mirrors.reflections.pass(mirrored, *registry.find_reflector(plan.reflections), surfaces,
+    passes.push_back(mirrors.reflections.pass(mirrored, *registry.find_reflector(plan.reflections), averages_points,
+                                              surfaces,
                                               [&composer]() -> const Texture& { return composer.behind_panes(); }));
   else
     mirrors.reflections.rest();
@@ -428,7 +429,7 @@ std::vector<ShaderVariant> all_shader_variants(const Registry& registry) {
       if (std::find(all.begin(), all.end(), variant) == all.end()) all.push_back(variant);
   };
   for (const auto& more : {Raster::shader_variants(), Surfaces::shader_variants(), Composer::shader_variants(),
-                           IndirectPass::shader_variants(), ShadowPass::shader_variants(), Panes::shader_variants(),
+                           IndirectPass::shader_variants(), point_rays_shader_variants(), Panes::shader_variants(),
                            Blended::shader_variants(), Reflections::shader_variants(), Glossy::shader_variants(),
                            Parts::shader_variants()})
     add(more);

@@ -90,7 +90,7 @@ Image Renderer::Impl::read_view(const std::string& name) {
   if (name == "glossy") {
     if (!last.plan.glossy)
       throw Error("--view", "no opaque surface mirrors the scene here; the plan says why",
-                  "add --reflections with a technique whose rays go through an octree, and see left_out of --stats");
+                  "add --reflections with a technique that follows single rays, and see left_out of --stats");
     return mirrors.glossy.view();
   }
   if (auto image = mirrors.reflections.view(name, !last.plan.reflections.empty(), last.constants))

@@ -61,6 +61,7 @@ Scene build_plate() {
   builder.add_part("plate", transformed(make_rounded_box({5.6, 0.2, 3.6}, 0.05, 4), translation(0.0, -0.1, 0.0)),
                    floor);
   Primitive& plate = builder.scene().meshes[0].primitives[0];
+  split_long_edges(&plate, 0.2);
   map_box_uvs(&plate, 0.4);
   const char* names[4] = {"statue_metal", "statue_paint", "statue_plastic", "statue_matte"};
   for (int i = 0; i < 4; ++i)

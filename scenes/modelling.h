@@ -111,6 +111,8 @@ struct Rim {
 Primitive clip(const Primitive& surface, const Field& field, const Rim* rim = nullptr);
 /// The strip of `surface` where from < field < to. Uses two cuts, so that it may be narrower than the triangles.
 Primitive clip_band(const Primitive& surface, const Field& field, double from, double to, const Rim* rim = nullptr);
+/// Divides triangles until no edge is longer than `longest_m`: what is baked by vertex needs vertices on flat faces too.
+void split_long_edges(Primitive* surface, double longest_m);
 /// Every vertex moved by `distance_m` along its normal.
 Primitive offset(const Primitive& surface, double distance_m);
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
@@ -142,6 +144,60 @@ Primitive clip_band(const Primitive& surface, const Field& field, double from, d
   const Field below = [&](const Vec3& p) { return field(p) - to; };
   const Field above = [&](const Vec3& p) { return from - field(p); };
   return clip(clip(surface, below, rim), above, rim);
+}
+
+void split_long_edges(Primitive* surface, double longest_m) {
+  std::unordered_map<std::uint64_t, std::uint32_t> middles;
+  for (bool again = true; again;) {
+    again = false;
+    middles.clear();
+    /// Vertex in the middle of an edge that is too long, the same for both triangles; else the first end.
+    const auto middle = [&](std::uint32_t i, std::uint32_t j) {
+      const Vec3 a(surface->positions[i]), b(surface->positions[j]);
+      if (glm::distance(a, b) <= longest_m) return i;
+      const std::uint64_t key = (std::uint64_t{std::min(i, j)} << 32) | std::max(i, j);
+      const auto [entry, added] = middles.try_emplace(key, static_cast<std::uint32_t>(surface->positions.size()));
+      if (added) {
+        surface->positions.emplace_back(0.5 * (a + b));
+        surface->normals.push_back(glm::normalize(surface->normals[i] + surface->normals[j]));
+        surface->uvs[0].push_back(0.5f * (surface->uvs[0][i] + surface->uvs[0][j]));
+      }
+      return entry->second;
+    };
+    std::vector<std::uint32_t> divided;
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      if (a != b && b != c && c != a) divided.insert(divided.end(), {a, b, c});
+    };
+    for (std::size_t i = 0; i + 2 < surface->indices.size(); i += 3) {
+      std::array<std::uint32_t, 3> v{surface->indices[i], surface->indices[i + 1], surface->indices[i + 2]}, m{};
+      // An edge that stays comes last, or, of two, first.
+      for (int turn = 0; turn < 3; ++turn) {
+        for (std::size_t k = 0; k < 3; ++k) m[k] = middle(v[k], v[(k + 1) % 3]);
+        const bool cut0 = m[0] != v[0], cut1 = m[1] != v[1], cut2 = m[2] != v[2];
+        if (cut0 == cut1 && cut1 == cut2) break;
+        if (cut0 && !cut2) break;
+        std::rotate(v.begin(), v.begin() + 1, v.end());
+      }
+      const bool cut0 = m[0] != v[0], cut1 = m[1] != v[1], cut2 = m[2] != v[2];
+      again = again || cut0;
+      if (!cut0) {
+        add(v[0], v[1], v[2]);
+      } else if (!cut1) {
+        add(v[0], m[0], v[2]);
+        add(m[0], v[1], v[2]);
+      } else if (!cut2) {
+        add(m[0], v[1], m[1]);
+        add(v[0], m[0], m[1]);
+        add(v[0], m[1], v[2]);
+      } else {
+        add(v[0], m[0], m[2]);
+        add(m[0], v[1], m[1]);
+        add(m[1], v[2], m[2]);
+        add(m[0], m[1], m[2]);
+      }
+    }
+    surface->indices = std::move(divided);
+  }
 }
 
 Primitive offset(const Primitive& surface, double distance_m) {

@@ -46,17 +46,17 @@ void decide_reflections(const Planning& p, bool traces_picture) {
 /// Mirrored light of other surfaces takes the place of what is baked of it, and fills what shadows leave black.
 void decide_glossy(const Planning& p, const Technique& mode) {
   const Settings& settings = p.in.settings;
-  const double roughness = settings.get_double("octree.glossy");
+  const double roughness = settings.get_double("reflections.glossy");
   const int in_view = p.in.view.glossy_in_view;
   const ShadingPlan& shading = p.plan->layers.front();
   const bool any =
       in_view >= 0 ? in_view > 0 : roughness > 0.0 && static_cast<double>(p.in.facts.least_roughness) <= roughness;
   const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("glossy", why, by); };
   if (mode.can.traces_picture) return leave_out("mode " + mode.name + " follows the mirrored paths itself", kMode);
-  if (!p.reflector || !p.reflector->can.mirrors_glossy)
-    return leave_out("only a reflector technique with cells in an octree has cells for them", "--reflections");
+  if (!p.reflector || !p.reflector->make_glossy)
+    return leave_out("only a reflector technique that follows single rays can follow theirs", "--reflections");
   if (roughness == 0.0 && in_view <= 0)
-    return leave_out("octree.glossy is 0, and no such part is named with --reflector", "octree.glossy");
+    return leave_out("reflections.glossy is 0, and no such part is named with --reflector", "reflections.glossy");
   if (!mode.can.shadows)
     return leave_out("mode " + mode.name + " knows no shadows, so the sky shines where surfaces would be mirrored",
                      kMode);
@@ -64,8 +64,9 @@ void decide_glossy(const Planning& p, const Technique& mode) {
     return leave_out("shading.indirect is none", "shading.indirect");
   if (settings.get_string("shading.visibility") != "traced" && !wants_baked(p, mode))
     return leave_out("nothing shadows the sky, so it shines where surfaces would be mirrored", "shading.visibility");
-  if (!any) return leave_out("no opaque surface in view is as smooth as octree.glossy asks", kView);
-  if (!p.in.status.octree.ready) return leave_out("its octree is not built yet", kStatus);
+  if (!any) return leave_out("no opaque surface in view is as smooth as reflections.glossy asks", kView);
+  if (p.reflector->can.needs_octree && !p.in.status.octree.ready)
+    return leave_out("its octree is not built yet", kStatus);
   if (shading.visibility == "none") return leave_out("it waits for the bake of visibility", kStatus);
   if (shading.visibility == "baked" && shading.indirect != "baked")
     return leave_out("it waits for the bake of indirect light", kStatus);
@@ -75,12 +76,13 @@ void decide_glossy(const Planning& p, const Technique& mode) {
 void decide_octree(const Planning& p) {
   const bool traced = p.plan->any_layer_is_shadowed_by("traced");
   const bool reflected = !p.plan->reflections.empty() && p.reflector->can.needs_octree;
-  p.plan->octree = traced || reflected || p.plan->glossy;
+  const bool glossy = p.plan->glossy && p.reflector->can.needs_octree;
+  p.plan->octree = traced || reflected || glossy;
   if (traced)
     p.feature(words::kOctree, "shading.visibility is traced");
   else if (reflected)
     p.feature(words::kOctree, "the reflectors' rays go through it");
-  else if (p.plan->glossy)
+  else if (glossy)
     p.feature(words::kOctree, "the mirrored rays of glossy surfaces go through it");
   else if (!p.in.status.octree.ready)
     p.leave_out(words::kOctree, not_ready("it is", p.in.status.octree), kStatus);
@@ -89,7 +91,7 @@ void decide_octree(const Planning& p) {
   else
     p.leave_out(words::kOctree, "neither shading.visibility=traced nor a reflector technique asks for one",
                 "--reflections");
-  if ((!reflected && !p.plan->glossy) || p.in.settings.get_string("octree.brdf") == "none") return;
+  if ((!reflected && !glossy) || p.in.settings.get_string("octree.brdf") == "none") return;
   if (!p.in.status.cell_brdfs.ready)
     return p.leave_out("cell_brdfs", "their bake is not ready yet: " + percent_done(p.in.status.cell_brdfs.progress),
                        kStatus);

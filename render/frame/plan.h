@@ -27,7 +27,7 @@ struct ViewInfo {
   bool mirrors = false;  ///< some reflector is opaque
   /// How much of the sky the parts' surfaces hide from each other (render/shadow_rays); nothing: not known yet.
   std::optional<double> hidden_share = {};
-  int glossy_in_view = -1;  ///< opaque surfaces that `octree.glossy` or a name lets mirror; -1: by the facts
+  int glossy_in_view = -1;  ///< opaque surfaces that `reflections.glossy` or a name lets mirror; -1: by the facts
   std::vector<PartMode> part_modes = {};  ///< nodes that have another shading mode than the rest
 };
 
@@ -64,7 +64,7 @@ struct FramePlan {
   std::vector<ShadingPlan> layers = std::vector<ShadingPlan>(1);  ///< first the default mode's
   bool glass = false;
   std::string reflections;  ///< reflector technique, or empty
-  bool glossy = false;      ///< opaque surfaces mirror too, through the octree
+  bool glossy = false;      ///< opaque surfaces mirror too
   bool octree = false, cell_brdfs = false;
   bool details = false;  ///< the second part of the G-buffer is filled
   /// What is brought up to date before: lists, bakes. Of all that is wanted, whether it is ready or not.

@@ -24,7 +24,7 @@ std::vector<Word> pass_words() {
        "indirect light, baked per vertex (16 bytes each, 32 where backs are seen), at every visible point; skipped "
        "while "
        "bake and surfaces stay"},
-      {Kind::pass, "glossy", "what glossy opaque surfaces mirror of others, through the octree (`octree.glossy`)"},
+      {Kind::pass, "glossy", "what glossy opaque surfaces mirror of others (`reflections.glossy`)"},
       {Kind::pass, "compose", "the sky, emission, indirect light, and the panes where they are kept with the G-buffer"},
       {Kind::pass, "panes", "the reflectors in view and the mirrored ray of each of their pixels"},
       {Kind::pass, "skip", "which mirrored rays need not be followed (`reflections.skip`)"},

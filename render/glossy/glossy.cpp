@@ -5,7 +5,6 @@
 
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
-#include "render/octree/reflections.h"
 #include "render/views/read_texture.h"
 
 namespace maquette {
@@ -15,8 +14,8 @@ namespace {
 ShaderVariant glossy_variant(bool measured, bool indirect) {
   return {"reflections/glossy.comp", "", {{"MEASURED", flag(measured)}, {"INDIRECT", flag(indirect)}}};
 }
-ShaderVariant rays_variant(bool measured) {
-  return {"reflections/glossy_rays.comp", "", {{"MEASURED", flag(measured)}}};
+ShaderVariant rays_variant(bool measured, bool exact) {
+  return {"reflections/glossy_rays.comp", "", {{"MEASURED", flag(measured)}, {"EXACT", flag(exact)}}};
 }
 ShaderVariant tiles_variant(bool measured) {
   return {"reflections/glossy_tiles.comp", "", {{"MEASURED", flag(measured)}}};
@@ -29,8 +28,9 @@ bool has_measured(const MirroredScene& scene) { return scene.frame.scene.facts()
 std::vector<ShaderVariant> Glossy::shader_variants() {
   std::vector<ShaderVariant> variants;
   for (const bool measured : {false, true})
-    for (const ShaderVariant& variant : {glossy_variant(measured, false), glossy_variant(measured, true),
-                                         rays_variant(measured), tiles_variant(measured)})
+    for (const ShaderVariant& variant :
+         {tiles_variant(measured), rays_variant(measured, false), rays_variant(measured, true),
+          glossy_variant(measured, false), glossy_variant(measured, true)})
       variants.push_back(variant);
   return variants;
 }
@@ -51,7 +51,7 @@ std::vector<std::size_t> named_glossy_items(const SceneState& scene, const Refle
 
 int glossy_in_view(const SceneState& scene, const ReflectorSet& reflectors, const FrameRequest& request,
                    const glm::mat4& clip) {
-  const auto roughness = static_cast<float>(request.settings.get_double("octree.glossy"));
+  const auto roughness = static_cast<float>(request.settings.get_double("reflections.glossy"));
   std::vector<bool> smooth =
       roughness > 0.0f ? glossy_items(scene, roughness) : std::vector<bool>(scene.geometry().items.size(), false);
   for (const std::size_t i : named_glossy_items(scene, reflectors, request.reflectors)) smooth[i] = true;
@@ -75,8 +75,8 @@ void Glossy::set_uniforms(const MirroredScene& scene, const Program& program) co
   glProgramUniform2iv(program.get(), program.location("u_named"), static_cast<GLsizei>(kMaxReflectors),
                       &triangles[0].x);
   program.set("u_named_count", static_cast<int>(named.size()));
-  program.set("u_roughness", static_cast<float>(request.settings.get_double("octree.glossy")));
-  program.set("u_divisor", reflection_divisor(request.settings, false));
+  program.set("u_roughness", static_cast<float>(request.settings.get_double("reflections.glossy")));
+  program.set("u_divisor", rays_.targets().divisor);
 }
 
 void Glossy::find_tiles(const MirroredScene& scene) {
@@ -95,52 +95,59 @@ void Glossy::find_tiles(const MirroredScene& scene) {
   const GridSize& grid = scene.frame.size();
   if (!light_ || light_.width() != grid.grid_width() || light_.height() != grid.grid_height())
     light_ = Texture::make_2d("glossy light", GL_RGBA32F, grid.grid_width(), grid.grid_height());
-  const float none[4] = {};
-  for (const Texture* image : {&light_, &rays_.targets().ray_origin, &rays_.targets().ray_direction})
-    glClearTexImage(image->get(), 0, GL_RGBA, GL_FLOAT, none);
 }
 
-void Glossy::cast_rays(const MirroredScene& scene) {
+void Glossy::cast_rays(const MirroredScene& scene, bool exact) {
   const ReflectionTargets& t = rays_.targets();
-  const Program& program = scene.frame.programs.get(rays_variant(has_measured(scene)));
+  const float none[4] = {};
+  for (const GLuint image : {light_.get(), t.ray_origin.get(), t.ray_direction.get()})
+    glClearTexImage(image, 0, GL_RGBA, GL_FLOAT, none);
+  const Program& program = scene.frame.programs.get(rays_variant(has_measured(scene), exact));
   set_uniforms(scene, program);
-  scene.frame.bakes.octree().buffers().set_uniforms(program);
+  if (exact)
+    program.set("u_frame_shadow_rays", scene.frame.accumulated);
+  else
+    scene.frame.bakes.octree().buffers().set_uniforms(program);
   glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   glBindImageTexture(kImageLobeWidth, t.focus.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R16F);
   dispatch_tiles(program, tiles_, t.divisor == 1 ? kPerPoint : t.divisor == 2 ? kPerFourPoints : kPerBlock);
 }
 
-void Glossy::run(const MirroredScene& scene, const Key& surfaces, bool averages_points) {
+void Glossy::run(const MirroredScene& scene, const Technique& technique, const Key& surfaces, bool averages_points) {
   const FrameContext& frame = scene.frame;
+  const bool exact = technique.can.is_exact;
+  const int divisor = reflection_divisor(frame.request.settings, exact && frame.accumulated > 0);
   frame.timer().count_all_as("glossy");
   const Key now = Key::of(surfaces, frame.scene.revisions().all(), frame.bakes.all(), frame.request.reflectors,
-                          frame.request.settings);
-  const bool had = rays_.has_images();
-  rays_.fit(frame.size(), reflection_divisor(frame.request.settings, false));
+                          frame.request.settings, technique.name, divisor);
+  const bool same = rays_.has_images() && traced_ == now;
+  rays_.fit(frame.size(), divisor);
   ReflectionTargets& t = rays_.targets();
-  if (!t.mean) t.mean = Texture::make_2d("glossy radiance", GL_RGBA32F, t.width, t.height);
-  const bool kept = had && traced_ == now && frame.request.settings.get_bool("shading.reuse");
-  frames_ = averages_points && kept && frame.accumulated > 0 ? frames_ + 1 : 1;
-  if (!technique_) technique_ = make_glossy_reflections();
-  if (!kept) {
-    find_tiles(scene);
-    cast_rays(scene);
-  }
+  if (!technique_ || technique_name_ != technique.name) technique_ = technique.make_glossy();
+  technique_name_ = technique.name;
+  const bool reuses = same && frame.request.settings.get_bool("shading.reuse"), kept = reuses && !exact;
+  if (!reuses) find_tiles(scene);
+  if (!kept) cast_rays(scene, exact);
   rays_.bind_constants(scene);
-  rays_.follow(
-      scene,
-      {.technique = *technique_, .keeps_hits = kept, .glossy = true, .blend = 1.0f / static_cast<float>(frames_)});
+  const bool rests = frame.accumulated > 0;
+  rays_.follow(scene, {.technique = *technique_,
+                       .keeps_hits = kept,
+                       .glossy = true,
+                       .shadow_rays = rests,
+                       .averages = rests && averages_points,
+                       .continues = same && rests});
   traced_ = now;
   scene.bind_layer(0);
   const bool baked = scene.layers.front().context.plan.indirect == "baked";
   const Program& program = frame.programs.get(glossy_variant(has_measured(scene), baked));
   set_uniforms(scene, program);
-  program.set("u_lift_m", frame.bakes.octree().buffers().cell_m());
+  program.set("u_sky_by_rays", exact && rests && scene.layers.front().context.plan.shadow_rays ? 1 : 0);
+  program.set("u_lift_m", exact ? 0.0f : frame.bakes.octree().buffers().cell_m());
   if (baked) bind_indirect(program, frame.scene, nearest_bake(frame.bakes.indirect()));
   glBindTextureUnit(kUnitRayOrigin, t.ray_origin.get());
   glBindTextureUnit(kUnitRayDirection, t.ray_direction.get());
-  glBindTextureUnit(kUnitGlossyRadiance, t.mean.get());
+  glBindTextureUnit(kUnitGlossyRadiance, t.radiance.get());
   glBindImageTexture(kImageGlossy, light_.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   dispatch_tiles(program, tiles_, kPerPoint);
   frame.timer().end("glossy");
@@ -149,7 +156,7 @@ void Glossy::run(const MirroredScene& scene, const Key& surfaces, bool averages_
 
 Image Glossy::view() const {
   const ReflectionTargets& t = rays_.targets();
-  const auto met = read_texture<float>(t.mean, GL_RGBA, GL_FLOAT, 4);
+  const auto met = read_texture<float>(t.radiance, GL_RGBA, GL_FLOAT, 4);
   const auto direction = read_texture<float>(t.ray_direction, GL_RGBA, GL_FLOAT, 4);
   Image image(t.width, t.height, 4);
   for (std::size_t i = 0; i < met.size(); ++i)

@@ -9,15 +9,16 @@
 
 namespace maquette {
 
-/// What glossy opaque surfaces mirror of the scene, by rays through the octree; docs/reflections.md says which light that
-/// is. Of the default mode's layer.
+/// What glossy opaque surfaces mirror of the scene, by a reflector technique that follows single rays;
+/// docs/reflections.md says which light that is. Of the default mode's layer. At rest an exact technique gets another
+/// ray in each frame.
 class Glossy {
  public:
   /// Nothing of it is drawn: frees all.
   void clear();
   /// What carries out the pass `glossy`. `surfaces`: all that the G-buffer depends on. `averages_points`: of the mode;
   /// the other modes average whole pictures.
-  void run(const MirroredScene& scene, const Key& surfaces, bool averages_points);
+  void run(const MirroredScene& scene, const Technique& technique, const Key& surfaces, bool averages_points);
   /// RGBA32F, cd/m2: what mirroring changes at each point of the grid.
   const Texture& light() const { return light_; }
   std::size_t bytes() const { return rays_.bytes() + light_.bytes() + tiles_.tiles.bytes(); }
@@ -28,16 +29,16 @@ class Glossy {
 
  private:
   void find_tiles(const MirroredScene& scene);
-  void cast_rays(const MirroredScene& scene);
+  void cast_rays(const MirroredScene& scene, bool exact);
   void set_uniforms(const MirroredScene& scene, const Program& program) const;
 
   MirroredRays rays_;
   TileList tiles_;  ///< where there may be such surfaces
   TileCounter counter_;
   Texture light_;
+  std::string technique_name_;
   std::unique_ptr<ReflectorTechnique> technique_;
   std::optional<Key> traced_;  ///< what the hits are of
-  int frames_ = 0;             ///< whose light `rays_` holds the mean of
 };
 
 /// Items among the named nodes that are no mirrors, but smooth enough to be named.

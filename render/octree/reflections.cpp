@@ -121,6 +121,6 @@ std::vector<ShaderVariant> octree_reflection_shader_variants() {
 }
 
 std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(false); }
-std::unique_ptr<ReflectorTechnique> make_glossy_reflections() { return std::make_unique<OctreeReflections>(true); }
+std::unique_ptr<ReflectorTechnique> make_glossy_octree_reflections() { return std::make_unique<OctreeReflections>(true); }
 
 }  // namespace maquette

@@ -36,13 +36,6 @@ Technique octree_technique() {
        .help = "cells with a BRDF of their own, transparency included: none; mixed: those of several materials or not "
                "flat; all: the flat ones too, at the 98 directions of a cell instead of their material's own lobes",
        .choices = {"none", "mixed", "all"}},
-      {.name = "octree.glossy",
-       .default_value = 0.2,
-       .min = 0.0,
-       .max = 0.5,
-       .help =
-           "opaque surfaces up to this roughness mirror too, what a cone as wide as their lobe meets in the octree, "
-           "where the sky has shadows; 0: none but those named with --reflector"},
       {.name = "octree.interest",
        .default_value = std::string(),
        .help = "what gets cells of octree.depth, two levels coarser elsewhere: names of nodes and boxes "
@@ -51,15 +44,14 @@ Technique octree_technique() {
        .default_value = std::string(),
        .help = "folder of `maquette bake octree`; empty: the cache"},
   };
-  info.can = {
-      .needs_octree = true, .mirrors_glossy = true, .hits_cells = true, .skips_rays = true, .skips_cheap_rays = true};
+  info.can = {.needs_octree = true, .hits_cells = true, .skips_rays = true, .skips_cheap_rays = true};
   info.has_effect = [](const Technique& mode, const Technique* reflector, const Settings& settings) {
     return (reflector && reflector->can.needs_octree) ||
            (mode.can.shadows && settings.get_string("shading.visibility") == "traced");
   };
   info.make_reflector = make_octree_reflections;
+  info.make_glossy = make_glossy_octree_reflections;
   info.bakes = {octree_bake_command()};
-  info.views = {{"glossy", "what glossy surfaces mirror", ViewColors::radiance}};
   info.shader_variants = [] {
     std::vector<ShaderVariant> variants = octree_reflection_shader_variants();
     variants.push_back({"octree/trace_rays.comp", "", {}});  // of tests and benchmarks
@@ -78,7 +70,6 @@ Technique octree_technique() {
       {Word::Kind::counter, "cell_layers", "cells that were shaded by BRDFs of their own"},
       {Word::Kind::counter, "octree_fine_cells", "leaves of the finest level, also where visibility is traced"},
       {Word::Kind::counter, "octree_coarse_cells", "leaves of coarser levels"},
-      {Word::Kind::counter, "glossy_rays", "of opaque surfaces"},
   };
   return info;
 }

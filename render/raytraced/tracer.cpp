@@ -12,6 +12,7 @@ namespace {
 
 class RaytracedReflections : public ReflectorTechnique {
  public:
+  explicit RaytracedReflections(bool glossy) : glossy_(glossy) {}
   void trace(const ReflectionFrame& frame) override {
     const FlatGeometry& geometry = frame.buffers->geometry();
     if (!scene_.scene || epoch_ != frame.geometry_epoch || occluding_ != *frame.occluding) {
@@ -31,6 +32,11 @@ class RaytracedReflections : public ReflectorTechnique {
         const std::size_t i =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(x);
         if (directions[i].w <= 0.0f) continue;
+        if (glossy_) {
+          const auto met = scene_.nearest(glm::vec3(origins[i]), glm::vec3(directions[i]), kNear_m);
+          hits[i] = met ? met->triangle + 1u : 0u;
+          continue;
+        }
         const auto reflector = static_cast<std::size_t>(directions[i].w - 0.5f);
         hits[i] = hit(origins[i], directions[i], geometry.items[(*frame.reflectors)[reflector].item]);
       }
@@ -42,13 +48,16 @@ class RaytracedReflections : public ReflectorTechnique {
     for (const glm::vec4& d : directions) rays_ += d.w > 0.0f ? 1.0 : 0.0;
     frame.timer->end("rays");
   }
-  void add_counters(std::map<std::string, double>* counters) const override { (*counters)["rays"] = rays_; }
+  void add_counters(std::map<std::string, double>* counters) const override {
+    (*counters)[glossy_ ? "glossy_rays" : "rays"] = rays_;
+  }
 
  private:
-  /// Index + 1 of the triangle that the ray hits. Surfaces that touch a pane count from kNear_m on. A mirror does not
+  static constexpr float kNear_m = 1e-4f;  ///< surfaces that touch the one that reflects count from here on
+
+  /// Index + 1 of the triangle that the ray hits. A mirror does not
   /// see itself: the ray starts on the true surface, and facets of a concave one lie in front of it.
   std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction, const DrawItem& own) const {
-    constexpr float kNear_m = 1e-4f;
     constexpr int kOwnFacets = 8;
     float near = kNear_m;
     for (int passed = 0; passed <= kOwnFacets; ++passed) {
@@ -64,10 +73,16 @@ class RaytracedReflections : public ReflectorTechnique {
   std::uint32_t epoch_ = 0;
   std::vector<bool> occluding_;
   double rays_ = 0.0;
+  bool glossy_ = false;
 };
 
 }  // namespace
 
-std::unique_ptr<ReflectorTechnique> make_raytraced_reflections() { return std::make_unique<RaytracedReflections>(); }
+std::unique_ptr<ReflectorTechnique> make_raytraced_reflections() {
+  return std::make_unique<RaytracedReflections>(false);
+}
+std::unique_ptr<ReflectorTechnique> make_glossy_raytraced_reflections() {
+  return std::make_unique<RaytracedReflections>(true);
+}
 
 }  // namespace maquette

@@ -21,7 +21,11 @@ ShaderVariant resolve_variant(bool textures, bool colors) {
       {{"REFLECTED", "1"}, {"TEXTURES", flag(textures)}, {"TEXTURE_BANDWIDTH", "0"}, {"VERTEX_COLORS", flag(colors)}}};
 }
 
-ShaderVariant compose_variant(bool layers, bool glossy, bool tint) {
+/// Of the light of reflected points.
+struct Completion {
+  bool layers = false, glossy = false, tint = false, shadows = false, mean = false;
+};
+ShaderVariant compose_variant(const Completion& c) {
   return {"shading/compose.comp",
           "",
           {{"REFLECTED", "1"},
@@ -29,10 +33,11 @@ ShaderVariant compose_variant(bool layers, bool glossy, bool tint) {
            {"TEXTURES", "0"},
            {"INDIRECT", "0"},
            {"PANES", "0"},
-           {"SHADOWS", "0"},
-           {"LAYERS", flag(layers)},
-           {"TINT", flag(tint)},
-           {"GLOSSY", flag(glossy)}}};
+           {"SHADOWS", flag(c.shadows)},
+           {"LAYERS", flag(c.layers)},
+           {"TINT", flag(c.tint)},
+           {"MEAN", flag(c.mean)},
+           {"GLOSSY", flag(c.glossy)}}};
 }
 
 }  // namespace
@@ -46,7 +51,10 @@ int reflection_divisor(const Settings& settings, bool at_rest) {
 std::vector<ShaderVariant> MirroredRays::shader_variants() {
   std::vector<ShaderVariant> variants{list_tiles_variant(false), list_tiles_variant(true)};
   for (int k = 0; k < 4; ++k) variants.push_back(resolve_variant(k & 1, k & 2));
-  for (int k = 0; k < 8; ++k) variants.push_back(compose_variant(k & 1, k & 2, k & 4));
+  for (int k = 0; k < 32; ++k) {
+    const Completion c{(k & 1) != 0, (k & 2) != 0, (k & 4) != 0, (k & 8) != 0, (k & 16) != 0};
+    if (!(c.layers && c.shadows)) variants.push_back(compose_variant(c));
+  }
   return variants;
 }
 
@@ -163,19 +171,29 @@ void MirroredRays::find_tint(const MirroredScene& scene, const FollowRule& rule)
   find_pane_tint(*panes, own, &t);
 }
 
+bool MirroredRays::shadowed_by_rays(const ShadingPlan& plan, const FollowRule& rule) {
+  return rule.shadow_rays && plan.shadow_rays && !rule.technique.resolves();
+}
+
 void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule) {
   ReflectionTargets& t = *targets_;
   const FrameContext& frame = scene.frame;
   int panes = 0;
   const std::vector<Reflector>& reflectors = scene.reflectors.all();
   for (std::size_t k = 0; !rule.glossy && k < reflectors.size(); ++k) panes |= reflectors[k].mirror ? 0 : 1 << k;
+  shadows_.begin(t);
   for (const DrawnLayer& layer : scene.layers) {
     const ShadingPlan& plan = layer.context.plan;
     if (scene.parts.several()) {
       scene.parts.split_hits(t.triangle, t.depth, layer.context.index, &t.layer_depth, &frame.programs);
       glBindTextureUnit(kUnitDepth, t.layer_depth.get());
     }
-    layer.mode.shade_hits({frame, plan, t, panes});
+    const bool by_rays = shadowed_by_rays(plan, rule);
+    layer.mode.shade_hits({frame, plan, t, panes, by_rays && plan.sun_apart});
+    if (by_rays) {
+      glBindTextureUnit(kUnitTriangle, t.triangle.get());
+      shadows_.add(frame, plan, t);
+    }
     if (plan.indirect != "baked") continue;
     frame.timer().end("reflected shade");
     glBindTextureUnit(kUnitTriangle, t.triangle.get());
@@ -196,11 +214,19 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
       rule.technique.shade_layers(frame, first.context.plan.visibility == "traced",
                                   samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  const Program& program = scene.frame.programs.get(compose_variant(layers, rule.glossy, static_cast<bool>(t.tint)));
+  const bool shadows = std::any_of(scene.layers.begin(), scene.layers.end(),
+                                   [&](const DrawnLayer& layer) { return shadowed_by_rays(layer.context.plan, rule); });
+  const Program& program = scene.frame.programs.get(
+      compose_variant({layers, rule.glossy, static_cast<bool>(t.tint), shadows, rule.averages}));
   if (t.tint) glBindTextureUnit(kUnitPaneTint, t.tint.get());
-  if (rule.glossy) {
-    program.set("u_blend", rule.blend);
+  if (shadows) glBindTextureUnit(kUnitShadowLight, shadows_.light().get());
+  if (rule.averages) {
+    if (!t.mean) t.mean = Texture::make_2d("mean of mirrored light", GL_RGBA32F, t.width, t.height);
+    frames_ = rule.continues ? frames_ + 1 : 1;
+    program.set("u_blend", 1.0f / static_cast<float>(frames_));
     glBindImageTexture(kImageMean, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  } else {
+    frames_ = 0;
   }
   dispatch_tiles(program, t.tiles, kPerPoint);
   scene.frame.timer().end("reflected shade");

@@ -9,6 +9,7 @@
 #include "render/reflections/reflector_technique.h"
 #include "render/reflections/targets.h"
 #include "render/shading/layer.h"
+#include "render/shadow_rays/hit_shadows.h"
 
 namespace maquette {
 
@@ -32,7 +33,9 @@ struct FollowRule {
   bool keeps_hits = false;                             ///< those of the frame before hold: they are only shaded anew
   bool glossy = false;                                 ///< rays of opaque surfaces: they name materials, not reflectors
   bool lists_tiles = true;                             ///< those of the rays are not listed yet
-  float blend = 1.0f;                                  ///< of glossy ones: weight of this frame in the mean
+  bool shadow_rays = false;                            ///< sun and lamps are shadowed by them where the plan has them
+  bool averages = false;                               ///< at rest, what is shown is the mean over the frames
+  bool continues = false;                              ///< the mean of the frames before goes on
   const std::vector<GhostDeviation>* ghost = nullptr;  ///< see ReflectionFrame
   const std::vector<FitDeviation>* fits = nullptr;
 };
@@ -43,11 +46,14 @@ class MirroredRays {
  public:
   /// Makes the images anew where they are not of the grid's size.
   void fit(const GridSize& grid, int divisor);
-  void clear() { targets_.reset(); }
+  void clear() {
+    targets_.reset();
+    shadows_.clear();
+  }
   bool has_images() const { return targets_.has_value(); }
   ReflectionTargets& targets() { return *targets_; }
   const ReflectionTargets& targets() const { return *targets_; }
-  std::size_t bytes() const { return targets_ ? reflection_bytes(*targets_) : 0; }
+  std::size_t bytes() const { return (targets_ ? reflection_bytes(*targets_) : 0) + shadows_.bytes(); }
   /// Binds the frame block at the size of this image, and the reflectors. `samples`: of a shaded point.
   void bind_constants(const MirroredScene& scene) {
     bind_constants(scene, scene.frame.request.settings.get_int("reflections.samples"));
@@ -67,10 +73,14 @@ class MirroredRays {
   /// What panes on the way of the rays leave, once it can be told.
   void find_tint(const MirroredScene& scene, const FollowRule& rule);
   void shade_hits(const MirroredScene& scene, const FollowRule& rule);
+  /// Whether shadow rays bring light to the hits of a layer.
+  static bool shadowed_by_rays(const ShadingPlan& plan, const FollowRule& rule);
   void complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
 
   std::optional<ReflectionTargets> targets_;
   FrameConstants constants_{};
+  HitShadows shadows_;
+  int frames_ = 0;  ///< in the mean
   Buffer block_, tile_count_;
 };
 

@@ -6,6 +6,7 @@
 #include "render/frame/constants.h"
 #include "render/gl/bindings.h"
 #include "render/gl/raster_state.h"
+#include "render/math/shared_formulas.h"
 #include "render/views/read_texture.h"
 #include "scenes/error.h"
 
@@ -47,8 +48,8 @@ void Reflections::report(const FrameRequest& request, const Technique& technique
   skips_ = status->follows_all_rays.empty();
 }
 
-Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, std::function<Key()> surfaces,
-                       std::function<const Texture&()> behind) {
+Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, bool averages_points,
+                       std::function<Key()> surfaces, std::function<const Texture&()> behind) {
   const FrameContext& frame = scene.frame;
   if (technique_name_ != technique.name) {
     technique_ = technique.make_reflector();
@@ -68,10 +69,11 @@ Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, s
     const FrameContext& context = scene.frame;
     const Key now = Key::of(surfaces(), context.scene.revisions().all(), context.bakes.all(), technique_name_,
                             context.request.reflectors, context.request.settings, divisor_of(context));
-    const bool kept = may_keep && rays_.has_images() && traced_ == now;
+    const int varies = technique.can.is_exact && !skips_ ? context.accumulated : 0;
+  const bool same = rays_.has_images() && traced_ == now, kept = may_keep && same && varies == 0;
     traced_.reset();
-    run({scene, behind(), kept});
-    if (may_keep) traced_ = now;
+    run({scene, behind(), averages_points && !skips_ && context.accumulated > 0, same, kept, varies});
+    if (!skips_) traced_ = now;
     if (!kept) return;
     for (const std::string& name : names)
       context.frame.skip(name, "kept from the frame before: neither camera nor surfaces changed");
@@ -88,7 +90,7 @@ void Reflections::run(const Frame& frame) {
     ghost_.fit(grid, divisor);
     ghost_.bind_constants(scene);
     if (!frame.kept) cast_rays(frame, &ghost_, true);
-    follow(frame, &ghost_, true, frame.kept);
+    follow(frame, &ghost_, true);
   } else {
     ghost_.clear();
   }
@@ -98,7 +100,7 @@ void Reflections::run(const Frame& frame) {
     cast_rays(frame, &rays_, false);
     if (skips_) drop_unseen_rays(frame);
   }
-  follow(frame, &rays_, false, frame.kept);
+  follow(frame, &rays_, false);
 }
 
 void Reflections::draw_panes(const Frame& frame, const ReflectionTargets& t) {
@@ -134,6 +136,17 @@ void Reflections::draw_panes(const Frame& frame, const ReflectionTargets& t) {
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+void Reflections::set_variation(const Frame& frame, const Program& rays) {
+  const std::vector<Reflector>& reflectors = frame.scene.reflectors.all();
+  std::array<float, kMaxReflectors> alpha{};
+  for (std::size_t k = 0; k < reflectors.size(); ++k) {
+    const float roughness = frame.scene.frame.scene.material_of_item(reflectors[k].item).roughness;
+    if (reflectors[k].mirror) alpha[k] = std::max(roughness * roughness, shared::kMinAlpha);
+  }
+  rays.set("u_frame_at_rest", frame.varies);
+  glProgramUniform1fv(rays.get(), rays.location("u_alpha"), static_cast<GLsizei>(kMaxReflectors), alpha.data());
 }
 
 void Reflections::bind_ghost(const Frame& frame, const Program& rays) {
@@ -176,6 +189,7 @@ void Reflections::cast_rays(const Frame& frame, MirroredRays* image, bool ghost)
     glBindTextureUnit(kUnitPatchFits, frame.scene.reflectors.fit_triangles().get());
   }
   rays.set("u_divisor", t.divisor);
+  set_variation(frame, rays);
   image->list_tiles(&programs, false);
   dispatch_tiles(rays, t.tiles, kPerPoint);
   frame.scene.frame.timer().end("panes");
@@ -195,21 +209,24 @@ void Reflections::drop_unseen_rays(const Frame& frame) {
   const Program& pick = programs.get(kProbes);
   pick.set("u_spacing", kProbeSpacing);
   dispatch(pick, group_count(few.width, 8), group_count(few.height, 8));
-  follow(frame, &probes_, false, false);
+  follow(frame, &probes_, false);
   skipping_.draw_cover(scene, rays_.targets());
   rays_.bind_constants(scene);
   skipping_.mark(scene, rays_.targets(), few, kProbeSpacing, frame.behind);
   scene.frame.timer().end("skip");
 }
 
-void Reflections::follow(const Frame& frame, MirroredRays* image, bool ghost, bool kept) {
+void Reflections::follow(const Frame& frame, MirroredRays* image, bool ghost) {
   std::vector<GhostDeviation> reach(kMaxReflectors);
-  if (ghost && !kept) ghost_reach_.read(0, ghost_reach_.bytes(), reach.data());
+  if (ghost && !frame.kept) ghost_reach_.read(0, ghost_reach_.bytes(), reach.data());
   std::vector<FitDeviation> fits(kMaxPatches);
   const bool fitted = frame.scene.reflectors.any_fitted();
-  if (fitted && !kept) fit_reach_.read(0, fit_reach_.bytes(), fits.data());
+  if (fitted && !frame.kept) fit_reach_.read(0, fit_reach_.bytes(), fits.data());
   image->follow(frame.scene, {.technique = *technique_,
-                              .keeps_hits = kept,
+                              .keeps_hits = frame.kept,
+                              .shadow_rays = frame.scene.frame.accumulated > 0,
+                              .averages = frame.averages,
+                              .continues = frame.continues,
                               .ghost = ghost ? &reach : nullptr,
                               .fits = fitted ? &fits : nullptr});
 }

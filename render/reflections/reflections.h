@@ -23,7 +23,8 @@ class Reflections {
   void rest() { traced_.reset(); }
   /// What carries out the passes from `panes` to `reflected shade`. `surfaces`: all that the G-buffer depends on.
   /// `behind`: what is seen through the panes.
-  Pass pass(const MirroredScene& scene, const Technique& technique, std::function<Key()> surfaces,
+  /// `averages_points`: what is shown at rest is averaged here; the other modes average whole pictures.
+  Pass pass(const MirroredScene& scene, const Technique& technique, bool averages_points, std::function<Key()> surfaces,
             std::function<const Texture&()> behind);
   /// Binds the reflected pictures for panes and mirrors (shaders/glass).
   ReflectedPicture bind(const Settings& settings);
@@ -39,14 +40,18 @@ class Reflections {
   struct Frame {
     const MirroredScene& scene;
     const Texture& behind;
-    bool kept = false;
+    bool averages = false;   ///< see FollowRule
+    bool continues = false;  ///< the rays are those of the frame before
+    bool kept = false;       ///< and so are their hits
+    int varies = 0;          ///< number of the frame at rest, whose rays vary over pixels and lobes; 0: they do not
   };
   void run(const Frame& frame);
   void draw_panes(const Frame& frame, const ReflectionTargets& targets);
   void cast_rays(const Frame& frame, MirroredRays* rays, bool ghost);
+  void set_variation(const Frame& frame, const Program& rays);
   void bind_ghost(const Frame& frame, const Program& rays);
   void drop_unseen_rays(const Frame& frame);
-  void follow(const Frame& frame, MirroredRays* rays, bool ghost, bool kept);
+  void follow(const Frame& frame, MirroredRays* rays, bool ghost);
   Image read_picture(const MirroredRays& rays, int channel) const;
 
   MirroredRays rays_, ghost_, probes_;  ///< the picture; of panes' back faces; fewer rays, where some are not followed
@@ -54,7 +59,7 @@ class Reflections {
   Buffer fit_reach_;                    ///< by patch
   std::string technique_name_;
   std::unique_ptr<ReflectorTechnique> technique_;
-  std::optional<Key> traced_;  ///< what the hits are of; empty: nothing that may be kept
+  std::optional<Key> traced_;  ///< what the rays are of; empty: nothing that holds
   Skipping skipping_;
   bool skips_ = false;  ///< some rays of this frame are not followed
 };

@@ -65,15 +65,15 @@ void ReflectorSet::update(const SceneState& scene, const FrameRequest& request, 
   }
   if (!fits_patches) patch_fits_.cancel();
   if (fits_patches && patch_fits_.update()) ++fits_revision_;
-  const Key now = Key::of(scene.revisions().all(), request.reflectors, fits_patches, technique->can.mirrors_glossy,
-                          fits_revision_, request.variant);
+  const Key now = Key::of(scene.revisions().all(), request.reflectors, fits_patches,
+                          static_cast<bool>(technique->make_glossy), fits_revision_, request.variant);
   if (key_ == now) return;
   std::vector<const Material*> materials;
   for (std::size_t i = 0; i < scene.geometry().items.size(); ++i) materials.push_back(&scene.material_of_item(i));
   forget();  // what is refused below is refused in every frame
   reflectors_ =
       find_reflectors(scene.scene(), scene.geometry(), materials, request.reflectors,
-                      technique->can.mirrors_glossy ? glossy_items(scene, kMaxGlossyRoughness) : std::vector<bool>());
+                      technique->make_glossy ? glossy_items(scene, kMaxGlossyRoughness) : std::vector<bool>());
   ++revision_;
   const std::string option = "--reflections " + technique->name;
   if (fits_patches) fit_curved(scene, option);

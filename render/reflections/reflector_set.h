@@ -66,7 +66,7 @@ class ReflectorSet {
   Buffer coarse_indices_;
   PatchFitStore patch_fits_;
   std::uint32_t fits_revision_ = 0;
-  std::string fitting_;  ///< names of reflectors that are left out until theirs are there
+  std::string fitting_;   ///< names of reflectors that are left out until theirs are there
   Buffer fit_triangles_;  ///< [triangle of fitted meshes], as shaders/reflections/rays.comp has them
   Texture fit_triangle_view_;
 };

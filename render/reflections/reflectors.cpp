@@ -119,7 +119,8 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
       throw Error("--reflector " + name,
                   "its material '" + material->name + "' is neither glass nor a smooth metal" +
                       (glossy.empty() ? "" : " nor glossy"),
-                  "name a pane or a mirror (with --reflections octree, anything glossy), or give it --material " +
+                  "name a pane or a mirror (with a technique that follows single rays, anything glossy), or give it "
+                  "--material " +
                       material->name + "=builtin:glass");
   if (found.size() > kMaxReflectors)
     throw Error("--reflections",

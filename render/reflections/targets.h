@@ -31,7 +31,7 @@ struct ReflectionTargets {
   Texture layer_depth;            ///< depth where the hit is of one layer, 0 elsewhere; made on demand
   Texture marks, radiance;        ///< radiance.w: 0 where the ray leaves the scene
   Texture tint;                   ///< RGBA16, share of the hit's light that panes on the way leave; made on demand
-  Texture mean;                   ///< RGBA32F, of glossy surfaces: their radiance averaged over frames; made on demand
+  Texture mean;                   ///< RGBA32F, the radiance averaged over frames at rest; made on demand
 };
 
 ReflectionTargets make_reflection_targets(int grid_width, int grid_height, int divisor);

@@ -21,6 +21,12 @@ Technique reflections_technique() {
        .max = 4096,
        .help = "shading samples a pixel of what a mirror shows, in the modes that sample; half as many of what a pane "
                "does, which adds less"},
+      {.name = "reflections.glossy",
+       .default_value = 0.2,
+       .min = 0.0,
+       .max = 0.5,
+       .help = "opaque surfaces up to this roughness mirror the scene too, with techniques that follow single rays and "
+               "where the sky has shadows; 0: none but those named with --reflector"},
       {.name = "reflections.mark",
        .default_value = std::string("hatch"),
        .help = "what a technique has low confidence in in its reflections: hatched in orange, or shown like the rest",
@@ -49,8 +55,10 @@ Technique reflections_technique() {
            "what is seen through the pane; 0: all are followed. Never in EXR files and reports"},
   };
   info.views = Reflections::views();
+  info.views.push_back({"glossy", "what glossy surfaces mirror", ViewColors::radiance});
   info.shader_variants = Reflections::shader_variants;
   info.words = {
+      {Word::Kind::counter, "glossy_rays", "mirrored rays of glossy opaque surfaces"},
       {Word::Kind::counter, "rays_skipped", "mirrored rays that were not followed"},
       {Word::Kind::counter, "rays_skipped_share", "of all"},
   };

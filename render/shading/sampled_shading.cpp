@@ -18,6 +18,11 @@ ShaderVariant shade_hits_variant(const ShadingPlan& plan, bool measured) {
            {"VISIBILITY", visibility_define(plan)},
            {"LIGHTS", flag(plan.lights)}}};
 }
+ShaderVariant shade_hits_without_sun_variant(const ShadingPlan& plan, bool measured) {
+  ShaderVariant variant = shade_hits_variant(plan, measured);
+  variant.defines.emplace_back("SEPARATE_SUN", "1");
+  return variant;
+}
 
 const ShaderVariant kMarkHits{
     "bandwidth/mark.comp",
@@ -60,6 +65,7 @@ std::vector<ShaderVariant> SampledShading::shader_variants() {
         plan.visibility = visibility;
         plan.lights = lights;
         variants.push_back(shade_hits_variant(plan, measured));
+        if (plan.visibility != "traced") variants.push_back(shade_hits_without_sun_variant(plan, measured));
         for (int lobes = 0; lobes < (measured ? 1 : 4); ++lobes)
           for (const bool sun_apart : {false, true}) {
             if (sun_apart && plan.visibility == "traced") continue;  // goes with rays, not with these
@@ -98,7 +104,7 @@ void SampledShading::mark_band(const Marking& marking, std::size_t band, unsigne
 
 void SampledShading::shade_lists(const FrameContext& frame, const ShadingPlan& plan, const unsigned counters[16],
                                  ShaderVariant (*variant)(const ShadingPlan&, bool), const Program& gather) {
-  const SunBuffers* sun = plan.sun_apart && variant == shade_variant ? frame.scene.environment().sun() : nullptr;
+  const SunBuffers* sun = plan.sun_apart && variant != shade_hits_variant ? frame.scene.environment().sun() : nullptr;
   if (sun) glBindTextureUnit(kUnitLightSamples, sun->rest_view.get());
   for (int list = 0; list < 2; ++list) {
     if (counters[8 * list] == 0) continue;
@@ -141,7 +147,8 @@ void SampledShading::shade_hit_rows(const HitShading& hits, int first_row, int r
   lists_.counters.read(0, sizeof counters, counters);
   count_groups(lists_, &programs);
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
-  shade_lists(hits.frame, hits.plan, counters, shade_hits_variant, programs.get(gather_variant(false, false)));
+  shade_lists(hits.frame, hits.plan, counters, hits.without_sun ? shade_hits_without_sun_variant : shade_hits_variant,
+              programs.get(gather_variant(false, false)));
 }
 
 std::optional<PointValue> view_of_marks(const std::string& name, const Texture& marks) {

@@ -50,6 +50,7 @@ struct HitShading {
   const ShadingPlan& plan;
   const ReflectionTargets& targets;
   int panes = 0;  ///< bit k: reflector k lets light through, so that its pixels take fewer samples than a mirror's
+  bool without_sun = false;  ///< shadow rays bring its light
 };
 
 /// What composing a layer needs to know of how its mode leaves the radiance.

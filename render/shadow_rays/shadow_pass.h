@@ -19,7 +19,6 @@ class ShadowPass {
   const Texture& light() const { return light_; }
   std::size_t bytes() const { return light_.bytes() + rays_.bytes(); }
   std::size_t ray_count() const { return ray_count_; }
-  static std::vector<ShaderVariant> shader_variants();
 
  private:
   /// A grid point, as far as the filter looks at it.
@@ -29,7 +28,7 @@ class ShadowPass {
     glm::vec3 normal{0.0f};  ///< of its triangle
     glm::vec3 base{1.0f};    ///< base colour, which the filter leaves sharp
   };
-  void trace_band(const LayerContext& layer, std::size_t band, int points, float blend);
+  void trace_band(const LayerContext& layer, std::size_t band, float blend);
   /// The sky's share of the light, smoothed over as many neighbours as it has noise; into `sky_`.
   void filter_sky(int width, int height);
 

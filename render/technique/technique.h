@@ -41,7 +41,6 @@ struct Capabilities {
   // Of reflectors:
   bool needs_octree = false;      ///< rays go through it
   bool needs_eye = false;         ///< projects from one point: no orthographic cameras
-  bool mirrors_glossy = false;    ///< glossy opaque surfaces mirror too
   bool needs_patches = false;     ///< curved meshes get patches fitted to them
   bool keeps_hits = false;        ///< hits hold while camera and surfaces stay
   bool hits_cells = false;        ///< rays hit cells of the octree, which the default mode shades
@@ -99,6 +98,8 @@ struct Technique {
   std::optional<OwnBake> own_bake = {};
   /// Of kind reflector.
   std::function<std::unique_ptr<ReflectorTechnique>()> make_reflector = {};
+  /// The same for the rays of glossy opaque surfaces (render/glossy). Null: only panes and mirrors reflect.
+  std::function<std::unique_ptr<ReflectorTechnique>()> make_glossy = {};
   /// Every shader variant that it may ask for, for the test that compiles them all.
   std::function<std::vector<ShaderVariant>()> shader_variants = {};
   /// Debug views (`--view`) that it adds: of modes. Those of mirrored rays are in Reflections::views().

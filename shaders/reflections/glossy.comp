@@ -1,6 +1,7 @@
-// Change of the reflected indirect light at glossy opaque points: the radiance that their mirrored rays hit in the octree replaces the light
-// baked per vertex in the same lobes. Light of the sky is shaded already, by the share that the visibility map gives for the mean
-// direction. The ray's radiance is used for the remaining share only, so that no direction counts twice.
+// Change of the reflected indirect light at glossy opaque points: the radiance that their mirrored rays hit replaces the light baked per vertex in
+// the same lobes. Light of the sky is shaded already, by the share that the visibility map gives for the mean direction. What a ray meets is used for
+// the remaining share only, so that no direction counts twice. Where rays correct the maps, all that exact rays meet counts: the mean over frames has
+// as much of the scene as the lobe sees of it.
 layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
@@ -28,6 +29,7 @@ layout(binding = kUnitRayDirection) uniform sampler2D t_ray_direction;  // unit;
 layout(binding = kUnitGlossyRadiance) uniform sampler2D t_met;          // cd/m2
 layout(binding = kImageGlossy, rgba32f) uniform writeonly image2D o_glossy;
 uniform int u_divisor;
+uniform int u_sky_by_rays;  // 1: see above
 uniform float u_lift_m;  // largest height above its surface at which a ray starts
 
 /// A neighbour's ray belongs to the same surface if it starts this near its tangent plane, in points of the image of rays.
@@ -64,7 +66,7 @@ vec3 change_of(ivec2 pixel) {
 #if INDIRECT
   VisibilityPoint v = load_visibility(pixel, p.position, world_from_environment(p.n));
   // Without the panes' transmittance: behind them is sky.
-  float open = interpolated_visibility(v, v.barycentric, direction);
+  float open = u_sky_by_rays != 0 ? 0.0 : interpolated_visibility(v, v.barycentric, direction);
   return lobe.albedo * p.occlusion * ((1.0 - open) * met.rgb - indirect_radiance(load_indirect(v), mean));
 #else
   return lobe.albedo * p.occlusion * met.rgb;

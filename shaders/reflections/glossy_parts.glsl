@@ -1,4 +1,4 @@
-// Selects the opaque surfaces whose reflections are traced through the octree.
+// Selects the opaque surfaces whose reflections are traced.
 uniform float u_roughness;     // of the widest lobe
 uniform ivec2 u_named[16];     // triangles of named parts, from and to
 uniform int u_named_count;

@@ -3,6 +3,10 @@ layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #include "shared/tiles.glsl"
+#include "shared/constants.glsl"
+#include "shading/random.glsl"
+#include "shared/luminance.glsl"
+#include "shared/analytic.glsl"
 #include "reflections/reflectors.glsl"
 layout(binding = kUnitIndices) uniform usamplerBuffer t_indices;
 layout(binding = kUnitVertices) uniform samplerBuffer t_vertices;
@@ -18,6 +22,8 @@ layout(binding = kUnitPatchFits) uniform usamplerBuffer t_fits;  // patch + 1, p
 layout(std430, binding = kBufferFitReach) buffer FitBounds { uint b_fits[]; };
 #endif
 uniform int u_divisor;
+uniform int u_frame_at_rest;  // above 0: the rays of each frame vary over the pixel and over the mirror's lobe
+uniform float u_alpha[16];    // GGX alpha of the reflectors
 #if GHOST
 #include "shared/pane.glsl"
 uniform vec2 u_ghost_optics[16];  // refractive index; thickness, m, 0 for a mirror
@@ -112,6 +118,16 @@ float opaque_depth(ivec2 pixel) {
   return farthest;
 }
 
+/// The mirrored ray of one of the normals of a rough mirror's facets.
+vec3 varied_mirror(vec3 incident, vec3 normal, float alpha, vec2 u) {
+  vec3 side = -incident - normal * dot(-incident, normal);
+  vec3 x = dot(side, side) > 1e-12 ? normalize(side) : tangent_basis(normal).t, y = cross(normal, x);
+  vec3 seen = vec3(dot(-incident, x), 0.0, max(dot(-incident, normal), 1e-3));
+  vec3 facet = sample_ggx_visible(normalize(seen), round_width(alpha), u.x, u.y);
+  vec3 mirrored = reflect(incident, facet.x * x + facet.y * y + facet.z * normal);
+  return dot(mirrored, normal) > 0.0 ? mirrored : reflect(incident, normal);
+}
+
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
@@ -125,26 +141,40 @@ void main() {
     vec4 p0 = texelFetch(t_vertices, v.x), p1 = texelFetch(t_vertices, v.y), p2 = texelFetch(t_vertices, v.z);
     vec4 n0 = texelFetch(t_vertices, v.x + 1), n1 = texelFetch(t_vertices, v.y + 1), n2 = texelFetch(t_vertices, v.z + 1);
     vec3 from = view_origin(pixel), ray = view_ray(pixel), e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
-    // Moller and Trumbore 1997, without the range tests: the rasteriser has made them.
-    vec3 q = cross(ray, e2), t = from - p0.xyz;
-    float determinant = dot(e1, q);
-    float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
-    vec2 b = clamp(vec2(dot(t, q), dot(ray, cross(t, e1))) * inverse, 0.0, 1.0);
-    b *= 1.0 / max(1.0, b.x + b.y);
-    PanePoint point;
-    point.position = p0.xyz + b.x * e1 + b.y * e2;
-    point.focus = 0.0;
-    point.normal = n0.xyz + b.x * (n1.xyz - n0.xyz) + b.y * (n2.xyz - n0.xyz);
-    point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
     ivec4 mirror = u_mirrors[reflector];
-    vec2 uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
-    if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, from, ray, 2);
-    vec3 incident = normalize(ray);
-    float normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
-    point.normal *= normal_side;
-    float depth = dot(point.position - u_frame.eye.xyz, u_frame.forward.xyz);
+    PanePoint point;
+    vec2 b = vec2(0.0), uv = vec2(0.0);
+    vec3 incident = vec3(0.0), mirrored = vec3(0.0);
+    float normal_side = 1.0, depth = 0.0;
+    // Once for the middle of the pixel, which decides what is seen there, and at rest once for another point of it.
+    for (int k = 0; k < (u_frame_at_rest > 0 ? 2 : 1); ++k) {
+      if (k == 1) {
+        if (!(depth > 0.0 && depth < opaque_depth(pixel))) break;
+        EyeRay varied = ray_through(vec2(pixel) + numbers_at_rest(pixel, u_frame_at_rest).xy);
+        from = u_frame.eye.xyz + varied.origin;
+        ray = varied.direction;
+      }
+      // Moller and Trumbore 1997, without the range tests: the rasteriser has made them. The other point may lie beyond the triangle.
+      vec3 q = cross(ray, e2), t = from - p0.xyz;
+      float determinant = dot(e1, q), beyond = float(k);
+      float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
+      b = clamp(vec2(dot(t, q), dot(ray, cross(t, e1))) * inverse, -beyond, 1.0 + beyond);
+      b *= 1.0 / max(1.0, (b.x + b.y) / (1.0 + beyond));
+      point.position = p0.xyz + b.x * e1 + b.y * e2;
+      point.focus = 0.0;
+      point.normal = n0.xyz + b.x * (n1.xyz - n0.xyz) + b.y * (n2.xyz - n0.xyz);
+      point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
+      uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
+      if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, from, ray, 2);
+      incident = normalize(ray);
+      normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
+      point.normal *= normal_side;
+      mirrored = reflect(incident, point.normal);
+      if (k == 1 && u_alpha[reflector] > 0.0)
+        mirrored = varied_mirror(incident, point.normal, u_alpha[reflector], numbers_at_rest(pixel + ivec2(8192, 0), u_frame_at_rest).xy);
+      if (k == 0) depth = dot(point.position - u_frame.eye.xyz, u_frame.forward.xyz);
+    }
     // Interpolated normals may face away at silhouettes; then there is no mirrored ray.
-    vec3 mirrored = reflect(incident, point.normal);
     if (depth > 0.0 && depth < opaque_depth(pixel) && dot(mirrored, mirrored) > 0.5) {
       origin = vec4(point.position, depth);
       direction = vec4(mirrored, float(pane.y));

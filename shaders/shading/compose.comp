@@ -4,8 +4,9 @@
 // stages replace STAGE 1: STAGE 3 computes one value for each plain quad and stores it at its last point, which no other quad reads; STAGE 1 with
 // QUADS completes the points of the other quads; STAGE 4 copies a plain quad's value to all its points. sky.comp draws points that show the sky,
 // except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
-// interpolated between two (2). SHADOWS: adds light that rays have shadowed (render/shadow_rays). PANES: draws recorded panes in the same step. GLOSSY: adds the change of indirect light by glossy reflections, or,
-// with REFLECTED, accumulates what the mirrored rays of glossy surfaces show. TINT: panes on the way of reflected rays leave a share of the light.
+// interpolated between two (2). SHADOWS: adds light that rays have shadowed (render/shadow_rays). PANES: draws recorded panes in the same step.
+// GLOSSY: adds the change of indirect light by glossy reflections; with REFLECTED, the rays are those of glossy surfaces. MEAN: averages what
+// mirrored rays show over the frames at rest. TINT: panes on the way of reflected rays leave a share of the light.
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #if STAGE == 2
@@ -62,7 +63,10 @@ vec3 complete(ivec2 p, vec4 stored) {
   shaded *= base_factor(stored, g, flags);
 #endif
 #if SHADOWS
-  shaded = max(shaded + texelFetch(t_shadow_light, p, 0).rgb, 0.0);
+  shaded += texelFetch(t_shadow_light, p, 0).rgb;
+#ifndef REFLECTED
+  shaded = max(shaded, 0.0);  // there the mean over the frames is
+#endif
 #endif
 #if INDIRECT || GLOSSY
   vec3 indirect = vec3(0.0);
@@ -122,7 +126,7 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
 #if TINT
 layout(binding = kUnitPaneTint) uniform sampler2D t_pane_tint;
 #endif
-#if GLOSSY
+#if MEAN
 layout(binding = kImageMean, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
 uniform float u_blend;                                          // weight of this frame
 #endif
@@ -142,11 +146,12 @@ void main() {
     value.rgb *= texelFetch(t_pane_tint, pixel, 0).rgb;
 #endif
   }
-  imageStore(io_radiance, pixel, value);
-#if GLOSSY
+#if MEAN
   vec4 before = u_blend < 1.0 ? imageLoad(io_mean, pixel) : vec4(0.0);
-  imageStore(io_mean, pixel, before + (value - before) * u_blend);
+  value = before + (value - before) * u_blend;
+  imageStore(io_mean, pixel, value);
 #endif
+  imageStore(io_radiance, pixel, max(value, 0.0));
 }
 #elif STAGE == 2
 void main() {

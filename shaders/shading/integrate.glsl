@@ -4,13 +4,7 @@
 //
 // The including shader defines ON_SAMPLE(f, radiance, weight, wi, world, pdf, is_brdf): one sample's contribution to the
 // sum is f * radiance * weight (1/sr, stored units), drawn with density pdf.
-uint hash(uint x) {
-  x = x * 747796405u + 2891336453u;
-  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
-  return (x >> 22u) ^ x;
-}
-float unit_float(uint x) { return float(x >> 8u) * (1.0 / 16777216.0); }
-vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
+#include "shading/random.glsl"
 
 /// Denominator of the weights, for strategies with `lobe` and `light` samples per unit of solid angle: their sum, for the balance heuristic. Towards
 /// a sun one strategy gets all the weight (maximum heuristic): samples of the list lie so close together there that the lobe hardly varies among

@@ -406,7 +406,7 @@ Figures measure_glossy(Stage& stage) {
     with.reflections = "octree";
     with.settings.set_from_text("shading.visibility", "auto");
     FrameRequest without = with;
-    without.settings.set("octree.glossy", 0.0);
+    without.settings.set("reflections.glossy", 0.0);
     const std::vector<Clock> times = added_times(&stage.renderer(), {without, with}, stage.options().repeats);
     stage.renderer().finish_background_work(with);  // frames without reflections release the octree
     const FrameStats stats = stage.renderer().render(with);

@@ -82,7 +82,7 @@ void hidden_nodes(Stage* s) {
   s->request.mode = "uniform";
   s->request.reflections = "octree";
   s->set("octree.depth", "6");
-  s->set("octree.glossy", "0.5");
+  s->set("reflections.glossy", "0.5");
   s->renderer.set_node_visible(s->node("left"), false);
   s->frame_and_save("octree");
 }

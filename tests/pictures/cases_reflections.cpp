@@ -39,7 +39,7 @@ void add_on_cockpit(std::vector<PictureCase>* cases) {
       {{"reflections.ghost", "true"}, {"reflections.wedge", "2"}});
   add("ghost-octree", "octree", "splitsum", "driver", {{"reflections.ghost", "true"}});
   add("quarter", "raytraced", "bandwidth", "driver", {{"reflections.resolution", "quarter"}});
-  add("glossy-none", "octree", "bandwidth", "door", {{"octree.glossy", "0"}});
+  add("glossy-none", "octree", "bandwidth", "door", {{"reflections.glossy", "0"}});
   add("traced", "octree", "bandwidth", "driver", {{"shading.visibility", "traced"}});
 }
 
@@ -112,7 +112,7 @@ PictureCase glossy(const std::string& mode) {
             s->request.mode = mode;
             s->renderer.set_material("ball", "builtin:metal-chrome");
             reflect(s, "octree");
-            s->set("octree.glossy", "0.5");
+            s->set("reflections.glossy", "0.5");
             s->set("shading.visibility", "baked");
             s->frame_and_save("1");
             s->claim(s->counter("glossy_rays") > 0.0, "glossy rays are followed");

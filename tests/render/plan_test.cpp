@@ -218,11 +218,11 @@ TEST(Plan, GlossySurfacesMirrorWhereTheSkyHasShadows) {
   view.glossy_in_view = -1;
   facts.least_roughness = 0.45f;
   expect_left_out("uniform", "view");
-  settings.set("octree.glossy", 0.0);
-  expect_left_out("uniform", "octree.glossy");
+  settings.set("reflections.glossy", 0.0);
+  expect_left_out("uniform", "reflections.glossy");
   view.glossy_in_view = 1;
   EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy) << "a named part";
-  settings.set("octree.glossy", 0.3);
+  settings.set("reflections.glossy", 0.3);
   settings.set("shading.indirect", std::string("none"));
   expect_left_out("uniform", "shading.indirect");
   settings.set("shading.indirect", std::string("baked"));
@@ -230,7 +230,10 @@ TEST(Plan, GlossySurfacesMirrorWhereTheSkyHasShadows) {
   expect_left_out("uniform", "shading.visibility");
   settings.set("shading.visibility", std::string("traced"));
   EXPECT_TRUE(plan(facts, "uniform", settings, view).glossy);
-  for (const char* technique : {"off", "bezier", "triangle", "raytraced"}) {
+  view.reflections = "raytraced";
+  const FramePlan exact = plan(facts, "uniform", settings, view);
+  EXPECT_TRUE(exact.glossy && has_pass(exact, "glossy"));
+  for (const char* technique : {"off", "bezier", "triangle"}) {
     view.reflections = technique;
     expect_left_out("uniform", "--reflections");
   }

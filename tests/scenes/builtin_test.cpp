@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include "scenes/brdf.h"
 #include "scenes/error.h"
+#include "scenes/modelling.h"
 #include "scenes/scene.h"
 #include "scenes/subdivision.h"
 
@@ -39,6 +42,36 @@ TEST_P(BuiltinScene, IndicesAndAttributesAreValid) {
       }
     }
   }
+}
+
+TEST(Modelling, LongEdgesAreSplitWithoutCracks) {
+  Primitive box = modelling::make_rounded_box({5.6, 0.2, 3.6}, 0.05, 4);
+  const auto area_of = [](const Primitive& p) {
+    double area = 0.0;
+    for (std::size_t i = 0; i < p.indices.size(); i += 3) {
+      const glm::dvec3 a(p.positions[p.indices[i]]), b(p.positions[p.indices[i + 1]]), c(p.positions[p.indices[i + 2]]);
+      area += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+    return area;
+  };
+  /// Edges by their ends' positions, which of a closed surface each have as many triangles on one side as on the other.
+  const auto open_edges = [](const Primitive& p) {
+    std::map<std::array<float, 6>, int> sides;
+    for (std::size_t i = 0; i < p.indices.size(); ++i) {
+      const glm::vec3 a = p.positions[p.indices[i]], b = p.positions[p.indices[i % 3 == 2 ? i - 2 : i + 1]];
+      ++sides[{a.x, a.y, a.z, b.x, b.y, b.z}];
+      --sides[{b.x, b.y, b.z, a.x, a.y, a.z}];
+    }
+    return std::count_if(sides.begin(), sides.end(), [](const auto& side) { return side.second != 0; });
+  };
+  const double area = area_of(box);
+  const auto open = open_edges(box);
+  modelling::split_long_edges(&box, 0.2);
+  EXPECT_NEAR(area_of(box), area, 1e-5 * area);
+  EXPECT_EQ(open_edges(box), open);
+  for (std::size_t i = 0; i < box.indices.size(); ++i)
+    ASSERT_LE(glm::distance(box.positions[box.indices[i]], box.positions[box.indices[i % 3 == 2 ? i - 2 : i + 1]]),
+              0.2001f);
 }
 
 TEST_P(BuiltinScene, NormalsAgreeWithTheWinding) {

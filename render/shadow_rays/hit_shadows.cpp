@@ -1,0 +1,38 @@
+#include "render/shadow_rays/hit_shadows.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace maquette {
+
+void HitShadows::begin(const ReflectionTargets& t) {
+  sum_.assign(static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height), glm::vec4(0.0f));
+  if (!light_ || light_.width() != t.width || light_.height() != t.height)
+    light_ = Texture::make_2d("light at hits by shadow rays", GL_RGBA32F, t.width, t.height);
+}
+
+void HitShadows::add(const FrameContext& frame, const ShadingPlan& plan, const ReflectionTargets& t) {
+  if (t.tiles.counts.empty() || t.tiles.counts[0] == 0) return;
+  const std::size_t bytes = 64 * static_cast<std::size_t>(t.tiles.counts[0]) * sizeof(PointRays);
+  if (rays_.bytes() < bytes) rays_ = Buffer("shadow rays of hits", bytes);
+  const std::vector<PointRays> rays =
+      draw_point_rays(frame, {.plan = plan, .tiles = t.tiles, .reflected = true}, &rays_);
+  const PathScene& scene = *frame.bakes.shadow_scene().scene();
+  const FlatGeometry& geometry = frame.scene.geometry();
+  const auto width = static_cast<std::size_t>(t.width);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 256), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const PointRays& p = rays[i];
+      if (p.triangle == 0) continue;
+      const BroughtLight brought = trace_point(scene, p, place_of(geometry, p.triangle - 1, p.position));
+      sum_[(p.pixel >> 16u) * width + (p.pixel & 65535u)] += glm::vec4(brought.bright, 0.0f);
+    }
+  });
+}
+
+const Texture& HitShadows::light() {
+  light_.upload(0, light_.width(), light_.height(), GL_RGBA, GL_FLOAT, sum_.data());
+  return light_;
+}
+
+}  // namespace maquette

@@ -98,7 +98,7 @@ Section light_section() {
         "suns, lamps and what else is bright are shadowed by a ray from every point, traced on the processor: panes "
         "and cut-outs count, edges are as sharp as the picture. The rest of the sky is as with baked where "
         "surfaces hide it from each other, else unshadowed; while nothing moves, rays correct it until it is exact. A "
-        "quarter of a moving frame's time. Left out: what mirrors show, which is as with baked"},
+        "quarter of a moving frame's time. Left out: while something moves, what mirrors show is as with baked"},
        {"baked",
         "the environment alone, by maps of 0.22 rad a vertex: a few milliseconds a frame, after seconds of baking. "
         "Left out: shadows of lamps, edges sharper than the mesh; the sun leaks by a cell"},

@@ -120,13 +120,13 @@ void Glossy::run(const MirroredScene& scene, const Technique& technique, const K
   const int divisor = reflection_divisor(frame.request.settings, exact && frame.accumulated > 0);
   frame.timer().count_all_as("glossy");
   const Key now = Key::of(surfaces, frame.scene.revisions().all(), frame.bakes.all(), frame.request.reflectors,
-                          frame.request.settings, technique.name, divisor);
+                          frame.request.settings, technique.name, divisor, exact && frame.accumulated > 0);
   const bool same = rays_.has_images() && traced_ == now;
   rays_.fit(frame.size(), divisor);
   ReflectionTargets& t = rays_.targets();
   if (!technique_ || technique_name_ != technique.name) technique_ = technique.make_glossy();
   technique_name_ = technique.name;
-  const bool reuses = same && frame.request.settings.get_bool("shading.reuse"), kept = reuses && !exact;
+  const bool reuses = same && frame.request.settings.get_bool("shading.reuse"), kept = reuses && !(exact && frame.accumulated > 0);
   if (!reuses) find_tiles(scene);
   if (!kept) cast_rays(scene, exact);
   rays_.bind_constants(scene);

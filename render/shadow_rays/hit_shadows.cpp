@@ -25,7 +25,7 @@ void HitShadows::add(const FrameContext& frame, const ShadingPlan& plan, const R
       const PointRays& p = rays[i];
       if (p.triangle == 0) continue;
       const BroughtLight brought = trace_point(scene, p, place_of(geometry, p.triangle - 1, p.position));
-      sum_[(p.pixel >> 16u) * width + (p.pixel & 65535u)] += glm::vec4(brought.bright, 0.0f);
+      sum_[(p.pixel >> 16u) * width + (p.pixel & 65535u)] += glm::vec4(brought.sun + brought.lamp, 0.0f);
     }
   });
 }

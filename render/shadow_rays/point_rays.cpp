@@ -15,19 +15,21 @@ namespace {
 
 /// Samples of the sun's light at a point that does not mirror it: of one, over which broad lobes hardly vary, and of
 /// several, among which they choose.
-constexpr int kSunSamples = 2, kSunsSamples = 16;
+constexpr int kSunSamples = 4, kSunsSamples = 16;
 /// Rays to a lamp end before it.
 constexpr float kBeforeLamp = 0.9999f;
 
-ShaderVariant draw_variant(const ShadingPlan& plan, bool measured, bool reflected) {
+ShaderVariant draw_variant(const DrawnPoints& points, bool measured) {
+  const ShadingPlan& plan = points.plan;
   ShaderVariant variant{"shadow_rays/draw.comp",
                         "",
                         {{"MEASURED", flag(measured)},
                          {"SEPARATE_SUN", flag(plan.sun_apart)},
                          {"VISIBILITY", "0"},
-                         {"LIGHTS", flag(plan.lights)},
+                         {"LIGHTS", flag(plan.lights && points.lamps)},
+                         {"SKY", flag(points.sky)},
                          {"MAPS", flag(plan.visibility == "baked")}}};
-  if (reflected) variant.defines.emplace_back("REFLECTED", "1");
+  if (points.reflected) variant.defines.emplace_back("REFLECTED", "1");
   return variant;
 }
 
@@ -37,12 +39,14 @@ glm::vec3 direction_of(std::uint32_t packed) { return shared::direction_from_oct
 
 std::vector<ShaderVariant> point_rays_shader_variants() {
   std::vector<ShaderVariant> variants;
-  for (int k = 0; k < 32; ++k) {
+  const TileList none;
+  for (int k = 0; k < 64; ++k) {
     ShadingPlan plan;
     plan.sun_apart = k & 1;
     plan.lights = k & 2;
     plan.visibility = k & 4 ? "baked" : "none";
-    variants.push_back(draw_variant(plan, k & 8, k & 16));
+    const DrawnPoints points{.plan = plan, .tiles = none, .sky = (k & 16) != 0, .reflected = (k & 32) != 0};
+    if (!(points.sky && points.reflected)) variants.push_back(draw_variant(points, k & 8));
   }
   return variants;
 }
@@ -55,10 +59,10 @@ std::vector<PointRays> draw_point_rays(const FrameContext& frame, const DrawnPoi
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPointRays, buffer->get());
   for (const bool measured : {true, false}) {
     if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
-    const Program& program = frame.programs.get(draw_variant(points.plan, measured, points.reflected));
+    const Program& program = frame.programs.get(draw_variant(points, measured));
     if (sun) set_sun(program, *sun);
     program.set("u_frame_number", frame.accumulated);
-    program.set("u_sky", points.sky ? 1 : 0);
+    program.set("u_facing_sun", !points.sky && !points.lamps && sun && sun->compact ? 1 : 0);
     if (sun)
       glProgramUniform2i(program.get(), program.location("u_sun_list"), SunBuffers::kListLength,
                          sun->compact ? kSunSamples : kSunsSamples);
@@ -100,9 +104,9 @@ BroughtLight trace_point(const PathScene& scene, const PointRays& p, const Surfa
     return transmittance(scene, {offset_from_surface(place.position, place.error, side), direction, 0.0f, far});
   };
   constexpr float kFar = 3.4e38f;
-  if (p.sun != glm::vec3(0.0f)) brought.bright += p.sun * through(p.to_sun, kFar);
+  if (p.sun != glm::vec3(0.0f)) brought.sun = p.sun * through(p.to_sun, kFar);
   if (p.lamp != glm::vec3(0.0f))
-    brought.bright += p.lamp * (through(p.to_lamp, std::min(p.lamp_m * kBeforeLamp, kFar)) - 1.0f);
+    brought.lamp = p.lamp * (through(p.to_lamp, std::min(p.lamp_m * kBeforeLamp, kFar)) - 1.0f);
   if (p.sky != glm::vec3(0.0f)) brought.sky = p.sky * (through(p.to_sky, kFar) - p.mapped);
   return brought;
 }

@@ -33,6 +33,7 @@ struct DrawnPoints {
   const TileList& tiles;
   std::size_t band = 0;
   bool sky = false;        ///< rays to the sky too
+  bool lamps = true;       ///< rays to the scene's lights
   bool reflected = false;  ///< hits of mirrored rays
 };
 /// Draws them on the device into `buffer`, which has room for them, and reads them.
@@ -49,8 +50,7 @@ SurfacePlace place_of(const FlatGeometry& geometry, std::uint32_t triangle, cons
 
 /// What one point's rays bring beyond what shading has, cd/m2.
 struct BroughtLight {
-  glm::vec3 bright{0.0f};  ///< of the sun and a lamp
-  glm::vec3 sky{0.0f};
+  glm::vec3 sun{0.0f}, lamp{0.0f}, sky{0.0f};
   unsigned rays = 0;
 };
 BroughtLight trace_point(const PathScene& scene, const PointRays& rays, const SurfacePlace& place);

@@ -36,21 +36,31 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   const auto count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
   if (!light_ || light_.width() != w || light_.height() != h)
     light_ = Texture::make_2d("light by shadow rays", GL_RGBA32F, w, h);
-  frames_ = averages && frame.accumulated > 0 && bright_.size() == count ? frames_ + 1 : 1;
+  const bool rests = frame.accumulated > 0, fits = sun_.size() == count;
+  const Key lamps = Key::of(frame.scene.revisions().bounces(), frame.request.settings, frame.request.seed,
+                            reinterpret_cast<std::uintptr_t>(frame.bakes.shadow_scene().scene().get()));
+  const bool same_lamps = fits && layer.surfaces.kept() && lamps_of_ == lamps;
+  const bool with_lamps = layer.plan.lights && (rests || !same_lamps);
+  lamps_of_ = lamps;
+  frames_ = averages && rests && fits ? frames_ + 1 : 1;
   if (frames_ == 1) {
-    bright_.assign(count, glm::vec4(0.0f));
+    sun_.assign(count, glm::vec4(0.0f));
     raw_sky_.assign(count, glm::vec4(0.0f));
     points_.assign(count, Point());
     sky_frames_ = 0;
   }
+  if (with_lamps) lamp_frames_ = averages && same_lamps ? lamp_frames_ + 1 : 1;
+  if (!same_lamps || (with_lamps && lamp_frames_ == 1)) lamps_.assign(count, glm::vec4(0.0f));
   ray_count_ = 0;
   const TileList& tiles = layer.surfaces.tiles();
   const std::size_t bytes = static_cast<std::size_t>(tiles.band_tiles) * 64 * sizeof(PointRays);
   if (rays_.bytes() < bytes) rays_ = Buffer("shadow rays", bytes);
   frame.timer().end("draw_rays");  // also where nothing is seen
-  for (std::size_t band = 0; band < tiles.counts.size(); ++band)
-    if (tiles.counts[band] > 0) trace_band(layer, band, 1.0f / static_cast<float>(frames_));
-  sum_ = bright_;
+  const bool any = rests || with_lamps || layer.plan.sun_apart;
+  for (std::size_t band = 0; any && band < tiles.counts.size(); ++band)
+    if (tiles.counts[band] > 0) trace_band(layer, band, with_lamps);
+  sum_ = sun_;
+  for (std::size_t i = 0; layer.plan.lights && i < count; ++i) sum_[i] += lamps_[i];
   if (frame.accumulated > 0) {
     ++sky_frames_;
     filter_sky(w, h);
@@ -60,16 +70,19 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   frame.timer().end("trace_rays");
 }
 
-void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, float blend) {
+void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, bool with_lamps) {
   const FrameContext& frame = layer.frame;
   // The maps are good enough for a picture that moves.
   const bool sky = frame.accumulated > 0;
   glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
-  const std::vector<PointRays> rays = draw_point_rays(frame, {layer.plan, layer.surfaces.tiles(), band, sky}, &rays_);
+  const std::vector<PointRays> rays =
+      draw_point_rays(frame, {layer.plan, layer.surfaces.tiles(), band, sky, with_lamps}, &rays_);
   frame.timer().end("draw_rays");
   const PathScene& scene = *frame.bakes.shadow_scene().scene();
   const FlatGeometry& geometry = frame.scene.geometry();
   const auto width = static_cast<std::size_t>(light_.width());
+  const float blend = 1.0f / static_cast<float>(frames_),
+              lamp_blend = 1.0f / static_cast<float>(std::max(lamp_frames_, 1));
   const float sky_blend = 1.0f / static_cast<float>(sky_frames_ + 1);
   const glm::vec3 eye(layer.constants.eye);
   std::atomic<std::size_t> traced = 0;
@@ -88,7 +101,8 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, float b
       point.base = glm::max(root * root, glm::vec3(kLeastBase));
       const BroughtLight brought = trace_point(scene, p, place);
       own += brought.rays;
-      bright_[at] += (glm::vec4(brought.bright, 0.0f) - bright_[at]) * blend;
+      sun_[at] += (glm::vec4(brought.sun, 0.0f) - sun_[at]) * blend;
+      if (with_lamps) lamps_[at] += (glm::vec4(brought.lamp, 0.0f) - lamps_[at]) * lamp_blend;
       if (sky) raw_sky_[at] += (glm::vec4(brought.sky / point.base, 0.0f) - raw_sky_[at]) * sky_blend;
     }
     traced += own;
@@ -98,7 +112,8 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, float b
 
 void ShadowPass::filter_sky(int width, int height) {
   // A ray's noise is about that of a path: as many are taken together, over neighbours and frames, as make a picture.
-  // Falling faster than the noise, the radius leaves grain where it would leave blur; FLIP of cabins is the lower for it.
+  // Falling faster than the noise, the radius leaves grain where it would leave blur; FLIP of cabins is the lower for
+  // it.
   const int radius = static_cast<int>(std::lround(kFilterRadius * std::pow(sky_frames_, -0.75)));
   sky_ = raw_sky_;
   if (radius == 0) return;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/frame/context.h"
+#include "render/frame/key.h"
 
 namespace maquette {
 
@@ -28,17 +29,18 @@ class ShadowPass {
     glm::vec3 normal{0.0f};  ///< of its triangle
     glm::vec3 base{1.0f};    ///< base colour, which the filter leaves sharp
   };
-  void trace_band(const LayerContext& layer, std::size_t band, float blend);
+  void trace_band(const LayerContext& layer, std::size_t band, bool with_lamps);
   /// The sky's share of the light, smoothed over as many neighbours as it has noise; into `sky_`.
   void filter_sky(int width, int height);
 
   Texture light_;
-  Buffer rays_;                               ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
-  std::vector<glm::vec4> bright_, raw_sky_;   ///< means over the frames; the sky's over the base colour
-  std::vector<glm::vec4> sky_, spare_, sum_;  ///< the same, smoothed; of the filter; what is composed
+  Buffer rays_;  ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
+  std::vector<glm::vec4> sun_, lamps_, raw_sky_;  ///< means over the frames; the sky's over the base colour
+  std::vector<glm::vec4> sky_, spare_, sum_;      ///< the same, smoothed; of the filter; what is composed
   std::vector<Point> points_;
   std::size_t ray_count_ = 0;
-  int frames_ = 0, sky_frames_ = 0;
+  int frames_ = 0, lamp_frames_ = 0, sky_frames_ = 0;
+  std::optional<Key> lamps_of_;  ///< they do not turn with the sky
 };
 
 }  // namespace maquette

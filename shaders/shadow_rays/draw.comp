@@ -1,7 +1,7 @@
 // Rays from every visible point to what lights it: towards the sun, to one of the scene's lights, and to the sky, each
 // with the light that it brings if nothing is in between. The host traces them (render/shadow_rays/shadow_pass.cpp).
 // SEPARATE_SUN: the environment has a sun, which the samples of shading leave out. LIGHTS: shading has the scene's
-// lights without shadows. MAPS: shading has the sky through visibility maps, else without shadows.
+// lights without shadows, and there are rays to them. SKY: to the sky too. MAPS: shading has the sky through visibility maps, else without shadows.
 layout(local_size_x = 64) in;
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
@@ -24,7 +24,7 @@ layout(binding = kUnitTriangle) uniform usampler2D t_triangle;
 #endif
 layout(binding = kUnitSunSamples) uniform samplerBuffer t_sun_samples;  // two texels: direction, - | radiance over density, -
 uniform int u_frame_number;
-uniform int u_sky;          // 1: rays to the sky as well
+uniform int u_facing_sun;   // 1: to the sun alone, which is compact: points that face away have none
 uniform ivec2 u_sun_list;  // entries, samples of a point that does not mirror the sun
 
 /// As in render/shadow_rays/shadow_pass.cpp. Light is the product with the BRDF and the cosine, cd/m2; directions are octahedral, world.
@@ -69,7 +69,9 @@ void consider(inout Result r, vec3 value, vec3 direction) {
 uint pack_direction(vec3 d) { return packUnorm2x16(octahedral_from_direction(d)); }
 
 #if SEPARATE_SUN
-/// Samples of a lobe that is brighter somewhere in the sun than in the mean of a few directions.
+/// Sine of the largest angle between two directions of a compact sun, with a margin.
+const float kSunRadius = 0.1;
+/// Samples of a lobe that is brighter somewhere in the sun than in the mean of a few directions, which every point has.
 const int kMany = 64, kProbes = 4;
 
 vec3 sun_value(Point p, uint at, vec2 xi) {
@@ -86,22 +88,22 @@ vec3 sun_value(Point p, uint at, vec2 xi) {
 }
 
 void draw_sun(Point p, uint mask, inout PointRays rays) {
-  float brightest = 0.0, sum = 0.0;
-  for (int i = 0; i < kProbes; ++i) {
-    float l = luminance(sun_value(p, uint(i), vec2(0.5)));
-    brightest = max(brightest, l);
-    sum += l;
-  }
-  int count = brightest * float(kProbes) > 2.0 * sum ? kMany : u_sun_list.y;
+  float brightest = 0.0;
   vec3 light = vec3(0.0);
-  for (int i = 0; i < count; ++i)
-    light += sun_value(p, (uint(i) ^ mask) & uint(u_sun_list.x - 1), unit_pair(hash(mask) + uint(i) * kStep3));
+  int count = u_sun_list.y, drawn = 0;
+  for (; drawn < count; ++drawn) {
+    vec3 value = sun_value(p, (uint(drawn) ^ mask) & uint(u_sun_list.x - 1), unit_pair(hash(mask) + uint(drawn) * kStep3));
+    brightest = max(brightest, luminance(value));
+    light += value;
+    if (drawn + 1 == kProbes && brightest * float(kProbes) > 2.0 * luminance(light)) count = kMany;
+  }
   rays.sun = light * (u_frame.environment.z / float(count));
   uint at = (uint(u_frame_number) ^ hash(mask)) & uint(u_sun_list.x - 1);
   rays.to_sun = pack_direction(world_from_environment(texelFetch(t_sun_samples, 2 * int(at)).xyz));
 }
 #endif
 
+#if SKY
 void draw_sky(Point p, ivec2 pixel, uint mask, inout PointRays rays) {
   Result r;
   r.sum = r.kept = r.direction = vec3(0.0);
@@ -118,6 +120,7 @@ void draw_sky(Point p, ivec2 pixel, uint mask, inout PointRays rays) {
   rays.mapped *= mean_visibility(v, world);
 #endif
 }
+#endif
 
 void main() {
   ivec2 pixel = tile_point();
@@ -132,6 +135,12 @@ void main() {
     return;
   }
   if (((flags & kMaterialMeasured) != 0u) != (MEASURED == 1)) return;
+#if SEPARATE_SUN
+  if (u_facing_sun == 1) {
+    vec3 normal = environment_from_world(unpack_surface(texelFetch(t_surface, pixel, 0)).normal);
+    if (dot(normal, texelFetch(t_sun_samples, 0).xyz) < -kSunRadius) return;
+  }
+#endif
   Point p = load_point(pixel);
 #if MEASURED
   g_brdf_slot = p.slot;
@@ -155,6 +164,8 @@ void main() {
   rays.to_lamp = pack_direction(lamp.world);
   rays.lamp_m = lamp.distance_m;
 #endif
-  if (u_sky == 1) draw_sky(p, pixel, mask, rays);
+#if SKY
+  draw_sky(p, pixel, mask, rays);
+#endif
   b_rays[id] = rays;
 }

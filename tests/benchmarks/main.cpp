@@ -30,6 +30,7 @@ constexpr Part kParts[] = {
     {"progressive", "error while nothing moves, bandwidth against uniform", measure_progressive},
     {"validate", "predicted against measured bandwidth and variance", measure_validation},
     {"multisampling", "cost of 4 samples a pixel", measure_multisampling},
+    {"moving", "frames of the default picture while the camera flies or the light turns", measure_moving},
     {"pictures", "what the default mode shows over time, against all light paths", measure_pictures},
     {"interactive", "rotating light, first frame, swaps", measure_interactive},
     {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},

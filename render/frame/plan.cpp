@@ -362,8 +362,8 @@ std::vector<PlannedPass> preparations_for(const FramePlan& wanted, const SceneFa
   const bool indirect = any_layer([](const ShadingPlan& l) { return l.indirect == "baked"; });
   if (indirect || wanted.any_layer_is_shadowed_by("baked"))
     steps.push_back({"bake_visibility", "shadows of the sky by vertex", {}, {"visibility"}});
-  const bool tinted = !wanted.reflections.empty() && facts.has_glass;
-  if (tinted || any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
+  const bool partly_open = !wanted.reflections.empty() && (facts.has_glass || facts.has_mask);
+  if (partly_open || any_layer([](const ShadingPlan& l) { return l.shadow_rays; }))
     steps.push_back({"build_shadow_rays", "what rays on the processor may meet", {}, {"shadow_rays"}});
   if (indirect) steps.push_back({"bake_indirect", "indirect light by vertex", {"visibility"}, {"indirect"}});
   for (const ShadingPlan& layer : wanted.layers)

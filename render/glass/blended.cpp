@@ -159,7 +159,7 @@ void Blended::shade(const MirroredScene& scene, int layer, float blend) {
   const int samples =
       std::max(scene.frame.constants.sampling.x, scene.frame.request.settings.get_int("reflections.samples"));
   rays_.bind_constants(scene, samples);
-  rays_.follow(scene, {.technique = *technique_, .lists_tiles = false, .shadow_rays = true});
+  rays_.follow(scene, {.technique = *technique_, .lists_tiles = false, .finds_tint = false, .shadow_rays = true});
   const Program& store = scene.frame.programs.get(kStore);
   store.set("u_layer", layer);
   store.set("u_blend", blend);

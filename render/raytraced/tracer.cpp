@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "render/raytraced/ray_scene.h"
+#include "render/reference/path_scene.h"
+#include "render/reference/traversal.h"
 
 namespace maquette {
 
@@ -33,12 +35,12 @@ class RaytracedReflections : public ReflectorTechnique {
             static_cast<std::size_t>(y) * static_cast<std::size_t>(t.width) + static_cast<std::size_t>(x);
         if (directions[i].w <= 0.0f) continue;
         if (glossy_) {
-          const auto met = scene_.nearest(glm::vec3(origins[i]), glm::vec3(directions[i]), kNear_m);
+          const auto met = nearest(frame, {glm::vec3(origins[i]), glm::vec3(directions[i]), kNear_m});
           hits[i] = met ? met->triangle + 1u : 0u;
           continue;
         }
         const auto reflector = static_cast<std::size_t>(directions[i].w - 0.5f);
-        hits[i] = hit(origins[i], directions[i], geometry.items[(*frame.reflectors)[reflector].item]);
+        hits[i] = hit(frame, origins[i], directions[i], geometry.items[(*frame.reflectors)[reflector].item]);
       }
     });
     t.triangle.upload(0, t.width, t.height, GL_RED_INTEGER, GL_UNSIGNED_INT, hits.data());
@@ -57,11 +59,12 @@ class RaytracedReflections : public ReflectorTechnique {
 
   /// Index + 1 of the triangle that the ray hits. A mirror does not
   /// see itself: the ray starts on the true surface, and facets of a concave one lie in front of it.
-  std::uint32_t hit(const glm::vec4& origin, const glm::vec4& direction, const DrawItem& own) const {
+  std::uint32_t hit(const ReflectionFrame& frame, const glm::vec4& origin, const glm::vec4& direction,
+                    const DrawItem& own) const {
     constexpr int kOwnFacets = 8;
     float near = kNear_m;
     for (int passed = 0; passed <= kOwnFacets; ++passed) {
-      const auto met = scene_.nearest(glm::vec3(origin), glm::vec3(direction), near);
+      const auto met = nearest(frame, {glm::vec3(origin), glm::vec3(direction), near});
       if (!met) return 0u;
       const std::uint32_t first = 3 * met->triangle;
       if (first < own.first_index || first >= own.first_index + own.index_count) return met->triangle + 1u;
@@ -69,6 +72,13 @@ class RaytracedReflections : public ReflectorTechnique {
     }
     return 0u;
   }
+  std::optional<RayScene::Hit> nearest(const ReflectionFrame& frame, const Ray& ray) const {
+    if (!frame.cut_out) return scene_.nearest(ray.origin, ray.direction, ray.near);
+    RayHit met;
+    if (!find_opaque(*frame.cut_out, ray, &met)) return std::nullopt;
+    return RayScene::Hit{frame.cut_out->triangles[met.triangle].source, met.distance};
+  }
+
   RayScene scene_;
   std::uint32_t epoch_ = 0;
   std::vector<bool> occluding_;

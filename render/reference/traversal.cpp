@@ -21,6 +21,7 @@ struct RayContext {
   std::uint32_t chance;
   RayPassage* passage;                  ///< for shadow rays
   const RayDifferential* differential;  ///< may be null
+  std::vector<RayHit>* found = nullptr;
 };
 
 bool is_black(const glm::vec3& transmittance) { return !(transmittance.x + transmittance.y + transmittance.z > 0.0f); }
@@ -62,6 +63,24 @@ void cull_backs(const RTCFilterFunctionNArguments* args) {
   const Candidate c = candidate_of(*context->scene, args);
   const TracedTriangle& t = context->scene->triangles[c.triangle];
   if ((t.material & kBothSides) == 0 && glm::dot(t.geometric, c.direction) > 0.0f) args->valid[0] = 0;
+}
+
+bool is_transparent(const TracedMaterial& m) { return m.blended || m.values.glass; }
+
+/// Filter of every mesh, set in the context: stores what is transparent and lets every ray pass.
+void collect_transparent(const RTCFilterFunctionNArguments* args) {
+  auto* context = reinterpret_cast<RayContext*>(args->context);
+  const Candidate c = candidate_of(*context->scene, args);
+  if (is_transparent(context->scene->material_of(c.triangle)))
+    context->found->push_back({RTCRayN_tfar(args->ray, args->N, 0), c.triangle, c.barycentric});
+  args->valid[0] = 0;
+}
+
+/// Filter of every mesh, set in the context.
+void pass_transparent(const RTCFilterFunctionNArguments* args) {
+  const auto* context = reinterpret_cast<const RayContext*>(args->context);
+  const Candidate c = candidate_of(*context->scene, args);
+  if (is_transparent(context->scene->material_of(c.triangle))) args->valid[0] = 0;
 }
 
 /// Filter of the mesh kAlpha, nearest hit: skips cut-out surfaces, and blended ones at random.
@@ -193,6 +212,56 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
   hit->distance = query.ray.tfar;
   return true;
+}
+
+namespace {
+
+/// Whether two triangles have an edge in common, where a ray may hit both.
+bool share_an_edge(const TracedTriangle& a, const TracedTriangle& b) {
+  int common = 0;
+  for (const glm::vec3& p : a.positions) common += std::count(b.positions.begin(), b.positions.end(), p) > 0;
+  return common >= 2;
+}
+
+/// Traces a ray with a filter of every mesh. `found`: for the filter.
+bool trace_filtered(const PathScene& scene, const Ray& ray, RTCFilterFunctionN filter, std::vector<RayHit>* found,
+                    RayHit* hit) {
+  RayContext context{};
+  rtcInitIntersectContext(&context.base);
+  context.base.filter = filter;
+  context.scene = &scene;
+  context.kind = RayKind::camera;
+  context.found = found;
+  RTCRayHit query;
+  query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene.embree.get(), &context.base, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
+  hit->distance = query.ray.tfar;
+  return true;
+}
+
+}  // namespace
+
+void find_transparent(const PathScene& scene, const Ray& ray, std::vector<RayHit>* hits) {
+  constexpr float kSame = 1e-5f;  // relative distance of two hits of one edge
+  hits->clear();
+  RayHit none;
+  trace_filtered(scene, ray, collect_transparent, hits, &none);
+  std::sort(hits->begin(), hits->end(), [](const RayHit& a, const RayHit& b) {
+    return a.distance < b.distance || (a.distance == b.distance && a.triangle < b.triangle);
+  });
+  const auto same = [&](const RayHit& a, const RayHit& b) {
+    return b.distance - a.distance <= kSame * b.distance &&
+           share_an_edge(scene.triangles[a.triangle], scene.triangles[b.triangle]);
+  };
+  hits->erase(std::unique(hits->begin(), hits->end(), same), hits->end());
+}
+
+bool find_opaque(const PathScene& scene, const Ray& ray, RayHit* hit) {
+  return trace_filtered(scene, ray, pass_transparent, nullptr, hit);
 }
 
 namespace {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "render/reference/path_scene.h"
 
@@ -57,6 +58,10 @@ glm::vec3 transmittance(const PathScene& scene, const glm::vec3& direction, cons
 /// Both in one step: transmittance per channel along a straight line. Panes and blended surfaces attenuate, all other
 /// surfaces block.
 glm::vec3 transmittance(const PathScene& scene, const Ray& ray);
+/// The panes and blended surfaces along a ray, nearest first, whatever else it crosses; each surface once.
+void find_transparent(const PathScene& scene, const Ray& ray, std::vector<RayHit>* hits);
+/// Nearest surface that is neither; cut-out ones only where something of them is.
+bool find_opaque(const PathScene& scene, const Ray& ray, RayHit* hit);
 /// Whether there is nothing in between, not even a pane.
 bool is_unoccluded(const PathScene& scene, const Ray& ray);
 

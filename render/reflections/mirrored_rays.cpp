@@ -23,7 +23,7 @@ ShaderVariant resolve_variant(bool textures, bool colors) {
 
 /// Of the light of reflected points.
 struct Completion {
-  bool layers = false, glossy = false, tint = false, shadows = false, mean = false;
+  bool layers = false, glossy = false, tint = false, shadows = false;
 };
 ShaderVariant compose_variant(const Completion& c) {
   return {"shading/compose.comp",
@@ -36,9 +36,23 @@ ShaderVariant compose_variant(const Completion& c) {
            {"SHADOWS", flag(c.shadows)},
            {"LAYERS", flag(c.layers)},
            {"TINT", flag(c.tint)},
-           {"MEAN", flag(c.mean)},
            {"GLOSSY", flag(c.glossy)}}};
 }
+
+const ShaderVariant kMean{"reflections/mean.comp", "", {}};
+
+ShaderVariant layer_variant(bool add) { return {"reflections/blended_layer.comp", "", {{"ADD", flag(add)}}}; }
+
+/// What the processor's rays may meet; null until that is of the geometry that is drawn.
+const PathScene* path_scene_of(const FrameContext& frame) {
+  const PathScene* scene = frame.bakes.shadow_scene().scene().get();
+  return scene && scene->geometry.indices.size() == frame.scene.geometry().indices.size() ? scene : nullptr;
+}
+
+/// What the rays hit is known.
+class GivenHits : public ReflectorTechnique {
+  void trace(const ReflectionFrame&) override {}
+};
 
 }  // namespace
 
@@ -51,8 +65,10 @@ int reflection_divisor(const Settings& settings, bool at_rest) {
 std::vector<ShaderVariant> MirroredRays::shader_variants() {
   std::vector<ShaderVariant> variants{list_tiles_variant(false), list_tiles_variant(true)};
   for (int k = 0; k < 4; ++k) variants.push_back(resolve_variant(k & 1, k & 2));
-  for (int k = 0; k < 32; ++k) {
-    const Completion c{(k & 1) != 0, (k & 2) != 0, (k & 4) != 0, (k & 8) != 0, (k & 16) != 0};
+  for (const bool add : {false, true}) variants.push_back(layer_variant(add));
+  variants.push_back(kMean);
+  for (int k = 0; k < 16; ++k) {
+    const Completion c{(k & 1) != 0, (k & 2) != 0, (k & 4) != 0, (k & 8) != 0};
     if (!(c.layers && c.shadows)) variants.push_back(compose_variant(c));
   }
   return variants;
@@ -102,6 +118,7 @@ ReflectionFrame MirroredRays::reflection_frame(const MirroredScene& scene, const
           &scene.reflectors.all(),
           &occluding,
           frame.scene.revisions().geometry,
+          frame.scene.facts().has_mask ? path_scene_of(frame) : nullptr,
           octree.ready() ? &octree.buffers() : nullptr,
           octree.cells(),
           rule.ghost,
@@ -121,7 +138,7 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
   const ReflectionFrame frame = reflection_frame(scene, rule, occluding);
   if (!rule.keeps_hits) {
     find_hits(scene, rule, frame);
-    find_tint(scene, rule);
+    if (rule.finds_tint) find_tint(scene, rule);
   }
   glBindTextureUnit(kUnitTriangle, t.triangle.get());
   glBindTextureUnit(kUnitSurface, t.surface.get());
@@ -129,6 +146,8 @@ void MirroredRays::follow(const MirroredScene& scene, const FollowRule& rule) {
   glBindTextureUnit(kUnitDepth, t.depth.get());
   shade_hits(scene, rule);
   complete(scene, rule, frame);
+  add_layers(scene, rule);
+  average(scene, rule);
 }
 
 void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame) {
@@ -156,9 +175,10 @@ void MirroredRays::find_hits(const MirroredScene& scene, const FollowRule& rule,
 void MirroredRays::find_tint(const MirroredScene& scene, const FollowRule& rule) {
   ReflectionTargets& t = *targets_;
   const FrameContext& frame = scene.frame;
-  const std::shared_ptr<const PathScene>& panes = frame.bakes.shadow_scene().scene();
+  const PathScene* panes = path_scene_of(frame);
   if (!panes || !frame.scene.facts().has_glass) {
     t.tint = Texture();
+    layers_ = {};
     return;
   }
   if (!t.tint) t.tint = Texture::make_2d("tint of panes", GL_RGBA16, t.width, t.height);
@@ -168,7 +188,65 @@ void MirroredRays::find_tint(const MirroredScene& scene, const FollowRule& rule)
     const DrawItem& item = frame.scene.geometry().items[scene.reflectors.all()[k].item];
     own.push_back({item.first_index / 3, (item.first_index + item.index_count) / 3});
   }
-  find_pane_tint(*panes, own, &t);
+  // Surfaces that blend are shaded with what glossy ones mirror by themselves alone.
+  find_pane_tint(*panes, own, &t, rule.glossy ? nullptr : &layers_);
+}
+
+void MirroredRays::average(const MirroredScene& scene, const FollowRule& rule) {
+  frames_ = !rule.averages ? 0 : rule.continues ? frames_ + 1 : 1;
+  if (!rule.averages) return;
+  ReflectionTargets& t = *targets_;
+  if (!t.mean) t.mean = Texture::make_2d("mean of mirrored light", GL_RGBA32F, t.width, t.height);
+  const Program& program = scene.frame.programs.get(kMean);
+  program.set("u_blend", 1.0f / static_cast<float>(frames_));
+  glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  glBindImageTexture(kImageMean, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+  dispatch_tiles(program, t.tiles, kPerPoint);
+  scene.frame.timer().end("reflected shade");
+}
+
+void MirroredRays::add_layers(const MirroredScene& scene, const FollowRule& rule) {
+  if (layers_[0].empty()) {
+    layer_.reset();
+    return;
+  }
+  const FrameContext& frame = scene.frame;
+  if (!layer_) layer_ = std::make_unique<MirroredRays>();
+  layer_->fit(frame.size(), targets_->divisor);
+  ReflectionTargets &own = *targets_, &t = layer_->targets();
+  if (!t.tint) t.tint = Texture::make_2d("tint of a layer", GL_RGBA16, t.width, t.height);
+  GivenHits hits;
+  frame.timer().count_all_as("reflected shade");
+  for (const std::vector<MirroredLayer>& layer : layers_) {
+    if (layer.empty()) break;
+    const auto run = [&](bool add) {
+      const Program& program = frame.programs.get(layer_variant(add));
+      program.set("u_count", static_cast<int>(layer.size()));
+      dispatch_list(program, static_cast<int>(layer.size()));
+    };
+    const Buffer list = Buffer::from("mirrored layer", layer);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferMirroredLayer, list.get());
+    glBindTextureUnit(kUnitRayOrigin, own.ray_origin.get());
+    glBindTextureUnit(kUnitRayDirection, own.ray_direction.get());
+    const float none[4] = {};
+    const GLuint no_triangle = 0;
+    glClearTexImage(t.ray_direction.get(), 0, GL_RGBA, GL_FLOAT, none);
+    glClearTexImage(t.triangle.get(), 0, GL_RED_INTEGER, GL_UNSIGNED_INT, &no_triangle);
+    glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageRayDirection, t.ray_direction.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageLayerTriangle, t.triangle.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_R32UI);
+    glBindImageTexture(kImageLayerTint, t.tint.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA16);
+    run(false);
+    layer_->bind_constants(scene);
+    layer_->follow(scene, {.technique = hits, .finds_tint = false, .shadow_rays = rule.shadow_rays});
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferMirroredLayer, list.get());
+    glBindTextureUnit(kUnitRadiance, t.radiance.get());
+    glBindImageTexture(kImageRadiance, own.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
+    run(true);
+  }
+  frame.timer().end("reflected shade");
+  frame.timer().count_all_as("");
+  bind_constants(scene);
 }
 
 bool MirroredRays::shadowed_by_rays(const ShadingPlan& plan, const FollowRule& rule) {
@@ -216,18 +294,11 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
   const bool shadows = std::any_of(scene.layers.begin(), scene.layers.end(),
                                    [&](const DrawnLayer& layer) { return shadowed_by_rays(layer.context.plan, rule); });
-  const Program& program = scene.frame.programs.get(
-      compose_variant({layers, rule.glossy, static_cast<bool>(t.tint), shadows, rule.averages}));
+  const Program& program =
+      scene.frame.programs.get(compose_variant({layers, rule.glossy, static_cast<bool>(t.tint), shadows}));
   if (t.tint) glBindTextureUnit(kUnitPaneTint, t.tint.get());
   if (shadows) glBindTextureUnit(kUnitShadowLight, shadows_.light().get());
-  if (rule.averages) {
-    if (!t.mean) t.mean = Texture::make_2d("mean of mirrored light", GL_RGBA32F, t.width, t.height);
-    frames_ = rule.continues ? frames_ + 1 : 1;
-    program.set("u_blend", 1.0f / static_cast<float>(frames_));
-    glBindImageTexture(kImageMean, t.mean.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  } else {
-    frames_ = 0;
-  }
+  program.set("u_least", rule.averages ? -1e30f : 0.0f);
   dispatch_tiles(program, t.tiles, kPerPoint);
   scene.frame.timer().end("reflected shade");
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/parts/parts.h"
+#include "render/reflections/mirrored_layer.h"
 #include "render/reflections/reflector_set.h"
 #include "render/reflections/reflector_technique.h"
 #include "render/reflections/targets.h"
@@ -30,12 +31,13 @@ struct MirroredScene {
 /// How the hits of one image of mirrored rays are found and shaded.
 struct FollowRule {
   ReflectorTechnique& technique;
-  bool keeps_hits = false;                             ///< those of the frame before hold: they are only shaded anew
-  bool glossy = false;                                 ///< rays of opaque surfaces: they name materials, not reflectors
-  bool lists_tiles = true;                             ///< those of the rays are not listed yet
-  bool shadow_rays = false;                            ///< sun and lamps are shadowed by them where the plan has them
-  bool averages = false;                               ///< at rest, what is shown is the mean over the frames
-  bool continues = false;                              ///< the mean of the frames before goes on
+  bool keeps_hits = false;   ///< those of the frame before hold: they are only shaded anew
+  bool glossy = false;       ///< rays of opaque surfaces: they name materials, not reflectors
+  bool lists_tiles = true;   ///< those of the rays are not listed yet
+  bool finds_tint = true;    ///< what panes on the way of the rays leave; else the targets have it, or none
+  bool shadow_rays = false;  ///< sun and lamps are shadowed by them where the plan has them
+  bool averages = false;     ///< at rest, what is shown is the mean over the frames
+  bool continues = false;    ///< the mean of the frames before goes on
   const std::vector<GhostDeviation>* ghost = nullptr;  ///< see ReflectionFrame
   const std::vector<FitDeviation>* fits = nullptr;
 };
@@ -49,11 +51,14 @@ class MirroredRays {
   void clear() {
     targets_.reset();
     shadows_.clear();
+    layer_.reset();
   }
   bool has_images() const { return targets_.has_value(); }
   ReflectionTargets& targets() { return *targets_; }
   const ReflectionTargets& targets() const { return *targets_; }
-  std::size_t bytes() const { return (targets_ ? reflection_bytes(*targets_) : 0) + shadows_.bytes(); }
+  std::size_t bytes() const {
+    return (targets_ ? reflection_bytes(*targets_) : 0) + shadows_.bytes() + (layer_ ? layer_->bytes() : 0);
+  }
   /// Binds the frame block at the size of this image, and the reflectors. `samples`: of a shaded point.
   void bind_constants(const MirroredScene& scene) {
     bind_constants(scene, scene.frame.request.settings.get_int("reflections.samples"));
@@ -76,12 +81,18 @@ class MirroredRays {
   /// Whether shadow rays bring light to the hits of a layer.
   static bool shadowed_by_rays(const ShadingPlan& plan, const FollowRule& rule);
   void complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
+  /// Adds what blended surfaces before the hits show, each order along the rays shaded as hits are.
+  void add_layers(const MirroredScene& scene, const FollowRule& rule);
+  /// The mean over the frames at rest takes the place of this frame's light.
+  void average(const MirroredScene& scene, const FollowRule& rule);
 
   std::optional<ReflectionTargets> targets_;
   FrameConstants constants_{};
   HitShadows shadows_;
   int frames_ = 0;  ///< in the mean
   Buffer block_, tile_count_;
+  MirroredLayers layers_;                ///< of the hits
+  std::unique_ptr<MirroredRays> layer_;  ///< the rays of one of them; null while nothing blends
 };
 
 }  // namespace maquette

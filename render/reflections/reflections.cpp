@@ -41,6 +41,8 @@ std::vector<ShaderVariant> Reflections::shader_variants() {
 void Reflections::report(const FrameRequest& request, const Technique& technique, const SceneState& scene,
                          const ReflectorSet& reflectors, bool traced, FrameStatus* status) {
   status->follows_all_rays = Skipping::why_all(request, technique, reflectors, traced);
+  if (status->follows_all_rays.empty() && scene.facts().has_blended)
+    status->follows_all_rays = "what blended surfaces add has no bound";
   if (!status->follows_all_rays.empty())
     skipping_.clear();
   else if (!skipping_.update_geometry(scene, reflectors))
@@ -70,7 +72,7 @@ Pass Reflections::pass(const MirroredScene& scene, const Technique& technique, b
     const Key now = Key::of(surfaces(), context.scene.revisions().all(), context.bakes.all(), technique_name_,
                             context.request.reflectors, context.request.settings, divisor_of(context));
     const int varies = technique.can.is_exact && !skips_ ? context.accumulated : 0;
-  const bool same = rays_.has_images() && traced_ == now, kept = may_keep && same && varies == 0;
+    const bool same = rays_.has_images() && traced_ == now, kept = may_keep && same && varies == 0;
     traced_.reset();
     run({scene, behind(), averages_points && !skips_ && context.accumulated > 0, same, kept, varies});
     if (!skips_) traced_ = now;

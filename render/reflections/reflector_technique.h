@@ -19,6 +19,8 @@
 
 namespace maquette {
 
+struct PathScene;
+
 /// How far from the ray that a pane's front mirrors the one that its back mirrors may be, for every pixel of the pane:
 /// what the second ray meets lies within that of what the first would.
 struct GhostDeviation {
@@ -41,6 +43,7 @@ struct ReflectionFrame {
   const std::vector<Reflector>* reflectors = nullptr;
   const std::vector<bool>* occluding = nullptr;        ///< by item: drawn and opaque, so that mirrored rays end there
   std::uint32_t geometry_epoch = 0;                    ///< revision of the geometry
+  const PathScene* cut_out = nullptr;                  ///< of this geometry, where textures or vertices cut out parts
   const OctreeBuffers* octree = nullptr;               ///< bound; null unless the plan has one
   const CellBrdfBuffers* cells = nullptr;              ///< of its cells; null unless the plan has them
   const std::vector<GhostDeviation>* ghost = nullptr;  ///< by reflector; null where the rays are those of the front

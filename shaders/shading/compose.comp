@@ -5,8 +5,8 @@
 // QUADS completes the points of the other quads; STAGE 4 copies a plain quad's value to all its points. sky.comp draws points that show the sky,
 // except in reflected pictures. TEXTURES: radiance is stored without the base factor. INDIRECT: adds indirect light, from one bake (1) or
 // interpolated between two (2). SHADOWS: adds light that rays have shadowed (render/shadow_rays). PANES: draws recorded panes in the same step.
-// GLOSSY: adds the change of indirect light by glossy reflections; with REFLECTED, the rays are those of glossy surfaces. MEAN: averages what
-// mirrored rays show over the frames at rest. TINT: panes on the way of reflected rays leave a share of the light.
+// GLOSSY: adds the change of indirect light by glossy reflections; with REFLECTED, the rays are those of glossy surfaces.
+// TINT: panes on the way of reflected rays leave a share of the light.
 #include "shared/bindings.glsl"
 #include "shared/frame.glsl"
 #if STAGE == 2
@@ -126,10 +126,7 @@ vec4 with_layers(ivec2 pixel, vec4 behind) {
 #if TINT
 layout(binding = kUnitPaneTint) uniform sampler2D t_pane_tint;
 #endif
-#if MEAN
-layout(binding = kImageMean, rgba32f) uniform image2D io_mean;  // of the frames since anything moved
-uniform float u_blend;                                          // weight of this frame
-#endif
+uniform float u_least;  // below 0: a share of a mean, which may be negative by itself
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
@@ -146,12 +143,7 @@ void main() {
     value.rgb *= texelFetch(t_pane_tint, pixel, 0).rgb;
 #endif
   }
-#if MEAN
-  vec4 before = u_blend < 1.0 ? imageLoad(io_mean, pixel) : vec4(0.0);
-  value = before + (value - before) * u_blend;
-  imageStore(io_mean, pixel, value);
-#endif
-  imageStore(io_radiance, pixel, max(value, 0.0));
+  imageStore(io_radiance, pixel, max(value, u_least));
 }
 #elif STAGE == 2
 void main() {

@@ -128,6 +128,31 @@ vec3 varied_mirror(vec3 incident, vec3 normal, float alpha, vec2 u) {
   return dot(mirrored, normal) > 0.0 ? mirrored : reflect(incident, normal);
 }
 
+struct PaneTriangle {
+  vec4 p0, p1, p2, n0, n1, n2;  // corners and normals as in t_vertices
+};
+PaneTriangle load_triangle(int triangle) {
+  ivec3 v = 4 * ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x,
+                      texelFetch(t_indices, 3 * triangle + 2).x);
+  return PaneTriangle(texelFetch(t_vertices, v.x), texelFetch(t_vertices, v.y), texelFetch(t_vertices, v.z),
+                      texelFetch(t_vertices, v.x + 1), texelFetch(t_vertices, v.y + 1), texelFetch(t_vertices, v.z + 1));
+}
+
+/// Where an eye ray meets the triangle, or `beyond` (in barycentrics) beside it. Writes its barycentrics and UV.
+PanePoint meet(PaneTriangle c, int patch_number, vec3 from, vec3 ray, float beyond, out vec2 b, out vec2 uv) {
+  // Moller and Trumbore 1997, without the range tests: the rasteriser has made them.
+  vec3 e1 = c.p1.xyz - c.p0.xyz, e2 = c.p2.xyz - c.p0.xyz, q = cross(ray, e2), t = from - c.p0.xyz;
+  float determinant = dot(e1, q);
+  float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
+  b = clamp(vec2(dot(t, q), dot(ray, cross(t, e1))) * inverse, -beyond, 1.0 + beyond);
+  b *= 1.0 / max(1.0, (b.x + b.y) / (1.0 + beyond));
+  uv = vec2(c.p0.w, c.n0.w) + b.x * vec2(c.p1.w - c.p0.w, c.n1.w - c.n0.w) + b.y * vec2(c.p2.w - c.p0.w, c.n2.w - c.n0.w);
+  if (patch_number >= 0) return refine(patch_number, 2.0 * uv - 1.0, from, ray, 2);
+  vec3 normal = c.n0.xyz + b.x * (c.n1.xyz - c.n0.xyz) + b.y * (c.n2.xyz - c.n0.xyz);
+  normal = dot(normal, normal) > 1e-20 ? normalize(normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
+  return PanePoint(c.p0.xyz + b.x * e1 + b.y * e2, normal, 0.0, vec2(0.0));
+}
+
 void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
@@ -136,14 +161,11 @@ void main() {
   float focus = 0.0;
   if (pane.x != 0u) {
     int triangle = int(pane.x) - 1, reflector = int(pane.y) - 1;
-    ivec3 v = 4 * ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x,
-                        texelFetch(t_indices, 3 * triangle + 2).x);
-    vec4 p0 = texelFetch(t_vertices, v.x), p1 = texelFetch(t_vertices, v.y), p2 = texelFetch(t_vertices, v.z);
-    vec4 n0 = texelFetch(t_vertices, v.x + 1), n1 = texelFetch(t_vertices, v.y + 1), n2 = texelFetch(t_vertices, v.z + 1);
-    vec3 from = view_origin(pixel), ray = view_ray(pixel), e1 = p1.xyz - p0.xyz, e2 = p2.xyz - p0.xyz;
+    PaneTriangle corners = load_triangle(triangle);
+    vec3 from = view_origin(pixel), ray = view_ray(pixel);
     ivec4 mirror = u_mirrors[reflector];
     PanePoint point;
-    vec2 b = vec2(0.0), uv = vec2(0.0);
+    vec2 b, uv;
     vec3 incident = vec3(0.0), mirrored = vec3(0.0);
     float normal_side = 1.0, depth = 0.0;
     // Once for the middle of the pixel, which decides what is seen there, and at rest once for another point of it.
@@ -154,18 +176,7 @@ void main() {
         from = u_frame.eye.xyz + varied.origin;
         ray = varied.direction;
       }
-      // Moller and Trumbore 1997, without the range tests: the rasteriser has made them. The other point may lie beyond the triangle.
-      vec3 q = cross(ray, e2), t = from - p0.xyz;
-      float determinant = dot(e1, q), beyond = float(k);
-      float inverse = 1.0 / (abs(determinant) > 1e-30 ? determinant : 1e-30);
-      b = clamp(vec2(dot(t, q), dot(ray, cross(t, e1))) * inverse, -beyond, 1.0 + beyond);
-      b *= 1.0 / max(1.0, (b.x + b.y) / (1.0 + beyond));
-      point.position = p0.xyz + b.x * e1 + b.y * e2;
-      point.focus = 0.0;
-      point.normal = n0.xyz + b.x * (n1.xyz - n0.xyz) + b.y * (n2.xyz - n0.xyz);
-      point.normal = dot(point.normal, point.normal) > 1e-20 ? normalize(point.normal) : normalize(cross(e1, e2) + vec3(0.0, 1e-30, 0.0));
-      uv = vec2(p0.w, n0.w) + b.x * vec2(p1.w - p0.w, n1.w - n0.w) + b.y * vec2(p2.w - p0.w, n2.w - n0.w);
-      if (mirror.x >= 0) point = refine(mirror.x, 2.0 * uv - 1.0, from, ray, 2);
+      point = meet(corners, mirror.x, from, ray, float(k), b, uv);
       incident = normalize(ray);
       normal_side = dot(point.normal, incident) > 0.0 ? -1.0 : 1.0;
       point.normal *= normal_side;
@@ -184,7 +195,8 @@ void main() {
       vec3 back = point.normal, leaving = point.normal;
       GhostRay ghost = pane_ghost(incident, point.normal, wedged(back), leaving, n, thickness);
       // The normal changes over these few millimetres: normals where the back reflects the ray and where the ray leaves.
-      vec3 change = normal_change(ghost.offset, e1, e2, n1.xyz - n0.xyz, n2.xyz - n0.xyz) * normal_side;
+      vec3 change = normal_change(ghost.offset, corners.p1.xyz - corners.p0.xyz, corners.p2.xyz - corners.p0.xyz, corners.n1.xyz - corners.n0.xyz,
+                                 corners.n2.xyz - corners.n0.xyz) * normal_side;
       if (mirror.x >= 0) {
         PanePoint beside = refine(mirror.x, 2.0 * uv - 1.0, from, point.position + ghost.offset - from, 2);
         change = facing_normal(beside.normal, incident) - point.normal;

@@ -11,6 +11,7 @@
 
 #include "render/btf/btf_source.h"
 #include "render/environment/texel_cell.h"
+#include "render/reference/traced_environment.h"
 #include "render/reference/traversal.h"
 #include "render/reference/triangle_pairs.h"
 #include "render/scene_state/material_overrides.h"
@@ -226,9 +227,11 @@ TexelCell cell_of(const TracedEnvironment& e, std::size_t texel) {
   });
 }
 
-TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
+}  // namespace
+
+TracedEnvironment trace_environment(std::shared_ptr<const Environment> source, EnvironmentTables tables) {
   TracedEnvironment e;
-  e.tables = load_environment_tables(*source);
+  e.tables = std::move(tables);
   e.black = !(e.tables.luminance_integral > 0.0);
   e.texels.resize(source->rgb.size());
   e.bright.resize(e.texels.size());
@@ -240,8 +243,6 @@ TracedEnvironment make_environment(std::shared_ptr<const Environment> source) {
   e.source = std::move(source);
   return e;
 }
-
-}  // namespace
 
 EnvironmentLookup TracedEnvironment::look_up(const glm::vec3& direction) const {
   struct Map {
@@ -299,7 +300,9 @@ std::shared_ptr<const PathScene> build_path_scene(const PathSceneInput& input) {
     measure_uvs(scene.get());
     tbb::parallel_invoke([&] { gather_lights(input, scene.get()); }, [&] { build_hierarchy(scene.get()); });
   };
-  tbb::parallel_invoke(surfaces, [&] { scene->environment = make_environment(input.environment); });
+  tbb::parallel_invoke(surfaces, [&] {
+    scene->environment = trace_environment(input.environment, load_environment_tables(*input.environment));
+  });
   return scene;
 }
 

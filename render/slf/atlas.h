@@ -29,6 +29,8 @@ struct AtlasSide {
   bool back = false;
   std::uint32_t chart = 0;
   std::array<glm::vec2, 3> at{};  ///< of its corners, in texels; texel (x, y) has its centre at (x + 0.5, y + 0.5)
+  /// Of its corners, in the order that barycentrics count in: a PathScene turns the corners of triangles round.
+  std::array<std::uint32_t, 3> vertices{};
 };
 
 struct AtlasTexel {

@@ -118,7 +118,7 @@ Chart make_chart(const std::vector<ChartTriangle>& all, const std::vector<int>& 
   chart.axis = mean_normal(all, members);
   for (std::size_t i = 0; i < members.size(); ++i) {
     const ChartTriangle& t = all[static_cast<std::size_t>(members[i])];
-    AtlasSide side{t.triangle, t.back, 0, {}};
+    AtlasSide side{t.triangle, t.back, 0, {}, t.vertices};
     for (std::size_t k = 0; k < 3; ++k) side.at[k] = glm::vec2(at[i][k]);
     chart.sides.push_back(side);
   }
@@ -259,7 +259,7 @@ std::vector<ChartTriangle> chart_triangles(const FlatGeometry& g, const DrawItem
     t.back = back;
     bool finite = true;
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = g.indices[i + k];
+      const std::uint32_t v = t.vertices[k] = g.indices[i + k];
       t.corners[k] = glm::dvec3(g.positions[v]);
       t.normals[k] = (back ? -1.0 : 1.0) * glm::dvec3(g.normals[v]);
       for (int c = 0; c < 3; ++c) finite &= std::isfinite(t.corners[k][c]) && std::isfinite(t.normals[k][c]);

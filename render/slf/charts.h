@@ -19,6 +19,7 @@ struct ChartTriangle {
   std::array<glm::dvec3, 3> normals{};  ///< of the shading
   glm::dvec3 normal{0.0};               ///< of the plane, on this side, unit
   double area = 0.0;                    ///< m2
+  std::array<std::uint32_t, 3> vertices{};
 };
 
 /// Triangles of a part that have area, of one side of it.

@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include "render/environment/importance.h"
 #include "render/reference/path.h"
+#include "render/reference/traced_environment.h"
 #include "render/reference/traversal.h"
 #include "render/slf/parabolic.h"
 
@@ -27,16 +29,47 @@ void add(std::span<float> out, int bin, const glm::vec3& value) {
   for (std::size_t c = 0; c < 3; ++c) out[3 * static_cast<std::size_t>(bin) + c] += value[static_cast<int>(c)];
 }
 
+/// What of a sky its light samples are drawn by: what is above its mean. The rest is even enough for the bins' own
+/// rays, and light samples of it would only add their noise; under a constant sky there are none. The estimate stays
+/// unbiased, because the bins' rays reach every direction. Source: Karlik et al. 2019, "MIS Compensation: Optimizing
+/// Sampling Techniques in Multiple Importance Sampling", Sec. 5.
+TracedEnvironment peaks_of(const Environment& sky) {
+  glm::dvec3 sum(0.0);
+  double weights = 0.0;
+  for (int y = 0; y < sky.height; ++y) {
+    const double weight = row_weights(y, sky.width, sky.height).solid_angle();
+    for (int x = 0; x < sky.width; ++x)
+      sum +=
+          weight *
+          glm::dvec3(
+              sky.rgb[static_cast<std::size_t>(y) * static_cast<std::size_t>(sky.width) + static_cast<std::size_t>(x)]);
+    weights += weight * sky.width;
+  }
+  const double mean = (sum.x + sum.y + sum.z) / (3.0 * weights);
+  auto peaks = std::make_shared<Environment>();
+  peaks->width = sky.width;
+  peaks->height = sky.height;
+  peaks->rgb.reserve(sky.rgb.size());
+  for (const glm::vec3& rgb : sky.rgb) {
+    const double light = (static_cast<double>(rgb.x) + static_cast<double>(rgb.y) + static_cast<double>(rgb.z)) / 3.0;
+    // Rounding of the mean is no peak.
+    peaks->rgb.emplace_back(static_cast<float>(light > 1.0001 * mean ? light - mean : 0.0));
+  }
+  EnvironmentTables tables;
+  compute_importance(*peaks, tables);
+  return trace_environment(std::move(peaks), std::move(tables));
+}
+
 }  // namespace
 
 TexelFrame frame_of_texel(const FlatGeometry& g, const LightFieldAtlas& atlas, std::size_t index) {
   const AtlasTexel& texel = atlas.texels[index];
   const AtlasSide& side = atlas.sides[texel.side];
-  const std::uint32_t* corner = g.indices.data() + 3 * static_cast<std::size_t>(side.triangle);
+  const std::array<std::uint32_t, 3>& corner = side.vertices;
   const float b[3] = {1.0f - texel.barycentric.x - texel.barycentric.y, texel.barycentric.x, texel.barycentric.y};
   TexelFrame f;
   glm::vec3 magnitude(0.0f), normal(0.0f);
-  for (int k = 0; k < 3; ++k) {
+  for (std::size_t k = 0; k < 3; ++k) {
     const glm::vec3 p = g.positions[corner[k]] * b[k];
     f.position += p;
     magnitude += glm::abs(p);
@@ -57,7 +90,15 @@ TexelFrame frame_of_texel(const FlatGeometry& g, const LightFieldAtlas& atlas, s
 }
 
 struct IncidentTracer::Lights {
+  Lights(const PathScene& scene, const PathOptions& paths)
+      : peaks(peaks_of(*scene.environment.source)),
+        environment(scene.environment, paths),
+        sampled(peaks, paths),
+        options(paths),
+        lamps(!scene.lights.lights.empty()) {}
+  TracedEnvironment peaks;
   EnvironmentLight environment;
+  EnvironmentLight sampled;  ///< by whose density the sky's light samples are drawn
   PathOptions options;
   bool lamps;
 };
@@ -68,8 +109,7 @@ IncidentTracer::IncidentTracer(std::shared_ptr<const PathScene> scene, std::shar
   PathOptions paths;
   paths.env_rotation_rad = options.env_rotation_rad;
   paths.env_scale = options.env_scale;
-  lights_ = std::make_unique<const Lights>(
-      Lights{EnvironmentLight(scene_->environment, paths), paths, !scene_->lights.lights.empty()});
+  lights_ = std::make_unique<const Lights>(*scene_, paths);
 }
 IncidentTracer::~IncidentTracer() = default;
 
@@ -120,8 +160,12 @@ void IncidentTracer::add_paths(const TexelFrame& frame, std::uint32_t seed, std:
     rays.clear();
   };
   float density = 0.0f;  // of the bin's rays, 1/sr
-  const SeenShare share = [&](std::uint32_t triangle, float sky_density) {
-    const float other = triangle == kNoTriangle ? sky_density * kSkySamples
+  glm::vec3 direction(0.0f);
+  const auto sky_density = [&] {
+    return lights_->sampled.black() ? 0.0f : lights_->sampled.radiance_and_density(direction).w;
+  };
+  const SeenShare share = [&](std::uint32_t triangle, float) {
+    const float other = triangle == kNoTriangle ? sky_density() * kSkySamples
                                                 : scene_light_pdf(*scene_, triangle, frame.position) * kLampSamples;
     return density / (density + other);
   };
@@ -129,7 +173,7 @@ void IncidentTracer::add_paths(const TexelFrame& frame, std::uint32_t seed, std:
     for (std::uint32_t i = 0; i < paths; ++i) {
       const PathSampler sampler{mix_seed(seed, static_cast<std::uint32_t>(bin)), i};
       const Lumisphere::Sample s = lumisphere_.draw(bin, sampler.pair(kBinDimension));
-      const glm::vec3 d = frame.to_world(s.direction);
+      const glm::vec3 d = direction = frame.to_world(s.direction);
       if (s.weight == 0.0f || glm::dot(d, frame.geometric) <= 0.0f) continue;
       density = s.density * static_cast<float>(paths);
       targets[tasks.size()] = {bin, s.weight * each};
@@ -153,10 +197,12 @@ void IncidentTracer::add_light_samples(const TexelFrame& frame, std::uint32_t se
     if (draw.has_extent) density += lumisphere_.density(bin, wi) * static_cast<float>(options_.paths);
     add(out, bin, draw.radiance * through * (wi.z / (density * static_cast<float>(lumisphere_.projected(bin)))));
   };
-  if (!lights_->environment.black())
+  if (!lights_->sampled.black())
     for (std::uint32_t i = 0; i < kSkySamples; ++i) {
-      LightDraw draw = lights_->environment.draw(PathSampler{seed, i}.pair(kSkyDimension));
-      lights_->environment.fill(&draw);
+      LightDraw draw = lights_->sampled.draw(PathSampler{seed, i}.pair(kSkyDimension));
+      lights_->sampled.fill(&draw);
+      draw.radiance = glm::vec3(lights_->environment.radiance_and_density(draw.direction));
+      draw.has_extent = true;
       add_draw(draw, kSkySamples);
     }
   if (!lights_->lamps) return;

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char *kManifestKind = "slf", *kBlockKind = "slf-incident";
-constexpr const char* kVersion = "1";
+constexpr const char* kVersion = "2";
 
 std::string hex(std::uint64_t value) {
   char text[20];

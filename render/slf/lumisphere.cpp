@@ -21,6 +21,8 @@ constexpr double kLeastArea = 1e-6;
 /// Solid angle of the map's area, sr. Source: Heidrich and Seidel 1998, Sec. 3.
 double jacobian(double r2) { return 4.0 / ((1.0 + r2) * (1.0 + r2)); }
 double cosine(double r2) { return (1.0 - r2) / (1.0 + r2); }
+/// Of a bin's columns: keeps densities above 0 at the rim, where the projected solid angle ends.
+constexpr float kSteepest = 0.95f;
 
 }  // namespace
 
@@ -49,7 +51,6 @@ Lumisphere::Lumisphere(int side) : side_(side), bin_of_cell_(static_cast<std::si
           }
       }
       if (area < kLeastArea) continue;
-      bin.clipped = area < width * width * (1.0 - 1e-9);
       glm::dvec2 center(x0 + 0.5 * width, y0 + 0.5 * width);
       center *= std::min(1.0, static_cast<double>(kGrazing) / std::max(glm::length(center), 1e-9));
       bin.direction = glm::normalize(shared::direction_from_parabolic(glm::vec2(center)));
@@ -64,13 +65,12 @@ Lumisphere::Lumisphere(int side) : side_(side), bin_of_cell_(static_cast<std::si
     const float x0 = low(bin.cell % side_), step = low(1) - low(0);
     float sum = 0.0f;
     for (int c = 0; c < kColumns; ++c) {
-      float height = 0.0f;
-      for (int k = 0; k < 16; ++k) {
-        const Column at =
-            column(bin, x0 + step * (static_cast<float>(c) + (static_cast<float>(k) + 0.5f) / 16.0f) / kColumns);
-        height += std::max(at.high - at.low, 0.0f);
+      constexpr int kPoints = 16;
+      for (int k = 0; k < kPoints; ++k) {
+        const float at = (static_cast<float>(c) + (static_cast<float>(k) + 0.5f) / kPoints) / kColumns;
+        sum += column(bin, x0 + step * at).mass;
       }
-      bin.running[c + 1] = sum += height;
+      bin.running[c + 1] = sum;
     }
     for (float& r : bin.running) r /= sum;
   }
@@ -79,7 +79,16 @@ Lumisphere::Lumisphere(int side) : side_(side), bin_of_cell_(static_cast<std::si
 Lumisphere::Column Lumisphere::column(const Bin& bin, float x) const {
   const float rim = std::sqrt(std::max(1.0f - x * x, 0.0f));
   const int row = bin.cell / side_;
-  return {std::max(low(row), -rim), std::min(low(row + 1), rim)};
+  Column column{std::max(low(row), -rim), std::min(low(row + 1), rim)};
+  if (!(column.high > column.low)) return column;
+  const auto projected = [&](float y) {
+    const double r2 = std::min(static_cast<double>(x) * x + static_cast<double>(y) * y, 1.0);
+    return static_cast<float>(jacobian(r2) * cosine(r2));
+  };
+  const float below = projected(column.low), above = projected(column.high);
+  column.mass = 0.5f * (below + above) * (column.high - column.low);
+  column.slope = std::clamp((above - below) / std::max(above + below, 1e-20f), -kSteepest, kSteepest);
+  return column;
 }
 
 int Lumisphere::bin_of(const glm::vec3& direction) const {
@@ -107,12 +116,13 @@ int Lumisphere::bin_near_cell(int x, int y) const {
 
 float Lumisphere::area_density(const Bin& bin, const glm::vec2& p) const {
   const float step = low(1) - low(0);
-  if (!bin.clipped) return 1.0f / (step * step);
   const float along = std::clamp((p.x - low(bin.cell % side_)) / step, 0.0f, 0x1.fffffep-1f);
   const int c = static_cast<int>(along * kColumns);
   const Column at = column(bin, p.x);
   if (!(at.high > at.low)) return 0.0f;
-  return (bin.running[c + 1] - bin.running[c]) * kColumns / (step * (at.high - at.low));
+  const float t = std::clamp((p.y - at.low) / (at.high - at.low), 0.0f, 1.0f);
+  return (bin.running[c + 1] - bin.running[c]) * kColumns / (step * (at.high - at.low)) *
+         (1.0f + at.slope * (2.0f * t - 1.0f));
 }
 
 Lumisphere::Sample Lumisphere::draw(int index, const glm::vec2& uv) const {
@@ -127,7 +137,9 @@ Lumisphere::Sample Lumisphere::draw(int index, const glm::vec2& uv) const {
   p.x = low(bin.cell % side_) + step * (static_cast<float>(c) + within) / kColumns;
   const Column at = column(bin, p.x);
   if (!(at.high > at.low)) return {};
-  p.y = at.low + (at.high - at.low) * uv.y;
+  // Inverse of the running density t + slope (t^2 - t), without cancellation.
+  const float flat = 1.0f - at.slope;
+  p.y = at.low + (at.high - at.low) * (2.0f * uv.y / (flat + std::sqrt(flat * flat + 4.0f * at.slope * uv.y)));
   const float r2 = glm::dot(p, p);
   if (r2 >= 1.0f) return {};
   Sample sample;

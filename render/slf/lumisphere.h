@@ -47,11 +47,14 @@ class Lumisphere {
     int cell = 0;
     double solid_angle = 0.0, projected = 0.0;
     glm::vec3 direction{0.0f, 0.0f, 1.0f};
-    bool clipped = false;
-    float running[kColumns + 1] = {};  ///< clipped bins: running share of the columns' heights
+    float running[kColumns + 1] = {};  ///< running share of the columns' projected solid angles
   };
+  /// A line of constant x through a bin. Along it samples have a linear density, as the projected solid angle nearly
+  /// has, so that their weights are nearly constant.
   struct Column {
     float low = 0.0f, high = 0.0f;
+    float slope = 0.0f;  ///< density of a position t in [0, 1]: 1 + slope (2 t - 1)
+    float mass = 0.0f;   ///< of projected solid angle, any unit
   };
   Column column(const Bin& bin, float x) const;
   float low(int index) const { return -1.0f + 2.0f * static_cast<float>(index) / static_cast<float>(side_); }

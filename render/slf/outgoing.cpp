@@ -14,6 +14,7 @@ namespace maquette {
 
 namespace {
 
+constexpr double kPi = 3.14159265358979323846;
 constexpr Eigen::Index kBatch = 256;  ///< texels
 
 /// What a texel's material is made of, besides what its group shares.
@@ -42,6 +43,16 @@ bool only_base_color_varies(const TracedMaterial& m) {
   return true;
 }
 
+/// In the order of corners that the path tracer's geometry has.
+glm::vec2 barycentric_of(const FlatGeometry& geometry, const AtlasSide& side, const glm::vec2& barycentric) {
+  const float weights[3] = {1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
+  const std::uint32_t* corner = geometry.indices.data() + 3 * static_cast<std::size_t>(side.triangle);
+  const auto weight_of = [&](std::uint32_t vertex) {
+    return weights[std::find(side.vertices.begin(), side.vertices.end(), vertex) - side.vertices.begin()];
+  };
+  return {weight_of(corner[1]), weight_of(corner[2])};
+}
+
 SurfacePoint point_of_texel(const PathScene& scene, const LightFieldAtlas& atlas, std::size_t t,
                             const std::vector<std::uint32_t>& traced_of, float texel_m) {
   const TexelFrame frame = frame_of_texel(scene.geometry, atlas, t);
@@ -50,7 +61,8 @@ SurfacePoint point_of_texel(const PathScene& scene, const LightFieldAtlas& atlas
   RayDifferential differential;
   const glm::vec3 x = frame.t * texel_m, y = frame.b * texel_m;
   differential = {ray.origin + x, ray.origin + y, ray.direction, ray.direction};
-  const RayHit hit{1.0f, traced_of[atlas.sides[texel.side].triangle], texel.barycentric};
+  const AtlasSide& side = atlas.sides[texel.side];
+  const RayHit hit{1.0f, traced_of[side.triangle], barycentric_of(scene.geometry, side, texel.barycentric)};
   return resolve_surface(scene, ray, hit, {texel_m > 0.0f ? &differential : nullptr});
 }
 
@@ -184,7 +196,6 @@ Eigen::MatrixXf haar_matrix(int n) {
 /// Tricks", Appendix A1 (associated Legendre recurrence).
 Eigen::VectorXf harmonics_at(const glm::dvec3& d) {
   constexpr int kBands = 6;
-  constexpr double kPi = 3.14159265358979323846;
   Eigen::VectorXf y(kBands * kBands);
   const double phi = std::atan2(d.y, d.x);
   for (int l = 0; l < kBands; ++l)
@@ -252,6 +263,10 @@ LightTransport::LightTransport(const LightResponse& response, const Lumisphere& 
     norms_ += response_[c].colwise().squaredNorm().transpose();
   }
   norms_ = norms_.cwiseSqrt();
+  mean_of_bins_.resize(bins);
+  for (int k = 0; k < bins; ++k) mean_of_bins_[k] = static_cast<float>(lumisphere.projected(k) / kPi);
+  mean_of_coefficients_ = back.transpose() * mean_of_bins_;
+  for (std::size_t c = 0; c < 3; ++c) albedo_[c] = response.channels[c].rowwise().sum();
 }
 
 std::size_t LightTransport::apply(const std::array<Eigen::MatrixXf, 3>& incident,
@@ -286,13 +301,19 @@ std::size_t LightTransport::apply_haar(const std::array<Eigen::MatrixXf, 3>& inc
     std::sort(order.begin(), order.end(),
               [&](std::uint32_t a, std::uint32_t b) { return worth[a] != worth[b] ? worth[a] > worth[b] : a < b; });
     double rest = all;
+    std::array<float, 3> left{};  // of the mean
+    for (std::size_t c = 0; c < 3; ++c) left[c] = mean_of_bins_.dot(incident[c].col(t));
     for (const std::uint32_t k : order) {
       if (!(rest > error_ * error_ * all)) break;
       rest -= static_cast<double>(worth[k]);
-      for (std::size_t c = 0; c < 3; ++c)
-        (*out)[c].col(t) += response_[c].col(k) * light[c](static_cast<Eigen::Index>(k), t);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float value = light[c](static_cast<Eigen::Index>(k), t);
+        (*out)[c].col(t) += response_[c].col(k) * value;
+        left[c] -= mean_of_coefficients_[k] * value;
+      }
       ++used;
     }
+    for (std::size_t c = 0; c < 3; ++c) (*out)[c].col(t) += albedo_[c] * left[c];
   }
   return used;
 }

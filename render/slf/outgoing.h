@@ -34,6 +34,9 @@ class LightTransport {
   Eigen::MatrixXf project_;                  ///< [coefficient][bin]
   std::array<Eigen::MatrixXf, 3> response_;  ///< [channel][bin out][coefficient]
   Eigen::VectorXf norms_;                    ///< [coefficient] of its responses, all channels
+  // Of `haar`: what is left out keeps its mean, weighted by the cosine, so that a diffuse surface gets all of it.
+  Eigen::VectorXf mean_of_bins_, mean_of_coefficients_;  ///< what one of each brings to the mean
+  std::array<Eigen::VectorXf, 3> albedo_;                ///< [channel][bin out] of the response, under a light of 1
 };
 
 struct OutgoingOptions {

@@ -61,6 +61,25 @@ TEST(IncidentLight, AConstantSkyFillsEveryBinOfAConvexBody) {
   }
 }
 
+/// A path scene turns the corners of triangles round, and the atlas is made of the geometry before.
+TEST(IncidentLight, TexelsLieWhereTheAtlasHasThemInAPathSceneToo) {
+  const Scene scene = test::box_scene(5, 4, test::matte(glm::vec3(0.5f)));
+  const FlatGeometry geometry = flatten(scene);
+  const auto traced = build_path_scene({.scene = scene, .environment = test::constant_sky(1.0f)});
+  ASSERT_NE(traced->geometry.indices, geometry.indices);
+  const LightFieldAtlas atlas = make_atlas(geometry, {{0, false}, {3, false}}, {.side = 48});
+  for (std::size_t t = 0; t < atlas.texels.size(); ++t) {
+    const AtlasTexel& texel = atlas.texels[t];
+    const AtlasSide& side = atlas.sides[texel.side];
+    glm::vec3 expected(0.0f);
+    const float weights[] = {1.0f - texel.barycentric.x - texel.barycentric.y, texel.barycentric.x,
+                             texel.barycentric.y};
+    for (std::size_t k = 0; k < 3; ++k)
+      expected += weights[k] * geometry.positions[geometry.indices[3 * static_cast<std::size_t>(side.triangle) + k]];
+    EXPECT_LT(glm::length(frame_of_texel(traced->geometry, atlas, t).position - expected), 1e-5f) << t;
+  }
+}
+
 /// A sheet below a sky of 1 with a sun of one texel (0.7 degrees), at random places down to the rim.
 TEST(IncidentLight, IrradianceOfASmallSunIsWithinAPercent) {
   std::mt19937 random(11);

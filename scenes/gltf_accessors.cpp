@@ -213,6 +213,16 @@ Bytes view_bytes(const Document& document, std::size_t view) {
   return buffer.subspan(bounds.byteOffset, bounds.byteLength);
 }
 
+bool lacks_bytes(const Document& document, std::size_t accessor) {
+  const int view = document.model.accessors[accessor].bufferView;
+  if (view < 0) return false;
+  const auto v = static_cast<std::size_t>(view);
+  if (v < document.decoded_views.size() && !document.decoded_views[v].empty()) return false;
+  const auto buffer = static_cast<std::size_t>(document.model.bufferViews[v].buffer);
+  return document.buffers[buffer].data() == nullptr && !document.buffer_faults.contains(buffer) &&
+         !document.root["buffers"][buffer].contains("uri");
+}
+
 template <int N>
 std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::size_t accessor, Integers integers) {
   Strided dense = resolve(document, accessor, N);

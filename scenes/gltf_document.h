@@ -70,6 +70,8 @@ void find_mesh_uses(Document* document);
 
 /// Bytes of a buffer view, checked against its buffer.
 Bytes view_bytes(const Document& document, std::size_t view);
+/// True for an accessor into a buffer that has no uri: glTF leaves open where its bytes are, and nothing here says it.
+bool lacks_bytes(const Document& document, std::size_t accessor);
 
 /// Accessors, converted to float: normalised integers are mapped to [0, 1] or [-1, 1], sparse values are inserted.
 /// Throws Error: wrong type, outside its view, too many elements.

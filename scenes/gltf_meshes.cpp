@@ -100,6 +100,16 @@ void import_variants(const Document& document, const AttributeReader& reader, Pr
   }
 }
 
+/// Whether any of its accessors does.
+bool primitive_lacks_bytes(const Document& document, const Json& primitive) {
+  if (find_extension(primitive, kDraco) != nullptr) return false;
+  std::vector<std::size_t> accessors;
+  for (const auto& [name, accessor] : primitive["attributes"].items()) accessors.push_back(accessor.get<std::size_t>());
+  if (primitive.contains("indices")) accessors.push_back(primitive["indices"].get<std::size_t>());
+  return std::any_of(accessors.begin(), accessors.end(),
+                     [&](std::size_t accessor) { return lacks_bytes(document, accessor); });
+}
+
 void import_primitive(const Document& document, PrimitiveTask* task) {
   const Json& json = element_json(document, "meshes", task->mesh)["primitives"][task->primitive];
   const auto mode = json.value("mode", std::size_t{TINYGLTF_MODE_TRIANGLES});
@@ -114,6 +124,12 @@ void import_primitive(const Document& document, PrimitiveTask* task) {
   warn_of_attributes(reader, task);
   if (!reader.has("POSITION")) {
     task->warnings.add("has no POSITION and is not drawn", task->name());
+    task->drawable = false;
+    return;
+  }
+  if (primitive_lacks_bytes(document, json)) {
+    task->warnings.add("is made of a buffer that has no uri, so that its bytes are nowhere, and is not drawn",
+                       task->name());
     task->drawable = false;
     return;
   }

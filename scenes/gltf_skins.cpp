@@ -36,7 +36,8 @@ std::vector<glm::dmat4> joint_matrices(const Document& document, std::size_t ski
                                        const glm::dmat4& node_from_world) {
   const Json& json = element_json(document, "skins", skin);
   std::vector<glm::mat4> bound;
-  if (const auto found = json.find("inverseBindMatrices"); found != json.end()) {
+  if (const auto found = json.find("inverseBindMatrices");
+      found != json.end() && !lacks_bytes(document, found->get<std::size_t>())) {
     bound = read_matrices(document, found->get<std::size_t>());
     if (bound.size() < json["joints"].size())
       throw Error(

@@ -121,12 +121,21 @@ TEST_F(GltfBadInput, MissingBuffers) {
     expect_error(write("scene.gltf", {text.begin(), text.end()}), fault);
   };
   expect(nullptr, "bufferViews[0].buffer: 0 is out of range (the file has 0 buffers)");
-  expect({{{"byteLength", bytes_.size()}}}, "buffers[0]: has no uri");
   expect({{{"byteLength", bytes_.size()}, {"uri", "gone.bin"}}}, "gone.bin");
   expect({{{"byteLength", 1000000}, {"uri", "data:;base64,AAAA"}}},
          "buffers[0]: has 3 bytes, byteLength promises 1000000");
   expect({{{"byteLength", 3}, {"uri", "data:;base64,!!!!"}}}, "not valid base64");
   expect({{{"byteLength", 3}, {"uri", "data:nothing"}}}, "no comma");
+}
+
+/// A buffer without uri is valid, and its bytes are nowhere: what is made of it is left out.
+TEST_F(GltfBadInput, ABufferWithoutUriLeavesOutItsPrimitives) {
+  test::Json root = root_;
+  root["buffers"] = test::Json::array({{{"byteLength", bytes_.size()}}});
+  const std::string text = root.dump();
+  const Scene scene = load_gltf(write("scene.gltf", {text.begin(), text.end()}));
+  EXPECT_EQ(count_triangles(scene), 0u);
+  expect_warning(scene, "meshes[0].primitives[0]: is made of a buffer that has no uri");
 }
 
 /// A missing image only removes its textures, not the scene.

@@ -91,7 +91,8 @@ class SeatBench {
 
   Figures measure() {
     Figures figures;
-    for (const Cover& cover : covers()) measure_cover(cover, &figures);
+    for (const Cover& cover : covers())
+      if (stage_.options().wants(cover.name)) measure_cover(cover, &figures);
     return figures;
   }
 

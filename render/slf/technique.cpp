@@ -34,7 +34,7 @@ std::vector<SettingDeclaration> light_field_settings() {
        .unit = "bins",
        .help = "side of the parabolic maps of directions at a texel"},
       {.name = "slf.paths",
-       .default_value = 4,
+       .default_value = 16,
        .min = 1,
        .max = 4096,
        .unit = "paths",

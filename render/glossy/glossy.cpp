@@ -105,7 +105,7 @@ void Glossy::cast_rays(const MirroredScene& scene, bool exact) {
   const Program& program = scene.frame.programs.get(rays_variant(has_measured(scene), exact));
   set_uniforms(scene, program);
   if (exact)
-    program.set("u_frame_shadow_rays", scene.frame.accumulated);
+    program.set("u_frame_at_rest", scene.frame.accumulated);
   else
     scene.frame.bakes.octree().buffers().set_uniforms(program);
   glBindImageTexture(kImageRayOrigin, t.ray_origin.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -116,21 +116,20 @@ void Glossy::cast_rays(const MirroredScene& scene, bool exact) {
 
 void Glossy::run(const MirroredScene& scene, const Technique& technique, const Key& surfaces, bool averages_points) {
   const FrameContext& frame = scene.frame;
-  const bool exact = technique.can.is_exact;
-  const int divisor = reflection_divisor(frame.request.settings, exact && frame.accumulated > 0);
+  const bool exact = technique.can.is_exact, rests = frame.accumulated > 0, varies = exact && rests;
+  const int divisor = reflection_divisor(frame.request.settings, varies);
   frame.timer().count_all_as("glossy");
   const Key now = Key::of(surfaces, frame.scene.revisions().all(), frame.bakes.all(), frame.request.reflectors,
-                          frame.request.settings, technique.name, divisor, exact && frame.accumulated > 0);
+                          frame.request.settings, technique.name, varies);
   const bool same = rays_.has_images() && traced_ == now;
   rays_.fit(frame.size(), divisor);
   ReflectionTargets& t = rays_.targets();
   if (!technique_ || technique_name_ != technique.name) technique_ = technique.make_glossy();
   technique_name_ = technique.name;
-  const bool reuses = same && frame.request.settings.get_bool("shading.reuse"), kept = reuses && !(exact && frame.accumulated > 0);
+  const bool reuses = same && frame.request.settings.get_bool("shading.reuse"), kept = reuses && !varies;
   if (!reuses) find_tiles(scene);
   if (!kept) cast_rays(scene, exact);
   rays_.bind_constants(scene);
-  const bool rests = frame.accumulated > 0;
   rays_.follow(scene, {.technique = *technique_,
                        .keeps_hits = kept,
                        .glossy = true,
@@ -142,7 +141,7 @@ void Glossy::run(const MirroredScene& scene, const Technique& technique, const K
   const bool baked = scene.layers.front().context.plan.indirect == "baked";
   const Program& program = frame.programs.get(glossy_variant(has_measured(scene), baked));
   set_uniforms(scene, program);
-  program.set("u_sky_by_rays", exact && rests && scene.layers.front().context.plan.shadow_rays ? 1 : 0);
+  program.set("u_sky_by_rays", varies && scene.layers.front().context.plan.shadow_rays ? 1 : 0);
   program.set("u_lift_m", exact ? 0.0f : frame.bakes.octree().buffers().cell_m());
   if (baked) bind_indirect(program, frame.scene, nearest_bake(frame.bakes.indirect()));
   glBindTextureUnit(kUnitRayOrigin, t.ray_origin.get());

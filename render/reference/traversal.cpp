@@ -193,6 +193,22 @@ void build_hierarchy(PathScene* scene) {
                 "free memory, or use a lighter model");
 }
 
+namespace {
+
+bool trace_nearest(const PathScene& scene, const Ray& ray, RayContext* context, RayHit* hit) {
+  RTCRayHit query;
+  query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene.embree.get(), &context->base, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
+  hit->distance = query.ray.tfar;
+  return true;
+}
+
+}  // namespace
+
 bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32_t chance, RayHit* hit,
                const RayDifferential* differential) {
   if (scene.log) scene.log({ray.origin, ray.direction, ray.near, ray.far, false});
@@ -203,15 +219,7 @@ bool intersect(const PathScene& scene, const Ray& ray, RayKind kind, std::uint32
   context.chance = chance;
   context.differential = differential;
   if (kind == RayKind::camera) context.base.filter = cull_backs;
-  RTCRayHit query;
-  query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene.embree.get(), &context.base, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
-  hit->distance = query.ray.tfar;
-  return true;
+  return trace_nearest(scene, ray, &context, hit);
 }
 
 namespace {
@@ -232,15 +240,7 @@ bool trace_filtered(const PathScene& scene, const Ray& ray, RTCFilterFunctionN f
   context.scene = &scene;
   context.kind = RayKind::camera;
   context.found = found;
-  RTCRayHit query;
-  query.ray = embree_ray(ray.origin, ray.direction, ray.near, ray.far);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene.embree.get(), &context.base, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-  *hit = triangle_of(scene, {query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v});
-  hit->distance = query.ray.tfar;
-  return true;
+  return trace_nearest(scene, ray, &context, hit);
 }
 
 }  // namespace

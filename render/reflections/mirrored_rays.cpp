@@ -253,13 +253,21 @@ bool MirroredRays::shadowed_by_rays(const ShadingPlan& plan, const FollowRule& r
   return rule.shadow_rays && plan.shadow_rays && !rule.technique.resolves();
 }
 
+bool MirroredRays::rays_shadow_any(const MirroredScene& scene, const FollowRule& rule) {
+  return std::any_of(scene.layers.begin(), scene.layers.end(),
+                     [&](const DrawnLayer& layer) { return shadowed_by_rays(layer.context.plan, rule); });
+}
+
 void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule) {
   ReflectionTargets& t = *targets_;
   const FrameContext& frame = scene.frame;
   int panes = 0;
   const std::vector<Reflector>& reflectors = scene.reflectors.all();
   for (std::size_t k = 0; !rule.glossy && k < reflectors.size(); ++k) panes |= reflectors[k].mirror ? 0 : 1 << k;
-  shadows_.begin(t);
+  if (rays_shadow_any(scene, rule))
+    shadows_.begin(t);
+  else
+    shadows_.clear();
   for (const DrawnLayer& layer : scene.layers) {
     const ShadingPlan& plan = layer.context.plan;
     if (scene.parts.several()) {
@@ -292,8 +300,7 @@ void MirroredRays::complete(const MirroredScene& scene, const FollowRule& rule, 
       rule.technique.shade_layers(frame, first.context.plan.visibility == "traced",
                                   samples > 0 ? samples : scene.frame.request.settings.get_int("reflections.samples"));
   glBindImageTexture(kImageRadiance, t.radiance.get(), 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
-  const bool shadows = std::any_of(scene.layers.begin(), scene.layers.end(),
-                                   [&](const DrawnLayer& layer) { return shadowed_by_rays(layer.context.plan, rule); });
+  const bool shadows = rays_shadow_any(scene, rule);
   const Program& program =
       scene.frame.programs.get(compose_variant({layers, rule.glossy, static_cast<bool>(t.tint), shadows}));
   if (t.tint) glBindTextureUnit(kUnitPaneTint, t.tint.get());

@@ -80,6 +80,7 @@ class MirroredRays {
   void shade_hits(const MirroredScene& scene, const FollowRule& rule);
   /// Whether shadow rays bring light to the hits of a layer.
   static bool shadowed_by_rays(const ShadingPlan& plan, const FollowRule& rule);
+  static bool rays_shadow_any(const MirroredScene& scene, const FollowRule& rule);
   void complete(const MirroredScene& scene, const FollowRule& rule, const ReflectionFrame& frame);
   /// Adds what blended surfaces before the hits show, each order along the rays shaded as hits are.
   void add_layers(const MirroredScene& scene, const FollowRule& rule);

@@ -13,7 +13,7 @@ Technique reflections_technique() {
       {.name = "reflections.resolution",
        .default_value = std::string("auto"),
        .help = "of the reflected picture: full, half or quarter of the picture's own; auto: half while something "
-               "moves, full at rest (half for glossy surfaces)",
+               "moves, full at rest (half for glossy surfaces whose rays are not exact)",
        .choices = {"auto", "full", "half", "quarter"}},
       {.name = "reflections.samples",
        .default_value = 16,

@@ -363,4 +363,25 @@ TEST_P(Glossy, NoiseFallsWhileNothingMoves) {
   EXPECT_LT(many, 0.45 * one);
 }
 
+/// At rest an exact technique's rays vary over the lobe: the corner of two walls, sharp in the first frame, blurs.
+TEST_P(Glossy, LobesBlurAtRest) {
+  if (GetParam().second == "octree") return;  // its cones are as wide as the lobe in every frame
+  const auto wall = [](int k) { return unlit(k == 0 ? glm::vec3(0.05f) : glm::vec3(1.0f)); };
+  set(room_with_sphere(6, wall, metal(glm::vec3(1.0f), 0.3f)), test::constant_sky(1.0f));
+  const FrameRequest request = request_of(GetParam(), "0.3");
+  const auto steepest = [&](const Image& image) {
+    float step = 0.0f;
+    for (int y = 1; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x) {
+        const auto above = trace_pixel(request, x, y - 1), below = trace_pixel(request, x, y);
+        if (above && below && above->cosine > 0.5 && below->cosine > 0.5)
+          step = std::max(step, std::abs(image.at(x, y, 1) - image.at(x, y - 1, 1)));
+      }
+    return step;
+  };
+  const float sharp = steepest(draw(request).picture), blurred = steepest(draw(request, 64).picture);
+  EXPECT_GT(sharp, 0.6f);
+  EXPECT_LT(blurred, 0.5f * sharp);
+}
+
 }  // namespace

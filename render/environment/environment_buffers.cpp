@@ -74,6 +74,7 @@ SunBuffers make_sun_buffers(const Sun& sun, int bias) {
   compute_importance(*sun.rest, b.rest_tables);
   b.rest_integral = b.rest_tables.luminance_integral;
   b.rest_sky = pack_sky(*sun.rest, bias, 1);
+  for (const EnvironmentSample& sample : sun.samples) b.sun_directions.push_back(sample.direction);
   b.sun_list = Buffer::from("sun samples", sun.samples);
   b.sun_view = Texture::make_buffer("sun samples", GL_RGBA32F, b.sun_list);
   b.rest_list = Buffer("light samples without the sun", EnvironmentBuffers::kListLength * sizeof(EnvironmentSample));

@@ -17,6 +17,7 @@ struct SunBuffers {
   std::shared_ptr<const Environment> rest;  ///< without the sun's texels
   EnvironmentTables rest_tables;
   PackedSky rest_sky;
+  std::vector<glm::vec3> sun_directions;  ///< of the list
   Buffer sun_list, rest_list;
   Texture sun_view, rest_view;
   void bind() const;  ///< units 15 and 23

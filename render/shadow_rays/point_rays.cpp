@@ -33,9 +33,16 @@ ShaderVariant draw_variant(const DrawnPoints& points, bool measured) {
   return variant;
 }
 
-glm::vec3 direction_of(std::uint32_t packed) { return shared::direction_from_octahedral(glm::unpackUnorm2x16(packed)); }
-
 }  // namespace
+
+glm::vec3 unpack_ray_direction(std::uint32_t packed) {
+  return shared::direction_from_octahedral(glm::unpackUnorm2x16(packed));
+}
+
+glm::vec3 ray_origin(const SurfacePlace& place, const glm::vec3& direction) {
+  const glm::vec3 side = glm::dot(place.normal, direction) < 0.0f ? -place.normal : place.normal;
+  return offset_from_surface(place.position, place.error, side);
+}
 
 std::vector<ShaderVariant> point_rays_shader_variants() {
   std::vector<ShaderVariant> variants;
@@ -55,21 +62,22 @@ std::vector<PointRays> draw_point_rays(const FrameContext& frame, const DrawnPoi
   const SceneFacts& facts = frame.scene.facts();
   const SunBuffers* sun = points.plan.sun_apart ? frame.scene.environment().sun() : nullptr;
   if (sun) sun->bind();
-  buffer->clear_to_zero();
+  std::vector<PointRays> rays(64 * static_cast<std::size_t>(points.tiles.counts[points.band]));
+  const auto bytes = static_cast<GLsizeiptr>(rays.size() * sizeof(PointRays));
+  glClearNamedBufferSubData(buffer->get(), GL_R32UI, 0, bytes, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferPointRays, buffer->get());
   for (const bool measured : {true, false}) {
     if ((measured ? facts.measured_count : facts.analytic_count) == 0) continue;
     const Program& program = frame.programs.get(draw_variant(points, measured));
     if (sun) set_sun(program, *sun);
     program.set("u_frame_number", frame.accumulated);
-    program.set("u_facing_sun", !points.sky && !points.lamps && sun && sun->compact ? 1 : 0);
+    program.set("u_facing_sun", !points.all && !points.sky && !points.lamps && sun && sun->compact ? 1 : 0);
     if (sun)
       glProgramUniform2i(program.get(), program.location("u_sun_list"), SunBuffers::kListLength,
                          sun->compact ? kSunSamples : kSunsSamples);
     dispatch_tiles(program, points.tiles, kPerPoint, points.band);
   }
   if (sun) frame.scene.environment().bind();
-  std::vector<PointRays> rays(64 * static_cast<std::size_t>(points.tiles.counts[points.band]));
   buffer->read(0, rays.size() * sizeof(PointRays), rays.data());
   return rays;
 }
@@ -98,10 +106,9 @@ SurfacePlace place_of(const FlatGeometry& geometry, std::uint32_t triangle, cons
 BroughtLight trace_point(const PathScene& scene, const PointRays& p, const SurfacePlace& place) {
   BroughtLight brought;
   const auto through = [&](std::uint32_t packed, float far) {
-    const glm::vec3 direction = direction_of(packed);
-    const glm::vec3 side = glm::dot(place.normal, direction) < 0.0f ? -place.normal : place.normal;
+    const glm::vec3 direction = unpack_ray_direction(packed);
     ++brought.rays;
-    return transmittance(scene, {offset_from_surface(place.position, place.error, side), direction, 0.0f, far});
+    return transmittance(scene, {ray_origin(place, direction), direction, 0.0f, far});
   };
   constexpr float kFar = 3.4e38f;
   if (p.sun != glm::vec3(0.0f)) brought.sun = p.sun * through(p.to_sun, kFar);

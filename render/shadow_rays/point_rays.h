@@ -35,11 +35,17 @@ struct DrawnPoints {
   bool sky = false;        ///< rays to the sky too
   bool lamps = true;       ///< rays to the scene's lights
   bool reflected = false;  ///< hits of mirrored rays
+  bool all = true;         ///< also points without rays, which are then told from no point
 };
 /// Draws them on the device into `buffer`, which has room for them, and reads them.
 std::vector<PointRays> draw_point_rays(const FrameContext& frame, const DrawnPoints& points, Buffer* buffer);
 /// Shader variants of these two.
 std::vector<ShaderVariant> point_rays_shader_variants();
+
+/// A direction as `PointRays` holds it.
+glm::vec3 unpack_ray_direction(std::uint32_t packed);
+/// Where the sun's ray leaves a point, or another's of this direction.
+glm::vec3 ray_origin(const struct SurfacePlace& place, const glm::vec3& direction);
 
 /// A point as its triangle has it, on either side of it.
 struct SurfacePlace {

@@ -45,22 +45,37 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   frames_ = averages && rests && fits ? frames_ + 1 : 1;
   if (frames_ == 1) {
     sun_.assign(count, glm::vec4(0.0f));
+    sky_frames_ = 0;
+  }
+  if (rests && sky_frames_ == 0) {
     raw_sky_.assign(count, glm::vec4(0.0f));
     points_.assign(count, Point());
-    sky_frames_ = 0;
   }
   if (with_lamps) lamp_frames_ = averages && same_lamps ? lamp_frames_ + 1 : 1;
   if (!same_lamps || (with_lamps && lamp_frames_ == 1)) lamps_.assign(count, glm::vec4(0.0f));
   ray_count_ = 0;
-  const TileList& tiles = layer.surfaces.tiles();
-  const std::size_t bytes = static_cast<std::size_t>(tiles.band_tiles) * 64 * sizeof(PointRays);
+  const std::size_t bytes = static_cast<std::size_t>(layer.surfaces.tiles().band_tiles) * 64 * sizeof(PointRays);
   if (rays_.bytes() < bytes) rays_ = Buffer("shadow rays", bytes);
   frame.timer().end("draw_rays");  // also where nothing is seen
-  const bool any = rests || with_lamps || layer.plan.sun_apart;
-  for (std::size_t band = 0; any && band < tiles.counts.size(); ++band)
-    if (tiles.counts[band] > 0) trace_band(layer, band, with_lamps);
-  sum_ = sun_;
-  for (std::size_t i = 0; layer.plan.lights && i < count; ++i) sum_[i] += lamps_[i];
+  const SunBuffers* sun = layer.plan.sun_apart ? frame.scene.environment().sun() : nullptr;
+  const bool any = rests || with_lamps || sun, stays = layer.surfaces.kept() && sun && sun->compact,
+             known = stays && sun_shadows_.know(layer.surfaces), sun_first = known && !rests && !with_lamps;
+  if (sun_first) {
+    ray_count_ += sun_shadows_.trace(layer, *sun);
+    frame.timer().end("trace_rays");
+  }
+  if (stays && !known) sun_shadows_.begin(layer.surfaces, count);
+  const Drawn drawn{.tiles = sun_first ? sun_shadows_.lit() : layer.surfaces.tiles(),
+                    .lamps = with_lamps,
+                    .sun_first = sun_first,
+                    .learns = stays && !known};
+  for (std::size_t band = 0; any && band < drawn.tiles.counts.size(); ++band)
+    if (drawn.tiles.counts[band] > 0) trace_band(layer, band, drawn);
+  sum_.resize(count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4096), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i)
+      sum_[i] = layer.plan.lights ? sun_[i] + lamps_[i] : sun_[i];
+  });
   if (frame.accumulated > 0) {
     ++sky_frames_;
     filter_sky(w, h);
@@ -70,13 +85,23 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   frame.timer().end("trace_rays");
 }
 
-void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, bool with_lamps) {
+void ShadowPass::keep_point(const LayerContext& layer, const PointRays& rays, const SurfacePlace& place, Point* point) {
+  const glm::vec3 root = shared::unpack_rgb9e5(rays.base_color, kBaseColorBias);
+  point->position = place.position;
+  point->width_m = pixel_width(layer.constants, glm::length(place.position - glm::vec3(layer.constants.eye)));
+  point->normal = place.normal;
+  point->base = glm::max(root * root, glm::vec3(kLeastBase));
+}
+
+void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const Drawn& drawn) {
   const FrameContext& frame = layer.frame;
   // The maps are good enough for a picture that moves.
   const bool sky = frame.accumulated > 0;
   glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
-  const std::vector<PointRays> rays =
-      draw_point_rays(frame, {layer.plan, layer.surfaces.tiles(), band, sky, with_lamps}, &rays_);
+  const std::vector<PointRays> rays = draw_point_rays(
+      frame,
+      {.plan = layer.plan, .tiles = drawn.tiles, .band = band, .sky = sky, .lamps = drawn.lamps, .all = drawn.learns},
+      &rays_);
   frame.timer().end("draw_rays");
   const PathScene& scene = *frame.bakes.shadow_scene().scene();
   const FlatGeometry& geometry = frame.scene.geometry();
@@ -84,7 +109,6 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, bool wi
   const float blend = 1.0f / static_cast<float>(frames_),
               lamp_blend = 1.0f / static_cast<float>(std::max(lamp_frames_, 1));
   const float sky_blend = 1.0f / static_cast<float>(sky_frames_ + 1);
-  const glm::vec3 eye(layer.constants.eye);
   std::atomic<std::size_t> traced = 0;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 256), [&](const auto& range) {
     std::size_t own = 0;
@@ -92,18 +116,18 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, bool wi
       const PointRays& p = rays[i];
       if (p.triangle == 0) continue;
       const std::size_t at = (p.pixel >> 16u) * width + (p.pixel & 65535u);
+      if (drawn.sun_first) {
+        sun_[at] = glm::vec4(p.sun * sun_shadows_.passed(at), 0.0f);
+        continue;
+      }
       const SurfacePlace place = place_of(geometry, p.triangle - 1, p.position);
-      Point& point = points_[at];
-      const glm::vec3 root = shared::unpack_rgb9e5(p.base_color, kBaseColorBias);
-      point.position = place.position;
-      point.width_m = pixel_width(layer.constants, glm::length(place.position - eye));
-      point.normal = place.normal;
-      point.base = glm::max(root * root, glm::vec3(kLeastBase));
+      if (drawn.learns) sun_shadows_.set(at, place);
+      if (sky) keep_point(layer, p, place, &points_[at]);
       const BroughtLight brought = trace_point(scene, p, place);
       own += brought.rays;
       sun_[at] += (glm::vec4(brought.sun, 0.0f) - sun_[at]) * blend;
-      if (with_lamps) lamps_[at] += (glm::vec4(brought.lamp, 0.0f) - lamps_[at]) * lamp_blend;
-      if (sky) raw_sky_[at] += (glm::vec4(brought.sky / point.base, 0.0f) - raw_sky_[at]) * sky_blend;
+      if (drawn.lamps) lamps_[at] += (glm::vec4(brought.lamp, 0.0f) - lamps_[at]) * lamp_blend;
+      if (sky) raw_sky_[at] += (glm::vec4(brought.sky / points_[at].base, 0.0f) - raw_sky_[at]) * sky_blend;
     }
     traced += own;
   });

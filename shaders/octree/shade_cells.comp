@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 #include "shared/frame.glsl"
 #include "octree/tables.glsl"
 #include "octree/cells.glsl"
+#include "shared/hash.glsl"
 layout(binding = kUnitLightSamples) uniform samplerBuffer t_light_samples;  // two texels: direction, pdf | radiance, nu_L
 layout(std430, binding = kBufferOctreeLayers) buffer Layers { uvec4 b_layers[]; };  // pixel, node | level << 26, t, weight; then radiance
 uniform int u_layer_count;
@@ -16,12 +17,6 @@ uniform int u_samples;
 /// Shadow rays start this many cells from the middle: outside the cell, whose own shadows are in its BRDF.
 const float kLeave = 0.9;
 const float kOwnCells = 1.8;
-
-uint hash(uint x) {
-  x = x * 747796405u + 2891336453u;
-  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
-  return (x >> 22u) ^ x;
-}
 vec2 unit_pair(uint x) { return vec2(float(x >> 16u), float(x & 65535u)) * (1.0 / 65536.0); }
 
 void main() {

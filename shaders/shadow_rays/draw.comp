@@ -17,6 +17,7 @@ layout(local_size_x = 64) in;
 #include "shared/merl.glsl"
 #define POINTS_SORTED
 #include "shading/point.glsl"
+#include "shadow_rays/sun_ray.glsl"
 #if MAPS
 #include "shading/visibility.glsl"
 #else
@@ -69,8 +70,6 @@ void consider(inout Result r, vec3 value, vec3 direction) {
 uint pack_direction(vec3 d) { return packUnorm2x16(octahedral_from_direction(d)); }
 
 #if SEPARATE_SUN
-/// Sine of the largest angle between two directions of a compact sun, with a margin.
-const float kSunRadius = 0.1;
 /// Samples of a lobe that is brighter somewhere in the sun than in the mean of a few directions, which every point has.
 const int kMany = 64, kProbes = 4;
 
@@ -98,7 +97,7 @@ void draw_sun(Point p, uint mask, inout PointRays rays) {
     if (drawn + 1 == kProbes && brightest * float(kProbes) > 2.0 * luminance(light)) count = kMany;
   }
   rays.sun = light * (u_frame.environment.z / float(count));
-  uint at = (uint(u_frame_number) ^ hash(mask)) & uint(u_sun_list.x - 1);
+  uint at = sun_ray(mask, uint(u_frame_number), uint(u_sun_list.x));
   rays.to_sun = pack_direction(world_from_environment(texelFetch(t_sun_samples, 2 * int(at)).xyz));
 }
 #endif
@@ -153,7 +152,7 @@ void main() {
   rays.lamp_m = rays.mapped = 0.0;
   rays.pixel = uint(pixel.x) | uint(pixel.y) << 16u;
   rays.base_color = texelFetch(t_surface, pixel, 0).y;
-  uint mask = hash(uint(pixel.x) + (uint(pixel.y) << 16u) + hash(uint(u_frame.sampling.w) ^ 0x51ed270bu));
+  uint mask = hash_pixel(uint(pixel.x), uint(pixel.y), uint(u_frame.sampling.w) ^ kSunSeed);
 #if SEPARATE_SUN
   draw_sun(p, mask, rays);
 #endif

@@ -2,6 +2,7 @@
 // without reflections.
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "scenes/image_io.h"
 #include "tests/benchmarks/stage.h"
@@ -55,17 +56,23 @@ Figures measure_moving(Stage& stage) {
     const std::string name = light ? "light turns" : "camera flies";
     if (!stage.options().wants(name)) continue;
     std::vector<double> times[2];
+    std::map<std::string, std::vector<double>> passes;
     for (int repeat = 0; repeat <= stage.options().repeats; ++repeat)
       for (const bool full : {false, true}) {
         const FrameRequest& base = full ? shown : plain;
         stage.renderer().finish_background_work(base);
         for (int k = 0; k < kSteps; ++k) {
           const Clock begin = now();
-          stage.renderer().render(step(stage, base, light, k));
+          const FrameStats stats = stage.renderer().render(step(stage, base, light, k));
           if (repeat > 0) times[full].push_back((now() - begin).wall_ms);  // the first round compiles shaders
+          for (const PassTime& pass : stats.passes)
+            if (repeat > 0 && full) passes[pass.name].push_back(pass.ms);
           if (full && k == kSteps / 2 && !stage.options().charts.empty()) save_frame(stage, name);
         }
       }
+    for (auto& [pass, ms] : passes)
+      if (const double middle = median(ms); middle >= 0.5)
+        figures.push_back(bench::shown(name + ": pass " + pass, number(middle) + " ms"));
     const double before = median(times[0]), after = median(times[1]);
     figures.push_back(judged("frame of the default picture while the " + name + ", 320 x 180",
                              ">= 0.6 of the rate with baked visibility and no reflections",

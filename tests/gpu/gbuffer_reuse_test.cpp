@@ -290,7 +290,8 @@ TEST_F(KeptGbuffer, KeptPanesLookLikeDrawnOnes) {
     without_reuse.settings.set("shading.reuse", false);
     const FrameStats full = renderer_.render(without_reuse);
     const Image drawn = renderer_.read_radiance();
-    if (kept) {
+    // Only a software device keeps them: others do not promise the order of fragments.
+    if (kept && query_device().software) {
       EXPECT_GT(stats.gpu_bytes.at("glass"), full.gpu_bytes.at("glass"));
     }
     double apart = 0.0;

@@ -155,6 +155,39 @@ TEST_F(ShadowRays, AtRestTheDirectLightIsThePathTracers) {
   }
 }
 
+/// Surfaces that stay where they are get their sun by tiles that it reaches (SunShadows): as all points do elsewhere.
+TEST_F(ShadowRays, WhileTheLightTurnsTheSunIsThatOfPicturesDrawnAnew) {
+  Scene scene = floor_below(test::matte(glm::vec3(0.6f)));
+  Material gloss = test::matte(glm::vec3(0.9f, 0.6f, 0.3f));
+  gloss.metallic = 1.0f;
+  gloss.roughness = 0.3f;
+  scene.materials.push_back(gloss);
+  test::add(&scene, test::make_grid({-0.9f, 0.1f, 0.3f}, {0.4f, 0.3f, 0}, {0, 0, -0.5f}, 3, 2));
+  renderer_.set_scene(std::make_shared<Scene>(scene));
+  renderer_.set_environment(sunny(0.05f));
+  for (const int msaa : {1, 4}) {
+    FrameRequest r = request("uniform");
+    r.width = 90;  // tiles that reach beyond the picture
+    r.msaa = msaa;
+    std::vector<Image> pictures[2];
+    for (const bool reuse : {false, true})
+      for (int k = 0; k < 6; ++k) {
+        r.env_rotation_rad = 0.25f * static_cast<float>(k);
+        r.settings.set("shading.reuse", reuse);
+        pictures[reuse].push_back(draw(r));
+      }
+    for (std::size_t k = 0; k < pictures[0].size(); ++k) {
+      const std::vector<float>&anew = pictures[0][k].data, &turned = pictures[1][k].data;
+      double sum = 0.0, apart = 0.0;
+      for (std::size_t i = 0; i < anew.size(); ++i) {
+        sum += static_cast<double>(anew[i]);
+        apart = std::max(apart, static_cast<double>(std::abs(turned[i] - anew[i])));
+      }
+      EXPECT_LT(apart, 1e-3 * sum / static_cast<double>(anew.size())) << msaa << " " << k;
+    }
+  }
+}
+
 TEST_F(ShadowRays, ThePlanSaysWhatTheyDo) {
   renderer_.set_scene(std::make_shared<Scene>(floor_below(test::matte(glm::vec3(0.1f)))));
   renderer_.set_environment(sunny(1.0f));

@@ -12,8 +12,7 @@ namespace maquette {
 
 namespace {
 
-constexpr int kFieldBias = 28;             ///< of shaders/slf/light_field.glsl
-constexpr float kLargestStored = 1024.0f;  ///< well within half floats, and within kFieldBias
+constexpr float kLargestStored = 1024.0f;  ///< well within half floats
 
 float largest_of(const LightField& field) {
   float largest = 0.0f;
@@ -125,7 +124,7 @@ void LightFieldBuffers::upload_stored(const LightField& field) {
   const Lumisphere sphere(field.side);
   const auto cells = static_cast<std::size_t>(field.side * field.side);
   const Eigen::MatrixXf& radiance = field.outgoing->radiance;
-  std::vector<std::uint32_t> words(cells * static_cast<std::size_t>(radiance.cols()));
+  std::vector<std::uint64_t> words(cells * static_cast<std::size_t>(radiance.cols()));
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
   if (words.size() > static_cast<std::size_t>(largest))
@@ -138,10 +137,10 @@ void LightFieldBuffers::upload_stored(const LightField& field) {
   for (Eigen::Index t = 0; t < radiance.cols(); ++t)
     for (std::size_t c = 0; c < cells; ++c) {
       const glm::vec3 value(radiance(rows[c], t), radiance(rows[c] + 1, t), radiance(rows[c] + 2, t));
-      words[static_cast<std::size_t>(t) * cells + c] = shared::pack_rgb9e5(glm::max(value, 0.0f) / scale_, kFieldBias);
+      words[static_cast<std::size_t>(t) * cells + c] = glm::packHalf4x16(glm::vec4(value / scale_, 0.0f));
     }
   radiance_ = Buffer::from("light field radiance", words);
-  radiance_view_ = Texture::make_buffer("light field radiance", GL_R32UI, radiance_);
+  radiance_view_ = Texture::make_buffer("light field radiance", GL_RG32UI, radiance_);
   std::vector<std::uint32_t> texels = field.atlas.texel_of_cell;
   std::replace(texels.begin(), texels.end(), LightFieldAtlas::kNone, 0u);
   cells_ = Texture::make_2d("light field cells", GL_R32UI, field.atlas.side, field.atlas.side);

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "render/reference/scattering.h"
+#include "render/slf/btf_response.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -15,7 +16,7 @@ namespace maquette {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr Eigen::Index kBatch = 256;  ///< texels
+constexpr std::size_t kBatch = 256;  ///< texels
 
 /// What a texel's material is made of, besides what its group shares.
 struct TexelMaterial {
@@ -25,7 +26,7 @@ struct TexelMaterial {
 
 /// Texels whose outgoing light is scale * (response * incident) + (rest * incident).
 struct Group {
-  enum class Kind { scaled, base_linear, each } kind = Kind::scaled;
+  enum class Kind { scaled, base_linear, each, btf } kind = Kind::scaled;
   SurfacePoint point;
   std::vector<std::uint32_t> texels;
   std::vector<glm::vec3> scales;
@@ -66,10 +67,16 @@ SurfacePoint point_of_texel(const PathScene& scene, const LightFieldAtlas& atlas
   return resolve_surface(scene, ray, hit, {texel_m > 0.0f ? &differential : nullptr});
 }
 
-std::vector<Group> group_texels(const PathScene& scene, const LightFieldAtlas& atlas, float texel_m) {
+/// Index of the path tracer's triangle for each of the mesh's.
+std::vector<std::uint32_t> traced_triangles(const PathScene& scene) {
   std::vector<std::uint32_t> traced_of(scene.triangles.size(), 0);
   for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
     if (scene.triangles[i].source < traced_of.size()) traced_of[scene.triangles[i].source] = i;
+  return traced_of;
+}
+
+std::vector<Group> group_texels(const PathScene& scene, const LightFieldAtlas& atlas, float texel_m) {
+  const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
   std::vector<Group> groups;
   std::map<const TracedMaterial*, std::size_t> of_material;
   for (std::size_t t = 0; t < atlas.texels.size(); ++t) {
@@ -80,7 +87,9 @@ std::vector<Group> group_texels(const PathScene& scene, const LightFieldAtlas& a
       Group group;
       group.point = p;
       const bool changes = p.material->textured || p.material->colored;
-      if (!p.material->measured && changes)
+      if (p.material->btf)
+        group.kind = Group::Kind::btf;
+      else if (!p.material->measured && changes)
         group.kind = only_base_color_varies(*p.material) && p.material->values.metallic == 0.0f
                          ? Group::Kind::base_linear
                          : Group::Kind::each;
@@ -88,7 +97,7 @@ std::vector<Group> group_texels(const PathScene& scene, const LightFieldAtlas& a
     }
     Group& group = groups[found->second];
     group.texels.push_back(static_cast<std::uint32_t>(t));
-    group.scales.push_back(p.material->measured                     ? p.tint
+    group.scales.push_back(p.material->tabulated()                  ? p.tint
                            : group.kind == Group::Kind::base_linear ? p.base_color
                                                                     : glm::vec3(1.0f));
   }
@@ -117,9 +126,9 @@ Batch gather(const IncidentField& incident, std::span<const std::uint32_t> texel
 /// One group's texels, batch by batch.
 class GroupShader {
  public:
-  GroupShader(const IncidentField& incident, const Lumisphere& lumisphere, const OutgoingOptions& options,
+  GroupShader(const IncidentField& incident, const DirectionSpline& spline, const OutgoingOptions& options,
               OutgoingField* out)
-      : incident_(incident), lumisphere_(lumisphere), options_(options), out_(*out) {}
+      : incident_(incident), spline_(spline), options_(options), out_(*out) {}
 
   void shade(const Group& group, const std::atomic<bool>& cancel) {
     const int samples = response_samples(group.point);
@@ -129,16 +138,16 @@ class GroupShader {
       SurfacePoint black = group.point, white = group.point;
       black.analytic.diffuse = glm::vec3(0.0f);
       white.analytic.diffuse = glm::vec3(1.0f);
-      const LightResponse rest = compute_response(black, lumisphere_, samples);
-      LightResponse base = compute_response(white, lumisphere_, samples);
+      const LightResponse rest = compute_response(black, spline_, samples);
+      LightResponse base = compute_response(white, spline_, samples);
       for (std::size_t c = 0; c < 3; ++c) base.channels[c] -= rest.channels[c];
       transports = {make(base), make(rest)};
     } else if (group.kind == Group::Kind::scaled) {
       SurfacePoint own = group.point;
       own.tint = glm::vec3(1.0f);
-      transports = {make(compute_response(own, lumisphere_, samples))};
+      transports = {make(compute_response(own, spline_, samples))};
     }
-    const std::size_t count = group.texels.size(), batch = static_cast<std::size_t>(kBatch);
+    const std::size_t count = group.texels.size(), batch = kBatch;
     std::vector<std::size_t> used((count + batch - 1) / batch, 0);
     tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t b) {
       if (cancel) return;
@@ -150,11 +159,14 @@ class GroupShader {
   /// Shades texels that share nothing, one by one.
   void shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
                   const std::atomic<bool>& cancel);
+  /// Shades texels of a BTF, those whose frames lie the same way together.
+  void shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+                 const std::atomic<bool>& cancel);
   std::size_t coefficients() const { return coefficients_; }
 
  private:
   LightTransport make(const LightResponse& response) const {
-    return {response, lumisphere_, options_.basis, options_.haar_error};
+    return {response, spline_.lumisphere(), options_.basis, options_.haar_error};
   }
   std::size_t shade_batch(const Group& group, const std::vector<LightTransport>& transports, std::size_t first,
                           std::size_t size) {
@@ -165,16 +177,19 @@ class GroupShader {
       for (std::size_t c = 0; c < 3; ++c)
         batch.out[c].col(static_cast<Eigen::Index>(i)) *= group.scales[first + i][static_cast<int>(c)];
     if (transports.size() > 1) used = std::max(used, transports[1].apply(batch.in, &batch.out));
-    for (std::size_t i = 0; i < size; ++i)
+    put(batch, texels);
+    return used;
+  }
+  void put(const Batch& batch, std::span<const std::uint32_t> texels) {
+    for (std::size_t i = 0; i < texels.size(); ++i)
       for (Eigen::Index bin = 0; bin < incident_.bins; ++bin)
         for (std::size_t c = 0; c < 3; ++c)
           out_.radiance(3 * bin + static_cast<Eigen::Index>(c), texels[i]) =
               batch.out[c](bin, static_cast<Eigen::Index>(i));
-    return used;
   }
 
   const IncidentField& incident_;
-  const Lumisphere& lumisphere_;
+  const DirectionSpline& spline_;
   const OutgoingOptions& options_;
   OutgoingField& out_;
   std::size_t coefficients_ = 0;
@@ -339,16 +354,17 @@ std::string check_light_field_material(const Material& m) {
 
 void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
                              const std::atomic<bool>& cancel) {
-  std::vector<std::uint32_t> traced_of(scene.triangles.size(), 0);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) traced_of[scene.triangles[i].source] = i;
+  const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
+  constexpr int kSamples = 2;
+  const Eigen::MatrixXf light = spline_.from_means(kSamples);
   tbb::parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
     if (cancel) return;
     const std::uint32_t t = group.texels[i];
     const SurfacePoint p = point_of_texel(scene, atlas, t, traced_of, options_.texel_m);
-    const LightResponse response = compute_response(p, lumisphere_, 2);
+    const LightResponse response = compute_response_of_coefficients(p, spline_, kSamples);
     Batch batch = gather(incident_, std::span(&t, 1));
     for (std::size_t c = 0; c < 3; ++c) {
-      batch.out[c].noalias() = response.channels[c] * batch.in[c];
+      batch.out[c].noalias() = spline_.interpolate() * (response.channels[c] * (light * batch.in[c]));
       for (Eigen::Index bin = 0; bin < incident_.bins; ++bin)
         out_.radiance(3 * bin + static_cast<Eigen::Index>(c), t) = batch.out[c](bin, 0);
     }
@@ -356,16 +372,60 @@ void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atla
   coefficients_ += group.texels.size() * static_cast<std::size_t>(incident_.bins);
 }
 
+void GroupShader::shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+                            const std::atomic<bool>& cancel) {
+  const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
+  const std::size_t count = group.texels.size();
+  std::vector<BtfLookup> lookups(count);
+  std::vector<BtfTurn> turns(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const SurfacePoint p = point_of_texel(scene, atlas, group.texels[i], traced_of, options_.texel_m);
+    const TexelFrame frame = frame_of_texel(scene.geometry, atlas, group.texels[i]);
+    const glm::vec3 t = frame.to_local(p.t), b = frame.to_local(p.b);
+    lookups[i] = p.btf;
+    turns[i] = btf_turn(glm::vec2(t), glm::vec2(b));
+  });
+  std::map<BtfTurn, std::vector<std::size_t>> alike;
+  for (std::size_t i = 0; i < count; ++i) alike[turns[i]].push_back(i);
+  const std::vector<std::pair<BtfTurn, std::vector<std::size_t>>> sets(alike.begin(), alike.end());
+  tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t k) {
+    if (cancel) return;
+    const BtfResponse response(*group.point.material->btf, spline_, sets[k].first);
+    const std::vector<std::size_t>& members = sets[k].second;
+    const std::size_t batches = (members.size() + kBatch - 1) / kBatch;
+    tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t b) {
+      if (cancel) return;
+      std::vector<std::uint32_t> texels;
+      std::vector<BtfLookup> at;
+      std::vector<glm::vec3> scales;
+      for (std::size_t i = b * kBatch; i < std::min(members.size(), (b + 1) * kBatch); ++i) {
+        texels.push_back(group.texels[members[i]]);
+        at.push_back(lookups[members[i]]);
+        scales.push_back(group.scales[members[i]]);
+      }
+      Batch batch = gather(incident_, texels);
+      response.apply(at, batch.in, &batch.out);
+      for (std::size_t i = 0; i < texels.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+          batch.out[c].col(static_cast<Eigen::Index>(i)) *= scales[i][static_cast<int>(c)];
+      put(batch, texels);
+    });
+  });
+  coefficients_ += count * static_cast<std::size_t>(incident_.bins);
+}
+
 std::shared_ptr<const OutgoingField> compute_outgoing(const PathScene& scene, const LightFieldAtlas& atlas,
                                                       const IncidentField& incident, const OutgoingOptions& options,
                                                       const std::atomic<bool>& cancel) {
   auto out = std::make_shared<OutgoingField>();
-  const Lumisphere lumisphere(incident.side);
+  const DirectionSpline spline{Lumisphere(incident.side)};
   out->radiance = Eigen::MatrixXf::Zero(3 * incident.bins, static_cast<Eigen::Index>(atlas.texels.size()));
-  GroupShader shader(incident, lumisphere, options, out.get());
+  GroupShader shader(incident, spline, options, out.get());
   for (const Group& group : group_texels(scene, atlas, options.texel_m)) {
     if (cancel) return nullptr;
-    if (group.kind == Group::Kind::each)
+    if (group.kind == Group::Kind::btf)
+      shader.shade_btf(scene, atlas, group, cancel);
+    else if (group.kind == Group::Kind::each)
       shader.shade_each(scene, atlas, group, cancel);
     else
       shader.shade(group, cancel);

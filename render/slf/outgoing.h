@@ -45,8 +45,8 @@ struct OutgoingOptions {
   float texel_m = 0.0f;  ///< textures are filtered over this; 0: not
 };
 
-/// Radiance that leaves the texels, without emission. radiance: [3 bin + channel][texel], towards the directions of
-/// the lumisphere's bins, cd/m2.
+/// Radiance that leaves the texels, without emission. radiance: [3 bin + channel][texel], coefficients of a
+/// DirectionSpline, cd/m2.
 struct OutgoingField {
   Eigen::MatrixXf radiance;
   double coefficients = 0.0;  ///< mean per texel and channel

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "render/reference/scattering.h"
 
@@ -26,41 +27,56 @@ double value_at(SurfacePoint point, double wo_rad, double wi_rad) {
 
 }  // namespace
 
-LightResponse compute_response(const SurfacePoint& point, const Lumisphere& lumisphere, int samples) {
+namespace {
+
+/// [out][coefficient] towards `views`.
+LightResponse integrate(const SurfacePoint& point, const DirectionSpline& spline, std::span<const glm::vec3> views,
+                        int samples) {
+  const Lumisphere& lumisphere = spline.lumisphere();
   const int bins = lumisphere.count();
   struct Incident {
     glm::vec3 direction;
     float weight;
+    std::array<DirectionSpline::Share, 9> shares;
   };
-  std::vector<std::vector<Incident>> incident(static_cast<std::size_t>(bins));
+  std::vector<Incident> incident;
   for (int k = 0; k < bins; ++k)
-    for (int i = 0; i < samples * samples; ++i) {
-      const glm::vec2 uv((static_cast<float>(i % samples) + 0.5f) / static_cast<float>(samples),
-                         (static_cast<float>(i / samples) + 0.5f) / static_cast<float>(samples));
-      const Lumisphere::Sample s = lumisphere.draw(k, uv);
-      if (s.weight > 0.0f) incident[static_cast<std::size_t>(k)].push_back({s.direction, s.weight});
-    }
-  // The quadrature's weights sum to 1 in each bin, so that a white furnace stays exact.
-  for (auto& bin : incident) {
-    float sum = 0.0f;
-    for (const Incident& s : bin) sum += s.weight;
-    for (Incident& s : bin) s.weight /= sum;
-  }
+    for (const DirectionSpline::BinSample& s : spline.bin_samples(k, samples))
+      incident.push_back(
+          {s.direction, s.weight * static_cast<float>(lumisphere.projected(k)), spline.shares(s.direction)});
   LightResponse response;
-  response.channels.fill(Eigen::MatrixXf::Zero(bins, bins));
-  tbb::parallel_for(0, bins, [&](int j) {
+  response.channels.fill(Eigen::MatrixXf::Zero(static_cast<Eigen::Index>(views.size()), bins));
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t j) {
     SurfacePoint p = point;
-    p.wo = lumisphere.direction(j);
-    for (int k = 0; k < bins; ++k) {
-      glm::vec3 sum(0.0f);
-      for (const Incident& s : incident[static_cast<std::size_t>(k)])
-        sum += evaluate_brdf(p, prepare_brdf(p, s.direction)) * s.weight;
-      sum *= static_cast<float>(lumisphere.projected(k));
-      for (int c = 0; c < 3; ++c)
-        response.channels[static_cast<std::size_t>(c)](j, k) = std::isfinite(sum[c]) ? sum[c] : 0.0f;
+    p.wo = views[j];
+    std::vector<glm::vec3> sums(static_cast<std::size_t>(bins), glm::vec3(0.0f));
+    for (const Incident& s : incident) {
+      const glm::vec3 value = evaluate_brdf(p, prepare_brdf(p, s.direction)) * s.weight;
+      for (const DirectionSpline::Share& share : s.shares)
+        sums[static_cast<std::size_t>(share.bin)] += value * share.weight;
     }
+    for (int k = 0; k < bins; ++k)
+      for (int c = 0; c < 3; ++c) {
+        const float sum = sums[static_cast<std::size_t>(k)][c];
+        response.channels[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(j), k) =
+            std::isfinite(sum) ? sum : 0.0f;
+      }
   });
   return response;
+}
+
+}  // namespace
+
+LightResponse compute_response(const SurfacePoint& point, const DirectionSpline& spline, int samples) {
+  LightResponse response = integrate(point, spline, spline.views(), samples);
+  const Eigen::MatrixXf light = spline.from_means(samples);
+  for (Eigen::MatrixXf& channel : response.channels) channel = spline.fit() * channel * light;
+  return response;
+}
+
+LightResponse compute_response_of_coefficients(const SurfacePoint& point, const DirectionSpline& spline, int samples) {
+  return integrate(point, spline,
+                   std::span(spline.views()).first(static_cast<std::size_t>(spline.lumisphere().count())), samples);
 }
 
 double peak_half_width(const SurfacePoint& point) {

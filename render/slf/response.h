@@ -4,20 +4,21 @@
 #include <array>
 
 #include "render/reference/surface.h"
-#include "render/slf/lumisphere.h"
+#include "render/slf/direction_spline.h"
 
 namespace maquette {
 
-/// What a material makes of the light in bins: outgoing radiance towards the directions of a lumisphere's bins is, for
-/// each channel, this matrix times the incident bins. [channel][bin out][bin in], in sr/sr: the BRDF times the cosine,
-/// integrated over the incident bin.
+/// What a material makes of incident light: outgoing radiance is, for each channel, this matrix times the light.
+/// [channel][out][in], in sr/sr: the BRDF times the cosine, integrated.
 struct LightResponse {
   std::array<Eigen::MatrixXf, 3> channels;
 };
 
-/// `point`: material, analytic lobes and tint; its wo is replaced. Each incident bin is integrated at `samples` squared
-/// points.
-LightResponse compute_response(const SurfacePoint& point, const Lumisphere& lumisphere, int samples);
+/// From the mean light of the bins to coefficients of outgoing light (DirectionSpline::fit). `point`: material,
+/// analytic lobes and tint; its wo is replaced. Each incident bin is integrated at `samples` squared points.
+LightResponse compute_response(const SurfacePoint& point, const DirectionSpline& spline, int samples);
+/// From coefficients of incident light to values towards the lumisphere's directions.
+LightResponse compute_response_of_coefficients(const SurfacePoint& point, const DirectionSpline& spline, int samples);
 
 /// Samples that narrow lobes need in a bin.
 int response_samples(const SurfacePoint& point);

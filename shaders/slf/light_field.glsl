@@ -13,9 +13,8 @@ layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y]
 layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
 layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
 layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed
-layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], shared exponent
+layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], half floats
 layout(binding = kUnitLightFieldErrors) uniform sampler2D t_errors;       // [y][x]
-const int kFieldBias = 28;
 
 struct FieldConstants {
   float scale;     // cd/m2 of a stored unit
@@ -67,10 +66,22 @@ FieldPoint load_field_point(ivec2 pixel) {
 
 ivec2 clamp_cell(ivec2 cell, int side) { return clamp(cell, ivec2(0), ivec2(side - 1)); }
 
+/// Quadratic B-splines about the cells at one coordinate as two bilinear reads: offsets of both from the cell's centre, and the weight of the second.
+/// Source: Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering", GPU Gems 2, chapter 20; here the middle cell is divided between both.
+vec3 spline_reads(float t) {
+  vec3 w = vec3(0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t));
+  float low = w.x + 0.5 * w.y, high = w.z + 0.5 * w.y;
+  return vec3(-w.x / low, w.z / high, high);
+}
+
 /// Of a term (mean or a component) of a cluster, towards a point of the map in cells; a tile has a border of one cell.
 vec3 lumisphere_term(int cluster, int term, vec2 cells, int directions) {
-  vec2 tile = vec2(cluster, term) * float(directions + 2) + 1.0;
-  return texture(t_lumispheres, (tile + cells) / vec2(textureSize(t_lumispheres, 0))).rgb;
+  vec2 cell = clamp(floor(cells), vec2(0.0), vec2(float(directions - 1))) + 0.5;
+  vec3 x = spline_reads(cells.x - cell.x), y = spline_reads(cells.y - cell.y);
+  vec2 tile = vec2(cluster, term) * float(directions + 2) + 1.0 + cell, size = vec2(textureSize(t_lumispheres, 0));
+  vec3 low = mix(texture(t_lumispheres, (tile + vec2(x.x, y.x)) / size).rgb, texture(t_lumispheres, (tile + vec2(x.y, y.x)) / size).rgb, x.z);
+  vec3 high = mix(texture(t_lumispheres, (tile + vec2(x.x, y.y)) / size).rgb, texture(t_lumispheres, (tile + vec2(x.y, y.y)) / size).rgb, x.z);
+  return mix(low, high, y.z);
 }
 
 vec3 decode_cluster(int cluster, vec4 weights[4], vec2 cells, FieldConstants k) {
@@ -101,15 +112,18 @@ vec3 compressed_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
 }
 
 vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
-  vec2 c = cells - 0.5, low = floor(c), g = c - low;
+  ivec2 cell = clamp_cell(ivec2(floor(cells)), k.directions);
+  vec2 t = cells - vec2(cell) - 0.5;
+  vec2 low = 0.5 * (0.5 - t) * (0.5 - t), high = 0.5 * (0.5 + t) * (0.5 + t), middle = 0.75 - t * t;
+  vec3 x = vec3(low.x, middle.x, high.x), y = vec3(low.y, middle.y, high.y);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
     int texel = int(texelFetch(t_cells, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
     float share = ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y);
-    for (int j = 0; j < 4; ++j) {
-      ivec2 d = clamp_cell(ivec2(low) + ivec2(j & 1, j >> 1), k.directions);
-      float weight = share * ((j & 1) == 1 ? g.x : 1.0 - g.x) * (j > 1 ? g.y : 1.0 - g.y);
-      sum += weight * unpack_rgb9e5(texelFetch(t_field, (texel * k.directions + d.y) * k.directions + d.x).x, kFieldBias);
+    for (int j = 0; j < 9; ++j) {
+      ivec2 at = clamp_cell(cell + ivec2(j % 3 - 1, j / 3 - 1), k.directions);
+      uvec2 half3 = texelFetch(t_field, (texel * k.directions + at.y) * k.directions + at.x).xy;
+      sum += share * x[j % 3] * y[j / 3] * vec3(unpackHalf2x16(half3.x), unpackHalf2x16(half3.y).x);
     }
   }
   return sum;

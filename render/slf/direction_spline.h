@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "render/slf/lumisphere.h"
+
+namespace maquette {
+
+/// Functions of direction as sums of quadratic B-splines about the cells of a lumisphere, in the plane of its map; a
+/// cell without a bin counts with the bin next to it. Constants are represented exactly.
+/// Piecewise constant light and bilinear reads blur lobes: 16 x 16 bins at GGX alpha 0.3 are off by 4 and 8 %, splines
+/// by 2 % (docs/numerics/surface-light-fields.md).
+class DirectionSpline {
+ public:
+  explicit DirectionSpline(const Lumisphere& lumisphere);
+
+  /// Weights of coefficients at a direction, sum 1.
+  struct Share {
+    int bin = 0;
+    float weight = 0.0f;
+  };
+  std::array<Share, 9> shares(const glm::vec3& direction) const;
+  /// Of coefficients [bin].
+  float value(const Eigen::VectorXf& coefficients, const glm::vec3& direction) const;
+
+  /// Points of a bin with weights that sum to 1: functions times weights are cosine-weighted means.
+  using BinSample = Lumisphere::Sample;
+  std::vector<BinSample> bin_samples(int bin, int samples) const;
+  /// [bin][bin]: coefficients of the light whose means over `samples` squared points of each bin are given.
+  Eigen::MatrixXf from_means(int samples) const;
+
+  /// Directions at which a function is fitted by least squares over solid angle.
+  const std::vector<glm::vec3>& views() const { return views_; }
+  /// [bin][view]: coefficients of the function with these values.
+  const Eigen::MatrixXf& fit() const { return fit_; }
+  /// [bin][bin]: coefficients of the function with values at the lumisphere's directions.
+  const Eigen::MatrixXf& interpolate() const { return interpolate_; }
+  const Lumisphere& lumisphere() const { return lumisphere_; }
+
+ private:
+  Eigen::MatrixXd values_at(const std::vector<glm::vec3>& directions) const;
+
+  const Lumisphere lumisphere_;
+  std::vector<glm::vec3> views_;
+  Eigen::MatrixXf fit_, interpolate_;
+};
+
+}  // namespace maquette

@@ -10,7 +10,10 @@ namespace maquette {
 
 namespace {
 
-constexpr int kSmallestSide = 64, kLargestSide = 512, kSamplesOfTexel = 4, kSamplesOfResample = 8;
+constexpr int kSmallestSide = 64, kLargestSide = 512, kSamplesOfTexel = 4;
+/// Points of a texel along a side, and texels of the level that they are read from: closer than its texels, so that a
+/// small sun brings the same energy wherever it stands among them.
+constexpr int kSamplesOfResample = 12, kTexelsOfResample = 8;
 
 /// Solid angle of the rectangle [0, x] x [0, y] at distance 1.
 double corner_angle(double x, double y) { return std::atan2(x * y, std::sqrt(x * x + y * y + 1.0)); }
@@ -178,7 +181,7 @@ void CubePyramid::fill_borders(Level* level) {
 CubeLight CubePyramid::resample(const CubeDirections& directions, const glm::dmat3& environment_from_cube) const {
   constexpr int kPoints = kSamplesOfResample;
   std::size_t k = 0;
-  while (k + 1 < levels_.size() && levels_[k + 1].side >= kPoints * directions.side()) ++k;
+  while (k + 1 < levels_.size() && levels_[k + 1].side >= kTexelsOfResample * directions.side()) ++k;
   const Level& level = levels_[k];
   CubeLight light(directions.count(), 3);
   const int side = directions.side();

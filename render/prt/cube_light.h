@@ -48,7 +48,7 @@ class CubePyramid {
   CubePyramid() = default;
   /// Cost: about 0.2 s for 1024 x 512 texels.
   explicit CubePyramid(const Environment& environment);
-  /// The light of each texel of `directions`, prefiltered over its area: the mean over 8 x 8 points of it, in a fixed
+  /// The light of each texel of `directions`, prefiltered over its area: the mean over 12 x 12 points of it, in a fixed
   /// order. `environment_from_cube`: rotation.
   CubeLight resample(const CubeDirections& directions, const glm::dmat3& environment_from_cube) const;
   bool empty() const { return levels_.empty(); }

@@ -40,7 +40,8 @@ const std::vector<CommandDeclaration>& command_declarations() {
        ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
       {"inspect", "FILE", 1, 1,
-       "what is in a scene, BRDF or environment, what it would need, and the frame plan; `library` lists the built-in "
+       "what is in a scene, BRDF, environment or bake (bake.exr of its folder), what it would need, and the frame "
+       "plan; `library` lists the built-in "
        "materials and environments",
        ""},
       {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},

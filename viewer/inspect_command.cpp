@@ -15,6 +15,7 @@
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/inspect_bake.h"
 #include "viewer/inspect_btf.h"
 #include "viewer/json_values.h"
 #include "viewer/report_text.h"
@@ -217,6 +218,8 @@ Json inspect(const CommandLine& line) {
   const std::string extension = lower_extension(source);
   if (extension == ".gltf" || extension == ".glb") return inspect_scene(line);
   if (extension == ".binary") return inspect_brdf(source);
+  if (extension == ".exr")
+    if (const auto bake = inspect_bake(source)) return *bake;
   if (extension == ".hdr" || extension == ".exr") return inspect_environment(source);
   std::error_code error;
   if (!std::filesystem::exists(source, error))

@@ -81,6 +81,14 @@ void parse_dent(SceneOptions* options, const std::string& text) {
                             static_cast<float>(v[4])});
 }
 
+void parse_turn(SceneOptions* options, const std::string& text) {
+  const auto [node, numbers] = parse_pair(text, "--turn", "NODE=x,y,z,DEG");
+  const std::vector<double> v = parse_list(numbers, "--turn", 4, "x,y,z,DEG");
+  const glm::dvec3 axis(v[0], v[1], v[2]);
+  if (!(glm::length(axis) > 0.0)) throw UsageError("--turn", "the axis has no direction");
+  options->turns.push_back({node, glm::vec3(glm::normalize(axis)), static_cast<float>(v[3])});
+}
+
 const std::string& check_name(const std::string& text, const std::string& what, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (name == text) return text;
@@ -238,6 +246,11 @@ std::vector<OptionDeclaration> quality_options() {
           [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); })),
       shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)", parse_dent,
              true),
+      bake_option(plan_option(shared("--turn", "NODE=x,y,z,DEG",
+                                     "turns a node with what is below it about an axis through its origin; *: all that "
+                                     "is drawn, about that of the "
+                                     "world",
+                                     parse_turn, true))),
       bake_option(plan_option(shared(
           "--set", "SETTING=VALUE", "any setting of the list below",
           [](O* o, const std::string& t) {

@@ -19,6 +19,13 @@ struct Dent {
   float radius_m = 0.0f;
 };
 
+/// One `--turn NODE=x,y,z,DEG`.
+struct NodeTurn {
+  std::string node;  ///< its name or path, or `*`
+  glm::vec3 axis{0.0f, 1.0f, 0.0f};
+  float angle_deg = 0.0f;
+};
+
 /// What the shared options of `view` and `render` say; the defaults are the program's defaults.
 struct SceneOptions {
   std::string scene = "builtin:cockpit";
@@ -48,6 +55,7 @@ struct SceneOptions {
   std::optional<double> time_s;
   std::string debug_view;  ///< `--view NAME`; empty: the picture
   std::vector<Dent> dents;
+  std::vector<NodeTurn> turns;
   Settings settings;
   std::string stats;      ///< JSON file; empty: none
   std::string reference;  ///< EXR file; empty: none

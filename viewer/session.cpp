@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "render/parts/parts.h"
@@ -213,12 +214,31 @@ void press_dent(Scene* scene, const Dent& dent) {
                   : scene->name + " has no subdivision surface");
 }
 
+void turn_node(Scene* scene, const NodeTurn& turn) {
+  const glm::dmat4 rotation =
+      glm::rotate(glm::dmat4(1.0), glm::radians(static_cast<double>(turn.angle_deg)), glm::dvec3(turn.axis));
+  if (turn.node == "*") {
+    for (const int root : scene->roots) {
+      Node& node = scene->nodes[static_cast<std::size_t>(root)];
+      if (node.camera < 0 && node.light < 0) node.local = glm::mat4(rotation * glm::dmat4(node.local));
+    }
+    return;
+  }
+  for (const int index : find_nodes(*scene, turn.node)) {
+    Node& node = scene->nodes[static_cast<std::size_t>(index)];
+    const glm::dvec4 origin = glm::dmat4(node.local)[3];
+    node.local = glm::mat4(rotation * glm::dmat4(node.local));
+    node.local[3] = glm::vec4(origin);
+  }
+}
+
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   check_is_scene(options.scene);
   auto scene = std::make_shared<Scene>(load_scene(options.scene, options.scene_of_file));
   find_variant(*scene, options.variant);
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
   camera_of_options(*scene, options);
+  for (const NodeTurn& turn : options.turns) turn_node(scene.get(), turn);
   for (const Dent& dent : options.dents) press_dent(scene.get(), dent);
   return scene;
 }

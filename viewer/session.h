@@ -36,6 +36,9 @@ int find_variant(const Scene& scene, const std::string& name);
 /// Throws UsageError with the nearest names when the scene has no material `name` (`*` is all).
 void check_material_name(const Scene& scene, const std::string& name);
 
+/// Turns nodes about an axis of their parent's frame, through their own origin; `*`: all roots that are drawn, about the
+/// world's origin. Throws UsageError for a node that is not there.
+void turn_node(Scene* scene, const NodeTurn& turn);
 /// Moves the control points of the subdivision surfaces within the dent's radius (m, world) inwards, against the
 /// surface normal at the nearest point, and rebuilds their limit surfaces. Throws Error when there is none that near.
 void press_dent(Scene* scene, const Dent& dent);

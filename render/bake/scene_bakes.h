@@ -52,6 +52,11 @@ class SceneBakes {
   const IndirectBuffers& indirect() const { return indirect_; }
   const OctreeStore& octree() const { return octree_; }
   const ShadowScene& shadow_scene() const { return shadow_scene_; }
+  /// Of a technique, by Technique::own_bake; null: no plan wanted it yet.
+  const SceneBake* own(const std::string& name) const {
+    const auto found = own_.find(name);
+    return found == own_.end() ? nullptr : found->second.get();
+  }
   std::uint32_t visibility_revision() const { return visibility_revision_; }
   /// Of all that points depend on besides indirect light.
   Key without_indirect() const {

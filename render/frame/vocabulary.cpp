@@ -70,7 +70,6 @@ std::vector<Word> feature_words() {
       {Kind::feature, "patch_fit",
        "bicubic patches fitted to curved meshes: how many, and the largest distance of a vertex from them; left out: "
        "meshes that they are still being fitted to"},
-      {Kind::feature, "prt", "the precomputed transfer"},
   };
 }
 

@@ -20,6 +20,11 @@ constexpr Index kSketchSamples = 16384;
 constexpr Index kBlock = 512;
 constexpr Index kSeedSamples = 8192;
 constexpr int kFullIterations = 2;  ///< of the subspace, in full dimension
+/// From so many dimensions on the sketch's subspace is sought at random: the eigenvectors of the whole matrix would
+/// cost more than all the rest.
+constexpr Index kRandomDimensions = 1025;
+constexpr Index kRandomSamples = 4096, kOversampling = 16;
+constexpr int kPowerRounds = 2;
 
 Index block_count(Index columns) { return (columns + kBlock - 1) / kBlock; }
 
@@ -53,6 +58,31 @@ Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
          values[values.size() - 1 - kept] > 1e-12 * std::max(values[values.size() - 1], 1e-280))
     ++kept;
   return solver.eigenvectors().rightCols(kept).rowwise().reverse().cast<float>();
+}
+
+struct Subspace {
+  Eigen::MatrixXf basis;  ///< orthonormal columns
+  double lost = 0.0;      ///< share of the energy that it does not hold
+};
+
+/// Leading subspace of the columns of `x`. Source: Halko, Martinsson and Tropp 2011, "Finding Structure with
+/// Randomness", Alg. 4.4 and 5.1.
+Subspace random_subspace(const Eigen::MatrixXf& x, Index count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Eigen::MatrixXf start(x.cols(), std::min({count + kOversampling, x.rows(), x.cols()}));
+  for (Index i = 0; i < start.size(); ++i) start.data()[i] = static_cast<float>(random()) / 2147483648.0f - 1.0f;
+  Eigen::MatrixXf range = x * start;
+  orthonormalize(&range);
+  for (int round = 0; round < kPowerRounds; ++round) {
+    range = x * (x.transpose() * range);
+    orthonormalize(&range);
+  }
+  const Eigen::MatrixXf small = range.transpose() * x;
+  Subspace space;
+  space.basis = range * leading((small * small.transpose()).cast<double>(), count);
+  const double all = x.cast<double>().squaredNorm(), kept = (space.basis.transpose() * x).cast<double>().squaredNorm();
+  space.lost = all > 0.0 ? std::max(1.0 - kept / all, 0.0) : 0.0;
+  return space;
 }
 
 /// One fit under way.
@@ -96,6 +126,14 @@ class LocalPcaFitter {
     const Eigen::VectorXf mean = mean_.cast<float>();
     if (scaled_.rows() <= sketch_) {
       lift_ = Eigen::MatrixXf::Identity(scaled_.rows(), scaled_.rows());
+    } else if (scaled_.rows() >= kRandomDimensions) {
+      const Index step = std::max<Index>(1, (scaled_.cols() + kRandomSamples - 1) / kRandomSamples);
+      Eigen::MatrixXf x(scaled_.rows(), (scaled_.cols() + step - 1) / step);
+      for (Index i = 0; i < x.cols(); ++i) x.col(i) = scaled_.col(i * step) - mean;
+      Subspace space = random_subspace(x, sketch_, options_.seed);
+      lift_ = std::move(space.basis);
+      fit_.lost = space.lost;
+      if (lift_.cols() == 0) lift_ = Eigen::MatrixXf::Identity(scaled_.rows(), 1);
     } else {
       const Index step = std::max<Index>(1, (scaled_.cols() + kSketchSamples - 1) / kSketchSamples);
       const Index count = (scaled_.cols() + step - 1) / step;

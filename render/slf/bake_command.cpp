@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 #include "render/scene_state/material_overrides.h"
 #include "render/slf/job.h"

@@ -8,11 +8,9 @@
 #include <mutex>
 #include <thread>
 
+#include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
 #include "render/lights/light_numbers.h"
-#include "scenes/bake_file.h"
-#include "scenes/error.h"
-#include "scenes/files.h"
 
 namespace maquette {
 
@@ -22,12 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr const char *kManifestKind = "slf", *kBlockKind = "slf-incident";
 constexpr const char* kVersion = "2";
-
-std::string hex(std::uint64_t value) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
-  return text;
-}
 
 /// What shines besides the environment's texels.
 std::vector<float> numbers_of_light(const IncidentJob& job) {
@@ -50,12 +42,6 @@ std::map<std::string, std::string> attributes_of(const IncidentProvenance& p) {
           {"atlas_side", std::to_string(p.atlas_side)},
           {"lumisphere_side", std::to_string(p.lumisphere_side)},
           {"paths", std::to_string(p.paths)}};
-}
-
-std::string attribute(const std::string& path, const BakeFile& file, const std::string& name) {
-  const auto found = file.attributes.find(name);
-  if (found == file.attributes.end()) throw Error(path, "the bake has no attribute '" + name + "'", "bake it again");
-  return found->second;
 }
 
 IncidentProvenance read_provenance(const std::string& path, const BakeFile& file) {
@@ -247,8 +233,7 @@ class Run {
   bool trace_blocks() {
     std::unique_ptr<IncidentTracer> tracer;
     for (std::size_t b = 0; b < blocks(); ++b) {
-      if (have_[b] || (ranks_.count > 1 && static_cast<int>(b % static_cast<std::size_t>(ranks_.count)) != ranks_.rank))
-        continue;
+      if (have_[b] || !ranks_.has(b)) continue;
       if (cancel_) return false;
       if (!tracer) tracer = make_tracer();
       tbb::parallel_for(first(b), end(b), [&](std::size_t t) {
@@ -284,9 +269,7 @@ class Run {
   }
 
   std::string key() const {
-    std::string text;
-    for (const auto& [name, value] : attributes_of(bake_->provenance)) text += name + "=" + value + ";";
-    return hex(content_hash(std::as_bytes(std::span(text))));
+    return key_of_attributes(attributes_of(bake_->provenance));
   }
   [[noreturn]] void fail_incomplete() const {
     throw Error(
@@ -308,11 +291,6 @@ class Run {
   std::vector<bool> have_;
   std::size_t done_ = 0;
 };
-
-int number_of(const char* name) {
-  const char* value = std::getenv(name);
-  return value ? static_cast<int>(std::strtol(value, nullptr, 10)) : -1;
-}
 
 }  // namespace
 
@@ -345,9 +323,7 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
 
 std::string incident_folder(const std::string& folder, const IncidentJob& job) {
   if (!folder.empty()) {
-    std::string name = fs::path(job.scene->name).stem().string();
-    if (const auto colon = job.scene->name.find("builtin:"); colon == 0) name = job.scene->name.substr(8);
-    return (fs::path(folder) / (name + "-slf")).string();
+    return (fs::path(folder) / (bake_name_of_scene(job.scene->name) + "-slf")).string();
   }
   const auto cache = cache_folder();
   if (!cache) return {};
@@ -355,13 +331,6 @@ std::string incident_folder(const std::string& folder, const IncidentJob& job) {
   for (const auto& [name, value] : attributes_of(provenance_of(job))) text += name + "=" + value + ";";
   text += std::to_string(job.atlas.texels_per_m);
   return (*cache / ("slf-" + hex(content_hash(std::as_bytes(std::span(text)))))).string();
-}
-
-BakeRanks ranks_from_environment() {
-  for (const auto& [rank, size] :
-       {std::pair("OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"), std::pair("PMI_RANK", "PMI_SIZE")})
-    if (number_of(rank) >= 0 && number_of(size) > number_of(rank)) return {number_of(rank), number_of(size)};
-  return {};
 }
 
 std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const BakeRanks& ranks,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/bake/bake_ranks.h"
 #include "render/slf/incident.h"
 #include "scenes/environment.h"
 
@@ -51,14 +52,6 @@ std::string incident_folder(const std::string& folder, const IncidentJob& job);
 
 /// Texels are traced and written in blocks of so many: what a run that was stopped leaves whole.
 inline constexpr std::size_t kIncidentBlock = 1024;
-
-/// Processes that share a bake: each traces the blocks whose number is its own modulo `count`, and waits for the files
-/// of the others.
-struct BakeRanks {
-  int rank = 0, count = 1;
-};
-/// Of `mpirun`: its variables OMPI_COMM_WORLD_RANK and _SIZE, or PMI_RANK and PMI_SIZE; else one process.
-BakeRanks ranks_from_environment();
 
 /// Loads the blocks that the folder holds, traces the others and writes each when it is done. Null once `cancel` is
 /// set. Throws Error: a bake of another scene or geometry, of other light where that may not be shown, damaged files

@@ -1,36 +1,10 @@
 #include "render/slf/job.h"
 
-#include <sstream>
-
-#include "render/parts/parts.h"
+#include "render/parts/baked_parts.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
 namespace maquette {
-
-namespace {
-
-/// [node] whether `slf.parts` asks for it.
-std::vector<bool> named_nodes(const Scene& scene, const std::string& names) {
-  std::vector<bool> named(scene.nodes.size(), names.empty());
-  std::istringstream in(names);
-  for (std::string name; std::getline(in, name, ';');)
-    if (!name.empty())
-      for (const int node : find_nodes(scene, name)) named[static_cast<std::size_t>(node)] = true;
-  // Parents come before or after their children: nodes are visited from the roots.
-  std::vector<int> open = scene.roots;
-  while (!open.empty()) {
-    const int node = open.back();
-    open.pop_back();
-    for (const int child : scene.nodes[static_cast<std::size_t>(node)].children) {
-      if (named[static_cast<std::size_t>(node)]) named[static_cast<std::size_t>(child)] = true;
-      open.push_back(child);
-    }
-  }
-  return named;
-}
-
-}  // namespace
 
 LightBasis light_basis(const std::string& name) {
   return name == "bins" ? LightBasis::bins : name == "harmonics" ? LightBasis::harmonics : LightBasis::haar;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 
 namespace maquette {

@@ -339,12 +339,6 @@ void require_light_field_material(const Material& m) {
                 "shade its parts by another mode (--mode-of), or give it another material (--material)");
 }
 
-int material_of_item(const Scene& scene, const DrawItem& item, int variant) {
-  if (item.patch >= 0) return scene.patches[static_cast<std::size_t>(item.patch)].material;
-  return material_of(
-      scene.meshes[static_cast<std::size_t>(item.mesh)].primitives[static_cast<std::size_t>(item.primitive)], variant);
-}
-
 std::string check_light_field_material(const Material& m) {
   if (m.normal_texture || m.clearcoat_normal_texture) return "its normal map turns the frame within a texel";
   if (m.anisotropy > 0.0f && m.measured.empty()) return "it is anisotropic";

@@ -56,8 +56,6 @@ struct OutgoingField {
 std::string check_light_field_material(const Material& material);
 /// Throws Error naming the material where there is a reason.
 void require_light_field_material(const Material& material);
-/// Index of an item's material, -1 for glTF's default one.
-int material_of_item(const Scene& scene, const DrawItem& item, int variant);
 
 /// From incident light and the materials of `scene`, whose geometry is that of the bake. Throws Error for materials of
 /// check_light_field_material. Null once cancelled.

@@ -1,10 +1,8 @@
 #include "render/slf/store.h"
 
-#include <algorithm>
-
 #include "render/frame/plan.h"
 #include "render/frame/request.h"
-#include "render/parts/parts.h"
+#include "render/parts/baked_parts.h"
 #include "render/scene_state/material_overrides.h"
 #include "render/scene_state/scene_state.h"
 #include "render/slf/job.h"
@@ -12,19 +10,6 @@
 namespace maquette {
 
 namespace {
-
-/// [node] whether the layer's mode shades it.
-std::vector<bool> nodes_of_layer(const Scene& scene, const FrameRequest& request, const ShadingPlan& layer) {
-  std::vector<std::string> modes{request.mode};
-  for (const PartMode& part : request.part_modes)
-    if (std::find(modes.begin(), modes.end(), part.mode) == modes.end()) modes.push_back(part.mode);
-  const bool is_default = layer.nodes.empty();
-  const auto own = std::find(modes.begin() + 1, modes.end(), layer.mode);
-  const int index = is_default ? 0 : static_cast<int>(own - modes.begin());
-  std::vector<bool> wanted;
-  for (const int mode : layers_of_nodes(scene, request.part_modes, modes)) wanted.push_back(mode == index);
-  return wanted;
-}
 
 Key key_of(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
   Key key = Key::of(scene.revisions().all(), request.env_rotation_rad, request.env_scale, request.variant, nodes);

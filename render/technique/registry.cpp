@@ -5,6 +5,7 @@
 #include "render/btf/technique.h"
 #include "render/ground/technique.h"
 #include "render/octree/technique.h"
+#include "render/prt/technique.h"
 #include "render/raytraced/technique.h"
 #include "render/reference/technique.h"
 #include "render/reflections/technique.h"
@@ -20,28 +21,25 @@
 namespace maquette {
 
 const Registry& builtin_registry() {
-  static const Registry kRegistry{
-      .techniques =
-          {
-              shading_technique(),
-              btf_technique(),
-              ground_technique(),
-              octree_technique(),
-              bandwidth_technique(),
-              uniform_technique(),
-              splitsum_technique(),
-              sg_technique(),
-              slf_technique(),
-              reference_technique(),
-              reflections_technique(),
-              bezier_technique(),
-              triangle_technique(),
-              raytraced_technique(),
-          },
-      .default_mode = "bandwidth",
-      .later_modes = {{"prt", "precomputed radiance transfer"}},
-      .later_settings = {{"prt.bake", "folder of the transfer"},
-                         {"prt.faces", "side of a light cube face"}}};
+  static const Registry kRegistry{.techniques =
+                                      {
+                                          shading_technique(),
+                                          btf_technique(),
+                                          ground_technique(),
+                                          octree_technique(),
+                                          bandwidth_technique(),
+                                          uniform_technique(),
+                                          splitsum_technique(),
+                                          sg_technique(),
+                                          slf_technique(),
+                                          prt_technique(),
+                                          reference_technique(),
+                                          reflections_technique(),
+                                          bezier_technique(),
+                                          triangle_technique(),
+                                          raytraced_technique(),
+                                      },
+                                  .default_mode = "bandwidth"};
   return kRegistry;
 }
 

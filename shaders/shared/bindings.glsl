@@ -117,6 +117,16 @@ const int kUnitLightFieldLumispheres = 78;  // slf
 const int kUnitLightFieldCells = 79;  // slf
 const int kUnitLightFieldRadiance = 80;  // slf
 const int kUnitLightFieldErrors = 81;  // slf
+const int kUnitTransferTriangles = 82;  // prt
+const int kUnitTransferGrid = 83;  // prt
+const int kUnitTransferVertices = 84;  // prt
+const int kUnitTransferPlaces = 85;  // prt
+const int kUnitTransferRecords = 86;  // prt
+const int kUnitTransferSums = 87;  // prt
+const int kUnitTransferGroups = 88;  // prt
+const int kUnitTransferViews = 89;  // prt
+const int kUnitTransferFactors = 90;  // prt
+const int kUnitTransferShown = 91;  // prt
 
 // Image units, of each program its own.
 const int kImageBandwidth = 0;  // bandwidth
@@ -229,5 +239,6 @@ const int kBufferLargeOffers = 11;
 const int kBufferFitReach = 12;
 const int kBufferPointRays = 2;  // shadow_rays
 const int kBufferOctreeLayers = 13;
+const int kBufferTransferShown = 2;  // prt
 
 #endif

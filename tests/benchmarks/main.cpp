@@ -41,6 +41,7 @@ constexpr Part kParts[] = {
      measure_path_tracer},
     {"meter", "time until the window has the error of a view at rest", measure_meter},
     {"slf", "surface light fields of the seat against mode reference: bases, compression, bake", measure_slf},
+    {"prt", "radiance transfer of the seat: errors, light that turns, bake", measure_prt},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

@@ -137,5 +137,6 @@ Figures measure_octree(Stage& stage);
 Figures measure_path_tracer(Stage& stage);
 Figures measure_meter(Stage& stage);
 Figures measure_slf(Stage& stage);
+Figures measure_prt(Stage& stage);
 
 }  // namespace maquette::bench

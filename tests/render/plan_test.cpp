@@ -291,7 +291,7 @@ TEST(Plan, NeverFallsBack) {
   baked.set("shading.visibility", std::string("baked"));
   EXPECT_THROW(plan({}, "splitsum", baked, {}), Error);
   EXPECT_THROW(plan({}, "slf", baked, {}), Error);
-  EXPECT_THROW(plan({}, "prt", {}, {}), Error);
+  EXPECT_THROW(plan({}, "prt", baked, {}), Error);
   EXPECT_THROW(plan({}, "nonsense", {}, {}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.msaa = 3}), UsageError);
   EXPECT_THROW(plan({}, "uniform", {}, {.width = 0}), UsageError);

@@ -200,8 +200,18 @@ TEST(CommandLine, CommandsAreChecked) {
   }
 }
 
+TEST(CommandLine, TurnsNodes) {
+  const SceneOptions o = parse({"render", "-o", "a.png", "--turn", "seat=0,2,0,25", "--turn", "*=1,0,0,-90"}).options;
+  ASSERT_EQ(o.turns.size(), 2u);
+  EXPECT_EQ(o.turns[0].node, "seat");
+  EXPECT_EQ(o.turns[0].axis, glm::vec3(0, 1, 0));
+  EXPECT_FLOAT_EQ(o.turns[1].angle_deg, -90.0f);
+  for (const char* wrong : {"seat", "seat=0,0,0,10", "seat=1,2,3", "=1,0,0,9"})
+    EXPECT_THROW(parse({"render", "-o", "a.png", "--turn", wrong}), UsageError) << wrong;
+}
+
 TEST(CommandLine, LaterNamesAreKnownAndRefused) {
-  for (const Words& words : {Words{"--mode", "prt"}, Words{"--set", "prt.faces=64"}, Words{"--look", "A"}}) {
+  for (const Words& words : {Words{"--look", "A"}}) {
     Words all = {"render", "-o", "a.png"};
     all.insert(all.end(), words.begin(), words.end());
     try {

@@ -62,8 +62,6 @@ TEST(Program, AFileInPlaceOfAFolderIsNamedBeforeTheWork) {
 
 TEST(Program, LaterCommandsAndNamesExitWithOne) {
   expect_failure({"play"}, 1, "not available in this version");
-  expect_failure({"bake", "prt"}, 1, "not available in this version");
-  expect_failure({"render", "-o", "x.png", "--mode", "prt"}, 1, "not available in this version");
 }
 
 TEST(Program, ViewWithoutADisplayNamesRender) {

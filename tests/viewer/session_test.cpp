@@ -236,5 +236,23 @@ TEST(Session, LampsThatOutshineAnEnvironmentAreDoubted) {
       << "in cd/m2";
 }
 
+TEST(Session, TurnsANodeAboutItsOwnOrigin) {
+  Scene scene;
+  scene.nodes.resize(2);
+  scene.nodes[0].name = "part";
+  scene.nodes[0].mesh = 0;
+  scene.nodes[0].local[3] = glm::vec4(1, 2, 3, 1);
+  scene.nodes[1].camera = 0;
+  scene.nodes[1].local[3] = glm::vec4(0, 0, 5, 1);
+  scene.roots = {0, 1};
+  turn_node(&scene, {"part", {0, 1, 0}, 90.0f});
+  EXPECT_EQ(glm::vec3(scene.nodes[0].local[3]), glm::vec3(1, 2, 3));
+  EXPECT_NEAR(glm::length(glm::vec3(scene.nodes[0].local * glm::vec4(0, 0, 1, 0)) - glm::vec3(1, 0, 0)), 0.0f, 1e-6f);
+  turn_node(&scene, {"*", {0, 1, 0}, 90.0f});
+  EXPECT_NEAR(glm::length(glm::vec3(scene.nodes[0].local[3]) - glm::vec3(3, 2, -1)), 0.0f, 1e-6f);
+  EXPECT_EQ(scene.nodes[1].local[3], glm::vec4(0, 0, 5, 1)) << "cameras stay";
+  EXPECT_THROW(turn_node(&scene, {"prat", {0, 1, 0}, 1.0f}), UsageError);
+}
+
 }  // namespace
 }  // namespace maquette

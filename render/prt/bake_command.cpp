@@ -1,0 +1,65 @@
+#include "render/prt/bake_command.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "render/prt/job.h"
+#include "render/scene_state/material_overrides.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+TransferJob make_job(const BakeRequest& request) {
+  auto scene = std::make_shared<Scene>(request.scene);
+  scene->materials = effective_materials(request.scene, request.materials);
+  MeasuredLibrary library;
+  const TransferInput input{
+      scene, std::make_shared<const FlatGeometry>(flatten(request.scene)), request.variant, {}, request.settings};
+  TransferJob job = make_transfer_job(input, request.folder, &library);
+  if (job.folder.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
+  job.must_work = job.may_make = true;
+  return job;
+}
+
+void run(const BakeRequest& request, const BakeControl& control) {
+  const TransferJob job = make_job(request);
+  const BakeRanks ranks = ranks_from_environment();
+  const auto begin = std::chrono::steady_clock::now();
+  const auto transfer = bake_transfer(job, ranks, nullptr, control.cancel, [&](double share) {
+    if (ranks.rank == 0) control.progress("radiance transfer", share);
+  });
+  if (!transfer) throw Error(job.folder, "the bake was interrupted", "the same command resumes it");
+  if (ranks.rank != 0) return;
+  const TransferBake& bake = *transfer->bake;
+  std::size_t matrices = 0;
+  for (const TransferGroup& group : bake.groups) {
+    char line[240];
+    std::snprintf(line, sizeof line, "%s: %zu vertices of %zu bytes, %zu views, %d components",
+                  group.material->name.c_str(), group.vertices.size(), bake.bytes_per_vertex(group),
+                  group.material->views.size(), group.components);
+    control.report(line);
+    matrices += group.matrices.size();
+  }
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      ": %zu parts, %zu matrices, error of the transfer %.2f %%, light side %.0f MB, %.1f s, %zu of %zu blocks "
+      "reused",
+      job.parts.size(), matrices, 100.0 * bake.error, 1e-6 * static_cast<double>(bake.table.bytes()),
+      seconds_since(begin), bake.reused, bake.blocks);
+  control.report(job.folder + text);
+}
+
+}  // namespace
+
+BakeCommand transfer_bake_command() {
+  return {"prt", "transfer of light to the vertices of parts; under mpirun processes share the work", run};
+}
+
+}  // namespace maquette

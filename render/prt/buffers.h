@@ -1,0 +1,48 @@
+#pragma once
+
+#include <vector>
+
+#include "render/gl/objects.h"
+#include "render/prt/transfer_bake.h"
+
+namespace maquette {
+
+/// Components of materials at most that shaders sum.
+inline constexpr int kMostMaterialComponents = 8;
+
+/// Terms (the mean and components) that the shaders of a setting are compiled for.
+constexpr int transfer_terms(int btf_components) { return btf_components <= 2 ? 3 : 1 + kMostMaterialComponents; }
+
+/// Transfer on the GPU, as shaders/prt reads it.
+class TransferBuffers {
+ public:
+  /// `triangles`: of the geometry. Throws Error where the driver cannot hold it, saying how many vertices fit.
+  TransferBuffers(const Transfer& transfer, std::size_t triangles);
+  /// `sums`: [row], of RelightTable.
+  void set_sums(const std::vector<glm::vec4>& sums);
+  void bind() const;
+  void bind_shown() const;  ///< for the vertex stage to write
+  std::size_t bytes() const;
+  int vertices() const { return vertex_count_; }
+  int components() const { return components_; }  ///< of the transfer
+  int terms() const { return terms_; }            ///< transfer_terms
+
+ private:
+  void upload_triangles(const Transfer& transfer, std::size_t triangles);
+  void upload_vertices(const Transfer& transfer);
+  void upload_records(const Transfer& transfer);
+  void upload_materials(const Transfer& transfer);
+
+  struct Table {
+    Buffer buffer;
+    Texture view;
+  };
+  template <typename T>
+  static Table make_table(const char* label, GLenum format, const std::vector<T>& values, const std::string& remedy);
+
+  int vertex_count_ = 0, components_ = 0, terms_ = 3;
+  Table triangles_, grid_, vertices_, places_, records_, sums_, groups_, views_, factors_;
+  Table shown_;  ///< what the vertex stage writes
+};
+
+}  // namespace maquette

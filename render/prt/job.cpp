@@ -1,0 +1,149 @@
+#include "render/prt/job.h"
+
+#include <cmath>
+#include <map>
+
+#include "render/parts/baked_parts.h"
+#include "render/prt/material_btf.h"
+#include "render/scene_state/material_overrides.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+Material material_of(const TransferInput& input, const DrawItem& item) {
+  const int index = material_of_item(*input.scene, item, input.variant);
+  return index >= 0 ? input.scene->materials[static_cast<std::size_t>(index)] : Material();
+}
+
+bool is_opaque(const Material& material) {
+  return !(pane_share(material) > 0.0f) && material.alpha_mode != AlphaMode::blend;
+}
+
+bool is_shown(const TransferInput& input, const DrawItem& item) {
+  return item.node < 0 || input.scene->nodes[static_cast<std::size_t>(item.node)].visible;
+}
+
+/// Geometry and materials alone: nothing is traced with it.
+std::shared_ptr<const PathScene> material_scene(const TransferInput& input, MeasuredLibrary* library) {
+  auto dark = std::make_shared<Environment>();
+  dark->width = 32;
+  dark->height = 16;
+  dark->rgb.assign(32 * 16, glm::vec3(0.0f));
+  return build_path_scene({.scene = *input.scene,
+                           .environment = dark,
+                           .variant = input.variant,
+                           .geometry = input.geometry.get(),
+                           .library = library});
+}
+
+/// Whether a material's texels are of a size of their own.
+bool is_btf_of(const PathScene& scene, int material) {
+  return material >= 0 && scene.materials[static_cast<std::size_t>(material)].btf;
+}
+
+/// The material of an item's first traced triangle, seen along its normal.
+std::shared_ptr<const Btf> material_of_first_triangle(const PathScene& scene, const DrawItem& item,
+                                                      const std::vector<TextureImage>& images) {
+  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) {
+    const TracedTriangle& t = scene.triangles[i];
+    if (3 * t.source < item.first_index || 3 * t.source >= item.first_index + item.index_count) continue;
+    const glm::vec3 middle = (t.positions[0] + t.positions[1] + t.positions[2]) / 3.0f;
+    SurfacePoint p =
+        resolve_surface(scene, {middle + t.geometric, -t.geometric}, {1.0f, i, glm::vec2(1.0f / 3.0f)}, {});
+    return make_material_btf(p, images);
+  }
+  return nullptr;
+}
+
+void require_finite(const Material& material, const Btf& btf) {
+  for (const BtfView& view : btf.views)
+    for (const float w : view.light_weights)
+      if (!std::isfinite(w))
+        throw Error("material " + material.name, "a light weight of its BTF is not finite", "make the BTF again");
+}
+
+TransferOptions options_of(const Settings& settings) {
+  TransferOptions options;
+  options.faces = settings.get_int("prt.faces");
+  options.rays = settings.get_int("prt.rays");
+  options.clusters = settings.get_int("prt.clusters");
+  options.components = settings.get_int("prt.components");
+  options.btf_components = settings.get_int("prt.btf_components");
+  options.vertices = static_cast<std::size_t>(settings.get_int("prt.vertices"));
+  options.parts_alone = settings.get_string("prt.shadows") == "parts";
+  if ((options.faces & (options.faces - 1)) != 0)
+    throw Error("prt.faces=" + std::to_string(options.faces), "Haar coefficients need a power of two",
+                "take 8, 16 or 32");
+  return options;
+}
+
+}  // namespace
+
+std::vector<std::size_t> find_transfer_items(const TransferInput& input) {
+  const std::vector<bool> named = named_nodes(*input.scene, input.settings.get_string("prt.parts"));
+  std::vector<std::size_t> items;
+  for (std::size_t i = 0; i < input.geometry->items.size(); ++i) {
+    const DrawItem& item = input.geometry->items[i];
+    const auto node = static_cast<std::size_t>(std::max(item.node, 0));
+    if (item.node >= 0 && (!named[node] || (!input.nodes.empty() && !input.nodes[node]))) continue;
+    if (is_shown(input, item) && is_opaque(material_of(input, item))) items.push_back(i);
+  }
+  return items;
+}
+
+TransferJob make_transfer_job(const TransferInput& input, const std::string& folder, MeasuredLibrary* library) {
+  TransferJob job;
+  job.scene = input.scene->name;
+  job.geometry = input.geometry;
+  job.options = options_of(input.settings);
+  const std::vector<std::size_t> items = find_transfer_items(input);
+  for (const std::size_t i : items) {
+    const Material material = material_of(input, input.geometry->items[i]);
+    if (const std::string fault = check_transfer_material(material); !fault.empty())
+      throw Error(
+          "material " + material.name, "precomputed radiance transfer cannot hold it: " + fault,
+          "shade its parts by another mode (--mode-of), leave them out (prt.parts), or give it another material "
+          "(--material)");
+  }
+  const std::shared_ptr<const PathScene> scene = material_scene(input, library);
+  std::map<int, std::uint32_t> group_of_material;
+  job.occluding.assign(input.geometry->items.size(), false);
+  for (const std::size_t i : items) {
+    const DrawItem& item = input.geometry->items[i];
+    const int index = material_of_item(*input.scene, item, input.variant);
+    auto found = group_of_material.find(index);
+    if (found == group_of_material.end()) {
+      const auto btf = material_of_first_triangle(*scene, item, input.scene->images);
+      if (!btf) continue;
+      require_finite(material_of(input, item), *btf);
+      found = group_of_material.emplace(index, static_cast<std::uint32_t>(job.materials.size())).first;
+      job.materials.push_back(btf);
+    }
+    const Btf& btf = *job.materials[found->second];
+    TransferPart part{i, found->second, 0.0f, 0.0f};
+    if (const Material own = material_of(input, item); own.base_color_texture && !is_btf_of(*scene, index)) {
+      part.tiles_per_uv_x = own.base_color_texture.scale.x;
+      part.tiles_per_uv_y = own.base_color_texture.scale.y;
+    } else if (is_btf_of(*scene, index)) {
+      const double side = metres_per_uv(*input.geometry, item);
+      part.tiles_per_uv_x = static_cast<float>(side / btf.width_m());
+      part.tiles_per_uv_y = static_cast<float>(side / btf.height_m());
+    }
+    job.parts.push_back(part);
+    job.occluding[i] = true;
+  }
+  if (!job.options.parts_alone)
+    for (std::size_t i = 0; i < job.occluding.size(); ++i)
+      job.occluding[i] =
+          is_shown(input, input.geometry->items[i]) && is_opaque(material_of(input, input.geometry->items[i]));
+  const std::string& named = folder.empty() ? input.settings.get_string("prt.bake") : folder;
+  job.folder = transfer_folder(named, job, make_transfer_mesh(*job.geometry, job.parts, job.options.vertices));
+  job.must_work = !named.empty();
+  job.may_make = named.empty();
+  job.show_stale = input.settings.get_string("prt.stale") == "show";
+  return job;
+}
+
+}  // namespace maquette

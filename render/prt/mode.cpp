@@ -1,0 +1,150 @@
+#include "render/prt/mode.h"
+
+#include <array>
+
+#include "render/gl/bindings.h"
+#include "render/gl/dispatch.h"
+#include "render/prt/store.h"
+#include "render/shading/work_lists.h"
+#include "render/views/read_texture.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr const char *kVertices = "prt/vertices.comp", *kShade = "prt/shade.comp", *kView = "prt/view.comp";
+constexpr std::array<const char*, 4> kViews{"prt_vertices", "prt_clusters", "prt_light", "prt_component"};
+/// Of the environment, for cells with BRDFs: a mode without noise shows none there.
+constexpr int kSamplesOfCells = 64;
+
+ShaderDefines defines(int terms, bool baked) { return {{"TERMS", std::to_string(terms)}, {"BAKED", flag(baked)}}; }
+
+const TransferStore* find_store(const FrameContext& frame, const ShadingPlan& plan) {
+  return plan.own_bake.empty() ? nullptr : dynamic_cast<const TransferStore*>(frame.bakes.own(plan.own_bake));
+}
+
+class TransferMode : public ShadingMode {
+ public:
+  int band_rows(const GridSize& size) const override { return band_rows_of(size, false); }
+  void fit(const GridSize& size) override {
+    marks_ = Texture::make_2d("marks", GL_RGBA8UI, size.grid_width(), size.grid_height());
+  }
+  void set_constants(const FrameStart& start, const ShadingPlan&, FrameConstants* constants) const override {
+    constants->sampling = {1, 2, start.accumulated, static_cast<int>(start.request.seed)};
+  }
+  std::vector<Pass> passes(const LayerContext& layer) override {
+    Pass vertices{.names = {"transfer_vertices"}, .layer = layer.index};
+    vertices.key = [&layer] {
+      return Key::of(layer.frame.request.camera, layer.frame.request.width, layer.frame.request.height,
+                     layer.frame.bakes.without_indirect());
+    };
+    vertices.run = [&layer] { run_vertices(layer); };
+    Pass shade{.names = {"shade"}, .layer = layer.index};
+    shade.run = [this, &layer] {
+      run_shade(layer.frame, layer.plan, {kShade, "", {}}, layer.radiance, marks_, layer.surfaces.tiles());
+      unsigned counts[2] = {};
+      counters_.read(0, sizeof counts, counts);
+      counts_ = {counts[0], counts[1], 0};
+      if (const TransferStore* store = find_store(layer.frame, layer.plan)) remember(*store);
+    };
+    return {vertices, shade};
+  }
+  void shade_hits(const HitShading& hits) override {
+    const ReflectionTargets& t = hits.targets;
+    run_shade(hits.frame, hits.plan, {kShade, "", {{"REFLECTED", "1"}}}, t.radiance, t.marks, t.tiles);
+  }
+  int samples_of_cells() const override { return kSamplesOfCells; }
+  ShadingCounts counts() const override { return counts_; }
+  void add_bytes(std::map<std::string, std::size_t>* bytes) const override { (*bytes)["shading"] += marks_.bytes(); }
+  void add_counters(std::map<std::string, double>* counters) const override {
+    for (const auto& [name, value] : remembered_) (*counters)[name] = value;
+    (*counters)["prt_pixels_without"] = static_cast<double>(counts_.visible - counts_.shaded);
+  }
+  std::optional<PointValue> view(const std::string& name, const LayerContext& layer) const override {
+    for (std::size_t i = 0; i < kViews.size(); ++i)
+      if (name == kViews[i]) return read_view(static_cast<int>(i), layer);
+    return std::nullopt;
+  }
+
+ private:
+  static void run_vertices(const LayerContext& layer) {
+    const TransferStore* store = find_store(layer.frame, layer.plan);
+    if (!store || store->buffers().vertices() == 0) return;
+    const Program& program =
+        layer.frame.programs.get({kVertices, "", {{"TERMS", std::to_string(store->buffers().terms())}}});
+    program.set("u_vertices", store->buffers().vertices());
+    program.set("u_transfer_components", store->buffers().components());
+    store->buffers().bind_shown();
+    dispatch_list(program, store->buffers().vertices());
+  }
+  void run_shade(const FrameContext& frame, const ShadingPlan& plan, const ShaderVariant& variant,
+                 const Texture& radiance, const Texture& marks, const TileList& tiles) {
+    const TransferStore* store = find_store(frame, plan);
+    counters_.clear_to_zero();
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, counters_.get());
+    glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    glBindImageTexture(kImageLookupMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
+    ShaderVariant own = variant;
+    const ShaderDefines more = defines(store ? store->buffers().terms() : transfer_terms(0), store != nullptr);
+    own.defines.insert(own.defines.end(), more.begin(), more.end());
+    const Program& program = frame.programs.get(own);
+    if (store) {
+      program.set("u_transfer_components", store->buffers().components());
+      program.set("u_environment_scale", frame.request.env_scale);
+    }
+    dispatch_tiles(program, tiles, kPerPoint);
+  }
+  void remember(const TransferStore& store) {
+    const Transfer& transfer = store.transfer();
+    double bytes = 0.0;
+    for (const TransferGroup& group : transfer.bake->groups)
+      bytes += static_cast<double>(transfer.bake->bytes_per_vertex(group) * group.vertices.size());
+    remembered_ = {
+        {"prt_vertices", static_cast<double>(transfer.mesh.vertices.size())},
+        {"prt_vertex_bytes", bytes / std::max<double>(static_cast<double>(transfer.mesh.vertices.size()), 1.0)},
+        {"prt_coefficients", static_cast<double>(store.light().kept)},
+        {"prt_error", transfer.bake->error},
+        {"light_update_ms", store.light().ms}};
+  }
+  PointValue read_view(int view, const LayerContext& layer) const {
+    const GridSize& size = layer.surfaces.size();
+    const Texture values = Texture::make_2d("view", GL_RGBA32F, size.grid_width(), size.grid_height());
+    const float black[4] = {};
+    glClearTexImage(values.get(), 0, GL_RGBA, GL_FLOAT, black);
+    if (const TransferStore* store = find_store(layer.frame, layer.plan)) {
+      layer.surfaces.bind();
+      const Program& program =
+          layer.frame.programs.get({kView, "", {{"TERMS", std::to_string(store->buffers().terms())}}});
+      program.set("u_view", view);
+      glBindImageTexture(kImageRadiance, values.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+      dispatch_tiles(program, layer.surfaces.tiles(), kPerPoint);
+    }
+    return value_of_texels<float>(values, GL_RGBA, GL_FLOAT, 1,
+                                  [](const float* v) { return glm::vec3(v[0], v[1], v[2]); });
+  }
+
+  Texture marks_;
+  Buffer counters_ = Buffer("transfer counters", 2 * sizeof(unsigned));
+  ShadingCounts counts_;
+  std::map<std::string, double> remembered_;
+};
+
+}  // namespace
+
+std::unique_ptr<ShadingMode> make_transfer_mode() { return std::make_unique<TransferMode>(); }
+
+std::vector<ShaderVariant> transfer_shader_variants() {
+  std::vector<ShaderVariant> variants;
+  for (const int terms : {transfer_terms(0), transfer_terms(kMostMaterialComponents)}) {
+    const std::string count = std::to_string(terms);
+    variants.push_back({kVertices, "", {{"TERMS", count}}});
+    variants.push_back({kView, "", {{"TERMS", count}}});
+    for (const bool baked : {false, true}) {
+      variants.push_back({kShade, "", defines(terms, baked)});
+      variants.push_back({kShade, "", {{"REFLECTED", "1"}, {"TERMS", count}, {"BAKED", flag(baked)}}});
+    }
+  }
+  return variants;
+}
+
+}  // namespace maquette

@@ -1,0 +1,167 @@
+#include "render/prt/relight.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+#include "scenes/btf/half_floats.h"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#include <immintrin.h>
+#define MAQUETTE_F16C 1
+#else
+#define MAQUETTE_F16C 0
+#endif
+
+namespace maquette {
+
+namespace {
+
+constexpr std::size_t kTile = RelightTable::kTile;
+
+struct TileSums {
+  float r[kTile], g[kTile], b[kTile];
+};
+
+void add_columns(const std::uint16_t* tile, const KeptLight& light, TileSums* sums) {
+  for (std::size_t k = 0; k < light.coefficients.size(); ++k) {
+    const std::uint16_t* column = tile + light.coefficients[k] * kTile;
+    const glm::vec3 value = light.values[k];
+    for (std::size_t i = 0; i < kTile; ++i) {
+      const float q = float_of_half(column[i]);
+      sums->r[i] += q * value.x;
+      sums->g[i] += q * value.y;
+      sums->b[i] += q * value.z;
+    }
+  }
+}
+
+#if MAQUETTE_F16C
+/// The same products and sums in lanes, without fused operations: the same result.
+__attribute__((target("avx,f16c"))) void add_columns_in_lanes(const std::uint16_t* tile, const KeptLight& light,
+                                                              TileSums* sums) {
+  constexpr std::size_t kRegisters = 4, kLanes = 8;
+  for (std::size_t i = 0; i < kTile; i += kRegisters * kLanes) {
+    __m256 r[kRegisters], g[kRegisters], b[kRegisters];
+    for (std::size_t n = 0; n < kRegisters; ++n) r[n] = g[n] = b[n] = _mm256_setzero_ps();
+    for (std::size_t k = 0; k < light.coefficients.size(); ++k) {
+      const std::uint16_t* column = tile + light.coefficients[k] * kTile + i;
+      const __m256 x = _mm256_set1_ps(light.values[k].x), y = _mm256_set1_ps(light.values[k].y),
+                   z = _mm256_set1_ps(light.values[k].z);
+      for (std::size_t n = 0; n < kRegisters; ++n) {
+        const __m256 q = _mm256_cvtph_ps(_mm_loadu_si128(reinterpret_cast<const __m128i*>(column + n * kLanes)));
+        r[n] = _mm256_add_ps(r[n], _mm256_mul_ps(q, x));
+        g[n] = _mm256_add_ps(g[n], _mm256_mul_ps(q, y));
+        b[n] = _mm256_add_ps(b[n], _mm256_mul_ps(q, z));
+      }
+    }
+    for (std::size_t n = 0; n < kRegisters; ++n) {
+      _mm256_storeu_ps(sums->r + i + n * kLanes, r[n]);
+      _mm256_storeu_ps(sums->g + i + n * kLanes, g[n]);
+      _mm256_storeu_ps(sums->b + i + n * kLanes, b[n]);
+    }
+  }
+}
+#endif
+
+bool has_lanes() {
+#if MAQUETTE_F16C
+  static const bool kHas = __builtin_cpu_supports("avx") && __builtin_cpu_supports("f16c");
+  return kHas;
+#else
+  return false;
+#endif
+}
+
+float largest_of(const CubeLight& light, Eigen::Index i) {
+  return std::max({std::abs(light(i, 0)), std::abs(light(i, 1)), std::abs(light(i, 2))});
+}
+
+}  // namespace
+
+KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& importance, std::size_t count) {
+  std::vector<std::uint32_t> order;
+  std::vector<float> worth(importance.size());
+  for (std::size_t i = 0; i < importance.size(); ++i) {
+    worth[i] = largest_of(light, static_cast<Eigen::Index>(i)) * importance[i];
+    if (worth[i] > 0.0f) order.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (order.size() > count) {
+    std::nth_element(
+        order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
+        [&](std::uint32_t a, std::uint32_t b) { return worth[a] != worth[b] ? worth[a] > worth[b] : a < b; });
+    order.resize(count);
+  }
+  std::sort(order.begin(), order.end());
+  KeptLight kept;
+  kept.coefficients = std::move(order);
+  for (const std::uint32_t i : kept.coefficients) kept.values.emplace_back(light(i, 0), light(i, 1), light(i, 2));
+  return kept;
+}
+
+RelightTable::RelightTable(int side, std::size_t rows) : side_(side) {
+  q_.assign((rows + kTile - 1) / kTile * kTile * coefficients(), 0);
+  squares_.assign(coefficients(), 0.0);
+}
+
+std::size_t RelightTable::add(const TransferMatrix& matrix) {
+  const std::size_t first = rows_, count = matrix.rows();
+  assert((first + count + kTile - 1) / kTile * kTile * coefficients() <= q_.size());
+  std::vector<double> members(static_cast<std::size_t>(matrix.clusters), 0.0);
+  for (const std::uint16_t k : matrix.owner) members[k] += 1.0;
+  const auto terms = static_cast<std::size_t>(1 + matrix.components);
+  tbb::parallel_for(std::size_t{0}, coefficients(), [&](std::size_t j) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t row = first + i;
+      const std::uint16_t q = matrix.q[j * count + i];
+      q_[(row / kTile * coefficients() + j) * kTile + row % kTile] = q;
+      const double value = static_cast<double>(float_of_half(q));
+      squares += members[i / terms] * value * value;
+    }
+    squares_[j] += squares;
+  });
+  uses_ += static_cast<double>(matrix.owner.size());
+  rows_ += count;
+  return first;
+}
+
+std::vector<float> RelightTable::importance() const {
+  std::vector<float> rms;
+  for (const double squares : squares_) rms.push_back(static_cast<float>(std::sqrt(squares / std::max(uses_, 1.0))));
+  return rms;
+}
+
+template <typename Tile>
+void RelightTable::for_tiles(const Tile& tile, std::vector<glm::vec4>* out) const {
+  out->resize(rows_);
+  tbb::parallel_for(std::size_t{0}, (rows_ + kTile - 1) / kTile, [&](std::size_t t) {
+    TileSums sums{};
+    tile(q_.data() + t * kTile * coefficients(), &sums);
+    for (std::size_t i = 0; i < std::min(kTile, rows_ - t * kTile); ++i)
+      (*out)[t * kTile + i] = {sums.r[i], sums.g[i], sums.b[i], 0.0f};
+  });
+}
+
+void RelightTable::sums(const KeptLight& light, std::vector<glm::vec4>* out) const {
+  if (!has_lanes()) return sums_by_scalars(light, out);
+#if MAQUETTE_F16C
+  for_tiles([&](const std::uint16_t* tile, TileSums* s) { add_columns_in_lanes(tile, light, s); }, out);
+#endif
+}
+
+void RelightTable::sums_by_scalars(const KeptLight& light, std::vector<glm::vec4>* out) const {
+  for_tiles([&](const std::uint16_t* tile, TileSums* s) { add_columns(tile, light, s); }, out);
+}
+
+CubeLight haar_light(const CubePyramid& pyramid, const CubeDirections& directions,
+                     const glm::dmat3& environment_from_cube) {
+  CubeLight light = pyramid.resample(directions, environment_from_cube);
+  for (int c = 0; c < 3; ++c) haar_transform_faces(directions.side(), light.col(c).data());
+  return light;
+}
+
+}  // namespace maquette

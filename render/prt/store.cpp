@@ -1,0 +1,77 @@
+#include "render/prt/store.h"
+
+#include <chrono>
+
+#include "render/frame/plan.h"
+#include "render/frame/request.h"
+#include "render/parts/baked_parts.h"
+#include "render/scene_state/scene_state.h"
+
+namespace maquette {
+
+namespace {
+
+Key key_of(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
+  const Revisions& r = scene.revisions();
+  Key key = Key::of(r.geometry, r.occlusion, r.surfaces, r.tables, request.variant, nodes);
+  for (const auto& [name, value] : request.settings.changed()) {
+    if (!name.starts_with("prt.") || name == "prt.coefficients") continue;
+    key.add(name);
+    key.add(to_text(value));
+  }
+  return key;
+}
+
+}  // namespace
+
+Baked<Transfer> TransferKind::run(const TransferInput& input, const Baked<Transfer>&, const BakeTask<Transfer>& task) {
+  const TransferJob job = make_transfer_job(input, {}, &memory_.library);
+  const auto transfer = bake_transfer(job, {}, memory_.bake, task.cancel, task.progress);
+  if (transfer) memory_.bake = transfer->bake;
+  return {transfer, transfer != nullptr, true};
+}
+
+bool TransferStore::update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
+  const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
+  require(key_of(scene, request, nodes), [&] {
+    return TransferInput{std::make_shared<Scene>(scene.edited_scene()),
+                         std::make_shared<const FlatGeometry>(scene.geometry()), request.variant, nodes,
+                         request.settings};
+  });
+  bool changed = false;
+  if (const std::shared_ptr<const Transfer> made = take()) {
+    buffers_.reset();
+    buffers_.emplace(*made, scene.geometry().indices.size() / 3);
+    if (!transfer_ || transfer_->bake != made->bake) importance_ = made->bake->table.importance();
+    transfer_ = made;
+    cube_.emplace(made->bake->options.faces);
+    light_of_.reset();
+    changed = true;
+  }
+  return (buffers_ && update_light(scene, request)) || changed;
+}
+
+bool TransferStore::update_light(const SceneState& scene, const FrameRequest& request) {
+  const Key pyramid = Key::of(scene.revisions().sky);
+  if (pyramid_of_ != pyramid) {
+    pyramid_ = CubePyramid(scene.environment().environment());
+    pyramid_of_ = pyramid;
+    light_of_.reset();
+  }
+  const int coefficients = request.settings.get_int("prt.coefficients");
+  const Key light = Key::of(request.env_rotation_rad, coefficients);
+  if (light_of_ == light) return false;
+  light_of_ = light;
+  const auto begin = std::chrono::steady_clock::now();
+  const glm::dmat3 environment_from_baked =
+      environment_rotation(static_cast<double>(request.env_rotation_rad)) * glm::transpose(transfer_->baked_from_world);
+  const CubeLight haar = haar_light(pyramid_, *cube_, environment_from_baked);
+  const KeptLight kept = choose_coefficients(haar, importance_, static_cast<std::size_t>(6 * coefficients));
+  transfer_->bake->table.sums(kept, &sums_);
+  buffers_->set_sums(sums_);
+  light_ = {kept.coefficients.size(),
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count()};
+  return true;
+}
+
+}  // namespace maquette

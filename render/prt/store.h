@@ -1,0 +1,57 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "render/bake/bake_runner.h"
+#include "render/bake/scene_bake.h"
+#include "render/frame/key.h"
+#include "render/prt/buffers.h"
+#include "render/prt/job.h"
+
+namespace maquette {
+
+/// Makes transfer; keeps the last one, which a turned object shows again.
+class TransferKind : public BakeKind<TransferInput, Transfer> {
+ public:
+  Baked<Transfer> run(const TransferInput& input, const Baked<Transfer>&, const BakeTask<Transfer>& task) override;
+
+ private:
+  TransferMemory memory_;
+};
+
+/// The light of an environment, as transfer meets it, and the time that it took.
+struct LightUpdate {
+  std::size_t kept = 0;  ///< coefficients
+  double ms = 0.0;       ///< from the request to the sums on the device
+};
+
+/// The transfer of a scene on the GPU, under the light at hand.
+class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, public SceneBake {
+ public:
+  TransferStore() : KeyedBake(std::make_shared<TransferKind>()) {}
+  const char* name() const override { return "prt"; }
+  Bake& bake() override { return *this; }
+  bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  void bind() const override { buffers_->bind(); }
+  bool ready() const override { return buffers_.has_value(); }
+  std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
+
+  const TransferBuffers& buffers() const { return *buffers_; }
+  const Transfer& transfer() const { return *transfer_; }
+  const LightUpdate& light() const { return light_; }
+
+ private:
+  bool update_light(const SceneState& scene, const FrameRequest& request);
+
+  std::shared_ptr<const Transfer> transfer_;
+  std::optional<TransferBuffers> buffers_;
+  std::vector<float> importance_;
+  std::optional<CubeDirections> cube_;
+  CubePyramid pyramid_;
+  std::optional<Key> pyramid_of_, light_of_;
+  std::vector<glm::vec4> sums_;
+  LightUpdate light_;
+};
+
+}  // namespace maquette

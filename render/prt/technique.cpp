@@ -1,0 +1,114 @@
+#include "render/prt/technique.h"
+
+#include "render/frame/vocabulary.h"
+#include "render/prt/bake_command.h"
+#include "render/prt/mode.h"
+#include "render/prt/store.h"
+
+namespace maquette {
+
+namespace {
+
+std::vector<SettingDeclaration> transfer_settings() {
+  return {
+      {.name = "prt.faces",
+       .default_value = 16,
+       .min = 4,
+       .max = 32,
+       .unit = "texels",
+       .help = "side of a light cube face: 4, 8, 16 or 32"},
+      {.name = "prt.coefficients",
+       .default_value = 64,
+       .min = 1,
+       .max = 1024,
+       .help = "Haar coefficients of the light that are kept for each face of its cube, chosen over all faces"},
+      {.name = "prt.clusters",
+       .default_value = 32,
+       .min = 1,
+       .max = kMostTransferClusters,
+       .help = "clusters that compress the transfer of each view and component"},
+      {.name = "prt.components",
+       .default_value = 6,
+       .min = 0,
+       .max = kMostTransferComponents,
+       .help = "components of the transfer in each cluster; 0: its mean alone"},
+      {.name = "prt.btf_components",
+       .default_value = 2,
+       .min = 0,
+       .max = kMostMaterialComponents,
+       .help = "eigen-textures of the material, besides the mean, whose transfer is computed"},
+      {.name = "prt.vertices",
+       .default_value = 0,
+       .min = 0,
+       .max = 2000000,
+       .unit = "vertices",
+       .help = "at least so many, by dividing the triangles of the parts with the longest edges; 0: those of the mesh"},
+      {.name = "prt.rays",
+       .default_value = 2,
+       .min = 1,
+       .max = 8,
+       .unit = "rays",
+       .help = "along each side of a texel of the light cube, for each vertex"},
+      {.name = "prt.parts",
+       .default_value = std::string(),
+       .help = "names of nodes that get transfer, with what is below them, separated by semicolons; empty: all opaque "
+               "surfaces that the mode shades"},
+      {.name = "prt.shadows",
+       .default_value = std::string("scene"),
+       .help = "what casts shadows on the parts: scene: every opaque surface; parts: they alone, so that they may be "
+               "turned by themselves",
+       .choices = {"scene", "parts"}},
+      {.name = "prt.bake", .default_value = std::string(), .help = "folder of `maquette bake prt`; empty: the cache"},
+      {.name = "prt.stale",
+       .default_value = std::string("refuse"),
+       .help = "a bake in prt.bake whose parts were turned without what casts shadows on them: refuse or show",
+       .choices = {"refuse", "show"}},
+  };
+}
+
+}  // namespace
+
+Technique prt_technique() {
+  Technique info;
+  info.name = "prt";
+  info.help = "precomputed radiance transfer: BTFs and other materials with shadows, under a sky that turns";
+  info.settings = transfer_settings();
+  info.make_mode = make_transfer_mode;
+  info.shader_variants = transfer_shader_variants;
+  info.own_bake = OwnBake{"prt", "the light of its vertices is a sum over precomputed transfer",
+                          [] { return std::make_unique<TransferStore>(); }};
+  info.bakes = {transfer_bake_command()};
+  info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
+    const std::string& asked = settings.get_string("shading.visibility");
+    if (asked == "baked" || asked == "rays" || asked == "traced")
+      return "precomputed transfer holds all shadows (shading.visibility=" + asked + " has nothing to do)";
+    return std::nullopt;
+  };
+  info.add_passes = [](const PlanInput& input, ShadingPlan* shading, FramePlan* plan) {
+    plan->passes.push_back({"transfer_vertices", "light of every vertex, by component", {}, {"prt"}});
+    plan->passes.push_back({"shade", "every visible pixel, by eigen-textures", {"surfaces", "prt"}, {"radiance"}});
+    plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
+    if (input.facts.has_punctual_lights)
+      plan->left_out.push_back({"lights", "precomputed transfer is lit by the environment alone", "mode"});
+  };
+  info.views = {
+      {"prt_vertices", "the vertex nearest to each point", ViewColors::color},
+      {"prt_clusters", "clusters of the transfer of the materials' means", ViewColors::color},
+      {"prt_light", "light on the materials' means: cosine and shadow times the environment, cd/m2", ViewColors::color},
+      {"prt_component", "light on the first component of the materials", ViewColors::color}};
+  info.words = {
+      {Word::Kind::pass, "transfer_vertices",
+       "sums of weights and relit components, for the sampled views near each vertex's"},
+      {Word::Kind::feature, "prt", "the precomputed transfer"},
+      {Word::Kind::counter, "prt_vertices", "with precomputed transfer"},
+      {Word::Kind::counter, "prt_vertex_bytes", "of weights and clusters a vertex takes"},
+      {Word::Kind::counter, "prt_coefficients", "of the light that are kept"},
+      {Word::Kind::counter, "prt_error", "RMS of the transfer's compression, relative"},
+      {Word::Kind::counter, "prt_pixels_without", "of the mode's parts that have no transfer, and stay black"},
+      {Word::Kind::counter, "light_update_ms", "of the last change of light, until its sums are on the device"},
+      {Word::Kind::pass, "bake_prt",
+       "preparation: starts the bake of radiance transfer, or takes it over when it is done, and relights it"}};
+  return info;
+}
+
+}  // namespace maquette

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/bake/bake_ranks.h"
+#include "render/prt/factorised_transfer.h"
+#include "render/prt/relight.h"
+#include "render/prt/transfer.h"
+
+namespace maquette {
+
+struct TransferOptions {
+  int faces = 16;            ///< side of a face of the light's cube
+  int rays = 2;              ///< a side of the points of its texels
+  int clusters = 32;         ///< of each view and component
+  int components = 6;        ///< of the transfer
+  int btf_components = 2;    ///< of the materials
+  std::size_t vertices = 0;  ///< at least so many; 0: those drawn
+  bool parts_alone = false;  ///< only the parts cast shadows, and not the rest of the scene
+};
+inline constexpr int kMostTransferClusters = 256, kMostTransferComponents = 16;
+
+/// All that transfer is computed from, by value.
+struct TransferJob {
+  std::string scene;  ///< its name, for messages and folders
+  std::shared_ptr<const FlatGeometry> geometry;
+  std::vector<TransferPart> parts;
+  std::vector<std::shared_ptr<const Btf>> materials;  ///< [group]
+  std::vector<bool> occluding;                        ///< [item]
+  TransferOptions options;
+  std::string folder;       ///< of the bake's files; empty: it is kept in memory only
+  bool must_work = false;   ///< the folder was named by the user: what is damaged or cannot be written is an error
+  bool may_make = true;     ///< false: only what the folder holds is taken, and it must be whole
+  bool show_stale = false;  ///< with `may_make` false: also where what casts shadows did not turn along
+};
+
+/// What a bake was made of: written into its files, and compared with what is asked for.
+struct TransferProvenance {
+  std::string scene;
+  std::uint64_t geometry = 0;   ///< hash of vertices and triangles
+  std::uint64_t occluders = 0;  ///< hash of what casts shadows
+  std::uint64_t materials = 0;  ///< hash of the factorised materials
+  std::uint64_t shape = 0;      ///< hash of what a rigid motion leaves as it is
+  int faces = 0, rays = 0, clusters = 0, components = 0, btf_components = 0;
+  bool operator==(const TransferProvenance&) const = default;
+};
+
+/// Transfer of one material's vertices.
+struct TransferGroup {
+  std::shared_ptr<const Btf> material;
+  int components = 0;  ///< of the material, at most TransferOptions::btf_components
+  std::vector<std::uint32_t> vertices;
+  /// First that of the mean, which is the same for all views, then [view][component]. Their q is in the table.
+  std::vector<TransferMatrix> matrices;
+  std::vector<std::size_t> rows;  ///< [matrix] first row in TransferBake::table
+  std::size_t matrix_of(std::size_t view, int component) const {
+    return 1 + view * static_cast<std::size_t>(components) + static_cast<std::size_t>(component);
+  }
+};
+
+/// What was baked, in the frame that the parts had then.
+struct TransferBake {
+  TransferOptions options;
+  std::vector<TransferGroup> groups;
+  RelightTable table;
+  TransferProvenance provenance;
+  std::vector<glm::vec3> positions;    ///< of the vertices, m
+  std::vector<glm::vec3> occluders;    ///< some points of what casts shadows, m
+  std::size_t reused = 0, blocks = 0;  ///< blocks that an earlier run had made, and all
+  double error = 0.0;                  ///< RMS of compression relative to the RMS of the transfer, over all matrices
+  /// Bytes of weights and clusters that a vertex of a group takes.
+  std::size_t bytes_per_vertex(const TransferGroup& group) const;
+};
+
+/// A bake and the parts that it is shown on.
+struct Transfer {
+  TransferMesh mesh;
+  std::shared_ptr<const TransferBake> bake;
+  glm::dmat3 baked_from_world{1.0};  ///< rotation: the parts may have been turned since
+  std::string stale;                 ///< what has changed; empty: nothing
+};
+
+TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mesh);
+/// Where the bake of a job is kept: below `folder`, or, where that is empty, in the cache by content. Empty without
+/// either.
+std::string transfer_folder(const std::string& folder, const TransferJob& job, const TransferMesh& mesh);
+
+/// Loads the blocks that the folder holds (a block: one view of one material), makes the others and writes each when it
+/// is done. One block's matrices are in memory in full at a time. Null once `cancel` is set. Throws Error: a bake of
+/// another mesh, material or setting, damaged files or a full disk where `must_work`; what was written stays. The same
+/// for any count of threads, ranks and interruptions.
+/// `last`: a bake that is in memory; it is shown again where only a rigid motion lies between. May be null.
+std::shared_ptr<const Transfer> bake_transfer(const TransferJob& job, const BakeRanks& ranks,
+                                              const std::shared_ptr<const TransferBake>& last,
+                                              const std::atomic<bool>& cancel,
+                                              const std::function<void(double)>& progress);
+
+/// The rotation and shift that take `from` to `to`, if there is one within `tolerance` (of the size of `from`).
+/// Source: Horn, Hilden and Negahdaripour 1988, "Closed-form solution of absolute orientation using orthonormal
+/// matrices" (by the singular values of the covariance).
+struct RigidMotion {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 shift{0.0};
+};
+std::optional<RigidMotion> find_rigid_motion(const std::vector<glm::vec3>& from, const std::vector<glm::vec3>& to,
+                                             double tolerance = 1e-5);
+
+/// What a folder holds, for `inspect`. Throws Error.
+struct TransferSummary {
+  TransferProvenance provenance;
+  std::size_t vertices = 0, blocks = 0, blocks_done = 0;
+};
+TransferSummary summarize_transfer(const std::string& folder);
+
+}  // namespace maquette

@@ -1,0 +1,235 @@
+// Precomputed radiance transfer: the seat under a sky that turns, against plain sums and the path tracer.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "render/prt/job.h"
+#include "render/reference/path_scene.h"
+#include "render/reference/reference.h"
+#include "render/technique/registry.h"
+#include "scenes/error.h"
+#include "scenes/image_io.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/transfer_reference.h"
+
+namespace maquette::bench {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr double kTurn_rad = 37.0 * 3.14159265358979323846 / 180.0;
+const std::vector<std::string> kParts = {"seat_cushion", "seat_cushion_insert", "seat_backrest", "seat_backrest_insert",
+                                         "seat_headrest"};
+
+/// The seat alone, without its box: the sky reaches it from all sides.
+std::shared_ptr<const Scene> seat_covered(const std::string& cover) {
+  auto scene = std::make_shared<Scene>(build_builtin_scene("seat"));
+  for (Material& m : scene->materials)
+    if (m.name == "Seat" || m.name == "SeatInsert") m.measured = cover;
+  for (Node& node : scene->nodes)
+    if (node.mesh >= 0) node.visible = std::find(kParts.begin(), kParts.end(), node.name) != kParts.end();
+  scene->name = "builtin:seat";
+  return scene;
+}
+
+double quantile(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+}
+
+class TransferBench {
+ public:
+  explicit TransferBench(Stage& stage) : stage_(stage) {
+    settings_.set("prt.vertices", 20000);
+    settings_.set("shading.visibility", std::string("none"));
+    for (const auto& [name, value] : stage.options().settings) settings_.set_from_text(name, value);
+    const std::string sky = stage.options().data + "/environments/autoshop_01_1k.hdr";
+    workshop_ = !stage.options().data.empty();
+    sky_ = std::make_shared<const Environment>(load_environment(workshop_ ? sky : "builtin:studio"));
+  }
+
+  Figures measure() {
+    for (const std::string cover : {"leather", "knit", "fabric"})
+      if (stage_.options().only.empty() ? cover == "leather" : stage_.options().wants(cover)) measure_cover(cover);
+    return std::move(figures_);
+  }
+
+ private:
+  void measure_cover(const std::string& cover) {
+    const auto scene = seat_covered("builtin:btf-" + cover);
+    name_ = "seat, btf-" + cover + (workshop_ ? ", workshop sky" : ", studio");
+    bake(*scene, cover);
+    Renderer& renderer = stage_.renderer();
+    renderer.set_scene(scene);
+    renderer.set_environment(sky_);
+    const auto traced = build_path_scene({.scene = *scene, .environment = sky_});
+    const CubeDirections cube(settings_.get_int("prt.faces"));
+    const CubePyramid pyramid(*sky_);
+    Image references[2];
+    for (int turned = 0; turned < 2; ++turned) {
+      const glm::dmat3 turn = environment_rotation(turned == 1 ? kTurn_rad : 0.0);
+      references[turned] =
+          test::trace_transfer_reference({*traced, cube, pyramid.resample(cube, turn), settings_.get_int("prt.rays"),
+                                          settings_.get_int("prt.btf_components")},
+                                         camera(*scene), kWidth, kHeight);
+    }
+    measure_errors(*scene, references);
+    measure_raw(*scene, traced, references[0]);
+    measure_light(*scene);
+  }
+
+  CameraView camera(const Scene& scene) const { return find_camera(scene, "left"); }
+
+  FrameRequest request(const Scene& scene, double turn_rad, int coefficients) const {
+    FrameRequest r;
+    r.mode = "prt";
+    r.width = kWidth;
+    r.height = kHeight;
+    r.camera = camera(scene);
+    r.env_rotation_rad = static_cast<float>(turn_rad);
+    r.settings = settings_;
+    if (coefficients > 0) r.settings.set("prt.coefficients", coefficients);
+    return r;
+  }
+
+  void bake(const Scene& scene, const std::string& cover) {
+    const std::string folder = (std::filesystem::path(stage_.options().scratch) / ("prt-" + cover)).string();
+    if (stage_.options().fresh) std::filesystem::remove_all(folder);
+    const std::atomic<bool> never{false};
+    const Clock begin = now();
+    std::string report;
+    builtin_registry().find_bake("prt").run(
+        {scene, -1, settings_, {}, folder},
+        {never, [](const std::string&, double) {},
+         [&](const std::string& line) { report += (report.empty() ? "" : "; ") + line; }});
+    const double seconds = 1e-3 * (now() - begin).wall_ms;
+    const std::string measured = number(seconds) + " s; " + report;
+    figures_.push_back(stage_.options().fresh
+                           ? judged(name_ + ": bake", "<= 600 s (aim 180)", measured, seconds <= 600.0)
+                           : shown(name_ + ": bake (or its load)", measured));
+    settings_.set("prt.bake", folder);
+  }
+
+  Image draw(const FrameRequest& r) {
+    Renderer& renderer = stage_.renderer();
+    renderer.finish_background_work(r);
+    renderer.render(r);
+    return renderer.read_radiance();
+  }
+
+  /// relative_rmse over the pixels that the reference covers.
+  static double error(const Image& picture, const Image& reference) {
+    double squares = 0.0, light = 0.0;
+    std::size_t count = 0;
+    for (int y = 0; y < reference.height; ++y)
+      for (int x = 0; x < reference.width; ++x) {
+        if (reference.at(x, y, 3) < 1.0f || picture.at(x, y, 3) < 1.0f) continue;
+        ++count;
+        for (int c = 0; c < 3; ++c) {
+          squares += std::pow(static_cast<double>(picture.at(x, y, c) - reference.at(x, y, c)), 2.0);
+          light += (c == 0 ? 0.2126 : c == 1 ? 0.7152 : 0.0722) * static_cast<double>(reference.at(x, y, c));
+        }
+      }
+    return count > 0 ? std::sqrt(squares / static_cast<double>(3 * count)) * static_cast<double>(count) / light : 0.0;
+  }
+
+  void measure_errors(const Scene& scene, const Image references[2]) {
+    std::string sweep;
+    double at_64 = 0.0, at_all = 0.0;
+    for (const int coefficients : {4, 16, 20, 64, 120, 128, 1024}) {
+      const double e = error(draw(request(scene, 0.0, coefficients)), references[0]);
+      if (coefficients == 64) at_64 = e;
+      if (coefficients == 1024) at_all = e;
+      sweep += (sweep.empty() ? "" : ", ") + std::to_string(coefficients) + ": " + percent(e);
+    }
+    figures_.push_back(judged(name_ + ": 64 coefficients a face, against plain sums of the same BTF and cube light",
+                              "<= 5 %", percent(at_64), at_64 <= 0.05));
+    figures_.push_back(shown("the same by coefficients a face (1024: all)", sweep));
+    const Image turned = draw(request(scene, kTurn_rad, 64)), straight = draw(request(scene, 0.0, 64));
+    const double of_turned = error(turned, references[1]), other = error(straight, references[1]);
+    figures_.push_back(judged("the light turned by 37 degrees, against plain sums", "within 1 point of the unturned",
+                              percent(of_turned) + " (unturned light: " + percent(other) + ")",
+                              of_turned <= at_64 + 0.01 && other > 0.05));
+    const double step = 0.1 * 3.14159265 / 180.0;
+    double worst = 0.0;
+    for (const double degrees : {0.0, 12.3, 37.0, 90.0}) {
+      const double at = degrees * 3.14159265 / 180.0;
+      const double kept = error(draw(request(scene, at + step, 64)), draw(request(scene, at, 64)));
+      const double all = error(draw(request(scene, at + step, 1024)), draw(request(scene, at, 1024)));
+      worst = std::max(worst, kept / std::max(all, 1e-12));
+    }
+    figures_.push_back(
+        judged("change of the picture by 0.1 degrees, 64 coefficients over all", "<= 2", number(worst), worst <= 2.0));
+    figures_.push_back(shown("error with all coefficients: vertices and transfer alone", percent(at_all)));
+    save(references[0], straight, "seat");
+    save(references[1], turned, "seat-turned");
+  }
+
+  /// Against the raw BTF under the whole sky, no bounces.
+  void measure_raw(const Scene& scene, const std::shared_ptr<const PathScene>& traced, const Image& cube_reference) {
+    const PictureRequest p{
+        .camera = camera(scene), .width = kWidth, .height = kHeight, .seed = 7, .paths = {.max_bounces = 1}};
+    ReferencePicture picture(traced, p);
+    picture.add(std::max(64, static_cast<int>(stage_.options().reference_seconds * 8.0)));
+    const Image mean = picture.mean();
+    Image raw = cube_reference;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int c = 0; c < 3; ++c) raw.at(x, y, c) = mean.at(x, y, c);
+    figures_.push_back(shown(name_ + ": against the BTF of 8 components under the whole sky, no bounces",
+                             percent(error(draw(request(scene, 0.0, 64)), raw)) + "; plain sums with " +
+                                 std::to_string(settings_.get_int("prt.btf_components")) +
+                                 " components and the cube light: " + percent(error(cube_reference, raw))));
+    save(raw, cube_reference, "seat-raw");
+  }
+
+  void measure_light(const Scene& scene) {
+    Renderer& renderer = stage_.renderer();
+    for (const int coefficients : {20, 120}) {
+      std::vector<double> updates, frames, vertices;
+      FrameRequest r = request(scene, 0.0, coefficients);
+      r.width = 640;
+      r.height = 360;
+      for (int i = 0; i < 40; ++i) {
+        r.env_rotation_rad = 0.02f * static_cast<float>(i);
+        const FrameStats stats = renderer.render(r);
+        if (i < 5) continue;
+        updates.push_back(stats.technique.at("light_update_ms"));
+        frames.push_back(stats.frame_ms);
+        for (const PassTime& pass : stats.passes)
+          if (pass.name == "transfer_vertices") vertices.push_back(pass.ms);
+      }
+      const double median = quantile(updates, 0.5);
+      const std::string text = number(median) + " ms, 95th percentile " + number(quantile(updates, 0.95)) +
+                               " ms; frames " + number(quantile(frames, 0.5)) + " ms, of them vertices " +
+                               number(quantile(vertices, 0.5)) + " ms";
+      const std::string figure =
+          "light update while it turns, 640 x 360, " + std::to_string(coefficients) + " coefficients a face";
+      figures_.push_back(coefficients == 20 ? judged(figure, "<= 16 ms (aim 4)", text, median <= 16.0)
+                                            : shown(figure, text));
+    }
+  }
+
+  void save(const Image& left, const Image& right, const std::string& name) const {
+    if (stage_.options().charts.empty()) return;
+    std::filesystem::create_directories(stage_.options().charts);
+    Image both(2 * kWidth, kHeight, 3);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < 2 * kWidth; ++x)
+        for (int c = 0; c < 3; ++c) both.at(x, y, c) = (x < kWidth ? left.at(x, y, c) : right.at(x - kWidth, y, c));
+    save_exr((std::filesystem::path(stage_.options().charts) / (name + ".exr")).string(), both);
+  }
+
+  Stage& stage_;
+  Settings settings_;
+  std::shared_ptr<const Environment> sky_;
+  bool workshop_ = false;
+  std::string name_;
+  Figures figures_;
+};
+
+}  // namespace
+
+Figures measure_prt(Stage& stage) { return TransferBench(stage).measure(); }
+
+}  // namespace maquette::bench

@@ -1,0 +1,312 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "render/gl/context.h"
+#include "render/reference/reference.h"
+#include "render/renderer.h"
+#include "render/technique/registry.h"
+#include "scenes/btf/btf_file.h"
+#include "scenes/error.h"
+#include "tests/scenes/temporary_folder.h"
+#include "tests/support/small_btf.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+FrameRequest small_request() {
+  FrameRequest r;
+  r.mode = "prt";
+  r.width = 64;
+  r.height = 48;
+  r.settings.set("prt.faces", 4);
+  r.settings.set("prt.clusters", 4);
+  r.settings.set("prt.components", 6);
+  r.settings.set("prt.coefficients", 64);
+  r.settings.set("shading.visibility", std::string("none"));
+  return r;
+}
+
+struct Drawn {
+  Image picture;
+  FrameStats stats;
+};
+Drawn draw(Renderer* renderer, const FrameRequest& request) {
+  EXPECT_TRUE(renderer->finish_background_work(request));
+  Drawn drawn;
+  drawn.stats = renderer->render(request);
+  drawn.picture = renderer->read_radiance();
+  return drawn;
+}
+
+/// RMSE over the mean, where `b` shows a surface.
+double relative_difference(const Image& a, const Image& b) {
+  double squares = 0.0, light = 0.0;
+  for (int y = 0; y < b.height; ++y)
+    for (int x = 0; x < b.width; ++x)
+      for (int c = 0; c < 3 && b.at(x, y, 3) >= 1.0f; ++c) {
+        squares += std::pow(static_cast<double>(a.at(x, y, c) - b.at(x, y, c)), 2.0);
+        light += static_cast<double>(b.at(x, y, c));
+      }
+  const double count = 3.0 * b.width * b.height;
+  return std::sqrt(squares / count) / (light / count);
+}
+
+class TransferMode : public maquette::testing::TemporaryFolder {
+ protected:
+  /// A textured plate with a BTF below a block of plain material.
+  std::shared_ptr<Scene> covered_plate() {
+    save_btf(path("small.exr"), *test::small_btf(4, 2));
+    auto scene = std::make_shared<Scene>();
+    scene->materials.push_back(test::matte(glm::vec3(0.4f)));
+    scene->materials[0].name = "cover";
+    scene->materials[0].measured = path("small.exr");
+    scene->materials.push_back(test::matte({0.6f, 0.3f, 0.2f}));
+    Primitive plate = test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 8, 0);
+    for (const glm::vec3& p : plate.positions) plate.uvs[0].emplace_back(0.5f + 0.5f * p.x, 0.5f + 0.5f * p.z);
+    test::add(scene.get(), std::move(plate), "plate");
+    test::add(scene.get(), test::make_grid({-0.5f, 0.0f, -0.2f}, {0.8f, 0, 0}, {0, 0.6f, 0}, 4, 1), "block");
+    return scene;
+  }
+  static FrameRequest look(FrameRequest r) {
+    r.camera.eye = {0.6f, 1.9f, 2.4f};
+    r.camera.target = {0.0f, 0.1f, 0.0f};
+    r.camera.fov_y_rad = 0.7f;
+    return r;
+  }
+};
+
+TEST_F(TransferMode, APlateUnderAConstantSkyShowsItsAlbedo) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const glm::vec3 albedo(0.8f, 0.5f, 0.2f), sky(2.0f, 3.0f, 4.0f);
+  auto scene = std::make_shared<Scene>();
+  scene->materials.push_back(test::matte(albedo));
+  test::add(scene.get(), test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 4, 0), "plate");
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(sky));
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.rays", 8);
+  const Drawn drawn = draw(&renderer, request);
+  int covered = 0;
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x) {
+      if (drawn.picture.at(x, y, 3) < 1.0f) continue;
+      ++covered;
+      // 8 x 8 points of each direction's texel integrate the cosine within 1 %.
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(drawn.picture.at(x, y, c), albedo[c] * sky[c], 0.01f * albedo[c] * sky[c]);
+    }
+  EXPECT_GT(covered, 500);
+  EXPECT_GT(drawn.stats.gpu_bytes.at("prt"), 0u);
+  EXPECT_EQ(drawn.stats.technique.at("prt_vertices"), 25.0);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST_F(TransferMode, AgreesWithTheReferenceUnderASmoothSky) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto scene = covered_plate();
+  auto sky = std::make_shared<Environment>(*test::constant_sky(1.0f));
+  for (int y = 0; y < sky->height; ++y)
+    for (int x = 0; x < sky->width; ++x) {
+      const glm::dvec3 d = direction_from_latlong(x + 0.5, y + 0.5, sky->width, sky->height);
+      sky->rgb[static_cast<std::size_t>(y * sky->width + x)] = glm::vec3(1.0 + d.x, 1.0 + 0.8 * d.z, 1.2 + d.y);
+    }
+  renderer.set_scene(scene);
+  renderer.set_environment(sky);
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.vertices", 600);
+  request.settings.set("prt.parts", std::string("plate"));
+  request.settings.set("prt.coefficients", 1024);
+  const Drawn drawn = draw(&renderer, request);
+  const Image parts = renderer.read_debug_view("prt_vertices");
+  ReferencePicture picture(
+      build_path_scene({.scene = *scene, .environment = sky}),
+      {.camera = request.camera, .width = request.width, .height = request.height, .paths = {.max_bounces = 1}});
+  picture.add(100);
+  Image reference = picture.mean();
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x)
+      if (!(parts.at(x, y, 0) > 0.0f)) reference.at(x, y, 3) = 0.0f;
+  EXPECT_LT(relative_difference(drawn.picture, reference), 0.06);
+}
+
+TEST_F(TransferMode, LightTurnsAsIfItWereGivenTurned) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  const auto sky = test::sky_with_lamp({0.5f, 0.6f, 0.8f}, glm::vec3(60.0f));
+  renderer.set_environment(sky);
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  const Image straight = draw(&renderer, request).picture;
+  request.env_rotation_rad = glm::radians(37.0f);
+  const Image turned = draw(&renderer, request).picture;
+  // The map itself turned, in double, on four times as many texels.
+  auto given = std::make_shared<Environment>();
+  given->width = 4 * sky->width;
+  given->height = 4 * sky->height;
+  const double c = std::cos(glm::radians(37.0)), s = std::sin(glm::radians(37.0));
+  for (int y = 0; y < given->height; ++y)
+    for (int x = 0; x < given->width; ++x) {
+      const glm::dvec3 d = direction_from_latlong(x + 0.5, y + 0.5, given->width, given->height);
+      given->rgb.emplace_back(evaluate_environment(*sky, {c * d.x - s * d.z, d.y, s * d.x + c * d.z}));
+    }
+  request.env_rotation_rad = 0.0f;
+  renderer.set_environment(given);
+  const Image expected = draw(&renderer, request).picture;
+  EXPECT_LT(relative_difference(turned, expected), 0.01);
+  EXPECT_GT(relative_difference(straight, expected), 0.05);
+  // Twice the light is twice the picture, and needs no new sums.
+  request.env_scale = 2.0f;
+  const Drawn bright = draw(&renderer, request);
+  for (int y = 0; y < request.height; y += 5)
+    for (int x = 0; x < request.width; x += 5)
+      if (expected.at(x, y, 3) >= 1.0f) {
+        EXPECT_NEAR(bright.picture.at(x, y, 1), 2.0f * expected.at(x, y, 1), 1e-4f * expected.at(x, y, 1));
+      }
+}
+
+TEST_F(TransferMode, ATurnedObjectTakesTheLightInItsOwnFrame) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto sky = test::sky_with_lamp({0.5f, 0.6f, 0.8f}, glm::vec3(60.0f));
+  const auto scene = covered_plate();
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  const glm::mat4 turn(glm::rotate(glm::dmat4(1.0), glm::radians(25.0), glm::normalize(glm::dvec3(0.3, 0.8, -0.5))));
+  auto turned = std::make_shared<Scene>(*scene);
+  for (Node& node : turned->nodes) node.local = turn * node.local;
+  FrameRequest along = request;
+  along.camera.eye = glm::vec3(turn * glm::vec4(request.camera.eye, 1.0f));
+  along.camera.target = glm::vec3(turn * glm::vec4(request.camera.target, 1.0f));
+  along.camera.up = glm::mat3(turn) * request.camera.up;
+  auto given = std::make_shared<Environment>();
+  given->width = 4 * sky->width;
+  given->height = 4 * sky->height;
+  for (int y = 0; y < given->height; ++y)
+    for (int x = 0; x < given->width; ++x)
+      given->rgb.emplace_back(evaluate_environment(
+          *sky, glm::dmat3(turn) * direction_from_latlong(x + 0.5, y + 0.5, given->width, given->height)));
+  // Baked as it was; the turned scene is shown from the same files.
+  const std::atomic<bool> never{false};
+  builtin_registry().find_bake("prt").run({*scene, -1, request.settings, {}, path("bakes")},
+                                          {never, [](const std::string&, double) {}, [](const std::string&) {}});
+  request.settings.set("prt.bake", path("bakes"));
+  along.settings = request.settings;
+  renderer.set_scene(turned);
+  renderer.set_environment(sky);
+  const Image shown = draw(&renderer, along).picture;
+  renderer.set_scene(scene);
+  const Image straight = draw(&renderer, request).picture;
+  renderer.set_environment(given);
+  const Image expected = draw(&renderer, request).picture;
+  EXPECT_LT(relative_difference(shown, expected), 0.01);
+  EXPECT_GT(relative_difference(straight, expected), 0.05);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST_F(TransferMode, ShowsNoSeamsWhereTheNearestViewsChange) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  auto scene = covered_plate();
+  scene->nodes[1].visible = false;
+  save_btf(path("small.exr"), *test::small_btf(1, 2));
+  renderer.set_scene(scene);
+  renderer.set_environment(test::sky_with_lamp({0.5f, 0.6f, 0.8f}, glm::vec3(60.0f)));
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.clusters", 1);
+  request.settings.set("prt.parts", std::string("plate"));
+  // One texel on a flat plate: light varies smoothly, and steps between neighbours show seams.
+  for (const float x : {-1.5f, -0.4f, 0.0f, 0.7f, 1.6f}) {
+    request.camera.eye.x = x;
+    const Image picture = draw(&renderer, request).picture;
+    double most = 0.0, mean = 0.0;
+    int count = 0;
+    for (int y = 1; y + 1 < request.height; ++y)
+      for (int i = 1; i + 1 < request.width; ++i) {
+        bool inside = true;
+        for (int dy = -1; dy <= 1; ++dy)
+          for (int dx = -1; dx <= 1; ++dx) inside = inside && picture.at(i + dx, y + dy, 3) >= 1.0f;
+        if (!inside) continue;
+        const double bend =
+            static_cast<double>(picture.at(i - 1, y, 1) - 2.0f * picture.at(i, y, 1) + picture.at(i + 1, y, 1));
+        most = std::max(most, std::abs(bend));
+        mean += static_cast<double>(picture.at(i, y, 1));
+        ++count;
+      }
+    ASSERT_GT(count, 300);
+    EXPECT_LT(most, 0.03 * mean / count) << x;
+  }
+}
+
+TEST_F(TransferMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = look(small_request());
+  request.mode = "splitsum";
+  EXPECT_EQ(draw(&renderer, request).stats.gpu_bytes.count("prt"), 0u);
+  request.part_modes = {{"plate", "prt"}};
+  EXPECT_GT(draw(&renderer, request).stats.gpu_bytes.at("prt"), 0u);
+  const Image inside = renderer.read_debug_view("prt_clusters");
+  int points = 0;
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x) points += inside.at(x, y, 0) > 0.0f ? 1 : 0;
+  EXPECT_GT(points, 50);
+  EXPECT_LT(points, request.width * request.height * 3 / 4);
+  for (const char* view : {"prt_vertices", "prt_light", "prt_component"}) renderer.read_debug_view(view);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST_F(TransferMode, MirroredRaysShowIt) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  auto scene = covered_plate();
+  Material chrome;
+  chrome.name = "chrome";
+  chrome.roughness = 0.0f;
+  scene->materials.push_back(chrome);
+  test::add(scene.get(), test::make_grid({-1.0f, 0.0f, -0.9f}, {2, 0, 0}, {0, 1.2f, 0}, 1, 2), "mirror")->reflector =
+      true;
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = look(small_request());
+  request.reflections = "raytraced";
+  request.settings.set("prt.parts", std::string("plate"));
+  const Drawn drawn = draw(&renderer, request);
+  for (const float v : drawn.picture.data) ASSERT_TRUE(std::isfinite(v));
+  request.reflections = "off";
+  EXPECT_GT(relative_difference(draw(&renderer, request).picture, drawn.picture), 0.001);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+TEST_F(TransferMode, ExtremeLightAndShadowStayFinite) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  // Inside a closed box nothing arrives: all transfer is black.
+  renderer.set_scene(std::make_shared<Scene>(test::box_scene(6, 1, test::matte(glm::vec3(0.5f)))));
+  auto hot = std::make_shared<Environment>(*test::constant_sky(0.0f));
+  hot->rgb[100] = glm::vec3(1e7f);
+  renderer.set_environment(hot);
+  FrameRequest request = small_request();
+  request.camera.eye = {0.2f, 0.1f, 0.3f};
+  request.camera.target = {0.0f, 0.0f, -1.0f};
+  const Drawn drawn = draw(&renderer, request);
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x)
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(drawn.picture.at(x, y, c), 0.0f);
+  renderer.set_scene(covered_plate());
+  request.settings.set("prt.parts", std::string("plate"));
+  for (const float v : draw(&renderer, look(request)).picture.data) ASSERT_TRUE(std::isfinite(v));
+  renderer.set_environment(test::constant_sky(0.0f));
+  for (const float v : draw(&renderer, look(request)).picture.data) ASSERT_TRUE(std::isfinite(v));
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
+}  // namespace
+}  // namespace maquette

@@ -124,10 +124,31 @@ void SceneBuffers::build_textures(const Scene& scene) {
   textures_ = atlas.of_material;
   if (atlas.records.empty()) return;
   std::vector<float> bandwidth;
-  std::map<int, std::vector<float>> maps;
-  for (const int image : atlas.images) {
-    const auto [known, added] = maps.try_emplace(image);
-    if (added) known->second = compute_texture_bandwidth(scene.images[static_cast<std::size_t>(image)]);
+  // Several roles may read one texture.
+  struct Read {
+    bool color = false;
+    unsigned channels = 0;
+    auto operator<=>(const Read&) const = default;
+  };
+  std::vector<Read> reads(atlas.images.size());
+  for (const auto& roles : atlas.of_material)
+    for (std::size_t k = 0; k < kTextureRoles; ++k) {
+      if (roles[k] < 0) continue;
+      const unsigned channels = data_channels(static_cast<TextureRole>(k));
+      reads[static_cast<std::size_t>(roles[k])].channels |= channels;
+      reads[static_cast<std::size_t>(roles[k])].color |= channels == 0;
+    }
+  std::map<std::pair<int, Read>, std::vector<float>> maps;
+  for (std::size_t i = 0; i < reads.size(); ++i) {
+    const auto [known, added] = maps.try_emplace({atlas.images[i], reads[i]});
+    if (added) {
+      const TextureImage& image = scene.images[static_cast<std::size_t>(atlas.images[i])];
+      known->second = compute_data_bandwidth(image, reads[i].channels);
+      if (reads[i].color) {
+        const std::vector<float> color = compute_texture_bandwidth(image);
+        for (std::size_t r = 0; r < color.size(); ++r) known->second[r] = std::max(known->second[r], color[r]);
+      }
+    }
     bandwidth.insert(bandwidth.end(), known->second.begin(), known->second.end());
   }
   texels_ = Buffer::from("texels", atlas.texels);

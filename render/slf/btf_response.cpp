@@ -34,6 +34,13 @@ glm::vec3 BtfTurn::to_btf(const glm::vec3& d) const {
   return {along, mirrored ? -up : up, d.z};
 }
 
+glm::vec3 BtfTurn::from_btf(const glm::vec3& d) const {
+  const double angle = 2.0 * std::numbers::pi * step / kSteps;
+  const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
+  const float up = mirrored ? -d.y : d.y;
+  return {c * d.x - s * up, s * d.x + c * up, d.z};
+}
+
 BtfTurn btf_turn(const glm::vec2& t, const glm::vec2& b) {
   const double angle = std::atan2(static_cast<double>(t.y), static_cast<double>(t.x));
   const int step = static_cast<int>(std::lround(angle / (2.0 * std::numbers::pi) * BtfTurn::kSteps));
@@ -83,6 +90,18 @@ void BtfResponse::apply(std::span<const BtfLookup> at, const std::array<Eigen::M
       for (std::size_t c = 0; c < 3; ++c) seen[c](static_cast<Eigen::Index>(v), i) = sum[static_cast<int>(c)];
     }
   for (std::size_t c = 0; c < 3; ++c) (*out)[c].noalias() = views_ * seen[c];
+}
+
+void BtfResponse::apply_factors(const Eigen::VectorXf& factors, const std::array<Eigen::MatrixXf, 3>& incident,
+                                std::array<Eigen::MatrixXf, 3>* out) const {
+  const Eigen::Index views = views_.cols(), terms = light_.rows() / views;
+  for (Eigen::Index c = 0; c < 3; ++c) {
+    const Eigen::VectorXf light = light_ * incident[static_cast<std::size_t>(c)].col(0);
+    Eigen::VectorXf seen = Eigen::VectorXf::Zero(views);
+    for (Eigen::Index v = 0; v < views; ++v)
+      for (Eigen::Index k = v * terms; k < (v + 1) * terms; ++k) seen[v] += factors[3 * k + c] * light[k];
+    (*out)[static_cast<std::size_t>(c)] = views_ * seen;
+  }
 }
 
 }  // namespace maquette

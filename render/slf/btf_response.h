@@ -15,6 +15,7 @@ struct BtfTurn {
   bool mirrored = false;
   auto operator<=>(const BtfTurn&) const = default;
   glm::vec3 to_btf(const glm::vec3& local) const;
+  glm::vec3 from_btf(const glm::vec3& direction) const;
 };
 /// `t`, `b`: axes of the BTF in the texel's frame, unit, across its normal.
 BtfTurn btf_turn(const glm::vec2& t, const glm::vec2& b);
@@ -27,6 +28,9 @@ class BtfResponse {
   /// `incident`, `out`: [channel] [bin][texel], means of the bins and coefficients of outgoing light.
   void apply(std::span<const BtfLookup> at, const std::array<Eigen::MatrixXf, 3>& incident,
              std::array<Eigen::MatrixXf, 3>* out) const;
+  /// The same for one texel and given factors [(view, 1 + component), channel]. `incident`, `out`: one column.
+  void apply_factors(const Eigen::VectorXf& factors, const std::array<Eigen::MatrixXf, 3>& incident,
+                     std::array<Eigen::MatrixXf, 3>* out) const;
 
  private:
   const Btf& btf_;

@@ -14,9 +14,16 @@ namespace {
 
 constexpr float kLargestStored = 1024.0f;  ///< well within half floats
 
+/// Light weights are divided by this, and what they multiply is multiplied.
+float light_unit(const Interactions& i) {
+  return i.light_weights.size() > 0 ? std::max(i.light_weights.cwiseAbs().maxCoeff(), 1e-30f) : 1.0f;
+}
+
 float largest_of(const LightField& field) {
   float largest = 0.0f;
-  if (field.compressed()) {
+  if (field.interactions) {
+    largest = field.interactions->table.cwiseAbs().maxCoeff() * light_unit(*field.interactions);
+  } else if (field.compressed()) {
     for (int k = 0; k < field.fit.pca.cluster_count(); ++k)
       largest = std::max(largest, field.fit.pca.mean(k).cwiseAbs().maxCoeff());
     if (field.fit.weights.size() > 0) largest = std::max(largest, field.fit.weights.cwiseAbs().maxCoeff());
@@ -33,6 +40,10 @@ LightFieldBuffers::LightFieldBuffers(const LightField& field, std::size_t triang
   scale_ = largest > 0.0f ? largest / kLargestStored : 1.0f;
   upload_sides(field, triangles);
   if (field.atlas.side == 0) return;
+  if (field.interactions) {
+    upload_interactions(field);
+    return;
+  }
   upload_codes(field);
   if (field.compressed())
     upload_lumispheres(field);
@@ -46,6 +57,9 @@ void LightFieldBuffers::upload_sides(const LightField& field, std::size_t triang
   std::vector<glm::vec4> sides{
       glm::vec4(scale_, static_cast<float>(field.side), components, field.compressed() ? 1.0f : 0.0f),
       glm::vec4(static_cast<float>(std::max(field.atlas.side, 1)), 0.0f, 0.0f, 0.0f)};
+  if (const Interactions* i = field.interactions.get())
+    sides[1] = glm::vec4(sides[1].x, static_cast<float>(i->light_terms), static_cast<float>(i->material_terms),
+                         static_cast<float>(i->material_clusters));
   for (std::size_t s = 0; s < field.atlas.sides.size(); ++s) {
     const AtlasSide& side = field.atlas.sides[s];
     slots[2 * static_cast<std::size_t>(side.triangle) + (side.back ? 1 : 0)] = static_cast<std::uint32_t>(s + 1);
@@ -120,27 +134,70 @@ void LightFieldBuffers::upload_lumispheres(const LightField& field) {
   lumispheres_.set_filter(GL_LINEAR, GL_LINEAR);
 }
 
-void LightFieldBuffers::upload_stored(const LightField& field) {
-  const Lumisphere sphere(field.side);
-  const auto cells = static_cast<std::size_t>(field.side * field.side);
-  const Eigen::MatrixXf& radiance = field.outgoing->radiance;
-  std::vector<std::uint64_t> words(cells * static_cast<std::size_t>(radiance.cols()));
+void LightFieldBuffers::upload_coefficients(const char* name, const Eigen::MatrixXf& columns, int side) {
+  const Lumisphere sphere(side);
+  const auto cells = static_cast<std::size_t>(side * side);
+  std::vector<std::uint64_t> words(cells * static_cast<std::size_t>(columns.cols()));
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &largest);
   if (words.size() > static_cast<std::size_t>(largest))
-    throw Error("surface light field",
-                std::to_string(words.size()) + " values are more than this driver can address uncompressed",
+    throw Error("surface light field", std::to_string(words.size()) + " values are more than this driver can address",
                 "compress them: --set slf.clusters=128");
   std::vector<Eigen::Index> rows;
-  for (int y = 0; y < field.side; ++y)
-    for (int x = 0; x < field.side; ++x) rows.push_back(3 * sphere.bin_near_cell(x, y));
-  for (Eigen::Index t = 0; t < radiance.cols(); ++t)
-    for (std::size_t c = 0; c < cells; ++c) {
-      const glm::vec3 value(radiance(rows[c], t), radiance(rows[c] + 1, t), radiance(rows[c] + 2, t));
-      words[static_cast<std::size_t>(t) * cells + c] = glm::packHalf4x16(glm::vec4(value / scale_, 0.0f));
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) rows.push_back(3 * sphere.bin_near_cell(x, y));
+  for (Eigen::Index t = 0; t < columns.cols(); ++t)
+    for (std::size_t c = 0; c < cells; ++c)
+      words[static_cast<std::size_t>(t) * cells + c] = glm::packHalf4x16(
+          glm::vec4(columns(rows[c], t), columns(rows[c] + 1, t), columns(rows[c] + 2, t), 0.0f) / scale_);
+  radiance_ = Buffer::from(name, words);
+  radiance_view_ = Texture::make_buffer(name, GL_RG32UI, radiance_);
+}
+
+void LightFieldBuffers::upload_interactions(const LightField& field) {
+  const Interactions& i = *field.interactions;
+  const float unit = light_unit(i);
+  Eigen::MatrixXf table = i.table;
+  for (Eigen::Index column = 0; column < table.cols(); ++column)
+    if (column / i.material_terms % i.light_terms > 0) table.col(column) *= unit;
+  upload_coefficients("light field table", table, field.side);
+  const int side = field.atlas.side, light_layers = (i.light_terms + 2) / 4;
+  const std::size_t cells = field.atlas.texel_of_cell.size();
+  std::vector<std::uint32_t> codes(cells, 0);
+  std::vector<std::uint64_t> weights(cells * static_cast<std::size_t>(light_layers + i.material_terms), 0);
+  for (std::size_t c = 0; c < cells; ++c) {
+    const std::uint32_t t = field.atlas.texel_of_cell[c];
+    if (t == LightFieldAtlas::kNone) continue;
+    const BtfTurn& turn = i.turns[t];
+    codes[c] = static_cast<std::uint32_t>(i.light_cluster[t]) |
+               static_cast<std::uint32_t>(i.material_cluster[t]) << 8u | static_cast<std::uint32_t>(turn.step) << 16u |
+               (turn.mirrored ? 1u << 24u : 0u);
+    for (int l = 0; l < light_layers + i.material_terms; ++l) {
+      glm::vec4 four(0.0f);
+      const int term = l - light_layers;
+      for (int k = 0; k < 4; ++k) {
+        if (term >= 0 && k < 3) four[k] = i.material_weights(3 * term + k, t);
+        if (term < 0 && 4 * l + k < i.light_weights.rows()) four[k] = i.light_weights(4 * l + k, t) / unit;
+      }
+      weights[static_cast<std::size_t>(l) * cells + c] = glm::packHalf4x16(four);
     }
-  radiance_ = Buffer::from("light field radiance", words);
-  radiance_view_ = Texture::make_buffer("light field radiance", GL_RG32UI, radiance_);
+  }
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  cells_ = Texture::make_2d("light field codes", GL_R32UI, side, side);
+  cells_.upload(0, side, side, GL_RED_INTEGER, GL_UNSIGNED_INT, codes.data());
+  weights_ = Texture::make_2d_array("light field weights", GL_RGBA16F, side, side, light_layers + i.material_terms);
+  for (int l = 0; l < light_layers + i.material_terms; ++l)
+    glTextureSubImage3D(weights_.get(), 0, 0, 0, l, side, side, 1, GL_RGBA, GL_HALF_FLOAT,
+                        weights.data() + static_cast<std::size_t>(l) * cells);
+  std::vector<std::uint8_t> clusters(cells);
+  std::transform(codes.begin(), codes.end(), clusters.begin(), [](std::uint32_t code) { return code & 255u; });
+  clusters_ = Texture::make_2d("light field clusters", GL_R8UI, side, side);
+  clusters_.upload(0, side, side, GL_RED_INTEGER, GL_UNSIGNED_BYTE, clusters.data());
+  errors_ = Texture::make_2d("light field errors", GL_R16F, side, side);
+}
+
+void LightFieldBuffers::upload_stored(const LightField& field) {
+  upload_coefficients("light field radiance", field.outgoing->radiance, field.side);
   std::vector<std::uint32_t> texels = field.atlas.texel_of_cell;
   std::replace(texels.begin(), texels.end(), LightFieldAtlas::kNone, 0u);
   cells_ = Texture::make_2d("light field cells", GL_R32UI, field.atlas.side, field.atlas.side);

@@ -18,6 +18,9 @@ class LightFieldBuffers {
   void upload_codes(const LightField& field);
   void upload_lumispheres(const LightField& field);
   void upload_stored(const LightField& field);
+  void upload_interactions(const LightField& field);
+  /// Coefficients of directions [3 bin + channel][column] by cells, for texelFetch.
+  void upload_coefficients(const char* name, const Eigen::MatrixXf& columns, int side);
 
   float scale_ = 1.0f;  ///< cd/m2 of a stored unit
   Buffer slots_, sides_, radiance_;

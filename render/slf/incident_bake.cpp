@@ -268,9 +268,7 @@ class Run {
     return std::make_unique<IncidentTracer>(scene, std::make_shared<const LightFieldAtlas>(bake_->atlas), job_.options);
   }
 
-  std::string key() const {
-    return key_of_attributes(attributes_of(bake_->provenance));
-  }
+  std::string key() const { return key_of_attributes(attributes_of(bake_->provenance)); }
   [[noreturn]] void fail_incomplete() const {
     throw Error(
         job_.folder,

@@ -53,6 +53,7 @@ LightFieldJob make_light_field_job(const LightFieldInput& input, const Settings&
   job.outgoing.basis = light_basis(settings.get_string("slf.basis"));
   job.outgoing.haar_error = settings.get_double("slf.haar_error");
   job.compression = {settings.get_int("slf.clusters"), settings.get_int("slf.components")};
+  job.interactions = settings.get_string("slf.route") == "clusters";
   const int side = incident.options.side;
   if (job.outgoing.basis == LightBasis::haar && (side & (side - 1)) != 0)
     throw Error("slf.directions=" + std::to_string(side), "Haar coefficients need a power of two",

@@ -119,10 +119,18 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   OutgoingOptions options = job.outgoing;
   options.texel_m = incident->atlas.texels_per_m > 0.0 ? static_cast<float>(1.0 / incident->atlas.texels_per_m) : 0.0f;
+  field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
+  if (job.interactions) {
+    field->errors.assign(field->atlas.texels.size(), 0.0f);
+    field->interactions =
+        compute_interactions(*materials, incident->atlas, incident->field, {.texel_m = options.texel_m}, cancel);
+    if (!field->interactions) return nullptr;
+    if (progress) progress(1.0);
+    return field;
+  }
   const auto outgoing = compute_outgoing(*materials, incident->atlas, incident->field, options, cancel);
   if (!outgoing) return nullptr;
   field->coefficients = outgoing->coefficients;
-  field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
   compress(outgoing, job.compression, cancel, field.get());
   if (cancel) return nullptr;
   if (progress) progress(1.0);

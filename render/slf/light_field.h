@@ -6,6 +6,7 @@
 
 #include "render/math/local_pca_fit.h"
 #include "render/slf/incident_bake.h"
+#include "render/slf/interactions.h"
 #include "render/slf/outgoing.h"
 
 namespace maquette {
@@ -19,13 +20,14 @@ inline constexpr int kMostClusters = 256, kMostComponents = 16;
 /// Outgoing radiance of an atlas, ready to be drawn.
 struct LightField {
   LightFieldAtlas atlas;
-  int side = Lumisphere::kDefaultSide;            ///< of the lumispheres
-  LocalPcaFit fit;                                ///< of all texels; empty where nothing is compressed
-  std::shared_ptr<const OutgoingField> outgoing;  ///< only where nothing is compressed
-  std::vector<float> errors;                      ///< [texel] RMS of compression, relative to the mean of all texels
-  double error = 0.0;                             ///< the same of all texels
-  double coefficients = 0.0;                      ///< of incident light, used per texel and channel
-  std::size_t reused = 0;                         ///< texels whose incident light an earlier run had made
+  int side = Lumisphere::kDefaultSide;               ///< of the lumispheres
+  LocalPcaFit fit;                                   ///< of all texels; empty where nothing is compressed
+  std::shared_ptr<const OutgoingField> outgoing;     ///< only where nothing is compressed
+  std::shared_ptr<const Interactions> interactions;  ///< instead of both: no outgoing light is stored
+  std::vector<float> errors;                         ///< [texel] RMS of compression, relative to the mean of all texels
+  double error = 0.0;                                ///< the same of all texels
+  double coefficients = 0.0;                         ///< of incident light, used per texel and channel
+  std::size_t reused = 0;                            ///< texels whose incident light an earlier run had made
   std::string stale;
   /// Materials too specular for the lumispheres, a line each.
   std::vector<std::string> warnings;
@@ -38,6 +40,7 @@ struct LightFieldJob {
   std::shared_ptr<const Scene> scene;  ///< with the materials to show
   OutgoingOptions outgoing;
   CompressionOptions compression;
+  bool interactions = false;  ///< slf.route=clusters
 };
 
 /// What is kept between light fields of one incident bake, so that an exchange of materials traces nothing.

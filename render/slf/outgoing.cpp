@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "render/reference/scattering.h"
-#include "render/slf/btf_response.h"
+#include "render/slf/texel_materials.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -17,92 +17,6 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kBatch = 256;  ///< texels
-
-/// What a texel's material is made of, besides what its group shares.
-struct TexelMaterial {
-  SurfacePoint point;
-  glm::vec3 scale{1.0f};
-};
-
-/// Texels whose outgoing light is scale * (response * incident) + (rest * incident).
-struct Group {
-  enum class Kind { scaled, base_linear, each, btf } kind = Kind::scaled;
-  SurfacePoint point;
-  std::vector<std::uint32_t> texels;
-  std::vector<glm::vec3> scales;
-};
-
-bool varies(const TracedMaterial& m, TextureRole role) { return m.texture(role) >= 0; }
-
-/// Whether anything but the base colour changes from texel to texel.
-bool only_base_color_varies(const TracedMaterial& m) {
-  for (const TextureRole role :
-       {TextureRole::metallic_roughness, TextureRole::clearcoat, TextureRole::clearcoat_roughness,
-        TextureRole::specular, TextureRole::specular_color, TextureRole::sheen_color, TextureRole::sheen_roughness,
-        TextureRole::iridescence, TextureRole::iridescence_thickness, TextureRole::transmission})
-    if (varies(m, role)) return false;
-  return true;
-}
-
-/// In the order of corners that the path tracer's geometry has.
-glm::vec2 barycentric_of(const FlatGeometry& geometry, const AtlasSide& side, const glm::vec2& barycentric) {
-  const float weights[3] = {1.0f - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
-  const std::uint32_t* corner = geometry.indices.data() + 3 * static_cast<std::size_t>(side.triangle);
-  const auto weight_of = [&](std::uint32_t vertex) {
-    return weights[std::find(side.vertices.begin(), side.vertices.end(), vertex) - side.vertices.begin()];
-  };
-  return {weight_of(corner[1]), weight_of(corner[2])};
-}
-
-SurfacePoint point_of_texel(const PathScene& scene, const LightFieldAtlas& atlas, std::size_t t,
-                            const std::vector<std::uint32_t>& traced_of, float texel_m) {
-  const TexelFrame frame = frame_of_texel(scene.geometry, atlas, t);
-  const AtlasTexel& texel = atlas.texels[t];
-  const Ray ray{frame.position + frame.geometric, -frame.geometric};
-  RayDifferential differential;
-  const glm::vec3 x = frame.t * texel_m, y = frame.b * texel_m;
-  differential = {ray.origin + x, ray.origin + y, ray.direction, ray.direction};
-  const AtlasSide& side = atlas.sides[texel.side];
-  const RayHit hit{1.0f, traced_of[side.triangle], barycentric_of(scene.geometry, side, texel.barycentric)};
-  return resolve_surface(scene, ray, hit, {texel_m > 0.0f ? &differential : nullptr});
-}
-
-/// Index of the path tracer's triangle for each of the mesh's.
-std::vector<std::uint32_t> traced_triangles(const PathScene& scene) {
-  std::vector<std::uint32_t> traced_of(scene.triangles.size(), 0);
-  for (std::uint32_t i = 0; i < scene.triangles.size(); ++i)
-    if (scene.triangles[i].source < traced_of.size()) traced_of[scene.triangles[i].source] = i;
-  return traced_of;
-}
-
-std::vector<Group> group_texels(const PathScene& scene, const LightFieldAtlas& atlas, float texel_m) {
-  const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
-  std::vector<Group> groups;
-  std::map<const TracedMaterial*, std::size_t> of_material;
-  for (std::size_t t = 0; t < atlas.texels.size(); ++t) {
-    const SurfacePoint p = point_of_texel(scene, atlas, t, traced_of, texel_m);
-    const auto [found, fresh] = of_material.emplace(p.material, groups.size());
-    if (fresh) {
-      require_light_field_material(p.material->values);
-      Group group;
-      group.point = p;
-      const bool changes = p.material->textured || p.material->colored;
-      if (p.material->btf)
-        group.kind = Group::Kind::btf;
-      else if (!p.material->measured && changes)
-        group.kind = only_base_color_varies(*p.material) && p.material->values.metallic == 0.0f
-                         ? Group::Kind::base_linear
-                         : Group::Kind::each;
-      groups.push_back(group);
-    }
-    Group& group = groups[found->second];
-    group.texels.push_back(static_cast<std::uint32_t>(t));
-    group.scales.push_back(p.material->tabulated()                  ? p.tint
-                           : group.kind == Group::Kind::base_linear ? p.base_color
-                                                                    : glm::vec3(1.0f));
-  }
-  return groups;
-}
 
 struct Batch {
   std::array<Eigen::MatrixXf, 3> in, out;
@@ -130,10 +44,10 @@ class GroupShader {
               OutgoingField* out)
       : incident_(incident), spline_(spline), options_(options), out_(*out) {}
 
-  void shade(const Group& group, const std::atomic<bool>& cancel) {
+  void shade(const TexelGroup& group, const std::atomic<bool>& cancel) {
     const int samples = response_samples(group.point);
     std::vector<LightTransport> transports;
-    if (group.kind == Group::Kind::base_linear) {
+    if (group.kind == TexelGroup::Kind::base_linear) {
       // Linear in the base colour: the lobe over black, and what white adds.
       SurfacePoint black = group.point, white = group.point;
       black.analytic.diffuse = glm::vec3(0.0f);
@@ -142,7 +56,7 @@ class GroupShader {
       LightResponse base = compute_response(white, spline_, samples);
       for (std::size_t c = 0; c < 3; ++c) base.channels[c] -= rest.channels[c];
       transports = {make(base), make(rest)};
-    } else if (group.kind == Group::Kind::scaled) {
+    } else if (group.kind == TexelGroup::Kind::scaled) {
       SurfacePoint own = group.point;
       own.tint = glm::vec3(1.0f);
       transports = {make(compute_response(own, spline_, samples))};
@@ -157,10 +71,10 @@ class GroupShader {
     coefficients_ += std::accumulate(used.begin(), used.end(), std::size_t{0});
   }
   /// Shades texels that share nothing, one by one.
-  void shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+  void shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const TexelGroup& group,
                   const std::atomic<bool>& cancel);
   /// Shades texels of a BTF, those whose frames lie the same way together.
-  void shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+  void shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const TexelGroup& group,
                  const std::atomic<bool>& cancel);
   std::size_t coefficients() const { return coefficients_; }
 
@@ -168,7 +82,7 @@ class GroupShader {
   LightTransport make(const LightResponse& response) const {
     return {response, spline_.lumisphere(), options_.basis, options_.haar_error};
   }
-  std::size_t shade_batch(const Group& group, const std::vector<LightTransport>& transports, std::size_t first,
+  std::size_t shade_batch(const TexelGroup& group, const std::vector<LightTransport>& transports, std::size_t first,
                           std::size_t size) {
     const std::span<const std::uint32_t> texels = std::span(group.texels).subspan(first, size);
     Batch batch = gather(incident_, texels);
@@ -346,7 +260,7 @@ std::string check_light_field_material(const Material& m) {
   return {};
 }
 
-void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atlas, const TexelGroup& group,
                              const std::atomic<bool>& cancel) {
   const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
   constexpr int kSamples = 2;
@@ -366,21 +280,12 @@ void GroupShader::shade_each(const PathScene& scene, const LightFieldAtlas& atla
   coefficients_ += group.texels.size() * static_cast<std::size_t>(incident_.bins);
 }
 
-void GroupShader::shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const Group& group,
+void GroupShader::shade_btf(const PathScene& scene, const LightFieldAtlas& atlas, const TexelGroup& group,
                             const std::atomic<bool>& cancel) {
-  const std::vector<std::uint32_t> traced_of = traced_triangles(scene);
+  const BtfTexels places = place_btf_texels(scene, atlas, group.texels, options_.texel_m);
   const std::size_t count = group.texels.size();
-  std::vector<BtfLookup> lookups(count);
-  std::vector<BtfTurn> turns(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    const SurfacePoint p = point_of_texel(scene, atlas, group.texels[i], traced_of, options_.texel_m);
-    const TexelFrame frame = frame_of_texel(scene.geometry, atlas, group.texels[i]);
-    const glm::vec3 t = frame.to_local(p.t), b = frame.to_local(p.b);
-    lookups[i] = p.btf;
-    turns[i] = btf_turn(glm::vec2(t), glm::vec2(b));
-  });
   std::map<BtfTurn, std::vector<std::size_t>> alike;
-  for (std::size_t i = 0; i < count; ++i) alike[turns[i]].push_back(i);
+  for (std::size_t i = 0; i < count; ++i) alike[places.turns[i]].push_back(i);
   const std::vector<std::pair<BtfTurn, std::vector<std::size_t>>> sets(alike.begin(), alike.end());
   tbb::parallel_for(std::size_t{0}, sets.size(), [&](std::size_t k) {
     if (cancel) return;
@@ -394,7 +299,7 @@ void GroupShader::shade_btf(const PathScene& scene, const LightFieldAtlas& atlas
       std::vector<glm::vec3> scales;
       for (std::size_t i = b * kBatch; i < std::min(members.size(), (b + 1) * kBatch); ++i) {
         texels.push_back(group.texels[members[i]]);
-        at.push_back(lookups[members[i]]);
+        at.push_back(places.lookups[members[i]]);
         scales.push_back(group.scales[members[i]]);
       }
       Batch batch = gather(incident_, texels);
@@ -415,11 +320,11 @@ std::shared_ptr<const OutgoingField> compute_outgoing(const PathScene& scene, co
   const DirectionSpline spline{Lumisphere(incident.side)};
   out->radiance = Eigen::MatrixXf::Zero(3 * incident.bins, static_cast<Eigen::Index>(atlas.texels.size()));
   GroupShader shader(incident, spline, options, out.get());
-  for (const Group& group : group_texels(scene, atlas, options.texel_m)) {
+  for (const TexelGroup& group : group_texels(scene, atlas, options.texel_m)) {
     if (cancel) return nullptr;
-    if (group.kind == Group::Kind::btf)
+    if (group.kind == TexelGroup::Kind::btf)
       shader.shade_btf(scene, atlas, group, cancel);
-    else if (group.kind == Group::Kind::each)
+    else if (group.kind == TexelGroup::Kind::each)
       shader.shade_each(scene, atlas, group, cancel);
     else
       shader.shade(group, cancel);

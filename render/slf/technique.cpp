@@ -49,6 +49,11 @@ std::vector<SettingDeclaration> light_field_settings() {
        .min = 0.0,
        .max = 1.0,
        .help = "share of outgoing light that leaving out Haar coefficients may change"},
+      {.name = "slf.route",
+       .default_value = std::string("fields"),
+       .help = "fields: outgoing light is computed and compressed; clusters: arriving light and materials are "
+               "compressed, and drawn by a table of what they make of each other (32 clusters of light)",
+       .choices = {"fields", "clusters"}},
       {.name = "slf.clusters",
        .default_value = 128,
        .min = 0,

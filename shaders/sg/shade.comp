@@ -35,22 +35,27 @@ float sg_albedo(float sharpness, float nv) {
   return exp(textureLod(t_sg_albedo, vec2(sqrt(nv), (row + 0.5) / kTableSize), 0.0).x);
 }
 
-/// Mean radiance that a lobe of the half vector sees. Local frame, wo in its xz plane.
-vec3 sg_light(Point p, float sharpness) {
-  float warped = sharpness / (4.0 * p.wo.z);
-  vec3 axis = vec3(-p.wo.xy, p.wo.z) * warped + vec3(0.0, 0.0, kCosineSharpness);
+/// Product of a lobe of the half vector with the cosine: unit axis times sharpness. `wo`: around the lobe's normal, as the result.
+vec3 lobe_axis(vec3 wo, float sharpness) {
+  return vec3(-wo.xy, wo.z) * (sharpness / (4.0 * wo.z)) + vec3(0.0, 0.0, kCosineSharpness);
+}
+/// Mean radiance that a lobe with this axis sees, local.
+vec3 light_about(Point p, vec3 axis) {
   float product = length(axis);
   return map_trilinear(1, map_count() - 1, log2(product) - 1.0, latlong_uv_from_direction(from_local(p, axis / product)));
 }
+vec3 sg_light(Point p, float sharpness) { return light_about(p, lobe_axis(p.wo, sharpness)); }
 
-/// Mean radiance that a GGX lobe sees.
-vec3 ggx_light(Point p, float alpha) {
+/// Mean radiance that a GGX lobe sees, of the base or of the coat.
+vec3 ggx_light(Point p, float alpha, bool coat) {
+  vec3 wo = coat ? coat_view(p.analytic, p.wo) : p.wo;
   vec3 sum = vec3(0.0);
   float energy = 0.0;
   for (int k = 0; k < kSgLobes; ++k) {
     float sharpness = 2.0 * kGgxDecay[k] / (alpha * alpha);
-    float share = kGgxAmplitude[k] * sg_albedo(sharpness, p.wo.z);
-    sum += share * sg_light(p, sharpness);
+    float share = kGgxAmplitude[k] * sg_albedo(sharpness, wo.z);
+    vec3 axis = lobe_axis(wo, sharpness);
+    sum += share * light_about(p, coat ? from_coat(p.analytic, axis) : axis);
     energy += share;
   }
   return sum / energy;
@@ -72,9 +77,9 @@ vec3 shade(Point p) {
     sum *= mix(texelFetch(t_fits, factors + i).rgb, texelFetch(t_fits, factors + i + 1).rgb, elevation - float(i));
     return p.tint * (sum + texelFetch(t_fits, first).rgb * light);
   }
-  AnalyticReflectance r = analytic_reflectance(p.analytic, nv, sqrt(p.analytic.sheen_alpha));
-  vec3 sum = r.diffuse * light + r.specular * ggx_light(p, mean_alpha(p.analytic));
-  if (r.coat > 0.0) sum += r.coat * ggx_light(p, p.analytic.coat_alpha);
+  AnalyticReflectance r = analytic_reflectance(p.analytic, p.wo, sqrt(p.analytic.sheen_alpha));
+  vec3 sum = r.diffuse * light + r.specular * ggx_light(p, mean_alpha(p.analytic), false);
+  if (r.coat > 0.0) sum += r.coat * ggx_light(p, p.analytic.coat_alpha, true);
   return sum;
 }
 #include "shared/lookup.glsl"

@@ -40,8 +40,15 @@ struct AnalyticReflectance {
   float coat;
 };
 
-/// The factors (1 - F) of the diffuse lobe and of the coat are averaged over incident light.
-AnalyticReflectance analytic_reflectance(AnalyticMaterial m, float nv, float sheen_roughness) {
+/// Where a coat is seen from, around its own normal.
+vec3 coat_view(AnalyticMaterial m, vec3 wo) {
+  vec3 w = around_coat(m, wo);
+  return vec3(w.xy, max(w.z, 1e-3));
+}
+
+/// The factors (1 - F) of the diffuse lobe and of the coat are averaged over incident light. `wo`: local.
+AnalyticReflectance analytic_reflectance(AnalyticMaterial m, vec3 wo, float sheen_roughness) {
+  float nv = wo.z;
   AnalyticReflectance r;
   vec4 base = reflectance(nv, sqrt(mean_alpha(m)));
   vec3 f0 = base_f0(m, nv);
@@ -58,10 +65,11 @@ AnalyticReflectance analytic_reflectance(AnalyticMaterial m, float nv, float she
   }
 #endif
   if (m.coat > 0.0) {
-    vec4 coat = reflectance(nv, sqrt(m.coat_alpha));
+    float nc = coat_view(m, wo).z;
+    vec4 coat = reflectance(nc, sqrt(m.coat_alpha));
     r.coat = m.coat * (0.04 * coat.x + coat.y);
     r.diffuse *= 1.0 - m.coat * mix(0.04, 1.0, coat.w);
-    r.specular *= 1.0 - m.coat * mix(0.04, 1.0, schlick_weight(nv));
+    r.specular *= 1.0 - m.coat * mix(0.04, 1.0, schlick_weight(nc));
   }
   return r;
 }

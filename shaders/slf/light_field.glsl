@@ -12,7 +12,7 @@ layout(binding = kUnitLightFieldSides) uniform samplerBuffer t_sides;
 layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x]
 layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
 layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
-layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed
+layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed; of interactions light and material cluster, turn, 8 bits each, mirrored
 layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], half floats
 layout(binding = kUnitLightFieldErrors) uniform sampler2D t_errors;       // [y][x]
 
@@ -22,10 +22,11 @@ struct FieldConstants {
   int components;
   bool compressed;
   int side;        // of the atlas
+  int light_terms, material_terms, material_clusters;  // of the table of interactions; 0: there is none
 };
 FieldConstants field_constants() {
   vec4 a = texelFetch(t_sides, 0), b = texelFetch(t_sides, 1);
-  return FieldConstants(a.x, int(a.y), int(a.z), a.w > 0.5, int(b.x));
+  return FieldConstants(a.x, int(a.y), int(a.z), a.w > 0.5, int(b.x), int(b.y), int(b.z), int(b.w));
 }
 
 /// Where a grid point is in the atlas.
@@ -111,20 +112,55 @@ vec3 compressed_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
   return sum;
 }
 
-vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
-  ivec2 cell = clamp_cell(ivec2(floor(cells)), k.directions);
+/// Coefficients of the column of a buffer, read towards a point of the map in cells.
+vec3 read_spline(int column, vec2 cells, int directions) {
+  ivec2 cell = clamp_cell(ivec2(floor(cells)), directions);
   vec2 t = cells - vec2(cell) - 0.5;
   vec2 low = 0.5 * (0.5 - t) * (0.5 - t), high = 0.5 * (0.5 + t) * (0.5 + t), middle = 0.75 - t * t;
-  vec3 x = vec3(low.x, middle.x, high.x), y = vec3(low.y, middle.y, high.y);
+  vec3 x = vec3(low.x, middle.x, high.x), y = vec3(low.y, middle.y, high.y), sum = vec3(0.0);
+  for (int j = 0; j < 9; ++j) {
+    ivec2 at = clamp_cell(cell + ivec2(j % 3 - 1, j / 3 - 1), directions);
+    uvec2 half3 = texelFetch(t_field, (column * directions + at.y) * directions + at.x).xy;
+    sum += x[j % 3] * y[j / 3] * vec3(unpackHalf2x16(half3.x), unpackHalf2x16(half3.y).x);
+  }
+  return sum;
+}
+
+vec2 map_cells(vec3 direction, int directions) { return (parabolic_from_direction(direction) * 0.5 + 0.5) * float(directions); }
+
+vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
     int texel = int(texelFetch(t_cells, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
     float share = ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y);
-    for (int j = 0; j < 9; ++j) {
-      ivec2 at = clamp_cell(cell + ivec2(j % 3 - 1, j / 3 - 1), k.directions);
-      uvec2 half3 = texelFetch(t_field, (texel * k.directions + at.y) * k.directions + at.x).xy;
-      sum += share * x[j % 3] * y[j / 3] * vec3(unpackHalf2x16(half3.x), unpackHalf2x16(half3.y).x);
+    sum += share * read_spline(texel, cells, k.directions);
+  }
+  return sum;
+}
+
+/// Direction of the texel's frame in that of its material (render/slf/btf_response.h, to_btf).
+vec3 turn_to_material(vec3 d, uint code) {
+  float angle = float((code >> 16u) & 255u) * (6.28318531 / 128.0), c = cos(angle), s = sin(angle), up = c * d.y - s * d.x;
+  return vec3(c * d.x + s * d.y, (code & 0x1000000u) != 0u ? -up : up, d.z);
+}
+
+vec3 interaction_radiance(ivec2 base, vec2 f, vec3 wo, FieldConstants k) {
+  int layers = (k.light_terms + 2) / 4;
+  vec3 sum = vec3(0.0);
+  for (int n = 0; n < 4; ++n) {
+    ivec2 cell = clamp_cell(base + ivec2(n & 1, n >> 1), k.side);
+    uint code = texelFetch(t_cells, cell, 0).x;
+    vec2 cells = map_cells(turn_to_material(wo, code), k.directions);
+    int column = (int(code & 255u) * k.material_clusters + int((code >> 8u) & 255u)) * k.light_terms * k.material_terms;
+    vec3 own = vec3(0.0);
+    for (int i = 0; i < k.light_terms; ++i) {
+      float light = i == 0 ? 1.0 : texelFetch(t_weights, ivec3(cell, max(i - 1, 0) / 4), 0)[max(i - 1, 0) & 3];
+      for (int j = 0; j < k.material_terms; ++j) {
+        vec3 material = texelFetch(t_weights, ivec3(cell, layers + j), 0).rgb;
+        own += light * material * read_spline(column + i * k.material_terms + j, cells, k.directions);
+      }
     }
+    sum += ((n & 1) == 1 ? f.x : 1.0 - f.x) * (n > 1 ? f.y : 1.0 - f.y) * own;
   }
   return sum;
 }
@@ -133,10 +169,12 @@ vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
 vec3 field_radiance(FieldPoint p) {
   FieldConstants k = field_constants();
   vec2 at = p.at - 0.5, base = floor(at);
-  vec2 cells = (parabolic_from_direction(p.wo) * 0.5 + 0.5) * float(k.directions);
+  vec2 cells = map_cells(p.wo, k.directions);
   // A loop is skipped by software devices where no invocation enters it; both sides of a branch are not.
   vec3 sum = vec3(0.0);
   for (int i = 0; i < (k.compressed ? 1 : 0); ++i) sum = compressed_radiance(ivec2(base), at - base, cells, k);
-  for (int i = 0; i < (k.compressed ? 0 : 1); ++i) sum = stored_radiance(ivec2(base), at - base, cells, k);
+  bool table = k.light_terms > 0;
+  for (int i = 0; i < (table ? 1 : 0); ++i) sum = interaction_radiance(ivec2(base), at - base, p.wo, k);
+  for (int i = 0; i < (k.compressed || table ? 0 : 1); ++i) sum = stored_radiance(ivec2(base), at - base, cells, k);
   return max(sum, vec3(0.0)) * k.scale;
 }

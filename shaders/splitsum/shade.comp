@@ -22,11 +22,14 @@ const int kGgxLevels = 17;
 /// Level r (kGgxLevels - 1) is filtered for alpha = r^2.
 /// Rough lobes lean from the mirrored direction to the normal. Source: Lagarde and de Rousiers 2014, "Moving Frostbite to Physically
 /// Based Rendering", Sec. 4.9.3.
-vec3 sky(Point p, float roughness) {
+vec3 lobe_direction(vec3 wo, float roughness) {
   float alpha = roughness * roughness, lean = (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);
-  vec3 direction = mix(vec3(0.0, 0.0, 1.0), vec3(-p.wo.xy, p.wo.z), lean);
+  return mix(vec3(0.0, 0.0, 1.0), vec3(-wo.xy, wo.z), lean);
+}
+vec3 sky_towards(Point p, vec3 direction, float roughness) {
   return map_trilinear(1, kGgxLevels, roughness * float(kGgxLevels - 1), latlong_uv_from_direction(from_local(p, direction)));
 }
+vec3 sky(Point p, float roughness) { return sky_towards(p, lobe_direction(p.wo, roughness), roughness); }
 
 vec3 shade(Point p) {
   float nv = p.wo.z;
@@ -38,9 +41,12 @@ vec3 shade(Point p) {
     vec2 split = reflectance(nv, roughness).xy;
     return p.tint * (diffuse_alpha.rgb * light + (f0 * split.x + f90 * split.y) * sky(p, roughness));
   }
-  AnalyticReflectance r = analytic_reflectance(p.analytic, nv, sqrt(p.analytic.sheen_alpha));
+  AnalyticReflectance r = analytic_reflectance(p.analytic, p.wo, sqrt(p.analytic.sheen_alpha));
   vec3 sum = r.diffuse * light + r.specular * sky(p, sqrt(mean_alpha(p.analytic)));
-  if (r.coat > 0.0) sum += r.coat * sky(p, sqrt(p.analytic.coat_alpha));
+  if (r.coat > 0.0) {
+    float roughness = sqrt(p.analytic.coat_alpha);
+    sum += r.coat * sky_towards(p, from_coat(p.analytic, lobe_direction(coat_view(p.analytic, p.wo), roughness)), roughness);
+  }
   return sum;
 }
 #include "shared/lookup.glsl"

@@ -115,6 +115,31 @@ TEST(LightFieldMode, AgreesWithTheReferenceInABox) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
+TEST(LightFieldMode, TheSecondRouteShowsWhatTheFirstStores) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(lit_box());
+  renderer.set_environment(test::constant_sky(0.1f));
+  FrameRequest request = request_for(64);
+  request.camera.eye = {0.1f, 0.0f, 0.9f};
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  request.camera.fov_y_rad = 1.2f;
+  request.settings.set("slf.clusters", 0);
+  const Image stored = draw(&renderer, request).picture;
+  request.settings.set("slf.route", std::string("clusters"));
+  const Image apart = draw(&renderer, request).picture;
+  double squares = 0.0, light = 0.0;
+  for (std::size_t i = 0; i < stored.data.size(); ++i) {
+    if (i % 4 == 3 || stored.data[i] > 5.0f) continue;
+    squares += std::pow(static_cast<double>(stored.data[i]) - static_cast<double>(apart.data[i]), 2.0);
+    light += static_cast<double>(stored.data[i]);
+  }
+  const double count = 3.0 * request.width * request.height;
+  EXPECT_LT(std::sqrt(squares / count) / (light / count), 0.05);
+  EXPECT_GT(squares, 0.0);
+  EXPECT_TRUE(take_gl_errors().empty());
+}
+
 TEST(LightFieldMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

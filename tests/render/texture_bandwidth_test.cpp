@@ -45,6 +45,32 @@ TEST(TextureBandwidth, IsLocalAndZeroWhereNothingVaries) {
   for (const float nu : compute_texture_bandwidth(stripes(0.0, true))) EXPECT_EQ(nu, 0.0f);
 }
 
+/// A checker of side x side texels of two values in one channel, 128 in the others.
+TextureImage checker(int side, int channel, int low, int high) {
+  TextureImage image;
+  image.width = image.height = side;
+  image.rgba.assign(static_cast<std::size_t>(4 * side * side), 128);
+  for (int i = 0; i < side * side; ++i)
+    image.rgba[static_cast<std::size_t>(4 * i + channel)] =
+        static_cast<std::uint8_t>((i % side + i / side) % 2 == 0 ? low : high);
+  return image;
+}
+
+/// As colour a checker of a third is smooth: its mean holds 95 % of its energy. As data it is not.
+TEST(TextureBandwidth, OfDataIsThatOfWhatVaries) {
+  for (const int side : {2, 4, 8, 16, 64, 256}) {
+    for (const float nu : compute_data_bandwidth(checker(side, 1, 130, 220), 2))
+      EXPECT_GE(nu, 0.45f * static_cast<float>(side));
+    for (const float nu : compute_data_bandwidth(checker(side, 3, 100, 140), 8))
+      EXPECT_GE(nu, 0.45f * static_cast<float>(side));
+    for (const float nu : compute_data_bandwidth(checker(side, 3, 100, 140), 7)) EXPECT_EQ(nu, 0.0f);  // of others
+    for (const float nu : compute_data_bandwidth(checker(side, 1, 128, 128), 15)) EXPECT_EQ(nu, 0.0f);
+  }
+  EXPECT_EQ(data_channels(TextureRole::base_color), 0u);
+  EXPECT_EQ(data_channels(TextureRole::metallic_roughness), 6u);
+  EXPECT_EQ(data_channels(TextureRole::sheen_roughness), 8u);
+}
+
 TEST(TextureBandwidth, OneTexelHasNone) {
   TextureImage image;
   image.width = image.height = 1;

@@ -1,0 +1,323 @@
+#include "render/slf/interactions.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "render/math/local_pca_fit.h"
+#include "render/reference/path_scene.h"
+#include "render/slf/texel_materials.h"
+#include "scenes/error.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr int kTurnSamples = 4;         ///< squared, of a bin
+constexpr std::size_t kTableBytes = 8;  ///< of a coefficient on the device: three half floats, padded
+constexpr int kMostMaterialClusters = 256;
+
+/// [bin][bin]: means of the bins of a turned frame, from the coefficients of light.
+Eigen::MatrixXf turned_means(const DirectionSpline& spline, const BtfTurn& turn) {
+  const int bins = spline.lumisphere().count();
+  Eigen::MatrixXf means = Eigen::MatrixXf::Zero(bins, bins);
+  for (int k = 0; k < bins; ++k)
+    for (const DirectionSpline::BinSample& s : spline.bin_samples(k, kTurnSamples))
+      for (const DirectionSpline::Share& share : spline.shares(turn.from_btf(s.direction)))
+        means(k, share.bin) += s.weight * share.weight;
+  return means;
+}
+
+/// What one cluster of a material makes of light: a linear map for each term.
+struct MaterialCluster {
+  const BtfResponse* btf = nullptr;
+  Eigen::MatrixXf factors;                      ///< of a BTF: [(view, factor), 3 channels][term]
+  std::vector<const LightResponse*> responses;  ///< of others: [term]
+
+  /// Coefficients of outgoing light of a term under `light` [3 bin + channel].
+  Eigen::VectorXf apply(std::size_t term, const Eigen::VectorXf& light) const {
+    const Eigen::Index bins = light.size() / 3;
+    std::array<Eigen::MatrixXf, 3> in, out;
+    for (std::size_t c = 0; c < 3; ++c)
+      in[c] =
+          Eigen::Map<const Eigen::VectorXf, 0, Eigen::InnerStride<>>(light.data() + c, bins, Eigen::InnerStride<>(3));
+    if (btf)
+      btf->apply_factors(factors.col(static_cast<Eigen::Index>(term)), in, &out);
+    else
+      for (std::size_t c = 0; c < 3; ++c) out[c] = responses[term]->channels[c] * in[c];
+    Eigen::VectorXf values(light.size());
+    for (Eigen::Index b = 0; b < bins; ++b)
+      for (std::size_t c = 0; c < 3; ++c) values[3 * b + static_cast<Eigen::Index>(c)] = out[c](b, 0);
+    return values;
+  }
+};
+
+class Builder {
+ public:
+  Builder(const PathScene& scene, const LightFieldAtlas& atlas, const IncidentField& incident,
+          const InteractionOptions& options, const std::atomic<bool>& cancel)
+      : scene_(scene),
+        atlas_(atlas),
+        incident_(incident),
+        options_(options),
+        cancel_(cancel),
+        spline_(Lumisphere(incident.side)),
+        out_(std::make_shared<Interactions>()) {}
+
+  std::shared_ptr<const Interactions> build() {
+    const std::vector<TexelGroup> groups = group_texels(scene_, atlas_, options_.texel_m);
+    const std::size_t texels = atlas_.texels.size();
+    out_->light_cluster.assign(texels, 0);
+    out_->material_cluster.assign(texels, 0);
+    out_->turns.assign(texels, BtfTurn());
+    for (const TexelGroup& group : groups) {
+      if (group.kind == TexelGroup::Kind::each)
+        throw Error("material " + group.point.material->values.name,
+                    "it differs from texel to texel in more than its base colour, which slf.route=clusters cannot hold",
+                    "take --set slf.route=fields");
+      const bool btf = group.kind == TexelGroup::Kind::btf;
+      out_->material_terms = std::max(out_->material_terms, btf ? 1 + options_.material_components
+                                                            : group.kind == TexelGroup::Kind::base_linear ? 2
+                                                                                                          : 1);
+    }
+    place(groups);
+    if (!compress_light()) return nullptr;
+    compress_materials(groups);
+    if (cancel_) return nullptr;
+    fill_table();
+    return cancel_ ? nullptr : out_;
+  }
+
+ private:
+  void place(const std::vector<TexelGroup>& groups) {
+    for (const TexelGroup& group : groups) {
+      if (group.kind != TexelGroup::Kind::btf) continue;
+      places_.push_back(place_btf_texels(scene_, atlas_, group.texels, options_.texel_m));
+      for (std::size_t i = 0; i < group.texels.size(); ++i) out_->turns[group.texels[i]] = places_.back().turns[i];
+    }
+  }
+
+  /// Local PCA of the light in the materials' frames.
+  bool compress_light() {
+    const auto texels = static_cast<Eigen::Index>(atlas_.texels.size());
+    Eigen::MatrixXf light(3 * incident_.bins, texels);
+    std::map<BtfTurn, Eigen::MatrixXf> turned;
+    const Eigen::MatrixXf from_means = spline_.from_means(kTurnSamples);
+    for (const BtfTurn& turn : out_->turns)
+      if (turn != BtfTurn() && !turned.contains(turn)) turned[turn] = turned_means(spline_, turn) * from_means;
+    tbb::parallel_for(Eigen::Index{0}, texels, [&](Eigen::Index t) {
+      const std::span<const float> values = incident_.texel(static_cast<std::size_t>(t));
+      const BtfTurn& turn = out_->turns[static_cast<std::size_t>(t)];
+      using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+      const Eigen::Map<const Colors> in(values.data(), incident_.bins, 3);
+      Eigen::Map<Colors> own(light.col(t).data(), incident_.bins, 3);
+      if (turn == BtfTurn())
+        own = in;
+      else
+        own.noalias() = turned.at(turn) * in;
+    });
+    Eigen::VectorXf measure(3 * incident_.bins);
+    for (int b = 0; b < incident_.bins; ++b)
+      measure.segment(3 * b, 3).setConstant(static_cast<float>(spline_.lumisphere().projected(b)));
+    light_ = fit_local_pca(light, measure, pca_options(options_.light_clusters, options_.light_components));
+    if (cancel_) return false;
+    out_->light_clusters = light_.pca.cluster_count();
+    out_->light_terms = 1 + static_cast<int>(light_.weights.rows());
+    out_->light_weights = light_.weights;
+    for (std::size_t t = 0; t < light_.owner.size(); ++t)
+      out_->light_cluster[t] = static_cast<std::uint16_t>(light_.owner[t]);
+    return true;
+  }
+
+  LocalPcaOptions pca_options(int clusters, int components) const {
+    LocalPcaOptions o;
+    o.clusters = clusters;
+    o.components = components;
+    o.rounds = 14;
+    o.stop = [this] { return cancel_.load(); };
+    return o;
+  }
+
+  /// As many as the table has room for beside the clusters of the light.
+  int most_material_clusters() const {
+    const std::size_t pair = static_cast<std::size_t>(incident_.side * incident_.side) * kTableBytes *
+                             static_cast<std::size_t>(out_->light_terms) *
+                             static_cast<std::size_t>(out_->material_terms);
+    const std::size_t most = options_.most_bytes / pair / static_cast<std::size_t>(std::max(out_->light_clusters, 1));
+    return static_cast<int>(std::clamp<std::size_t>(most, 1, kMostMaterialClusters));
+  }
+
+  void compress_materials(const std::vector<TexelGroup>& groups) {
+    out_->material_weights =
+        Eigen::MatrixXf::Zero(3 * out_->material_terms, static_cast<Eigen::Index>(atlas_.texels.size()));
+    const auto btfs = static_cast<int>(places_.size()), others = static_cast<int>(groups.size()) - btfs;
+    const int each = btfs > 0 ? std::max((most_material_clusters() - others) / btfs, 1) : 0;
+    std::size_t place = 0;
+    for (const TexelGroup& group : groups) {
+      if (cancel_) return;
+      if (group.kind == TexelGroup::Kind::btf)
+        add_btf(group, places_[place++], each);
+      else
+        add_uniform(group);
+    }
+    out_->material_clusters = static_cast<int>(clusters_.size());
+  }
+
+  void add_uniform(const TexelGroup& group) {
+    const int samples = response_samples(group.point);
+    const bool linear = group.kind == TexelGroup::Kind::base_linear;
+    MaterialCluster cluster;
+    if (linear) {
+      SurfacePoint black = group.point, white = group.point;
+      black.analytic.diffuse = glm::vec3(0.0f);
+      white.analytic.diffuse = glm::vec3(1.0f);
+      auto rest = std::make_unique<LightResponse>(compute_response(black, spline_, samples));
+      auto base = std::make_unique<LightResponse>(compute_response(white, spline_, samples));
+      for (std::size_t c = 0; c < 3; ++c) base->channels[c] -= rest->channels[c];
+      cluster.responses = {rest.get(), base.get()};
+      responses_.push_back(std::move(rest));
+      responses_.push_back(std::move(base));
+    } else {
+      SurfacePoint own = group.point;
+      own.tint = glm::vec3(1.0f);
+      responses_.push_back(std::make_unique<LightResponse>(compute_response(own, spline_, samples)));
+      cluster.responses = {responses_.back().get()};
+    }
+    for (std::size_t i = 0; i < group.texels.size(); ++i) {
+      const std::uint32_t t = group.texels[i];
+      out_->material_cluster[t] = static_cast<std::uint16_t>(clusters_.size());
+      for (int c = 0; c < 3; ++c) {
+        out_->material_weights(c, t) = linear ? 1.0f : group.scales[i][c];
+        if (linear) out_->material_weights(3 + c, t) = group.scales[i][c];
+      }
+    }
+    clusters_.push_back(std::move(cluster));
+  }
+
+  void add_btf(const TexelGroup& group, const BtfTexels& places, int clusters) {
+    const Btf& btf = *group.point.material->btf;
+    btfs_.push_back(std::make_unique<BtfResponse>(btf, spline_, BtfTurn()));
+    const std::size_t terms = static_cast<std::size_t>(btf.components) + 1, views = btf.views.size();
+    Eigen::MatrixXf factors(static_cast<Eigen::Index>(3 * terms * views),
+                            static_cast<Eigen::Index>(group.texels.size()));
+    tbb::parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
+      if (cancel_) return;
+      std::vector<glm::vec3> colors(terms);
+      for (std::size_t v = 0; v < views; ++v) {
+        read_btf_factors(btf, btf.views[v], places.lookups[i], colors.data());
+        for (std::size_t k = 0; k < terms; ++k)
+          for (int c = 0; c < 3; ++c)
+            factors(static_cast<Eigen::Index>(3 * (v * terms + k)) + c, static_cast<Eigen::Index>(i)) = colors[k][c];
+      }
+    });
+    const std::vector<double> areas = btf.view_mesh.quadrature().solid_angle;
+    Eigen::VectorXf measure(factors.rows());
+    for (std::size_t v = 0; v < views; ++v)
+      measure.segment(static_cast<Eigen::Index>(3 * v * terms), static_cast<Eigen::Index>(3 * terms))
+          .setConstant(static_cast<float>(areas[v]));
+    if (cancel_) return;
+    const LocalPcaFit fit = fit_local_pca(factors, measure, pca_options(clusters, options_.material_components));
+    const std::size_t first = clusters_.size();
+    for (int k = 0; k < fit.pca.cluster_count(); ++k) {
+      MaterialCluster cluster;
+      cluster.btf = btfs_.back().get();
+      cluster.factors.resize(factors.rows(), 1 + fit.weights.rows());
+      cluster.factors.col(0) = fit.pca.mean(k);
+      if (fit.weights.rows() > 0) cluster.factors.rightCols(fit.weights.rows()) = fit.pca.components(k);
+      clusters_.push_back(std::move(cluster));
+    }
+    for (std::size_t i = 0; i < group.texels.size(); ++i) {
+      const std::uint32_t t = group.texels[i];
+      out_->material_cluster[t] = static_cast<std::uint16_t>(first + static_cast<std::size_t>(fit.owner[i]));
+      for (int c = 0; c < 3; ++c) {
+        out_->material_weights(c, t) = group.scales[i][c];
+        for (Eigen::Index k = 0; k < fit.weights.rows(); ++k)
+          out_->material_weights(3 * (k + 1) + c, t) =
+              fit.weights(k, static_cast<Eigen::Index>(i)) * group.scales[i][c];
+      }
+    }
+  }
+
+  void fill_table() {
+    Interactions& o = *out_;
+    o.table = Eigen::MatrixXf::Zero(3 * incident_.bins, static_cast<Eigen::Index>(o.column(o.light_clusters, 0, 0, 0)));
+    tbb::parallel_for(0, o.light_clusters, [&](int light) {
+      const Eigen::VectorXf mean = light_.pca.mean(light);
+      const Eigen::MatrixXf components = light_.pca.components(light);
+      for (int i = 0; i < o.light_terms; ++i) {
+        const Eigen::VectorXf vector = i == 0 ? mean : Eigen::VectorXf(components.col(i - 1));
+        for (int m = 0; m < o.material_clusters && !cancel_; ++m) {
+          const MaterialCluster& cluster = clusters_[static_cast<std::size_t>(m)];
+          const auto terms = static_cast<int>(cluster.btf ? static_cast<std::size_t>(cluster.factors.cols())
+                                                          : cluster.responses.size());
+          for (int k = 0; k < terms; ++k)
+            o.table.col(static_cast<Eigen::Index>(o.column(light, m, i, k))) =
+                cluster.apply(static_cast<std::size_t>(k), vector);
+        }
+      }
+    });
+  }
+
+  const PathScene& scene_;
+  const LightFieldAtlas& atlas_;
+  const IncidentField& incident_;
+  const InteractionOptions& options_;
+  const std::atomic<bool>& cancel_;
+  DirectionSpline spline_;
+  std::shared_ptr<Interactions> out_;
+  std::vector<BtfTexels> places_;  ///< of the groups with a BTF
+  LocalPcaFit light_;
+  std::vector<MaterialCluster> clusters_;
+  std::vector<std::unique_ptr<LightResponse>> responses_;
+  std::vector<std::unique_ptr<BtfResponse>> btfs_;
+};
+
+}  // namespace
+
+Eigen::VectorXf Interactions::decode(std::size_t texel) const {
+  const auto t = static_cast<Eigen::Index>(texel);
+  Eigen::VectorXf sum = Eigen::VectorXf::Zero(table.rows());
+  for (int i = 0; i < light_terms; ++i)
+    for (int k = 0; k < material_terms; ++k) {
+      const auto from =
+          table.col(static_cast<Eigen::Index>(column(light_cluster[texel], material_cluster[texel], i, k)));
+      for (int c = 0; c < 3; ++c) {
+        const float weight = (i == 0 ? 1.0f : light_weights(i - 1, t)) * material_weights(3 * k + c, t);
+        for (Eigen::Index row = c; row < sum.size(); row += 3) sum[row] += weight * from[row];
+      }
+    }
+  return sum;
+}
+
+std::shared_ptr<const Interactions> compute_interactions(const PathScene& scene, const LightFieldAtlas& atlas,
+                                                         const IncidentField& incident,
+                                                         const InteractionOptions& options,
+                                                         const std::atomic<bool>& cancel) {
+  return Builder(scene, atlas, incident, options, cancel).build();
+}
+
+double interaction_error(const Interactions& interactions, const OutgoingField& field, int side, std::size_t step) {
+  const DirectionSpline spline{Lumisphere(side)};
+  const Lumisphere& sphere = spline.lumisphere();
+  double squares = 0.0, sum = 0.0, all = 0.0;
+  for (std::size_t t = 0; t < interactions.turns.size(); t += step) {
+    const Eigen::VectorXf own = interactions.decode(t);
+    const auto truth = field.radiance.col(static_cast<Eigen::Index>(t));
+    for (int b = 0; b < sphere.count(); ++b) {
+      const double area = sphere.solid_angle(b);
+      glm::dvec3 a(0.0), e(0.0);
+      for (const DirectionSpline::Share& s : spline.shares(interactions.turns[t].to_btf(sphere.direction(b))))
+        for (int c = 0; c < 3; ++c) a[c] += static_cast<double>(s.weight) * static_cast<double>(own[3 * s.bin + c]);
+      for (const DirectionSpline::Share& s : spline.shares(sphere.direction(b)))
+        for (int c = 0; c < 3; ++c) e[c] += static_cast<double>(s.weight) * static_cast<double>(truth[3 * s.bin + c]);
+      squares += area * glm::dot(a - e, a - e);
+      sum += area * (e.x + e.y + e.z);
+      all += 3.0 * area;
+    }
+  }
+  return sum > 0.0 ? std::sqrt(squares / all) / (sum / all) : 0.0;
+}
+
+}  // namespace maquette

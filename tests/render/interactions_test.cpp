@@ -1,0 +1,124 @@
+// The second route of light fields: light and material compressed apart, against outgoing light that is stored.
+#include "render/slf/interactions.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "render/reference/path_scene.h"
+#include "scenes/btf/btf_file.h"
+#include "scenes/error.h"
+#include "tests/support/small_btf.h"
+#include "tests/support/test_scenes.h"
+
+namespace maquette {
+namespace {
+
+const std::atomic<bool> kNever{false};
+
+/// A sheet whose tangents lie at 0.4 rad to the world's axes, and its light: a lobe that wanders over the texels.
+struct Sheet {
+  std::shared_ptr<const PathScene> scene;
+  LightFieldAtlas atlas;
+  IncidentField incident;
+};
+Sheet sheet_of(const Material& material, float angle, int side) {
+  Scene scene;
+  scene.materials.push_back(material);
+  const glm::vec3 x(std::cos(angle), std::sin(angle), 0.0f), y(-x.y, x.x, 0.0f);
+  test::add(&scene, test::make_grid(-x - y, 2.0f * x, 2.0f * y, 1, 0), "sheet");
+  Sheet sheet;
+  sheet.scene = build_path_scene({.scene = scene, .environment = test::constant_sky(0.0f)});
+  sheet.atlas = make_atlas(sheet.scene->geometry, {{0, false}}, {.side = side});
+  const Lumisphere sphere;
+  sheet.incident.bins = sphere.count();
+  sheet.incident.masked.assign(sheet.atlas.texels.size(), false);
+  for (std::size_t t = 0; t < sheet.atlas.texels.size(); ++t) {
+    const float at = 0.02f * static_cast<float>(t);
+    const glm::vec3 lamp = glm::normalize(glm::vec3(std::cos(at), std::sin(at), 0.6f + 0.4f * std::sin(0.3f * at)));
+    for (int b = 0; b < sphere.count(); ++b) {
+      const float lobe = std::exp((glm::dot(lamp, sphere.direction(b)) - 1.0f) * 8.0f);
+      for (const float tone : {1.0f, 0.8f, 0.5f}) sheet.incident.radiance.push_back(0.2f + tone * lobe);
+    }
+  }
+  return sheet;
+}
+
+double error_of(const Sheet& sheet, const InteractionOptions& options) {
+  const auto stored = compute_outgoing(*sheet.scene, sheet.atlas, sheet.incident, {.basis = LightBasis::bins}, kNever);
+  const auto apart = compute_interactions(*sheet.scene, sheet.atlas, sheet.incident, options, kNever);
+  EXPECT_LE(static_cast<std::size_t>(apart->table.cols()) * 256 * 8, options.most_bytes);
+  return interaction_error(*apart, *stored, sheet.incident.side, 3);
+}
+
+Material covered_with(const std::string& file) {
+  Material m;
+  m.measured = file;
+  return m;
+}
+
+TEST(Interactions, OfEnoughTermsAreWhatIsStored) {
+  const std::string file = (std::filesystem::path(testing::TempDir()) / "interactions-btf.exr").string();
+  save_btf(file, *test::small_btf(3, 4));
+  // The light wanders in few dimensions and the BTF has nine texels: so many terms hold both.
+  const InteractionOptions many{.light_clusters = 48, .light_components = 4, .material_components = 4};
+  EXPECT_LT(error_of(sheet_of(covered_with(file), 0.0f, 12), many), 0.005);
+  EXPECT_LT(error_of(sheet_of(covered_with(file), 0.4f, 12), many), 0.02);  // light is read at turned directions
+  Material gloss;
+  gloss.roughness = std::sqrt(0.5f);
+  gloss.metallic = 1.0f;
+  EXPECT_LT(error_of(sheet_of(gloss, 0.4f, 12), many), 0.005);
+  EXPECT_LT(error_of(sheet_of(test::matte(glm::vec3(0.5f, 0.3f, 0.2f)), 0.4f, 12), many), 0.005);
+  std::filesystem::remove(file);
+}
+
+TEST(Interactions, OfFewTermsAreWorseAndFitTheirTable) {
+  const std::string file = (std::filesystem::path(testing::TempDir()) / "interactions-few.exr").string();
+  save_btf(file, *test::small_btf(3, 4));
+  const Sheet sheet = sheet_of(covered_with(file), 0.0f, 12);
+  const double few = error_of(sheet, {.light_clusters = 2, .light_components = 0, .material_components = 0}),
+               more = error_of(sheet, {.light_clusters = 8, .light_components = 2, .material_components = 2});
+  EXPECT_GT(few, more);
+  EXPECT_GT(few, 0.02);
+  // Room for two clusters of light with three of the material.
+  EXPECT_LT(
+      error_of(
+          sheet,
+          {.light_clusters = 2, .light_components = 2, .material_components = 2, .most_bytes = 256 * 8 * 9 * 2 * 3}),
+      few);
+  std::filesystem::remove(file);
+}
+
+TEST(Interactions, RefuseWhatVariesInMoreThanItsColour) {
+  Scene scene;
+  Material worn = test::matte(glm::vec3(0.5f));
+  worn.name = "Worn";
+  worn.metallic_roughness_texture.image = 0;
+  scene.materials.push_back(worn);
+  scene.images.push_back(test::checkerboard());
+  test::add(&scene, test::make_grid({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, 1, 0), "sheet");
+  const auto traced = build_path_scene({.scene = scene, .environment = test::constant_sky(0.0f)});
+  const LightFieldAtlas atlas = make_atlas(traced->geometry, {{0, false}}, {.side = 4});
+  IncidentField incident;
+  incident.bins = Lumisphere().count();
+  incident.masked.assign(atlas.texels.size(), false);
+  incident.radiance.assign(atlas.texels.size() * static_cast<std::size_t>(3 * incident.bins), 1.0f);
+  try {
+    compute_interactions(*traced, atlas, incident, {}, kNever);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("Worn"), std::string::npos);
+  }
+}
+
+TEST(Interactions, AreNotFinishedOnceCancelled) {
+  const std::atomic<bool> cancelled{true};
+  const Sheet sheet = sheet_of(test::matte(glm::vec3(0.5f)), 0.0f, 6);
+  EXPECT_EQ(compute_interactions(*sheet.scene, sheet.atlas, sheet.incident, {}, cancelled), nullptr);
+}
+
+}  // namespace
+}  // namespace maquette

@@ -61,7 +61,11 @@ glm::vec3 parse_point(const std::string& text, const std::string& what) {
 
 void parse_size(SceneOptions* options, const std::string& text) {
   const std::size_t x = text.find('x');
-  if (x == std::string::npos) throw UsageError("--size", "\"" + text + "\" is not of the form WIDTHxHEIGHT");
+  const bool has_sides =
+      x != std::string::npos && x > 0 && x + 1 < text.size() && text.find('x', x + 1) == std::string::npos;
+  if (!has_sides || text.find_first_not_of("0123456789x") != std::string::npos)
+    throw UsageError("--size", "\"" + text + "\" is not of the form WxH",
+                     "write width and height in pixels, as 1280x720");
   options->width = static_cast<int>(parse_count(text.substr(0, x), "--size", 1, kMaxSide));
   options->height = static_cast<int>(parse_count(text.substr(x + 1), "--size", 1, kMaxSide));
 }

@@ -40,6 +40,10 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "command continues where it stopped",
        ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
+      {"measure", "[SCENE]", 0, 1,
+       "what a pane of glass adds to what an eye sees: luminances, reflectances, angles, regions and sweeps, as JSON "
+       "or CSV",
+       ""},
       {"inspect", "FILE", 1, 1,
        "what is in a scene, BRDF or environment, what it would need, and the frame plan; `library` lists the built-in "
        "materials and environments",
@@ -204,7 +208,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     check_command_comes_first(rest);
   }
   const CommandDeclaration& command = find_command(line.command);
-  if (line.command == "report") {  // many pictures: small by default
+  if (line.command == "report" || line.command == "measure") {  // many pictures, or many rays: small by default
     line.options.width = 320;
     line.options.height = 180;
   }
@@ -225,7 +229,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     throw UsageError("maquette " + command.name, "one of its arguments is empty", "it takes " + command.arguments);
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
-  if ((line.command == "view" || line.command == "render" || line.command == "report") && !line.files.empty())
+  if ((line.command == "view" || line.command == "render" || line.command == "report" || line.command == "measure") &&
+      !line.files.empty())
     line.options.scene = line.files.front();
   for (auto& [name, source] : line.options.materials) source = with_btf_reading(source, line.options.settings);
   check_combinations(line);

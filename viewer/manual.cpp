@@ -154,7 +154,7 @@ std::vector<Section> sections(const std::string& command) {
     return {command_section(), option_section(command), scene_section(), mode_section(),
             setting_section(), light_section(),         file_section(),  exit_section()};
   std::vector<Section> chosen = {option_section(command)};
-  if (command == "view" || command == "render" || command == "inspect") {
+  if (command == "view" || command == "render" || command == "inspect" || command == "measure") {
     chosen.push_back(scene_section());
     chosen.push_back(mode_section());
     chosen.push_back(setting_section());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -197,8 +198,19 @@ void finish(Environment& environment) {
   environment.hash = content_hash(std::as_bytes(std::span(environment.rgb)), size);
 }
 
+/// Of `builtin:clear-sky:DEG`.
+double sun_elevation(const std::string& source, const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  if (!whole || !(value >= kLeastSunElevationDeg && value <= kMostSunElevationDeg))
+    throw Error(source, "\"" + text + "\" is no elevation of the sun", "give degrees from 3 to 87");
+  return value;
+}
+
 Environment make_builtin(const std::string& source, const std::string& name) {
   if (name == "clear-sky") return make_clear_sky();
+  if (name.starts_with("clear-sky:")) return make_clear_sky(sun_elevation(source, name.substr(10)));
   if (name == "studio") return make_studio();
   std::string names;
   for (const std::string& known : builtin_environment_names())

@@ -25,7 +25,6 @@ double smoothstep(double a, double b, double x) {
 // --- clear sky -------------------------------------------------------------------------------------------------------
 
 constexpr double kTurbidity = 2.3;
-constexpr double kSunElevationDeg = 40.0;
 constexpr double kSunAzimuthDeg = 50.0;              ///< from +Z towards +X
 constexpr double kSunDiameterDeg = 0.533;            ///< mean angular diameter of the sun
 constexpr int kSunSupersamples = 32;                 ///< a side, only in texels that the disc may touch
@@ -54,14 +53,14 @@ glm::dvec3 rgb_from_xyy(double x, double y, double luminance) {
 
 /// Skylight in cd/m2. Source: Preetham, Shirley, Smits 1999, "A Practical Analytic Model for Daylight", Appendix A.2.
 struct PreethamSky {
-  double theta_s = radians(90.0 - kSunElevationDeg);
-  glm::dvec3 sun{std::cos(radians(kSunElevationDeg)) * std::sin(radians(kSunAzimuthDeg)),
-                 std::sin(radians(kSunElevationDeg)),
-                 std::cos(radians(kSunElevationDeg)) * std::cos(radians(kSunAzimuthDeg))};
+  double elevation_deg;
+  double theta_s = radians(90.0 - elevation_deg);
+  glm::dvec3 sun{std::cos(radians(elevation_deg)) * std::sin(radians(kSunAzimuthDeg)), std::sin(radians(elevation_deg)),
+                 std::cos(radians(elevation_deg)) * std::cos(radians(kSunAzimuthDeg))};
   std::array<Perez, 3> distribution{};  ///< Y, x, y
   std::array<double, 3> scale{};        ///< zenith value (cd/m2, x, y) over the Perez value there
 
-  PreethamSky() {
+  explicit PreethamSky(double sun_elevation_deg) : elevation_deg(sun_elevation_deg) {
     const double t = kTurbidity;
     distribution = {
         {{0.1787 * t - 1.4630, -0.3554 * t + 0.4275, -0.0227 * t + 5.3251, 0.1206 * t - 2.5771, -0.0670 * t + 0.3703},
@@ -91,13 +90,15 @@ struct PreethamSky {
 
 /// Direct normal illuminance in lx. Source: IESNA Lighting Handbook, 9th ed., Ch. 8: E = 127.5 klx exp(-c m), c = 0.21
 /// for a clear sky, air mass m = 1 / sin(elevation).
-double sun_illuminance_lx() { return 127500.0 * std::exp(-0.21 / std::sin(radians(kSunElevationDeg))); }
+double sun_illuminance_lx(double elevation_deg) {
+  return 127500.0 * std::exp(-0.21 / std::sin(radians(elevation_deg)));
+}
 
 /// Mean radiance of the disc over its true solid angle, slightly warm, cd/m2.
-glm::dvec3 sun_radiance() {
+glm::dvec3 sun_radiance(double elevation_deg) {
   const double solid_angle = 2.0 * kPi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
   const glm::dvec3 tint(1.10, 0.985, 0.85);
-  return tint * (sun_illuminance_lx() / solid_angle / luminance(tint));
+  return tint * (sun_illuminance_lx(elevation_deg) / solid_angle / luminance(tint));
 }
 
 /// Share of the texel's solid angle inside the sun's disc.
@@ -242,9 +243,9 @@ glm::dvec3 sky_irradiance(const PreethamSky& sky) {
 
 }  // namespace
 
-Environment make_clear_sky() {
-  const PreethamSky sky;
-  const glm::dvec3 sun = sun_radiance();
+Environment make_clear_sky(double sun_elevation_deg) {
+  const PreethamSky sky(sun_elevation_deg);
+  const glm::dvec3 sun = sun_radiance(sun_elevation_deg);
   const double solid_angle = 2.0 * kPi * (1.0 - std::cos(radians(kSunDiameterDeg / 2.0)));
   const glm::dvec3 ground = kGroundAlbedo / kPi * (sky_irradiance(sky) + sun * solid_angle * sky.sun.y);
   const glm::dvec3 ridge = 0.28 * ground * glm::dvec3(0.72, 0.95, 0.85);

@@ -54,8 +54,10 @@ std::vector<std::string> nearest_names(std::string_view name, const std::vector<
   std::vector<std::pair<int, std::string>> ranked;
   for (const std::string& candidate : names) {
     int distance = word_distance(name, candidate);
-    const bool part = wanted.size() >= 3 && lower(candidate).find(wanted) != std::string::npos;
-    if (part) distance = std::min(distance, limit);
+    const std::string known = lower(candidate);
+    const bool part = wanted.size() >= 3 && known.find(wanted) != std::string::npos;
+    const bool begins = wanted.starts_with(known) && known.find_first_not_of('-') + 3 <= known.size();
+    if (part || begins) distance = std::min(distance, limit);
     if (distance <= limit) ranked.emplace_back(distance, candidate);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

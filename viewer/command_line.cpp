@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 
 #include "render/btf/btf_source.h"
 #include "render/technique/registry.h"
@@ -39,13 +40,18 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "command continues where it stopped",
        ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
+      {"measure", "[SCENE]", 0, 1,
+       "what a pane of glass adds to what an eye sees: luminances, reflectances, angles, regions and sweeps, as JSON "
+       "or CSV",
+       ""},
       {"inspect", "FILE", 1, 1,
        "what is in a scene, BRDF, environment or bake (bake.exr of its folder), what it would need, and the frame "
        "plan; `library` lists the built-in "
        "materials and environments",
        ""},
       {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},
-      {"help", "[COMMAND]", 0, 1, "the manual, or the part for one command", ""},
+      {"help", "[WORD]", 0, 1,
+       "the manual, or its part about a command, a topic (settings, modes, scenes, light, files) or a setting", ""},
   };
   return kCommands;
 }
@@ -68,6 +74,21 @@ const CommandDeclaration& find_command(const std::string& name) {
                    scene ? "to see a scene: maquette view " + name : did_you_mean(name, names));
 }
 
+/// What other programs call some options.
+std::string option_for(const std::string& word) {
+  static const std::map<std::string, std::string> kOptions = {
+      {"--environment", "--env"}, {"--hdri", "--env"},           {"--rotation", "--env-rotation"},
+      {"--resolution", "--size"}, {"--width", "--size"},         {"--height", "--size"},
+      {"--spp", "--samples"},     {"--paths", "--samples"},      {"--quality", "--samples"},
+      {"--seconds", "--time"},    {"--renderer", "--mode"},      {"--technique", "--mode"},
+      {"--lookat", "--target"},   {"--position", "--eye"},       {"--antialiasing", "--msaa"},
+      {"--setting", "--set"},     {"--mirror", "--reflections"}, {"--threshold", "--target-error"}};
+  std::vector<std::string> words;
+  for (const auto& [known, option] : kOptions) words.push_back(known);
+  const std::vector<std::string> near = nearest_names(word, words, 1);
+  return near.empty() || edit_distance(word, near.front()) > 2 ? std::string() : kOptions.at(near.front());
+}
+
 /// The error for an argument that the command does not accept.
 UsageError unexpected(const std::string& argument, const CommandDeclaration& command) {
   if (!argument.starts_with('-')) {
@@ -82,9 +103,28 @@ UsageError unexpected(const std::string& argument, const CommandDeclaration& com
       return UsageError(name, "this option is not one of maquette " + command.name,
                         "it belongs to " + join(option.commands));
   }
-  const std::vector<std::string> near = nearest_names(name, names);
-  return UsageError(name, "there is no such option",
-                    near.empty() ? "maquette " + command.name + " --help lists them" : did_you_mean(name, near));
+  std::vector<std::string> near = nearest_names(name, names);
+  const std::string meant = option_for(name);
+  if (std::find(names.begin(), names.end(), meant) != names.end()) near = {meant};
+  return UsageError(
+      name, "there is no such option",
+      near.empty() ? "maquette " + command.name + " --help lists them" : "did you mean " + join(near, " or ") + "?");
+}
+
+/// Throws UsageError where options stand before a command: they would be those of `view`, and the command its scene.
+void check_command_comes_first(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    if (!word.starts_with('-')) {
+      for (const CommandDeclaration& command : command_declarations())
+        if (command.name == word)
+          throw UsageError(arguments.front(), "it stands before the command",
+                           "options come behind it: maquette " + word + " " + arguments.front() + " ...");
+      return;
+    }
+    for (const OptionDeclaration& option : option_declarations())
+      if ((option.name == word || option.alias == word) && !option.argument.empty()) ++i;
+  }
 }
 
 std::string one_line(std::string text) {
@@ -165,9 +205,11 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     rest.erase(rest.begin());
   } else if (!rest.empty() && (rest.front() == "--help" || rest.front() == "-h" || rest.front() == "--version")) {
     line.command = "help";
+  } else {
+    check_command_comes_first(rest);
   }
   const CommandDeclaration& command = find_command(line.command);
-  if (line.command == "report") {  // many pictures: small by default
+  if (line.command == "report" || line.command == "measure") {  // many pictures, or many rays: small by default
     line.options.width = 320;
     line.options.height = 180;
   }
@@ -188,7 +230,8 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     throw UsageError("maquette " + command.name, "one of its arguments is empty", "it takes " + command.arguments);
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
-  if ((line.command == "view" || line.command == "render" || line.command == "report") && !line.files.empty())
+  if ((line.command == "view" || line.command == "render" || line.command == "report" || line.command == "measure") &&
+      !line.files.empty())
     line.options.scene = line.files.front();
   for (auto& [name, source] : line.options.materials) source = with_btf_reading(source, line.options.settings);
   check_combinations(line);

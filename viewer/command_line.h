@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "viewer/measure/measure_options.h"
 #include "viewer/options.h"
 
 namespace maquette {
@@ -13,6 +14,7 @@ struct CommandLine {
   std::string command = "view";
   std::vector<std::string> files;  ///< positional arguments
   SceneOptions options;
+  MeasureOptions measure;
   bool json = false;
   bool markdown = false;
   bool vocabulary = false;

@@ -12,6 +12,7 @@ int run_program(int argc, char** argv);
 int run_view(const CommandLine& line);
 int run_render(const CommandLine& line);
 int run_report(const CommandLine& line);
+int run_measure(const CommandLine& line);
 int run_compare(const CommandLine& line);
 int run_inspect(const CommandLine& line);
 int run_doctor(const CommandLine& line);

@@ -79,6 +79,59 @@ Json memory_json(const Scene& scene) {
           {"brdf_tables", measured.size() * kBrdfEntryCount * sizeof(glm::vec3)}};
 }
 
+/// Values as a person would write them, for lists of points.
+double rounded(float value) { return std::round(static_cast<double>(value) * 1e4) / 1e4; }
+Json point_json(const glm::vec3& p) { return {rounded(p.x), rounded(p.y), rounded(p.z)}; }
+
+Json cameras_json(const Scene& scene) {
+  Json cameras = Json::array();
+  for (const std::string& name : camera_names(scene)) {
+    const CameraView view = camera_by_name(scene, name);
+    Json camera = {{"name", name}, {"eye_m", point_json(view.eye)}, {"target_m", point_json(view.target)}};
+    if (view.is_orthographic())
+      camera["height_m"] = rounded(view.height_m);
+    else
+      camera["fov_deg"] = rounded(glm::degrees(view.fov_y_rad));
+    cameras.push_back(std::move(camera));
+  }
+  return cameras;
+}
+
+/// Nodes by path, with what they show. `most`: how many are listed before the rest is only counted.
+Json nodes_json(const Scene& scene, std::size_t most) {
+  Json nodes = Json::array();
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (i == most) {
+      nodes.push_back("and " + std::to_string(scene.nodes.size() - most) + " more: --json lists all");
+      break;
+    }
+    const Node& node = scene.nodes[i];
+    Json entry = {{"path", node_path(scene, static_cast<int>(i))}};
+    if (node.camera >= 0) entry["shows"] = "camera";
+    if (node.mesh >= 0) {
+      std::size_t triangles = 0;
+      std::vector<std::string> names;
+      for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+        triangles += primitive.indices.size() / 3;
+        const std::string name =
+            primitive.material < 0 ? "" : scene.materials[static_cast<std::size_t>(primitive.material)].name;
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+      }
+      entry["shows"] = std::to_string(triangles) + " triangles";
+      if (!names.empty()) entry["materials"] = join(names);
+    }
+    if (node.patch >= 0) {
+      const int material = scene.patches[static_cast<std::size_t>(node.patch)].material;
+      entry["shows"] = "a Bezier patch";
+      if (material >= 0) entry["materials"] = scene.materials[static_cast<std::size_t>(material)].name;
+    }
+    if (node.reflector) entry["reflector"] = "a reflector";
+    if (!node.visible) entry["hidden"] = "hidden";
+    nodes.push_back(std::move(entry));
+  }
+  return nodes;
+}
+
 Json inspect_scene(const CommandLine& line) {
   SceneOptions options = line.options;
   options.scene = line.files[0];
@@ -107,12 +160,14 @@ Json inspect_scene(const CommandLine& line) {
     json["bounds_max_m"] = rgb_json(bounds.max);
   }
   json["closes_the_eye_in"] = facts.enclosed;
-  json["cameras"] = camera_names(*scene);
+  json["cameras"] = cameras_json(*scene);
   json["variants"] = scene->variants;
   json["materials"] = Json::array();
   for (const Material& material : scene->materials)
     json["materials"].push_back(
         {{"name", material.name.empty() ? "(unnamed)" : material.name}, {"kind", material_kind(material)}});
+  constexpr std::size_t kListedNodes = 300;
+  json["scene_tree"] = nodes_json(*scene, line.json ? scene->nodes.size() : kListedNodes);
   json["warnings"] = scene->warnings;
   json["gpu_bytes"] = memory_json(*scene);
   ViewInfo view{options.width, options.height, options.msaa, options.reflections};

@@ -1,6 +1,8 @@
 #include "viewer/manual.h"
 
 #include <cstdio>
+#include <functional>
+#include <map>
 
 #include "render/technique/registry.h"
 #include "scenes/error.h"
@@ -132,12 +134,27 @@ Section exit_section() {
           {{"0", "done"}, {"1", "the work failed"}, {"2", "the call was wrong"}}};
 }
 
+/// Parts of the manual by one word.
+std::map<std::string, std::function<Section()>> topics() {
+  return {{"settings", setting_section}, {"modes", mode_section}, {"scenes", scene_section},
+          {"light", light_section},      {"files", file_section}, {"commands", command_section}};
+}
+
+/// The settings of that name, or of the technique named so.
+Section settings_named(const std::string& name) {
+  Section section = setting_section();
+  std::erase_if(section.entries, [&](const Entry& entry) {
+    return entry.term != name && !entry.term.starts_with(name.ends_with('.') ? name : name + ".");
+  });
+  return section;
+}
+
 std::vector<Section> sections(const std::string& command) {
   if (command.empty())
     return {command_section(), option_section(command), scene_section(), mode_section(),
             setting_section(), light_section(),         file_section(),  exit_section()};
   std::vector<Section> chosen = {option_section(command)};
-  if (command == "view" || command == "render" || command == "inspect") {
+  if (command == "view" || command == "render" || command == "inspect" || command == "measure") {
     chosen.push_back(scene_section());
     chosen.push_back(mode_section());
     chosen.push_back(setting_section());
@@ -197,11 +214,18 @@ std::string manual_text(const std::string& command) {
   } else {
     const CommandDeclaration* found = nullptr;
     std::vector<std::string> names;
+    for (const auto& [topic, section] : topics()) {
+      names.push_back(topic);
+      if (topic == command) return section_text(section());
+    }
+    if (const Section section = settings_named(command); !section.entries.empty()) return section_text(section);
+    for (const SettingDeclaration& setting : setting_declarations()) names.push_back(setting.name);
     for (const CommandDeclaration& candidate : command_declarations()) {
       names.push_back(candidate.name);
       if (candidate.name == command) found = &candidate;
     }
-    if (found == nullptr) throw UsageError(command, "there is no such command", did_you_mean(command, names));
+    if (found == nullptr)
+      throw UsageError(command, "there is no such command, topic or setting", did_you_mean(command, names));
     text = "maquette " + found->name + (found->arguments.empty() ? "" : " " + found->arguments) + "\n" +
            std::string(kIndent, ' ') + wrap(found->help, kIndent) + "\n\n";
   }

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <cmath>
 
 #include "render/renderer.h"
@@ -7,52 +6,14 @@
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 #include "viewer/command_line.h"
+#include "viewer/measure/measure_declarations.h"
+#include "viewer/option_values.h"
 
 namespace maquette {
 
 namespace {
 
 constexpr int kMaxSide = 16384;
-
-double parse_number(const std::string& text, const std::string& what) {
-  double value = 0.0;
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stop != end || !std::isfinite(value))
-    throw UsageError(what, "\"" + text + "\" is not a number", "write one as 0.5 or 1e-3");
-  return value;
-}
-
-double parse_in(const std::string& text, const std::string& what, double min, double max) {
-  const double value = parse_number(text, what);
-  if (value < min || value > max)
-    throw UsageError(what, text + " is out of range", "it goes from " + to_text(min) + " to " + to_text(max));
-  return value;
-}
-
-/// A whole number in [min, max].
-std::int64_t parse_count(const std::string& text, const std::string& what, std::int64_t min, std::int64_t max) {
-  const double value = parse_in(text, what, static_cast<double>(min), static_cast<double>(max));
-  if (value != std::floor(value)) throw UsageError(what, "\"" + text + "\" is not a whole number");
-  return static_cast<std::int64_t>(value);
-}
-
-std::vector<double> parse_list(const std::string& text, const std::string& what, std::size_t count,
-                               const std::string& form) {
-  std::vector<double> values;
-  std::size_t begin = 0;
-  while (begin <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, comma - begin);
-    values.push_back(part.empty() ? std::nan("") : parse_number(part, what));
-    begin = comma + 1;
-  }
-  bool whole = values.size() == count;
-  for (const double value : values) whole = whole && std::isfinite(value);
-  if (!whole) throw UsageError(what, "\"" + text + "\" is not of the form " + form);
-  return values;
-}
 
 glm::vec3 parse_point(const std::string& text, const std::string& what) {
   const std::vector<double> v = parse_list(text, what, 3, "x,y,z");
@@ -61,16 +22,13 @@ glm::vec3 parse_point(const std::string& text, const std::string& what) {
 
 void parse_size(SceneOptions* options, const std::string& text) {
   const std::size_t x = text.find('x');
-  if (x == std::string::npos) throw UsageError("--size", "\"" + text + "\" is not of the form WIDTHxHEIGHT");
+  const bool has_sides =
+      x != std::string::npos && x > 0 && x + 1 < text.size() && text.find('x', x + 1) == std::string::npos;
+  if (!has_sides || text.find_first_not_of("0123456789x") != std::string::npos)
+    throw UsageError("--size", "\"" + text + "\" is not of the form WxH",
+                     "write width and height in pixels, as 1280x720");
   options->width = static_cast<int>(parse_count(text.substr(0, x), "--size", 1, kMaxSide));
   options->height = static_cast<int>(parse_count(text.substr(x + 1), "--size", 1, kMaxSide));
-}
-
-std::pair<std::string, std::string> parse_pair(const std::string& text, const std::string& what,
-                                               const std::string& form) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw UsageError(what, "\"" + text + "\" is not of the form " + form);
-  return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
 void parse_dent(SceneOptions* options, const std::string& text) {
@@ -108,20 +66,20 @@ void parse_msaa(SceneOptions* options, const std::string& text) {
 
 using Apply = std::function<void(SceneOptions*, const std::string&)>;
 
-/// An option of `view`, `render` and `report`.
+/// An option of `view`, `render`, `report` and `measure`.
 OptionDeclaration shared(std::string name, std::string argument, std::string help, const Apply& apply,
                          bool repeatable = false) {
   return {std::move(name),
           std::move(argument),
           std::move(help),
-          {"view", "render", "report"},
+          {"view", "render", "report", "measure"},
           [apply](CommandLine* line, const std::string& text) { apply(&line->options, text); },
           repeatable};
 }
 
 /// An option of `inspect` as well: it shapes the frame plan.
 OptionDeclaration plan_option(OptionDeclaration option) {
-  option.commands = {"view", "render", "report", "inspect"};
+  option.commands = {"view", "render", "report", "measure", "inspect"};
   return option;
 }
 
@@ -152,7 +110,8 @@ std::string environment_choices() {
 std::vector<OptionDeclaration> light_and_material_options() {
   using O = SceneOptions;
   return {
-      shared("--env", "FILE", "environment: .hdr, .exr or " + environment_choices() + " (builtin:clear-sky)",
+      shared("--env", "FILE", "environment: .hdr, .exr or " + environment_choices() +
+                 " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
              [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }),
       shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",
              [](O* o, const std::string& t) {
@@ -215,7 +174,7 @@ std::vector<OptionDeclaration> camera_options() {
              [](O* o, const std::string& t) {
                o->orthographic_m = static_cast<float>(parse_in(t, "--orthographic", 1e-9, 1e9));
              }),
-      shared("--size", "WxH", "picture in pixels (1280x720; `report`: 320x180)", parse_size),
+      shared("--size", "WxH", "picture in pixels (1280x720; `report`, `measure`: 320x180)", parse_size),
   };
 }
 
@@ -298,9 +257,9 @@ std::vector<OptionDeclaration> output_options() {
   OptionDeclaration output = render_only(
       "--output", "FILE",
       "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
-      "colours) or .exr (absolute, R, G, B); `report`, `bake`: the folder",
+      "colours) or .exr (absolute, R, G, B); `report`, `bake`: the folder; `measure`: .json or .csv",
       [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
-  output.commands = {"render", "compare", "report", "bake"};
+  output.commands = {"render", "compare", "report", "bake", "measure"};
   output.alias = "-o";
   return {
       output,
@@ -328,7 +287,7 @@ std::vector<OptionDeclaration> output_options() {
       {"--json",
        "",
        "prints one JSON object",
-       {"compare", "inspect", "doctor"},
+       {"compare", "inspect", "doctor", "measure"},
        [](CommandLine* line, const std::string&) { line->json = true; }},
       {"--version",
        "",
@@ -353,9 +312,13 @@ std::vector<OptionDeclaration> output_options() {
 const std::vector<OptionDeclaration>& option_declarations() {
   static const std::vector<OptionDeclaration> kOptions = [] {
     std::vector<OptionDeclaration> all;
-    for (const auto& group :
-         {output_options(), technique_options(), light_and_material_options(), camera_options(), quality_options()})
+    for (const auto& group : {output_options(), technique_options(), light_and_material_options(), camera_options(),
+                              quality_options(), measure_option_declarations()})
       all.insert(all.end(), group.begin(), group.end());
+    for (OptionDeclaration& option : all)  // what only a picture for the eye has
+      if (option.name == "--exposure" || option.name == "--tonemap" || option.name == "--view" ||
+          option.name == "--look")
+        std::erase(option.commands, "measure");
     all.push_back({"--help",
                    "",
                    "this manual, or that of one command",

@@ -11,9 +11,11 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/luminance.h"
+#include "scenes/percent.h"
 #include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/interrupt.h"
 #include "viewer/outputs.h"
 #include "viewer/session.h"
 #include "viewer/stats.h"
@@ -87,44 +89,120 @@ void render_frames(Renderer* renderer, FrameRequest request, const SceneOptions&
   report->total_s = seconds_since(start);
 }
 
-/// Averages frames until --time or --target-error. Returns whether the requested error (if any) was reached.
-bool accumulate_frames(Renderer* renderer, FrameRequest request, const SceneOptions& options,
-                       const std::optional<Image>& reference, RenderReport* report) {
-  const double limit_s = options.time_s.value_or(kPatience_s);
-  const Clock::time_point start = Clock::now();
-  request.deadline = start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(limit_s));
-  int next_check = 1;
-  Image half;
-  while (true) {
-    if (report->frames.size() == kKeptFrames) report->frames.erase(report->frames.begin());
-    report->frames.push_back(renderer->render(request, true));
-    report->total_s = seconds_since(start);
-    const int count = report->frames.back().accumulated_frames;
-    const bool out_of_time = report->total_s >= limit_s;
-    if (options.target_error && reference) {
-      // Reading the picture back is slow: it is checked whenever the number of frames has grown by about a tenth.
-      if (count < next_check && !out_of_time) continue;
-      next_check = count + std::max(1, count / 10);
-      if (compare_images(renderer->read_radiance(), *reference).relative_rmse.value_or(INFINITY) <=
-          *options.target_error)
-        return true;
-    } else if (report->frames.back().estimated_error) {
-      report->estimated_error = report->frames.back().estimated_error;
-      if (options.target_error && *report->estimated_error <= *options.target_error) return true;
-    } else if (count == next_check) {
-      Image all = renderer->read_radiance();
-      if (half.width > 0) report->estimated_error = estimate_error(all, half);
-      half = std::move(all);
-      next_check = 2 * count;
-      if (options.target_error && report->estimated_error && *report->estimated_error <= *options.target_error)
-        return true;
-    }
-    if (out_of_time) return !options.target_error;
-  }
-}
-
 bool traces_picture(const FrameRequest& request) {
   return builtin_registry().find_mode(request.mode).can.traces_picture;
+}
+
+/// Tells on standard error how far an accumulation has come.
+class AccumulationProgress {
+ public:
+  explicit AccumulationProgress(const SceneOptions& options) : options_(options) {}
+  void update(double seconds, double limit_s, const std::optional<double>& error) {
+    constexpr double kFirst_s = 2.0, kLines = 10.0;
+    const double interval_s = options_.time_s ? std::max(kFirst_s, limit_s / kLines) : 2.0 * kFirst_s;
+    if (seconds < last_s_ + interval_s || seconds > limit_s - 0.5 * interval_s) return;
+    last_s_ = seconds;
+    std::string text = options_.output.empty() || options_.output == "-" ? "render" : options_.output;
+    char part[96];
+    std::snprintf(part, sizeof part, options_.time_s ? ": %.0f of %.3g s" : ": %.0f s", seconds, limit_s);
+    text += part;
+    if (error) {
+      std::snprintf(part, sizeof part, ", error about %.2g %%", 100.0 * *error);
+      text += part;
+      if (options_.target_error) text += " of " + percent_text(*options_.target_error);
+    }
+    std::fprintf(stderr, "%s; Ctrl-C keeps the picture so far\n", text.c_str());
+  }
+
+ private:
+  const SceneOptions& options_;
+  double last_s_ = 0.0;
+};
+
+/// How an accumulation ended.
+enum class Ending { as_asked, out_of_time, interrupted };
+
+/// Averages frames until --time, --target-error or Ctrl-C.
+class Accumulation {
+ public:
+  Accumulation(Renderer* renderer, const SceneOptions& options, const std::optional<Image>& reference,
+               RenderReport* report)
+      : renderer_(*renderer), options_(options), reference_(reference), report_(*report) {}
+
+  Ending run(FrameRequest request) {
+    prepare(request);
+    const double limit_s = options_.time_s.value_or(kPatience_s);
+    slices_ = traces_picture(request);
+    const Clock::time_point start = Clock::now();
+    const InterruptGuard guard;
+    AccumulationProgress progress(options_);
+    while (true) {
+      const double begin_s = seconds_since(start);
+      if (slices_) request.deadline = start + duration_of(std::min(limit_s, begin_s + kSlice_s));
+      if (report_.frames.size() == kKeptFrames) report_.frames.erase(report_.frames.begin());
+      report_.frames.push_back(renderer_.render(request, true));
+      report_.total_s = seconds_since(start);
+      // The end nearest to the time that was asked for: another frame, where less than half of it is beyond.
+      const double frame_s = report_.total_s - begin_s;
+      const bool out_of_time = report_.total_s + (slices_ ? 0.0 : 0.5 * frame_s) >= limit_s;
+      if (reached(out_of_time)) return Ending::as_asked;
+      if (InterruptGuard::asked()) return Ending::interrupted;
+      if (out_of_time) return options_.target_error ? Ending::out_of_time : Ending::as_asked;
+      progress.update(report_.total_s, limit_s, report_.estimated_error);
+    }
+  }
+
+ private:
+  /// Compiles shaders and builds what rays are traced through, so that the time is that of frames alone.
+  void prepare(FrameRequest request) {
+    constexpr int kShare = 16;
+    request.width = std::max(1, request.width / kShare);
+    request.height = std::max(1, request.height / kShare);
+    request.samples = 1;
+    renderer_.render(request);
+  }
+
+  /// A mode that traces whole pictures stops after so long for progress and Ctrl-C.
+  static constexpr double kSlice_s = 0.5;
+  static Clock::duration duration_of(double seconds) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
+
+  /// Is the error as low as --target-error asks? Estimates it from the frames where there is no reference.
+  bool reached(bool out_of_time) {
+    const std::optional<double>& target = options_.target_error;
+    const FrameStats& last = report_.frames.back();
+    const int count = last.accumulated_frames;
+    if (target && reference_) {
+      // Reading the picture back is slow: it is checked whenever the number of frames has grown by about a tenth.
+      if (count < next_check_ && !out_of_time) return false;
+      next_check_ = count + std::max(1, count / 10);
+      return compare_images(renderer_.read_radiance(), *reference_).relative_rmse.value_or(INFINITY) <= *target;
+    }
+    if (last.estimated_error) {
+      report_.estimated_error = last.estimated_error;
+    } else if (count == next_check_ && !slices_) {
+      Image all = renderer_.read_radiance();
+      if (half_.width > 0) report_.estimated_error = estimate_error(all, half_);
+      half_ = std::move(all);
+      next_check_ = 2 * count;
+    }
+    return target && report_.estimated_error && *report_.estimated_error <= *target;
+  }
+
+  Renderer& renderer_;
+  const SceneOptions& options_;
+  const std::optional<Image>& reference_;
+  RenderReport& report_;
+  bool slices_ = false;
+  int next_check_ = 1;
+  Image half_;
+};
+
+std::string duration_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f s", seconds);
+  return text;
 }
 
 std::string time_text(const RenderReport& report, const FrameRequest& request, bool accumulates) {
@@ -142,12 +220,12 @@ std::string time_text(const RenderReport& report, const FrameRequest& request, b
 }
 
 /// The part about the error in the line that is printed for a picture.
-std::string error_text(const RenderReport& report, const SceneOptions& options, bool reached) {
+std::string error_text(const RenderReport& report, const SceneOptions& options, Ending ending) {
   char text[96] = "";
   if (report.error && report.error->relative_rmse)
     std::snprintf(text, sizeof text, ", relative RMSE %.3g %%", 100.0 * *report.error->relative_rmse);
   std::string result = text;
-  if (options.target_error && !reached) result += ", --target-error not reached";
+  if (options.target_error && ending != Ending::as_asked) result += ", --target-error not reached";
   return result;
 }
 
@@ -218,9 +296,9 @@ int run_render(const CommandLine& line) {
   renderer.finish_background_work(request);
 
   RenderReport report;
-  bool reached = true;
+  Ending ending = Ending::as_asked;
   if (accumulates)
-    reached = accumulate_frames(&renderer, request, options, reference, &report);
+    ending = Accumulation(&renderer, options, reference, &report).run(request);
   else
     render_frames(&renderer, request, options, &report);
   const Image radiance = renderer.read_radiance();
@@ -232,10 +310,13 @@ int run_render(const CommandLine& line) {
     if (options.stats != "-")
       std::printf("%s: %dx%d, mode %s%s, %s%s\n", options.output.c_str(), request.width, request.height,
                   request.mode.c_str(), request.part_modes.empty() ? "" : " and others for parts",
-                  time_text(report, request, accumulates).c_str(), error_text(report, options, reached).c_str());
+                  time_text(report, request, accumulates).c_str(), error_text(report, options, ending).c_str());
   }
   if (!options.stats.empty()) write_text(options.stats, stats_json(options, request, device, report));
-  if (!reached && !options.time_s)
+  if (ending == Ending::interrupted)
+    throw Error("maquette render", "interrupted after " + duration_text(report.total_s),
+                options.output.empty() ? "" : options.output + " holds the picture so far");
+  if (ending == Ending::out_of_time && !options.time_s)
     throw Error("--target-error " + to_text(*options.target_error), "it was not reached within ten minutes",
                 "raise it, or give --time for as long as it may take");
   return 0;

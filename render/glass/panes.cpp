@@ -38,6 +38,22 @@ ShaderVariant pane_variant(const ShadingPlan& plan, const PaneKind& kind) {
            {"HATCHED", flag(kind.hatched)}}};
 }
 
+/// Weights of the first image, the second one, and of what is no reflection of a pane (`reflections.layer`).
+glm::vec3 layer_weights(const std::string& layer) {
+  if (layer == "transmitted") return {0.0f, 0.0f, 1.0f};
+  if (layer == "reflected") return {1.0f, 1.0f, 0.0f};
+  if (layer == "ghost") return {0.0f, 1.0f, 0.0f};
+  return {1.0f, 1.0f, 1.0f};
+}
+
+/// Empties what panes are drawn over, but for its alpha.
+void clear_colors(GLuint framebuffer) {
+  constexpr float kBlack[] = {0.0f, 0.0f, 0.0f, 0.0f};
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_FALSE);
+  glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, kBlack);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 const ShaderVariant kTiles{"glass/tiles.comp", "", {}};
 
 /// Of an orthographic camera far behind, as no point of its rays is the eye of all.
@@ -161,7 +177,7 @@ bool Panes::record(const PaneScene& scene, const Texture& behind) {
   if (!surfaces.kept()) recorded_.reset();  // of another G-buffer
   // Layers are listed in the order of the fragments, which only a software device promises to keep.
   if (!frame.plan.glass || !frame.device.software || !surfaces.kept() || !frame.plan.reflections.empty() ||
-      scene.layers.size() > 1)
+      scene.layers.size() > 1 || frame.request.settings.get_string("reflections.layer") != "all")
     return false;
   const Key now = Key::of(surfaces.revision(), layer.context.plan.visibility, frame.bakes.without_indirect());
   if (recorded_ && recorded_->of == now) return recorded_->complete;
@@ -221,9 +237,12 @@ void Panes::bind_framebuffer(const PaneScene& scene, const Texture& behind) {
 
 void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& drawn, const Texture& behind,
                        bool record) {
-  if (drawn.empty()) return;
+  const std::string& layer = scene.frame.request.settings.get_string("reflections.layer");
+  const bool on_black = !record && layer_weights(layer).z == 0.0f;
+  if (drawn.empty() && !on_black) return;
   SceneState& state = scene.frame.scene;
   bind_framebuffer(scene, behind);
+  if (on_black) clear_colors(framebuffer_.get());
   glEnable(GL_DEPTH_TEST);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
@@ -271,6 +290,8 @@ void Panes::draw_item(const PaneScene& scene, std::size_t i, bool record) const 
   glUniform2f(program.location("u_pane"), pane_share(m), m.ior);
   if (kind.specular)
     glUniform4f(program.location("u_specular"), m.specular_color.r, m.specular_color.g, m.specular_color.b, m.specular);
+  const glm::vec3 weights = layer_weights(scene.frame.request.settings.get_string("reflections.layer"));
+  glUniform3f(program.location("u_layer"), weights.x, weights.y, weights.z);
   if (kind.reflected != PaneKind::Reflected::none) program.set("u_reflector", scene.reflectors.of_item(i));
   const glm::vec3 absorption = volume_absorption(m) * item.scale;
   glUniform3f(program.location("u_absorption"), absorption.r, absorption.g, absorption.b);

@@ -11,6 +11,7 @@
 #include "scenes/shared_glsl.h"
 
 namespace maquette::shared {
+using Real = float;
 // Some need others before them.
 // clang-format off
 #include "shared/constants.glsl"

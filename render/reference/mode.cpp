@@ -29,6 +29,12 @@ PictureRequest picture_request(const FrameRequest& request) {
   return r;
 }
 
+/// Deadlines say when to stop for now, not what the picture is.
+FrameRequest without_deadline(FrameRequest request) {
+  request.deadline.reset();
+  return request;
+}
+
 class ReferenceMode : public PictureMode {
  public:
   void draw(const PictureInput& input) override {
@@ -36,7 +42,7 @@ class ReferenceMode : public PictureMode {
       watch(input);
     else
       trace(input);
-    request_ = input.request;
+    request_ = without_deadline(input.request);
     interactive_ = input.interactive;
   }
   const Image& picture() const override { return shown_.mean; }
@@ -76,7 +82,7 @@ class ReferenceMode : public PictureMode {
                                  .library = &library_});
       scene_of_ = scene;
     }
-    if (!picture_ || !input.accumulate || !(request_ == input.request)) {
+    if (!picture_ || !input.accumulate || !(request_ == without_deadline(input.request))) {
       picture_.emplace(scene_, picture_request(input.request));
       frames_ = 0;
     }
@@ -90,7 +96,7 @@ class ReferenceMode : public PictureMode {
     if (first) worker_ = std::make_unique<ReferenceWorker>();
     const Key scene = input.scene.revisions().all();
     const bool other_scene = first || scene_of_ != scene;
-    const bool changed = other_scene || !(request_ == input.request);
+    const bool changed = other_scene || !(request_ == without_deadline(input.request));
     if (changed) {
       ReferenceWorker::Job job;
       if (other_scene) {

@@ -46,6 +46,13 @@ Technique reflections_technique() {
        .max = 20.0,
        .unit = "mrad",
        .help = "by which their faces part upwards"},
+      {.name = "reflections.layer",
+       .default_value = std::string("all"),
+       .help =
+           "of the light at panes: all; transmitted: what is seen through them; reflected: what they mirror, on black; "
+           "ghost: their second image alone, with reflections.ghost. reflected and transmitted sum to all; mode "
+           "reference always shows all",
+       .choices = {"all", "transmitted", "reflected", "ghost"}},
       {.name = "reflections.skip",
        .default_value = 0.05,
        .min = 0.0,

@@ -36,6 +36,7 @@ uniform vec3 u_emission;  // cd/m2, of panes
 uniform int u_blends;     // 1: alpha is coverage
 uniform float u_cutoff;   // alpha below it is cut out; below 0: nothing is
 uniform vec2 u_pane;      // share that transmits, refractive index; share 0: a blended surface
+uniform vec3 u_layer;     // weights of what the first image shows, of the second image, and of what is no reflection of a pane
 uniform vec3 u_absorption;  // of the volume behind a front face, over its thickness
 #if PANE == 2
 uniform vec4 u_specular;  // specular colour, specular factor
@@ -208,7 +209,7 @@ void main() {
   layer.through_added = vec4(through.b, emission * base.a);
   b_layers[number - 1u] = layer;
 #else
-  o_color = vec4(surface * base.a, 0.0);
+  o_color = vec4(surface * (u_layer.z * base.a), 0.0);
   o_through = vec4(vec3(1.0 - base.a), 1.0);
 #if PANE
   {
@@ -217,15 +218,15 @@ void main() {
     vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     mirrored = mix(mirrored, scene.rgb, scene.w);
 #endif
-    vec3 reflected = shares.reflected * mirrored;
+    vec3 reflected = u_layer.x * shares.reflected * mirrored;
 #if MIRRORED == 2
     if (scene.w > 0.0) {
       vec4 second = reflected_scene(t_ghost_direction, t_ghost);
       vec3 back = back_reflectance(c, base.rgb, shares.reflected);
-      reflected += back * (second.rgb - mirrored) * second.w;
+      reflected += back * (u_layer.y * second.rgb - u_layer.x * mirrored) * second.w;
     }
 #endif
-    o_color = vec4(base.a * (pane * (emission + reflected) + (1.0 - pane) * surface), 0.0);
+    o_color = vec4(base.a * (pane * (u_layer.z * emission + reflected) + (1.0 - pane) * u_layer.z * surface), 0.0);
     o_through = vec4(1.0 - base.a + shares.transmitted * (pane * base.a), 1.0);
   }
 #endif
@@ -235,7 +236,7 @@ void main() {
     vec4 scene = reflected_scene(t_ray_direction, t_reflection);
     vec3 mirrored = scene.w > 0.0 ? scene.rgb : environment_bilinear(environment_from_world(reflect(-view, n))) * (u_frame.environment.z * v_open);
     vec3 share = vec3(metal_reflectance(c, base.r), metal_reflectance(c, base.g), metal_reflectance(c, base.b));
-    o_color = vec4(emission + share * mirrored, 0.0);
+    o_color = vec4(u_layer.z * (emission + share * mirrored), 0.0);
     o_through = vec4(0.0, 0.0, 0.0, 1.0);
   }
 #endif

@@ -131,9 +131,17 @@ TEST(CommandLine, TheSceneMayComeAfterAnyOption) {
 TEST(CommandLine, WrongValuesAreNamed) {
   const Words base = {"render", "-o", "a.png"};
   const std::vector<std::pair<Words, std::string>> cases = {
-      {{"--size", "640"}, "WIDTHxHEIGHT"},
+      {{"--size", "640"}, "WxH"},
+      {{"--size", "12x"}, "of the form WxH; write width and height"},
+      {{"--size", "x12"}, "WxH"},
+      {{"--size", "12x-3"}, "WxH"},
+      {{"--enviroment", "a.hdr"}, "did you mean --env?"},
+      {{"--environment-rotation", "3"}, "--env"},
+      {{"--resolution", "8x8"}, "did you mean --size?"},
+      {{"--widht", "8"}, "did you mean --size?"},
+      {{"--zzzz", "8"}, "render --help lists them"},
       {{"--size", "0x10"}, "out of range"},
-      {{"--size", "640x360x2"}, "not a number"},
+      {{"--size", "640x360x2"}, "WxH"},
       {{"--size", "99999x10"}, "out of range"},
       {{"--eye", "1,2"}, "x,y,z"},
       {{"--eye", "1,2,3,4"}, "x,y,z"},
@@ -188,6 +196,12 @@ TEST(CommandLine, CommandsAreChecked) {
   EXPECT_TRUE(contains(usage_error({"compare", "a.exr"}), "A.exr B.exr"));
   EXPECT_TRUE(contains(usage_error({"inspect"}), "FILE"));
   EXPECT_TRUE(contains(usage_error({"render"}), "--output"));
+  for (const Words& words : {Words{"--mode", "sg", "render"}, Words{"-o", "a.png", "render", "car.glb"},
+                             Words{"--json", "inspect", "car.glb"}, Words{"--set=octree.depth=7", "view"}}) {
+    const std::string message = usage_error(words);
+    EXPECT_TRUE(contains(message, "options come behind it: maquette ")) << message;
+  }
+  EXPECT_EQ(parse({"--camera", "report"}).options.camera, "report") << "a value, no command";
   for (const std::string later : {"play"}) {
     try {
       parse({later});
@@ -257,6 +271,16 @@ TEST(Manual, NamesEveryDeclarationAndFitsATerminal) {
   EXPECT_TRUE(contains(manual_text("render"), "--output"));
   EXPECT_FALSE(contains(manual_text("doctor"), "--output"));
   EXPECT_THROW(manual_text("rendr"), UsageError);
+  EXPECT_TRUE(contains(manual_text("settings"), "octree.depth"));
+  EXPECT_FALSE(contains(manual_text("settings"), "--output"));
+  EXPECT_TRUE(contains(manual_text("octree.depth"), "octree.depth"));
+  EXPECT_FALSE(contains(manual_text("octree"), "shading.visibility"));
+  try {
+    manual_text("setings");
+    ADD_FAILURE();
+  } catch (const UsageError& error) {
+    EXPECT_TRUE(contains(error.what(), "did you mean settings")) << error.what();
+  }
 }
 
 }  // namespace

@@ -160,6 +160,15 @@ TEST(Program, DoctorAndInspectSpeakJson) {
   const Json sphere = Json::parse(run_maquette({"inspect", "builtin:sphere", "--json"}).out);
   EXPECT_EQ(sphere["kind"], "scene");
   EXPECT_GT(sphere["triangles"].get<int>(), 100);
+  EXPECT_EQ(sphere["scene_tree"].size(), sphere["nodes"].get<std::size_t>());
+  const Json cockpit = Json::parse(run_maquette({"inspect", "builtin:cockpit", "--json"}).out);
+  ASSERT_EQ(cockpit["cameras"].size(), 4u);
+  EXPECT_EQ(cockpit["cameras"][0]["name"], "driver");
+  EXPECT_EQ(cockpit["cameras"][0]["eye_m"].size(), 3u);
+  EXPECT_GT(cockpit["cameras"][0]["fov_deg"].get<double>(), 1.0);
+  const std::string told = run_maquette({"inspect", "builtin:cockpit"}).out;
+  EXPECT_TRUE(contains(told, "driver: eye m ")) << told;
+  EXPECT_TRUE(contains(told, "; a reflector")) << told;
   EXPECT_EQ(sphere["plan"][0]["pass"], "build_shadow_rays");
   EXPECT_EQ(sphere["plan"][1]["pass"], "raster");
   EXPECT_FALSE(sphere["closes_the_eye_in"].get<bool>());

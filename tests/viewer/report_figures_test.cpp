@@ -79,6 +79,24 @@ TEST(ReportFigures, TheFrontHoldsWhatNothingBeats) {
   EXPECT_EQ(front[3].technique, "a");  // 30 ms; 40 ms at the same error is beaten
 }
 
+TEST(ReportFigures, NothingIsRankedWithinTheNoiseOfTheReference) {
+  std::vector<Curve> curves = {{"a", {at(10.0, 0.5), at(20.0, 0.04), at(30.0, 0.01)}},
+                               {"b", {at(15.0, 0.2), at(25.0, 0.03), at(40.0, 0.002)}}};
+  EXPECT_EQ(noise_floor(curves), 0.0);
+  EXPECT_EQ(pareto_front(curves).size(), 6u);
+  for (Curve& curve : curves)
+    for (CurvePoint& p : curve.points) p.below_noise = p.error < 0.045;
+  const double floor = noise_floor(curves);
+  EXPECT_EQ(floor, 0.04);
+  EXPECT_FALSE(time_to_error(curves[0], 0.04, floor));
+  EXPECT_TRUE(time_to_error(curves[0], 0.05, floor));
+  const std::vector<FrontPoint> front = pareto_front(curves);
+  ASSERT_EQ(front.size(), 3u);
+  EXPECT_EQ(front.back().time_ms, 20.0) << "the fastest of those that the noise hides";
+  EXPECT_EQ(best_error_text(curves[1], Metric::relative_rmse, floor), "≈ 4 % or less");
+  EXPECT_EQ(best_error_text(curves[1], Metric::relative_rmse, 0.0), "0.2 %");
+}
+
 TEST(ReportFigures, MeansAreGeometricOverTheCameras) {
   Report report = two_techniques();
   const std::vector<Curve> curves = mean_curves(report, Scope::estimator, Metric::relative_rmse);
@@ -185,6 +203,9 @@ TEST(ReportPage, HoldsEverythingItself) {
   EXPECT_NE(html.find("a &quot;scene&quot; &lt;of&gt; &amp; signs"), std::string::npos);
   EXPECT_NE(html.find("What was left out"), std::string::npos);
   EXPECT_NE(html.find("no charts"), std::string::npos);
+  const std::size_t explained = html.find("<b>Estimator error</b> against direct light");
+  EXPECT_NE(explained, std::string::npos);
+  EXPECT_LT(explained, html.find("estimator error")) << "before it is first used";
   // Both slow and quick reach 20 %: 40 ms of slow against quick's 0.3 to 0.212 to 0.15.
   EXPECT_NE(html.find("To an estimator error of"), std::string::npos);
 }

@@ -58,8 +58,7 @@ std::vector<Curve> curves_of(const Report& report, const std::string& camera, Sc
       const std::optional<Spread> error = error_of(*point, metric);
       if (!error || !(error->median > kLeastError)) continue;
       curve.points.push_back({point->time_ms.median, error->median, point->time_ms.low, point->time_ms.high, error->low,
-                              error->high, point->quality, metric == Metric::relative_rmse && point->below_noise,
-                              point->samples});
+                              error->high, point->quality, point->below_noise, point->samples});
     }
     if (!curve.points.empty()) curves.push_back(std::move(curve));
   }
@@ -110,16 +109,19 @@ std::vector<FrontPoint> pareto_front(const std::vector<Curve>& curves) {
   for (const Curve& curve : curves)
     for (const CurvePoint& point : curve.points)
       all.push_back({curve.technique, point.quality, point.time_ms, point.error});
+  const double floor = noise_floor(curves);
   std::sort(all.begin(), all.end(), [](const FrontPoint& a, const FrontPoint& b) {
     return a.time_ms != b.time_ms ? a.time_ms < b.time_ms : a.error < b.error;
   });
   std::vector<FrontPoint> front;
   for (FrontPoint& point : all)
-    if (front.empty() || point.error < front.back().error) front.push_back(std::move(point));
+    if (front.empty() || std::max(point.error, floor) < std::max(front.back().error, floor))
+      front.push_back(std::move(point));
   return front;
 }
 
-std::optional<double> time_to_error(const Curve& curve, double target) {
+std::optional<double> time_to_error(const Curve& curve, double target, double floor) {
+  if (target <= floor) return std::nullopt;
   std::vector<CurvePoint> points = curve.points;
   std::sort(points.begin(), points.end(),
             [](const CurvePoint& a, const CurvePoint& b) { return a.time_ms < b.time_ms; });
@@ -134,6 +136,14 @@ std::optional<double> time_to_error(const Curve& curve, double target) {
     best = &point;
   }
   return std::nullopt;
+}
+
+double noise_floor(const std::vector<Curve>& curves) {
+  double floor = 0.0;
+  for (const Curve& curve : curves)
+    for (const CurvePoint& point : curve.points)
+      if (point.below_noise) floor = std::max(floor, point.error);
+  return floor;
 }
 
 double best_error(const Curve& curve) {

@@ -38,11 +38,15 @@ struct FrontPoint {
   std::string technique, quality;
   double time_ms = 0.0, error = 0.0;
 };
+/// Errors within the reference's noise count as equal: of those the fastest alone is in the front.
 std::vector<FrontPoint> pareto_front(const std::vector<Curve>& curves);
 
 /// Time at which the best error so far falls to `target`: interpolated log-log between the two points around it. The
-/// first point's time if its error is low enough already; nothing if no point's is.
-std::optional<double> time_to_error(const Curve& curve, double target);
+/// first point's time if its error is low enough already; nothing if no point's is, or if `target` is not above
+/// `floor`.
+std::optional<double> time_to_error(const Curve& curve, double target, double floor = 0.0);
 double best_error(const Curve& curve);
+/// Largest error of a point that the reference's noise hides: what is smaller cannot be ranked. 0: nothing is hidden.
+double noise_floor(const std::vector<Curve>& curves);
 
 }  // namespace maquette::report

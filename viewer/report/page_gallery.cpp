@@ -95,10 +95,12 @@ std::string fastest_line(const Report& report, Scope scope, Metric metric) {
                                                              : curves_of(report, report.cameras[0].name, scope, metric);
   const std::vector<double> targets = metric == Metric::flip ? std::vector<double>{0.02, 0.05, 0.1, 0.2, 0.3}
                                                              : std::vector<double>{0.01, 0.02, 0.05, 0.1, 0.2, 0.5};
+  const double floor = noise_floor(curves);
   for (const double target : targets) {
     std::vector<std::pair<double, std::string>> reached;
     for (const Curve& curve : curves)
-      if (const std::optional<double> time = time_to_error(curve, target)) reached.emplace_back(*time, curve.technique);
+      if (const std::optional<double> time = time_to_error(curve, target, floor))
+        reached.emplace_back(*time, curve.technique);
     if (reached.size() < 2) continue;
     std::sort(reached.begin(), reached.end());
     std::string line = "To a" + std::string(scope == Scope::estimator ? "n " : " ") + scope_name(scope) + " error of " +
@@ -127,13 +129,13 @@ std::string summary_section(const PageInput& input) {
   const std::string camera = report.cameras.empty() ? "" : report.cameras[0].name;
   const std::vector<Curve> model =
       many ? mean_curves(report, Scope::model, Metric::flip) : curves_of(report, camera, Scope::model, Metric::flip);
-  std::string floor;
+  std::string smallest;
   for (const TechniqueEntry& technique : report.techniques)
     if (const Curve* curve = find_curve(model, technique.name))
-      floor +=
-          (floor.empty() ? "" : ", ") + escape(technique.name) + " " + error_text(best_error(*curve), Metric::flip);
-  if (!floor.empty()) lines.push_back("Smallest model error that was reached (FLIP): " + floor + ".");
-  std::string html = "<div class=\"summary\">\n<ul>\n";
+      smallest += (smallest.empty() ? "" : ", ") + escape(technique.name) + " " +
+                  best_error_text(*curve, Metric::flip, noise_floor(model));
+  if (!smallest.empty()) lines.push_back("Smallest model error that was reached (FLIP): " + smallest + ".");
+  std::string html = "<div class=\"summary\">\n" + explain_errors(report) + "<ul>\n";
   for (const std::string& line : lines) html += "<li>" + line + "</li>\n";
   if (lines.empty()) html += "<li>Too little was measured for a comparison.</li>\n";
   html += "</ul>\n<p class=\"small\">" + std::to_string(report.points.size()) + " points on " +

@@ -80,6 +80,28 @@ std::string error_text(double error, Metric metric) {
   return text;
 }
 
+std::string best_error_text(const Curve& curve, Metric metric, double floor) {
+  const double error = best_error(curve);
+  return error > floor ? error_text(error, metric) : "≈ " + error_text(floor, metric) + " or less";
+}
+
+std::string explain_errors(const Report& report) {
+  static constexpr const char* kMeaning[] = {
+      "against direct light without shadows, which the technique itself computes; more time makes it smaller",
+      "against all light paths: shadows and indirect light that a technique leaves out stay in it, however long it "
+      "runs",
+      "of a reflector technique, against a ray for every pixel of every reflector"};
+  std::string html = "<p class=\"small\">Errors: ";
+  bool first = true;
+  for (const Scope scope : kScopes) {
+    if (!report.has(scope)) continue;
+    html += std::string(first ? "" : "; ") + "<b>" + (first ? error_title(scope) : scope_name(scope) + " error") +
+            "</b> " + kMeaning[static_cast<std::size_t>(scope)];
+    first = false;
+  }
+  return first ? std::string() : html + ". How to read it, below, says more.</p>\n";
+}
+
 std::optional<std::string> data_address(const std::string& path, const std::string& type) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
@@ -118,10 +140,11 @@ std::string time_table(const Report& report, const std::string& camera, Scope sc
   if (curves.empty()) return "<p class=\"note\">Nothing was measured.</p>\n";
   std::vector<double> targets = metric == Metric::flip ? std::vector<double>{0.3, 0.2, 0.1, 0.05, 0.02}
                                                        : std::vector<double>{0.5, 0.2, 0.1, 0.05, 0.02, 0.01};
+  const double floor = noise_floor(curves);
   // Columns without any entry are left out.
   std::erase_if(targets, [&](double target) {
     return std::none_of(curves.begin(), curves.end(),
-                        [&](const Curve& c) { return time_to_error(c, target).has_value(); });
+                        [&](const Curve& c) { return time_to_error(c, target, floor).has_value(); });
   });
   std::string html = "<div class=\"wide\"><table>\n<tr><th>technique</th>";
   for (const double target : targets)
@@ -137,9 +160,13 @@ std::string time_table(const Report& report, const std::string& camera, Scope sc
                         });
       html += std::string("<td class=\"n") + (best ? " best" : "") + "\">" + (time ? time_text(*time) : "–") + "</td>";
     }
-    html += "<td class=\"n\">" + error_text(best_error(curve), metric) + "</td></tr>\n";
+    html += "<td class=\"n\">" + best_error_text(curve, metric, floor) + "</td></tr>\n";
   }
-  return html + "</table></div>\n";
+  html += "</table></div>\n";
+  if (floor > 0.0)
+    html += "<p class=\"note\">Errors up to " + error_text(floor, metric) +
+            " are within the reference's own noise: they are marked ≈ and not ranked.</p>\n";
+  return html;
 }
 
 std::string points_table(const Report& report, const std::string& camera) {

@@ -16,6 +16,11 @@ std::string time_text(double ms);
 /// `4.1 %` of a relative error, `0.083` of FLIP.
 std::string error_text(double error, Metric metric);
 
+/// Of the best point that was measured; "≈" and the floor where the reference's noise hides it.
+std::string best_error_text(const Curve& curve, Metric metric, double floor);
+/// What the errors of the report are measured against, in a sentence each.
+std::string explain_errors(const Report& report);
+
 /// `data:` address of a file; nothing when it cannot be read.
 std::optional<std::string> data_address(const std::string& path, const std::string& type);
 /// An SVG of gnuplot's as an image that follows the reader's light or dark theme.

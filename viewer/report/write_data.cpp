@@ -25,12 +25,13 @@ Json front_json(const std::vector<Curve>& curves) {
 template <std::size_t N>
 Json times_json(const std::vector<Curve>& curves, const double (&targets)[N]) {
   Json json = Json::object();
+  const double floor = noise_floor(curves);
   for (const Curve& curve : curves) {
     Json times = Json::object();
     for (const double target : targets) {
       char name[16];
       std::snprintf(name, sizeof name, "%g", target);
-      times[name] = number(time_to_error(curve, target));
+      times[name] = number(time_to_error(curve, target, floor));
     }
     json[curve.technique] = {{"best_error", number(best_error(curve))}, {"time_ms_to_error", times}};
   }

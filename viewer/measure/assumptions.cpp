@@ -1,0 +1,64 @@
+// What the figures of a measurement rest on, in words.
+#include "render/scene_state/material_overrides.h"
+#include "render/technique/registry.h"
+#include "viewer/measure/measure_run.h"
+
+namespace maquette {
+
+namespace {
+
+std::string number_text(double value) { return to_text(SettingValue(value)); }
+
+}  // namespace
+
+void add_assumptions(const SceneOptions& s, const MeasureOptions& o, const Scene& scene, int pane,
+                     const std::string& dash, Measurement* m) {
+  const auto add = [&](const std::string& name, const std::string& value) { m->assumptions.emplace_back(name, value); };
+  const bool paths = builtin_registry().find_mode(s.mode).can.traces_picture;
+  add("scene", s.scene);
+  add("environment",
+      s.environment + ", rotated by " + number_text(static_cast<double>(s.env_rotation_deg)) + " degrees");
+  add("light", o.night          ? "no light from outside"
+               : o.lux_on_glass ? "the environment is scaled to " + number_text(*o.lux_on_glass) +
+                                      " lx on the pane's outer face (mean of 16 points, shadowed by the scene's opaque "
+                                      "surfaces, nothing reflected by them)"
+                                : "the environment times " + number_text(static_cast<double>(s.env_scale)));
+  add("mode", s.mode + (paths ? ", paths that begin with the reflected or transmitted ray of the nearest pane"
+                              : ", reflections by " + s.reflections));
+  add("picture", std::to_string(s.width) + "x" + std::to_string(s.height) + ", rays through pixel centres");
+  add("eye",
+      o.eye ? o.eye->point + " from the R-point" + (o.right_hand_drive ? ", right-hand drive" : ", left-hand drive")
+            : "camera " + (s.camera.empty() ? std::string("of the options") : s.camera));
+  add("vehicle axes", o.axes + " are rearward, right, up in the scene");
+  add("pane", scene.nodes[static_cast<std::size_t>(pane)].name);
+  add("pane formula",
+      "both faces with all bounces, incoherent, each polarisation by itself, then averaged; internal transmittance is "
+      "the base colour, the same at all angles");
+  add("polarisation", o.polarisation == Polarisation::all ? "both, the light at the pane unpolarised"
+                      : o.polarisation == Polarisation::s ? "s alone"
+                      : o.polarisation == Polarisation::p
+                          ? "p alone"
+                          : "through an ideal polariser, its axis upright before the eye; the light at the pane "
+                            "unpolarised");
+  if (o.dash_reflectance || !o.dash.empty())
+    add("dashboard", dash + (o.dash_reflectance ? ", Lambertian, reflectance " + number_text(*o.dash_reflectance)
+                                                : std::string(", reflectance by the sweep")));
+  add("flat estimate",
+      "E tau rho / pi R: illuminance on the glass, its transmitted share, the dashboard's reflectance, R at "
+      "each pixel's own incidence");
+  add("veil per lux",
+      "mean reflected luminance over the illuminance on the glass: an index of this program, no standard");
+  add("contrast kept", o.background_cdm2
+                           ? "of an object of " + number_text(*o.background_cdm2) + " cd/m2 seen through the pane"
+                           : std::string("of what each pixel shows through the pane"));
+  add("ghost angle", "between both images of what the pixel mirrors, pane locally flat; thickness " +
+                         number_text(s.settings.get_double("reflections.thickness")) + " mm, wedge " +
+                         number_text(s.settings.get_double("reflections.wedge")) + " mrad upwards");
+  add("threshold", number_text(o.threshold_cdm2) + " cd/m2");
+  m->not_modelled = {"scatter on and in the pane (dust, scratches, haze)",
+                     "coatings, interference and films of the pane",
+                     "polarisation of the light before it meets the pane", "the shift of what is seen through the pane",
+                     "glare inside the eye"};
+}
+
+}  // namespace maquette

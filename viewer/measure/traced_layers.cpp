@@ -1,0 +1,58 @@
+#include "viewer/measure/traced_layers.h"
+
+#include <tbb/parallel_for.h>
+
+#include "render/reference/surface.h"
+
+namespace maquette {
+
+namespace {
+
+/// Mean of path-traced radiances along a ray.
+glm::vec3 mean_radiance(const PathScene& scene, const PathOptions& options, const Ray& ray, int paths,
+                        std::uint32_t seed) {
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < paths; ++i)
+    sum += glm::dvec3(estimate_radiance(scene, options, ray.origin, glm::normalize(ray.direction), seed,
+                                        static_cast<std::uint32_t>(i)));
+  return glm::vec3(sum / static_cast<double>(paths));
+}
+
+std::uint32_t seed_of(std::uint32_t seed, std::size_t pixel, std::uint32_t side) {
+  // Source: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", PCG.
+  std::uint32_t x = (static_cast<std::uint32_t>(pixel) * 2u + side) ^ (seed * 0x9e3779b9u);
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28u) + 4u)) ^ x) * 277803737u;
+  return (x >> 22u) ^ x;
+}
+
+void set(Image* image, std::size_t pixel, const glm::vec3& value) {
+  for (int c = 0; c < 3; ++c)
+    image->data[pixel * static_cast<std::size_t>(image->channels) + static_cast<std::size_t>(c)] = value[c];
+}
+
+}  // namespace
+
+LayerPictures trace_layers(const PathScene& scene, const PathOptions& options, const EyeRays& rays,
+                           const std::vector<std::size_t>& pixels, glm::ivec2 size, int paths, std::uint32_t seed) {
+  LayerPictures out{Image(size.x, size.y, 3), Image(size.x, size.y, 3), std::nullopt};
+  tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
+    const std::size_t pixel = pixels[k];
+    const Ray ray{rays.origins[pixel], rays.directions[pixel]};
+    RayHit hit;
+    const bool met = intersect(scene, ray, RayKind::camera, 0x80000000u, &hit);
+    if (!met || !(scene.material_of(hit.triangle).clear() > 0.0f)) {
+      set(&out.transmitted, pixel, mean_radiance(scene, options, ray, paths, seed_of(seed, pixel, 0u)));
+      return;
+    }
+    const SurfacePoint p = resolve_surface(scene, ray, hit, {});
+    const PaneRays pane = rays_of_pane(p, ray);
+    const glm::vec3 mirrored = mean_radiance(scene, options, pane.mirrored, paths, seed_of(seed, pixel, 1u));
+    const glm::vec3 passed = mean_radiance(scene, options, pane.passed, paths, seed_of(seed, pixel, 0u));
+    set(&out.reflected, pixel, p.pane * pane.shares.reflected * mirrored);
+    set(&out.transmitted, pixel, p.pane * (pane.shares.transmitted * passed + p.emission));
+  });
+  return out;
+}
+
+}  // namespace maquette

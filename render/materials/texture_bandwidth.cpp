@@ -119,15 +119,21 @@ float coarse_bandwidth(const std::vector<float>& means, std::size_t x, std::size
   return 0.25f * static_cast<float>(kSide) * std::sqrt(std::min(bend / std::max(std::abs(own - mean), kStep), 4.0f));
 }
 
-/// The largest of each region and those around it: where one ends, points are interpolated across its border.
+/// Points are interpolated between others as far apart as half a wave: near an edge at a distance d these must not lie
+/// beyond it, so that the bandwidth is at least 1 / (2 d) there.
 std::vector<float> widened(const std::vector<float>& map) {
-  constexpr std::size_t kSide = kTextureBandwidthSide;
-  std::vector<float> wide(map.size());
-  for (std::size_t y = 0; y < kSide; ++y)
-    for (std::size_t x = 0; x < kSide; ++x)
-      for (std::size_t k = 0; k < 9; ++k)
-        wide[y * kSide + x] = std::max(wide[y * kSide + x],
-                                       map[(y + k / 3 + kSide - 1) % kSide * kSide + (x + k % 3 + kSide - 1) % kSide]);
+  constexpr int kSide = kTextureBandwidthSide;
+  std::vector<float> wide = map;
+  const auto apart = [](int a, int b) { return std::min(std::abs(a - b), kSide - std::abs(a - b)); };
+  for (int from = 0; from < kSide * kSide; ++from) {
+    const float own = map[static_cast<std::size_t>(from)];
+    if (own == 0.0f) continue;
+    for (int to = 0; to < kSide * kSide; ++to) {
+      const int distance = std::max({apart(from % kSide, to % kSide), apart(from / kSide, to / kSide), 1});
+      float& value = wide[static_cast<std::size_t>(to)];
+      value = std::max(value, std::min(own, 0.5f * static_cast<float>(kSide) / static_cast<float>(distance)));
+    }
+  }
   return wide;
 }
 

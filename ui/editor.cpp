@@ -91,8 +91,10 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
   static constexpr Tab kRight[] = {{"Look", panels::draw_look_panel},
                                    {"Render", panels::draw_render_panel},
                                    {"Frame", panels::draw_frame_panel},
-                                   {"Error", panels::draw_error_panel}};
+                                   {"Error", panels::draw_error_panel},
+                                   {"Inspect", panels::draw_inspection_panel}};
   state->error_view.open = false;
+  state->inspection.open = false;
   if (begin_part(ui, "left", layout.left, kStill)) {
     draw_tabs(ui, "left tabs", kLeft, &state->left_tab);
     ImGui::End();

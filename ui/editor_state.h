@@ -13,6 +13,7 @@
 #include "render/renderer.h"
 #include "render/technique/settings.h"
 #include "scenes/scene.h"
+#include "ui/inspection_state.h"
 
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
@@ -32,7 +33,7 @@ struct Edits {
   bool operator==(const Edits&) const = default;
 };
 
-enum class Tool { camera, dent, reflect };
+enum class Tool { camera, dent, reflect, region };
 
 /// Settings of the error tab.
 struct ErrorView {
@@ -73,6 +74,7 @@ struct EditorState {
   float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
   float moving_scale = 0.0f;  ///< the same while something moves; 0: chosen for a fluid picture
   ErrorView error_view;
+  InspectionView inspection;
   Tool tool = Tool::camera;
   float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
   float dent_radius_m = 0.2f;
@@ -85,7 +87,7 @@ struct EditorState {
   bool left_open = true;
   bool right_open = true;
   int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help
-  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error
+  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
   bool open_path_popup = false;
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
@@ -122,6 +124,7 @@ struct EditorFacts {
   glm::ivec2 picture_px{0};
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;
+  InspectionFacts inspection;
   bool can_undo = false;
   std::string command;     ///< of the shell, which renders this picture
   bool converged = false;  ///< the accumulation limit is reached
@@ -136,6 +139,7 @@ struct EditorActions {
   bool undo = false;
   bool dismiss_messages = false;
   bool measure_curve = false;  ///< of the present mode in the present view
+  InspectionActions inspection;
   bool apply_budget = false;   ///< sets the mode's samples to those that keep the budget
 };
 

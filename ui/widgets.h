@@ -58,5 +58,6 @@ void draw_look_panel(Ui& ui);
 void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);
 void draw_error_panel(Ui& ui);
+void draw_inspection_panel(Ui& ui);
 
 }  // namespace maquette::panels

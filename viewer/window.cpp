@@ -20,6 +20,7 @@
 #include "viewer/swatches.h"
 #include "viewer/window_host.h"
 #include "viewer/window_input.h"
+#include "viewer/window_inspection.h"
 #include "viewer/window_meter.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
@@ -86,6 +87,11 @@ class App {
     draw(now);
     meter_.update(&session_, picture_, now);
     meter_.draw_overlay(session_, editor_.layout.picture);
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(window_, &x, &y);
+    inspection_.update(&session_, picture_, editor_.layout.picture, {static_cast<float>(x), static_cast<float>(y)},
+                       now);
+    inspection_.draw_overlay(session_, editor_.layout.picture);
     host_.end_frame();
   }
 
@@ -124,6 +130,7 @@ class App {
     facts_.picture_px = picture_.drawn_size();
     facts_.converged = picture_.converged();
     meter_.fill_facts(session_, &facts_.meter);
+    inspection_.fill_facts(session_, &facts_.inspection);
     facts_.swatches = &swatches_.textures();
   }
 
@@ -196,6 +203,7 @@ class App {
     if (actions.meter_exposure) session_.request_metering();
     if (actions.measure_curve) meter_.measure_curve();
     if (actions.apply_budget) meter_.apply_budget(&session_);
+    inspection_.carry_out(actions.inspection, &session_);
     if (actions.undo) session_.undo();
     if (actions.dismiss_messages) session_.dismiss_messages();
   }
@@ -222,6 +230,7 @@ class App {
   WindowSession session_;
   WindowPicture picture_;
   WindowMeter meter_;
+  WindowInspection inspection_;
   PictureInput input_;
   Swatches swatches_;
   EditorFacts facts_;

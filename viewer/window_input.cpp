@@ -50,6 +50,11 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
       move(event, picture, session);
       if (!moved_ && drag_ == Drag::orbit && button_ == 0) click(picture, session, pick(press_x_, press_y_));
       if (drag_ == Drag::dent) session->end_dent();
+      if (drag_ == Drag::region) {
+        std::vector<InspectedRegion>& regions = session->state.inspection.regions;
+        if (!regions.empty() && (regions.back().width == 0.0f || regions.back().height == 0.0f)) regions.pop_back();
+        session->state.tool = Tool::camera;
+      }
       drag_ = Drag::none;
       break;
     case PointerEvent::Kind::wheel:
@@ -60,10 +65,12 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
 }
 
 void PictureInput::click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit) {
-  if (session->state.tool != Tool::reflect) return session->select(hit);
   const float width = std::max(picture.width, 1.0f), height = std::max(picture.height, 1.0f);
-  session->pick_reflector({2.0f * (press_x_ - picture.x) / width - 1.0f, 1.0f - 2.0f * (press_y_ - picture.y) / height},
-                          width / height, hit);
+  const glm::vec2 at(2.0f * (press_x_ - picture.x) / width - 1.0f, 1.0f - 2.0f * (press_y_ - picture.y) / height);
+  if (session->state.tool == Tool::reflect)
+    session->pick_reflector(at, width / height, hit);
+  else
+    session->select_in_front(at, width / height, hit);
 }
 
 void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick) {
@@ -81,6 +88,11 @@ void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowS
     drag_ = Drag::light;
   } else if (event.button == 0 && on_wiper(state.error_view, picture, event.x)) {
     drag_ = Drag::wiper;
+  } else if (event.button == 0 && state.tool == Tool::region) {
+    drag_ = Drag::region;
+    state.inspection.regions.push_back({(event.x - picture.x) / std::max(picture.width, 1.0f),
+                                        (event.y - picture.y) / std::max(picture.height, 1.0f), 0.0f, 0.0f});
+    region_from_ = {state.inspection.regions.back().x, state.inspection.regions.back().y};
   } else if (event.button == 0 && state.tool == Tool::dent) {
     const Renderer::Pick hit = pick(event.x, event.y);
     if (!session->begin_dent(hit)) return;
@@ -129,9 +141,19 @@ void PictureInput::move(const PointerEvent& event, const Rect& picture, WindowSe
     case Drag::wiper:
       state.error_view.wiper = std::clamp((event.x - picture.x) / std::max(picture.width, 1.0f), 0.0f, 1.0f);
       break;
+    case Drag::region:
+      drag_region(event, picture, &state.inspection.regions.back());
+      break;
     case Drag::none:
       break;
   }
+}
+
+void PictureInput::drag_region(const PointerEvent& event, const Rect& picture, InspectedRegion* region) const {
+  const float x = std::clamp((event.x - picture.x) / std::max(picture.width, 1.0f), 0.0f, 1.0f);
+  const float y = std::clamp((event.y - picture.y) / std::max(picture.height, 1.0f), 0.0f, 1.0f);
+  *region = {std::min(x, region_from_.x), std::min(y, region_from_.y), std::abs(x - region_from_.x),
+             std::abs(y - region_from_.y)};
 }
 
 void PictureInput::wheel(const PointerEvent& event, WindowSession* session) {

@@ -31,12 +31,13 @@ class PictureInput {
   bool dragging() const { return drag_ != Drag::none; }
 
  private:
-  enum class Drag { none, orbit, pan, look, light, dent, wiper };
+  enum class Drag { none, orbit, pan, look, light, dent, wiper, region };
   void click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit);
   void press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick);
   void move(const PointerEvent& event, const Rect& picture, WindowSession* session);
   void wheel(const PointerEvent& event, WindowSession* session);
   float dent_depth(const WindowSession& session) const;
+  void drag_region(const PointerEvent& event, const Rect& picture, InspectedRegion* region) const;
 
   Drag drag_ = Drag::none;
   int button_ = 0;
@@ -44,6 +45,7 @@ class PictureInput {
   bool moved_ = false;
   Renderer::Pick pivot_;
   float dent_metres_per_unit_ = 0.0f;
+  glm::vec2 region_from_{0.0f};
 };
 
 }  // namespace maquette

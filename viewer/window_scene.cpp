@@ -5,6 +5,7 @@
 
 #include "scenes/angles.h"
 #include "scenes/ground.h"
+#include "viewer/reflector_picking.h"
 #include "viewer/session.h"
 #include "viewer/window_session.h"
 
@@ -70,6 +71,24 @@ void WindowSession::advise() {
                 editor->left_open = true;
                 editor->left_tab = 0;
               }});
+}
+
+void WindowSession::select_in_front(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
+  const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
+  const EyeRay through = camera.ray_through({at.x * aspect, at.y});
+  const float limit_m = pick.hit ? 0.999f * glm::distance(pick.position, through.origin) : 1e30f;
+  const int node = find_mirror(*scene_, state.edits, through.origin, glm::normalize(through.direction), limit_m);
+  if (node < 0 || node == state.selected_node) return select(pick);
+  const Node& front = scene_->nodes[static_cast<std::size_t>(node)];
+  Renderer::Pick pane;
+  pane.hit = true;
+  pane.node = node;
+  if (front.patch >= 0)
+    pane.material = scene_->patches[static_cast<std::size_t>(front.patch)].material;
+  else
+    pane.material =
+        material_of(scene_->meshes[static_cast<std::size_t>(front.mesh)].primitives.front(), state.edits.variant);
+  select(pane);
 }
 
 }  // namespace maquette

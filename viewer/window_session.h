@@ -48,6 +48,9 @@ class WindowSession {
   void drag_dent(float depth_m, float radius_m);
   void end_dent() { dent_.reset(); }
   void select(const Renderer::Pick& pick);
+  /// The pane in front of the opaque surface `pick` at a point of the picture (as for pick_reflector); the surface
+  /// itself where there is none, or where that pane is selected already.
+  void select_in_front(const glm::vec2& at, float aspect, const Renderer::Pick& pick);
   /// Makes the pane or mirror at a point of the picture, -1 to 1 to the right and up, a reflector, or no longer one.
   /// `pick`: the opaque surface there.
   void pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick);

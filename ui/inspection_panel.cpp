@@ -1,0 +1,201 @@
+// What a pane of glass adds to what the eye sees: probe, false colours, regions, sweeps, files.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "render/views/false_color.h"
+#include "ui/widgets.h"
+
+namespace maquette {
+
+float ev100_of(float cdm2) { return std::log2(std::max(cdm2, 1e-9f) * 100.0f / 12.5f); }
+
+std::array<float, 3> luminance_color(float cdm2, float low_cdm2, float high_cdm2) {
+  if (!(cdm2 > 0.0f)) return {0.0f, 0.0f, 0.0f};
+  if (cdm2 < low_cdm2) return {0.0f, 0.0f, 0.35f};
+  if (cdm2 > high_cdm2) return {1.0f, 0.0f, 1.0f};
+  Image value(1, 1, 1, std::log(cdm2 / low_cdm2));
+  const Image color = false_color_image(value, FalseColorRange{0.0f, std::log(high_cdm2 / low_cdm2)});
+  return {color.data[0], color.data[1], color.data[2]};
+}
+
+}  // namespace maquette
+
+namespace maquette::panels {
+
+namespace {
+
+void draw_rows(const std::vector<std::pair<std::string, std::string>>& rows) {
+  for (const auto& [name, value] : rows) {
+    ImGui::TextColored(kDim, "%s", name.c_str());
+    ImGui::SameLine(scaled(112.0f));
+    ImGui::TextWrapped("%s", value.c_str());
+  }
+}
+
+void draw_eye(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  if (ui.facts.inspection.has_r_point) {
+    dim_text("R-point: the node r_point");
+  } else {
+    row_label("R-point", "Metres in the scene; a node named r_point would be used instead");
+    ImGui::InputFloat3("##r", view.r_point_m.data(), "%.3f");
+    mark_item(ui, "inspection/r_point");
+  }
+  if (ImGui::Button("Eye at V1")) ui.actions.inspection.eye_point = 1;
+  mark_item(ui, "inspection/v1");
+  tooltip("68 mm behind, 665 mm above the R-point (78/318/EEC). The car drives towards +Z, +X is at its left");
+  ImGui::SameLine();
+  if (ImGui::Button("Eye at V2")) ui.actions.inspection.eye_point = 2;
+  mark_item(ui, "inspection/v2");
+  tooltip("68 mm behind, 589 mm above the R-point");
+  ImGui::SameLine();
+  ImGui::Checkbox("right-hand drive", &view.right_hand_drive);
+}
+
+void draw_legend(Ui& ui) {
+  const InspectionView& view = ui.state.inspection;
+  const float width = ImGui::GetContentRegionAvail().x, height = scaled(14.0f);
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  ImDrawList* list = ImGui::GetWindowDrawList();
+  constexpr int kSteps = 48;
+  for (int i = 0; i < kSteps; ++i) {
+    const float t = (static_cast<float>(i) + 0.5f) / kSteps;
+    const auto c =
+        luminance_color(view.low_cdm2 * std::pow(view.high_cdm2 / view.low_cdm2, t), view.low_cdm2, view.high_cdm2);
+    list->AddRectFilled({at.x + width * static_cast<float>(i) / kSteps, at.y},
+                        {at.x + width * static_cast<float>(i + 1) / kSteps, at.y + height},
+                        ImGui::GetColorU32(ImVec4(c[0], c[1], c[2], 1.0f)));
+  }
+  ImGui::Dummy({width, height});
+  mark_item(ui, "inspection/legend");
+  char text[160];
+  const float middle = std::sqrt(view.low_cdm2 * view.high_cdm2);
+  if (view.in_ev)
+    std::snprintf(text, sizeof text, "%.1f EV      %.1f EV      %.1f EV", static_cast<double>(ev100_of(view.low_cdm2)),
+                  static_cast<double>(ev100_of(middle)), static_cast<double>(ev100_of(view.high_cdm2)));
+  else
+    std::snprintf(text, sizeof text, "%.3g cd/m2      %.3g      %.3g cd/m2", static_cast<double>(view.low_cdm2),
+                  static_cast<double>(middle), static_cast<double>(view.high_cdm2));
+  ImGui::TextUnformatted(text);
+  dim_text("dark blue: below the scale; magenta: above it");
+}
+
+void draw_colors(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  ImGui::Checkbox("False colours", &view.false_color);
+  mark_item(ui, "inspection/false colors");
+  tooltip("Luminance of the picture, before exposure and tone mapping");
+  ImGui::SameLine();
+  ImGui::Checkbox("in EV", &view.in_ev);
+  mark_item(ui, "inspection/ev");
+  tooltip("Exposure value at ISO 100, as a luminance meter shows it");
+  row_label("From", "Lower end of the scale");
+  ImGui::SliderFloat("##low", &view.low_cdm2, 1e-2f, 1e5f, "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
+  row_label("To", "Upper end of the scale");
+  ImGui::SliderFloat("##high", &view.high_cdm2, 1e-1f, 1e9f, "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
+  view.high_cdm2 = std::max(view.high_cdm2, 1.01f * view.low_cdm2);
+  if (view.false_color) draw_legend(ui);
+  row_label("Layer", "Of the light at panes: all; what is seen through them; what they mirror; the second image alone");
+  std::string layer = ui.state.settings.get_string("reflections.layer");
+  if (combo("##layer", &layer, {"all", "transmitted", "reflected", "ghost"})) {
+    ui.state.settings.set("reflections.layer", layer);
+    if (layer == "ghost") ui.state.settings.set("reflections.ghost", true);
+  }
+  mark_item(ui, "inspection/layer");
+  row_label("Polarisation", "What the pane does to s or p alone, or what polarised sunglasses let through");
+  static const char* const kNames[] = {"all", "s", "p", "sunglasses"};
+  ImGui::Combo("##polarisation", &view.polarisation, kNames, 4);
+  mark_item(ui, "inspection/polarisation");
+}
+
+void draw_regions(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  const bool on = ui.state.tool == Tool::region;
+  if (toggle_button("Draw a region", on)) ui.state.tool = on ? Tool::camera : Tool::region;
+  mark_item(ui, "inspection/region");
+  tooltip("Then drag over the picture; Esc leaves");
+  ImGui::SameLine();
+  if (ImGui::Button("Remove all")) view.regions.clear();
+  mark_item(ui, "inspection/clear");
+  row_label("Threshold", "Regions tell the share of their pixels above it");
+  ImGui::SliderFloat("##threshold", &view.threshold_cdm2, 1.0f, 1e5f, "%.4g cd/m2", ImGuiSliderFlags_Logarithmic);
+  for (std::size_t i = 0; i < ui.facts.inspection.regions.size(); ++i) {
+    ImGui::TextColored(kAccent, "Region %zu", i + 1);
+    draw_rows(ui.facts.inspection.regions[i].values);
+  }
+  if (view.regions.empty()) dim_text("None yet: the export measures all pixels that show the pane.");
+}
+
+void draw_sweep(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  const InspectionFacts& facts = ui.facts.inspection;
+  dim_text(facts.sun.empty() ? "No sun in this environment" : facts.sun);
+  row_label("Vary", "Sun, rake and the rest, from this eye, path traced on few pixels");
+  if (facts.sweep_names.empty()) return;
+  const int count = static_cast<int>(facts.sweep_names.size());
+  view.sweep = std::clamp(view.sweep, 0, count - 1);
+  if (ImGui::BeginCombo("##sweep", facts.sweep_names[static_cast<std::size_t>(view.sweep)].c_str())) {
+    for (int i = 0; i < count; ++i)
+      if (ImGui::Selectable(facts.sweep_names[static_cast<std::size_t>(i)].c_str(), i == view.sweep)) view.sweep = i;
+    ImGui::EndCombo();
+  }
+  mark_item(ui, "inspection/sweep");
+  row_label("From, to", facts.sweep_unit);
+  ImGui::InputFloat2("##range", view.sweep_range.data(), "%.4g");
+  row_label("Steps");
+  ImGui::SliderInt("##steps", &view.sweep_count, 2, 24);
+  ImGui::BeginDisabled(!facts.job.empty());
+  if (ImGui::Button("Run")) ui.actions.inspection.run_sweep = true;
+  mark_item(ui, "inspection/run");
+  ImGui::EndDisabled();
+  if (facts.sweep_y.empty()) return;
+  const float top = *std::max_element(facts.sweep_y.begin(), facts.sweep_y.end());
+  ImGui::PlotLines("##plot", facts.sweep_y.data(), static_cast<int>(facts.sweep_y.size()), 0, facts.sweep_title.c_str(),
+                   0.0f, 1.1f * std::max(top, 1e-9f), {ImGui::GetContentRegionAvail().x, scaled(110.0f)});
+  mark_item(ui, "inspection/plot");
+  const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
+  char text[160];
+  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %.4g cd/m2 at %.4g",
+                static_cast<double>(facts.sweep_x.front()), static_cast<double>(facts.sweep_x.back()),
+                facts.sweep_unit.c_str(), static_cast<double>(top),
+                static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
+  ImGui::TextWrapped("%s", text);
+}
+
+void draw_export(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  row_label("File", "CSV or JSON of regions and assumptions; the layers go beside it as .exr");
+  ImGui::InputText("##export", view.export_path.data(), view.export_path.size());
+  mark_item(ui, "inspection/path");
+  ImGui::BeginDisabled(!ui.facts.inspection.job.empty());
+  if (ImGui::Button("Export")) ui.actions.inspection.export_files = true;
+  mark_item(ui, "inspection/export");
+  ImGui::EndDisabled();
+}
+
+}  // namespace
+
+void draw_inspection_panel(Ui& ui) {
+  ui.state.inspection.open = true;
+  const InspectionFacts& facts = ui.facts.inspection;
+  dim_text(!facts.status.empty() ? facts.status : "Rest the mouse on the picture: what its pixel shows.");
+  const auto part = [&](const char* title, void (*draw)(Ui&)) {
+    const bool shown = section(title);
+    mark_item(ui, std::string("inspection/") + title);
+    if (shown) draw(ui);
+  };
+  part("Eye", draw_eye);
+  part("Luminance", draw_colors);
+  part("Regions", draw_regions);
+  part("Trends", draw_sweep);
+  part("Files", draw_export);
+  if (!facts.job.empty()) {
+    ImGui::ProgressBar(facts.job_share, {-FLT_MIN, 0.0f}, facts.job.c_str());
+    if (ImGui::Button("Cancel")) ui.actions.inspection.cancel = true;
+    mark_item(ui, "inspection/cancel");
+  }
+  dim_text("Not modelled: scatter in and on the pane, its coatings, glare inside the eye.");
+}
+
+}  // namespace maquette::panels

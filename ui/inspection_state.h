@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// The inspection of panes in the window, as plain values.
+namespace maquette {
+
+/// A rectangle of the picture, 0 to 1 from the top left.
+struct InspectedRegion {
+  float x = 0.0f, y = 0.0f, width = 0.0f, height = 0.0f;
+  bool operator==(const InspectedRegion&) const = default;
+};
+
+/// Settings of the inspection tab.
+struct InspectionView {
+  bool open = false;  ///< the tab is visible: only then is anything measured. Set by the panel in each frame
+  bool false_color = false;
+  bool in_ev = false;     ///< the scale of the false colours is in EV100 instead of cd/m2
+  float low_cdm2 = 1.0f;  ///< ends of the scale; beyond them are the out-of-range colours
+  float high_cdm2 = 1e4f;
+  float threshold_cdm2 = 100.0f;
+  int polarisation = 0;  ///< Polarisation
+  std::vector<InspectedRegion> regions;
+  std::array<float, 3> r_point_m{0.0f, 0.0f, 0.0f};
+  bool right_hand_drive = false;
+  int sweep = 0;  ///< of sweep_names()
+  std::array<float, 2> sweep_range{10.0f, 80.0f};
+  int sweep_count = 8;
+  std::array<char, 256> export_path{"inspection.csv"};
+};
+
+/// What was measured.
+struct InspectionFacts {
+  std::string status;  ///< what it waits for; empty: nothing
+  std::string sun;     ///< where the sun is; empty: there is none
+  struct Region {
+    std::vector<std::pair<std::string, std::string>> values;
+  };
+  std::vector<Region> regions;
+  std::vector<std::string> sweep_names;
+  std::string sweep_unit;
+  std::vector<float> sweep_x, sweep_y;  ///< mean reflected luminance, cd/m2
+  std::string sweep_title, job;         ///< what is being computed
+  float job_share = 0.0f;
+  bool has_r_point = false;  ///< the scene has a node r_point
+};
+
+/// What its buttons ask for.
+struct InspectionActions {
+  int eye_point = 0;  ///< 1: V1, 2: V2
+  bool run_sweep = false;
+  bool export_files = false;
+  bool cancel = false;
+};
+
+/// Display colour of a luminance between the ends of a logarithmic scale; blue below it, magenta above, black for none.
+std::array<float, 3> luminance_color(float cdm2, float low_cdm2, float high_cdm2);
+/// Exposure value at ISO 100 that a luminance meter shows: log2(L S / K) with K = 12.5 cd s/m2. Source: ISO 2720:1974.
+float ev100_of(float cdm2);
+
+}  // namespace maquette

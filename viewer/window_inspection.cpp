@@ -1,0 +1,480 @@
+#include "viewer/window_inspection.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <numbers>
+
+#include "render/inspection/light_on_pane.h"
+#include "render/reference/path_scene.h"
+#include "scenes/angles.h"
+#include "scenes/error.h"
+#include "scenes/files.h"
+#include "scenes/luminance.h"
+#include "viewer/measure/measure_files.h"
+#include "viewer/measure/measure_run.h"
+#include "viewer/outputs.h"
+#include "viewer/session.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr double kRead_s = 0.4;  // between two readings of the picture
+constexpr int kProbePaths = 64, kRegionPaths = 4, kBatches = 8;
+constexpr std::size_t kRegionPixels = 600;  // of a region that are traced
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+template <typename T>
+bool is_ready(const std::future<T>& future) {
+  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+std::string text_of(const char* format, double value) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string polarised_text(const Polarised& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.4f (s %.4f, p %.4f)", p.mean(), p.s, p.p);
+  return text;
+}
+
+std::string interval_text(const Interval& i) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%.4g +- %.2g cd/m2", i.mean, i.half_width);
+  return text;
+}
+
+std::string name_of(const Scene& scene, const Met& met) {
+  if (!met.surface) return "sky";
+  std::string text = scene.nodes[static_cast<std::size_t>(met.node)].name;
+  if (met.material >= 0 && static_cast<std::size_t>(met.material) < scene.materials.size())
+    text += ", " + scene.materials[static_cast<std::size_t>(met.material)].name;
+  return text + text_of(", %.3f m", met.distance_m);
+}
+
+PathOptions path_options(const FrameRequest& request) {
+  PathOptions options;
+  options.env_rotation_rad = request.env_rotation_rad;
+  options.env_scale = request.env_scale;
+  return options;
+}
+
+struct LayerMeans {
+  Interval reflected, transmitted;
+};
+
+/// Path-traced means over pixels, with intervals from independent batches.
+LayerMeans trace_means(const PathScene& paths, const FrameRequest& request, const EyeRays& rays,
+                       const std::vector<std::size_t>& pixels, const std::vector<Sight>& sights, int count,
+                       Polarisation polarisation) {
+  std::vector<double> reflected, transmitted;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    const LayerPictures layers =
+        trace_layers(paths, path_options(request), rays, pixels, {request.width, request.height}, count,
+                     static_cast<std::uint32_t>(batch));
+    double r = 0.0, t = 0.0;
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+      const int x = static_cast<int>(pixels[k] % static_cast<std::size_t>(request.width)),
+                y = static_cast<int>(pixels[k] / static_cast<std::size_t>(request.width));
+      r += luminance(layers.reflected, x, y) * polarisation_factor(sights[k].pane, polarisation, true);
+      t += luminance(layers.transmitted, x, y) * polarisation_factor(sights[k].pane, polarisation, false);
+    }
+    reflected.push_back(r / static_cast<double>(pixels.size()));
+    transmitted.push_back(t / static_cast<double>(pixels.size()));
+  }
+  return {confidence_interval(reflected), confidence_interval(transmitted)};
+}
+
+glm::ivec4 pixels_of(const InspectedRegion& r, const FrameRequest& request) {
+  const auto at = [](float share, int size) {
+    return std::clamp(static_cast<int>(std::lround(share * static_cast<float>(size))), 0, size);
+  };
+  const int x = at(r.x, request.width), y = at(r.y, request.height);
+  return {x, y, std::max(at(r.x + r.width, request.width) - x, 1), std::max(at(r.y + r.height, request.height) - y, 1)};
+}
+
+}  // namespace
+
+WindowInspection::~WindowInspection() {
+  if (job_) job_->cancel = true;
+}
+
+void WindowInspection::take_scene(WindowSession* session, const WindowPicture& picture) {
+  if (is_ready(tracing_)) {
+    try {
+      traced_ = tracing_.get();
+    } catch (const std::exception& error) {
+      session->add_message(MessageLevel::error, std::string("inspection: ") + error.what());
+    }
+  }
+  const std::uint64_t now = 256 * session->revision() + static_cast<std::uint64_t>(picture.drawn().variant + 1);
+  if (revision_ == now || tracing_.valid()) return;
+  revision_ = now;
+  traced_.reset();
+  auto snapshot = std::make_shared<Renderer::PathSnapshot>(session->renderer().path_snapshot());
+  tracing_ = std::async(std::launch::async, [snapshot, variant = picture.drawn().variant] {
+    Traced traced{std::shared_ptr<const Scene>(snapshot, &snapshot->scene), snapshot->environment, nullptr};
+    traced.paths = build_path_scene({.scene = snapshot->scene,
+                                     .environment = snapshot->environment,
+                                     .variant = variant,
+                                     .geometry = &snapshot->geometry,
+                                     .library = nullptr});
+    return traced;
+  });
+}
+
+void WindowInspection::read_picture(WindowSession* session, const WindowPicture& picture, double now_s) {
+  const bool other = !(seen_ == picture.drawn());
+  if (!other && picture.stats()->accumulated_frames == read_frames_) return;
+  if (!other && now_s - read_s_ < kRead_s) return;
+  seen_ = picture.drawn();
+  read_frames_ = picture.stats()->accumulated_frames;
+  read_s_ = now_s;
+  picture_ = session->renderer().read_radiance();
+  colors_stale_ = true;
+  if (other) probed_px_ = glm::ivec2(-1);
+}
+
+void WindowInspection::update(WindowSession* session, const WindowPicture& picture, const Rect& rect, glm::vec2 mouse,
+                              double now_s) {
+  finish_job(session);
+  const InspectionView& view = session->state.inspection;
+  if (!view.open) return;
+  status_.clear();
+  if (!picture.still() || session->loading()) {
+    status_ = "It waits until nothing moves.";
+    return;
+  }
+  take_scene(session, picture);
+  read_picture(session, picture, now_s);
+  update_texture(view);
+  if (!traced_) {
+    status_ = "The scene is prepared for its rays ...";
+    return;
+  }
+  const SunPlace sun = find_sun(*traced_->environment, static_cast<double>(picture.drawn().env_rotation_rad));
+  sun_ = sun.found ? text_of("Sun: elevation %.1f deg, ", sun.elevation_deg) +
+                         text_of("azimuth %.1f deg from +Z towards +X", sun.azimuth_deg)
+                   : "";
+  probe(*session, picture, rect, mouse);
+  measure_regions(*session, picture);
+}
+
+void WindowInspection::probe(const WindowSession& session, const WindowPicture& picture, const Rect& rect,
+                             glm::vec2 mouse) {
+  if (!rect.contains(mouse.x, mouse.y)) return;
+  const FrameRequest& request = picture.drawn();
+  const glm::ivec2 px(
+      std::clamp(static_cast<int>((mouse.x - rect.x) / rect.width * static_cast<float>(request.width)), 0,
+                 request.width - 1),
+      std::clamp(static_cast<int>((mouse.y - rect.y) / rect.height * static_cast<float>(request.height)), 0,
+                 request.height - 1));
+  if (px == probed_px_ || picture_.width != request.width || picture_.height != request.height) return;
+  probed_px_ = px;
+  const InspectionView& view = session.state.inspection;
+  const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced_->paths->bounds);
+  const std::size_t pixel =
+      static_cast<std::size_t>(px.y) * static_cast<std::size_t>(request.width) + static_cast<std::size_t>(px.x);
+  const Sight sight = look_along(*traced_->paths, rays.origins[pixel], rays.directions[pixel],
+                                 glm::dvec3(glm::normalize(request.camera.up)));
+  const double sum = luminance(picture_, px.x, px.y);
+  char text[96];
+  probe_.clear();
+  std::snprintf(text, sizeof text, "%d, %d of %d x %d", px.x, px.y, request.width, request.height);
+  probe_.emplace_back("Pixel", text);
+  std::snprintf(text, sizeof text, "%.4g cd/m2, %.2f EV", sum, static_cast<double>(ev100_of(static_cast<float>(sum))));
+  probe_.emplace_back("Picture", text);
+  probe_.emplace_back("Behind", name_of(*traced_->scene, sight.behind));
+  if (!sight.pane) return;
+  const PaneSight& pane = *sight.pane;
+  const LayerMeans means = trace_means(*traced_->paths, request, rays, {pixel}, {sight}, kProbePaths / kBatches,
+                                       static_cast<Polarisation>(view.polarisation));
+  probe_.emplace_back(
+      "Pane", traced_->scene->nodes[static_cast<std::size_t>(pane.node)].name + text_of(", %.3f m", pane.distance_m));
+  probe_.emplace_back("Incidence", text_of("%.2f deg", pane.incidence_rad * kDegrees));
+  probe_.emplace_back("R of a face", polarised_text(pane.optics.surface));
+  probe_.emplace_back("R of the pane", polarised_text(pane.optics.reflected));
+  probe_.emplace_back("T of the pane", polarised_text(pane.optics.transmitted));
+  probe_.emplace_back("Mirrors", name_of(*traced_->scene, pane.mirrored));
+  probe_.emplace_back("Reflected", interval_text(means.reflected));
+  probe_.emplace_back("Transmitted", interval_text(means.transmitted));
+  probe_.emplace_back("Contrast kept",
+                      text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean)));
+  const Settings& settings = session.state.settings;
+  const GlassSheet sheet{glm::dvec3(request.camera.eye), 1e-3 * settings.get_double("reflections.thickness"),
+                         1e-3 * settings.get_double("reflections.wedge")};
+  if (sheet.thickness_m > 0.0)
+    probe_.emplace_back("Ghost angle", text_of("%.2f arc minutes", ghost_arcmin(pane, sheet)));
+}
+
+void WindowInspection::measure_regions(const WindowSession& session, const WindowPicture& picture) {
+  const InspectionView& view = session.state.inspection;
+  if (is_ready(region_job_)) regions_ = region_job_.get();
+  if (region_job_.valid()) return;
+  const bool current =
+      regions_.regions == view.regions && regions_of_ == picture.drawn() && regions_polarisation_ == view.polarisation;
+  if (current || picture_.width != picture.drawn().width || session.state.tool == Tool::region) return;
+  regions_of_ = picture.drawn();
+  regions_polarisation_ = view.polarisation;
+  region_job_ = std::async(std::launch::async, [request = picture.drawn(), traced = *traced_, regions = view.regions,
+                                                shown = picture_, threshold = view.threshold_cdm2,
+                                                polarisation = static_cast<Polarisation>(view.polarisation)] {
+    RegionJob out{regions, {}};
+    const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced.paths->bounds);
+    for (const InspectedRegion& region : regions) {
+      const glm::ivec4 box = pixels_of(region, request);
+      std::vector<double> sums;
+      std::vector<std::size_t> pixels;
+      std::vector<Sight> sights;
+      const std::size_t all = static_cast<std::size_t>(box.z) * static_cast<std::size_t>(box.w);
+      const std::size_t stride = std::max<std::size_t>(1, all / kRegionPixels);
+      std::vector<double> incidence;
+      for (std::size_t k = 0; k < all; ++k) {
+        const int x = std::min(box.x + static_cast<int>(k % static_cast<std::size_t>(box.z)), request.width - 1),
+                  y = std::min(box.y + static_cast<int>(k / static_cast<std::size_t>(box.z)), request.height - 1);
+        sums.push_back(luminance(shown, x, y));
+        if (k % stride != 0) continue;
+        const std::size_t pixel =
+            static_cast<std::size_t>(y) * static_cast<std::size_t>(request.width) + static_cast<std::size_t>(x);
+        const Sight sight = look_along(*traced.paths, rays.origins[pixel], rays.directions[pixel],
+                                       glm::dvec3(glm::normalize(request.camera.up)));
+        if (!sight.pane) continue;
+        incidence.push_back(sight.pane->incidence_rad * kDegrees);
+        pixels.push_back(pixel);
+        sights.push_back(sight);
+      }
+      const RegionStatistics s = region_statistics(sums, static_cast<double>(threshold));
+      char text[128];
+      InspectionFacts::Region values;
+      std::snprintf(text, sizeof text, "mean %.4g, median %.4g cd/m2", s.mean, s.median);
+      values.values.emplace_back("Picture", text);
+      std::snprintf(text, sizeof text, "%.4g to %.4g, sigma %.3g", s.min, s.max, s.sigma);
+      values.values.emplace_back("", text);
+      values.values.emplace_back("Over threshold", text_of("%.1f %%", 100.0 * s.share_over));
+      if (!pixels.empty()) {
+        const LayerMeans means = trace_means(*traced.paths, request, rays, pixels, sights, kRegionPaths, polarisation);
+        values.values.emplace_back("Incidence",
+                                   text_of("%.1f deg in the mean", region_statistics(incidence, 0.0).mean));
+        values.values.emplace_back("Reflected", interval_text(means.reflected));
+        values.values.emplace_back("Transmitted", interval_text(means.transmitted));
+        values.values.emplace_back(
+            "Contrast kept", text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean)));
+      } else {
+        values.values.emplace_back("Pane", "none in this region");
+      }
+      out.values.push_back(std::move(values));
+    }
+    return out;
+  });
+}
+
+void WindowInspection::start_job(WindowSession* session, bool exports) {
+  if (job_ || !traced_) {
+    session->add_message(MessageLevel::warning, "inspection: wait until the scene is prepared");
+    return;
+  }
+  const InspectionView& view = session->state.inspection;
+  const EditorState& state = session->state;
+  SceneOptions options;
+  options.scene = traced_->scene->name;
+  options.environment = state.edits.environment;
+  options.env_rotation_deg = state.edits.env_rotation_deg;
+  options.env_scale = state.edits.env_scale;
+  for (const Technique& technique : builtin_registry().techniques)
+    if (technique.can.traces_picture) options.mode = technique.name;
+  options.settings = state.settings;
+  options.settings.reset("reflections.layer");
+  options.eye = state.camera.eye;
+  options.target = state.camera.target;
+  options.up = state.camera.up;
+  options.fov_deg = glm::degrees(state.camera.fov_y_rad);
+  constexpr int kSweepHeight = 54, kExportHeight = 180;
+  options.height = exports ? kExportHeight : kSweepHeight;
+  const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
+  options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
+  options.samples = exports ? 16 : 8;
+  MeasureOptions measured;
+  measured.threshold_cdm2 = static_cast<double>(view.threshold_cdm2);
+  measured.polarisation = static_cast<Polarisation>(view.polarisation);
+  FrameRequest size;
+  size.width = options.width;
+  size.height = options.height;
+  if (exports) {
+    measured.paths = 64;
+    measured.layers = "exr";
+    for (std::size_t i = 0; i < view.regions.size(); ++i) {
+      const glm::ivec4 box = pixels_of(view.regions[i], size);
+      measured.regions.push_back({"region " + std::to_string(i + 1), std::min(box.x, size.width - 1),
+                                  std::min(box.y, size.height - 1), std::min(box.z, size.width - box.x),
+                                  std::min(box.w, size.height - box.y)});
+    }
+  } else {
+    const std::string& name = sweep_names()[static_cast<std::size_t>(view.sweep)];
+    Sweep sweep{name, {}};
+    sweep_x_.clear();
+    sweep_y_.clear();
+    for (int i = 0; i < view.sweep_count; ++i) {
+      const double t = static_cast<double>(i) / std::max(view.sweep_count - 1, 1);
+      sweep.values.push_back(static_cast<double>(view.sweep_range[0]) * (1.0 - t) +
+                             static_cast<double>(view.sweep_range[1]) * t);
+      check_sweep_value(name, sweep.values.back());
+      sweep_x_.push_back(static_cast<float>(sweep.values.back()));
+    }
+    measured.sweeps = {sweep};
+    sweep_title_ = "reflected cd/m2 over " + name;
+  }
+  const std::string path = view.export_path.data();
+  job_ = std::make_unique<Job>();
+  job_->what = exports ? "Export" : "Sweep of " + measured.sweeps.front().name;
+  job_->exports = exports;
+  job_->result =
+      std::async(std::launch::async, [job = job_.get(), options, measured, traced = *traced_, exports, path] {
+        LastEye last;
+        MeasureOptions asked = measured;
+        Measurement result = measure(
+            options, asked, traced.scene, traced.environment,
+            [job](double share) {
+              job->share = static_cast<float>(share);
+              if (job->cancel) throw Error("inspection", "cancelled", "");
+            },
+            &last);
+        if (exports) {
+          write_text(path, lower_extension(path) == ".json" ? measurement_json(result) : measurement_csv(result));
+          write_layers(std::filesystem::path(path).replace_extension(".exr").string(), result, last);
+        }
+        return result;
+      });
+}
+
+void WindowInspection::finish_job(WindowSession* session) {
+  if (!job_ || !is_ready(job_->result)) return;
+  const bool exports = job_->exports, cancelled = job_->cancel;
+  try {
+    const Measurement result = job_->result.get();
+    if (exports) {
+      const std::string path = session->state.inspection.export_path.data();
+      session->add_message(MessageLevel::note, "written: " + path + " and its layers");
+      status_ = "Written: " + path;
+    } else {
+      for (const EyeValues& eye : result.eyes)
+        sweep_y_.push_back(static_cast<float>(eye.regions.front().reflected.mean));
+    }
+  } catch (const std::exception& error) {
+    if (!cancelled) session->add_message(MessageLevel::error, error.what());
+    sweep_x_.clear();
+  }
+  job_.reset();
+}
+
+void WindowInspection::carry_out(const InspectionActions& actions, WindowSession* session) {
+  try {
+    if (actions.cancel && job_) job_->cancel = true;
+    if (actions.run_sweep) start_job(session, false);
+    if (actions.export_files) start_job(session, true);
+    if (actions.eye_point == 0 || !traced_) return;
+    const InspectionView& view = session->state.inspection;
+    MeasureOptions options;
+    const bool has_node = std::ranges::any_of(traced_->scene->nodes, [](const Node& n) { return n.name == "r_point"; });
+    if (!has_node) options.r_point_m = glm::dvec3(view.r_point_m[0], view.r_point_m[1], view.r_point_m[2]);
+    const VehicleAxes axes = vehicle_axes(options.axes);
+    const glm::dvec3 eye = eye_from_r_point(r_point_of(*traced_->scene, options), axes,
+                                            {actions.eye_point == 1 ? "V1" : "V2", view.right_hand_drive});
+    CameraView& camera = session->state.camera;
+    const float distance = std::max(glm::length(camera.target - camera.eye), 0.1f);
+    camera.eye = glm::vec3(eye);
+    camera.target = camera.eye - glm::vec3(axes.rearward) * distance;
+    camera.up = glm::vec3(axes.up);
+  } catch (const Error& error) {
+    session->add_message(MessageLevel::error, error.what());
+  }
+}
+
+void WindowInspection::fill_facts(const WindowSession& session, InspectionFacts* facts) const {
+  *facts = {};
+  if (!session.state.inspection.open) return;
+  facts->status = status_;
+  facts->sun = sun_;
+  facts->regions = regions_.values;
+  facts->sweep_names = sweep_names();
+  static const char* const kUnits[] = {"degrees", "degrees", "degrees from the vertical", "share of the light",
+                                       "mrad",    "mm"};
+  facts->sweep_unit = kUnits[std::clamp(session.state.inspection.sweep, 0, 5)];
+  facts->sweep_y = sweep_y_;
+  facts->sweep_x = sweep_x_;
+  facts->sweep_title = sweep_title_;
+  if (job_) {
+    facts->job = job_->what;
+    facts->job_share = job_->share;
+    facts->sweep_y.clear();
+  }
+  if (traced_)
+    facts->has_r_point = std::ranges::any_of(traced_->scene->nodes, [](const Node& n) { return n.name == "r_point"; });
+}
+
+void WindowInspection::update_texture(const InspectionView& view) {
+  const bool same = colors_of_.low_cdm2 == view.low_cdm2 && colors_of_.high_cdm2 == view.high_cdm2;
+  if (!view.false_color || picture_.width == 0 || (same && !colors_stale_)) return;
+  colors_of_ = view;
+  colors_stale_ = false;
+  std::vector<std::uint8_t> bytes(4 * picture_.data.size() / static_cast<std::size_t>(picture_.channels), 255);
+  for (int y = 0; y < picture_.height; ++y)
+    for (int x = 0; x < picture_.width; ++x) {
+      const auto c = luminance_color(static_cast<float>(luminance(picture_, x, y)), view.low_cdm2, view.high_cdm2);
+      const std::size_t at =
+          4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture_.width) + static_cast<std::size_t>(x));
+      for (std::size_t k = 0; k < 3; ++k) bytes[at + k] = static_cast<std::uint8_t>(255.0f * c[k] + 0.5f);
+    }
+  colors_ = Texture::make_2d("false colours", GL_RGBA8, picture_.width, picture_.height);
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTextureSubImage2D(colors_.get(), 0, 0, 0, picture_.width, picture_.height, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
+  for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glTextureParameteri(colors_.get(), name, GL_NEAREST);
+}
+
+/// What the pixel under the mouse shows, at the lower left of the picture, where nothing moves.
+void WindowInspection::draw_probe(const Rect& picture) const {
+  if (probe_.empty()) return;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  const float line = ImGui::GetTextLineHeight(), pad = 0.4f * line, column = 7.0f * line;
+  float width = 0.0f;
+  for (const auto& [name, value] : probe_) width = std::max(width, ImGui::CalcTextSize(value.c_str()).x);
+  const ImVec2 low(picture.x + pad,
+                   picture.y + picture.height - pad - line * static_cast<float>(probe_.size()) - 2.0f * pad);
+  list->AddRectFilled(low, {low.x + column + width + 2.0f * pad, picture.y + picture.height - pad},
+                      IM_COL32(16, 16, 18, 215), 4.0f);
+  float y = low.y + pad;
+  for (const auto& [name, value] : probe_) {
+    list->AddText({low.x + pad, y}, IM_COL32(160, 160, 165, 255), name.c_str());
+    list->AddText({low.x + pad + column, y}, IM_COL32(240, 240, 240, 255), value.c_str());
+    y += line;
+  }
+}
+
+void WindowInspection::draw_overlay(const WindowSession& session, const Rect& picture) {
+  const InspectionView& view = session.state.inspection;
+  if (!view.open || picture.empty()) return;
+  ImDrawList* list = ImGui::GetBackgroundDrawList();
+  if (view.false_color && colors_ && status_ != "It waits until nothing moves.")
+    list->AddImage(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(colors_.get())), {picture.x, picture.y},
+                   {picture.x + picture.width, picture.y + picture.height});
+  for (std::size_t i = 0; i < view.regions.size(); ++i) {
+    const InspectedRegion& r = view.regions[i];
+    const ImVec2 low(picture.x + r.x * picture.width, picture.y + r.y * picture.height);
+    const ImVec2 high(low.x + r.width * picture.width, low.y + r.height * picture.height);
+    list->AddRect({low.x - 1.0f, low.y - 1.0f}, {high.x + 1.0f, high.y + 1.0f}, IM_COL32(0, 0, 0, 200));
+    list->AddRect(low, high, IM_COL32(255, 255, 255, 230));
+    const std::string label = std::to_string(i + 1);
+    list->AddText({low.x + 4.0f, low.y + 2.0f}, IM_COL32(255, 255, 255, 255), label.c_str());
+  }
+  draw_probe(picture);
+}
+
+}  // namespace maquette

@@ -28,7 +28,8 @@ void prepare_btfs(const SceneOptions& options, const Scene& scene) {
   for (const auto& [name, source] : options.materials) sources.insert(source);
   for (const Material& material : scene.materials) sources.insert(material.measured);
   const Registry& registry = builtin_registry();
-  const bool exact = registry.find_mode(options.mode).can.traces_picture;
+  const Technique& mode = registry.find_mode(options.mode);
+  const bool exact = mode.can.traces_picture || mode.own_bake;  // whose bakes hold whole BTFs
   for (const std::string& source : sources) {
     if (!is_btf_source(source)) continue;
     prepare_btf(source);

@@ -5,6 +5,7 @@
 
 #include "scenes/angles.h"
 #include "scenes/ground.h"
+#include "scenes/node_paths.h"
 #include "viewer/session.h"
 #include "viewer/window_session.h"
 
@@ -14,6 +15,7 @@ void WindowSession::forget_applied() {
   applied_.materials.clear();
   applied_.dents.clear();
   applied_.hidden_nodes.clear();
+  surfaces_.reset();
   ground_of_ = {};
   ground_rotation_deg_ = 0.0f;
 }
@@ -32,8 +34,8 @@ void WindowSession::apply_ground(bool busy) {
     if (want) add_ground(scene.get(), *environment_, ground_options(settings));
     renderer_.set_scene(scene);
     scene_ = std::move(scene);
-    evaluators_.clear();
-    dent_.reset();
+    node_paths_ = node_paths(*scene_);
+    dragged_dent_.reset();
     forget_applied();
     ground_of_ = wanted;
     request_metering();

@@ -188,20 +188,11 @@ TEST(CommandLine, CommandsAreChecked) {
   EXPECT_TRUE(contains(usage_error({"compare", "a.exr"}), "A.exr B.exr"));
   EXPECT_TRUE(contains(usage_error({"inspect"}), "FILE"));
   EXPECT_TRUE(contains(usage_error({"render"}), "--output"));
-  for (const std::string later : {"play"}) {
-    try {
-      parse({later});
-      ADD_FAILURE() << later;
-    } catch (const UsageError&) {
-      ADD_FAILURE() << later << " is a right call";
-    } catch (const Error& error) {
-      EXPECT_TRUE(contains(error.what(), "not available in this version"));
-    }
-  }
+  EXPECT_TRUE(contains(usage_error({"play"}), "PATH.path.json"));
 }
 
 TEST(CommandLine, LaterNamesAreKnownAndRefused) {
-  for (const Words& words : {Words{"--mode", "prt"}, Words{"--set", "prt.faces=64"}, Words{"--look", "A"}}) {
+  for (const Words& words : {Words{"--mode", "prt"}, Words{"--set", "prt.faces=64"}}) {
     Words all = {"render", "-o", "a.png"};
     all.insert(all.end(), words.begin(), words.end());
     try {
@@ -211,6 +202,18 @@ TEST(CommandLine, LaterNamesAreKnownAndRefused) {
       EXPECT_TRUE(contains(error.what(), "not available in this version")) << error.what();
     }
   }
+}
+
+TEST(CommandLine, ReviewsAndPathsAreToldFromScenes) {
+  EXPECT_TRUE(contains(usage_error({"render", "-o", "a.png", "--look", "A"}), "there is no review"));
+  const SceneOptions review = parse({"render", "a.maquette.json", "--look", "A", "-o", "a.png"}).options;
+  EXPECT_EQ(review.review, "a.maquette.json");
+  EXPECT_EQ(review.look, "A");
+  EXPECT_EQ(review.scene, SceneOptions().scene);
+  const SceneOptions path = parse({"play", "a.path.json", "car.glb", "-o", "frames"}).options;
+  EXPECT_EQ(path.path, "a.path.json");
+  EXPECT_EQ(path.scene, "car.glb");
+  EXPECT_TRUE(contains(usage_error({"play", "a.maquette.json", "-o", "frames"}), "--path NAME"));
 }
 
 TEST(CommandLine, DeclarationsAreSound) {

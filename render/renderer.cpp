@@ -388,6 +388,19 @@ FrameStats Renderer::Impl::draw_whole_picture(const FrameRequest& request, const
   return stats;
 }
 
+void Renderer::forget_frames() {
+  Impl& s = *impl_;
+  s.layers.clear();
+  s.frame.forget(-1);
+  s.last = LastFrame();
+  s.whole = WholePicture();
+  s.light_samples.forget();
+  s.mirrors.reflections = Reflections();
+  s.mirrors.glossy.clear();
+  s.mirrors.blended.clear();
+  s.mirrors.panes = Panes();
+}
+
 bool Renderer::finish_background_work(const FrameRequest& asked) {
   Impl& s = *impl_;
   const FrameRequest request = s.with_defaults(asked);

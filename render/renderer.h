@@ -51,6 +51,9 @@ class Renderer {
   /// Draws one frame into the radiance texture. With `accumulate`, averages with the frames before it
   /// while request, scene, materials and environment stay the same.
   FrameStats render(const FrameRequest& request, bool accumulate = false);
+  /// The next frame is drawn as if it were the first: nothing of earlier ones is reused, averaged or compared with.
+  /// Scene and bakes stay.
+  void forget_frames();
   /// Waits until the bakes that the plan of `request` wants are done (batch rendering). True when all is ready.
   bool finish_background_work(const FrameRequest& request);
   std::vector<BackgroundWork> background_work() const;

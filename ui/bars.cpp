@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "review/review.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {
@@ -31,6 +32,25 @@ void draw_open_popup(Ui& ui) {
   ImGui::SameLine();
   if ((ImGui::Button("Open") || entered) && ui.state.path[0] != 0) {
     ui.actions.open_path = ui.state.path.data();
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
+}
+
+void draw_save_popup(Ui& ui) {
+  if (ui.state.save_path_popup) ImGui::OpenPopup("save review");
+  ui.state.save_path_popup = false;
+  if (!ImGui::BeginPopup("save review")) return;
+  ImGui::TextUnformatted("Name of the review");
+  dim_text("NAME.maquette.json: scene, looks and paths, and all that is changed");
+  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+  ImGui::SetNextItemWidth(scaled(460.0f));
+  const bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
+                                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  ImGui::SameLine();
+  if ((ImGui::Button("Save") || entered) && ui.state.path[0] != 0) {
+    ui.actions.save_path = ui.state.path.data();
+    if (!is_review_file(ui.actions.save_path)) ui.actions.save_path += ".maquette.json";
     ImGui::CloseCurrentPopup();
   }
   ImGui::EndPopup();
@@ -71,6 +91,11 @@ void draw_toolbar(Ui& ui) {
   tooltip("A scene, an environment or a measured material (O)");
   draw_open_popup(ui);
   ImGui::SameLine();
+  if (ImGui::Button(ui.facts.review_changed ? "Save *" : "Save")) ui.actions.save = true;
+  mark_item(ui, "save");
+  tooltip(ui.facts.review_file.empty() ? "Saves the review (Ctrl+S)" : "Saves " + ui.facts.review_file + " (Ctrl+S)");
+  draw_save_popup(ui);
+  ImGui::SameLine();
   draw_camera_combo(ui);
   ImGui::SameLine();
   if (ImGui::Button("Frame")) ui.actions.frame_scene = true;
@@ -86,7 +111,13 @@ void draw_toolbar(Ui& ui) {
   if (ImGui::Button("Undo")) ui.actions.undo = true;
   mark_item(ui, "undo");
   ImGui::EndDisabled();
-  tooltip("Takes back dents, materials, light, variant and visibility (Ctrl+Z)");
+  tooltip("Takes back the last change (Ctrl+Z)");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!ui.facts.can_redo);
+  if (ImGui::Button("Redo")) ui.actions.redo = true;
+  mark_item(ui, "redo");
+  ImGui::EndDisabled();
+  tooltip("Makes it again (Ctrl+Y, Ctrl+Shift+Z)");
   const float right = ImGui::GetWindowWidth() - ImGui::GetStyle().WindowPadding.x - ImGui::GetFrameHeight();
   ImGui::SameLine(right);
   if (ImGui::Button(state.right_open ? glyph("\u25b8", ">") : glyph("\u25c2", "<"), {ImGui::GetFrameHeight(), 0.0f}))

@@ -87,7 +87,8 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
   ImGui::PopStyleVar();
   static constexpr Tab kLeft[] = {{"Materials", panels::draw_materials_panel},
                                   {"Scene", panels::draw_scene_panel},
-                                  {"Help", panels::draw_help_panel}};
+                                  {"Help", panels::draw_help_panel},
+                                  {"Review", panels::draw_review_panel}};
   static constexpr Tab kRight[] = {{"Look", panels::draw_look_panel},
                                    {"Render", panels::draw_render_panel},
                                    {"Frame", panels::draw_frame_panel},

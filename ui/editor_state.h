@@ -5,33 +5,20 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
-#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "render/renderer.h"
 #include "render/technique/settings.h"
+#include "review/camera_path.h"
+#include "review/look.h"
+#include "scenes/node_paths.h"
 #include "scenes/scene.h"
 #include "ui/inspection_state.h"
 
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
-
-/// What undo restores.
-struct Edits {
-  std::string environment = "builtin:clear-sky";
-  float env_rotation_deg = 0.0f;
-  float env_scale = 1.0f;
-  int variant = -1;
-  std::map<std::string, std::string> materials;  ///< material name -> source; absent: as in the file
-  /// Control points of the dented meshes' cages, by mesh.
-  std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> dents;
-  std::set<int> hidden_nodes;
-  std::set<std::string> reflectors;       ///< nodes that reflect; empty: those that the scene marks
-  std::map<int, std::string> part_modes;  ///< index of a node -> shading mode of it and of what is below it
-  bool operator==(const Edits&) const = default;
-};
 
 enum class Tool { camera, dent, reflect, region };
 
@@ -58,21 +45,27 @@ struct MeterFacts {
   bool measuring_curve = false;
 };
 
-/// Everything the panels change.
-struct EditorState {
-  Edits edits;
-  CameraView camera;
-  std::string mode = builtin_registry().default_mode;
-  std::string reflections = kAutoReflections;  ///< reflector technique
-  Settings settings;
-  int msaa = 1;        ///< samples a pixel
-  int still_msaa = 4;  ///< once nothing moves, if more
-  float exposure_ev = 0.0f;
-  bool auto_exposure = true;  ///< computed again for each scene, environment and scene camera
-  std::string tonemap = "pbr-neutral";
-  std::string debug_view;     ///< empty: the picture
-  float still_scale = 1.0f;   ///< picture pixels a framebuffer pixel, per axis, when nothing moves
-  float moving_scale = 0.0f;  ///< the same while something moves; 0: chosen for a fluid picture
+/// The path that is being edited and played.
+struct PathView {
+  int path = 0, key = -1;   ///< chosen ones
+  double time_s = 0.0;      ///< on the path
+  bool goes_there = false;  ///< once: the picture is to show that time
+  bool playing = false, recording = false;
+  Playing playback = Playing::once;
+  int late_frames = 0;  ///< of the last playback: those that a 25th of a second passed without
+};
+
+/// Everything the panels change: the look at hand, and how the window shows it.
+struct EditorState : Look {
+  std::vector<Look> looks;        ///< kept ones of the review
+  std::vector<CameraPath> paths;  ///< of the review
+  PathView path_view;
+  std::string continued_journal;  ///< once: of an untitled review that is to be opened
+  int msaa = 1;                   ///< samples a pixel
+  int still_msaa = 4;             ///< once nothing moves, if more
+  std::string debug_view;         ///< empty: the picture
+  float still_scale = 1.0f;       ///< picture pixels a framebuffer pixel, per axis, when nothing moves
+  float moving_scale = 0.0f;      ///< the same while something moves; 0: chosen for a fluid picture
   ErrorView error_view;
   InspectionView inspection;
   Tool tool = Tool::camera;
@@ -86,9 +79,9 @@ struct EditorState {
   bool reveal_material = false;
   bool left_open = true;
   bool right_open = true;
-  int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help
+  int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help, 3 review
   int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
-  bool open_path_popup = false;
+  bool open_path_popup = false, save_path_popup = false;
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
   std::array<char, 1024> path{};
@@ -109,8 +102,9 @@ struct Message {
 struct EditorFacts {
   const Registry* registry = &builtin_registry();
   const Scene* scene = nullptr;
-  const FrameStats* stats = nullptr;  ///< of the last frame, nullptr before the first
-  std::vector<std::string> cameras;   ///< bookmarks, in order of the keys 1 to 9
+  const std::vector<std::string>* node_paths = nullptr;  ///< of the scene's nodes (scenes/node_paths.h)
+  const FrameStats* stats = nullptr;                     ///< of the last frame, nullptr before the first
+  std::vector<std::string> cameras;                      ///< bookmarks, in order of the keys 1 to 9
   std::vector<BackgroundWork> background;
   std::string loading;  ///< what is being read; empty: nothing
   std::string device;
@@ -125,18 +119,33 @@ struct EditorFacts {
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;
   InspectionFacts inspection;
-  bool can_undo = false;
+  bool can_undo = false, can_redo = false;
+  std::string review_file;  ///< empty: untitled
+  bool review_changed = false, review_read_only = false;
   std::string command;     ///< of the shell, which renders this picture
   bool converged = false;  ///< the accumulation limit is reached
+
+  /// Path of a node of the scene.
+  std::string path_of(int node) const {
+    return (node_paths ? *node_paths : maquette::node_paths(*scene))[static_cast<std::size_t>(node)];
+  }
 };
 
 /// Actions that the panels request, each done once.
 struct EditorActions {
+  bool save = false;      ///< the review; asks for a name where it has none
+  std::string save_path;  ///< the review, under this name
+  bool keep_look = false;
+  int go_to_look = -1;
+  int next_look = 0;  ///< 1 or -1
+  bool new_path = false, turntable = false, add_key = false, record_path = false, play_path = false;
+  bool export_path = false;
+  int step_path = 0;      ///< frames
   std::string open_path;  ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
   bool meter_exposure = false;
-  bool undo = false;
+  bool undo = false, redo = false;
   bool dismiss_messages = false;
   bool measure_curve = false;  ///< of the present mode in the present view
   InspectionActions inspection;

@@ -51,12 +51,12 @@ void draw_cameras(Ui& ui) {
 
 void draw_variants(Ui& ui) {
   const std::vector<std::string>& variants = ui.facts.scene->variants;
-  if (ImGui::RadioButton("As in the file", ui.state.edits.variant < 0)) ui.state.edits.variant = -1;
+  if (ImGui::RadioButton("As in the file", ui.state.edits.variant.empty())) ui.state.edits.variant.clear();
   mark_item(ui, "variant/");
   for (std::size_t i = 0; i < variants.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
-    if (ImGui::RadioButton(variants[i].c_str(), ui.state.edits.variant == static_cast<int>(i)))
-      ui.state.edits.variant = static_cast<int>(i);
+    if (ImGui::RadioButton(variants[i].c_str(), ui.state.edits.variant == variants[i]))
+      ui.state.edits.variant = variants[i];
     mark_item(ui, "variant/" + variants[i]);
     ImGui::PopID();
   }

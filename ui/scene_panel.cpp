@@ -29,18 +29,19 @@ void select_node(Ui& ui, int index) {
   if (node.mesh < 0) return;
   const Mesh& mesh = ui.facts.scene->meshes[static_cast<std::size_t>(node.mesh)];
   if (mesh.primitives.empty()) return;
-  const int material = material_of(mesh.primitives.front(), ui.state.edits.variant);
+  const int material = material_of(mesh.primitives.front(), variant_index(*ui.facts.scene, ui.state.edits.variant));
   if (material >= 0) ui.state.selected_material = material;
 }
 
 void visibility_box(Ui& ui, int index) {
-  bool shown = !ui.state.edits.hidden_nodes.contains(index);
+  std::set<std::string>& hidden = ui.state.edits.hidden_nodes;
+  bool shown = hidden.empty() || !hidden.contains(ui.facts.path_of(index));
   ImGui::PushStyleVar(ImGuiStyleVar_FramePadding, {scaled(1.0f), scaled(1.0f)});
   if (ImGui::Checkbox("##visible", &shown)) {
     if (shown)
-      ui.state.edits.hidden_nodes.erase(index);
+      hidden.erase(ui.facts.path_of(index));
     else
-      ui.state.edits.hidden_nodes.insert(index);
+      hidden.insert(ui.facts.path_of(index));
   }
   ImGui::PopStyleVar();
   tooltip("Shown, with everything below it");
@@ -51,15 +52,16 @@ void visibility_box(Ui& ui, int index) {
 void mode_menu(Ui& ui, int index) {
   const Scene& scene = *ui.facts.scene;
   if (!ImGui::BeginPopupContextItem("mode")) return;
-  std::map<int, std::string>& modes = ui.state.edits.part_modes;
-  const auto own = modes.find(index);
+  std::map<std::string, std::string>& modes = ui.state.edits.part_modes;
+  const std::string path = ui.facts.path_of(index);
+  const auto own = modes.find(path);
   dim_text("Shading mode of " + scene.nodes[static_cast<std::size_t>(index)].name);
-  if (ImGui::MenuItem("as above", nullptr, own == modes.end())) modes.erase(index);
+  if (ImGui::MenuItem("as above", nullptr, own == modes.end())) modes.erase(path);
   mark_item(ui, "part mode/as above");
   for (const Technique& technique : ui.facts.registry->techniques) {
     if (technique.kind != TechniqueKind::mode || technique.can.traces_picture) continue;
     if (ImGui::MenuItem(technique.name.c_str(), nullptr, own != modes.end() && own->second == technique.name))
-      modes[index] = technique.name;
+      modes[path] = technique.name;
     mark_item(ui, "part mode/" + technique.name);
   }
   ImGui::EndPopup();
@@ -68,8 +70,9 @@ void mode_menu(Ui& ui, int index) {
 /// What is said of a node behind its name.
 std::string notes_of(const Ui& ui, int index) {
   std::string notes = ui.facts.reflecting.contains(index) ? "  (reflects)" : "";
-  const auto mode = ui.state.edits.part_modes.find(index);
-  return mode == ui.state.edits.part_modes.end() ? notes : notes + "  [" + mode->second + "]";
+  const std::map<std::string, std::string>& modes = ui.state.edits.part_modes;
+  const auto mode = modes.empty() ? modes.end() : modes.find(ui.facts.path_of(index));
+  return mode == modes.end() ? notes : notes + "  [" + mode->second + "]";
 }
 
 /// One line; true when its children are to be drawn.

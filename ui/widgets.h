@@ -54,6 +54,7 @@ float strip_height(const EditorFacts& facts, float width);
 void draw_materials_panel(Ui& ui);
 void draw_scene_panel(Ui& ui);
 void draw_help_panel(Ui& ui);
+void draw_review_panel(Ui& ui);
 void draw_look_panel(Ui& ui);
 void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);

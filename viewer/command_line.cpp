@@ -6,6 +6,7 @@
 
 #include "render/btf/btf_source.h"
 #include "render/technique/registry.h"
+#include "review/review.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
 
@@ -26,15 +27,18 @@ std::string bake_names() {
 
 const std::vector<CommandDeclaration>& command_declarations() {
   static const std::vector<CommandDeclaration> kCommands = {
-      {"view", "[SCENE]", 0, 1, "a scene in a window; without a scene, and without a command, the built-in cockpit",
-       ""},
-      {"render", "[SCENE]", 0, 1, "one frame without a window, to .exr or .png", ""},
+      {"view", "[SCENE|REVIEW]", 0, 1,
+       "a scene or a review in a window; without a scene, and without a command, the built-in cockpit", ""},
+      {"render", "[SCENE|REVIEW]", 0, 1, "one frame, or a look of a review, without a window, to .exr or .png", ""},
       {"bake", "KIND [SCENE]", 1, 2,
        "precomputes what a technique needs: " + bake_names() +
            "; resumes where it was stopped, and builds only what has changed",
        ""},
-      {"play", "PATH.json [SCENE]", 0, 2, "a recorded camera path, frame by frame", "use render for single frames"},
-      {"report", "[SCENE]", 0, 1,
+      {"play", "PATH.path.json [SCENE] | REVIEW", 1, 2,
+       "a camera path of a file or, by --path, of a review: settled frame by settled frame to a folder or a video; the "
+       "same command continues where it stopped",
+       ""},
+      {"report", "[SCENE|REVIEW]", 0, 1,
        "error against run time of every technique: report.html, report.json, report.csv and charts in a folder; the "
        "same "
        "command continues where it stopped",
@@ -182,6 +186,8 @@ void check_combinations(const CommandLine& line) {
   if (options.up && glm::length(*options.up) == 0.0f) throw UsageError("--up", "it has no direction");
   if (options.eye && options.target && *options.eye == *options.target)
     throw UsageError("--target", "it is where the eye is");
+  if (line.command == "play" && !line.help && options.output.empty())
+    throw UsageError("", "play needs a folder or a video to write to", "add --output FOLDER or FILE.mp4");
   if (line.command == "report" && !line.help && options.output.empty())
     throw UsageError("", "report needs a folder to write to", "add --output FOLDER");
   if (line.command != "render" || line.help) return;
@@ -193,6 +199,33 @@ void check_combinations(const CommandLine& line) {
   const bool accumulates = options.time_s || options.target_error;
   if (options.frames > 0 && accumulates)
     throw UsageError("--frames", "it excludes --time and --target-error", "leave one out");
+}
+
+/// Scene, review and path among the arguments.
+void take_files(CommandLine* line) {
+  SceneOptions& options = line->options;
+  const bool views = line->command == "view" || line->command == "render" || line->command == "report";
+  if (line->files.empty() || (!views && line->command != "play")) return;
+  const std::string& first = line->files.front();
+  if (is_review_file(first)) {
+    options.review = first;
+    if (line->files.size() > 1) throw UsageError(line->files[1], "one argument too many", "the review names its scene");
+    if (line->command == "play" && options.path.empty())
+      throw UsageError("maquette play", "it needs to know which path of the review", "add --path NAME");
+  } else if (views) {
+    options.scene = first;
+  } else {
+    if (!options.path.empty()) throw UsageError("--path", "it is for a review", "give a .maquette.json file");
+    options.path = first;
+    if (line->files.size() > 1) options.scene = line->files[1];
+  }
+}
+
+/// A settled frame is the same however long it takes: no clock ends it, nothing is measured.
+void check_settled(const CommandLine& line) {
+  for (const char* name : {"--time", "--target-error", "--frames", "--view", "--reference"})
+    if (line.options.given.contains(name))
+      throw UsageError(name, "a review is drawn as a settled frame", "use --average N and --samples N instead");
 }
 
 }  // namespace
@@ -225,16 +258,19 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
       option.declaration->apply(&line, text);
     }
     if (option.flag) option.declaration->apply(&line, {});
+    if (option.flag || !option.texts.empty()) line.options.given.insert(option.declaration->name);
   }
   if (std::find(line.files.begin(), line.files.end(), "") != line.files.end())
     throw UsageError("maquette " + command.name, "one of its arguments is empty", "it takes " + command.arguments);
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
-  if ((line.command == "view" || line.command == "render" || line.command == "report" || line.command == "measure") &&
-      !line.files.empty())
-    line.options.scene = line.files.front();
+  if (line.command == "measure" && !line.files.empty()) line.options.scene = line.files.front();
+  take_files(&line);
+  if (!line.options.look.empty() && line.options.review.empty())
+    throw UsageError("--look " + line.options.look, "there is no review to take it from", "give a .maquette.json file");
   for (auto& [name, source] : line.options.materials) source = with_btf_reading(source, line.options.settings);
   check_combinations(line);
+  if (line.command == "render" && !line.options.review.empty()) check_settled(line);
   return line;
 }
 

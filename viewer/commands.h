@@ -11,6 +11,7 @@ int run_program(int argc, char** argv);
 /// One each; they throw Error and return the exit code.
 int run_view(const CommandLine& line);
 int run_render(const CommandLine& line);
+int run_play(const CommandLine& line);
 int run_report(const CommandLine& line);
 int run_measure(const CommandLine& line);
 int run_compare(const CommandLine& line);

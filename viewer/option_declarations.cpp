@@ -1,4 +1,5 @@
 #include <cmath>
+#include <set>
 
 #include "render/renderer.h"
 #include "render/technique/registry.h"
@@ -215,6 +216,7 @@ std::vector<OptionDeclaration> quality_options() {
           [](O* o, const std::string& t) {
             const auto [name, value] = parse_pair(t, "--set", "SETTING=VALUE");
             o->settings.set_from_text(name, value);
+            o->settings_given.push_back(name);
           },
           true))),
   };
@@ -245,10 +247,8 @@ std::vector<OptionDeclaration> technique_options() {
           "--reflector", "NODE",
           "node that reflects, instead of those that the scene marks (all its panes where it marks none)",
           [](O* o, const std::string& t) { o->reflectors.push_back(t); }, true),
-      one_picture(shared("--look", "NAME", "look of a review file",
-                         [](O*, const std::string& t) {
-                           throw Error("--look " + t, "review files are not available in this version", "leave it out");
-                         })),
+      shared("--look", "NAME", "look of a review (the state that it was saved in)",
+             [](O* o, const std::string& t) { o->look = t; }),
   };
 }
 
@@ -257,9 +257,10 @@ std::vector<OptionDeclaration> output_options() {
   OptionDeclaration output = render_only(
       "--output", "FILE",
       "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
-      "colours) or .exr (absolute, R, G, B); `report`, `bake`: the folder; `measure`: .json or .csv",
+      "colours) or .exr (absolute, R, G, B); `play`: .mp4, .mkv, .mov, or the folder "
+      "of the frames; `report`, `bake`: the folder; `measure`: .json or .csv",
       [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
-  output.commands = {"render", "compare", "report", "bake", "measure"};
+  output.commands = {"render", "play", "compare", "report", "bake", "measure"};
   output.alias = "-o";
   return {
       output,
@@ -270,6 +271,30 @@ std::vector<OptionDeclaration> output_options() {
        [](CommandLine* line, const std::string& t) { line->options.screenshot = check_file_name(t, "--screenshot"); }},
       render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
                   [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
+      {"--path",
+       "NAME",
+       "path of the review",
+       {"play"},
+       [](CommandLine* line, const std::string& t) { line->options.path = t; }},
+      {"--fps",
+       "N",
+       "frames a second (25)",
+       {"play"},
+       [](CommandLine* line, const std::string& t) { line->options.fps = parse_in(t, "--fps", 0.01, 1000.0); }},
+      {"--format",
+       "NAME",
+       "of the frames: png (tone mapped) or exr (linear) (png)",
+       {"play"},
+       [](CommandLine* line, const std::string& t) {
+         line->options.frame_format = check_name(t, "--format", {"png", "exr"});
+       }},
+      {"--average",
+       "N",
+       "frames that are averaged to one picture of a review or a path (1)",
+       {"render", "play"},
+       [](CommandLine* line, const std::string& t) {
+         line->options.average = static_cast<int>(parse_count(t, "--average", 1, 65536));
+       }},
       {"--budget",
        "S",
        "seconds for the whole report; what does not fit is listed (600)",
@@ -307,6 +332,15 @@ std::vector<OptionDeclaration> output_options() {
   };
 }
 
+/// Options of `render` that are those of `play` as well.
+bool decides_settled_frames(const std::string& name) {
+  static const std::set<std::string> kNames = {
+      "--env",     "--env-rotation", "--env-scale", "--exposure", "--tonemap", "--material", "--scene",
+      "--variant", "--size",         "--samples",   "--seed",     "--msaa",    "--set",      "--mode",
+      "--mode-of", "--reflections",  "--reflector", "--dent",     "--look"};
+  return kNames.contains(name);
+}
+
 }  // namespace
 
 const std::vector<OptionDeclaration>& option_declarations() {
@@ -319,6 +353,8 @@ const std::vector<OptionDeclaration>& option_declarations() {
       if (option.name == "--exposure" || option.name == "--tonemap" || option.name == "--view" ||
           option.name == "--look")
         std::erase(option.commands, "measure");
+    for (OptionDeclaration& option : all)
+      if (decides_settled_frames(option.name)) option.commands.emplace_back("play");
     all.push_back({"--help",
                    "",
                    "this manual, or that of one command",

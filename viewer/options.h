@@ -4,20 +4,15 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "render/technique/registry.h"
+#include "review/look.h"
 
 namespace maquette {
-
-/// One `--dent x,y,z,depth,radius` in metres (world space).
-struct Dent {
-  glm::vec3 center{0.0f};
-  float depth_m = 0.0f;
-  float radius_m = 0.0f;
-};
 
 /// One `--turn NODE=x,y,z,DEG`.
 struct NodeTurn {
@@ -28,6 +23,9 @@ struct NodeTurn {
 
 /// What the shared options of `view` and `render` say; the defaults are the program's defaults.
 struct SceneOptions {
+  std::set<std::string> given;  ///< names of the options that were given
+  std::string review;           ///< `.maquette.json`; empty: none
+  std::string look;             ///< `--look NAME` of the review; empty: the state that it was saved in
   std::string scene = "builtin:cockpit";
   std::string scene_of_file;  ///< name or index of a glTF scene; empty: the file's default
   std::string mode = builtin_registry().default_mode;
@@ -56,13 +54,19 @@ struct SceneOptions {
   std::string debug_view;  ///< `--view NAME`; empty: the picture
   std::vector<Dent> dents;
   std::vector<NodeTurn> turns;
+  std::set<std::string> hidden;  ///< nodes of a review that are not shown
   Settings settings;
-  std::string stats;      ///< JSON file; empty: none
-  std::string reference;  ///< EXR file; empty: none
+  std::vector<std::string> settings_given;  ///< by --set, defaults too
+  std::string stats;                        ///< JSON file; empty: none
+  std::string reference;                    ///< EXR file; empty: none
   std::string output;
-  double budget_s = 600.0;  ///< `report`: the whole run
-  int repeats = 3;          ///< `report`: measurements of each point
-  std::string screenshot;   ///< `view`: PNG of the window after `frames` drawn frames, then it closes
+  int average = 1;                   ///< frames of a settled picture
+  std::string path;                  ///< `play`: `PATH.json`, or the name of a path of the review
+  double fps = 25.0;                 ///< `play`
+  std::string frame_format = "png";  ///< `play`: png or exr
+  double budget_s = 600.0;           ///< `report`: the whole run
+  int repeats = 3;                   ///< `report`: measurements of each point
+  std::string screenshot;            ///< `view`: PNG of the window after `frames` drawn frames, then it closes
 };
 
 using ViewOptions = SceneOptions;

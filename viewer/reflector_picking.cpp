@@ -6,6 +6,7 @@
 #include "render/math/shared_formulas.h"
 #include "render/reflections/reflectors.h"
 #include "render/scene_state/material_overrides.h"
+#include "scenes/node_paths.h"
 #include "scenes/subdivision.h"
 
 namespace maquette {
@@ -17,8 +18,7 @@ constexpr int kPatchSide = 24;  // quads; precise enough for a click
 /// Materials by index, with the replacements of the edits.
 class EditedMaterials {
  public:
-  EditedMaterials(const Scene& scene, const Edits& edits)
-      : materials_(effective_materials(scene, edits.materials)) {}
+  EditedMaterials(const Scene& scene, const Edits& edits) : materials_(effective_materials(scene, edits.materials)) {}
   const Material& operator[](int index) const {
     return index < 0 || index >= static_cast<int>(materials_.size()) ? none_
                                                                      : materials_[static_cast<std::size_t>(index)];
@@ -41,9 +41,9 @@ void each_surface(const Scene& scene, const Node& node, int variant, const Use& 
   }
 }
 
-bool is_shown(const Scene& scene, int index, const Edits& edits) {
+bool is_shown(const Scene& scene, int index, const std::set<int>& hidden) {
   for (int i = index, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
-    if (edits.hidden_nodes.contains(i)) return false;
+    if (hidden.contains(i)) return false;
     i = scene.nodes[static_cast<std::size_t>(i)].parent;
   }
   return scene.nodes[static_cast<std::size_t>(index)].visible;
@@ -54,11 +54,13 @@ bool is_shown(const Scene& scene, int index, const Edits& edits) {
 std::set<int> reflecting_nodes(const Scene& scene, const Edits& edits) {
   const bool marks = marks_reflectors(scene);
   const EditedMaterials materials(scene, edits);
+  const std::set<int> named = called_nodes(scene, edits.reflectors);
+  const int variant = variant_index(scene, edits.variant);
   std::set<int> nodes;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
     const Node& node = scene.nodes[i];
     if (!node.visible || (node.mesh < 0 && node.patch < 0)) continue;
-    if (!edits.reflectors.empty() && !edits.reflectors.contains(node.name)) continue;
+    if (!edits.reflectors.empty() && !named.contains(static_cast<int>(i))) continue;
     const auto reflects = [&](int index) {
       const Material& material = materials[index];
       return can_mirror(material) &&
@@ -67,7 +69,7 @@ std::set<int> reflecting_nodes(const Scene& scene, const Edits& edits) {
     bool any = node.patch >= 0 && reflects(scene.patches[static_cast<std::size_t>(node.patch)].material);
     if (node.mesh >= 0)
       for (const Primitive& primitive : scene.meshes[static_cast<std::size_t>(node.mesh)].primitives)
-        any = any || reflects(material_of(primitive, edits.variant));
+        any = any || reflects(material_of(primitive, variant));
     if (any) nodes.insert(static_cast<int>(i));
   }
   return nodes;
@@ -77,15 +79,17 @@ int find_mirror(const Scene& scene, const Edits& edits, const glm::vec3& origin,
                 float limit_m) {
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   const EditedMaterials materials(scene, edits);
+  const std::set<int> hidden = called_nodes(scene, edits.hidden_nodes);
+  const int variant = variant_index(scene, edits.variant);
   int found = -1;
   float nearest = limit_m;
   for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    if (!is_shown(scene, static_cast<int>(i), edits)) continue;
+    if (!is_shown(scene, static_cast<int>(i), hidden)) continue;
     // Distances along the ray are the same in the node's frame, because its direction is not normalised there.
     const glm::dmat4 node_from_world = glm::inverse(glm::dmat4(world[i]));
     const glm::vec3 from(node_from_world * glm::dvec4(glm::dvec3(origin), 1.0)),
         to(node_from_world * glm::dvec4(glm::dvec3(direction), 0.0));
-    each_surface(scene, scene.nodes[i], edits.variant, [&](const Primitive& primitive, int material) {
+    each_surface(scene, scene.nodes[i], variant, [&](const Primitive& primitive, int material) {
       if (!can_mirror(materials[material])) return;
       for (std::size_t k = 0; k + 2 < primitive.indices.size(); k += 3) {
         const auto corner = [&](std::size_t n) { return primitive.positions[primitive.indices[k + n]]; };
@@ -104,12 +108,13 @@ int find_mirror(const Scene& scene, const Edits& edits, const glm::vec3& origin,
 }
 
 bool toggle_reflector(const Scene& scene, int node, Edits* edits) {
-  std::set<std::string> names;
-  for (const int k : reflecting_nodes(scene, *edits)) names.insert(scene.nodes[static_cast<std::size_t>(k)].name);
-  const std::string& name = scene.nodes[static_cast<std::size_t>(node)].name;
-  if (names.erase(name) == 0) names.insert(name);
-  if (names.empty()) return false;
-  edits->reflectors = std::move(names);
+  const std::vector<std::string> paths = node_paths(scene);
+  std::set<std::string> reflectors;
+  for (const int k : reflecting_nodes(scene, *edits)) reflectors.insert(paths[static_cast<std::size_t>(k)]);
+  const std::string& path = paths[static_cast<std::size_t>(node)];
+  if (reflectors.erase(path) == 0) reflectors.insert(path);
+  if (reflectors.empty()) return false;
+  edits->reflectors = std::move(reflectors);
   return true;
 }
 

@@ -17,6 +17,7 @@
 #include "viewer/commands.h"
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
+#include "viewer/render_look.h"
 #include "viewer/session.h"
 #include "viewer/stats.h"
 
@@ -264,6 +265,7 @@ void write_picture(const Renderer& renderer, const Image& radiance, float exposu
 
 int run_render(const CommandLine& line) {
   const SceneOptions& options = line.options;
+  if (!options.review.empty()) return render_look(line);
   check_outputs(options);
   const std::optional<Image> reference = load_reference(options);
   // The scene and the environment are read while the driver starts.

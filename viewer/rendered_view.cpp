@@ -26,7 +26,7 @@ std::string render_command(const Scene& scene, const EditorState& state) {
   option("--env", edits.environment);
   if (edits.env_rotation_deg != 0.0f) option("--env-rotation", number(edits.env_rotation_deg));
   if (edits.env_scale != 1.0f) option("--env-scale", number(edits.env_scale));
-  if (edits.variant >= 0) option("--variant", scene.variants[static_cast<std::size_t>(edits.variant)]);
+  if (!edits.variant.empty()) option("--variant", edits.variant);
   for (const auto& [material, source] : edits.materials) option("--material", material + "=" + source);
   option("--eye", vector(state.camera.eye));
   option("--target", vector(state.camera.target));
@@ -36,7 +36,7 @@ std::string render_command(const Scene& scene, const EditorState& state) {
   else
     option("--fov", number(glm::degrees(state.camera.fov_y_rad)));
   if (state.mode != defaults.mode) option("--mode", state.mode);
-  for (const auto& [node, mode] : edits.part_modes) option("--mode-of", node_path(scene, node) + "=" + mode);
+  for (const auto& [node, mode] : edits.part_modes) option("--mode-of", node + "=" + mode);
   if (state.reflections != defaults.reflections) option("--reflections", state.reflections);
   for (const std::string& node : edits.reflectors) option("--reflector", node);
   for (const auto& [name, value] : state.settings.changed()) option("--set", name + "=" + to_text(value));

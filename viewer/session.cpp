@@ -3,20 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "render/parts/parts.h"
 #include "render/picture/tonemap.h"
 #include "render/technique/registry.h"
+#include "review/review.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/ground.h"
 #include "scenes/luminance.h"
-#include "scenes/subdivision.h"
+#include "scenes/node_paths.h"
 #include "scenes/suggest.h"
 #include "ui/camera_control.h"
+#include "viewer/dents.h"
 
 namespace maquette {
 
@@ -62,27 +65,6 @@ CameraView frame_scene(const Bounds& bounds, float aspect) {
   view.target = bounds.center();
   view.eye = view.target + distance * glm::normalize(glm::vec3(0.7f, 0.4f, 1.0f));
   return view;
-}
-
-/// The vertex of a limit surface nearest to the dent: its position and unit normal, in the world.
-struct Nearest {
-  float distance_m = std::numeric_limits<float>::max();
-  glm::vec3 normal{0.0f, 1.0f, 0.0f};
-};
-
-Nearest nearest_surface(const Scene& scene, const std::vector<glm::mat4>& world, const glm::vec3& center) {
-  Nearest nearest;
-  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
-    const Node& node = scene.nodes[i];
-    if (!node.visible || node.mesh < 0 || !scene.meshes[static_cast<std::size_t>(node.mesh)].cage) continue;
-    const Primitive& surface = scene.meshes[static_cast<std::size_t>(node.mesh)].primitives.front();
-    const glm::mat3 normal_matrix = glm::transpose(glm::inverse(glm::mat3(world[i])));
-    for (std::size_t v = 0; v < surface.positions.size(); ++v) {
-      const float distance = glm::length(glm::vec3(world[i] * glm::vec4(surface.positions[v], 1.0f)) - center);
-      if (distance < nearest.distance_m) nearest = {distance, glm::normalize(normal_matrix * surface.normals[v])};
-    }
-  }
-  return nearest;
 }
 
 }  // namespace
@@ -178,41 +160,15 @@ void check_material_name(const Scene& scene, const std::string& name) {
                    names.empty() ? "use * for all" : did_you_mean(name, names));
 }
 
-void press_dent(Scene* scene, const Dent& dent) {
-  const std::vector<glm::mat4> world = compute_world_transforms(*scene);
-  const Nearest nearest = nearest_surface(*scene, world, dent.center);
-  int moved = 0;
-  std::vector<bool> done(scene->meshes.size(), false);  // a mesh with several instances is dented once
-  for (std::size_t i = 0; i < scene->nodes.size(); ++i) {
-    const Node& node = scene->nodes[i];
-    if (!node.visible || node.mesh < 0 || done[static_cast<std::size_t>(node.mesh)]) continue;
-    Mesh& mesh = scene->meshes[static_cast<std::size_t>(node.mesh)];
-    if (!mesh.cage) continue;
-    const glm::mat4 node_from_world = glm::inverse(world[i]);
-    const glm::vec3 push = glm::mat3(node_from_world) * (-nearest.normal * dent.depth_m);
-    const float depth = glm::length(push);
-    if (!(depth > 0.0f)) continue;
-    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(node_from_world))));
-    SubdivisionCage cage = *mesh.cage;
-    const int count = dent_cage(&cage, glm::vec3(node_from_world * glm::vec4(dent.center, 1.0f)), push / depth, depth,
-                                dent.radius_m * scale);
-    if (count == 0) continue;
-    moved += count;
-    done[static_cast<std::size_t>(node.mesh)] = true;
-    mesh.cage = std::make_shared<const SubdivisionCage>(std::move(cage));
-    tessellate_cage(&mesh);
-  }
-  if (moved > 0 || dent.depth_m == 0.0f) return;
-  char text[96];
-  std::snprintf(text, sizeof(text), "%g,%g,%g", static_cast<double>(dent.center.x), static_cast<double>(dent.center.y),
-                static_cast<double>(dent.center.z));
-  const bool any = nearest.distance_m < std::numeric_limits<float>::max();
-  throw Error(std::string("--dent ") + text, "no control point of a subdivision surface is that near",
-              any ? "the nearest surface is " +
-                        to_text(SettingValue(std::round(static_cast<double>(nearest.distance_m) * 1e3) / 1e3)) +
-                        " m away; move it or widen the radius"
-                  : scene->name + " has no subdivision surface");
+namespace {
+
+/// With all that is below it.
+void hide_node(Scene* scene, int node) {
+  scene->nodes[static_cast<std::size_t>(node)].visible = false;
+  for (const int child : scene->nodes[static_cast<std::size_t>(node)].children) hide_node(scene, child);
 }
+
+}  // namespace
 
 void turn_node(Scene* scene, const NodeTurn& turn) {
   const glm::dmat4 rotation =
@@ -239,7 +195,8 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
   camera_of_options(*scene, options);
   for (const NodeTurn& turn : options.turns) turn_node(scene.get(), turn);
-  for (const Dent& dent : options.dents) press_dent(scene.get(), dent);
+  press_dents(scene.get(), options.dents);
+  for (const int node : called_nodes(*scene, options.hidden)) hide_node(scene.get(), node);
   return scene;
 }
 
@@ -290,29 +247,75 @@ float exposure_of(const SceneOptions& options, const Environment& environment) {
   return suggest_exposure_ev(environment) - std::log2(options.env_scale);
 }
 
-FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
+Look look_of_options(const Scene& scene, const SceneOptions& options) {
+  Look look;
+  Edits& edits = look.edits;
+  edits.environment = options.environment;
+  edits.env_rotation_deg = options.env_rotation_deg;
+  edits.env_scale = options.env_scale;
+  find_variant(scene, options.variant);
+  edits.variant = options.variant;
+  for (const auto& [name, source] : options.materials)
+    for (const Material& material : scene.materials)
+      if (name == "*" || material.name == name) edits.materials[material.name] = source;
+  edits.dents = options.dents;
+  edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
+  if (!options.part_modes.empty()) {
+    const std::vector<std::string> paths = node_paths(scene);
+    for (const PartMode& part : options.part_modes)
+      for (const int node : find_nodes(scene, part.node))  // names unknown nodes before any work
+        edits.part_modes[paths[static_cast<std::size_t>(node)]] = part.mode;
+  }
+  look.camera = camera_of_options(scene, options);
+  look.mode = options.mode;
+  look.reflections = options.reflections;
+  look.settings = options.settings;
+  look.auto_exposure = !options.exposure_ev;
+  look.exposure_ev = options.exposure_ev.value_or(0.0f);
+  look.tonemap = options.tonemap;
+  return look;
+}
+
+Look absolute_sources(Look look) {
+  const std::string folder = std::filesystem::current_path().string();
+  look.edits.environment = absolute_source(look.edits.environment, folder);
+  for (auto& [name, source] : look.edits.materials) source = absolute_source(source, folder);
+  return look;
+}
+
+FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize& size) {
   FrameRequest request;
-  request.mode = options.mode;
-  request.camera = camera_of_options(scene, options);
-  request.width = options.width;
-  request.height = options.height;
+  request.mode = look.mode;
+  request.camera = look.camera;
+  request.width = std::max(size.width, 1);
+  request.height = std::max(size.height, 1);
   fit_aspect(&request.camera, static_cast<float>(request.width) / static_cast<float>(request.height));
-  request.msaa = options.msaa;
-  request.samples = options.samples;
-  request.seed = options.seed;
-  request.env_rotation_rad = radians(options.env_rotation_deg);
-  request.env_scale = options.env_scale;
-  request.variant = find_variant(scene, options.variant);
-  request.reflections = options.reflections;
+  request.msaa = size.msaa;
+  request.samples = size.samples;
+  request.seed = size.seed;
+  request.env_rotation_rad = radians(look.edits.env_rotation_deg);
+  request.env_scale = look.edits.env_scale;
+  request.variant = variant_index(scene, look.edits.variant);
+  request.reflections = look.reflections;
+  request.reflectors = {look.edits.reflectors.begin(), look.edits.reflectors.end()};
+  request.settings = look.settings;
+  // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
+  if (look.edits.part_modes.empty() || builtin_registry().find_mode(look.mode).can.traces_picture) return request;
+  const std::vector<std::string> paths = node_paths(scene);
+  for (const auto& [path, mode] : look.edits.part_modes)
+    for (const int node : called_nodes(scene, paths, path)) request.part_modes.push_back({path, mode, node});
+  return request;
+}
+
+FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
+  FrameRequest request = make_request(scene, look_of_options(scene, options),
+                                      {options.width, options.height, options.msaa, options.samples, options.seed});
+  request.reflectors = options.reflectors;  // as they were called, for messages and stats
+  request.part_modes = options.part_modes;
   const Technique* reflector = builtin_registry().find_reflector(request.reflections);
   if (reflector && reflector->can.needs_eye && request.camera.is_orthographic())
     throw UsageError("--reflections " + request.reflections, "it projects from an eye, and the camera is orthographic",
                      "take one whose rays are traced: octree, raytraced");
-  request.reflectors = options.reflectors;
-  request.part_modes = options.part_modes;
-  if (!request.part_modes.empty())
-    layers_of_nodes(scene, request.part_modes, {});  // names unknown nodes before any work
-  request.settings = options.settings;
   return request;
 }
 

@@ -39,9 +39,6 @@ void check_material_name(const Scene& scene, const std::string& name);
 /// Turns nodes about an axis of their parent's frame, through their own origin; `*`: all roots that are drawn, about the
 /// world's origin. Throws UsageError for a node that is not there.
 void turn_node(Scene* scene, const NodeTurn& turn);
-/// Moves the control points of the subdivision surfaces within the dent's radius (m, world) inwards, against the
-/// surface normal at the nearest point, and rebuilds their limit surfaces. Throws Error when there is none that near.
-void press_dent(Scene* scene, const Dent& dent);
 
 /// A line for the user where the scene's own lamps outshine an environment that is no brighter than a street at night:
 /// most files are in units of their own. Empty otherwise. `remedy` is what to change, before the figure: "--env-scale".
@@ -55,6 +52,22 @@ std::string gloss_warning(const Scene& scene);
 /// `--exposure`, or the one at which the environment looks right at once.
 float exposure_of(const SceneOptions& options, const Environment& environment);
 
+/// The state that the options ask for. Throws UsageError for a camera, a variant and a node that are not there.
+Look look_of_options(const Scene& scene, const SceneOptions& options);
+
+/// With absolute paths, as reviews have them.
+Look absolute_sources(Look look);
+
+/// What a look leaves open of a frame.
+struct FrameSize {
+  int width = 640, height = 360;
+  int msaa = 1;
+  int samples = 0;  ///< 0: as the settings say
+  std::uint32_t seed = 0;
+  bool operator==(const FrameSize&) const = default;
+};
+/// The one place that derives what is drawn from a look. Variants and parts that the scene does not have are left out.
+FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize& size);
 FrameRequest make_request(const Scene& scene, const SceneOptions& options);
 
 }  // namespace maquette

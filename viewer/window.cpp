@@ -18,10 +18,12 @@
 #include "scenes/image_io.h"
 #include "ui/editor.h"
 #include "viewer/swatches.h"
+#include "viewer/window_compare.h"
 #include "viewer/window_host.h"
 #include "viewer/window_input.h"
 #include "viewer/window_inspection.h"
 #include "viewer/window_meter.h"
+#include "viewer/window_paths.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
 
@@ -61,7 +63,7 @@ class App {
   void wait() {
     const double now = glfwGetTime();
     const bool busy_mouse = now - inbox_->last_event_s < kBusyMouse_s;
-    if (picture_.resting(now) && !busy_mouse)
+    if (picture_.resting(now) && !busy_mouse && !paths_.playing())
       glfwWaitEventsTimeout(kRestWait_s);
     else if (!drew_ && inbox_->pointer.empty())
       glfwWaitEventsTimeout(kPollWait_s);
@@ -83,7 +85,9 @@ class App {
     for (const std::string& path : inbox_->dropped) session_.open(path, material_under_mouse());
     inbox_->dropped.clear();
     carry_out(actions);
-    session_.update(editor_.editing || input_.dragging());
+    paths_.carry_out(actions, &session_, now);
+    paths_.update(&session_, now);
+    session_.update(editor_.editing || input_.dragging() || paths_.playing(), now);
     draw(now);
     meter_.update(&session_, picture_, now);
     meter_.draw_overlay(session_, editor_.layout.picture);
@@ -92,6 +96,8 @@ class App {
     inspection_.update(&session_, picture_, editor_.layout.picture, {static_cast<float>(x), static_cast<float>(y)},
                        now);
     inspection_.draw_overlay(session_, editor_.layout.picture);
+    compare_.update(&session_, picture_);
+    compare_.draw_overlay(session_.state, editor_.layout.picture);
     host_.end_frame();
   }
 
@@ -142,7 +148,9 @@ class App {
   void handle_pointer(const std::vector<PointerEvent>& events) {
     const bool blocked = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     for (const PointerEvent& event : events)
-      input_.handle(event, editor_.layout.picture, blocked, &session_, [this](float x, float y) { return pick(x, y); });
+      if (blocked || !compare_.takes(event, editor_.layout.picture))
+        input_.handle(event, editor_.layout.picture, blocked, &session_,
+                      [this](float x, float y) { return pick(x, y); });
   }
 
   void handle_keys(EditorActions* actions) {
@@ -152,13 +160,23 @@ class App {
     EditorState& state = session_.state;
     for (const KeyEvent& event : keys) {
       if (event.ctrl) {
-        if (event.key == GLFW_KEY_Z) actions->undo = true;
+        if (event.key == GLFW_KEY_Z) (event.shift ? actions->redo : actions->undo) = true;
+        if (event.key == GLFW_KEY_Y) actions->redo = true;
+        if (event.key == GLFW_KEY_S) actions->save = true;
         if (event.key == GLFW_KEY_Q) glfwSetWindowShouldClose(window_, GLFW_TRUE);
         continue;
       }
       if (input_.dragging()) continue;  // the letters fly then
       if (event.key >= GLFW_KEY_1 && event.key <= GLFW_KEY_9) actions->go_to_camera = event.key - GLFW_KEY_1;
       if (event.key == GLFW_KEY_F) actions->frame_scene = true;
+      if (event.key == GLFW_KEY_L) actions->keep_look = true;
+      if (event.key == GLFW_KEY_K) actions->add_key = true;
+      if (event.key == GLFW_KEY_SPACE) actions->play_path = true;
+      if (event.key == GLFW_KEY_C) compare_.toggle(&session_);
+      if (event.key == GLFW_KEY_X) compare_.swap(&session_);
+      if (event.key == GLFW_KEY_P) compare_.render_file(&session_, picture_);
+      if (event.key == GLFW_KEY_PAGE_DOWN) actions->next_look = 1;
+      if (event.key == GLFW_KEY_PAGE_UP) actions->next_look = -1;
       if (event.key == GLFW_KEY_D) state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
       if (event.key == GLFW_KEY_O) state.open_path_popup = true;
       if (event.key == GLFW_KEY_LEFT_BRACKET) step_exposure(-0.25f);
@@ -205,6 +223,10 @@ class App {
     if (actions.apply_budget) meter_.apply_budget(&session_);
     inspection_.carry_out(actions.inspection, &session_);
     if (actions.undo) session_.undo();
+    if (actions.redo) session_.redo();
+    if (!actions.save_path.empty()) session_.save(actions.save_path);
+    if (actions.save && !session_.review().file().empty()) session_.save(session_.review().file());
+    if (actions.save && session_.review().file().empty()) session_.state.save_path_popup = true;
     if (actions.dismiss_messages) session_.dismiss_messages();
   }
 
@@ -231,6 +253,8 @@ class App {
   WindowPicture picture_;
   WindowMeter meter_;
   WindowInspection inspection_;
+  WindowPaths paths_;
+  WindowCompare compare_;
   PictureInput input_;
   Swatches swatches_;
   EditorFacts facts_;

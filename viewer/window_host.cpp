@@ -76,7 +76,8 @@ void install_callbacks(GLFWwindow* window) {
   });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
     inbox_of(w).last_event_s = glfwGetTime();
-    if (action != GLFW_RELEASE) inbox_of(w).keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0});
+    if (action != GLFW_RELEASE)
+      inbox_of(w).keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
   });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     for (int i = 0; i < count; ++i) inbox_of(w).dropped.emplace_back(paths[i]);

@@ -13,7 +13,7 @@ namespace maquette {
 
 struct KeyEvent {
   int key = 0;  ///< GLFW_KEY_...
-  bool ctrl = false;
+  bool ctrl = false, shift = false;
 };
 
 /// Events that the callbacks collect between two frames.

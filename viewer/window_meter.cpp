@@ -11,6 +11,7 @@
 #include "render/views/false_color.h"
 #include "scenes/error.h"
 #include "scenes/percent.h"
+#include "viewer/overlay_texture.h"
 
 namespace maquette {
 
@@ -23,24 +24,6 @@ constexpr float kHeatRange = 4.0f;        // the top of the scale, in mean error
 /// Empty: the mode takes none.
 const std::string& samples_setting(const std::string& mode) {
   return builtin_registry().find_mode(mode).samples_setting;
-}
-
-Texture make_texture(const Image& display, const char* label, GLenum filter) {
-  std::vector<std::uint8_t> bytes(display.data.size());
-  std::transform(display.data.begin(), display.data.end(), bytes.begin(),
-                 [](float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f); });
-  Texture texture = Texture::make_2d(label, GL_RGBA8, display.width, display.height);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTextureSubImage2D(texture.get(), 0, 0, 0, display.width, display.height, GL_RGBA, GL_UNSIGNED_BYTE, bytes.data());
-  for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTextureParameteri(texture.get(), name, static_cast<GLint>(filter));
-  for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTextureParameteri(texture.get(), name, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
-ImTextureID texture_id(const Texture& texture) {
-  return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture.get()));
 }
 
 }  // namespace
@@ -207,13 +190,13 @@ void WindowMeter::update_textures(const WindowSession& session) {
   for (int y = 0; y < heat.height; ++y)
     for (int x = 0; x < heat.width; ++x)
       if (error_->map.at(x, y) < 0.0f) heat.at(x, y, 3) = 0.0f;
-  heat_ = make_texture(heat, "error heat map", GL_NEAREST);
+  heat_ = overlay_texture(heat, "error heat map", GL_NEAREST);
   Image truth = reference_->halves[0];
   for (std::size_t i = 0; i < truth.data.size(); ++i)
     truth.data[i] = 0.5f * (truth.data[i] + reference_->halves[1].data[i]);
   truth = tone_map(truth, state.exposure_ev, state.tonemap);
   for (std::size_t i = 3; i < truth.data.size(); i += 4) truth.data[i] = 1.0f;
-  truth_ = make_texture(truth, "error reference", GL_LINEAR);
+  truth_ = overlay_texture(truth, "error reference", GL_LINEAR);
   shown_tonemap_ = state.tonemap;
   shown_exposure_ev_ = state.exposure_ev;
   textures_stale_ = false;

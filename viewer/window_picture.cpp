@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "scenes/error.h"
-#include "ui/camera_control.h"
 
 namespace maquette {
 
@@ -33,7 +32,7 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   const int width_px = input.width_px, height_px = input.height_px;
   const double now_s = input.now_s;
   if (input.more_events && stats_ && picture_.width() == width_px && picture_.height() == height_px) return false;
-  fit_aspect(&session->state.camera, static_cast<float>(width_px) / static_cast<float>(std::max(height_px, 1)));
+  session->fit_camera(static_cast<float>(width_px) / static_cast<float>(std::max(height_px, 1)));
   const FrameRequest wanted = session->make_frame_request(width_px, height_px);
   const bool changed = !(wanted == last_wanted_) || session->revision() != last_revision_;
   // After a swap of a material the renderer keeps the accumulated results of all other materials.
@@ -122,9 +121,11 @@ void WindowPicture::restore_valid_state(WindowSession* session) {
   state.settings = last_valid_request_->settings;
   state.msaa = last_valid_request_->msaa;
   state.edits.reflectors = reflectors_of(*last_valid_request_);
-  if (builtin_registry().find_mode(state.mode).can.traces_picture) return;  // its parts are only put aside
-  state.edits.part_modes.clear();
-  for (const PartMode& part : last_valid_request_->part_modes) state.edits.part_modes[part.index] = part.mode;
+  if (!builtin_registry().find_mode(state.mode).can.traces_picture) {  // which only puts parts aside
+    state.edits.part_modes.clear();
+    for (const PartMode& part : last_valid_request_->part_modes) state.edits.part_modes[part.node] = part.mode;
+  }
+  session->amend();
 }
 
 /// `move`: the frame continued a move at the size of the frame before.

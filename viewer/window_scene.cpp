@@ -5,6 +5,7 @@
 
 #include "scenes/angles.h"
 #include "scenes/ground.h"
+#include "scenes/node_paths.h"
 #include "viewer/reflector_picking.h"
 #include "viewer/session.h"
 #include "viewer/window_session.h"
@@ -15,6 +16,7 @@ void WindowSession::forget_applied() {
   applied_.materials.clear();
   applied_.dents.clear();
   applied_.hidden_nodes.clear();
+  surfaces_.reset();
   ground_of_ = {};
   ground_rotation_deg_ = 0.0f;
 }
@@ -33,8 +35,8 @@ void WindowSession::apply_ground(bool busy) {
     if (want) add_ground(scene.get(), *environment_, ground_options(settings));
     renderer_.set_scene(scene);
     scene_ = std::move(scene);
-    evaluators_.clear();
-    dent_.reset();
+    node_paths_ = node_paths(*scene_);
+    dragged_dent_.reset();
     forget_applied();
     ground_of_ = wanted;
     request_metering();
@@ -86,8 +88,8 @@ void WindowSession::select_in_front(const glm::vec2& at, float aspect, const Ren
   if (front.patch >= 0)
     pane.material = scene_->patches[static_cast<std::size_t>(front.patch)].material;
   else
-    pane.material =
-        material_of(scene_->meshes[static_cast<std::size_t>(front.mesh)].primitives.front(), state.edits.variant);
+    pane.material = material_of(scene_->meshes[static_cast<std::size_t>(front.mesh)].primitives.front(),
+                                variant_index(*scene_, state.edits.variant));
   select(pane);
 }
 

@@ -13,6 +13,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/ground.h"
+#include "scenes/node_paths.h"
 #include "ui/camera_control.h"
 #include "viewer/reflector_picking.h"
 #include "viewer/rendered_view.h"
@@ -54,60 +55,73 @@ bool ready(const std::future<T>& file) {
 
 }  // namespace
 
-WindowSession::WindowSession(const SceneOptions& options) {
+WindowSession::WindowSession(const SceneOptions& asked) {
+  SceneOptions options = asked;
+  keeps_journal_ = options.screenshot.empty();
+  std::unique_ptr<OpenReview> opened;
+  if (!options.review.empty()) {
+    opened = std::make_unique<OpenReview>(options.review);
+    const Review& review = opened->review();
+    options.scene = review.scene;
+    options.scene_of_file = review.scene_of_file;
+    options.environment = review.look.edits.environment;
+    const std::vector<std::string> missing = missing_sources(review);
+    if (std::ranges::find(missing, options.environment) != missing.end())
+      options.environment = SceneOptions().environment;
+  }
   renderer_.set_interactive(true);
+  options.environment = absolute_source(options.environment, std::filesystem::current_path().string());
   environment_source_ = options.environment;
   auto environment = std::async(std::launch::async, [source = options.environment] {
     return std::make_shared<Environment>(load_environment(source));
   });
-  ScenePointer scene = load_session_scene(options);
+  SceneOptions undented = options;
+  undented.dents.clear();
+  ScenePointer scene = load_session_scene(undented);
+  scene_of_file_ = options.scene_of_file;
   state.edits.env_scale = options.env_scale;
   use_scene(scene);
   use_environment(environment.get(), options.environment);
-  const FrameRequest request = make_request(*scene, options);
-  if (options.eye || options.target)
-    state.camera = request.camera;
-  else
-    set_camera(camera_of_options(*scene, options));  // WindowPicture adapts it to the picture's size
-  state.mode = options.mode;
-  state.settings = settings_of(options);
-  if (!options.settings.changed().contains("ground.kind") && wants_ground(*scene))
-    state.settings.set("ground.kind", std::string("projected"));
+  make_request(*scene, options);  // what cannot be drawn is said before the window opens
+  seed_ = options.seed;
   state.msaa = options.msaa;
   if (!options.screenshot.empty()) state.still_msaa = options.msaa;  // the same frames however long they take
-  state.tonemap = options.tonemap;
   state.debug_view = options.debug_view;
-  state.edits.variant = request.variant;
-  state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
-  state.auto_exposure = !options.exposure_ev;
-  state.exposure_ev = exposure_of(options, *environment_);
-  seed_ = options.seed;
-  state.reflections = options.reflections;
-  state.edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
-  for (const PartMode& part : options.part_modes)
-    for (const int node : find_nodes(*scene, part.node)) state.edits.part_modes[node] = part.mode;
-  std::map<std::string, std::string> set_already;
-  for (const auto& [name, source] : options.materials) {
-    const bool later = is_btf_source(source);  // the window opens before it is made
-    if (!later) renderer_.set_material(name, source);
-    remember(&brdf_files_, source);
-    for (const Material& material : scene->materials)
-      if (name == "*" || material.name == name) {
-        state.edits.materials[material.name] = source;
-        if (!later) set_already[material.name] = source;
-      }
+  if (opened) {
+    begin_review(std::move(opened), options.look);
+    return;
   }
-  applied_ = state.edits;
-  applied_.materials = set_already;
-  undo_.reset(state.edits);
+  begin_look(options);
+  if (keeps_journal_) offer_left_behind();
+  review_ = std::make_unique<OpenReview>(review_now(), keeps_journal_);
+  report_notes();
+}
+
+void WindowSession::begin_look(const SceneOptions& options) {
+  static_cast<Look&>(state) = absolute_sources(look_of_options(*scene_, options));
+  if (!options.eye && !options.target) set_camera(state.camera);  // WindowPicture adapts it to the picture's size
+  state.settings = settings_of(options);
+  if (!options.settings.changed().contains("ground.kind") && wants_ground(*scene_))
+    state.settings.set("ground.kind", std::string("projected"));
+  state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
+  state.exposure_ev = exposure_of(options, *environment_);
+  applied_.environment = state.edits.environment;
+  for (const auto& [name, source] : options.materials) {
+    remember(&brdf_files_, source);
+    if (is_btf_source(source)) continue;  // the window opens before it is made
+    renderer_.set_material(name, source);
+    for (const Material& material : scene_->materials)
+      if (name == "*" || material.name == name)
+        applied_.materials[material.name] = state.edits.materials[material.name];
+  }
 }
 
 void WindowSession::use_scene(ScenePointer scene) {
   renderer_.set_scene(scene);
   scene_ = std::move(scene);
   bounds_ = framed_bounds(*scene_);
-  evaluators_.clear();
-  dent_.reset();
+  node_paths_ = node_paths(*scene_);
+  dragged_dent_.reset();
   for (const std::string& warning : scene_->warnings)
     add_message(MessageLevel::warning, std::filesystem::path(scene_->name).filename().string() + ": " + warning);
   Edits fresh;  // the light stays as it was
@@ -117,7 +131,6 @@ void WindowSession::use_scene(ScenePointer scene) {
   forget_applied();
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
-  undo_.reset(state.edits);
   request_metering();
   ++revision_;
 }
@@ -141,11 +154,23 @@ float WindowSession::suggested_exposure() const {
   return suggested_ev_ - (scale > 0.0f ? std::log2(scale) : 0.0f);
 }
 
-void WindowSession::open(const std::string& source, int material) {
+void WindowSession::open(const std::string& named, int material) {
+  const std::string source = absolute_source(named, std::filesystem::current_path().string());
   const std::string extension = lower_extension(source);
-  if (contains_name({".hdr", ".exr", ".pic"}, extension) ||
-      (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
-                                          contains_name(builtin_environment_names(), source.substr(8))))) {
+  if (is_review_file(source)) {
+    open_review(source);
+  } else if (source.ends_with(".path.json")) {
+    try {
+      CameraPath path = load_path(source);
+      path.name = free_name(state.paths, path.name.empty() ? "path" : path.name);
+      state.paths.push_back(std::move(path));
+      state.path_view.path = static_cast<int>(state.paths.size()) - 1;
+    } catch (const Error& error) {
+      add_message(MessageLevel::error, error.what());
+    }
+  } else if (contains_name({".hdr", ".exr", ".pic"}, extension) ||
+             (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
+                                                 contains_name(builtin_environment_names(), source.substr(8))))) {
     state.edits.environment = source;
   } else if (extension == ".binary" || (extension != ".exr" && is_btf_source(source))) {
     if (material < 0 || material >= static_cast<int>(scene_->materials.size())) {
@@ -167,12 +192,13 @@ void WindowSession::open(const std::string& source, int material) {
   } else {
     add_message(MessageLevel::error, source +
                                          ": what this is cannot be told from its extension; known are .glb, "
-                                         ".gltf, .hdr, .exr, .binary and .btf");
+                                         ".gltf, .hdr, .exr, .binary, .btf and .maquette.json");
   }
 }
 
 void WindowSession::start_environment() {
   if (environment_file_.valid() || state.edits.environment == applied_.environment) return;
+  if (missing_.contains(state.edits.environment)) return;
   environment_source_ = state.edits.environment;
   environment_file_ = std::async(std::launch::async, [source = environment_source_] {
     return std::make_shared<Environment>(load_environment(source));
@@ -188,21 +214,31 @@ void WindowSession::poll_files() {
     } catch (const Error& error) {
       add_message(MessageLevel::error, error.what());
       if (wanted == environment_source_) state.edits.environment = applied_.environment;
-      undo_.correct(state.edits);
+      amend();
     }
   }
-  if (ready(scene_file_)) {
-    try {
-      use_scene(scene_file_.get());
+  if (!ready(scene_file_)) return;
+  std::unique_ptr<OpenReview> opening = std::move(opening_);
+  try {
+    use_scene(scene_file_.get());
+    if (opening) {
+      scene_of_file_ = opening->review().scene_of_file;
+      begin_review(std::move(opening), "");
+    } else {
+      scene_of_file_.clear();
+      state.looks.clear();
+      state.paths.clear();
       state.settings.set("ground.kind", std::string(wants_ground(*scene_) ? "projected" : "none"));
       set_camera(camera_of_options(*scene_, SceneOptions()));
-    } catch (const Error& error) {
-      add_message(MessageLevel::error, error.what());
+      review_ = std::make_unique<OpenReview>(review_now(), keeps_journal_);
     }
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
   }
 }
 
-void WindowSession::update(bool busy) {
+void WindowSession::update(bool busy, double now_s) {
+  if (!state.continued_journal.empty()) continue_review(std::exchange(state.continued_journal, {}));
   poll_files();
   poll_btf();
   start_environment();
@@ -210,7 +246,9 @@ void WindowSession::update(bool busy) {
   if (state.edits.materials != applied_.materials) apply_materials();
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
-  undo_.observe(state.edits, busy || dent_.has_value());
+  // While a scene is being exchanged there is no one state.
+  if (!opening_) review_->observe(review_now(), busy || dragged_dent_.has_value(), now_s);
+  report_notes();
   advise();
 }
 
@@ -257,7 +295,7 @@ void WindowSession::poll_btf() {
         entry = edits.erase(entry);
       }
     }
-    undo_.correct(state.edits);
+    amend();
     btf_in_work_.clear();
   }
 }
@@ -269,7 +307,7 @@ void WindowSession::apply_materials() {
     const auto now = applied_.materials.find(name);
     const bool set = now != applied_.materials.end();
     if (set ? now->second == source : source.empty()) continue;
-    if (!is_ready(source)) continue;
+    if (missing_.contains(source) || !is_ready(source)) continue;
     try {
       renderer_.set_material(name, source);
       if (source.empty())
@@ -285,59 +323,40 @@ void WindowSession::apply_materials() {
         state.edits.materials[name] = now->second;
       else
         state.edits.materials.erase(name);
-      undo_.correct(state.edits);
+      amend();
     }
-  }
-}
-
-std::vector<glm::vec3> WindowSession::control_points(int mesh) const {
-  if (const auto found = state.edits.dents.find(mesh); found != state.edits.dents.end()) return *found->second;
-  return scene_->meshes[static_cast<std::size_t>(mesh)].cage->positions;
-}
-
-bool WindowSession::move_surface(int mesh, const std::vector<glm::vec3>& points) {
-  try {
-    auto found = evaluators_.find(mesh);
-    if (found == evaluators_.end()) {
-      SubdivisionEvaluator evaluator(*scene_->meshes[static_cast<std::size_t>(mesh)].cage);
-      found = evaluators_.emplace(mesh, std::move(evaluator)).first;
-    }
-    std::vector<glm::vec3> positions, normals;
-    found->second.evaluate(points, &positions, &normals);
-    renderer_.update_mesh(mesh, positions, normals);
-    ++revision_;
-    return true;
-  } catch (const Error& error) {
-    add_message(MessageLevel::error, error.what());
-    return false;
   }
 }
 
 void WindowSession::apply_dents() {
-  std::map<int, std::shared_ptr<const std::vector<glm::vec3>>> touched = state.edits.dents;
-  for (const auto& [mesh, points] : applied_.dents) touched.try_emplace(mesh, nullptr);
-  for (const auto& [mesh, points] : touched) {
-    const auto now = applied_.dents.find(mesh);
-    if (now != applied_.dents.end() && now->second == points) continue;
-    if (!move_surface(mesh, control_points(mesh))) {
-      state.edits.dents = applied_.dents;
-      undo_.correct(state.edits);
-      return;
+  try {
+    if (!surfaces_) surfaces_ = std::make_unique<DentedSurfaces>(scene_.get());
+    for (const int mesh : surfaces_->press(state.edits.dents)) {
+      const DentedSurfaces::Surface* dented = surfaces_->surface(mesh);
+      const Primitive& plain = scene_->meshes[static_cast<std::size_t>(mesh)].primitives[0];
+      renderer_.update_mesh(mesh, dented ? dented->positions : plain.positions,
+                            dented ? dented->normals : plain.normals);
+      ++revision_;
     }
+    applied_.dents = state.edits.dents;
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
+    dragged_dent_.reset();
+    state.edits.dents = applied_.dents;
+    amend();
   }
-  applied_.dents = state.edits.dents;
 }
 
 void WindowSession::apply_visibility() {
+  const std::set<int> before = called_nodes(*scene_, applied_.hidden_nodes),
+                      now = called_nodes(*scene_, state.edits.hidden_nodes);
   const auto shown = [&](int node, const std::set<int>& hidden) {
     for (int i = node; i >= 0; i = scene_->nodes[static_cast<std::size_t>(i)].parent)
       if (hidden.contains(i)) return false;
     return true;
   };
-  for (int i = 0; i < static_cast<int>(scene_->nodes.size()); ++i) {
-    const bool now = shown(i, state.edits.hidden_nodes);
-    if (now != shown(i, applied_.hidden_nodes)) renderer_.set_node_visible(i, now);
-  }
+  for (int i = 0; i < static_cast<int>(scene_->nodes.size()); ++i)
+    if (shown(i, now) != shown(i, before)) renderer_.set_node_visible(i, shown(i, now));
   applied_.hidden_nodes = state.edits.hidden_nodes;
   ++revision_;
 }
@@ -352,26 +371,16 @@ bool WindowSession::begin_dent(const Renderer::Pick& pick) {
   if (node.mesh < 0 || !scene_->meshes[static_cast<std::size_t>(node.mesh)].cage)
     return refuse(node.name + " is not a subdivision surface; try the door of builtin:cockpit");
   dismiss_messages();
-  const glm::mat4 node_from_world =
-      glm::inverse(compute_world_transforms(*scene_)[static_cast<std::size_t>(pick.node)]);
-  DentDrag drag;
-  drag.mesh = node.mesh;
-  drag.center = glm::vec3(node_from_world * glm::vec4(pick.position, 1.0f));
-  drag.push = glm::mat3(node_from_world) * -pick.normal;
-  drag.node_scale = std::cbrt(std::abs(glm::determinant(glm::mat3(node_from_world))));
-  drag.before = std::make_shared<const std::vector<glm::vec3>>(control_points(node.mesh));
-  dent_ = drag;
+  dragged_dent_ = state.edits.dents.size();
+  state.edits.dents.push_back(
+      {pick.position, 0.0f, state.dent_radius_m, node_paths_[static_cast<std::size_t>(pick.node)]});
   return true;
 }
 
 void WindowSession::drag_dent(float depth_m, float radius_m) {
-  if (!dent_) return;
-  SubdivisionCage cage = *scene_->meshes[static_cast<std::size_t>(dent_->mesh)].cage;
-  cage.positions = *dent_->before;
-  const glm::vec3 push = dent_->push * depth_m;
-  const float depth = glm::length(push);
-  if (depth > 0.0f) dent_cage(&cage, dent_->center, push / depth, depth, radius_m * dent_->node_scale);
-  state.edits.dents[dent_->mesh] = std::make_shared<const std::vector<glm::vec3>>(std::move(cage.positions));
+  if (!dragged_dent_ || *dragged_dent_ >= state.edits.dents.size()) return;
+  state.edits.dents[*dragged_dent_].depth_m = depth_m;
+  state.edits.dents[*dragged_dent_].radius_m = radius_m;
 }
 
 void WindowSession::select(const Renderer::Pick& pick) {
@@ -399,10 +408,6 @@ void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Rend
     add_message(MessageLevel::warning, "Reflectors: the last one stays; choose Reflections off to draw none");
   else
     state.selected_node = state.reveal_node = node;
-}
-
-void WindowSession::undo() {
-  if (const std::optional<Edits> before = undo_.undo()) state.edits = *before;
 }
 
 void WindowSession::go_to_camera(int index) {
@@ -442,23 +447,12 @@ void WindowSession::dismiss_messages() {
 }
 
 FrameRequest WindowSession::make_frame_request(int width, int height) const {
-  FrameRequest request;
-  request.mode = state.mode;
-  request.camera = state.camera;
-  request.width = std::max(width, 1);
-  request.height = std::max(height, 1);
-  request.msaa = state.msaa;
-  request.seed = seed_;
-  request.env_rotation_rad = radians(state.edits.env_rotation_deg);
-  request.env_scale = state.edits.env_scale;
-  request.variant = state.edits.variant;
-  request.reflections = state.reflections;
-  request.reflectors = {state.edits.reflectors.begin(), state.edits.reflectors.end()};
-  // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
-  if (!renderer_.registry().find_mode(state.mode).can.traces_picture)
-    for (const auto& [node, mode] : state.edits.part_modes)
-      request.part_modes.push_back({node_path(renderer_.scene(), node), mode, node});
-  request.settings = state.settings;
+  FrameSize size;
+  size.width = width;
+  size.height = height;
+  size.msaa = state.msaa;
+  size.seed = seed_;
+  FrameRequest request = make_request(*scene_, state, size);
   request.display = true;
   return request;
 }
@@ -473,7 +467,12 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->environment_files = environment_files_;
   facts->brdf_files = brdf_files_;
   facts->messages = &messages_;
-  facts->can_undo = undo_.can_undo();
+  facts->node_paths = &node_paths_;
+  facts->can_undo = review_->can_undo();
+  facts->can_redo = review_->can_redo();
+  facts->review_file = review_->file();
+  facts->review_changed = review_->changed();
+  facts->review_read_only = review_->read_only();
   if (state.reflections != "off") facts->reflecting = reflecting_nodes(*scene_, state.edits);
   facts->suggested_exposure_ev = suggested_exposure();
   facts->command = render_command(*scene_, state);

@@ -12,9 +12,9 @@
 
 #include "render/bake/background_worker.h"
 #include "render/renderer.h"
-#include "scenes/subdivision.h"
+#include "review/open_review.h"
 #include "ui/editor_state.h"
-#include "ui/undo.h"
+#include "viewer/dents.h"
 #include "viewer/options.h"
 
 namespace maquette {
@@ -31,8 +31,18 @@ class WindowSession {
   /// A scene, an environment or a BRDF by its extension (or a built-in name); a BRDF goes to `material`.
   void open(const std::string& source, int material);
   /// Uses files that have been read, and applies the edits. `busy`: a control or the mouse is held.
-  void update(bool busy);
+  void update(bool busy, double now_s);
   void undo();
+  void redo();
+  /// What the window itself changed of the look is no step of its own.
+  void amend();
+  /// Widens a camera that was framed for a wider picture, once.
+  void fit_camera(float aspect);
+  /// Makes this the look at hand.
+  void take(const Look& look);
+  /// To the file of the review, or to another. A failure becomes a message.
+  void save(const std::string& file);
+  const OpenReview& review() const { return *review_; }
   void go_to_camera(int index);
   void frame_scene(float aspect);
   /// Requests that the exposure is computed from the picture: from the next one while nothing moves, and again until
@@ -46,7 +56,7 @@ class WindowSession {
   /// Begins a press with the dent tool; false (and a message) when there is nothing to dent.
   bool begin_dent(const Renderer::Pick& pick);
   void drag_dent(float depth_m, float radius_m);
-  void end_dent() { dent_.reset(); }
+  void end_dent() { dragged_dent_.reset(); }
   void select(const Renderer::Pick& pick);
   /// The pane in front of the opaque surface `pick` at a point of the picture (as for pick_reflector); the surface
   /// itself where there is none, or where that pane is selected already.
@@ -68,14 +78,6 @@ class WindowSession {
  private:
   using ScenePointer = std::shared_ptr<Scene>;
   using EnvironmentPointer = std::shared_ptr<Environment>;
-  struct DentDrag {
-    int mesh = -1;
-    glm::vec3 center{0.0f};
-    glm::vec3 push{0.0f};  ///< node space, of 1 m in the world
-    float node_scale = 1.0f;
-    std::shared_ptr<const std::vector<glm::vec3>> before;
-  };
-
   float suggested_exposure() const;
   void use_scene(ScenePointer scene);
   void use_environment(EnvironmentPointer environment, const std::string& source);
@@ -94,8 +96,16 @@ class WindowSession {
   void apply_dents();
   void apply_visibility();
   void start_environment();
-  std::vector<glm::vec3> control_points(int mesh) const;
-  bool move_surface(int mesh, const std::vector<glm::vec3>& points);
+  /// The look of a window without a review.
+  void begin_look(const SceneOptions& options);
+  void open_review(const std::string& file);
+  Review review_now() const;
+  /// Look, looks and paths of a review of the present scene.
+  void show(const Review& review);
+  void begin_review(std::unique_ptr<OpenReview> review, const std::string& look);
+  void report_notes();
+  void offer_left_behind();
+  void continue_review(const std::string& journal);
 
   Renderer renderer_;
   std::shared_ptr<Scene> scene_;  ///< with its ground
@@ -112,7 +122,11 @@ class WindowSession {
   };
   GroundOf ground_of_;
   float ground_rotation_deg_ = 0.0f;
-  UndoStack undo_;
+  std::unique_ptr<OpenReview> review_;
+  bool keeps_journal_ = true;
+  std::string scene_of_file_;
+  std::set<std::string> missing_;        ///< sources of the review that are not there: kept, and not applied
+  std::unique_ptr<OpenReview> opening_;  ///< whose scene is being read
   std::vector<Message> messages_;
   std::vector<std::string> environment_files_, brdf_files_;
   std::future<ScenePointer> scene_file_;
@@ -122,8 +136,9 @@ class WindowSession {
   std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;
   std::string btf_in_work_;  ///< empty: none
   std::set<std::string> ready_btfs_;
-  std::map<int, SubdivisionEvaluator> evaluators_;
-  std::optional<DentDrag> dent_;
+  std::vector<std::string> node_paths_;
+  std::unique_ptr<DentedSurfaces> surfaces_;
+  std::optional<std::size_t> dragged_dent_;
   bool metering_ = true;
   /// What the exposure was metered for: another of these is metered again.
   struct Metered {

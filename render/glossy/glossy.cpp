@@ -6,6 +6,7 @@
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
 #include "render/views/read_texture.h"
+#include "scenes/node_paths.h"
 
 namespace maquette {
 
@@ -40,11 +41,11 @@ std::vector<std::size_t> named_glossy_items(const SceneState& scene, const Refle
   std::vector<std::size_t> named;
   if (names.empty()) return named;
   const std::vector<bool> smooth = glossy_items(scene, kMaxGlossyRoughness);
+  const std::set<int> called = called_nodes(scene.scene(), std::set<std::string>(names.begin(), names.end()));
   for (std::size_t i = 0; i < smooth.size() && named.size() < kMaxReflectors; ++i) {
     const int node = scene.geometry().items[i].node;
     if (!smooth[i] || node < 0 || reflectors.is_mirror(i)) continue;
-    const std::string& name = scene.scene().nodes[static_cast<std::size_t>(node)].name;
-    if (std::find(names.begin(), names.end(), name) != names.end()) named.push_back(i);
+    if (called.contains(node)) named.push_back(i);
   }
   return named;
 }

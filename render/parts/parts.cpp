@@ -5,6 +5,7 @@
 
 #include "render/gl/bindings.h"
 #include "scenes/error.h"
+#include "scenes/node_paths.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
@@ -31,6 +32,7 @@ std::vector<int> find_nodes(const Scene& scene, const std::string& call) {
   std::vector<int> found;
   for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i)
     if (scene.nodes[static_cast<std::size_t>(i)].name == call || node_path(scene, i) == call) found.push_back(i);
+  if (found.empty() && call.starts_with('/')) found = called_nodes(scene, node_paths(scene), call);
   if (!found.empty()) return found;
   std::vector<std::string> known;
   for (const Node& node : scene.nodes) known.push_back(node.name);

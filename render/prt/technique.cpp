@@ -84,12 +84,10 @@ Technique prt_technique() {
       return "precomputed transfer holds all shadows (shading.visibility=" + asked + " has nothing to do)";
     return std::nullopt;
   };
-  info.add_passes = [](const PlanInput& input, ShadingPlan* shading, FramePlan* plan) {
+  info.add_passes = [](const PlanInput&, ShadingPlan* shading, FramePlan* plan) {
     plan->passes.push_back({"transfer_vertices", "light of every vertex, by component", {}, {"prt"}});
     plan->passes.push_back({"shade", "every visible pixel, by eigen-textures", {"surfaces", "prt"}, {"radiance"}});
     plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
-    if (input.facts.has_punctual_lights)
-      plan->left_out.push_back({"lights", "precomputed transfer is lit by the environment alone", "mode"});
   };
   info.views = {
       {"prt_vertices", "the vertex nearest to each point", ViewColors::color},

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "scenes/error.h"
+#include "scenes/node_paths.h"
 #include "scenes/suggest.h"
 
 namespace maquette {
@@ -63,14 +64,27 @@ Reflector make_reflector(const Scene& scene, const FlatGeometry& geometry, std::
   return out;
 }
 
-void check_names(const Scene& scene, const std::vector<std::string>& names) {
+/// [node] what named it, in `names`: its name, or its path.
+std::map<int, std::string> named_nodes(const Scene& scene, const std::vector<std::string>& names) {
+  std::map<int, std::string> named;
+  if (names.empty()) return named;
+  const std::vector<std::string> paths = node_paths(scene);
   std::vector<std::string> known;
   for (const Node& node : scene.nodes)
     if (node.mesh >= 0 || node.patch >= 0) known.push_back(node.name);
-  for (const std::string& name : names)
-    if (std::find(known.begin(), known.end(), name) == known.end())
+  for (const std::string& name : names) {
+    bool any = false;
+    for (const int i : called_nodes(scene, paths, name)) {
+      const Node& node = scene.nodes[static_cast<std::size_t>(i)];
+      if (node.mesh < 0 && node.patch < 0) continue;
+      named.emplace(i, name);
+      any = true;
+    }
+    if (!any)
       throw Error("--reflector " + name, "the scene has no node of that name with a surface",
                   did_you_mean(name, known));
+  }
+  return named;
 }
 
 }  // namespace
@@ -92,7 +106,7 @@ bool can_mirror(const Material& material) {
 std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& geometry,
                                        const std::vector<const Material*>& materials,
                                        const std::vector<std::string>& names, const std::vector<bool>& glossy) {
-  check_names(scene, names);
+  const std::map<int, std::string> calls = named_nodes(scene, names);
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
   const bool marks = marks_reflectors(scene);
   std::vector<Reflector> found;
@@ -101,16 +115,17 @@ std::vector<Reflector> find_reflectors(const Scene& scene, const FlatGeometry& g
   for (std::size_t i = 0; i < geometry.items.size(); ++i) {
     if (geometry.items[i].node < 0) continue;
     const Node& node = scene.nodes[static_cast<std::size_t>(geometry.items[i].node)];
-    const bool named = std::find(names.begin(), names.end(), node.name) != names.end();
+    const auto call = calls.find(geometry.items[i].node);
+    const bool named = call != calls.end();
     if (names.empty() ? !reflects_unnamed(scene, node, marks, materials[i]->glass) : !named) continue;
     if (!can_mirror(*materials[i])) {
       if (named && !glossy.empty() && glossy[i])
-        mirrored.insert(node.name);
+        mirrored.insert(call->second);
       else if (named)
-        dull.emplace(node.name, materials[i]);
+        dull.emplace(call->second, materials[i]);
       continue;
     }
-    mirrored.insert(node.name);
+    if (named) mirrored.insert(call->second);
     found.push_back(make_reflector(scene, geometry, i, !materials[i]->glass, world));
   }
   // The frame of a pane need not mirror, but some surface under the name must.

@@ -16,6 +16,8 @@ class LightSamples {
     if (seed_ != seed) environment->resample(seed);
     seed_ = seed;
   }
+  /// The next picture draws its own, whatever is drawn now.
+  void forget() { seed_.reset(); }
   /// Draws them anew, for frame number `frame` of a picture.
   void renew(EnvironmentBuffers* environment, std::uint32_t seed, int frame) {
     environment->resample(seed * 0x9e3779b9u + static_cast<std::uint32_t>(frame));

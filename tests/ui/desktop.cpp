@@ -138,7 +138,16 @@ Desktop::~Desktop() {
 void Desktop::start(const std::vector<std::string>& arguments) {
   std::vector<std::string> words = {MAQUETTE_PROGRAM};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  program_ = spawn(words, {display_, "LIBGL_ALWAYS_SOFTWARE=1", "WAYLAND_DISPLAY="}, folder_ + "/errors");
+  program_ =
+      spawn(words, {display_, "LIBGL_ALWAYS_SOFTWARE=1", "WAYLAND_DISPLAY=", "XDG_STATE_HOME=" + folder_ + "/state"},
+            folder_ + "/errors");
+}
+
+void Desktop::kill_program() {
+  if (program_ <= 0) return;
+  kill(program_, SIGKILL);
+  finish(program_);
+  program_ = -1;
 }
 
 bool Desktop::running() {

@@ -33,6 +33,8 @@ class Desktop {
 
   void start(const std::vector<std::string>& arguments);
   bool running();
+  /// At once, without a chance to write anything.
+  void kill_program();
   /// Waits for the program's end, at most for this time; its exit code, or -1.
   int wait_for_exit(double seconds);
   ScreenPicture grab() const;

@@ -108,13 +108,14 @@ TEST(Panels, PartsTakeAModeInTheSceneTree) {
   ASSERT_TRUE(editor.click("node/door_left", 1));
   EXPECT_EQ(editor.frame.items.count("part mode/reference"), 0u) << "it draws whole pictures";
   ASSERT_TRUE(editor.click("part mode/splitsum"));
-  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{1, "splitsum"}}));
+  EXPECT_EQ(editor.state.edits.part_modes, (std::map<std::string, std::string>{{"/car/door_left", "splitsum"}}));
   ASSERT_TRUE(editor.click("node/car", 1));
   ASSERT_TRUE(editor.click("part mode/sg"));
-  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{0, "sg"}, {1, "splitsum"}}));
+  EXPECT_EQ(editor.state.edits.part_modes,
+            (std::map<std::string, std::string>{{"/car", "sg"}, {"/car/door_left", "splitsum"}}));
   ASSERT_TRUE(editor.click("node/door_left", 1));
   ASSERT_TRUE(editor.click("part mode/as above"));
-  EXPECT_EQ(editor.state.edits.part_modes, (std::map<int, std::string>{{0, "sg"}}));
+  EXPECT_EQ(editor.state.edits.part_modes, (std::map<std::string, std::string>{{"/car", "sg"}}));
 }
 
 TEST(Panels, KnowNoTechniqueByItsName) {
@@ -188,7 +189,7 @@ TEST(Panels, ANodeHidesAndIsChosen) {
   editor.facts.scene = &scene;
   editor.state.left_tab = 1;
   ASSERT_TRUE(editor.click("visible/door_left"));
-  EXPECT_EQ(editor.state.edits.hidden_nodes, std::set<int>{1});
+  EXPECT_EQ(editor.state.edits.hidden_nodes, std::set<std::string>{"/car/door_left"});
   ASSERT_TRUE(editor.click("node/door_left"));
   EXPECT_EQ(editor.state.selected_node, 1);
   EXPECT_EQ(editor.state.selected_material, 1) << "its material is chosen with it";
@@ -200,7 +201,7 @@ TEST(Panels, VariantsAndToolsAreClicks) {
   editor.facts.scene = &scene;
   editor.facts.can_undo = true;
   ASSERT_TRUE(editor.click("variant/touring"));
-  EXPECT_EQ(editor.state.edits.variant, 1);
+  EXPECT_EQ(editor.state.edits.variant, "touring");
   ASSERT_TRUE(editor.click("dent"));
   EXPECT_EQ(editor.state.tool, Tool::dent);
   ASSERT_TRUE(editor.click("undo"));

@@ -4,92 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
 
-#include "scenes/scene.h"
-#include "test_paths.h"
-#include "tests/ui/desktop.h"
-#include "tests/ui/headless_editor.h"
-#include "viewer/session.h"
+#include "tests/ui/window_fixture.h"
 #include "viewer/window_host.h"
 
 namespace maquette {
 namespace {
-
-using test::Desktop;
-using test::difference;
-using test::HeadlessEditor;
-using test::ScreenPicture;
-
-constexpr float kWidth = 960.0f, kHeight = 440.0f;  // small: software draws it
-const char* const kSize = "960x440";
-constexpr double kPatience_s = 40.0;  // for a loaded machine; an idle one is much faster
-constexpr double kSettle_s = 8.0;     // a picture that is still noisy after this time is used anyway
-constexpr double kSeen = 0.6;         // least mean difference of a change of the picture
-
-/// Positions of the controls, from laying out the same panels with the same scene.
-class Controls {
- public:
-  explicit Controls(const Scene& scene) : editor_(kWidth, kHeight) {
-    editor_.facts.scene = &scene;
-    editor_.facts.cameras = camera_names(scene);
-    editor_.facts.can_undo = true;
-  }
-  Rect item(const std::string& name) {
-    editor_.step(3);
-    return editor_.frame.items.at(name);
-  }
-  Rect picture() {
-    editor_.step();
-    return editor_.frame.layout.picture;
-  }
-  EditorState& state() { return editor_.state; }
-
- private:
-  HeadlessEditor editor_;
-};
-
-Rect middle_of(const Rect& r) { return {r.x + 0.2f * r.width, r.y + 0.2f * r.height, 0.6f * r.width, 0.6f * r.height}; }
-
-class Window : public testing::Test {
- protected:
-  void SetUp() override {
-    const std::string missing = Desktop::missing_tools();
-    if (!missing.empty()) GTEST_SKIP() << missing;
-    desktop_ = std::make_unique<Desktop>(static_cast<int>(kWidth), static_cast<int>(kHeight));
-  }
-  void start(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"view", "--size", kSize});
-    desktop_->start(arguments);
-  }
-  /// Waits until something is drawn in the rectangle, and for the first coarse moments to pass.
-  bool wait_for_picture(const Rect& rect) {
-    return desktop_->wait_until([&](const ScreenPicture& p) { return test::contrast(p, rect) > 8.0; }, kPatience_s);
-  }
-  bool wait_for_change(const ScreenPicture& before, const Rect& rect, double least = kSeen) {
-    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(before, p, rect) > least; },
-                                kPatience_s);
-  }
-  /// A picture that has not changed for a second, except by averaging. With a shorter time a loaded machine might not
-  /// have drawn its next frame yet.
-  ScreenPicture settled(const Rect& rect) {
-    using Clock = std::chrono::steady_clock;
-    ScreenPicture last = desktop_->grab();
-    Clock::time_point since = Clock::now();
-    desktop_->wait_until(
-        [&](const ScreenPicture& now) {
-          if (difference(last, now, rect) >= 0.25 * kSeen) since = Clock::now();
-          last = now;
-          return Clock::now() - since >= std::chrono::seconds(1);
-        },
-        kSettle_s);
-    return last;
-  }
-  std::unique_ptr<Desktop> desktop_;
-};
 
 TEST_F(Window, MouseAndKeysChangeThePicture) {
   const Scene scene = load_scene("builtin:cockpit");

@@ -202,16 +202,7 @@ TEST(CommandLine, CommandsAreChecked) {
     EXPECT_TRUE(contains(message, "options come behind it: maquette ")) << message;
   }
   EXPECT_EQ(parse({"--camera", "report"}).options.camera, "report") << "a value, no command";
-  for (const std::string later : {"play"}) {
-    try {
-      parse({later});
-      ADD_FAILURE() << later;
-    } catch (const UsageError&) {
-      ADD_FAILURE() << later << " is a right call";
-    } catch (const Error& error) {
-      EXPECT_TRUE(contains(error.what(), "not available in this version"));
-    }
-  }
+  EXPECT_TRUE(contains(usage_error({"play"}), "PATH.path.json"));
 }
 
 TEST(CommandLine, TurnsNodes) {
@@ -224,17 +215,16 @@ TEST(CommandLine, TurnsNodes) {
     EXPECT_THROW(parse({"render", "-o", "a.png", "--turn", wrong}), UsageError) << wrong;
 }
 
-TEST(CommandLine, LaterNamesAreKnownAndRefused) {
-  for (const Words& words : {Words{"--look", "A"}}) {
-    Words all = {"render", "-o", "a.png"};
-    all.insert(all.end(), words.begin(), words.end());
-    try {
-      parse(all);
-      ADD_FAILURE() << words.back() << " was taken";
-    } catch (const Error& error) {
-      EXPECT_TRUE(contains(error.what(), "not available in this version")) << error.what();
-    }
-  }
+TEST(CommandLine, ReviewsAndPathsAreToldFromScenes) {
+  EXPECT_TRUE(contains(usage_error({"render", "-o", "a.png", "--look", "A"}), "there is no review"));
+  const SceneOptions review = parse({"render", "a.maquette.json", "--look", "A", "-o", "a.png"}).options;
+  EXPECT_EQ(review.review, "a.maquette.json");
+  EXPECT_EQ(review.look, "A");
+  EXPECT_EQ(review.scene, SceneOptions().scene);
+  const SceneOptions path = parse({"play", "a.path.json", "car.glb", "-o", "frames"}).options;
+  EXPECT_EQ(path.path, "a.path.json");
+  EXPECT_EQ(path.scene, "car.glb");
+  EXPECT_TRUE(contains(usage_error({"play", "a.maquette.json", "-o", "frames"}), "--path NAME"));
 }
 
 TEST(CommandLine, DeclarationsAreSound) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::map<std::string, int> kRanks = {{"scenes", 0}, {"render", 1}, {"ui", 2}, {"viewer", 3}};
+const std::map<std::string, int> kRanks = {{"scenes", 0}, {"render", 1}, {"review", 2}, {"ui", 3}, {"viewer", 4}};
 
 std::vector<fs::path> source_files(const std::string& folder) {
   std::vector<fs::path> files;
@@ -107,7 +107,7 @@ TEST(Names, OfTechniquesStandInTheirFoldersOnly) {
   for (const maquette::Technique& technique : registry.techniques)
     if (technique.kind != maquette::TechniqueKind::shared) names.push_back(technique.name);
   ASSERT_GE(names.size(), 9u);
-  for (const std::string folder : {"render", "ui", "viewer"}) {
+  for (const std::string folder : {"render", "review", "ui", "viewer"}) {
     for (const fs::path& file : source_files(folder)) {
       const std::string path = fs::relative(file, MAQUETTE_SOURCE_DIR).string();
       // Two words of plan and stats, which are a contract, are spelled like techniques.

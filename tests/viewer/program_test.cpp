@@ -60,9 +60,7 @@ TEST(Program, AFileInPlaceOfAFolderIsNamedBeforeTheWork) {
   expect_failure({"report", "builtin:sphere", "-o", file}, 1, "this is a file");
 }
 
-TEST(Program, LaterCommandsAndNamesExitWithOne) {
-  expect_failure({"play"}, 1, "not available in this version");
-}
+TEST(Program, PlayWithoutAPathSaysWhatItNeeds) { expect_failure({"play"}, 2, "PATH.path.json"); }
 
 TEST(Program, ViewWithoutADisplayNamesRender) {
   expect_failure({"view"}, 1, "maquette render");

@@ -7,6 +7,7 @@
 
 #include "render/reflections/reflectors.h"
 #include "scenes/error.h"
+#include "scenes/node_paths.h"
 
 namespace maquette {
 namespace {
@@ -29,7 +30,7 @@ TEST(ReflectorPicking, FindsTheNearestSurfaceThatMirrors) {
   const int windshield = find_mirror(scene, edits, eye, {0.0f, 0.0f, 1.0f}, 1e30f);
   ASSERT_GE(windshield, 0);
   EXPECT_GE(scene.nodes[static_cast<std::size_t>(windshield)].patch, 0);
-  edits.hidden_nodes.insert(glass);
+  edits.hidden_nodes.insert(node_paths(scene)[static_cast<std::size_t>(glass)]);
   EXPECT_NE(find_mirror(scene, edits, eye, glm::normalize(out), 1e30f), glass) << "what is hidden";
 }
 

@@ -6,6 +6,7 @@
 
 #include "scenes/error.h"
 #include "tests/support/test_scenes.h"
+#include "viewer/dents.h"
 
 namespace maquette {
 namespace {
@@ -154,7 +155,7 @@ TEST(Session, ADentGoesInwardsAndStaysLocal) {
   dent.center = glm::vec3(world[node] * glm::vec4(before.positions[top], 1.0f));
   dent.depth_m = 0.03f;
   dent.radius_m = 0.25f;
-  press_dent(&scene, dent);
+  press_dents(&scene, {dent});
   const Primitive& after = scene.meshes[mesh].primitives[0];
   ASSERT_EQ(after.positions.size(), before.positions.size());
   const float drop = height(before.positions[top]) - height(after.positions[top]);
@@ -176,13 +177,13 @@ TEST(Session, ADentThatTouchesNothingSaysHowFar) {
   dent.depth_m = 0.1f;
   dent.radius_m = 0.2f;
   try {
-    press_dent(&scene, dent);
+    press_dents(&scene, {dent});
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("m away"), std::string::npos) << error.what();
   }
   Scene plain = make_scene();
-  EXPECT_THROW(press_dent(&plain, dent), Error);
+  EXPECT_THROW(press_dents(&plain, {dent}), Error);
 }
 
 TEST(Session, AGroundIsAddedOnlyBelowSomething) {

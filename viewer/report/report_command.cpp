@@ -15,6 +15,7 @@
 #include "viewer/report/machine.h"
 #include "viewer/report/page.h"
 #include "viewer/report/write_data.h"
+#include "viewer/review_options.h"
 
 namespace maquette {
 
@@ -89,7 +90,8 @@ std::string command_text(const SceneOptions& options) {
 }  // namespace
 
 int run_report(const CommandLine& line) {
-  const SceneOptions& options = line.options;
+  SceneOptions options = line.options;
+  take_review(&options);
   const std::string& folder = options.output;
   prepare_folder("--output", folder);
   const InterruptGuard stop;

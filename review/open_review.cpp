@@ -1,0 +1,230 @@
+#include "review/open_review.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include "review/json_reader.h"
+#include "scenes/error.h"
+#include "scenes/files.h"
+
+namespace maquette {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kDraft_s = 0.7;  // with a frame of 0.3 s on top, a second
+constexpr int kMostUntitled = 100;
+constexpr std::size_t kMostLines = 3 * History::kDepth;
+
+std::string hash_of(const std::string& text) {
+  char digits[20];
+  std::snprintf(digits, sizeof digits, "%016llx",
+                static_cast<unsigned long long>(content_hash(std::as_bytes(std::span(text.data(), text.size())))));
+  return digits;
+}
+
+std::string untitled_journal(int number) { return state_folder() + "/untitled-" + std::to_string(number) + ".journal"; }
+
+std::string count_of(std::size_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+OpenReview::OpenReview(const Review& review, bool keeps_journal)
+    : history_(review_document(review)), review_(review), saved_(history_.document()) {
+  if (!keeps_journal) return;
+  try {
+    for (int number = 1; number <= kMostUntitled && !journal_; ++number) {
+      const std::string name = untitled_journal(number);
+      const auto contents = read_journal(name);
+      if (contents && contents->history.can_undo()) continue;  // somebody may want it back
+      keep_journal(name);
+    }
+    if (journal_) journal_->begin(history_, "");
+  } catch (const Error& error) {
+    journal_.reset();
+    notes_.push_back(std::string(error.what()) + ". Changes are kept once the review is saved");
+  }
+}
+
+OpenReview::~OpenReview() {
+  if (journal_ && file_.empty() && !history_.can_undo()) journal_->remove();  // nothing happened
+}
+
+/// Takes the journal if no other window has it.
+void OpenReview::keep_journal(const std::string& name) {
+  journal_ = std::make_unique<Journal>(name);
+  if (!journal_->locked()) journal_.reset();
+  history_.set_sink([this](const Json& record) { write(record); });
+}
+
+OpenReview::OpenReview(const std::string& file) : history_(Json()), file_(fs::absolute(file).string()) {
+  const std::string text = read_text_file(file_);
+  saved_hash_ = hash_of(text);
+  std::optional<JournalContents> kept;
+  try {
+    keep_journal(journal_file(file_));
+    read_only_ = !journal_;
+    if (read_only_) notes_.push_back(file_ + " is open in another window: this one cannot change it");
+    kept = read_journal(journal_file(file_));
+  } catch (const Error& error) {
+    notes_.push_back(std::string(error.what()) + ". Changes are kept once the review is saved elsewhere");
+  }
+  std::string damage;
+  try {
+    review_ = parse_review(text, file_);
+    saved_ = review_document(review_);
+    history_ = History(saved_);
+  } catch (const Error& error) {
+    damage = error.what();
+    if (!kept) throw;
+  }
+  if (kept && !read_only_ && (kept->saved_hash == saved_hash_ || kept->saving_hash == saved_hash_ || !damage.empty())) {
+    try {
+      review_ = review_from_document(kept->history.document(), journal_file(file_));
+      history_ = std::move(kept->history);
+      if (!damage.empty())
+        notes_.push_back(damage + ". It was restored from its journal; save it");
+      else if (history_.document() != saved_)
+        notes_.push_back(file_ + ": changes that were not saved are there again; undo takes them back");
+      if (kept->lost_lines > 0) notes_.push_back("the last line of the journal was not written whole");
+    } catch (const Error& error) {
+      if (!damage.empty()) throw;
+      notes_.push_back(std::string(error.what()) + ". The journal was left aside");
+    }
+  } else if (kept && !read_only_ && kept->history.can_undo()) {
+    std::error_code ignored;
+    fs::copy_file(journal_file(file_), journal_file(file_) + ".old", fs::copy_options::overwrite_existing, ignored);
+    notes_.push_back(file_ + " was changed by another program: the history of " +
+                     count_of(kept->history.undo_count(), "step") + " was set aside as .journal.old");
+  }
+  if (journal_) {
+    history_.set_sink([this](const Json& record) { write(record); });
+    compact();
+  }
+  if (!read_only_ && access(file_.c_str(), W_OK) != 0)
+    notes_.push_back(file_ + " cannot be written: save the review under another name");
+  changed_ = history_.document() != saved_;
+}
+
+std::unique_ptr<OpenReview> OpenReview::continued(const std::string& name) {
+  std::optional<JournalContents> kept = read_journal(name);
+  if (!kept) throw Error(name, "it is no journal", "remove it");
+  Review review = review_from_document(kept->history.document(), name);
+  std::unique_ptr<OpenReview> open(new OpenReview(std::move(kept->history), std::move(review)));
+  open->keep_journal(name);
+  if (!open->journal_) throw Error(name, "another window has it open");
+  open->compact();
+  open->changed_ = true;
+  return open;
+}
+
+std::vector<std::string> OpenReview::left_behind() {
+  std::vector<std::pair<fs::file_time_type, std::string>> found;
+  for (int number = 1; number <= kMostUntitled; ++number) {
+    const std::string name = untitled_journal(number);
+    std::error_code code;
+    if (!fs::exists(name, code)) continue;
+    const auto contents = read_journal(name);
+    if (!contents || !contents->history.can_undo()) continue;
+    if (Journal(name).locked()) found.emplace_back(fs::last_write_time(name, code), name);
+  }
+  std::sort(found.rbegin(), found.rend());
+  std::vector<std::string> names;
+  for (const auto& [time, name] : found) names.push_back(name);
+  return names;
+}
+
+void OpenReview::write(const Json& record) {
+  changed_ = history_.document() != saved_;
+  if (!journal_) return;
+  try {
+    journal_->append(record);
+  } catch (const Error& error) {
+    notes_.push_back(error.what());
+    journal_.reset();
+    return;
+  }
+  if (journal_->lines() > kMostLines) compact();
+}
+
+void OpenReview::compact() {
+  if (!journal_) return;
+  try {
+    journal_->begin(history_, saved_hash_);
+  } catch (const Error& error) {
+    notes_.push_back(error.what());
+    journal_.reset();
+  }
+}
+
+void OpenReview::observe(const Review& now, bool busy, double now_s) {
+  Review kept = now;
+  kept.look = canonical(kept.look);
+  if (busy) {
+    if (kept == review_ || (draft_ && kept == *draft_) || now_s - draft_s_ < kDraft_s) return;
+    draft_ = kept;
+    draft_s_ = now_s;
+    write({{"draft", Json::diff(history_.document(), review_document(kept))}});
+    return;
+  }
+  draft_.reset();
+  draft_s_ = now_s;  // a change that begins now is a draft a little later
+  if (kept == review_) return;
+  review_ = kept;
+  history_.record(review_document(kept));
+}
+
+void OpenReview::amend(const Review& now) {
+  review_ = now;
+  review_.look = canonical(review_.look);
+  history_.amend(review_document(review_));
+}
+
+Review OpenReview::parsed() const { return review_from_document(history_.document(), "undo"); }
+
+std::optional<Review> OpenReview::undo() {
+  if (!history_.undo()) return std::nullopt;
+  return review_ = parsed();
+}
+
+std::optional<Review> OpenReview::redo() {
+  if (!history_.redo()) return std::nullopt;
+  return review_ = parsed();
+}
+
+void OpenReview::save(const std::string& name) {
+  const std::string target = fs::absolute(name).string();
+  const bool other = target != file_;
+  if (!other && read_only_) throw Error(file_, "another window has it open", "save it under another name");
+  std::unique_ptr<Journal> next;
+  if (other) {
+    if (!fs::is_directory(fs::path(target).parent_path()))
+      throw Error(target, "its folder does not exist", "create the folder first");
+    next = std::make_unique<Journal>(journal_file(target));
+    if (!next->locked()) throw Error(target, "another window has it open", "choose another name");
+  }
+  const std::string text = review_text(review_, target);
+  if (!other) write({{"saving", hash_of(text)}});
+  write_file_atomically(target, std::as_bytes(std::span(text.data(), text.size())));
+  saved_ = history_.document();
+  saved_hash_ = hash_of(text);
+  changed_ = false;
+  if (!other) return write({{"saved", saved_hash_}});
+  if (journal_ && file_.empty()) journal_->remove();  // the untitled one
+  journal_ = std::move(next);
+  file_ = target;
+  read_only_ = false;
+  history_.set_sink([this](const Json& record) { write(record); });
+  compact();
+}
+
+}  // namespace maquette

@@ -1,0 +1,254 @@
+// Reviews that are being worked on: journal, kill and reopen, saving, two windows.
+#include "review/open_review.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "scenes/error.h"
+#include "tests/scenes/temporary_folder.h"
+#include "tests/support/random_reviews.h"
+
+namespace maquette {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+class OpenReviews : public testing::TemporaryFolder {
+ protected:
+  void SetUp() override {
+    TemporaryFolder::SetUp();
+    setenv("XDG_STATE_HOME", path("state").c_str(), 1);
+    file_ = path("a.maquette.json");
+  }
+  /// Saves a review of this exposure.
+  void save(float exposure_ev) {
+    Review review;
+    review.look.auto_exposure = false;
+    review.look.exposure_ev = exposure_ev;
+    save_review(file_, review);
+  }
+  static std::string notes_of(OpenReview* open) {
+    std::string all;
+    for (const std::string& note : open->take_notes()) all += note + "\n";
+    return all;
+  }
+  static void expose(OpenReview* open, float exposure_ev) {
+    Review now = open->review();
+    now.look.exposure_ev = exposure_ev;
+    open->observe(now, false, 0.0);
+  }
+  std::string file_;
+};
+
+TEST_F(OpenReviews, KeepsUnsavedChangesAndTheHistory) {
+  save(1.0f);
+  {
+    OpenReview open(file_);
+    EXPECT_EQ(notes_of(&open), "");
+    expose(&open, 2.0f);
+    expose(&open, 3.0f);
+    open.undo();
+  }
+  OpenReview again(file_);
+  EXPECT_TRUE(contains(notes_of(&again), "changes that were not saved are there again"));
+  EXPECT_EQ(again.review().look.exposure_ev, 2.0f);
+  EXPECT_TRUE(again.changed());
+  EXPECT_EQ(again.redo()->look.exposure_ev, 3.0f);
+  EXPECT_EQ(again.undo()->look.exposure_ev, 2.0f);
+  EXPECT_EQ(again.undo()->look.exposure_ev, 1.0f);
+  EXPECT_FALSE(again.undo());
+}
+
+TEST_F(OpenReviews, TheHistorySurvivesSaving) {
+  save(1.0f);
+  {
+    OpenReview open(file_);
+    expose(&open, 2.0f);
+    open.save(file_);
+    EXPECT_FALSE(open.changed());
+  }
+  EXPECT_EQ(load_review(file_).look.exposure_ev, 2.0f);
+  OpenReview again(file_);
+  EXPECT_EQ(notes_of(&again), "");
+  EXPECT_FALSE(again.changed());
+  EXPECT_EQ(again.undo()->look.exposure_ev, 1.0f);
+}
+
+TEST_F(OpenReviews, ASecondWindowOnlyReads) {
+  save(1.0f);
+  OpenReview first(file_);
+  OpenReview second(file_);
+  EXPECT_TRUE(second.read_only());
+  EXPECT_TRUE(contains(notes_of(&second), "is open in another window"));
+  expose(&second, 5.0f);
+  EXPECT_TRUE(contains(testing::message_of<Error>([&] { second.save(file_); }), "another window has it open"));
+  expose(&first, 2.0f);
+  first.save(file_);
+  EXPECT_EQ(load_review(file_).look.exposure_ev, 2.0f);
+  second.save(path("b.maquette.json"));
+  EXPECT_EQ(load_review(path("b.maquette.json")).look.exposure_ev, 5.0f);
+  EXPECT_FALSE(second.read_only());
+}
+
+TEST_F(OpenReviews, ADamagedFileComesBackFromItsJournal) {
+  save(1.0f);
+  {
+    OpenReview open(file_);
+    expose(&open, 2.0f);
+    open.save(file_);
+  }
+  const std::string text = read(file_);
+  write("a.maquette.json", text.substr(0, text.size() / 2));
+  EXPECT_THROW(load_review(file_), Error);
+  OpenReview open(file_);
+  EXPECT_TRUE(contains(notes_of(&open), "restored from its journal"));
+  EXPECT_EQ(open.review().look.exposure_ev, 2.0f);
+  open.save(file_);
+  EXPECT_EQ(load_review(file_).look.exposure_ev, 2.0f);
+  std::filesystem::remove(journal_file(file_));
+  write("c.maquette.json", "{");
+  EXPECT_THROW(OpenReview(path("c.maquette.json")), Error);
+}
+
+TEST_F(OpenReviews, AFileThatSomebodyElseChangedWins) {
+  save(1.0f);
+  {
+    OpenReview open(file_);
+    expose(&open, 2.0f);
+  }
+  save(7.0f);
+  OpenReview open(file_);
+  EXPECT_TRUE(contains(notes_of(&open), "was changed by another program"));
+  EXPECT_EQ(open.review().look.exposure_ev, 7.0f);
+  EXPECT_FALSE(open.can_undo());
+  EXPECT_TRUE(std::filesystem::exists(file_ + ".journal.old"));
+}
+
+TEST_F(OpenReviews, ADragIsOneStepAndADraftMeanwhile) {
+  save(0.0f);
+  {
+    OpenReview open(file_);
+    Review now = open.review();
+    for (int i = 1; i <= 30; ++i) {
+      now.look.exposure_ev = static_cast<float>(i);
+      open.observe(now, true, 0.1 * i);
+    }
+    EXPECT_FALSE(open.can_undo());
+    const auto journal = read_journal(journal_file(file_));
+    ASSERT_TRUE(journal);
+    EXPECT_TRUE(journal->ends_in_draft);
+    EXPECT_GE(review_from_document(journal->history.document(), "").look.exposure_ev, 22.0f) << "at most 0.8 s old";
+    open.observe(now, false, 3.1);
+    EXPECT_TRUE(open.can_undo());
+    EXPECT_FALSE(read_journal(journal_file(file_))->ends_in_draft);
+    EXPECT_EQ(open.undo()->look.exposure_ev, 0.0f);
+  }
+}
+
+TEST_F(OpenReviews, UntitledOnesAreFoundAgain) {
+  { OpenReview nothing_happened{Review()}; }
+  EXPECT_TRUE(OpenReview::left_behind().empty());
+  Review review;
+  review.look.auto_exposure = false;
+  {
+    OpenReview open(review);
+    expose(&open, 4.0f);
+    EXPECT_TRUE(OpenReview::left_behind().empty()) << "its window is open";
+  }
+  const std::vector<std::string> left = OpenReview::left_behind();
+  ASSERT_EQ(left.size(), 1u);
+  OpenReview other(review);  // takes another journal
+  const auto open = OpenReview::continued(left[0]);
+  EXPECT_EQ(open->review().look.exposure_ev, 4.0f);
+  open->save(file_);
+  EXPECT_EQ(open->undo()->look.exposure_ev, 0.0f);
+  EXPECT_TRUE(OpenReview::left_behind().empty()) << "it has a file now";
+}
+
+TEST_F(OpenReviews, AFolderThatCannotBeWritten) {
+  if (geteuid() == 0) GTEST_SKIP() << "the superuser writes everywhere";
+  save(1.0f);
+  std::filesystem::permissions(path(""), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  OpenReview open(file_);
+  EXPECT_THROW(open.save(file_), Error);
+  std::filesystem::permissions(path(""), std::filesystem::perms::owner_all);
+}
+
+TEST_F(OpenReviews, SavingElsewhereNeedsAFolder) {
+  OpenReview open{Review()};
+  EXPECT_TRUE(contains(testing::message_of<Error>([&] { open.save(path("none/a.maquette.json")); }),
+                       "its folder does not exist"));
+  EXPECT_EQ(open.file(), "");
+}
+
+/// A journal that was cut off or damaged anywhere opens, with all that was whole before.
+TEST_F(OpenReviews, AnyBeginningOfAJournalOpens) {
+  save(0.0f);
+  {
+    OpenReview open(file_);
+    for (int i = 1; i <= 20; ++i) expose(&open, static_cast<float>(i));
+  }
+  const std::string whole = read(journal_file(file_));
+  const std::size_t header = whole.find('\n') + 1;
+  test::RandomReviews random(6);
+  for (int i = 0; i < 60; ++i) {
+    std::string text = whole;
+    const std::size_t at = static_cast<std::size_t>(random.pick(static_cast<int>(whole.size())));
+    if (i % 2 == 0)
+      text.resize(at);
+    else
+      text[at] = static_cast<char>(random.pick(256));
+    write("a.maquette.json.journal", text);
+    OpenReview open(file_);
+    const auto lines = std::count(whole.begin() + static_cast<std::ptrdiff_t>(header),
+                                  whole.begin() + static_cast<std::ptrdiff_t>(std::max(at, header)), '\n');
+    if (at >= header) {
+      EXPECT_GE(open.review().look.exposure_ev, static_cast<float>(lines)) << at;
+    }
+  }
+}
+
+/// Killed at random moments: what was observed before the kill is there, and the review opens.
+TEST_F(OpenReviews, NothingIsLostWhenKilled) {
+  save(0.0f);
+  const char* const wanted = std::getenv("MAQUETTE_KILLS");
+  const int kills = wanted ? std::atoi(wanted) : 8;
+  test::RandomReviews random(7);
+  float before = 0.0f;
+  for (int kill_number = 0; kill_number < kills; ++kill_number) {
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+      OpenReview open(file_);
+      Review now = open.review();
+      for (int i = 0;; ++i) {
+        now.look.exposure_ev = before + 0.001f * static_cast<float>(i + 1);
+        open.observe(now, i % 7 < 3, 10.0 * i);  // some of them while the mouse is held
+        if (i % 50 == 49) open.save(file_);
+        const ssize_t ignored = ::write(ends[1], &now.look.exposure_ev, sizeof(float));
+        if (ignored < 0) _exit(1);
+      }
+    }
+    close(ends[1]);
+    std::jthread killer([&, delay_us = 2000 + random.pick(60000)] {
+      std::this_thread::sleep_for(std::chrono::microseconds(delay_us));
+      kill(child, SIGKILL);
+    });
+    float last = before, value = 0.0f;
+    while (::read(ends[0], &value, sizeof value) == static_cast<ssize_t>(sizeof value)) last = value;
+    close(ends[0]);
+    waitpid(child, nullptr, 0);
+    OpenReview open(file_);
+    EXPECT_GE(open.review().look.exposure_ev, last) << "kill " << kill_number;
+    before = open.review().look.exposure_ev;
+  }
+}
+
+}  // namespace
+}  // namespace maquette

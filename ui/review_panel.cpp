@@ -1,0 +1,251 @@
+// Looks and camera paths of the review.
+#include <algorithm>
+#include <cstdio>
+
+#include "review/review.h"
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+bool same_but_names(Look a, const Look& b) {
+  a.name = b.name;
+  a.note = b.note;
+  return canonical(a) == canonical(b);
+}
+
+/// A name in place; empty ones and those of others are refused by keeping the old one.
+template <typename T>
+void name_field(const char* id, std::vector<T>* things, std::size_t at) {
+  char text[128];
+  std::snprintf(text, sizeof text, "%s", (*things)[at].name.c_str());
+  ImGui::SetNextItemWidth(-1.0f);
+  if (!ImGui::InputText(id, text, sizeof text, ImGuiInputTextFlags_EnterReturnsTrue)) return;
+  const auto has = [&](const T& thing) { return thing.name == text; };
+  if (text[0] != 0 && std::none_of(things->begin(), things->end(), has)) (*things)[at].name = text;
+}
+
+/// Up, down and away; true when the list has changed.
+template <typename T>
+bool order_buttons(Ui& ui, std::vector<T>* things, std::size_t at, const std::string& what) {
+  const auto button = [&](const char* label, bool enabled, const std::string& mark) {
+    ImGui::SameLine(0.0f, scaled(3.0f));
+    ImGui::BeginDisabled(!enabled);
+    const bool pressed = ImGui::SmallButton(label);
+    ImGui::EndDisabled();
+    mark_item(ui, what + "/" + mark + "/" + (*things)[at].name);
+    return pressed;
+  };
+  if (button("^", at > 0, "up")) {
+    std::swap((*things)[at], (*things)[at - 1]);
+    return true;
+  }
+  if (button("v", at + 1 < things->size(), "down")) {
+    std::swap((*things)[at], (*things)[at + 1]);
+    return true;
+  }
+  if (button("x", true, "remove")) {
+    things->erase(things->begin() + static_cast<std::ptrdiff_t>(at));
+    return true;
+  }
+  return false;
+}
+
+void draw_looks(Ui& ui) {
+  EditorState& state = ui.state;
+  if (ImGui::Button("Keep this look")) ui.actions.keep_look = true;
+  mark_item(ui, "look/keep");
+  tooltip("Keeps camera, light, materials and all else as a look (L)");
+  const float buttons = scaled(80.0f);
+  for (std::size_t i = 0; i < state.looks.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    const Look& look = state.looks[i];
+    const bool chosen = look.name == state.name;
+    const std::string label = look.name + (chosen && !same_but_names(state, look) ? " *" : "");
+    const float width = ImGui::GetContentRegionAvail().x - buttons;
+    if (ImGui::Selectable(elide(label, width).c_str(), chosen, 0, {width, 0.0f}))
+      ui.actions.go_to_look = static_cast<int>(i);
+    mark_item(ui, "look/" + look.name);
+    tooltip(look.note.empty() ? look.name : look.name + "\n" + look.note);
+    const bool changed = order_buttons(ui, &state.looks, i, "look");
+    ImGui::PopID();
+    if (changed) break;
+  }
+  const auto at =
+      std::find_if(state.looks.begin(), state.looks.end(), [&](const Look& l) { return l.name == state.name; });
+  if (at == state.looks.end()) {
+    dim_text(state.looks.empty() ? "A look is a state that can be gone back to."
+                                 : "Page Up and Page Down change looks.");
+    return;
+  }
+  row_label("Name", "Of the look that is chosen");
+  name_field("##look name", &state.looks, static_cast<std::size_t>(at - state.looks.begin()));
+  mark_item(ui, "look name");
+  if (std::none_of(state.looks.begin(), state.looks.end(), [&](const Look& l) { return l.name == state.name; }))
+    state.name = at->name;
+  ImGui::BeginDisabled(same_but_names(state, *at));
+  if (ImGui::Button("Update")) *at = canonical(state);
+  mark_item(ui, "look/update");
+  tooltip("Makes the look what is shown now");
+  ImGui::EndDisabled();
+}
+
+void draw_key(Ui& ui, PathKey* key) {
+  static const char* const kEases[] = {"linear", "in", "out", "smooth"};
+  const auto seconds = [&](const char* label, const char* id, const char* help, double* value) {
+    auto shown = static_cast<float>(*value);
+    row_label(label, help);
+    if (ImGui::DragFloat(id, &shown, 0.02f, 0.0f, 3600.0f, "%.2f s", ImGuiSliderFlags_AlwaysClamp))
+      *value = static_cast<double>(shown);
+    mark_item(ui, std::string("key/") + label);
+  };
+  seconds("Delay", "##delay", "Rest at this key", &key->delay_s);
+  seconds("Duration", "##duration", "Of the move to the next key", &key->duration_s);
+  row_label("Ease", "How the move begins and ends");
+  if (ImGui::BeginCombo("##ease", kEases[static_cast<int>(key->ease)])) {
+    for (int i = 0; i < 4; ++i)
+      if (ImGui::Selectable(kEases[i], static_cast<int>(key->ease) == i)) key->ease = static_cast<Ease>(i);
+    ImGui::EndCombo();
+  }
+  row_label("Skip", "As if the key were not there");
+  ImGui::Checkbox("##skip", &key->skip);
+  mark_item(ui, "key/skip");
+  row_label("Look", "From this key on");
+  if (ImGui::BeginCombo("##key look", key->look ? key->look->c_str() : "as before")) {
+    if (ImGui::Selectable("as before", !key->look)) key->look.reset();
+    for (const Look& look : ui.state.looks)
+      if (ImGui::Selectable(look.name.c_str(), key->look == look.name)) key->look = look.name;
+    ImGui::EndCombo();
+  }
+  const auto keyed = [&](const char* label, const char* id, std::optional<float>* value, float now,
+                         const char* format) {
+    bool on = value->has_value();
+    row_label(label, "Changes evenly between the keys that say it");
+    if (ImGui::Checkbox((std::string(id) + " on").c_str(), &on)) *value = on ? std::optional(now) : std::nullopt;
+    if (!*value) return;
+    ImGui::SameLine();
+    ImGui::SetNextItemWidth(-1.0f);
+    ImGui::DragFloat(id, &**value, 0.1f, -3600.0f, 3600.0f, format);
+  };
+  keyed("Light", "##key rotation", &key->env_rotation_deg, ui.state.edits.env_rotation_deg, "%.1f\u00b0");
+  keyed("Exposure", "##key exposure", &key->exposure_ev, ui.state.exposure_ev, "%+.2f EV");
+  if (ImGui::Button("Set the camera here")) key->camera = ui.state.camera;
+  mark_item(ui, "key/camera");
+}
+
+void draw_keys(Ui& ui, CameraPath* path) {
+  PathView& view = ui.state.path_view;
+  const std::vector<double> times = key_times_s(*path);
+  for (std::size_t i = 0; i < path->keys.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    char text[160];
+    std::snprintf(text, sizeof text, "%6.2f s  %s%s", times[i],
+                  path->keys[i].name.empty() ? ("key " + std::to_string(i + 1)).c_str() : path->keys[i].name.c_str(),
+                  path->keys[i].skip ? " (skipped)" : "");
+    const float width = ImGui::GetContentRegionAvail().x - scaled(80.0f);
+    if (ImGui::Selectable(text, view.key == static_cast<int>(i), 0, {width, 0.0f})) {
+      view.key = static_cast<int>(i);
+      view.time_s = times[i];
+      view.goes_there = true;
+    }
+    mark_item(ui, "key/" + std::to_string(i + 1));
+    const bool changed = order_buttons(ui, &path->keys, i, "key");
+    ImGui::PopID();
+    if (changed) break;
+  }
+  if (ImGui::Button("Add this camera")) ui.actions.add_key = true;
+  mark_item(ui, "key/add");
+  tooltip("A key behind the chosen one (K)");
+  if (view.key >= 0 && view.key < static_cast<int>(path->keys.size()))
+    draw_key(ui, &path->keys[static_cast<std::size_t>(view.key)]);
+}
+
+void draw_playback(Ui& ui, const CameraPath& path) {
+  static const char* const kPlayings[] = {"once", "loop", "there and back", "backwards"};
+  PathView& view = ui.state.path_view;
+  const bool can_play = std::ranges::count(path.keys, false, &PathKey::skip) >= 2 && path_duration_s(path) > 0.0;
+  ImGui::BeginDisabled(!can_play);
+  if (toggle_button(view.playing ? "Stop" : "Play", view.playing)) ui.actions.play_path = true;
+  mark_item(ui, "path/play");
+  tooltip("Space");
+  ImGui::SameLine();
+  if (ImGui::Button("<")) ui.actions.step_path = -1;
+  mark_item(ui, "path/back");
+  ImGui::SameLine();
+  if (ImGui::Button(">")) ui.actions.step_path = 1;
+  mark_item(ui, "path/step");
+  tooltip("A twenty-fifth of a second");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::BeginCombo("##playing", kPlayings[static_cast<int>(view.playback)])) {
+    for (int i = 0; i < 4; ++i)
+      if (ImGui::Selectable(kPlayings[i], static_cast<int>(view.playback) == i))
+        view.playback = static_cast<Playing>(i);
+    ImGui::EndCombo();
+  }
+  auto time_s = static_cast<float>(view.time_s);
+  const float end_s = can_play ? static_cast<float>(path_duration_s(path)) : 1.0f;
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::SliderFloat("##time", &time_s, 0.0f, end_s, "%.2f s")) {
+    view.time_s = static_cast<double>(time_s);
+    view.goes_there = true;
+  }
+  mark_item(ui, "path/time");
+  ImGui::EndDisabled();
+  if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");
+}
+
+void draw_paths(Ui& ui) {
+  EditorState& state = ui.state;
+  PathView& view = state.path_view;
+  if (toggle_button(view.recording ? "Stop recording" : "Record", view.recording)) ui.actions.record_path = true;
+  mark_item(ui, "path/record");
+  tooltip("Notes the camera while it moves");
+  ImGui::SameLine();
+  if (ImGui::Button("New")) ui.actions.new_path = true;
+  mark_item(ui, "path/new");
+  tooltip("A path that begins here");
+  ImGui::SameLine();
+  if (ImGui::Button("Turntable")) ui.actions.turntable = true;
+  mark_item(ui, "path/turntable");
+  tooltip("Once around what is looked at");
+  if (state.paths.empty()) return dim_text("A path moves the camera from key to key; maquette play renders it.");
+  view.path = std::clamp(view.path, 0, static_cast<int>(state.paths.size()) - 1);
+  for (std::size_t i = 0; i < state.paths.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    const float width = ImGui::GetContentRegionAvail().x - scaled(80.0f);
+    if (ImGui::Selectable(elide(state.paths[i].name, width).c_str(), view.path == static_cast<int>(i), 0,
+                          {width, 0.0f})) {
+      view.path = static_cast<int>(i);
+      view.key = -1;
+      view.time_s = 0.0;
+    }
+    mark_item(ui, "path/" + state.paths[i].name);
+    const bool changed = order_buttons(ui, &state.paths, i, "path");
+    ImGui::PopID();
+    if (changed) return;
+  }
+  CameraPath& path = state.paths[static_cast<std::size_t>(view.path)];
+  row_label("Name", "Of the path");
+  name_field("##path name", &state.paths, static_cast<std::size_t>(view.path));
+  mark_item(ui, "path name");
+  row_label("Closed", "The last key leads back to the first");
+  ImGui::Checkbox("##closed", &path.closed);
+  mark_item(ui, "path/closed");
+  draw_playback(ui, path);
+  draw_keys(ui, &path);
+  if (ImGui::Button("Write a file")) ui.actions.export_path = true;
+  mark_item(ui, "path/export");
+  tooltip("NAME.path.json beside the review; such a file can be dropped on the picture");
+}
+
+}  // namespace
+
+void draw_review_panel(Ui& ui) {
+  if (!ui.facts.scene) return;
+  if (section("Looks")) draw_looks(ui);
+  if (section("Camera paths")) draw_paths(ui);
+}
+
+}  // namespace maquette::panels

@@ -1,0 +1,70 @@
+#include "viewer/render_look.h"
+
+#include <cstdio>
+
+#include "render/gl/context.h"
+#include "scenes/image_io.h"
+#include "viewer/command_line.h"
+#include "viewer/look_stage.h"
+#include "viewer/outputs.h"
+#include "viewer/review_options.h"
+#include "viewer/stats.h"
+
+namespace maquette {
+
+namespace {
+
+void check_outputs(const SceneOptions& options, const Review& review) {
+  std::vector<std::string> others = review_sources(review);
+  others.push_back(options.review);
+  check_replaces_none("--output", options.output, others);
+  others.push_back(options.output);
+  check_replaces_none("--stats", options.stats, others);
+  if (!options.output.empty()) {
+    picture_format(options.output);
+    check_writable("--output", options.output);
+  }
+  if (!options.stats.empty()) check_writable("--stats", options.stats);
+}
+
+std::map<std::string, std::string> provenance(const SceneOptions& options, const Look& look) {
+  return {{"maquette.review", options.review},
+          {"maquette.look", look.name},
+          {"maquette.environment", look.edits.environment},
+          {"maquette.mode", look.mode},
+          {"maquette.seed", std::to_string(options.seed)},
+          {"maquette.average", std::to_string(options.average)}};
+}
+
+}  // namespace
+
+int render_look(const CommandLine& line) {
+  SceneOptions options = line.options;
+  const Review review = *review_of(options);
+  check_outputs(options, review);
+  const auto scene = std::make_shared<const Scene>(load_scene(review.scene, review.scene_of_file));
+  const Look look = look_of_review(review, *scene, options);
+  const GlContext context = GlContext::create_headless();
+  const DeviceInfo device = query_device();
+  LookStage stage(scene);
+  SettledFrame settled;
+  settled.size = {options.width, options.height, options.msaa, options.samples, options.seed};
+  settled.frames = options.average;
+  const bool png = !options.output.empty() && picture_format(options.output) == PictureFormat::png;
+  const float exposure_ev = png ? stage.exposure_ev(look) : 0.0f;
+  RenderReport report;
+  report.frames.push_back(stage.render(look, settled));
+  report.total_s = 1e-3 * report.frames.back().frame_ms;
+  if (png)
+    save_png(options.output, stage.renderer().read_display(exposure_ev, look.tonemap));
+  else if (!options.output.empty())
+    save_exr(options.output, stage.renderer().read_radiance(), provenance(options, look));
+  if (!options.output.empty() && options.stats != "-")
+    std::printf("%s: %dx%d, look %s, mode %s\n", options.output.c_str(), options.width, options.height,
+                look.name.empty() ? "as saved" : look.name.c_str(), look.mode.c_str());
+  options.scene = review.scene;
+  if (!options.stats.empty()) write_text(options.stats, stats_json(options, stage.request(), device, report));
+  return 0;
+}
+
+}  // namespace maquette

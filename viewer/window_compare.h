@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "render/gl/objects.h"
+#include "scenes/image.h"
+#include "ui/layout.h"
+#include "viewer/background_render.h"
+#include "viewer/window_input.h"
+#include "viewer/window_picture.h"
+#include "viewer/window_session.h"
+
+namespace maquette {
+
+/// Settled pictures beside the window's own: the look that was shown before, A and B under a wiper, and a picture of
+/// the look at hand as a file.
+class WindowCompare {
+ public:
+  /// Compares with the look that was shown before, or no longer.
+  void toggle(WindowSession* session);
+  /// Shows the other look instead, by the same camera.
+  void swap(WindowSession* session);
+  /// Draws the look at hand, as large as the window shows it, into an .exr beside the review.
+  void render_file(WindowSession* session, const WindowPicture& picture);
+  /// Whether the event moves the wiper, and is nobody else's.
+  bool takes(const PointerEvent& event, const Rect& picture);
+  /// Draws the other look in the background once nothing moves.
+  void update(WindowSession* session, const WindowPicture& picture);
+  /// Over the picture, behind the panels: between ImGui::NewFrame and Render.
+  void draw_overlay(const EditorState& state, const Rect& picture) const;
+
+ private:
+  struct Wanted {
+    Look look;  ///< with the camera at hand
+    int width = 0, height = 0;
+    bool operator==(const Wanted&) const = default;
+  };
+  void note_looks(const EditorState& state);
+  const Look* find_other(const EditorState& state);
+  void stop();
+  void show(float exposure_ev);
+
+  bool on_ = false, dragging_ = false, ready_ = false;
+  std::string present_, other_;  ///< names of the looks that were shown last
+  float wiper_ = 0.5f;           ///< share of the picture's width, from the left, that shows the present look
+  BackgroundRender drawing_, file_;
+  std::optional<Wanted> wanted_;
+  Image radiance_;
+  Texture texture_;
+  float shown_ev_ = 0.0f;
+};
+
+}  // namespace maquette

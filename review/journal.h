@@ -25,7 +25,8 @@ struct JournalContents {
 /// Nothing when there is no such file or not even its first line.
 std::optional<JournalContents> read_journal(const std::string& file);
 
-/// A journal that this program alone writes: in each line a JSON record behind the hash of its text. It is locked as long as it lives.
+/// A journal that this program alone writes: in each line a JSON record behind the hash of its text. It is locked as
+/// long as it lives.
 class Journal {
  public:
   /// Throws Error when it cannot be written. Not valid when another program has locked it.

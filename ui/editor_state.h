@@ -149,7 +149,7 @@ struct EditorActions {
   bool dismiss_messages = false;
   bool measure_curve = false;  ///< of the present mode in the present view
   InspectionActions inspection;
-  bool apply_budget = false;   ///< sets the mode's samples to those that keep the budget
+  bool apply_budget = false;  ///< sets the mode's samples to those that keep the budget
 };
 
 }  // namespace maquette

@@ -25,9 +25,9 @@ int fail(int code, const std::string& text) {
 
 int run_command(const CommandLine& line) {
   static const std::map<std::string, std::function<int(const CommandLine&)>> kRunners = {
-      {"view", run_view},       {"render", run_render}, {"compare", run_compare},
-      {"inspect", run_inspect}, {"report", run_report}, {"doctor", run_doctor},
-      {"bake", run_bake},       {"help", run_help},     {"measure", run_measure}, {"play", run_play},
+      {"view", run_view},       {"render", run_render}, {"compare", run_compare}, {"inspect", run_inspect},
+      {"report", run_report},   {"doctor", run_doctor}, {"bake", run_bake},       {"help", run_help},
+      {"measure", run_measure}, {"play", run_play},
   };
   return line.help ? run_help(line) : kRunners.at(line.command)(line);
 }

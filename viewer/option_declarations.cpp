@@ -111,7 +111,8 @@ std::string environment_choices() {
 std::vector<OptionDeclaration> light_and_material_options() {
   using O = SceneOptions;
   return {
-      shared("--env", "FILE", "environment: .hdr, .exr or " + environment_choices() +
+      shared("--env", "FILE",
+             "environment: .hdr, .exr or " + environment_choices() +
                  " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
              [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }),
       shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",

@@ -36,8 +36,8 @@ int find_variant(const Scene& scene, const std::string& name);
 /// Throws UsageError with the nearest names when the scene has no material `name` (`*` is all).
 void check_material_name(const Scene& scene, const std::string& name);
 
-/// Turns nodes about an axis of their parent's frame, through their own origin; `*`: all roots that are drawn, about the
-/// world's origin. Throws UsageError for a node that is not there.
+/// Turns nodes about an axis of their parent's frame, through their own origin; `*`: all roots that are drawn, about
+/// the world's origin. Throws UsageError for a node that is not there.
 void turn_node(Scene* scene, const NodeTurn& turn);
 
 /// A line for the user where the scene's own lamps outshine an environment that is no brighter than a street at night:

@@ -92,16 +92,13 @@ void BtfResponse::apply(std::span<const BtfLookup> at, const std::array<Eigen::M
   for (std::size_t c = 0; c < 3; ++c) (*out)[c].noalias() = views_ * seen[c];
 }
 
-void BtfResponse::apply_factors(const Eigen::VectorXf& factors, const std::array<Eigen::MatrixXf, 3>& incident,
-                                std::array<Eigen::MatrixXf, 3>* out) const {
+Eigen::VectorXf BtfResponse::apply_factors(const Eigen::VectorXf& factors, Eigen::Index channel,
+                                           const Eigen::VectorXf& light) const {
   const Eigen::Index views = views_.cols(), terms = light_.rows() / views;
-  for (Eigen::Index c = 0; c < 3; ++c) {
-    const Eigen::VectorXf light = light_ * incident[static_cast<std::size_t>(c)].col(0);
-    Eigen::VectorXf seen = Eigen::VectorXf::Zero(views);
-    for (Eigen::Index v = 0; v < views; ++v)
-      for (Eigen::Index k = v * terms; k < (v + 1) * terms; ++k) seen[v] += factors[3 * k + c] * light[k];
-    (*out)[static_cast<std::size_t>(c)] = views_ * seen;
-  }
+  Eigen::VectorXf seen = Eigen::VectorXf::Zero(views);
+  for (Eigen::Index v = 0; v < views; ++v)
+    for (Eigen::Index k = v * terms; k < (v + 1) * terms; ++k) seen[v] += factors[3 * k + channel] * light[k];
+  return views_ * seen;
 }
 
 }  // namespace maquette

@@ -28,9 +28,11 @@ class BtfResponse {
   /// `incident`, `out`: [channel] [bin][texel], means of the bins and coefficients of outgoing light.
   void apply(std::span<const BtfLookup> at, const std::array<Eigen::MatrixXf, 3>& incident,
              std::array<Eigen::MatrixXf, 3>* out) const;
-  /// The same for one texel and given factors [(view, 1 + component), channel]. `incident`, `out`: one column.
-  void apply_factors(const Eigen::VectorXf& factors, const std::array<Eigen::MatrixXf, 3>& incident,
-                     std::array<Eigen::MatrixXf, 3>* out) const;
+  /// The same in two steps, for many texels under one light: what the views' terms have of it, [view, 1 + component];
+  /// and outgoing light of given factors [(view, 1 + component), channel]. Of one channel.
+  Eigen::VectorXf light_of_terms(const Eigen::VectorXf& incident) const { return light_ * incident; }
+  Eigen::VectorXf apply_factors(const Eigen::VectorXf& factors, Eigen::Index channel,
+                                const Eigen::VectorXf& light) const;
 
  private:
   const Btf& btf_;

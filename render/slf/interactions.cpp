@@ -32,26 +32,10 @@ Eigen::MatrixXf turned_means(const DirectionSpline& spline, const BtfTurn& turn)
 
 /// What one cluster of a material makes of light: a linear map for each term.
 struct MaterialCluster {
+  Eigen::Index terms() const { return btf ? factors.cols() : static_cast<Eigen::Index>(responses.size()); }
   const BtfResponse* btf = nullptr;
   Eigen::MatrixXf factors;                      ///< of a BTF: [(view, factor), 3 channels][term]
   std::vector<const LightResponse*> responses;  ///< of others: [term]
-
-  /// Coefficients of outgoing light of a term under `light` [3 bin + channel].
-  Eigen::VectorXf apply(std::size_t term, const Eigen::VectorXf& light) const {
-    const Eigen::Index bins = light.size() / 3;
-    std::array<Eigen::MatrixXf, 3> in, out;
-    for (std::size_t c = 0; c < 3; ++c)
-      in[c] =
-          Eigen::Map<const Eigen::VectorXf, 0, Eigen::InnerStride<>>(light.data() + c, bins, Eigen::InnerStride<>(3));
-    if (btf)
-      btf->apply_factors(factors.col(static_cast<Eigen::Index>(term)), in, &out);
-    else
-      for (std::size_t c = 0; c < 3; ++c) out[c] = responses[term]->channels[c] * in[c];
-    Eigen::VectorXf values(light.size());
-    for (Eigen::Index b = 0; b < bins; ++b)
-      for (std::size_t c = 0; c < 3; ++c) values[3 * b + static_cast<Eigen::Index>(c)] = out[c](b, 0);
-    return values;
-  }
 };
 
 class Builder {
@@ -246,18 +230,32 @@ class Builder {
     tbb::parallel_for(0, o.light_clusters, [&](int light) {
       const Eigen::VectorXf mean = light_.pca.mean(light);
       const Eigen::MatrixXf components = light_.pca.components(light);
-      for (int i = 0; i < o.light_terms; ++i) {
-        const Eigen::VectorXf vector = i == 0 ? mean : Eigen::VectorXf(components.col(i - 1));
-        for (int m = 0; m < o.material_clusters && !cancel_; ++m) {
-          const MaterialCluster& cluster = clusters_[static_cast<std::size_t>(m)];
-          const auto terms = static_cast<int>(cluster.btf ? static_cast<std::size_t>(cluster.factors.cols())
-                                                          : cluster.responses.size());
-          for (int k = 0; k < terms; ++k)
-            o.table.col(static_cast<Eigen::Index>(o.column(light, m, i, k))) =
-                cluster.apply(static_cast<std::size_t>(k), vector);
+      for (int i = 0; i < o.light_terms && !cancel_; ++i)
+        fill_columns(light, i, i == 0 ? mean : Eigen::VectorXf(components.col(i - 1)));
+    });
+  }
+
+  /// What all material clusters make of one term of the light, [3 bin + channel].
+  void fill_columns(int light, int light_term, const Eigen::VectorXf& vector) {
+    using Channel = Eigen::Map<Eigen::VectorXf, 0, Eigen::InnerStride<>>;
+    Interactions& o = *out_;
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const Eigen::VectorXf incident = Eigen::Map<const Eigen::VectorXf, 0, Eigen::InnerStride<>>(
+          vector.data() + c, incident_.bins, Eigen::InnerStride<>(3));
+      std::map<const BtfResponse*, Eigen::VectorXf> of_btf;
+      for (const auto& btf : btfs_) of_btf[btf.get()] = btf->light_of_terms(incident);
+      for (int m = 0; m < o.material_clusters; ++m) {
+        const MaterialCluster& cluster = clusters_[static_cast<std::size_t>(m)];
+        for (Eigen::Index k = 0; k < cluster.terms(); ++k) {
+          const auto column = static_cast<Eigen::Index>(o.column(light, m, light_term, static_cast<int>(k)));
+          Channel out(o.table.col(column).data() + c, incident_.bins, Eigen::InnerStride<>(3));
+          if (cluster.btf)
+            out = cluster.btf->apply_factors(cluster.factors.col(k), c, of_btf.at(cluster.btf));
+          else
+            out = cluster.responses[static_cast<std::size_t>(k)]->channels[static_cast<std::size_t>(c)] * incident;
         }
       }
-    });
+    }
   }
 
   const PathScene& scene_;

@@ -230,6 +230,13 @@ std::string error_text(const RenderReport& report, const SceneOptions& options, 
   return result;
 }
 
+/// The picture lacks light that the scene has, because of the mode that was asked for.
+void warn_of_light_left_out(const FramePlan& plan) {
+  for (const LeftOut& left_out : plan.left_out)
+    if (left_out.what == "lights" && left_out.decided_by == "mode")
+      std::fprintf(stderr, "warning: lamps and what glows light nothing: %s\n", left_out.why.c_str());
+}
+
 std::map<std::string, std::string> provenance(const SceneOptions& options, const FrameRequest& request) {
   std::map<std::string, std::string> attributes = {
       {"maquette.scene", options.scene},
@@ -303,6 +310,7 @@ int run_render(const CommandLine& line) {
     ending = Accumulation(&renderer, options, reference, &report).run(request);
   else
     render_frames(&renderer, request, options, &report);
+  warn_of_light_left_out(report.frames.back().plan);
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;
   if (!options.output.empty()) {

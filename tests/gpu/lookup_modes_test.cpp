@@ -160,6 +160,56 @@ TEST_P(LookupModes, CoatAndSheenAgreeWithUniform) {
   }
 }
 
+// Above the horizon the sky is green, below it red. A smooth coat over black shows 4 % of what it mirrors: tilted up by
+// 30 degrees the green, down the red; over a base that is tilted, and not its own, half of each.
+TEST_P(LookupModes, CoatMirrorsAroundItsOwnNormal) {
+  const auto tilted = [](Scene* scene, float degrees) {
+    const float angle = degrees * std::numbers::pi_v<float> / 180.0f;
+    const auto byte = [](float v) { return static_cast<std::uint8_t>(127.5f + 127.5f * v + 0.5f); };
+    TextureImage image;
+    image.width = image.height = 1;
+    image.rgba = {byte(0.0f), byte(std::sin(angle)), byte(std::cos(angle)), 255};
+    TextureRef ref;
+    ref.image = static_cast<int>(scene->images.size());
+    scene->images.push_back(image);
+    return ref;
+  };
+  Scene scene;
+  for (int k = 0; k < 3; ++k) {
+    Material m;
+    m.base_color = glm::vec4(0, 0, 0, 1);
+    m.metallic = m.specular = 0.0f;
+    m.roughness = m.clearcoat = 1.0f;
+    m.clearcoat_roughness = 0.1f;
+    if (k < 2)
+      m.clearcoat_normal_texture = tilted(&scene, k == 0 ? 30.0f : -30.0f);
+    else
+      m.normal_texture = tilted(&scene, 30.0f);
+    scene.materials.push_back(m);
+    Primitive quad = test::make_grid({static_cast<float>(k) - 1.5f, -0.5f, 0}, {1, 0, 0}, {0, 1, 0}, 1, k);
+    quad.uvs[0] = {{0, 1}, {1, 1}, {0, 0}, {1, 0}};
+    quad.tangents.assign(4, glm::vec4(1, 0, 0, 1));
+    test::add(&scene, std::move(quad));
+  }
+  Renderer renderer;
+  renderer.set_scene(std::make_shared<Scene>(scene));
+  renderer.set_environment(make_sky(64, [](const glm::dvec3& d) { return glm::dvec3(d.y<0.0, d.y> 0.0, 0.0); }));
+  FrameRequest request;
+  request.mode = GetParam();
+  request.width = 48;
+  request.height = 16;
+  request.camera.eye = glm::vec3(0, 0, 3);
+  request.camera.target = glm::vec3(0.0f);
+  request.camera.height_m = 1.0f;
+  request.settings.set("shading.visibility", std::string("none"));
+  renderer.render(request);
+  const Image image = renderer.read_radiance();
+  const glm::dvec3 expected[] = {{0.0, 0.04, 0.0}, {0.04, 0.0, 0.0}, {0.02, 0.02, 0.0}};
+  for (int k = 0; k < 3; ++k)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(image.at(16 * k + 8, 8, c), expected[k][c], 0.002) << k << ", channel " << c;
+}
+
 TEST_P(LookupModes, RotatingTheEnvironmentIsRotatingTheMap) {
   const auto spotted = [](const glm::dvec3& d) {
     const double spot = 20.0 * std::exp(60.0 * (glm::dot(d, glm::normalize(glm::dvec3(0.3, 0.5, 0.8))) - 1.0));

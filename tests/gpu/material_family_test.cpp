@@ -21,7 +21,7 @@ constexpr int kSide = 24, kBlocks = 3;
 /// Draws the members of the family.
 class Generator {
  public:
-  explicit Generator(unsigned seed) : random_(seed) {}
+  explicit Generator(unsigned seed) : checkers_(seed % 5 == 4), random_(seed) {}
 
   Scene scene() {
     Scene scene;
@@ -88,6 +88,20 @@ class Generator {
     return ref;
   }
 
+  /// Of moderate contrast: what the prediction of bandwidth must not take for uniform.
+  static TextureRef roughness_checkers(Scene* scene) {
+    TextureImage image;
+    image.width = image.height = 4;
+    for (int i = 0; i < 16; ++i) {
+      const std::uint8_t roughness = (i + i / 4) % 2 ? 220 : 130;
+      image.rgba.insert(image.rgba.end(), {255, roughness, 255, 255});
+    }
+    TextureRef ref;
+    ref.image = static_cast<int>(scene->images.size());
+    scene->images.push_back(std::move(image));
+    return ref;
+  }
+
   Material material(Scene* scene) {
     Material m;
     m.name = "tried";
@@ -99,6 +113,7 @@ class Generator {
     if (chance(0.2f)) m.emissive = glm::vec3(number(), number(), number());
     m.base_color_texture = texture(scene, 0.5f);
     m.metallic_roughness_texture = texture(scene, 0.4f);
+    if (checkers_) m.metallic_roughness_texture = roughness_checkers(scene);
     m.normal_texture = texture(scene, 0.3f, true);
     m.emissive_texture = texture(scene, 0.3f);
     m.occlusion_texture = texture(scene, 0.4f);
@@ -186,6 +201,7 @@ class Generator {
     scene->lights.push_back(light);
   }
 
+  bool checkers_;  ///< the roughness is a texture of checkers
   std::mt19937 random_;
 };
 
@@ -264,6 +280,7 @@ std::string describe(const Member& member) {
   add("anisotropy", m.anisotropy > 0.0f);
   add("film", m.iridescence > 0.0f);
   add("colours", !scene.meshes[0].primitives[0].colors.empty());
+  add("rough-texture", static_cast<bool>(m.metallic_roughness_texture));
   add("light", !scene.lights.empty());
   add("orthographic", member.camera.is_orthographic());
   return text;

@@ -111,6 +111,19 @@ TEST(Render, KeysOfStatsAreInTheVocabulary) {
   EXPECT_FALSE(stats["status"]["bakes"].contains("octree")) << "nothing wants it";
 }
 
+TEST(Render, WarnsOfAModeThatShowsNoLamps) {
+  const TemporaryFolder folder;
+  for (const char* mode : {"splitsum", "sg", "uniform"}) {
+    std::vector<std::string> words = render_words(folder.file("a.exr"));
+    words[1] = "builtin:seat";
+    words.insert(words.end(), {"--mode", mode});
+    const ProgramResult result = run_maquette(words);
+    ASSERT_EQ(result.exit_code, 0) << result.error;
+    const std::string line = std::string("warning: lamps and what glows light nothing: mode ") + mode;
+    EXPECT_EQ(result.error.find(line) != std::string::npos, mode != std::string("uniform")) << result.error;
+  }
+}
+
 TEST(Render, StatsSayWhichModeShadesWhichPart) {
   const TemporaryFolder folder;
   const std::string node = build_builtin_scene("sphere").nodes[0].name;

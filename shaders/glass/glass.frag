@@ -21,9 +21,15 @@ uniform float u_normal_scale;
 uniform float u_metallic;  // factor of the texture of the metal, which transmits nothing
 in vec4 v_uv;              // of both sets
 in vec4 v_tangent;
-vec4 texel(int k) {
-  vec2 uv = texture_coordinates(u_textures[k], v_uv.xy, v_uv.zw);
-  return sample_texture(u_textures[k], uv, dFdx(uv), dFdy(uv));
+vec4 g_texels[kPaneTextures];  // white where there is no texture
+/// In a loop: with a filter for each texture, compilers of software devices need minutes.
+void read_textures() {
+  for (int k = 0; k < kPaneTextures; ++k) {
+    g_texels[k] = vec4(1.0);
+    if (u_textures[k] < 0) continue;
+    vec2 uv = texture_coordinates(u_textures[k], v_uv.xy, v_uv.zw);
+    g_texels[k] = sample_texture(u_textures[k], uv, dFdx(uv), dFdy(uv));
+  }
 }
 #endif
 #if SURFACE
@@ -122,7 +128,7 @@ float metal_reflectance(float c, float f0) {
 vec4 base_color() {
   vec4 base = u_base * v_color;
 #if TEXTURES
-  if (u_textures[kPaneBaseColor] >= 0) base *= texel(kPaneBaseColor);
+  base *= g_texels[kPaneBaseColor];
 #endif
   if (base.a < u_cutoff) discard;
   return vec4(base.rgb, u_blends > 0 ? base.a : 1.0);
@@ -132,7 +138,7 @@ vec4 base_color() {
 vec3 shading_normal(vec3 view) {
   vec3 n = normalize(dot(v_normal, v_normal) > 0.0 ? v_normal : view);
 #if TEXTURES
-  if (u_textures[kPaneNormal] >= 0) n = apply_normal_map(n, v_tangent, texel(kPaneNormal).xyz * 2.0 - 1.0, u_normal_scale);
+  if (u_textures[kPaneNormal] >= 0) n = apply_normal_map(n, v_tangent, g_texels[kPaneNormal].xyz * 2.0 - 1.0, u_normal_scale);
 #endif
   return dot(n, view) < 0.0 ? -n : n;
 }
@@ -142,8 +148,8 @@ PaneFaces faces_of_pane() {
 #if PANE == 2
   vec4 specular = u_specular;
 #if TEXTURES
-  if (u_textures[kPaneSpecular] >= 0) specular.a *= texel(kPaneSpecular).a;
-  if (u_textures[kPaneSpecularColor] >= 0) specular.rgb *= texel(kPaneSpecularColor).rgb;
+  specular.a *= g_texels[kPaneSpecular].a;
+  specular.rgb *= g_texels[kPaneSpecularColor].rgb;
 #endif
   return pane_faces(u_pane.y, specular.a, specular.rgb);
 #else
@@ -174,12 +180,15 @@ vec3 back_reflectance(float c, vec3 inside, vec3 reflected) {
 #endif
 
 void main() {
+#if TEXTURES
+  read_textures();
+#endif
   vec4 base = base_color();
   vec3 view = -normalize(v_position);
   vec3 n = shading_normal(view);
   vec3 emission = u_emission;
 #if TEXTURES
-  if (u_textures[kPaneEmission] >= 0) emission *= texel(kPaneEmission).rgb;
+  emission *= g_texels[kPaneEmission].rgb;
 #endif
   vec3 surface = vec3(0.0);
 #if SURFACE
@@ -189,9 +198,9 @@ void main() {
   float c = dot(n, view), pane = u_pane.x;
   vec3 absorption = gl_FrontFacing ? u_absorption : vec3(0.0);
 #if TEXTURES
-  if (u_textures[kPaneTransmission] >= 0) pane *= texel(kPaneTransmission).r;
-  if (u_textures[kPaneThickness] >= 0) absorption *= texel(kPaneThickness).g;
-  if (u_textures[kPaneMetallic] >= 0) pane *= 1.0 - u_metallic * texel(kPaneMetallic).b;
+  pane *= g_texels[kPaneTransmission].r;
+  absorption *= g_texels[kPaneThickness].g;
+  if (u_textures[kPaneMetallic] >= 0) pane *= 1.0 - u_metallic * g_texels[kPaneMetallic].b;
 #endif
   // The refracted ray's way through a slab of that thickness.
   base.rgb = clamp(base.rgb, 0.0, 1.0) * exp(-absorption * inversesqrt(max(1.0 - (1.0 - c * c) / pow(max(u_pane.y, 1.0), 2.0), 1e-6)));

@@ -10,6 +10,7 @@
 #include "render/frame/stats.h"
 #include "render/picture/tonemap.h"
 #include "render/scene_state/geometry.h"
+#include "render/technique/point_report.h"
 #include "render/technique/registry.h"
 #include "render/views/pick.h"
 #include "scenes/brdf.h"
@@ -78,6 +79,8 @@ class Renderer {
   using Pick = maquette::Pick;
   /// What the pixel (from the top left) of the last frame shows.
   Pick pick(int x, int y) const;
+  /// What the bake that a point is drawn with has stored there; nothing where it is drawn with none. Throws Error.
+  std::optional<PointReport> describe(const Pick& pick) const;
 
   const Scene& scene() const;
   const SceneFacts& facts() const;

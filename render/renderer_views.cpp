@@ -55,6 +55,16 @@ Pick Renderer::pick(int x, int y) const {
   return pick_triangle(s.scene, triangle - 1, glm::vec3(c.eye) + ray.origin + ray.direction * depth, ray.direction);
 }
 
+std::optional<PointReport> Renderer::describe(const Pick& pick) const {
+  if (!pick.hit) return std::nullopt;
+  for (const ShadingPlan& layer : impl_->last.plan.layers) {
+    const SceneBake* bake = layer.own_bake.empty() ? nullptr : impl_->bakes.own(layer.own_bake);
+    if (!bake) continue;
+    if (auto report = bake->describe(impl_->scene, pick.triangle, pick.back, pick.position)) return report;
+  }
+  return std::nullopt;
+}
+
 const std::vector<std::string>& Renderer::debug_view_names() {
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;

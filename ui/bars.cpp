@@ -147,6 +147,7 @@ void draw_status(Ui& ui) {
   }
   const std::string hint = ui.state.tool == Tool::dent      ? "Dent: press on a surface and drag; D leaves"
                            : ui.state.tool == Tool::region  ? "Region: drag over the picture; Esc leaves"
+                           : ui.state.tool == Tool::stored  ? "Stored light: click on a surface; Esc leaves"
                            : ui.state.tool == Tool::reflect ? "Reflectors: click on panes and mirrors; Esc leaves"
                            : facts.loading.empty() && facts.background.empty() ? facts.device
                                                                                : std::string();

@@ -20,7 +20,7 @@
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
 
-enum class Tool { camera, dent, reflect, region };
+enum class Tool { camera, dent, reflect, region, stored };
 
 /// Settings of the error tab.
 struct ErrorView {
@@ -119,6 +119,7 @@ struct EditorFacts {
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;
   InspectionFacts inspection;
+  StoredLightFacts stored_light;
   bool can_undo = false, can_redo = false;
   std::string review_file;  ///< empty: untitled
   bool review_changed = false, review_read_only = false;

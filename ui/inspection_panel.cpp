@@ -23,8 +23,6 @@ std::array<float, 3> luminance_color(float cdm2, float low_cdm2, float high_cdm2
 
 namespace maquette::panels {
 
-namespace {
-
 void draw_rows(const std::vector<std::pair<std::string, std::string>>& rows) {
   for (const auto& [name, value] : rows) {
     ImGui::TextColored(kDim, "%s", name.c_str());
@@ -32,6 +30,8 @@ void draw_rows(const std::vector<std::pair<std::string, std::string>>& rows) {
     ImGui::TextWrapped("%s", value.c_str());
   }
 }
+
+namespace {
 
 void draw_eye(Ui& ui) {
   InspectionView& view = ui.state.inspection;
@@ -185,6 +185,7 @@ void draw_inspection_panel(Ui& ui) {
     mark_item(ui, std::string("inspection/") + title);
     if (shown) draw(ui);
   };
+  if (ui.facts.stored_light.any) part("Stored light", draw_stored_light);
   part("Eye", draw_eye);
   part("Luminance", draw_colors);
   part("Regions", draw_regions);

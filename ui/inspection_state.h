@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <glm/glm.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +32,19 @@ struct InspectionView {
   std::array<float, 2> sweep_range{10.0f, 80.0f};
   int sweep_count = 8;
   std::array<char, 256> export_path{"inspection.csv"};
+  std::optional<glm::vec2> stored_at;  ///< point whose stored light is shown: of the picture, 0 to 1 from the top left
+};
+
+/// What a bake has stored for a point.
+struct StoredLightFacts {
+  bool any = false;    ///< the picture is drawn with a bake of its mode
+  std::string status;  ///< why nothing is shown; empty: nothing is wrong
+  std::vector<std::pair<std::string, std::string>> values;
+  struct Picture {
+    std::string name;
+    unsigned texture = 0;
+  };
+  std::vector<Picture> pictures;
 };
 
 /// What was measured.

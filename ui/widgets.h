@@ -60,5 +60,8 @@ void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);
 void draw_error_panel(Ui& ui);
 void draw_inspection_panel(Ui& ui);
+void draw_stored_light(Ui& ui);  ///< its section on what bakes store
+/// Names and values, one below the other.
+void draw_rows(const std::vector<std::pair<std::string, std::string>>& rows);
 
 }  // namespace maquette::panels

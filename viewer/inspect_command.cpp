@@ -266,6 +266,7 @@ Json inspect_builtin(const CommandLine& line, const std::string& name) {
 Json inspect(const CommandLine& line) {
   const std::string& source = line.files[0];
   if (source == "library") return inspect_library();
+  if (const auto bake = inspect_bake(source)) return *bake;
   const std::string btf = with_btf_reading(source, line.options.settings);
   if (is_btf_source(source) && (lower_extension(source) != ".exr" || is_factorised_btf(source)))
     return inspect_btf(btf);
@@ -273,15 +274,14 @@ Json inspect(const CommandLine& line) {
   const std::string extension = lower_extension(source);
   if (extension == ".gltf" || extension == ".glb") return inspect_scene(line);
   if (extension == ".binary") return inspect_brdf(source);
-  if (extension == ".exr")
-    if (const auto bake = inspect_bake(source)) return *bake;
   if (extension == ".hdr" || extension == ".exr") return inspect_environment(source);
   std::error_code error;
   if (!std::filesystem::exists(source, error))
     throw Error(source, "does not exist", "check the path; `maquette inspect library` lists what is built in");
-  throw UsageError(
-      source, "neither a scene (.gltf, .glb), a BRDF (.binary), a BTF (folder, .btf) nor an environment (.hdr, .exr)",
-      "`maquette inspect library` lists what is built in");
+  throw UsageError(source,
+                   "neither a scene (.gltf, .glb), a BRDF (.binary), a BTF (folder, .btf), a bake (folder) nor an "
+                   "environment (.hdr, .exr)",
+                   "`maquette inspect library` lists what is built in");
 }
 
 }  // namespace

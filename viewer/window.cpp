@@ -26,6 +26,7 @@
 #include "viewer/window_paths.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
+#include "viewer/window_stored_light.h"
 
 namespace maquette {
 
@@ -96,6 +97,7 @@ class App {
     inspection_.update(&session_, picture_, editor_.layout.picture, {static_cast<float>(x), static_cast<float>(y)},
                        now);
     inspection_.draw_overlay(session_, editor_.layout.picture);
+    stored_light_.update(&session_, picture_);
     compare_.update(&session_, picture_);
     compare_.draw_overlay(session_.state, editor_.layout.picture);
     host_.end_frame();
@@ -137,6 +139,7 @@ class App {
     facts_.converged = picture_.converged();
     meter_.fill_facts(session_, &facts_.meter);
     inspection_.fill_facts(session_, &facts_.inspection);
+    stored_light_.fill_facts(&facts_.stored_light);
     facts_.swatches = &swatches_.textures();
   }
 
@@ -253,6 +256,7 @@ class App {
   WindowPicture picture_;
   WindowMeter meter_;
   WindowInspection inspection_;
+  WindowStoredLight stored_light_;
   WindowPaths paths_;
   WindowCompare compare_;
   PictureInput input_;

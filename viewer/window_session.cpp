@@ -419,12 +419,16 @@ void WindowSession::go_to_camera(int index) {
 
 void WindowSession::meter_if_requested(bool continued) {
   const Metered now{scene_, environment_, state.edits, renderer_.background_work().empty()};
-  if (!(metered_ == now)) metering_ = true;
+  if (!(metered_ == now)) {
+    metering_ = true;
+    frames_metered_ = 0;
+  }
   if (!metering_ || !state.auto_exposure) return;
   metered_ = now;
   state.exposure_ev = meter_exposure_ev(renderer_.read_radiance(), suggested_exposure());
-  // A bake that is read from the cache may be finished before its frame is, and then shows only in the next frame.
-  metering_ = !continued || !renderer_.background_work().empty();
+  // A bake that has just finished shows only in the next frame, which starts anew.
+  constexpr int kFramesOfABake = 3;
+  metering_ = !continued || !renderer_.background_work().empty() || ++frames_metered_ < kFramesOfABake;
 }
 
 /// A camera of a file has no target distance: that of the middle of the scene is used.

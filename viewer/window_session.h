@@ -149,6 +149,7 @@ class WindowSession {
     bool operator==(const Metered&) const = default;
   };
   Metered metered_;
+  int frames_metered_ = 0;  ///< since then
   std::uint32_t seed_ = 0;
   std::uint64_t revision_ = 0, material_revision_ = 0;
 };

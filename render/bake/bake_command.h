@@ -4,7 +4,9 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/technique/settings.h"
@@ -31,12 +33,17 @@ struct BakeControl {
   std::function<void(const std::string& line)> report;                  ///< what was made, for the user
 };
 
+/// Figures of what a bake's files hold, for `maquette inspect`, in order. Names with dots are nested.
+using BakeFigures = std::vector<std::pair<std::string, double>>;
+
 /// A bake that can be made by command, before a render needs it.
 struct BakeCommand {
   std::string name;
   std::string help;
   /// Throws Error, also when it was cancelled; what is done by then is kept, and the same request resumes it.
   std::function<void(const BakeRequest&, const BakeControl&)> run;
+  /// Of a folder of this bake; nothing for what is none of its own, or not whole. Null: has none. Throws Error.
+  std::function<std::optional<BakeFigures>(const std::string& folder)> inspect = {};
 };
 
 }  // namespace maquette

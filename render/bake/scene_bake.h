@@ -1,6 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+
 #include "render/bake/bake.h"
+#include "render/technique/point_report.h"
 
 namespace maquette {
 
@@ -20,6 +25,11 @@ class SceneBake {
   virtual bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) = 0;
   /// Binds its textures and buffers, before the passes of a layer.
   virtual void bind() const = 0;
+  /// What is stored for a point of a triangle's side; nothing where it has none, or nothing to show. Throws Error.
+  virtual std::optional<PointReport> describe(const SceneState&, std::uint32_t /*triangle*/, bool /*back*/,
+                                              const glm::vec3& /*position*/) const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace maquette

@@ -94,6 +94,8 @@ void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shad
 void decide_lights(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   const bool shines = p.in.facts.has_punctual_lights || p.in.facts.has_emissive_meshes;
   if (!shines) return p.leave_out("lights", "the scene has no lights and nothing that glows", kScene);
+  if (mode.own_bake && mode.own_bake->has_lights)
+    return p.leave_out("lights", "their light is in what is baked", mode.own_bake->name);
   if (!mode.can.lights) return p.leave_out("lights", "mode " + mode.name + " knows the environment only", kMode);
   if (!p.in.status.lights_count) return p.leave_out("lights", "what glows is too dim to count", kScene);
   shading->lights = true;

@@ -7,6 +7,7 @@
 #include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 #include "render/scene_state/material_overrides.h"
+#include "render/slf/inspect.h"
 #include "render/slf/job.h"
 #include "scenes/error.h"
 
@@ -100,8 +101,8 @@ void run(const BakeRequest& request, const BakeControl& control) {
 }  // namespace
 
 BakeCommand light_field_bake_command() {
-  return {"slf", "light that arrives at the texels of surface light fields; under mpirun processes share the work",
-          run};
+  return {"slf", "light that arrives at the texels of surface light fields; under mpirun processes share the work", run,
+          inspect_light_field};
 }
 
 }  // namespace maquette

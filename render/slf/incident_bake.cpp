@@ -78,6 +78,30 @@ std::string difference(const IncidentProvenance& found, const IncidentProvenance
   return {};
 }
 
+std::string key_of(const IncidentProvenance& provenance) { return key_of_attributes(attributes_of(provenance)); }
+
+std::string read_kind(const std::string& path, const BakeFile& file) {
+  const auto found = file.attributes.find("kind");
+  return found != file.attributes.end() ? found->second : "";
+}
+
+/// Reads the texels of a block, `masked.size()` of them: radiance [texel][bin][RGB]. Throws Error.
+void read_block(const std::string& path, const std::string& key, std::span<float> radiance,
+                std::span<std::uint32_t> masked) {
+  const BakeFile file = load_bake_file(path);
+  if (read_kind(path, file) != kBlockKind) throw Error(path, "the file holds no incident light");
+  if (attribute(path, file, "key") != key) throw Error(path, "the block is of another bake", "bake it again");
+  const auto& stored = file.integers(path, "texels", "masked");
+  if (stored.size() < masked.size()) throw Error(path, "the block is too short", "bake it again");
+  static constexpr const char* kNames[] = {"R", "G", "B"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& channel = file.floats(path, "radiance", kNames[c]);
+    if (channel.size() < radiance.size() / 3) throw Error(path, "the block is too short", "bake it again");
+    for (std::size_t i = 0; i < radiance.size() / 3; ++i) radiance[3 * i + c] = channel[i];
+  }
+  std::copy_n(stored.begin(), masked.size(), masked.begin());
+}
+
 /// One bake under way.
 class Run {
  public:
@@ -182,20 +206,10 @@ class Run {
     std::error_code ignored;
     if (!fs::exists(path, ignored)) return false;
     try {
-      const BakeFile file = load_bake_file(path);
-      if (attribute(path, file, "kind") != kBlockKind) throw Error(path, "the file holds no incident light");
-      if (attribute(path, file, "key") != key()) throw Error(path, "the block is of another bake", "bake it again");
-      const auto& masked = file.integers(path, "texels", "masked");
-      const std::size_t count = end(block) - first(block), values = count * static_cast<std::size_t>(bake_->field.bins);
-      static constexpr const char* kNames[] = {"R", "G", "B"};
-      if (masked.size() < count) throw Error(path, "the block is too short", "bake it again");
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto& channel = file.floats(path, "radiance", kNames[c]);
-        if (channel.size() < values) throw Error(path, "the block is too short", "bake it again");
-        for (std::size_t i = 0; i < values; ++i)
-          bake_->field.radiance[first(block) * stride() + 3 * i + c] = channel[i];
-      }
-      std::copy_n(masked.begin(), count, masked_.begin() + static_cast<std::ptrdiff_t>(first(block)));
+      read_block(
+          path, key_of(bake_->provenance),
+          std::span(bake_->field.radiance).subspan(first(block) * stride(), (end(block) - first(block)) * stride()),
+          std::span(masked_).subspan(first(block), end(block) - first(block)));
     } catch (const Error&) {
       if (!job_.may_make) throw;
       return false;
@@ -209,7 +223,7 @@ class Run {
   void save_block(std::size_t block) {
     if (job_.folder.empty()) return;
     BakeFile file;
-    file.attributes = {{"kind", kBlockKind}, {"key", key()}, {"block", std::to_string(block)}};
+    file.attributes = {{"kind", kBlockKind}, {"key", key_of(bake_->provenance)}, {"block", std::to_string(block)}};
     BakeTable radiance{"radiance", {}, {}}, state{"texels", {}, {}};
     static constexpr const char* kNames[] = {"R", "G", "B"};
     for (std::size_t c = 0; c < 3; ++c) {
@@ -268,7 +282,6 @@ class Run {
     return std::make_unique<IncidentTracer>(scene, std::make_shared<const LightFieldAtlas>(bake_->atlas), job_.options);
   }
 
-  std::string key() const { return key_of_attributes(attributes_of(bake_->provenance)); }
   [[noreturn]] void fail_incomplete() const {
     throw Error(
         job_.folder,
@@ -337,10 +350,16 @@ std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const 
   return Run(job, ranks, cancel, progress).make();
 }
 
+bool is_incident_folder(const std::string& folder) {
+  const std::string path = manifest_path(folder);
+  std::error_code ignored;
+  return fs::exists(path, ignored) && read_kind(path, load_bake_file(path)) == kManifestKind;
+}
+
 IncidentSummary summarize_incident(const std::string& folder) {
   const std::string path = manifest_path(folder);
   const BakeFile file = load_bake_file(path);
-  if (attribute(path, file, "kind") != kManifestKind) throw Error(path, "the bake is no surface light field");
+  if (read_kind(path, file) != kManifestKind) throw Error(path, "the bake is no surface light field");
   IncidentSummary summary;
   summary.provenance = read_provenance(path, file);
   summary.texels = std::strtoull(attribute(path, file, "texels").c_str(), nullptr, 10);
@@ -349,6 +368,27 @@ IncidentSummary summarize_incident(const std::string& folder) {
   for (std::size_t b = 0; b < summary.blocks; ++b)
     summary.blocks_done += fs::exists(block_path(folder, b), ignored) ? 1 : 0;
   return summary;
+}
+
+IncidentField load_incident(const std::string& folder, const IncidentSummary& summary) {
+  const IncidentProvenance& p = summary.provenance;
+  if (p.lumisphere_side < 1 || p.lumisphere_side > 64 ||
+      summary.texels > static_cast<std::size_t>(kLargestAtlas) * static_cast<std::size_t>(kLargestAtlas))
+    throw Error(folder, "the sizes of the light field are out of range", "bake it again");
+  IncidentField field;
+  field.side = p.lumisphere_side;
+  field.bins = Lumisphere(field.side).count();
+  const std::size_t stride = static_cast<std::size_t>(3 * field.bins);
+  const std::string key = key_of(p);
+  for (std::size_t b = 0; b < summary.blocks; ++b) {
+    const std::size_t first = b * kIncidentBlock, count = std::min(kIncidentBlock, summary.texels - first);
+    std::vector<std::uint32_t> masked(count);
+    std::vector<float> radiance(count * stride);
+    read_block(block_path(folder, b), key, radiance, masked);
+    field.radiance.insert(field.radiance.end(), radiance.begin(), radiance.end());
+    for (const std::uint32_t m : masked) field.masked.push_back(m != 0);
+  }
+  return field;
 }
 
 }  // namespace maquette

@@ -61,11 +61,15 @@ std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const 
                                                   const std::atomic<bool>& cancel,
                                                   const std::function<void(double)>& progress);
 
-/// What a folder holds, for `inspect`: provenance, whole or not. Throws Error.
+/// What a folder holds, without the scene that it was made of.
 struct IncidentSummary {
   IncidentProvenance provenance;
   std::size_t texels = 0, blocks = 0, blocks_done = 0;
 };
-IncidentSummary summarize_incident(const std::string& folder);
+/// Whether the folder holds a bake of this kind, whole or not.
+bool is_incident_folder(const std::string& folder);
+IncidentSummary summarize_incident(const std::string& folder);  ///< Throws Error.
+/// The light of a whole bake. Throws Error where a block is missing or damaged.
+IncidentField load_incident(const std::string& folder, const IncidentSummary& summary);
 
 }  // namespace maquette

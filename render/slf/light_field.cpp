@@ -31,8 +31,9 @@ std::shared_ptr<const IncidentBake> find_incident(const LightFieldJob& job, Ligh
   return baked;
 }
 
-/// Geometry and materials alone: nothing is traced with it.
-std::shared_ptr<const PathScene> material_scene(const LightFieldJob& job, LightFieldMemory* memory) {
+}  // namespace
+
+std::shared_ptr<const PathScene> build_material_scene(const LightFieldJob& job, MeasuredLibrary* library) {
   auto dark = std::make_shared<Environment>();
   dark->width = 32;
   dark->height = 16;
@@ -41,10 +42,14 @@ std::shared_ptr<const PathScene> material_scene(const LightFieldJob& job, LightF
                            .environment = dark,
                            .variant = job.incident.variant,
                            .geometry = job.incident.geometry.get(),
-                           .library = &memory->library});
+                           .library = library});
 }
 
-}  // namespace
+OutgoingOptions outgoing_options(const LightFieldJob& job, const LightFieldAtlas& atlas) {
+  OutgoingOptions options = job.outgoing;
+  options.texel_m = atlas.texels_per_m > 0.0 ? static_cast<float>(1.0 / atlas.texels_per_m) : 0.0f;
+  return options;
+}
 
 void compress(const std::shared_ptr<const OutgoingField>& outgoing, const CompressionOptions& options,
               const std::atomic<bool>& cancel, LightField* field) {
@@ -104,7 +109,7 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
                                                    const std::atomic<bool>& cancel,
                                                    const std::function<void(double)>& progress) {
   // Before anything is traced: a material that cannot be shown is named at once.
-  const std::shared_ptr<const PathScene> materials = material_scene(job, memory);
+  const std::shared_ptr<const PathScene> materials = build_material_scene(job, &memory->library);
   for (const AtlasPart& part : job.incident.parts) {
     const int index = material_of_item(*job.scene, job.incident.geometry->items[part.item], job.incident.variant);
     if (index < 0) continue;
@@ -117,8 +122,9 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->side = incident->field.side;
   field->reused = incident->reused;
   field->stale = incident->stale;
-  OutgoingOptions options = job.outgoing;
-  options.texel_m = incident->atlas.texels_per_m > 0.0 ? static_cast<float>(1.0 / incident->atlas.texels_per_m) : 0.0f;
+  field->incident = incident;
+  field->made_from = job;
+  const OutgoingOptions options = outgoing_options(job, incident->atlas);
   field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);

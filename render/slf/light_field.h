@@ -17,12 +17,23 @@ struct CompressionOptions {
 };
 inline constexpr int kMostClusters = 256, kMostComponents = 16;
 
+/// Everything a light field is made from, by value.
+struct LightFieldJob {
+  IncidentJob incident;
+  std::shared_ptr<const Scene> scene;  ///< with the materials to show
+  OutgoingOptions outgoing;
+  CompressionOptions compression;
+  bool interactions = false;  ///< slf.route=clusters
+};
+
 /// Outgoing radiance of an atlas, ready to be drawn.
 struct LightField {
   LightFieldAtlas atlas;
-  int side = Lumisphere::kDefaultSide;               ///< of the lumispheres
-  LocalPcaFit fit;                                   ///< of all texels; empty where nothing is compressed
-  std::shared_ptr<const OutgoingField> outgoing;     ///< only where nothing is compressed
+  int side = Lumisphere::kDefaultSide;            ///< of the lumispheres
+  LocalPcaFit fit;                                ///< of all texels; empty where nothing is compressed
+  std::shared_ptr<const OutgoingField> outgoing;  ///< only where nothing is compressed
+  std::shared_ptr<const IncidentBake> incident;   ///< what it was computed from
+  LightFieldJob made_from;
   std::shared_ptr<const Interactions> interactions;  ///< instead of both: no outgoing light is stored
   std::vector<float> errors;                         ///< [texel] RMS of compression, relative to the mean of all texels
   double error = 0.0;                                ///< the same of all texels
@@ -34,15 +45,6 @@ struct LightField {
   bool compressed() const { return fit.pca.cluster_count() > 0; }
 };
 
-/// Everything a light field is made from, by value.
-struct LightFieldJob {
-  IncidentJob incident;
-  std::shared_ptr<const Scene> scene;  ///< with the materials to show
-  OutgoingOptions outgoing;
-  CompressionOptions compression;
-  bool interactions = false;  ///< slf.route=clusters
-};
-
 /// What is kept between light fields of one incident bake, so that an exchange of materials traces nothing.
 struct LightFieldMemory {
   std::string folder;
@@ -50,6 +52,11 @@ struct LightFieldMemory {
   std::shared_ptr<const IncidentBake> incident;
   MeasuredLibrary library;
 };
+
+/// Geometry and materials to show; nothing is traced with it. `library`: is filled.
+std::shared_ptr<const PathScene> build_material_scene(const LightFieldJob& job, MeasuredLibrary* library);
+/// As the job says; textures filtered over a texel of the atlas.
+OutgoingOptions outgoing_options(const LightFieldJob& job, const LightFieldAtlas& atlas);
 
 /// Compresses outgoing radiance into `field`.
 void compress(const std::shared_ptr<const OutgoingField>& outgoing, const CompressionOptions& options,

@@ -11,7 +11,7 @@ namespace maquette {
 namespace {
 
 constexpr const char *kShade = "slf/shade.comp", *kView = "slf/view.comp";
-constexpr std::array<const char*, 4> kViews{"slf_texels", "slf_charts", "slf_clusters", "slf_errors"};
+constexpr std::array<const char*, 5> kViews{"slf_texels", "slf_charts", "slf_clusters", "slf_errors", "slf_weights"};
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 

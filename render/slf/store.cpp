@@ -6,6 +6,7 @@
 #include "render/scene_state/material_overrides.h"
 #include "render/scene_state/scene_state.h"
 #include "render/slf/job.h"
+#include "render/slf/texel_report.h"
 
 namespace maquette {
 
@@ -52,8 +53,17 @@ bool LightFieldStore::update(const SceneState& scene, const FrameRequest& reques
   const std::shared_ptr<const LightField> field = take();
   if (!field) return false;
   buffers_.reset();
+  field_ = field;
   buffers_.emplace(*field, scene.geometry().indices.size() / 3);
   return true;
+}
+
+std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, std::uint32_t triangle, bool back,
+                                                     const glm::vec3& position) const {
+  if (!field_) return std::nullopt;
+  const std::optional<std::size_t> texel = texel_at(field_->atlas, scene.geometry(), triangle, back, position);
+  if (!texel) return std::nullopt;
+  return describe_texel(*field_, *texel);
 }
 
 }  // namespace maquette

@@ -28,10 +28,13 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   Bake& bake() override { return *this; }
   bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
   void bind() const override { buffers_->bind(); }
+  std::optional<PointReport> describe(const SceneState& scene, std::uint32_t triangle, bool back,
+                                      const glm::vec3& position) const override;
   bool ready() const override { return buffers_.has_value(); }
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 
  private:
+  std::shared_ptr<const LightField> field_;  ///< that the buffers hold
   std::optional<LightFieldBuffers> buffers_;
 };
 

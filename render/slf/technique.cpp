@@ -82,7 +82,7 @@ Technique slf_technique() {
   info.make_mode = make_light_field_mode;
   info.shader_variants = light_field_shader_variants;
   info.own_bake = OwnBake{"slf", "the radiance that leaves its surfaces is looked up",
-                          [] { return std::make_unique<LightFieldStore>(); }};
+                          [] { return std::make_unique<LightFieldStore>(); }, true};
   info.bakes = {light_field_bake_command()};
   info.check = [](const SceneFacts&, const Settings& settings) -> std::optional<std::string> {
     const std::string& asked = settings.get_string("shading.visibility");
@@ -94,10 +94,13 @@ Technique slf_technique() {
     plan->passes.push_back({"shade", "every visible pixel, by lookups", {"surfaces"}, {"radiance"}});
     plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
   };
-  info.views = {{"slf_texels", "texels of the light field's atlas, in the colours of their charts", ViewColors::color},
-                {"slf_charts", "charts of the light field's atlas", ViewColors::color},
-                {"slf_clusters", "clusters of the compressed light field", ViewColors::color},
-                {"slf_errors", "RMS that compression adds to a texel, relative to the mean of all"}};
+  info.views = {
+      {"slf_texels", "texels of the light field's atlas, in the colours of their charts", ViewColors::color},
+      {"slf_charts", "charts of the light field's atlas", ViewColors::color},
+      {"slf_clusters", "clusters of the compressed light field", ViewColors::color},
+      {"slf_errors", "RMS that compression adds to a texel, relative to the mean of all"},
+      {"slf_weights", "the first three weights of the compressed light field, as the colour of their direction",
+       ViewColors::color}};
   info.words = {{Word::Kind::feature, "slf", "the surface light field"},
                 {Word::Kind::counter, "slf_pixels", "that the light field showed"},
                 {Word::Kind::counter, "slf_pixels_without", "of the mode's parts that have no texels, and stay black"},

@@ -60,6 +60,7 @@ struct OwnBake {
   std::string name;    ///< word of the vocabulary, of kind feature; its preparation is the word "bake_" + name
   std::string reason;  ///< what the mode draws with it
   std::function<std::unique_ptr<SceneBake>()> make = {};  ///< called when a plan first wants it
+  bool has_lights = false;                                ///< what the scene's own lights bring is in it
 };
 
 /// What a mode's plan function decides from.

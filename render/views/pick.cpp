@@ -15,7 +15,9 @@ Pick pick_triangle(const SceneState& scene, std::uint32_t triangle, const glm::v
   const glm::vec3 a = g.positions[g.indices[first]], b = g.positions[g.indices[first + 1]],
                   d = g.positions[g.indices[first + 2]];
   pick.normal = glm::normalize(glm::cross(b - a, d - a));
-  if (glm::dot(pick.normal, ray) > 0.0f) pick.normal = -pick.normal;
+  pick.triangle = triangle;
+  pick.back = glm::dot(pick.normal, ray) > 0.0f;
+  if (pick.back) pick.normal = -pick.normal;
   for (std::size_t i = 0; i < g.items.size(); ++i) {
     const DrawItem& item = g.items[i];
     if (first < item.first_index || first >= item.first_index + item.index_count) continue;

@@ -14,6 +14,8 @@ struct Pick {
   int node = -1;
   int primitive = -1;
   int material = -1;
+  std::uint32_t triangle = 0;
+  bool back = false;  ///< the side that its corners go round clockwise
   glm::vec3 position{0.0f};
   glm::vec3 normal{0.0f, 1.0f, 0.0f};
 };

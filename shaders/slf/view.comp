@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 #include "shared/gbuffer.glsl"
 #include "slf/light_field.glsl"
 layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_value;
-uniform int u_view;  // 0: texels, 1: charts, 2: clusters, 3: errors
+uniform int u_view;  // 0: texels, 1: charts, 2: clusters, 3: errors, 4: weights
 
 vec3 color_of(uint number) {
   uint h = (number + 1u) * 0x9e3779b9u;
@@ -30,5 +30,9 @@ void main() {
   if (u_view == 0) value *= ((cell.x ^ cell.y) & 1) == 1 ? 1.0 : 0.35;
   if (u_view == 2) value = color_of(texelFetch(t_clusters, cell, 0).x);
   if (u_view == 3) value = vec3(texelFetch(t_errors, cell, 0).x);
+  if (u_view == 4) {
+    vec3 w = texelFetch(t_weights, ivec3(cell, 0), 0).rgb;
+    value = 0.5 + 0.5 * w / max(length(w), 1e-20);
+  }
   imageStore(o_value, pixel, vec4(p.known ? value : vec3(0.0), 1.0));
 }

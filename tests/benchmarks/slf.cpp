@@ -9,6 +9,7 @@
 #include "render/slf/job.h"
 #include "render/technique/registry.h"
 #include "scenes/image_io.h"
+#include "tests/benchmarks/slf_pictures.h"
 #include "tests/benchmarks/stage.h"
 #include "tests/support/test_scenes.h"
 
@@ -154,6 +155,7 @@ class SeatBench {
                            : judged(packed, "<= 4 %", percent(compressed.relative()), compressed.relative() <= 0.04));
     figures->push_back(shown("incident bake of the seat, " + cover.name + " (or its load, where it was cached)",
                              number(bake_s) + " s"));
+    if (cover.btf && !stage_.options().charts.empty()) save_local(*scene);
     if (cover.btf) measure_swap(request(*scene, scene->cameras.front().name), figures);
     measure_fields(scene, sky, cover, figures);
   }
@@ -206,6 +208,7 @@ class SeatBench {
                              : shown("outgoing light, " + cover.name + ", " + name, text));
     }
     measure_route(*dark, *incident, *bins, cover, figures);
+    if (cover.btf && !stage_.options().charts.empty()) save_fields(*scene, *input.geometry, *incident, bins);
     std::string table;
     double table_s = 0.0, plain4 = 0.0, most4 = 0.0, most8 = 0.0;
     for (const int components : {4, 8})
@@ -246,6 +249,25 @@ class SeatBench {
                                   std::to_string(second->light_clusters) + " x " +
                                   std::to_string(second->material_clusters) + " clusters, " + number(seconds) + " s",
                               error <= 1.5 * first.error));
+  }
+
+  /// All parts whole, at the paper's view.
+  void save_local(const Scene& scene) {
+    FrameRequest r = request(scene, scene.cameras.front().name);
+    r.width = 4 * kWidth;
+    r.height = 4 * kHeight;
+    r.settings.set("slf.clusters", 128);
+    save_beside_local_lighting(stage_, r, stage_.options().charts);
+  }
+
+  void save_fields(const Scene& scene, const FlatGeometry& geometry, const IncidentBake& incident,
+                   const std::shared_ptr<const OutgoingField>& bins) const {
+    LightField stored, compressed;
+    stored.side = compressed.side = incident.field.side;
+    stored.outgoing = bins;
+    compress(bins, {128, 8}, std::atomic<bool>{false}, &compressed);
+    save_slices(scene, {geometry, incident.atlas, incident.field, stored, compressed, "seat_cushion"},
+                stage_.options().charts);
   }
 
   void save_picture(const std::string& name, const Image& picture, const Image& reference) const {

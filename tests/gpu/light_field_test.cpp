@@ -140,6 +140,52 @@ TEST(LightFieldMode, TheSecondRouteShowsWhatTheFirstStores) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
+// A matte wall sends as much light everywhere, so that the middle of its lumisphere is what the picture shows.
+TEST(LightFieldMode, TellsWhatATexelStores) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(lit_box());
+  renderer.set_environment(test::constant_sky(0.1f));
+  FrameRequest request = request_for(64);
+  request.camera.eye = {0.1f, 0.0f, 0.9f};
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  request.camera.fov_y_rad = 1.2f;
+  const auto picture_of = [](const PointReport& report, const std::string& name) -> const Image& {
+    for (const PointReport::Picture& picture : report.pictures)
+      if (picture.name == name) return picture.image;
+    throw std::runtime_error("no picture " + name);
+  };
+  PointReport reports[2];
+  for (const bool compressed : {false, true}) {
+    request.settings.set("slf.clusters", compressed ? 8 : 0);
+    request.settings.set("slf.components", 1);
+    const Image shown = draw(&renderer, request).picture;
+    const Pick pick = renderer.pick(5, 24);
+    const std::optional<PointReport> report = renderer.describe(pick);
+    ASSERT_TRUE(report.has_value());
+    reports[compressed] = *report;
+    const Image& drawn = picture_of(*report, "as drawn");
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(drawn.at(drawn.width / 2, drawn.height / 2, c), shown.at(5, 24, c), 0.08f * shown.at(5, 24, c))
+          << compressed;
+    const Image& difference = picture_of(*report, "difference");
+    float largest = 0.0f;
+    for (std::size_t i = 0; i < difference.data.size(); ++i)
+      if (i % 4 != 3) largest = std::max(largest, difference.data[i]);
+    EXPECT_EQ(largest > 0.0f, compressed);
+  }
+  // What leaves is computed anew where only codes are kept: the same.
+  for (const char* name : {"arriving", "leaving"}) {
+    const Image &a = picture_of(reports[0], name), &b = picture_of(reports[1], name);
+    for (std::size_t i = 0; i < a.data.size(); ++i)
+      ASSERT_NEAR(a.data[i], b.data[i], 1e-4f + 1e-3f * a.data[i]) << name;
+  }
+  EXPECT_FALSE(renderer.describe(Pick{}).has_value());
+  request.mode = "splitsum";
+  draw(&renderer, request);
+  EXPECT_FALSE(renderer.describe(renderer.pick(5, 24)).has_value()) << "nothing is baked for this mode";
+}
+
 TEST(LightFieldMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

@@ -37,7 +37,7 @@ void WindowStoredLight::update(WindowSession* session, const WindowPicture& pict
   facts_.any = draws_with_bake(picture);
   const std::optional<glm::vec2>& at = session->state.inspection.stored_at;
   if (!facts_.any || !at) {
-    facts_ = {.any = facts_.any};
+    facts_ = StoredLightFacts{facts_.any, {}, {}, {}};
     retired_ = std::exchange(textures_, {});
     shown_.reset();
     return;
@@ -53,7 +53,7 @@ void WindowStoredLight::update(WindowSession* session, const WindowPicture& pict
 void WindowStoredLight::describe(WindowSession* session, const WindowPicture& picture, const glm::vec2& at) {
   const glm::ivec2 size(picture.drawn().width, picture.drawn().height);
   const glm::ivec2 px = glm::clamp(glm::ivec2(at * glm::vec2(size)), glm::ivec2(0), size - 1);
-  facts_ = {.any = true};
+  facts_ = StoredLightFacts{true, {}, {}, {}};
   retired_ = std::exchange(textures_, {});
   try {
     const std::optional<PointReport> report = session->renderer().describe(session->renderer().pick(px.x, px.y));

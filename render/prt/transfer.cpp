@@ -11,17 +11,11 @@ namespace maquette {
 namespace {
 
 /// Rays start this share of the way to the middle of a triangle of the vertex: at a joint of two surfaces they stand on
-/// their own side of it.
+/// their own side of it. In a fold that is on the triangle, on a ridge in the plane of the vertex's normal: never
+/// behind the surface.
 constexpr float kInset = 0.02f;
 /// And this far above it, relative to the largest coordinate: above the rounding of positions and of the ray tracer.
 constexpr float kLift = 1.0f / 65536.0f;
-
-glm::vec3 ray_origin(const TransferVertex& v) {
-  const glm::vec3 inset = v.inside - v.n * glm::dot(v.inside, v.n);
-  const glm::vec3 p = v.position + kInset * inset;
-  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), glm::length(v.inside)});
-  return p + v.n * (kLift * largest);
-}
 
 struct TexelPoints {
   std::vector<glm::vec3> directions;  ///< [direction][point]
@@ -39,6 +33,13 @@ TexelPoints points_of(const CubeDirections& directions, int rays) {
 
 }  // namespace
 
+glm::vec3 transfer_ray_origin(const TransferVertex& v) {
+  const glm::vec3 inset = v.inside - v.n * std::min(glm::dot(v.inside, v.n), 0.0f);
+  const glm::vec3 p = v.position + kInset * inset;
+  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), glm::length(v.inside)});
+  return p + v.n * (kLift * largest);
+}
+
 ArrivingLight trace_arriving_light(const TransferMesh& mesh, const CubeDirections& directions, const RayScene& scene,
                                    const ArrivingOptions& options, const std::atomic<bool>& cancel) {
   const TexelPoints points = points_of(directions, options.rays);
@@ -46,7 +47,7 @@ ArrivingLight trace_arriving_light(const TransferMesh& mesh, const CubeDirection
   tbb::parallel_for(std::size_t{0}, mesh.vertices.size(), [&](std::size_t t) {
     if (cancel) return;
     const TransferVertex& v = mesh.vertices[t];
-    const glm::vec3 origin = ray_origin(v);
+    const glm::vec3 origin = transfer_ray_origin(v);
     for (std::size_t d = 0; d < static_cast<std::size_t>(directions.count()); ++d) {
       glm::vec3 sum(0.0f);
       float arriving = 0.0f;

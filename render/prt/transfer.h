@@ -29,6 +29,9 @@ struct ArrivingOptions {
   int rays = 2;  ///< a side of the points of a texel
 };
 
+/// Where a vertex's rays start.
+glm::vec3 transfer_ray_origin(const TransferVertex& v);
+
 /// One ray for each vertex and each point of a texel above its horizon. Deterministic. Empty once cancelled.
 ArrivingLight trace_arriving_light(const TransferMesh& mesh, const CubeDirections& directions, const RayScene& scene,
                                    const ArrivingOptions& options, const std::atomic<bool>& cancel);

@@ -8,6 +8,7 @@
 
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
+#include "render/prt/buried_vertices.h"
 #include "render/prt/transfer_files.h"
 
 namespace maquette {
@@ -224,8 +225,7 @@ class Run {
       if (!blocks_[b].empty() || !ranks_.has(b)) continue;
       if (cancel_) return false;
       if (arriving.first.empty()) {
-        arriving = trace_arriving_light(mesh, cube_, build_ray_scene(*job_.geometry, job_.occluding),
-                                        {job_.options.rays}, cancel_);
+        arriving = trace_light(mesh);
         if (cancel_) return false;
       }
       const auto [group, view] = places_[b];
@@ -242,6 +242,13 @@ class Run {
       report();
     }
     return true;
+  }
+
+  ArrivingLight trace_light(const TransferMesh& mesh) const {
+    const RayScene scene = build_ray_scene(*job_.geometry, job_.occluding);
+    ArrivingLight light = trace_arriving_light(mesh, cube_, scene, {job_.options.rays}, cancel_);
+    if (!cancel_) light_buried_vertices(mesh, find_buried_vertices(mesh, *job_.geometry, cube_, scene, light), &light);
+    return light;
   }
 
   TransferBlock make_block(const LightTable& table, const Btf& material, std::size_t b, bool empty) const {

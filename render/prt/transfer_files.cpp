@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char *kManifestKind = "prt", *kBlockKind = "prt-transfer", *kVersion = "1";
+constexpr const char *kManifestKind = "prt", *kBlockKind = "prt-transfer", *kVersion = "2";
 
 std::map<std::string, std::string> attributes_of(const TransferProvenance& p) {
   return {{"version", kVersion},

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "render/prt/buried_vertices.h"
 #include "render/prt/factorised_transfer.h"
 #include "render/prt/relight.h"
 #include "scenes/btf/half_floats.h"
@@ -100,7 +101,7 @@ TEST(ArrivingLight, IsVisibilityTimesCosine) {
     }
     for (Eigen::Index d = 0; d < cube.count(); ++d) {
       const double cosine = glm::dot(glm::dvec3(v.n), cube.direction(d));
-      const glm::dvec3 inset(v.inside - v.n * glm::dot(v.inside, v.n));
+      const glm::dvec3 inset(v.inside - v.n * std::min(glm::dot(v.inside, v.n), 0.0f));
       const bool blocked =
           cosine > 0.0 && meets(g, glm::dvec3(v.position) + 0.02 * inset + 2e-5 * glm::dvec3(v.n), cube.direction(d));
       shadowed += blocked;
@@ -111,6 +112,46 @@ TEST(ArrivingLight, IsVisibilityTimesCosine) {
   EXPECT_EQ(different, 0u);
 }
 
+/// A strip along z, bent along x: a valley or a ridge with smooth normals.
+FlatGeometry bent_strip(float curvature) {
+  FlatGeometry g;
+  constexpr int kColumns = 9, kRows = 3;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kColumns; ++i) {
+      const float x = 0.1f * static_cast<float>(i - kColumns / 2);
+      g.positions.push_back({x, 0.5f * curvature * x * x, 0.1f * static_cast<float>(j)});
+      g.normals.push_back(glm::normalize(glm::vec3(-curvature * x, 1.0f, 0.0f)));
+      g.tangents.push_back({1, 0, 0, 1});
+      g.uv0.push_back({x, 0.0f});
+      const auto at = static_cast<std::uint32_t>(j * kColumns + i);
+      if (i + 1 < kColumns && j + 1 < kRows)
+        for (const std::uint32_t k : {at, at + kColumns, at + 1, at + 1, at + kColumns, at + kColumns + 1})
+          g.indices.push_back(k);
+    }
+  DrawItem item;
+  item.index_count = static_cast<std::uint32_t>(g.indices.size());
+  item.vertex_count = static_cast<std::uint32_t>(g.positions.size());
+  g.items.push_back(item);
+  return g;
+}
+
+TEST(ArrivingLight, VerticesOfFoldsStandAboveTheirSurface) {
+  for (const float curvature : {-3.0f, -0.5f, 0.5f, 3.0f}) {
+    const FlatGeometry g = bent_strip(curvature);
+    const TransferMesh mesh = make_transfer_mesh(g, {{.item = 0}}, 200);
+    const CubeDirections cube(8);
+    const std::atomic<bool> never{false};
+    const ArrivingLight light = trace_arriving_light(mesh, cube, build_ray_scene(g, all_of(g)), {}, never);
+    for (std::size_t t = 0; t < mesh.vertices.size(); ++t) {
+      // Of a constant sky at least the zenith's half arrives: no slope here is steeper than 52 degrees.
+      double sum = 0.0;
+      for (std::size_t e = light.first[t]; e < light.first[t + 1]; ++e)
+        sum += static_cast<double>(light.entries[e].arriving) * cube.solid_angles()[light.entries[e].direction];
+      EXPECT_GT(sum, 0.5 * 3.14159265) << curvature << " at x = " << mesh.vertices[t].position.x;
+    }
+  }
+}
+
 TEST(ArrivingLight, NothingReachesTheInsideOfAClosedBox) {
   const FlatGeometry g = flatten(test::box_scene(6, 2, test::matte(glm::vec3(0.5f))));
   std::vector<TransferPart> parts;
@@ -119,6 +160,51 @@ TEST(ArrivingLight, NothingReachesTheInsideOfAClosedBox) {
   const std::atomic<bool> never{false};
   const ArrivingLight light = trace_arriving_light(mesh, CubeDirections(8), build_ray_scene(g, all_of(g)), {}, never);
   EXPECT_TRUE(light.entries.empty());
+}
+
+/// A plate in y = 0 and a closed block over its middle that begins at height `bottom`.
+FlatGeometry plate_under_block(float bottom) {
+  Scene scene;
+  scene.materials.push_back(test::matte(glm::vec3(0.5f)));
+  test::add(&scene, test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 16, 0), "plate");
+  const glm::vec3 low(-0.6f, bottom, -0.6f), x(1.2f, 0, 0), y(0, 1, 0), z(0, 0, 1.2f);
+  const auto side = [&](const glm::vec3& corner, const glm::vec3& u, const glm::vec3& v) {
+    test::add(&scene, test::make_grid(corner, u, v, 1, 0), "block");
+  };
+  side(low, x, z), side(low + y, z, x), side(low, y, x), side(low + z, x, y), side(low, z, y), side(low + x, y, z);
+  return flatten(scene);
+}
+
+TEST(BuriedVertices, TakeTheLightOfTheirNearestLitNeighbours) {
+  const CubeDirections cube(8);
+  const std::atomic<bool> never{false};
+  for (const float bottom : {-0.5f, 1e-3f}) {
+    const FlatGeometry g = plate_under_block(bottom);
+    const TransferMesh mesh = make_transfer_mesh(g, {{.item = 0}}, 0);
+    const RayScene scene = build_ray_scene(g, all_of(g));
+    const ArrivingLight before = trace_arriving_light(mesh, cube, scene, {}, never);
+    const std::vector<bool> buried = find_buried_vertices(mesh, g, cube, scene, before);
+    ArrivingLight after = before;
+    light_buried_vertices(mesh, buried, &after);
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+      const glm::vec3 p = mesh.vertices[v].position;
+      const bool under = std::abs(p.x) < 0.6f && std::abs(p.z) < 0.6f;
+      // Under the block's bottom it is dark, and not buried: the bottom turns its front to it.
+      EXPECT_EQ(buried[v], under && bottom < 0.0f) << p.x << " " << p.z;
+      count += buried[v];
+      EXPECT_EQ(after.first[v + 1] > after.first[v], !under || bottom < 0.0f);
+      if (!buried[v]) {
+        ASSERT_EQ(after.first[v + 1] - after.first[v], before.first[v + 1] - before.first[v]);
+        continue;
+      }
+      double sum = 0.0;
+      for (std::size_t e = after.first[v]; e < after.first[v + 1]; ++e)
+        sum += static_cast<double>(after.entries[e].arriving) * cube.solid_angles()[after.entries[e].direction];
+      EXPECT_NEAR(sum, 0.6 * std::numbers::pi, 0.2 * std::numbers::pi);  // beside a wall
+    }
+    EXPECT_EQ(count, bottom < 0.0f ? 81u : 0u);
+  }
 }
 
 struct SmallCase {

@@ -110,11 +110,12 @@ Image Renderer::Impl::read_view(const std::string& name) {
   std::vector<LayerView> views;
   for (std::size_t k = 0; k < std::min(layers.size(), last.plan.layers.size()); ++k) {
     const Layer& layer = layers[k];
+    const LayerContext at{context,        last.plan.layers[k], static_cast<int>(k),
+                          layer.surfaces, layer.radiance,      layer.constants};
     auto value = view_of_surfaces(name, layer.surfaces);
-    if (!value)
-      value = layer.mode->view(
-          name, {context, last.plan.layers[k], static_cast<int>(k), layer.surfaces, layer.radiance, layer.constants});
-    if (value) views.push_back({layer.surfaces, std::move(*value)});
+    const PointValue sky = value ? PointValue() : layer.mode->sky_view(name, at);
+    if (!value) value = layer.mode->view(name, at);
+    if (value) views.push_back({layer.surfaces, std::move(*value), sky});
   }
   if (views.empty()) fail_view(name, last.plan.shading().mode, registry);
   return image_of_views(targets.raster.size(), views);

@@ -82,6 +82,8 @@ void TransferBuffers::upload_vertices(const Transfer& transfer) {
   std::vector<glm::vec4> vertices;
   for (const TransferVertex& v : transfer.mesh.vertices)
     for (const glm::vec3& x : {v.position, v.n, v.t, v.b}) vertices.emplace_back(x, 0.0f);
+  for (const TransferGroup& group : transfer.bake->groups)
+    for (std::size_t i = 0; i < group.vertices.size(); ++i) vertices[4 * group.vertices[i]].w = group.errors[i];
   vertices_ = make_table("transfer vertices", GL_RGBA32F, vertices, "choose fewer vertices (prt.vertices)");
 }
 

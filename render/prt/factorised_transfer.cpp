@@ -54,9 +54,11 @@ TransferMatrix factorise_transfer(const Eigen::MatrixXf& transfer, const CubeDir
   }
   double squared = 0.0, all = 0.0;
   for (std::size_t v = 0; v < fit.errors.size(); ++v) {
+    matrix.squares.push_back(static_cast<float>(fit.errors[v]));
     squared += fit.errors[v];
     all += measure.cast<double>().dot(transfer.col(static_cast<Eigen::Index>(v)).cast<double>().cwiseAbs2());
   }
+  matrix.energy = fit.errors.empty() ? 0.0 : all / static_cast<double>(fit.errors.size());
   matrix.error = all > 0.0 ? std::sqrt(squared / all) : 0.0;
   return matrix;
 }

@@ -19,6 +19,8 @@ struct TransferMatrix {
   std::vector<std::uint16_t> q;
   std::vector<std::uint16_t> owner;    ///< [vertex] cluster
   std::vector<std::uint16_t> weights;  ///< half floats, [vertex][component]
+  std::vector<float> squares;          ///< [vertex] squared error, integrated over the sphere
+  double energy = 0.0;                 ///< mean over vertices of the squared transfer, integrated over the sphere
   double error = 0.0;                  ///< RMS relative to the RMS of the transfer, by solid angle
   std::size_t rows() const { return static_cast<std::size_t>(clusters * (1 + components)); }
 };

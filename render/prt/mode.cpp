@@ -4,6 +4,7 @@
 
 #include "render/gl/bindings.h"
 #include "render/gl/dispatch.h"
+#include "render/math/shared_formulas.h"
 #include "render/prt/store.h"
 #include "render/shading/work_lists.h"
 #include "render/views/read_texture.h"
@@ -13,7 +14,10 @@ namespace maquette {
 namespace {
 
 constexpr const char *kVertices = "prt/vertices.comp", *kShade = "prt/shade.comp", *kView = "prt/view.comp";
-constexpr std::array<const char*, 4> kViews{"prt_vertices", "prt_clusters", "prt_light", "prt_component"};
+/// In the order of u_view in prt/view.comp.
+constexpr std::array<const char*, 5> kViews{"prt_vertices", "prt_clusters", "prt_light", "prt_component", "prt_error"};
+/// Beside the picture's sky: on surfaces it is the view prt_light.
+constexpr const char* kKept = "prt_kept";
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 
@@ -62,8 +66,22 @@ class TransferMode : public ShadingMode {
   }
   std::optional<PointValue> view(const std::string& name, const LayerContext& layer) const override {
     for (std::size_t i = 0; i < kViews.size(); ++i)
-      if (name == kViews[i]) return read_view(static_cast<int>(i), layer);
+      if (name == kViews[i] || (name == kKept && kViews[i] == std::string("prt_light")))
+        return read_view(static_cast<int>(i), layer);
     return std::nullopt;
+  }
+  PointValue sky_view(const std::string& name, const LayerContext& layer) const override {
+    const TransferStore* store = name == kKept ? find_store(layer.frame, layer.plan) : nullptr;
+    if (!store) return {};
+    const FrameConstants& c = layer.constants;
+    const GridSize& size = layer.surfaces.size();
+    const glm::vec2 grid(size.grid_width(), size.grid_height());
+    return [c, grid, sky = store->kept_sky(), scale = layer.frame.request.env_scale](int x, int y) {
+      const glm::vec2 at = 2.0f * (glm::vec2(x, y) + 0.5f) / grid - 1.0f;
+      const shared::EyeRay ray = shared::camera_ray(glm::vec3(c.forward), glm::vec3(c.right), glm::vec3(c.up), c.eye.w,
+                                                    glm::vec2(at.x, -at.y));
+      return scale * sky(glm::normalize(glm::dvec3(ray.direction)));
+    };
   }
 
  private:
@@ -102,7 +120,7 @@ class TransferMode : public ShadingMode {
     remembered_ = {
         {"prt_vertices", static_cast<double>(transfer.mesh.vertices.size())},
         {"prt_vertex_bytes", bytes / std::max<double>(static_cast<double>(transfer.mesh.vertices.size()), 1.0)},
-        {"prt_coefficients", static_cast<double>(store.light().kept)},
+        {"prt_coefficients", static_cast<double>(store.light().kept.coefficients.size())},
         {"prt_error", transfer.bake->error},
         {"light_update_ms", store.light().ms}};
   }
@@ -116,6 +134,7 @@ class TransferMode : public ShadingMode {
       const Program& program =
           layer.frame.programs.get({kView, "", {{"TERMS", std::to_string(store->buffers().terms())}}});
       program.set("u_view", view);
+      program.set("u_environment_scale", layer.frame.request.env_scale);
       glBindImageTexture(kImageRadiance, values.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
       dispatch_tiles(program, layer.surfaces.tiles(), kPerPoint);
     }

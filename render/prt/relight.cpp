@@ -102,6 +102,14 @@ KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& 
   return kept;
 }
 
+CubeLight light_of_coefficients(const KeptLight& kept, int side) {
+  CubeLight light = CubeLight::Zero(6 * side * side, 3);
+  for (std::size_t k = 0; k < kept.coefficients.size(); ++k)
+    for (int c = 0; c < 3; ++c) light(kept.coefficients[k], c) = kept.values[k][c];
+  for (int c = 0; c < 3; ++c) inverse_haar_faces(side, light.col(c).data());
+  return light;
+}
+
 RelightTable::RelightTable(int side, std::size_t rows) : side_(side) {
   q_.assign((rows + kTile - 1) / kTile * kTile * coefficients(), 0);
   squares_.assign(coefficients(), 0.0);

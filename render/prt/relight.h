@@ -19,6 +19,9 @@ struct KeptLight {
 /// `light`: [coefficient][rgb], after haar_transform_faces. `importance`: [coefficient]. `count`: at most so many.
 KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& importance, std::size_t count);
 
+/// The light that is left of it: radiance of each direction.
+CubeLight light_of_coefficients(const KeptLight& kept, int side);
+
 /// The light side of many factorised transfers, one below the other, laid out so that a new light reads only the
 /// columns of its kept coefficients: [tile][coefficient][row of the tile], half floats.
 class RelightTable {

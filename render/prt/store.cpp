@@ -1,5 +1,6 @@
 #include "render/prt/store.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "render/frame/plan.h"
@@ -15,7 +16,7 @@ Key key_of(const SceneState& scene, const FrameRequest& request, const std::vect
   const Revisions& r = scene.revisions();
   Key key = Key::of(r.geometry, r.occlusion, r.surfaces, r.tables, request.variant, nodes);
   for (const auto& [name, value] : request.settings.changed()) {
-    if (!name.starts_with("prt.") || name == "prt.coefficients") continue;
+    if (!name.starts_with("prt.") || name == "prt.coefficients" || name == "prt.run") continue;
     key.add(name);
     key.add(to_text(value));
   }
@@ -33,11 +34,14 @@ Baked<Transfer> TransferKind::run(const TransferInput& input, const Baked<Transf
 
 bool TransferStore::update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
   const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
-  require(key_of(scene, request, nodes), [&] {
-    return TransferInput{std::make_shared<Scene>(scene.edited_scene()),
-                         std::make_shared<const FlatGeometry>(scene.geometry()), request.variant, nodes,
-                         request.settings};
-  });
+  const bool held = request.settings.get_string("prt.run") == "hold";
+  if (held && busy()) cancel();
+  if (!held)
+    require(key_of(scene, request, nodes), [&] {
+      return TransferInput{std::make_shared<Scene>(scene.edited_scene()),
+                           std::make_shared<const FlatGeometry>(scene.geometry()), request.variant, nodes,
+                           request.settings};
+    });
   bool changed = false;
   if (const std::shared_ptr<const Transfer> made = take()) {
     buffers_.reset();
@@ -66,12 +70,23 @@ bool TransferStore::update_light(const SceneState& scene, const FrameRequest& re
   const glm::dmat3 environment_from_baked =
       environment_rotation(static_cast<double>(request.env_rotation_rad)) * glm::transpose(transfer_->baked_from_world);
   const CubeLight haar = haar_light(pyramid_, *cube_, environment_from_baked);
-  const KeptLight kept = choose_coefficients(haar, importance_, static_cast<std::size_t>(6 * coefficients));
+  KeptLight kept = choose_coefficients(haar, importance_, static_cast<std::size_t>(6 * coefficients));
   transfer_->bake->table.sums(kept, &sums_);
   buffers_->set_sums(sums_);
-  light_ = {kept.coefficients.size(),
+  light_ = {std::move(kept),
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count()};
   return true;
+}
+
+std::function<glm::vec3(const glm::dvec3&)> TransferStore::kept_sky() const {
+  const int side = cube_->side();
+  return [side, light = light_of_coefficients(light_.kept, side),
+          cube_from_world = transfer_->baked_from_world](const glm::dvec3& direction) {
+    const CubePoint p = cube_point(cube_from_world * direction);
+    const auto texel = [&](double u) { return std::clamp(static_cast<int>(0.5 * (u + 1.0) * side), 0, side - 1); };
+    const Eigen::Index i = (p.face * side + texel(p.v)) * side + texel(p.u);
+    return glm::vec3(light(i, 0), light(i, 1), light(i, 2));
+  };
 }
 
 }  // namespace maquette

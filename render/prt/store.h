@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -22,8 +23,8 @@ class TransferKind : public BakeKind<TransferInput, Transfer> {
 
 /// The light of an environment, as transfer meets it, and the time that it took.
 struct LightUpdate {
-  std::size_t kept = 0;  ///< coefficients
-  double ms = 0.0;       ///< from the request to the sums on the device
+  KeptLight kept;
+  double ms = 0.0;  ///< from the request to the sums on the device
 };
 
 /// The transfer of a scene on the GPU, under the light at hand.
@@ -40,6 +41,8 @@ class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, publ
   const TransferBuffers& buffers() const { return *buffers_; }
   const Transfer& transfer() const { return *transfer_; }
   const LightUpdate& light() const { return light_; }
+  /// What is left of the light by its kept coefficients: radiance of a direction of the world, stored units.
+  std::function<glm::vec3(const glm::dvec3&)> kept_sky() const;
 
  private:
   bool update_light(const SceneState& scene, const FrameRequest& request);

@@ -59,6 +59,11 @@ std::vector<SettingDeclaration> transfer_settings() {
                "turned by themselves",
        .choices = {"scene", "parts"}},
       {.name = "prt.bake", .default_value = std::string(), .help = "folder of `maquette bake prt`; empty: the cache"},
+      {.name = "prt.run",
+       .default_value = std::string("auto"),
+       .help = "auto: what is not baked is baked as soon as a frame needs it; hold: it is not, and a bake in work ends "
+               "(what it has made is kept in the cache); what is there is shown",
+       .choices = {"auto", "hold"}},
       {.name = "prt.stale",
        .default_value = std::string("refuse"),
        .help = "a bake in prt.bake whose parts were turned without what casts shadows on them: refuse or show",
@@ -93,7 +98,10 @@ Technique prt_technique() {
       {"prt_vertices", "the vertex nearest to each point", ViewColors::color},
       {"prt_clusters", "clusters of the transfer of the materials' means", ViewColors::color},
       {"prt_light", "light on the materials' means: cosine and shadow times the environment, cd/m2", ViewColors::color},
-      {"prt_component", "light on the first component of the materials", ViewColors::color}};
+      {"prt_component", "light on the first component of the materials", ViewColors::color},
+      {"prt_error", "RMS error of the vertices' compressed transfer, relative to the mean of their material"},
+      {"prt_kept", "light of the kept coefficients: over the sky, and what of it falls on parts, cd/m2",
+       ViewColors::radiance}};
   info.words = {
       {Word::Kind::pass, "transfer_vertices",
        "sums of weights and relit components, for the sampled views near each vertex's"},

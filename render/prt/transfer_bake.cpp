@@ -261,7 +261,7 @@ class Run {
       Eigen::MatrixXf transfer = table.transfer(cube_.count(), weights, material.components, static_cast<int>(c));
       if (empty) transfer = Eigen::MatrixXf::Zero(cube_.count(), 1);
       block.push_back(factorise_transfer(transfer, cube_, options));
-      if (empty) block.back().owner.clear(), block.back().weights.clear();
+      if (empty) block.back().owner.clear(), block.back().weights.clear(), block.back().squares.clear();
     }
     return block;
   }
@@ -315,7 +315,20 @@ class Run {
         group.matrices.push_back(std::move(matrix));
       }
     }
+    for (TransferGroup& group : bake_->groups) sum_errors(&group);
     bake_->error = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+  }
+
+  static void sum_errors(TransferGroup* group) {
+    std::vector<double> squares(group->vertices.size(), 0.0);
+    double energy = 0.0;
+    for (TransferMatrix& matrix : group->matrices) {
+      energy += matrix.energy;
+      for (std::size_t i = 0; i < squares.size(); ++i) squares[i] += static_cast<double>(matrix.squares[i]);
+      matrix.squares = {};
+    }
+    for (const double s : squares)
+      group->errors.push_back(static_cast<float>(energy > 0.0 ? std::sqrt(s / energy) : 0.0));
   }
 
   [[noreturn]] void fail_incomplete() const {

@@ -58,6 +58,7 @@ struct TransferGroup {
   /// First that of the mean, which is the same for all views, then [view][component]. Their q is in the table.
   std::vector<TransferMatrix> matrices;
   std::vector<std::size_t> rows;  ///< [matrix] first row in TransferBake::table
+  std::vector<float> errors;      ///< [vertex] RMS of compression over all matrices, relative to the group's transfer
   std::size_t matrix_of(std::size_t view, int component) const {
     return 1 + view * static_cast<std::size_t>(components) + static_cast<std::size_t>(component);
   }

@@ -121,14 +121,18 @@ void save_transfer_block(const std::string& path, const std::string& key, const 
   for (std::size_t m = 0; m < block.size(); ++m) {
     const TransferMatrix& matrix = block[m];
     const std::string n = std::to_string(m);
-    char error[40];
+    char error[40], energy[40];
     std::snprintf(error, sizeof error, "%.17g", matrix.error);
+    std::snprintf(energy, sizeof energy, "%.17g", matrix.energy);
     file.attributes["clusters " + n] = std::to_string(matrix.clusters);
     file.attributes["components " + n] = std::to_string(matrix.components);
     file.attributes["vertices " + n] = std::to_string(matrix.owner.size());
     file.attributes["error " + n] = error;
+    file.attributes["energy " + n] = energy;
     BakeTable q{"q " + n, {{"halves", pack(matrix.q)}}, {}};
-    BakeTable owner{"clusters " + n, {{"cluster", {matrix.owner.begin(), matrix.owner.end()}}}, {}};
+    BakeTable owner{"clusters " + n,
+                    {{"cluster", {matrix.owner.begin(), matrix.owner.end()}}},
+                    {{"squared error", {matrix.squares.begin(), matrix.squares.end()}}}};
     BakeTable weights{"weights " + n, {{"halves", pack(matrix.weights)}}, {}};
     file.tables.push_back(std::move(q));
     file.tables.push_back(std::move(owner));
@@ -149,12 +153,16 @@ TransferBlock load_transfer_block(const std::string& path, const std::string& ke
     matrix.components = static_cast<int>(number(path, file, "components " + n));
     const std::size_t vertices = number(path, file, "vertices " + n);
     matrix.error = std::strtod(attribute(path, file, "error " + n).c_str(), nullptr);
+    matrix.energy = std::strtod(attribute(path, file, "energy " + n).c_str(), nullptr);
     if (matrix.clusters < 1 || matrix.clusters > kMostTransferClusters || matrix.components < 0 ||
         matrix.components > kMostTransferComponents)
       throw Error(path, "the block has impossible counts", "bake it again");
     matrix.q = unpack(path, file.integers(path, "q " + n, "halves"), matrix.rows() * dimensions);
     const auto& owner = file.integers(path, "clusters " + n, "cluster");
-    if (owner.size() < vertices) throw Error(path, "the block is too short", "bake it again");
+    const auto& squares = file.floats(path, "clusters " + n, "squared error");
+    if (owner.size() < vertices || squares.size() < vertices)
+      throw Error(path, "the block is too short", "bake it again");
+    matrix.squares.assign(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(vertices));
     for (std::size_t v = 0; v < vertices; ++v) {
       if (owner[v] >= static_cast<std::uint32_t>(matrix.clusters))
         throw Error(path, "a vertex has no cluster", "bake it again");

@@ -96,6 +96,8 @@ class ShadingMode {
   virtual void add_counters(std::map<std::string, double>*) const {}
   /// A debug view of its technique: values at the points of its layer. Nothing when it has none of that name.
   virtual std::optional<PointValue> view(const std::string& /*name*/, const LayerContext&) const { return {}; }
+  /// What such a view shows where no layer has a surface; nothing: it is transparent there.
+  virtual PointValue sky_view(const std::string& /*name*/, const LayerContext&) const { return {}; }
 };
 
 /// Samples that `--samples`, or else this setting, asks for.

@@ -75,8 +75,9 @@ Image image_of_views(const GridSize& size, const std::vector<LayerView>& layers)
     const std::vector<float> depth = read_texture<float>(layer.surfaces.depth(), GL_RED, GL_FLOAT, 1);
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
-        if (depth[static_cast<std::size_t>(y * image.width + x)] <= 0.0f) continue;
-        const glm::vec3 v = layer.value(x, y);
+        const bool surface = depth[static_cast<std::size_t>(y * image.width + x)] > 0.0f;
+        if (!surface && (!layer.sky || image.at(x, y, 3) > 0.0f)) continue;
+        const glm::vec3 v = surface ? layer.value(x, y) : layer.sky(x, y);
         for (int c = 0; c < 3; ++c) image.at(x, y, c) = v[c];
         image.at(x, y, 3) = 1.0f;
       }

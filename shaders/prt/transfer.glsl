@@ -4,7 +4,7 @@
 #ifndef TERMS
 #define TERMS 3  // the mean and the components of materials, at most
 #endif
-layout(binding = kUnitTransferVertices) uniform samplerBuffer t_transfer_vertices;  // [vertex]: position | n | t | b
+layout(binding = kUnitTransferVertices) uniform samplerBuffer t_transfer_vertices;  // [vertex]: position, error of its transfer | n | t | b
 layout(binding = kUnitTransferPlaces) uniform usamplerBuffer t_transfer_places;     // [vertex]: first texel of its records, group
 // [vertex][matrix]: first row of its cluster's sums, then weights as half floats
 layout(binding = kUnitTransferRecords) uniform usamplerBuffer t_transfer_records;

@@ -6,7 +6,8 @@ layout(local_size_x = 64) in;
 #include "shared/constants.glsl"
 #include "prt/point.glsl"
 layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_value;
-uniform int u_view;  // 0: vertices, 1: clusters of the mean, 2: light of the mean, 3: of the first component
+uniform float u_environment_scale;
+uniform int u_view;  // 0: vertices, 1: clusters of the mean, 2: light of the mean, 3: of the first component, 4: error
 
 vec3 color_of(uint number) {
   uint h = (number + 1u) * 0x9e3779b9u;
@@ -26,10 +27,13 @@ void main() {
     int first = int(texelFetch(t_transfer_places, p.vertices[k]).x);
     value = color_of(texelFetch(t_transfer_records, first).x);
   }
-  if (u_view >= 2) {
-    value = vec3(0.0);
+  if (u_view >= 2) value = vec3(0.0);
+  if (u_view == 4) {
+    for (int c = 0; c < 3; ++c) value += p.share[c] * texelFetch(t_transfer_vertices, 4 * p.vertices[c]).w;
+  } else if (u_view >= 2) {
     for (int c = 0; c < 3; ++c)
       for (int v = 0; v < 3; ++v) value += p.share[c] * texelFetch(t_transfer_shown, (p.vertices[c] * 3 + v) * TERMS + u_view - 2).rgb;
+    value *= u_environment_scale;
   }
   imageStore(o_value, pixel, vec4(p.known ? value : vec3(0.0), 1.0));
 }

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "render/frame/camera.h"
 #include "render/gl/context.h"
+#include "render/prt/cube_light.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
 #include "render/technique/registry.h"
@@ -132,6 +134,119 @@ TEST_F(TransferMode, AgreesWithTheReferenceUnderASmoothSky) {
     for (int x = 0; x < request.width; ++x)
       if (!(parts.at(x, y, 0) > 0.0f)) reference.at(x, y, 3) = 0.0f;
   EXPECT_LT(relative_difference(drawn.picture, reference), 0.06);
+}
+
+TEST_F(TransferMode, StandsBtfsOfOneViewAndOfTwo) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto scene = covered_plate();
+  const auto sky = test::constant_sky(1.0f);
+  renderer.set_environment(sky);
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.vertices", 600);
+  request.settings.set("prt.parts", std::string("plate"));
+  request.settings.set("prt.coefficients", 1024);
+  for (const std::vector<glm::dvec3>& views :
+       {std::vector{direction_of_angles(0.0, 0.0)}, std::vector{direction_of_angles(50.0, 20.0)},
+        std::vector{direction_of_angles(10.0, 0.0), direction_of_angles(60.0, 100.0)}}) {
+    save_btf(path("small.exr"), *test::small_btf(4, 2, views));
+    renderer.set_scene(std::make_shared<Scene>(*scene));
+    const Image picture = draw(&renderer, request).picture;
+    const Image parts = renderer.read_debug_view("prt_vertices");
+    ReferencePicture traced(
+        build_path_scene({.scene = *scene, .environment = sky}),
+        {.camera = request.camera, .width = request.width, .height = request.height, .paths = {.max_bounces = 1}});
+    traced.add(100);
+    Image reference = traced.mean();
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x)
+        if (!(parts.at(x, y, 0) > 0.0f)) reference.at(x, y, 3) = 0.0f;
+    EXPECT_LT(relative_difference(picture, reference), 0.06) << views.size();
+  }
+}
+
+TEST_F(TransferMode, KeptLightIsShownOverTheSky) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  const auto sky = test::sky_with_lamp({0.5f, 0.2f, -0.8f}, glm::vec3(60.0f));
+  renderer.set_environment(sky);
+  FrameRequest request = look(small_request());
+  // Upwards: coefficients that light from below the plate alone would need bring nothing, and are not kept.
+  request.camera.eye = {0.6f, 0.2f, 2.4f};
+  request.camera.target = {0.0f, 1.9f, 0.0f};
+  request.env_rotation_rad = 0.4f;
+  request.env_scale = 3.0f;
+  request.settings.set("prt.parts", std::string("plate"));
+  const CubeDirections cube(4);
+  const CubePyramid pyramid(*sky);
+  double last = 10.0;  // of the upper sky alone, one coefficient a face may be worse than none
+  for (const int coefficients : {1, 4, 1024}) {
+    request.settings.set("prt.coefficients", coefficients);
+    const Image picture = draw(&renderer, request).picture;
+    const Image kept = renderer.read_debug_view("prt_kept");
+    const CubeLight light = pyramid.resample(cube, environment_rotation(0.4));
+    const CameraFrame frame = make_camera_frame(request.camera, request.width, request.height, {});
+    double squares = 0.0, all = 0.0;
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x) {
+        if (picture.at(x, y, 3) > 0.0f) continue;
+        const glm::vec2 at((2.0f * static_cast<float>(x) + 1.0f) / static_cast<float>(request.width) - 1.0f,
+                           1.0f - (2.0f * static_cast<float>(y) + 1.0f) / static_cast<float>(request.height));
+        const CubePoint p = cube_point(glm::normalize(glm::dvec3(frame.ray_through(at).direction)));
+        const int u = std::min(static_cast<int>(2.0 * (p.u + 1.0)), 3),
+                  v = std::min(static_cast<int>(2.0 * (p.v + 1.0)), 3);
+        const double expected = 3.0 * static_cast<double>(light((p.face * 4 + v) * 4 + u, 1));
+        squares += std::pow(static_cast<double>(kept.at(x, y, 1)) - expected, 2.0);
+        all += expected * expected;
+      }
+    ASSERT_GT(all, 0.0);
+    const double error = std::sqrt(squares / all);
+    EXPECT_LT(error, last) << coefficients;
+    last = error;
+  }
+  EXPECT_LT(last, 1e-4);
+}
+
+TEST_F(TransferMode, HoldsItsBakeAndShowsWhatIsThere) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  request.settings.set("prt.run", std::string("hold"));
+  EXPECT_FALSE(renderer.finish_background_work(request));
+  renderer.render(request);
+  EXPECT_TRUE(renderer.background_work().empty());
+  request.settings.set("prt.run", std::string("auto"));
+  const Image baked = draw(&renderer, request).picture;
+  request.settings.set("prt.run", std::string("hold"));
+  EXPECT_EQ(draw(&renderer, request).picture.data, baked.data);
+}
+
+TEST_F(TransferMode, ErrorOfVerticesFallsWithComponents) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  double last = 1.0;
+  for (const int components : {0, 2, 6}) {
+    request.settings.set("prt.components", components);
+    const Drawn drawn = draw(&renderer, request);
+    const Image errors = renderer.read_debug_view("prt_error");
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 0; y < request.height; ++y)
+      for (int x = 0; x < request.width; ++x)
+        if (errors.at(x, y, 3) > 0.0f) sum += static_cast<double>(errors.at(x, y, 0)), ++count;
+    ASSERT_GT(count, 300);
+    EXPECT_GT(sum, 0.0);
+    EXPECT_LT(sum / count, 0.8 * last);
+    last = sum / count;
+  }
 }
 
 TEST_F(TransferMode, LightTurnsAsIfItWereGivenTurned) {

@@ -161,6 +161,61 @@ TEST_F(TransferBakeTest, RefusesWhatItIsNotOf) {
   EXPECT_EQ(bake_transfer(job, {}, nullptr, kNever, {})->bake->reused, 19u);
 }
 
+TEST_F(TransferBakeTest, RefusesDamagedManifestsAndMakesThemAgain) {
+  TransferJob job = job_of(plate_and_block(), path("bake"));
+  ASSERT_TRUE(bake_transfer(job, {}, nullptr, kNever, {}));
+  const std::string manifest = transfer_manifest_path(job.folder);
+  for (const std::uintmax_t size : {std::uintmax_t{0}, std::filesystem::file_size(manifest) / 2}) {
+    std::filesystem::resize_file(manifest, size);
+    job.may_make = false;
+    EXPECT_NE(message([&] { bake_transfer(job, {}, nullptr, kNever, {}); }).find(manifest), std::string::npos);
+    job.may_make = true;
+    EXPECT_EQ(bake_transfer(job, {}, nullptr, kNever, {})->bake->reused, 20u);
+  }
+}
+
+TEST_F(TransferBakeTest, RefusesNumbersThatAreNotFinite) {
+  for (const bool factors : {false, true}) {
+    Btf btf = *test::small_btf(2, 2);
+    if (factors)
+      btf.views[4].factors[3] = half_of_float(std::nanf(""));
+    else
+      btf.views[4].light_weights[3] = std::nanf("");
+    Scene scene = plate_and_block();
+    scene.materials[0].name = "cover";
+    scene.materials[0].measured = path("bad.exr");
+    TransferInput input;
+    const std::string told = message([&] {
+      save_btf(path("bad.exr"), btf);
+      input.scene = std::make_shared<Scene>(scene);
+      input.geometry = std::make_shared<const FlatGeometry>(flatten(scene));
+      MeasuredLibrary library;
+      make_transfer_job(input, path("out"), &library);
+    });
+    EXPECT_NE(told.find("bad.exr"), std::string::npos) << told;
+  }
+}
+
+TEST_F(TransferBakeTest, StandsTrianglesThatShareNoVertices) {
+  // Each corner stands for itself, and one vertex belongs to nothing.
+  Scene scene = plate_and_block();
+  Primitive& plate = scene.meshes[0].primitives[0];
+  const Primitive shared = plate;
+  plate.positions.clear(), plate.normals.clear(), plate.indices.clear();
+  plate.tangents.clear(), plate.uvs[0].clear();
+  for (const std::uint32_t i : shared.indices) {
+    plate.indices.push_back(static_cast<std::uint32_t>(plate.positions.size()));
+    plate.positions.push_back(shared.positions[i]);
+    if (!shared.normals.empty()) plate.normals.push_back(shared.normals[i]);
+    if (!shared.tangents.empty()) plate.tangents.push_back(shared.tangents[i]);
+    if (!shared.uvs[0].empty()) plate.uvs[0].push_back(shared.uvs[0][i]);
+  }
+  const auto found = bake_transfer(job_of(scene, {}), {}, nullptr, kNever, {});
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->mesh.vertices.size(), shared.indices.size());
+  for (const float e : found->bake->groups[0].errors) EXPECT_TRUE(e >= 0.0f && e < 1.0f);
+}
+
 TEST_F(TransferBakeTest, KnowsWhereItsPartsWereTurned) {
   Scene scene = plate_and_block();
   ASSERT_TRUE(bake_transfer(job_of(scene, path("bake")), {}, nullptr, kNever, {}));

@@ -18,8 +18,8 @@ inline glm::vec3 small_btf_value(int texel, const glm::dvec3& light, const glm::
           0.02 + 0.20 * lobe + 0.01 * texel};
 }
 
-/// A BTF of side x side texels, 19 views (rings at 0, 30 and 60 degrees) and as many lights.
-inline std::shared_ptr<const Btf> small_btf(int side, int components) {
+/// A BTF of side x side texels, 19 lights (rings at 0, 30 and 60 degrees) and as many views, or the given ones.
+inline std::shared_ptr<const Btf> small_btf(int side, int components, std::vector<glm::dvec3> views = {}) {
   std::vector<glm::dvec3> directions{glm::dvec3(0.0, 0.0, 1.0)};
   for (int i = 0; i < 18; ++i)
     directions.push_back(i < 6 ? direction_of_angles(30.0, 60.0 * i) : direction_of_angles(60.0, 30.0 * (i - 6)));
@@ -29,7 +29,8 @@ inline std::shared_ptr<const Btf> small_btf(int side, int components) {
   btf->components = components;
   btf->texel_m = 0.1;
   const BtfLights lights = make_btf_lights(directions);
-  for (const glm::dvec3& view : directions) {
+  if (views.empty()) views = directions;
+  for (const glm::dvec3& view : views) {
     std::vector<float> images;
     for (const glm::dvec3& light : directions)
       for (int t = 0; t < side * side; ++t) {

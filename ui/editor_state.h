@@ -106,6 +106,7 @@ struct EditorFacts {
   const FrameStats* stats = nullptr;                     ///< of the last frame, nullptr before the first
   std::vector<std::string> cameras;                      ///< bookmarks, in order of the keys 1 to 9
   std::vector<BackgroundWork> background;
+  std::map<std::string, double> seconds_left;  ///< of `background`, once it can be told
   std::string loading;  ///< what is being read; empty: nothing
   std::string device;
   std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones

@@ -15,19 +15,6 @@ std::string thousands(std::size_t value) {
   return text;
 }
 
-std::string byte_text(std::size_t bytes) {
-  char text[32];
-  const double mib = static_cast<double>(bytes) / 1048576.0;
-  std::snprintf(text, sizeof(text), mib < 10.0 ? "%.1f MiB" : "%.0f MiB", mib);
-  return text;
-}
-
-void value_row(const char* label, const std::string& value) {
-  ImGui::TextColored(kDim, "%s", label);
-  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(value.c_str()).x);
-  ImGui::TextUnformatted(value.c_str());
-}
-
 void bar_row(const std::string& label, double value, double whole, const char* text) {
   const float width = ImGui::GetContentRegionAvail().x;
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -88,14 +75,8 @@ void plan_entry(const std::string& name, const std::string& why, bool done) {
   ImGui::Unindent();
 }
 
-/// Where the frame stands: what is not ready, and what it continues.
+/// What the frame continues.
 void draw_status(const FrameStatus& status) {
-  char text[64];
-  for (const auto& [name, bake] : status.bakes()) {
-    if (bake.ready) continue;
-    std::snprintf(text, sizeof(text), "not ready: %.0f %%", std::floor(100.0 * bake.progress));
-    value_row(name.c_str(), text);
-  }
   value_row("Frames before", std::to_string(status.accumulated));
   if (status.light_rotated) value_row("Changed", "rotation of the environment");
   if (status.tables_swapped) value_row("Changed", "measured tables");
@@ -146,6 +127,7 @@ void draw_frame_panel(Ui& ui) {
       draw_status(ui.facts.stats->status);
       draw_plan(ui.facts.stats->plan, ui.facts.stats->skipped);
     }
+    draw_bakes(ui);
     if (section("Memory", false)) {
       std::size_t total = 0;
       for (const auto& [name, bytes] : ui.facts.stats->gpu_bytes) {

@@ -105,6 +105,19 @@ bool toggle_button(const char* label, bool on) {
   return clicked;
 }
 
+std::string byte_text(std::size_t bytes) {
+  char text[32];
+  const double mib = static_cast<double>(bytes) / 1048576.0;
+  std::snprintf(text, sizeof(text), mib < 10.0 ? "%.1f MiB" : "%.0f MiB", mib);
+  return text;
+}
+
+void value_row(const char* label, const std::string& value) {
+  ImGui::TextColored(kDim, "%s", label);
+  ImGui::SameLine(ImGui::GetContentRegionAvail().x - ImGui::CalcTextSize(value.c_str()).x);
+  ImGui::TextUnformatted(value.c_str());
+}
+
 void dim_text(const std::string& text) {
   ImGui::PushStyleColor(ImGuiCol_Text, kDim);
   ImGui::TextWrapped("%s", text.c_str());

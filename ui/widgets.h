@@ -32,6 +32,10 @@ void row_label(const char* label, const std::string& help = {});
 /// Small grey caps-free heading with a rule; true when open.
 bool section(const char* title, bool open = true);
 void dim_text(const std::string& text);
+/// Label on the left, value on the right.
+void value_row(const char* label, const std::string& value);
+/// In MiB.
+std::string byte_text(std::size_t bytes);
 /// A button that is highlighted while its state is on; true when clicked.
 bool toggle_button(const char* label, bool on);
 /// `icon` where the font has it, else `text`.
@@ -58,6 +62,7 @@ void draw_review_panel(Ui& ui);
 void draw_look_panel(Ui& ui);
 void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);
+void draw_bakes(Ui& ui);
 void draw_error_panel(Ui& ui);
 void draw_inspection_panel(Ui& ui);
 void draw_stored_light(Ui& ui);  ///< its section on what bakes store

@@ -17,6 +17,7 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "ui/editor.h"
+#include "viewer/bake_clock.h"
 #include "viewer/swatches.h"
 #include "viewer/window_compare.h"
 #include "viewer/window_host.h"
@@ -132,6 +133,7 @@ class App {
 
   void collect_facts() {
     session_.fill_facts(&facts_);
+    facts_.seconds_left = bake_clock_.update(glfwGetTime(), facts_.background);
     facts_.stats = picture_.stats() ? &*picture_.stats() : nullptr;
     facts_.frame_history_ms = picture_.history_ms();
     facts_.smooth_passes = picture_.smooth_passes();
@@ -257,6 +259,7 @@ class App {
   WindowMeter meter_;
   WindowInspection inspection_;
   WindowStoredLight stored_light_;
+  BakeClock bake_clock_;
   WindowPaths paths_;
   WindowCompare compare_;
   PictureInput input_;

@@ -296,5 +296,29 @@ TEST(Panels, OneByOneAndHugeWindowsDoNoHarm) {
   }
 }
 
+TEST(Panels, BakesCanBeStoppedAndMade) {
+  const Scene scene = small_scene();
+  FrameStats stats;
+  stats.status.own_bakes["prt"] = {false, 0.3, BakeState::running, true};
+  stats.status.visibility.wanted = true;
+  HeadlessEditor editor(1280.0f, 900.0f);
+  editor.facts.scene = &scene;
+  editor.facts.stats = &stats;
+  editor.facts.background = {{"prt", 0.3}};
+  editor.facts.seconds_left["prt"] = 200.0;
+  editor.state.right_tab = 2;
+  editor.step(3);
+  EXPECT_EQ(editor.frame.items.count("stop/visibility"), 0u);
+  EXPECT_EQ(editor.frame.items.count("bake/prt"), 0u);
+  ASSERT_TRUE(editor.click("stop/prt"));
+  EXPECT_EQ(editor.state.settings.get_string("prt.run"), "hold");
+  editor.facts.background.clear();
+  editor.facts.seconds_left.clear();
+  stats.status.own_bakes["prt"].state = BakeState::absent;
+  EXPECT_FALSE(editor.click("stop/prt"));
+  ASSERT_TRUE(editor.click("bake/prt"));
+  EXPECT_EQ(editor.state.settings.get_string("prt.run"), "auto");
+}
+
 }  // namespace
 }  // namespace maquette

@@ -1,0 +1,69 @@
+// The bakes that the frame wants, as a section of the tab Frame: what is there, what is in work, and how long it takes.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "render/technique/registry.h"
+#include "ui/widgets.h"
+
+namespace maquette::panels {
+
+namespace {
+
+/// A bake that can be stopped has a setting NAME.run with the choices auto and hold.
+bool can_hold(const Registry& registry, const std::string& setting) {
+  for (const Technique& technique : registry.techniques)
+    for (const SettingDeclaration& s : technique.settings)
+      if (s.name == setting) return true;
+  return false;
+}
+
+std::string time_text(double seconds) {
+  char text[32];
+  if (seconds < 90.0)
+    std::snprintf(text, sizeof(text), "%.0f s left", std::ceil(seconds));
+  else
+    std::snprintf(text, sizeof(text), "%.0f min left", std::ceil(seconds / 60.0));
+  return text;
+}
+
+std::string state_text(const BakeStatus& bake, bool busy, bool held) {
+  if (bake.state == BakeState::failed) return "failed; see the messages";
+  if (bake.state == BakeState::partial) return "in work; a part is shown";
+  if (busy) return bake.ready ? "in work; the last one is shown" : "in work";
+  if (bake.ready) return "ready";
+  return held ? "stopped" : "not there";
+}
+
+void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
+  const auto work = std::find_if(ui.facts.background.begin(), ui.facts.background.end(),
+                                 [&](const BackgroundWork& w) { return w.what == name; });
+  const bool busy = work != ui.facts.background.end();
+  const std::string setting = name + ".run";
+  const bool stops = can_hold(*ui.facts.registry, setting);
+  const bool held = stops && ui.state.settings.get_string(setting) == "hold";
+  ImGui::PushID(name.c_str());
+  value_row(name.c_str(), state_text(bake, busy, held));
+  if (busy) {
+    char done[64];
+    const auto left = ui.facts.seconds_left.find(name);
+    std::snprintf(done, sizeof(done), "%.0f %%%s", std::floor(100.0 * work->fraction),
+                  left == ui.facts.seconds_left.end() ? "" : (", " + time_text(left->second)).c_str());
+    ImGui::ProgressBar(static_cast<float>(work->fraction), ImVec2(-1.0f, 0.0f), done);
+  }
+  if (stops && (busy || held)) {
+    if (ImGui::Button(held ? "Bake" : "Stop")) ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
+    mark_item(ui, (held ? "bake/" : "stop/") + name);
+  }
+  ImGui::PopID();
+}
+
+}  // namespace
+
+void draw_bakes(Ui& ui) {
+  const auto bakes = ui.facts.stats->status.bakes();
+  if (bakes.empty() || !section("Bakes")) return;
+  for (const auto& [name, bake] : bakes) draw_bake(ui, name, bake);
+}
+
+}  // namespace maquette::panels

@@ -11,6 +11,7 @@
 #include "render/raytraced/large_pages.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
+#include "tests/benchmarks/prt_curves.h"
 #include "tests/benchmarks/stage.h"
 
 namespace maquette::bench {
@@ -42,6 +43,7 @@ constexpr Part kParts[] = {
     {"meter", "time until the window has the error of a view at rest", measure_meter},
     {"slf", "surface light fields of the seat against mode reference: bases, compression, bake", measure_slf},
     {"prt", "radiance transfer of the seat: errors, light that turns, bake", measure_prt},
+    {"prt-curves", "radiance transfer of a coarse cloth: compression, light, components, covers", measure_prt_curves},
     {"scaling", "cost against pixels and against samples", measure_scaling},
 };
 

@@ -1,0 +1,375 @@
+// Precomputed radiance transfer of a coarse cloth: the curves and pictures of the thesis' figures 10.8, 10.12 and 10.15
+// to 10.17 (seed 001).
+#include "tests/benchmarks/prt_curves.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numeric>
+
+#include "render/prt/job.h"
+#include "render/reference/path_scene.h"
+#include "render/technique/registry.h"
+#include "scenes/error.h"
+#include "scenes/image_io.h"
+#include "tests/benchmarks/stage.h"
+#include "tests/support/test_scenes.h"
+#include "tests/support/transfer_reference.h"
+#include "viewer/report/charts.h"
+
+namespace maquette::bench {
+namespace {
+
+constexpr int kWidth = 160, kHeight = 120;
+constexpr int kSide = 58;  ///< 58 x 58 vertices
+const std::atomic<bool> kNever{false};
+
+/// A cloth of 0.8 m that lies over a ball and falls in folds around it.
+Primitive draped_cloth() {
+  Primitive cloth = test::make_grid({-0.4f, 0.0f, 0.4f}, {0.8f, 0.0f, 0.0f}, {0.0f, 0.0f, -0.8f}, kSide - 1, 0);
+  for (glm::vec3& p : cloth.positions) {
+    const float radius = std::sqrt(p.x * p.x + p.z * p.z), angle = std::atan2(p.z, p.x);
+    cloth.uvs[0].emplace_back(p.x / 0.8f + 0.5f, p.z / 0.8f + 0.5f);
+    const float fall = std::max(radius - 0.12f, 0.0f);
+    p.y = 0.25f - 0.9f * radius * radius / (radius + 0.25f) + 0.16f * fall * std::sin(9.0f * angle) +
+          0.03f * fall * std::sin(31.0f * radius + 3.0f * angle);
+  }
+  std::fill(cloth.normals.begin(), cloth.normals.end(), glm::vec3(0.0f));
+  for (std::size_t i = 0; i + 2 < cloth.indices.size(); i += 3) {
+    const glm::vec3 a = cloth.positions[cloth.indices[i]];
+    const glm::vec3 n =
+        glm::cross(cloth.positions[cloth.indices[i + 1]] - a, cloth.positions[cloth.indices[i + 2]] - a);
+    for (std::size_t k = 0; k < 3; ++k) cloth.normals[cloth.indices[i + k]] += n;
+  }
+  for (glm::vec3& n : cloth.normals) n = glm::normalize(n);
+  return cloth;
+}
+
+std::shared_ptr<const Scene> cloth_covered(const std::string& cover) {
+  auto scene = std::make_shared<Scene>();
+  scene->name = "cloth";
+  scene->materials.push_back(test::matte(glm::vec3(0.5f)));
+  scene->materials[0].name = "cover";
+  scene->materials[0].measured = cover;
+  test::add(scene.get(), draped_cloth(), "cloth");
+  return scene;
+}
+
+struct Curve {
+  std::string name;
+  std::vector<std::pair<double, double>> points;
+};
+
+/// Lines over a logarithmic axis.
+std::string curves_script(const std::vector<Curve>& curves, const std::string& x, const std::string& y,
+                          const std::string& svg_file) {
+  std::string script =
+      "set terminal svg size 640,430 dynamic background rgb 'white' font 'Helvetica,Arial,sans-serif,15'\n"
+      "set output '" +
+      svg_file +
+      "'\nset logscale x 2\nset border 3\nset grid linecolor rgb '#888888' linewidth 0.4 dashtype 3\n"
+      "set key outside bottom center horizontal Left reverse samplen 1.5 height 1\n"
+      "set tics nomirror\nset yrange [0:*]\nset xlabel '" +
+      x + "'\nset ylabel '" + y + "'\n";
+  std::string plots;
+  std::vector<std::string> names;
+  for (const Curve& curve : curves) names.push_back(curve.name);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    script += "$curve" + std::to_string(i) + " << EOD\n";
+    for (const auto& [at, value] : curves[i].points) script += number(at) + " " + number(value) + "\n";
+    script += "EOD\n";
+    plots += (i == 0 ? "plot $curve" : ", $curve") + std::to_string(i) +
+             " with linespoints pointtype 7 linewidth 2 linecolor rgb '" +
+             report::technique_color(names, curves[i].name) + "' title '" + curves[i].name + "'";
+  }
+  return script + plots + "\n";
+}
+
+class ClothBench {
+ public:
+  explicit ClothBench(Stage& stage) : stage_(stage) {
+    const std::string& data = stage.options().data;
+    sky_ = std::make_shared<const Environment>(
+        load_environment(data.empty() ? "builtin:clear-sky" : data + "/environments/autoshop_01_1k.hdr"));
+    camera_.eye = {0.5f, 0.75f, 0.9f};
+    camera_.target = {0.0f, 0.08f, 0.0f};
+    camera_.fov_y_rad = 0.62f;
+  }
+
+  Figures measure() {
+    cover("leather");
+    measure_compression();
+    measure_light();
+    measure_light_resolution();
+    measure_components();
+    measure_covers();
+    return std::move(figures_);
+  }
+
+ private:
+  void cover(const std::string& name) {
+    cover_ = name;
+    scene_ = cloth_covered("builtin:btf-" + name);
+    stage_.renderer().set_scene(scene_);
+    stage_.renderer().set_environment(sky_);
+  }
+
+  Settings settings(int faces = 16, int components = 6) const {
+    Settings s;
+    s.set("prt.faces", faces);
+    s.set("prt.components", components);
+    s.set("shading.visibility", std::string("none"));
+    for (const auto& [name, value] : stage_.options().settings) s.set_from_text(name, value);
+    s.set("prt.bake", (std::filesystem::path(stage_.options().scratch) /
+                       ("prt-cloth-" + cover_ + "-" + std::to_string(faces) + "-" + std::to_string(components)))
+                          .string());
+    return s;
+  }
+
+  /// Bakes what is not there yet. Returns the seconds that it took, or its load.
+  double bake(const Settings& s) const {
+    if (stage_.options().fresh) std::filesystem::remove_all(s.get_string("prt.bake"));
+    const Clock begin = now();
+    builtin_registry().find_bake("prt").run({*scene_, -1, s, {}, s.get_string("prt.bake")},
+                                            {kNever, [](const std::string&, double) {}, [](const std::string&) {}});
+    return 1e-3 * (now() - begin).wall_ms;
+  }
+
+  FrameRequest request(const Settings& s, int coefficients) const {
+    FrameRequest r;
+    r.mode = "prt";
+    r.width = kWidth;
+    r.height = kHeight;
+    r.camera = camera_;
+    r.settings = s;
+    r.settings.set("prt.coefficients", coefficients);
+    return r;
+  }
+
+  Image draw(const FrameRequest& r) const {
+    stage_.renderer().finish_background_work(r);
+    stage_.renderer().render(r);
+    return stage_.renderer().read_radiance();
+  }
+
+  /// Plain sums with two components of the BTF under a light cube.
+  Image reference(int faces) const {
+    const auto traced = build_path_scene({.scene = *scene_, .environment = sky_});
+    const CubeDirections cube(faces);
+    return test::trace_transfer_reference(
+        {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), faces > 16 ? 1 : 2, 2}, camera_,
+        kWidth, kHeight);
+  }
+
+  /// relative_rmse over the pixels that the reference covers.
+  static double error(const Image& picture, const Image& reference) {
+    double squares = 0.0, light = 0.0;
+    for (int y = 0; y < reference.height; ++y)
+      for (int x = 0; x < reference.width; ++x) {
+        if (reference.at(x, y, 3) < 1.0f || picture.at(x, y, 3) < 1.0f) continue;
+        for (int c = 0; c < 3; ++c) {
+          squares += std::pow(static_cast<double>(picture.at(x, y, c) - reference.at(x, y, c)), 2.0) / 3.0;
+          light += (c == 0 ? 0.2126 : c == 1 ? 0.7152 : 0.0722) * static_cast<double>(reference.at(x, y, c));
+        }
+      }
+    std::size_t count = 0;
+    for (int y = 0; y < reference.height; ++y)
+      for (int x = 0; x < reference.width; ++x)
+        count += reference.at(x, y, 3) < 1.0f || picture.at(x, y, 3) < 1.0f ? 0 : 1;
+    return light > 0.0 ? std::sqrt(squares / static_cast<double>(count)) * static_cast<double>(count) / light : 0.0;
+  }
+
+  /// Figure 10.8: principal components of all vertices against those of clusters, at equal counts.
+  void measure_compression() {
+    MeasuredLibrary library;
+    const TransferJob job = make_transfer_job(
+        {scene_, std::make_shared<const FlatGeometry>(flatten(*scene_)), -1, {}, settings()}, {}, &library);
+    const TransferMesh mesh = make_transfer_mesh(*job.geometry, job.parts, 0);
+    const CubeDirections cube(16);
+    const ArrivingLight arriving =
+        trace_arriving_light(mesh, cube, build_ray_scene(*job.geometry, job.occluding), {2}, kNever);
+    const Btf& btf = *job.materials[0];
+    const BtfView& view = btf.views[btf.views.size() / 2];
+    const LightTable table(arriving, vertices_of_groups(mesh, 1)[0], view.lights);
+    const Eigen::MatrixXf transfer = table.transfer(cube.count(), view.light_weights, btf.components, 0);
+    std::vector<Curve> curves;
+    for (const int clusters : {1, 8, 32, 128}) {
+      Curve curve{clusters == 1 ? "PCA" : std::to_string(clusters) + " clusters", {}};
+      std::string text;
+      for (const int components : {1, 2, 4, 6, 8, 16}) {
+        const double e = factorise_transfer(transfer, cube, {.clusters = clusters, .components = components}).error;
+        curve.points.emplace_back(components, 100.0 * e);
+        text += (text.empty() ? "" : ", ") + std::to_string(components) + ": " + percent(e);
+      }
+      figures_.push_back(shown("10.8, error of the transfer by components, " + curve.name, text));
+      curves.push_back(std::move(curve));
+    }
+    figures_.push_back(shown(
+        "cloth", std::to_string(mesh.vertices.size()) + " vertices, " + std::to_string(btf.views.size()) + " views"));
+    chart("10-08-compression", curves, "components", "error of the transfer (%)");
+  }
+
+  /// Figure 10.12: the largest Haar coefficients of the light against the first ones of each face.
+  void measure_light() {
+    constexpr int kFaces = 16, kPerFace = kFaces * kFaces;
+    const CubeLight light = haar_light(CubePyramid(*sky_), CubeDirections(kFaces), environment_rotation(0.0));
+    const auto n = static_cast<std::size_t>(light.rows());
+    const std::vector<float> equal(n, 1.0f);
+    Curve largest{"largest", {}}, first{"first of each face", {}};
+    std::string text;
+    std::vector<Image> pictures{picture_of_light(light, kFaces)};
+    for (const int count : {1, 4, 16, 64, 128, 256}) {
+      const KeptLight kept = choose_coefficients(light, equal, static_cast<std::size_t>(6 * count));
+      KeptLight coarse;
+      for (std::uint32_t i = 0; i < n; ++i)
+        if (static_cast<int>(i % kPerFace) < count) {
+          coarse.coefficients.push_back(i);
+          coarse.values.emplace_back(light(i, 0), light(i, 1), light(i, 2));
+        }
+      largest.points.emplace_back(count, 100.0 * lost(light, kept));
+      first.points.emplace_back(count, 100.0 * lost(light, coarse));
+      text += (text.empty() ? "" : ", ") + std::to_string(count) + ": " + number(largest.points.back().second) + " / " +
+              number(first.points.back().second) + " %";
+      CubeLight shown_light = CubeLight::Zero(light.rows(), 3);
+      for (std::size_t k = 0; k < kept.coefficients.size(); ++k)
+        for (int c = 0; c < 3; ++c) shown_light(kept.coefficients[k], c) = kept.values[k][c];
+      if (count >= 4 && count < 256) pictures.push_back(picture_of_light(shown_light, kFaces));
+    }
+    figures_.push_back(shown("10.12, error of the light by coefficients a face: largest / first", text));
+    chart("10-12-light", {largest, first}, "coefficients a face", "error of the light (%)");
+    save("10-12-light-all-4-16-64-128", pictures);
+  }
+
+  static double lost(const CubeLight& light, const KeptLight& kept) {
+    double rest = light.cast<double>().squaredNorm();
+    const double all = rest;
+    for (const glm::vec3& v : kept.values) rest -= static_cast<double>(glm::dot(v, v));
+    return std::sqrt(std::max(rest, 0.0) / all);
+  }
+
+  /// The faces side by side, each texel a block of pixels.
+  static Image picture_of_light(CubeLight haar, int side) {
+    constexpr int kBlock = 4;
+    for (int c = 0; c < 3; ++c) inverse_haar_faces(side, haar.col(c).data());
+    Image picture(6 * side * kBlock, side * kBlock, 3);
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x) {
+        const int face = x / (side * kBlock), column = x / kBlock % side;
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = haar((face * side + y / kBlock) * side + column, c);
+      }
+    return picture;
+  }
+
+  /// Figure 10.16: the resolution of the light, with as many coefficients as the thesis takes.
+  void measure_light_resolution() {
+    const Image truth = reference(32);
+    Curve curve{"against 6 x 32 x 32", {}};
+    std::string text;
+    std::vector<Image> pictures{truth};
+    struct Step {
+      int faces, coefficients;
+    };
+    for (const auto& [faces, coefficients] : {Step{16, 64}, Step{8, 40}, Step{4, 16}}) {
+      const Settings s = settings(faces);
+      const double seconds = bake(s);
+      pictures.push_back(draw(request(s, coefficients)));
+      const double e = error(pictures.back(), truth);
+      curve.points.emplace_back(faces, 100.0 * e);
+      text += (text.empty() ? "" : ", ") + std::to_string(faces) + " (" + std::to_string(coefficients) +
+              "): " + percent(e) + " in " + number(seconds) + " s";
+    }
+    figures_.push_back(shown("10.16, error by side of a face (coefficients), and bake or load", text));
+    chart("10-16-light-resolution", {curve}, "side of a face", "error of the picture (%)");
+    save("10-16-reference-16-8-4", pictures);
+  }
+
+  /// Figure 10.17: components of the transfer.
+  void measure_components() {
+    const Image truth = reference(16);
+    Curve curve{"64 coefficients", {}};
+    std::string text;
+    std::vector<Image> pictures{truth};
+    for (const int components : {1, 2, 4, 6}) {
+      const Settings s = settings(16, components);
+      bake(s);
+      FrameRequest r = request(s, 64);
+      pictures.push_back(draw(r));
+      const double e = error(pictures.back(), truth);
+      curve.points.emplace_back(components, 100.0 * e);
+      r.width = 640;
+      r.height = 360;
+      std::vector<double> frames, updates;
+      for (int i = 0; i < 15; ++i) {
+        r.env_rotation_rad = 0.02f * static_cast<float>(i);
+        const FrameStats stats = stage_.renderer().render(r);
+        frames.push_back(stats.frame_ms);
+        updates.push_back(stats.technique.at("light_update_ms"));
+      }
+      const auto median = [](std::vector<double> v) {
+        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+        return v[v.size() / 2];
+      };
+      text += (text.empty() ? "" : "; ") + std::to_string(components) + ": " + percent(e) + ", update " +
+              number(median(updates)) + " ms, frame " + number(median(frames)) + " ms";
+    }
+    figures_.push_back(shown("10.17, by components of the transfer, light turning at 640 x 360", text));
+    chart("10-17-components", {curve}, "components", "error of the picture (%)");
+    save("10-17-reference-1-2-4-6", pictures);
+  }
+
+  /// Figure 10.15: covers.
+  void measure_covers() {
+    std::vector<Image> pictures;
+    std::string text;
+    for (const std::string name : {"leather", "knit", "fabric"}) {
+      if (!stage_.options().only.empty() && !stage_.options().wants(name)) continue;
+      cover(name);
+      const Settings s = settings();
+      const double seconds = bake(s);
+      pictures.push_back(draw(request(s, 64)));
+      text += (text.empty() ? "" : ", ") + name + ": " + percent(error(pictures.back(), reference(16))) + " in " +
+              number(seconds) + " s";
+    }
+    figures_.push_back(shown("10.15, error by cover, and bake or load", text));
+    save("10-15-covers", pictures);
+  }
+
+  void chart(const std::string& name, const std::vector<Curve>& curves, const std::string& x, const std::string& y) {
+    const std::string& folder = stage_.options().charts;
+    if (folder.empty()) return;
+    std::string problem;
+    const auto svg = report::draw_script(
+        name, folder, [&](const std::string& svg_file) { return curves_script(curves, x, y, svg_file); }, &problem);
+    figures_.push_back(svg ? shown("chart", folder + "/" + name + ".svg") : absent("chart", "", problem));
+  }
+
+  /// Side by side.
+  void save(const std::string& name, const std::vector<Image>& pictures) const {
+    if (stage_.options().charts.empty() || pictures.empty()) return;
+    std::filesystem::create_directories(stage_.options().charts);
+    const int width = pictures[0].width, height = pictures[0].height;
+    const bool stacked = width > 3 * height;
+    const auto count = static_cast<int>(pictures.size());
+    Image all(stacked ? width : count * width, stacked ? count * height : height, 3);
+    for (int y = 0; y < all.height; ++y)
+      for (int x = 0; x < all.width; ++x)
+        for (int c = 0; c < 3; ++c)
+          all.at(x, y, c) =
+              pictures[static_cast<std::size_t>(stacked ? y / height : x / width)].at(x % width, y % height, c);
+    save_exr((std::filesystem::path(stage_.options().charts) / (name + ".exr")).string(), all);
+  }
+
+  Stage& stage_;
+  std::shared_ptr<const Environment> sky_;
+  std::shared_ptr<const Scene> scene_;
+  std::string cover_;
+  CameraView camera_;
+  Figures figures_;
+};
+
+}  // namespace
+
+Figures measure_prt_curves(Stage& stage) { return ClothBench(stage).measure(); }
+
+}  // namespace maquette::bench

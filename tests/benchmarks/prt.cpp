@@ -5,7 +5,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
-#include "render/prt/buried_vertices.h"
 #include "render/prt/job.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/reference.h"
@@ -58,13 +57,12 @@ class TransferBench {
     const auto scene = seat_covered("builtin:btf-" + cover);
     name_ = "seat, btf-" + cover;
     bake(*scene, cover);
-    transfer_.reset();
     const std::string data = stage_.options().data;
     if (!data.empty()) measure_sky(scene, "workshop", data + "/environments/autoshop_01_1k.hdr");
     measure_sky(scene, "studio", "builtin:studio");
     measure_turned_object(scene);
     measure_light(*scene);
-    measure_sums();
+    measure_sums(cover);
   }
 
   void measure_sky(const std::shared_ptr<const Scene>& scene, const std::string& sky, const std::string& file) {
@@ -85,7 +83,7 @@ class TransferBench {
                                          camera(*scene), kWidth, kHeight);
     }
     measure_errors(*scene, references);
-    measure_parts(*scene, *traced, cube, references[0]);
+    measure_turned_light(*scene);
     measure_raw(*scene, traced, references[0]);
   }
 
@@ -97,24 +95,8 @@ class TransferBench {
         &library);
   }
 
-  /// What of the error comes from where, and the turned light against a light that is given turned.
-  void measure_parts(const Scene& scene, const PathScene& traced, const CubeDirections& cube, const Image& reference) {
-    const TransferJob from = job(scene);
-    const std::atomic<bool> never{false};
-    if (!transfer_) transfer_ = bake_transfer(from, {}, nullptr, never, {});
-    const RayScene rays = build_ray_scene(*from.geometry, from.occluding);
-    ArrivingLight arriving = trace_arriving_light(transfer_->mesh, cube, rays, {from.options.rays}, never);
-    light_buried_vertices(transfer_->mesh, find_buried_vertices(transfer_->mesh, *from.geometry, cube, rays, arriving),
-                          &arriving);
-    const test::TransferReference sums{traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)),
-                                       settings_.get_int("prt.rays"), settings_.get_int("prt.btf_components")};
-    const Image of_vertices =
-        test::trace_vertex_transfer_reference({sums, transfer_->mesh, arriving}, camera(scene), kWidth, kHeight);
-    const Image all = draw(request(scene, 0.0, 1024));
-    figures_.push_back(shown(under_ + ": parts of that error", "vertices " + percent(error(of_vertices, reference)) +
-                                                                   ", C_T " + percent(error(all, of_vertices)) +
-                                                                   ", 64 coefficients " +
-                                                                   percent(error(draw(request(scene, 0.0, 64)), all))));
+  /// The turned light against a light that is given turned.
+  void measure_turned_light(const Scene& scene) {
     const Image turned = draw(request(scene, kTurn_rad, 64)), straight = draw(request(scene, 0.0, 64));
     stage_.renderer().set_environment(turned_sky(environment_rotation(kTurn_rad)));
     const Image given = draw(request(scene, 0.0, 64));
@@ -164,9 +146,12 @@ class TransferBench {
   }
 
   /// The sums alone, by the processor's lanes (AVX and F16C; AVX-512 is not used) and by plain code.
-  void measure_sums() {
+  void measure_sums(const std::string& cover) {
+    const std::atomic<bool> never{false};
+    const TransferJob from = job(*seat_covered("builtin:btf-" + cover));
+    const auto transfer = bake_transfer(from, {}, nullptr, never, {});
     const CubeDirections cube(settings_.get_int("prt.faces"));
-    const RelightTable& table = transfer_->bake->table;
+    const RelightTable& table = transfer->bake->table;
     const CubeLight light = haar_light(CubePyramid(*sky_), cube, glm::dmat3(1.0));
     std::vector<glm::vec4> sums;
     for (const std::size_t coefficients : {std::size_t{20}, std::size_t{120}}) {
@@ -343,7 +328,6 @@ class TransferBench {
   Stage& stage_;
   Settings settings_;
   std::shared_ptr<const Environment> sky_;
-  std::shared_ptr<const Transfer> transfer_;
   std::string name_, under_;
   Figures figures_;
 };

@@ -18,44 +18,17 @@ struct ViewFactors {
   std::vector<glm::vec3> factors;
 };
 
-/// `wo`: in the frame where the views are, unit.
-std::vector<ViewFactors> find_factors(const Btf& btf, const glm::vec3& wo, const BtfLookup& at) {
-  const DirectionWeights views = btf.view_mesh.find(wo);
+glm::vec3 shade(const TransferReference& r, const SurfacePoint& p) {
+  const Btf& btf = *p.material->btf;
+  const DirectionWeights views = btf.view_mesh.find(p.wo);
   std::vector<ViewFactors> near;
   for (std::size_t k = 0; k < 3; ++k) {
     const float share = views.weight[static_cast<int>(k)];
     if (!(share > 0.0f)) continue;
     near.push_back({&btf.views[static_cast<std::size_t>(views.index[k])], share,
                     std::vector<glm::vec3>(static_cast<std::size_t>(1 + btf.components))});
-    read_btf_factors(btf, *near.back().view, at, near.back().factors.data());
+    read_btf_factors(btf, *near.back().view, p.btf, near.back().factors.data());
   }
-  return near;
-}
-
-/// Reflectance for light from a local direction, by the first `components`.
-glm::vec3 reflectance(const Btf& btf, const std::vector<ViewFactors>& near, const glm::vec3& local,
-                      std::size_t components) {
-  glm::vec3 rho(0.0f);
-  for (const ViewFactors& v : near) {
-    const DirectionWeights lights = v.view->lights->find(local);
-    glm::vec3 own = v.factors[0];
-    for (std::size_t c = 0; c < components; ++c) {
-      float h = 0.0f;
-      for (std::size_t l = 0; l < 3; ++l)
-        h +=
-            lights.weight[static_cast<int>(l)] *
-            v.view->light_weights[static_cast<std::size_t>(lights.index[l]) * static_cast<std::size_t>(btf.components) +
-                                  c];
-      own += h * v.factors[c + 1];
-    }
-    rho += v.share * own;
-  }
-  return rho;
-}
-
-glm::vec3 shade(const TransferReference& r, const SurfacePoint& p) {
-  const Btf& btf = *p.material->btf;
-  const std::vector<ViewFactors> near = find_factors(btf, p.wo, p.btf);
   const glm::vec3 origin = offset_from_surface(p.position, p.error, p.normal);
   const auto components = static_cast<std::size_t>(std::min(r.components, btf.components));
   glm::dvec3 sum(0.0);
@@ -72,45 +45,30 @@ glm::vec3 shade(const TransferReference& r, const SurfacePoint& p) {
     if (!(arriving > 0.0)) continue;
     glm::vec3 local = p.to_local(glm::vec3(mean));
     local.z = std::max(local.z, 1e-6f);
-    const glm::vec3 rho = reflectance(btf, near, glm::normalize(local), components);
+    local = glm::normalize(local);
+    glm::vec3 rho(0.0f);
+    for (const ViewFactors& v : near) {
+      const DirectionWeights lights = v.view->lights->find(local);
+      glm::vec3 own = v.factors[0];
+      for (std::size_t c = 0; c < components; ++c) {
+        float h = 0.0f;
+        for (std::size_t l = 0; l < 3; ++l)
+          h += lights.weight[static_cast<int>(l)] * v.view->light_weights[static_cast<std::size_t>(lights.index[l]) *
+                                                                              static_cast<std::size_t>(btf.components) +
+                                                                          c];
+        own += h * v.factors[c + 1];
+      }
+      rho += v.share * own;
+    }
     const double weight = arriving / (r.rays * r.rays) * r.cube.solid_angles()[d];
     sum += weight * glm::dvec3(rho) * glm::dvec3(r.light(d, 0), r.light(d, 1), r.light(d, 2));
   }
   return glm::max(glm::vec3(sum), glm::vec3(0.0f));
 }
 
-glm::vec3 shade_by_vertices(const VertexTransferReference& r, const TransferMesh::Triangle& triangle,
-                            const SurfacePoint& p) {
-  const Btf& btf = *p.material->btf;
-  const FlatGeometry& g = r.sums.scene.geometry;
-  const std::uint32_t* c = &g.indices[3 * static_cast<std::size_t>(triangle.source)];
-  const glm::dvec3 p0(g.positions[c[0]]), e1 = glm::dvec3(g.positions[c[1]]) - p0,
-                                          e2 = glm::dvec3(g.positions[c[2]]) - p0, to = glm::dvec3(p.position) - p0;
-  const glm::dvec3 normal = glm::cross(e1, e2);
-  const double area = glm::dot(normal, normal);
-  const TransferCorners corners = find_transfer_corners(
-      r.mesh, triangle,
-      glm::vec2(glm::dot(glm::cross(to, e2), normal) / area, glm::dot(glm::cross(e1, to), normal) / area));
-  const auto components = static_cast<std::size_t>(std::min(r.sums.components, btf.components));
-  const glm::vec3 to_eye = p.to_world(p.wo);
-  glm::dvec3 sum(0.0);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const TransferVertex& v = r.mesh.vertices[corners.vertex[k]];
-    const glm::vec3 wo(glm::dot(v.t, to_eye), glm::dot(v.b, to_eye), std::max(glm::dot(v.n, to_eye), 1e-3f));
-    const std::vector<ViewFactors> near = find_factors(btf, glm::normalize(wo), p.btf);
-    for (std::size_t e = r.arriving.first[corners.vertex[k]]; e < r.arriving.first[corners.vertex[k] + 1]; ++e) {
-      const ArrivingLight::Entry& entry = r.arriving.entries[e];
-      const Eigen::Index d = entry.direction;
-      sum += static_cast<double>(corners.share[k] * entry.arriving) * r.sums.cube.solid_angles()[d] *
-             glm::dvec3(reflectance(btf, near, entry.local, components)) *
-             glm::dvec3(r.sums.light(d, 0), r.sums.light(d, 1), r.sums.light(d, 2));
-    }
-  }
-  return glm::max(glm::vec3(sum), glm::vec3(0.0f));
-}
+}  // namespace
 
-template <typename Shade>
-Image trace_picture(const TransferReference& r, const CameraView& camera, int width, int height, const Shade& shade) {
+Image trace_transfer_reference(const TransferReference& r, const CameraView& camera, int width, int height) {
   Image picture(width, height, 4);
   const CameraFrame frame = make_camera_frame(camera, width, height, r.scene.bounds);
   const auto ray_of = [&](float x, float y) {
@@ -126,27 +84,11 @@ Image trace_picture(const TransferReference& r, const CameraView& camera, int wi
     const RayDifferential differential{right.origin, down.origin, right.direction, down.direction};
     const SurfacePoint p = resolve_surface(r.scene, ray, hit, {&differential});
     if (!p.material->btf || !p.front) return;
-    const glm::vec3 radiance = shade(p);
+    const glm::vec3 radiance = shade(r, p);
     for (int c = 0; c < 3; ++c) picture.at(i % width, i / width, c) = radiance[c];
     picture.at(i % width, i / width, 3) = 1.0f;
   });
   return picture;
-}
-
-}  // namespace
-
-Image trace_transfer_reference(const TransferReference& r, const CameraView& camera, int width, int height) {
-  return trace_picture(r, camera, width, height, [&](const SurfacePoint& p) { return shade(r, p); });
-}
-
-Image trace_vertex_transfer_reference(const VertexTransferReference& r, const CameraView& camera, int width,
-                                      int height) {
-  std::vector<const TransferMesh::Triangle*> of_source(r.sums.scene.geometry.indices.size() / 3, nullptr);
-  for (const TransferMesh::Triangle& t : r.mesh.triangles) of_source[t.source] = &t;
-  return trace_picture(r.sums, camera, width, height, [&](const SurfacePoint& p) {
-    const TransferMesh::Triangle* t = of_source[r.sums.scene.triangles[p.triangle].source];
-    return t ? shade_by_vertices(r, *t, p) : glm::vec3(0.0f);
-  });
 }
 
 }  // namespace maquette::test

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "render/prt/cube_light.h"
-#include "render/prt/transfer.h"
 #include "render/reference/path_scene.h"
 #include "scenes/image.h"
 
@@ -16,16 +15,6 @@ struct TransferReference {
   int rays = 2;        ///< a side of a direction's texel, as the bake
   int components = 2;  ///< of the BTFs, besides the mean
 };
-
-/// The same sums at vertices: what a picture of precomputed transfer shows that has lost nothing by compression and
-/// kept all coefficients. Views and their shares are those of the vertices, texels those of the pixel.
-struct VertexTransferReference {
-  const TransferReference& sums;
-  const TransferMesh& mesh;  ///< of the geometry of `sums.scene`
-  const ArrivingLight& arriving;
-};
-Image trace_vertex_transfer_reference(const VertexTransferReference& reference, const CameraView& camera, int width,
-                                      int height);
 
 /// Radiance of what is seen; alpha 1 where that is a surface with a BTF.
 Image trace_transfer_reference(const TransferReference& reference, const CameraView& camera, int width, int height);

@@ -32,13 +32,17 @@ std::string place_of(const std::string& source) {
 }
 
 Json document_json(const Review& review, const SourceMap& to_file) {
-  Json looks = Json::array(), paths = Json::array();
+  Json looks = Json::array(), paths = Json::array(), regions = Json::array();
   for (const Look& look : review.looks) looks.push_back(look_json(look, to_file));
   for (const CameraPath& path : review.paths) paths.push_back(path_json(path));
+  for (const InspectedRegion& r : review.regions)
+    regions.push_back(
+        {{"x", shortest(r.x)}, {"y", shortest(r.y)}, {"width", shortest(r.width)}, {"height", shortest(r.height)}});
   return {{"scene", {{"source", to_file(review.scene)}, {"name", review.scene_of_file}}},
           {"look", look_json(review.look, to_file)},
           {"looks", looks},
-          {"paths", paths}};
+          {"paths", paths},
+          {"regions", regions}};
 }
 
 template <typename T>
@@ -49,6 +53,21 @@ void check_names(const std::vector<T>& things, const std::string& where, const s
     if (!names.insert(thing.name).second)
       throw Error(where, "two of them are named \"" + thing.name + "\"", "rename one");
   }
+}
+
+/// Throws Error for one that is outside the picture.
+InspectedRegion region_from_json(const Json& json, const std::string& where) {
+  JsonReader reader(json, where);
+  InspectedRegion region;
+  region.x = reader.real("x", 0.0f, 1.0f);
+  region.y = reader.real("y", 0.0f, 1.0f);
+  region.width = reader.real("width", 0.0f, 1.0f);
+  region.height = reader.real("height", 0.0f, 1.0f);
+  reader.finish();
+  constexpr float kRounding = 1e-5f;
+  if (region.x + region.width > 1.0f + kRounding || region.y + region.height > 1.0f + kRounding)
+    throw Error(where, "it reaches outside the picture", "x + width and y + height are at most 1");
+  return region;
 }
 
 /// The members of a document; others may stand beside them.
@@ -67,6 +86,11 @@ Review read_document(JsonReader* reader, const SourceMap& from_file) {
     review.looks.push_back(look_from_json(looks[i], at("looks", i), from_file));
   const Json& paths = reader->list("paths");
   for (std::size_t i = 0; i < paths.size(); ++i) review.paths.push_back(path_from_json(paths[i], at("paths", i)));
+  if (reader->has("regions")) {  // the first reviews had none
+    const Json& regions = reader->list("regions");
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      review.regions.push_back(region_from_json(regions[i], at("regions", i)));
+  }
   check_names(review.looks, reader->where("looks"), "look");
   check_names(review.paths, reader->where("paths"), "path");
   return review;

@@ -10,7 +10,13 @@
 
 namespace maquette {
 
-/// All that a user makes of a scene: the state at hand, the looks and the paths that were kept. Sources are built-in
+/// A rectangle of the picture that the inspection measures, 0 to 1 from the top left.
+struct InspectedRegion {
+  float x = 0.0f, y = 0.0f, width = 0.0f, height = 0.0f;
+  bool operator==(const InspectedRegion&) const = default;
+};
+
+/// All that a user makes of a scene: the state at hand, what was kept of looks, paths and regions. Sources are built-in
 /// names and absolute paths.
 struct Review {
   std::string scene = "builtin:cockpit";
@@ -18,6 +24,7 @@ struct Review {
   Look look;                  ///< the state at hand
   std::vector<Look> looks;
   std::vector<CameraPath> paths;
+  std::vector<InspectedRegion> regions;
   bool operator==(const Review&) const = default;
 };
 

@@ -19,41 +19,40 @@ std::string scene_title(const EditorFacts& facts) {
   return std::filesystem::path(name).filename().string();
 }
 
-void draw_open_popup(Ui& ui) {
-  if (ui.state.open_path_popup) ImGui::OpenPopup("open path");
-  ui.state.open_path_popup = false;
-  if (!ImGui::BeginPopup("open path")) return;
-  ImGui::TextUnformatted("Path of a scene, an environment or a measured material");
-  dim_text(".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)");
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
+/// A popup with one text field, which gets the keyboard, and a button; true when the text was entered.
+bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const char* button) {
+  constexpr int kFocusFrames = 4;  // ImGui takes two or three to hand the keyboard over
+  if (*open) ImGui::OpenPopup(title);
+  *open = false;
+  if (!ImGui::BeginPopup(title)) return false;
+  ImGui::TextUnformatted(title);
+  dim_text(hint);
+  int* age = ImGui::GetStateStorage()->GetIntRef(ImGui::GetID("age"));
+  *age = ImGui::IsWindowAppearing() ? 0 : *age + 1;
+  if (*age == 0) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(scaled(460.0f));
-  const bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
-                                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
+                                  ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
+  if (*age < kFocusFrames && !ImGui::IsItemActive() && !entered) ui.frame.awaits_field = true;
   ImGui::SameLine();
-  if ((ImGui::Button("Open") || entered) && ui.state.path[0] != 0) {
-    ui.actions.open_path = ui.state.path.data();
-    ImGui::CloseCurrentPopup();
-  }
+  entered = (ImGui::Button(button) || entered) && ui.state.path[0] != 0;
+  if (entered) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
+  return entered;
+}
+
+void draw_open_popup(Ui& ui) {
+  if (path_popup(ui, "Path of a scene, an environment or a measured material", &ui.state.open_path_popup,
+                 ".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)", "Open"))
+    ui.actions.open_path = ui.state.path.data();
 }
 
 void draw_save_popup(Ui& ui) {
-  if (ui.state.save_path_popup) ImGui::OpenPopup("save review");
-  ui.state.save_path_popup = false;
-  if (!ImGui::BeginPopup("save review")) return;
-  ImGui::TextUnformatted("Name of the review");
-  dim_text("NAME.maquette.json: scene, looks and paths, and all that is changed");
-  if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
-  ImGui::SetNextItemWidth(scaled(460.0f));
-  const bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
-                                        ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
-  ImGui::SameLine();
-  if ((ImGui::Button("Save") || entered) && ui.state.path[0] != 0) {
-    ui.actions.save_path = ui.state.path.data();
-    if (!is_review_file(ui.actions.save_path)) ui.actions.save_path += ".maquette.json";
-    ImGui::CloseCurrentPopup();
-  }
-  ImGui::EndPopup();
+  if (!path_popup(ui, "Name of the review", &ui.state.save_path_popup,
+                  "NAME.maquette.json: scene, looks and paths, and all that is changed", "Save"))
+    return;
+  ui.actions.save_path = ui.state.path.data();
+  if (!is_review_file(ui.actions.save_path)) ui.actions.save_path += ".maquette.json";
 }
 
 void draw_camera_combo(Ui& ui) {

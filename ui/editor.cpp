@@ -1,6 +1,7 @@
 #include "ui/editor.h"
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <span>
 
@@ -105,6 +106,8 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
     ImGui::End();
   }
   frame.editing = ImGui::IsAnyItemActive();
+  // WantTextInput itself is that of the last frame, and stays for one after a field was left.
+  frame.typing = frame.editing && ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;
   return frame;
 }
 

@@ -14,6 +14,8 @@ struct EditorFrame {
   std::map<std::string, Rect> windows;  ///< rectangles of the ImGui windows themselves
   std::map<std::string, Rect> items;    ///< some controls by name: `material/NAME`, `library/NAME`, `rotation`, ...
   bool editing = false;                 ///< a control is held: the change is still in progress
+  bool typing = false;                  ///< a text field has the keyboard in the next frame
+  bool awaits_field = false;            ///< one has been opened that does not have it yet
   int hovered_material = -1;            ///< row of the materials list under the mouse
 };
 

@@ -130,7 +130,9 @@ void draw_regions(Ui& ui) {
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
+  const float below = ImGui::GetCursorPosY() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
   dim_text(facts.sun.empty() ? "No sun in this environment" : facts.sun);
+  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), below));
   row_label("Vary", "Sun, rake and the rest, from this eye, path traced on few pixels");
   if (facts.sweep_names.empty()) return;
   const int count = static_cast<int>(facts.sweep_names.size());
@@ -179,7 +181,9 @@ void draw_export(Ui& ui) {
 void draw_inspection_panel(Ui& ui) {
   ui.state.inspection.open = true;
   const InspectionFacts& facts = ui.facts.inspection;
+  const float below = ImGui::GetCursorPosY() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
   dim_text(!facts.status.empty() ? facts.status : "Rest the mouse on the picture: what its pixel shows.");
+  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), below));  // nothing jumps when another text needs fewer lines
   const auto part = [&](const char* title, void (*draw)(Ui&)) {
     const bool shown = section(title);
     mark_item(ui, std::string("inspection/") + title);

@@ -7,14 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "review/review.h"
+
 /// The inspection of panes in the window, as plain values.
 namespace maquette {
-
-/// A rectangle of the picture, 0 to 1 from the top left.
-struct InspectedRegion {
-  float x = 0.0f, y = 0.0f, width = 0.0f, height = 0.0f;
-  bool operator==(const InspectedRegion&) const = default;
-};
 
 /// Settings of the inspection tab.
 struct InspectionView {

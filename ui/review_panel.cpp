@@ -244,7 +244,9 @@ void draw_paths(Ui& ui) {
 
 void draw_review_panel(Ui& ui) {
   if (!ui.facts.scene) return;
-  if (section("Looks")) draw_looks(ui);
+  const bool looks = section("Looks");
+  mark_item(ui, "section/Looks");
+  if (looks) draw_looks(ui);
   if (section("Camera paths")) draw_paths(ui);
 }
 

@@ -67,7 +67,7 @@ class App {
     const bool busy_mouse = now - inbox_->last_event_s < kBusyMouse_s;
     if (picture_.resting(now) && !busy_mouse && !paths_.playing())
       glfwWaitEventsTimeout(kRestWait_s);
-    else if (!drew_ && inbox_->pointer.empty())
+    else if (!drew_ && inbox_->empty())
       glfwWaitEventsTimeout(kPollWait_s);
     else
       glfwPollEvents();
@@ -75,13 +75,15 @@ class App {
 
   void frame() {
     const double now = glfwGetTime();
-    const std::vector<PointerEvent> events = inbox_->next_pointer_events();
-    host_.begin_frame(events, inbox_->keys);
+    const EditorState& state = session_.state;
+    const bool field_opens = state.open_path_popup || state.save_path_popup || editor_.awaits_field;
+    const InputBatch input = inbox_->next(editor_.typing, field_opens);
+    host_.begin_frame(input);
     collect_facts();
     EditorActions actions;
     editor_ = draw_editor(&session_.state, facts_, &actions);
-    handle_keys(&actions);
-    handle_pointer(events);
+    if (!input.typing) handle_keys(input.keys, &actions);
+    handle_pointer(input.pointer);
     fly(static_cast<float>(now - last_frame_s_));
     last_frame_s_ = now;
     for (const std::string& path : inbox_->dropped) session_.open(path, material_under_mouse());
@@ -118,8 +120,9 @@ class App {
     PictureUpdate update;
     update.width_px = w;
     update.height_px = h;
-    update.panels_busy = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
-    update.more_events = !inbox_->pointer.empty();
+    const bool mouse = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
+    update.panels_busy = mouse || (compare_.drawing() && picture_.still());
+    update.more_events = !inbox_->empty();
     update.now_s = now;
     drew_ = picture_.update(&session_, update);
     if (drew_) ++drawn_frames_;
@@ -158,12 +161,10 @@ class App {
                       [this](float x, float y) { return pick(x, y); });
   }
 
-  void handle_keys(EditorActions* actions) {
-    const std::vector<KeyEvent> keys = std::move(inbox_->keys);
-    inbox_->keys.clear();
-    if (ImGui::GetIO().WantTextInput) return;
+  void handle_keys(const std::vector<KeyEvent>& keys, EditorActions* actions) {
     EditorState& state = session_.state;
     for (const KeyEvent& event : keys) {
+      if (event.released) continue;
       if (event.ctrl) {
         if (event.key == GLFW_KEY_Z) (event.shift ? actions->redo : actions->undo) = true;
         if (event.key == GLFW_KEY_Y) actions->redo = true;
@@ -201,7 +202,7 @@ class App {
   }
 
   void fly(float seconds) {
-    if (ImGui::GetIO().WantTextInput) return;
+    if (editor_.typing) return;
     const auto held = [&](int key) { return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0f : 0.0f; };
     const glm::vec3 direction(held(GLFW_KEY_D) - held(GLFW_KEY_A), held(GLFW_KEY_E) - held(GLFW_KEY_Q),
                               held(GLFW_KEY_W) - held(GLFW_KEY_S));

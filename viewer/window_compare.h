@@ -23,6 +23,8 @@ class WindowCompare {
   void swap(WindowSession* session);
   /// Draws the look at hand, as large as the window shows it, into an .exr beside the review.
   void render_file(WindowSession* session, const WindowPicture& picture);
+  /// A picture is in work: the window's own may wait.
+  bool drawing() const { return drawing_.busy() || file_.busy(); }
   /// Whether the event moves the wiper, and is nobody else's.
   bool takes(const PointerEvent& event, const Rect& picture);
   /// Draws the other look in the background once nothing moves.

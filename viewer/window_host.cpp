@@ -6,25 +6,10 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 
-#include <algorithm>
-
 #include "scenes/error.h"
 #include "ui/editor.h"
 
 namespace maquette {
-
-std::vector<PointerEvent> Inbox::next_pointer_events() {
-  const auto first_button = std::find_if(pointer.begin(), pointer.end(), [](const PointerEvent& event) {
-    return event.kind == PointerEvent::Kind::press || event.kind == PointerEvent::Kind::release;
-  });
-  // A press comes one frame after the move to its position, because tabs must have been hovered before.
-  const bool move_first = first_button != pointer.end() && first_button != pointer.begin() &&
-                          first_button->kind == PointerEvent::Kind::press;
-  const auto end = first_button == pointer.end() || move_first ? first_button : first_button + 1;
-  const std::vector<PointerEvent> events(pointer.begin(), end);
-  pointer.erase(pointer.begin(), end);
-  return events;
-}
 
 namespace {
 
@@ -48,10 +33,31 @@ void push_pointer(GLFWwindow* window, PointerEvent event) {
   event.x = static_cast<float>(inbox.x);
   event.y = static_cast<float>(inbox.y);
   inbox.last_event_s = glfwGetTime();
-  inbox.pointer.push_back(event);
+  inbox.add(event);
 }
 
-/// ImGui's back end installs its own callbacks after these and calls them.
+/// The key whose letter this keyboard has there.
+int key_of_layout(int key, int scancode) {
+  if (key < GLFW_KEY_A || key > GLFW_KEY_Z) return key;
+  const char* name = glfwGetKeyName(key, scancode);
+  if (!name || name[0] == 0 || name[1] != 0) return key;
+  const int letter = name[0] >= 'a' && name[0] <= 'z' ? name[0] - 'a' + GLFW_KEY_A : name[0];
+  return letter >= GLFW_KEY_A && letter <= GLFW_KEY_Z ? letter : key;
+}
+
+void push_key(GLFWwindow* window, int key, int scancode, int action, int mods) {
+  Inbox& inbox = inbox_of(window);
+  inbox.last_event_s = glfwGetTime();
+  if (action == GLFW_RELEASE && !is_modifier(key)) return;
+  KeyEvent event;
+  event.key = key_of_layout(key, scancode);
+  event.ctrl = (mods & GLFW_MOD_CONTROL) != 0;
+  event.shift = (mods & GLFW_MOD_SHIFT) != 0;
+  event.released = action == GLFW_RELEASE;
+  event.repeated = action == GLFW_REPEAT;
+  inbox.add(event);
+}
+
 void install_callbacks(GLFWwindow* window) {
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int mods) {
     PointerEvent event;
@@ -74,11 +80,8 @@ void install_callbacks(GLFWwindow* window) {
     event.wheel = static_cast<float>(dy);
     push_pointer(w, event);
   });
-  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    inbox_of(w).last_event_s = glfwGetTime();
-    if (action != GLFW_RELEASE)
-      inbox_of(w).keys.push_back({key, (mods & GLFW_MOD_CONTROL) != 0, (mods & GLFW_MOD_SHIFT) != 0});
-  });
+  glfwSetKeyCallback(window, push_key);
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned letter) { inbox_of(w).add_text(letter); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
     for (int i = 0; i < count; ++i) inbox_of(w).dropped.emplace_back(paths[i]);
   });
@@ -118,7 +121,7 @@ ImGuiHost::ImGuiHost(GLFWwindow* window) : window_(window) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   refresh_scale();
-  ImGui_ImplGlfw_InitForOpenGL(window, true);
+  ImGui_ImplGlfw_InitForOpenGL(window, false);
   ImGui_ImplOpenGL3_Init("#version 450 core");
 }
 
@@ -128,26 +131,48 @@ ImGuiHost::~ImGuiHost() {
   ImGui::DestroyContext();
 }
 
-void ImGuiHost::begin_frame(const std::vector<PointerEvent>& events, const std::vector<KeyEvent>& keys) {
+void ImGuiHost::pass_pointer(const PointerEvent& event) {
+  mouse_ = {event.x, event.y};
+  if (event.kind == PointerEvent::Kind::wheel) ImGui::GetIO().MouseWheel += event.wheel;
+  if (event.button < 0 || event.button >= 3) return;
+  if (event.kind == PointerEvent::Kind::press) {
+    down_[event.button] = true;
+    ctrl_ = event.ctrl;
+    shift_ = event.shift;
+  }
+  if (event.kind == PointerEvent::Kind::release) down_[event.button] = false;
+}
+
+void ImGuiHost::pass_key(const KeyEvent& event, bool typing) {
+  ImGuiIO& io = ImGui::GetIO();
+  if (event.key == GLFW_KEY_LEFT_CONTROL || event.key == GLFW_KEY_RIGHT_CONTROL) ctrl_ = !event.released;
+  if (event.key == GLFW_KEY_LEFT_SHIFT || event.key == GLFW_KEY_RIGHT_SHIFT) shift_ = !event.released;
+  if (is_modifier(event.key)) return;
+  if (event.key != 0) {
+    ctrl_ = event.ctrl;
+    shift_ = event.shift;
+  }
+  if (event.text != 0 && !event.ctrl) {
+    if (typing) io.AddInputCharacter(event.text);
+  } else if (event.key > 0 && event.key < IM_ARRAYSIZE(io.KeysDown)) {
+    io.KeysDown[event.key] = true;  // even if it has been released since
+    tapped_.push_back(event.key);
+  }
+}
+
+void ImGuiHost::begin_frame(const InputBatch& input) {
   if (refresh_scale()) ImGui_ImplOpenGL3_DestroyFontsTexture();
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();
-  for (const PointerEvent& event : events) {
-    mouse_ = {event.x, event.y};
-    if (event.button < 0 || event.button >= 3) continue;
-    if (event.kind == PointerEvent::Kind::press) down_[event.button] = true;
-    if (event.kind == PointerEvent::Kind::release) down_[event.button] = false;
-  }
+  for (const int key : tapped_) io.KeysDown[key] = false;
+  tapped_.clear();
+  for (const PointerEvent& event : input.pointer) pass_pointer(event);
+  for (const KeyEvent& event : input.keys) pass_key(event, input.typing);
   io.MousePos = mouse_;
   for (int i = 0; i < 3; ++i) io.MouseDown[i] = down_[i];
-  for (const int key : tapped_) io.KeysDown[key] = glfwGetKey(window_, key) == GLFW_PRESS;
-  tapped_.clear();
-  for (const KeyEvent& event : keys) {
-    if (event.key < 0 || event.key >= IM_ARRAYSIZE(io.KeysDown)) continue;
-    io.KeysDown[event.key] = true;  // even if it has been released since
-    tapped_.push_back(event.key);
-  }
+  io.KeyCtrl = ctrl_;
+  io.KeyShift = shift_;
   ImGui::NewFrame();
 }
 

@@ -93,6 +93,10 @@ LayerMeans trace_means(const PathScene& paths, const FrameRequest& request, cons
   return {confidence_interval(reflected), confidence_interval(transmitted)};
 }
 
+bool has_r_point(const Scene& scene) {
+  return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
+}
+
 glm::ivec4 pixels_of(const InspectedRegion& r, const FrameRequest& request) {
   const auto at = [](float share, int size) {
     return std::clamp(static_cast<int>(std::lround(share * static_cast<float>(size))), 0, size);
@@ -361,8 +365,7 @@ void WindowInspection::finish_job(WindowSession* session) {
     const Measurement result = job_->result.get();
     if (exports) {
       const std::string path = session->state.inspection.export_path.data();
-      session->add_message(MessageLevel::note, "written: " + path + " and its layers");
-      status_ = "Written: " + path;
+      session->add_message(MessageLevel::warning, "written: " + path + " and its layers");
     } else {
       for (const EyeValues& eye : result.eyes)
         sweep_y_.push_back(static_cast<float>(eye.regions.front().reflected.mean));
@@ -379,13 +382,13 @@ void WindowInspection::carry_out(const InspectionActions& actions, WindowSession
     if (actions.cancel && job_) job_->cancel = true;
     if (actions.run_sweep) start_job(session, false);
     if (actions.export_files) start_job(session, true);
-    if (actions.eye_point == 0 || !traced_) return;
+    if (actions.eye_point == 0) return;
     const InspectionView& view = session->state.inspection;
     MeasureOptions options;
-    const bool has_node = std::ranges::any_of(traced_->scene->nodes, [](const Node& n) { return n.name == "r_point"; });
-    if (!has_node) options.r_point_m = glm::dvec3(view.r_point_m[0], view.r_point_m[1], view.r_point_m[2]);
+    if (!has_r_point(session->scene()))
+      options.r_point_m = glm::dvec3(view.r_point_m[0], view.r_point_m[1], view.r_point_m[2]);
     const VehicleAxes axes = vehicle_axes(options.axes);
-    const glm::dvec3 eye = eye_from_r_point(r_point_of(*traced_->scene, options), axes,
+    const glm::dvec3 eye = eye_from_r_point(r_point_of(session->scene(), options), axes,
                                             {actions.eye_point == 1 ? "V1" : "V2", view.right_hand_drive});
     CameraView& camera = session->state.camera;
     const float distance = std::max(glm::length(camera.target - camera.eye), 0.1f);
@@ -415,8 +418,7 @@ void WindowInspection::fill_facts(const WindowSession& session, InspectionFacts*
     facts->job_share = job_->share;
     facts->sweep_y.clear();
   }
-  if (traced_)
-    facts->has_r_point = std::ranges::any_of(traced_->scene->nodes, [](const Node& n) { return n.name == "r_point"; });
+  facts->has_r_point = has_r_point(session.scene());
 }
 
 void WindowInspection::update_texture(const InspectionView& view) {

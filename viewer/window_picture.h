@@ -17,7 +17,7 @@ namespace maquette {
 /// What the picture needs to know in one iteration of the window's loop.
 struct PictureUpdate {
   int width_px = 1, height_px = 1;  ///< in framebuffer pixels
-  bool panels_busy = false;         ///< the mouse moves: averaging may wait
+  bool panels_busy = false;         ///< the mouse moves, or another picture is drawn: averaging may wait
   bool more_events = false;         ///< more mouse events are waiting: drawing may wait
   double now_s = 0.0;
 };

@@ -17,6 +17,7 @@ Review WindowSession::review_now() const {
   review.look = state;
   review.looks = state.looks;
   review.paths = state.paths;
+  review.regions = state.inspection.regions;
   return review;
 }
 
@@ -31,6 +32,7 @@ void WindowSession::show(const Review& review) {
   take(review.look);
   state.looks = review.looks;
   state.paths = review.paths;
+  state.inspection.regions = review.regions;
 }
 
 void WindowSession::begin_review(std::unique_ptr<OpenReview> review, const std::string& look) {

@@ -228,6 +228,7 @@ void WindowSession::poll_files() {
       scene_of_file_.clear();
       state.looks.clear();
       state.paths.clear();
+      state.inspection.regions.clear();
       state.settings.set("ground.kind", std::string(wants_ground(*scene_) ? "projected" : "none"));
       set_camera(camera_of_options(*scene_, SceneOptions()));
       review_ = std::make_unique<OpenReview>(review_now(), keeps_journal_);

@@ -74,6 +74,7 @@ class WindowSession {
   void fill_facts(EditorFacts* facts) const;
   bool loading() const { return scene_file_.valid() || environment_file_.valid() || !btf_in_work_.empty(); }
   float scene_radius() const { return bounds_.radius(); }
+  const Scene& scene() const { return *scene_; }
 
  private:
   using ScenePointer = std::shared_ptr<Scene>;

@@ -129,6 +129,12 @@ TEST_F(ReviewFile, BadOnesAreRefused) {
   EXPECT_TRUE(contains(problem(twice), "looks: two of them are named \"day\"")) << problem(twice);
   twice["looks"] = {json["look"]};
   EXPECT_TRUE(contains(problem(twice), "a look has no name"));
+  Json outside = json;
+  outside["regions"] = {{{"x", 0.5}, {"y", 0.0}, {"width", 0.75}, {"height", 1.0}}};
+  EXPECT_TRUE(contains(problem(outside), "regions[0]: it reaches outside the picture")) << problem(outside);
+  Json first_ones = json;
+  first_ones.erase("regions");
+  EXPECT_NO_THROW(parse_review(first_ones.dump(), file)) << "the first reviews had no regions";
   const std::string damaged = error_of([&] { parse_review(json.dump().substr(0, 200), file); });
   EXPECT_TRUE(contains(damaged, "it is damaged") && contains(damaged, "journal")) << damaged;
   EXPECT_TRUE(contains(error_of([&] { load_review("/nowhere/b.maquette.json"); }), "does not exist"));

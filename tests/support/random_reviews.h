@@ -14,7 +14,7 @@ class RandomReviews {
   explicit RandomReviews(unsigned seed) : random_(seed) {}
 
   void change(Review* review) {
-    switch (pick(5)) {
+    switch (pick(6)) {
       case 0:
         return change_list(&review->looks, [&] {
           Look look = review->look;
@@ -27,6 +27,11 @@ class RandomReviews {
           CameraPath path = random_path();
           path.name = "path " + std::to_string(number_++);
           return path;
+        });
+      case 2:
+        return change_list(&review->regions, [&] {
+          const float x = real(0.0f, 0.9f), y = real(0.0f, 0.9f);
+          return InspectedRegion{x, y, real(0.0f, 1.0f - x), real(0.0f, 1.0f - y)};
         });
       default:
         return change(&review->look);

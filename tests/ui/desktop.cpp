@@ -179,6 +179,11 @@ ScreenPicture Desktop::grab() const {
   return picture;
 }
 
+void Desktop::save_screen(const std::string& file) const {
+  finish(spawn({"import", "-silent", "-window", "root", "-depth", "8", "-define", "png:exclude-chunks=date,time", file},
+               {display_}));
+}
+
 void Desktop::input(const std::vector<std::string>& arguments) const {
   std::vector<std::string> words = {"xdotool"};
   words.insert(words.end(), arguments.begin(), arguments.end());

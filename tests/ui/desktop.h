@@ -46,6 +46,10 @@ class Desktop {
   bool wait_until(const std::function<bool(const ScreenPicture&)>& done, double seconds) const;
   /// What the program wrote to standard error.
   std::string errors() const;
+  /// Where the program keeps journals of untitled reviews.
+  std::string state_folder() const { return folder_ + "/state/maquette"; }
+  /// The screen as a .png file.
+  void save_screen(const std::string& file) const;
 
  private:
   int width_, height_;

@@ -1,116 +1,158 @@
-// The review story in the real window: looks, saving, a kill, reopening.
+// The review story in the real window: paints are swapped, looks kept, compared, saved; a kill; reopening.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 
-#include "review/open_review.h"
 #include "scenes/image_io.h"
-#include "tests/ui/window_fixture.h"
+#include "tests/ui/story_fixture.h"
 
 namespace maquette {
 namespace {
 
-class ReviewWindow : public Window {
+class ReviewStory : public Story {
  protected:
-  void SetUp() override {
-    Window::SetUp();
-    folder_ = std::filesystem::temp_directory_path() / ("maquette-review-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
+  /// Clicks on a material of the library, in the open list, and waits for it.
+  void take_from_library(Controls* controls, const std::string& source) {
+    desktop_->click(controls->item("library/" + source));
+    ASSERT_TRUE(wait_for_review([&](const Review& r) {
+      return !r.look.edits.materials.empty() && r.look.edits.materials.begin()->second == source;
+    })) << source
+        << "\n"
+        << desktop_->errors();
   }
-  void TearDown() override {
-    desktop_.reset();
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
+  void keep_look(std::size_t count) {
+    key("l");
+    ASSERT_TRUE(wait_for_review([&](const Review& r) { return r.looks.size() == count; }));
   }
-  /// Whether the picture comes to look as in `wanted` rather than `other`.
-  bool comes_to(const ScreenPicture& wanted, const ScreenPicture& other, const Rect& rect) {
-    const double far = difference(wanted, other, rect);
-    return desktop_->wait_until([&](const ScreenPicture& p) { return difference(wanted, p, rect) < 0.4 * far; },
-                                kPatience_s);
+  /// The picture by the command, of the same size.
+  Image render_again(const std::string& look, const Image& size) {
+    const std::string file = (folder_ / "again.exr").string();
+    const std::string command = std::string(MAQUETTE_PROGRAM) + " render '" + file_ + "' --look '" + look +
+                                "' --average 16 --size " + std::to_string(size.width) + "x" +
+                                std::to_string(size.height) + " -o '" + file + "' > /dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return load_hdr_image(file);
   }
-  std::filesystem::path folder_;
+  bool shows(const std::string& look) {
+    return wait_for_review([&](const Review& r) { return r.look.name == look; });
+  }
+  /// From look 1, whose picture is `first`, with look 3 and its `third` under the wiper, swapped, and back.
+  void compare(const ScreenPicture& first, const ScreenPicture& third, const Rect& middle) {
+    const Rect left{middle.x, middle.y, 0.45f * middle.width, 0.8f * middle.height};
+    const Rect right{middle.x + 0.55f * middle.width, middle.y, 0.45f * middle.width, 0.8f * middle.height};
+    key("c");
+    EXPECT_TRUE(comes_to(third, first, right)) << "B lies at the right of the wiper";
+    EXPECT_TRUE(comes_to(first, third, left)) << "and A at the left";
+    keep_screen("review-compare");
+    key("x");
+    EXPECT_TRUE(comes_to(third, first, left)) << "swapped";
+    key("x");
+    EXPECT_TRUE(shows("look 1"));
+    key("c");
+    EXPECT_TRUE(comes_to(first, third, right)) << "the comparison is over";
+  }
+  /// What the key P has written is what the command draws.
+  void expect_same_bits(const std::string& look) {
+    const std::string written = (folder_ / (look + ".exr")).string();
+    ASSERT_TRUE(wait_for_file(written));
+    const Image captured = load_hdr_image(written), rendered = render_again(look, captured);
+    ASSERT_EQ(rendered.data.size(), captured.data.size());
+    EXPECT_EQ(std::memcmp(rendered.data.data(), captured.data.data(), rendered.data.size() * sizeof(float)), 0)
+        << "the window's settled picture and that of the command are the same bits";
+  }
 };
 
-// Keys are lost where frames take half a second, as under a software device on a busy machine: not among those of CI yet.
-TEST_F(ReviewWindow, DISABLED_LooksAreKeptChangedSavedAndSurviveAKill) {
+// Not among those of CI yet: it has not passed from end to end on a loaded machine.
+TEST_F(ReviewStory, DISABLED_PaintsAreSwappedComparedSavedAndSurviveAKill) {
   const Scene scene = load_scene("builtin:sphere");
   const std::string material = scene.materials.front().name;
-  Controls controls(scene);
-  const Rect picture = controls.picture(), middle = middle_of(picture);
-  start({"builtin:sphere", "--samples", "4"});
+  Controls at = controls(scene);
+  const Rect picture = at.picture(), middle = middle_of(picture);
+  begin({"builtin:sphere"});
   ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  key("bracketright");  // one exposure for all looks, so that only paints differ
+  ASSERT_TRUE(wait_for_review([](const Review& r) { return !r.look.auto_exposure; }));
   const ScreenPicture first = settled(middle);
-  desktop_->input({"key", "l"});
-  desktop_->click(controls.item("material/" + material));
-  controls.state().selected_material = 0;
-  const std::string current = scene.materials.front().measured;
-  const std::string source = "builtin:" + builtin_brdfs()[current.ends_with(builtin_brdfs()[1].name) ? 2 : 1].name;
-  ASSERT_TRUE(wait_for_change(first, controls.item("library/" + source), 2.0)) << "the library opens";
-  desktop_->click(controls.item("library/" + source));
+  keep_look(1);
+  desktop_->click(at.item("material/" + material));
+  at.state().selected_material = 0;
+  std::vector<std::string> sources;
+  for (const BuiltinBrdf& brdf : builtin_brdfs())
+    if (!scene.materials.front().measured.ends_with(brdf.name)) sources.push_back("builtin:" + brdf.name);
+  ASSERT_TRUE(wait_for_change(first, at.item("library/" + sources[1]), 2.0)) << "the library opens";
+  take_from_library(&at, sources[0]);
   ASSERT_TRUE(wait_for_change(first, middle)) << "the sphere shows the new material";
   const ScreenPicture second = settled(middle);
+  keep_look(2);
+  take_from_library(&at, sources[1]);
+  ASSERT_TRUE(wait_for_change(second, middle, 2.0)) << "and another";
+  const ScreenPicture third = settled(middle);
+  keep_look(3);
+  keep_screen("review-materials");
+
   desktop_->move(picture.x + 20.0f, picture.y + 20.0f);
-  desktop_->input({"key", "l"});
-  desktop_->input({"key", "Page_Up"});
-  EXPECT_TRUE(comes_to(first, second, middle)) << "the look before";
-  desktop_->input({"key", "Page_Down"});
-  EXPECT_TRUE(comes_to(second, first, middle)) << "the next one";
-  desktop_->input({"key", "ctrl+z"});
-  EXPECT_TRUE(comes_to(first, second, middle)) << "undo takes back the change of looks";
-  desktop_->input({"key", "ctrl+y"});
-  EXPECT_TRUE(comes_to(second, first, middle)) << "and redo makes it again";
+  key("Page_Up");
+  EXPECT_TRUE(shows("look 2"));
+  key("Page_Up");
+  EXPECT_TRUE(shows("look 1"));
+  EXPECT_TRUE(comes_to(first, third, middle)) << "the first look again";
+  key("Page_Up");
+  EXPECT_TRUE(shows("look 3"));
+  EXPECT_TRUE(comes_to(third, first, middle)) << "the last comes before the first";
+  key("ctrl+z");
+  EXPECT_TRUE(shows("look 1")) << "undo takes back the change of looks";
+  key("ctrl+y");
+  EXPECT_TRUE(shows("look 3")) << "and redo makes it again";
 
   const std::string file = (folder_ / "a.maquette.json").string();
-  desktop_->input({"key", "ctrl+s"});
-  desktop_->wait_until([&](const ScreenPicture& p) { return difference(second, p, middle) > 0.2; }, 5.0);
-  desktop_->input({"type", "--delay", "80", file});
-  desktop_->input({"key", "Return"});
-  ASSERT_TRUE(desktop_->wait_until([&](const ScreenPicture&) { return std::filesystem::exists(file); }, kPatience_s));
+  key("ctrl+s");
+  desktop_->input({"type", "--delay", "20", file});
+  key("Return");
+  ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
+  file_ = file;
   const Review saved = load_review(file);
-  ASSERT_EQ(saved.looks.size(), 2u);
+  ASSERT_EQ(saved.looks.size(), 3u);
   EXPECT_TRUE(saved.looks[0].edits.materials.empty());
-  EXPECT_EQ(saved.looks[1].edits.materials.at(material), source);
-  EXPECT_EQ(saved.look.edits.materials.at(material), source);
+  EXPECT_EQ(saved.looks[1].edits.materials.at(material), sources[0]);
+  EXPECT_EQ(saved.look.edits.materials.at(material), sources[1]);
 
-  desktop_->input({"key", "Page_Up"});
-  EXPECT_TRUE(comes_to(first, second, middle));
-  const Rect left{middle.x, middle.y, 0.45f * middle.width, 0.8f * middle.height};
-  const Rect right{middle.x + 0.55f * middle.width, middle.y, 0.45f * middle.width, 0.8f * middle.height};
-  desktop_->input({"key", "c"});
-  EXPECT_TRUE(comes_to(second, first, right)) << "B lies at the right of the wiper";
-  EXPECT_TRUE(comes_to(first, second, left)) << "and A at the left";
-  desktop_->input({"key", "x"});
-  EXPECT_TRUE(comes_to(second, first, left)) << "swapped";
-  desktop_->input({"key", "x"});
-  desktop_->input({"key", "c"});
-  EXPECT_TRUE(comes_to(first, second, right)) << "the comparison is over";
+  key("Page_Down");
+  EXPECT_TRUE(shows("look 1"));
+  EXPECT_TRUE(comes_to(first, third, middle));
+  compare(first, third, middle);
+  key("p");
+  expect_same_bits("look 1");
 
-  desktop_->input({"key", "p"});
-  const std::string written = (folder_ / "look 1.exr").string();
-  ASSERT_TRUE(
-      desktop_->wait_until([&](const ScreenPicture&) { return std::filesystem::exists(written); }, kPatience_s));
-  const Image captured = load_hdr_image(written);
-  const std::string again = (folder_ / "again.exr").string();
-  const std::string command = std::string(MAQUETTE_PROGRAM) + " render '" + file + "' --look 'look 1' --average 16" +
-                              " --size " + std::to_string(captured.width) + "x" + std::to_string(captured.height) +
-                              " -o '" + again + "' > /dev/null";
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  const Image rendered = load_hdr_image(again);
-  ASSERT_EQ(rendered.data.size(), captured.data.size());
-  EXPECT_EQ(std::memcmp(rendered.data.data(), captured.data.data(), rendered.data.size() * sizeof(float)), 0)
-      << "the window's settled picture and that of the command are the same bits";
   desktop_->kill_program();
-  desktop_ = std::make_unique<Desktop>(static_cast<int>(kWidth), static_cast<int>(kHeight));
-  start({file, "--samples", "4"});
+  open_desktop();
+  begin({file});
   ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
-  EXPECT_TRUE(comes_to(first, second, middle)) << "the change that was not saved";
+  EXPECT_TRUE(comes_to(first, third, middle)) << "the change that was not saved";
   const auto journal = read_journal(journal_file(file));
   ASSERT_TRUE(journal);
-  EXPECT_GE(journal->history.undo_count(), 4u);
-  desktop_->input({"key", "ctrl+q"});
+  EXPECT_GE(journal->history.undo_count(), 5u);
+  key("ctrl+q");
   EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+}
+
+// Everything at once, as a user in a hurry does it whose frames are slow.
+TEST_F(ReviewStory, KeysWithoutAPauseArriveInTheirOrder) {
+  begin({"builtin:sphere", "--mode", "uniform", "--set", "shading.visibility=traced"});
+  const Rect picture = controls(load_scene("builtin:sphere")).picture();
+  ASSERT_TRUE(wait_for_picture(middle_of(picture))) << desktop_->errors();
+  const std::string file = (folder_ / "b.maquette.json").string();
+  desktop_->move(picture.x + 20.0f, picture.y + 20.0f);
+  desktop_->input({"key", "l", "key", "bracketright", "key", "l", "key", "bracketright", "key", "bracketright", "key",
+                   "l", "key", "ctrl+s", "type", "--delay", "1", file});
+  desktop_->input({"key", "Return", "key", "l"});
+  ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
+  file_ = file;
+  ASSERT_TRUE(wait_for_review([](const Review& r) { return r.looks.size() == 4; })) << "the key behind Return";
+  const Review saved = load_review(file);
+  ASSERT_EQ(saved.looks.size(), 3u);
+  EXPECT_TRUE(saved.looks[0].auto_exposure);
+  EXPECT_FALSE(saved.looks[1].auto_exposure);
+  EXPECT_FLOAT_EQ(saved.looks[2].exposure_ev, saved.looks[1].exposure_ev + 0.5f);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ inline constexpr double kSeen = 0.6;         // least mean difference of a chang
 /// Positions of the controls, from laying out the same panels with the same scene.
 class Controls {
  public:
-  explicit Controls(const Scene& scene) : editor_(kWidth, kHeight) {
+  explicit Controls(const Scene& scene, float width = kWidth, float height = kHeight) : editor_(width, height) {
     editor_.facts.scene = &scene;
     editor_.facts.cameras = camera_names(scene);
     editor_.facts.can_undo = true;
@@ -42,6 +42,9 @@ class Controls {
     return editor_.frame.layout.picture;
   }
   EditorState& state() { return editor_.state; }
+  EditorFacts& facts() { return editor_.facts; }
+  /// The same click as in the window.
+  void press(const std::string& name) { editor_.click(name); }
 
  private:
   HeadlessEditor editor_;

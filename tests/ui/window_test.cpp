@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "tests/ui/window_fixture.h"
-#include "viewer/window_host.h"
 
 namespace maquette {
 namespace {
@@ -142,22 +141,6 @@ TEST_F(Window, ClosesByItselfWithAScreenshot) {
   EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
   EXPECT_TRUE(std::filesystem::exists(file));
   std::filesystem::remove(file);
-}
-
-TEST(Inbox, GivesOneTurnOfAButtonAFrame) {
-  using Kind = PointerEvent::Kind;
-  Inbox inbox;
-  for (const Kind kind : {Kind::move, Kind::press, Kind::release, Kind::move, Kind::wheel, Kind::press, Kind::move})
-    inbox.pointer.push_back({.kind = kind});
-  std::vector<std::vector<Kind>> frames;
-  while (!inbox.pointer.empty()) {
-    frames.emplace_back();
-    for (const PointerEvent& event : inbox.next_pointer_events()) frames.back().push_back(event.kind);
-    ASSERT_FALSE(frames.back().empty());
-  }
-  const std::vector<std::vector<Kind>> expected = {
-      {Kind::move}, {Kind::press}, {Kind::release}, {Kind::move, Kind::wheel}, {Kind::press}, {Kind::move}};
-  EXPECT_EQ(frames, expected);
 }
 
 TEST(WindowWithoutDisplay, NamesRender) {

@@ -85,9 +85,9 @@ void draw_toolbar(Ui& ui) {
   ImGui::TextColored(kDim, "%s", elide(scene_title(ui.facts), scaled(190.0f)).c_str());
   if (ui.facts.scene) tooltip(ui.facts.scene->name);
   ImGui::SameLine(scaled(296.0f) + ImGui::GetStyle().WindowPadding.x);
-  if (ImGui::Button("Open...")) state.open_path_popup = true;
+  if (ImGui::Button("Open...")) state.start_popup = true;
   mark_item(ui, "open");
-  tooltip("A scene, an environment or a measured material (O)");
+  tooltip("Recent and built-in scenes (Ctrl+O); a scene, an environment or a measured material by its path (O)");
   draw_open_popup(ui);
   ImGui::SameLine();
   if (ImGui::Button(ui.facts.review_changed ? "Save *" : "Save")) ui.actions.save = true;
@@ -125,6 +125,21 @@ void draw_toolbar(Ui& ui) {
   tooltip("Look, rendering and frame (Tab hides both sides)");
 }
 
+namespace {
+
+std::string distance_hint(const EditorState& state) {
+  const std::vector<glm::vec3>& ends = state.measured;
+  if (ends.size() < 2)
+    return ends.empty() ? "Distance: click on two points; Esc leaves" : "Distance: click on the other end";
+  const glm::vec3 way = ends[1] - ends[0];
+  char text[160];
+  std::snprintf(text, sizeof text, "%.4f m   x %.4f   y %.4f   z %.4f", static_cast<double>(glm::length(way)),
+                static_cast<double>(way.x), static_cast<double>(way.y), static_cast<double>(way.z));
+  return text;
+}
+
+}  // namespace
+
 void draw_status(Ui& ui) {
   char text[256];
   const EditorFacts& facts = ui.facts;
@@ -144,10 +159,11 @@ void draw_status(Ui& ui) {
     ImGui::TextColored(kWarning, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
-  const std::string hint = ui.state.tool == Tool::dent      ? "Dent: press on a surface and drag; D leaves"
-                           : ui.state.tool == Tool::region  ? "Region: drag over the picture; Esc leaves"
-                           : ui.state.tool == Tool::stored  ? "Stored light: click on a surface; Esc leaves"
-                           : ui.state.tool == Tool::reflect ? "Reflectors: click on panes and mirrors; Esc leaves"
+  const std::string hint = ui.state.tool == Tool::dent       ? "Dent: press on a surface and drag; D leaves"
+                           : ui.state.tool == Tool::region   ? "Region: drag over the picture; Esc leaves"
+                           : ui.state.tool == Tool::distance ? distance_hint(ui.state)
+                           : ui.state.tool == Tool::stored   ? "Stored light: click on a surface; Esc leaves"
+                           : ui.state.tool == Tool::reflect  ? "Reflectors: click on panes and mirrors; Esc leaves"
                            : facts.loading.empty() && facts.background.empty() ? facts.device
                                                                                : std::string();
   const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x;

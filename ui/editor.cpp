@@ -63,6 +63,7 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
   request.scale = panels::scaled(100.0f) / 100.0f;
   request.left_open = state->left_open;
   request.right_open = state->right_open;
+  request.picture_alone = state->presenting;
   frame.layout = compute_layout(request);
   request.strip_height = panels::strip_height(facts, frame.layout.picture.width);
   frame.layout = compute_layout(request);
@@ -97,6 +98,7 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
                                    {"Inspect", panels::draw_inspection_panel}};
   state->error_view.open = false;
   state->inspection.open = false;
+  panels::draw_start_popup(ui);
   if (begin_part(ui, "left", layout.left, kStill)) {
     draw_tabs(ui, "left tabs", kLeft, &state->left_tab);
     ImGui::End();

@@ -20,7 +20,7 @@
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
 
-enum class Tool { camera, dent, reflect, region, stored };
+enum class Tool { camera, dent, reflect, region, stored, distance };
 
 /// Settings of the error tab.
 struct ErrorView {
@@ -55,6 +55,14 @@ struct PathView {
   int late_frames = 0;  ///< of the last playback: those that a 25th of a second passed without
 };
 
+/// How another look is shown beside the one at hand.
+struct CompareView {
+  enum class How { wiper, side_by_side, difference };
+  bool on = false;
+  How how = How::wiper;
+  std::string other;  ///< name of the other look; empty: the one that was shown before
+};
+
 /// Everything the panels change: the look at hand, and how the window shows it.
 struct EditorState : Look {
   std::vector<Look> looks;        ///< kept ones of the review
@@ -68,6 +76,8 @@ struct EditorState : Look {
   float moving_scale = 0.0f;      ///< the same while something moves; 0: chosen for a fluid picture
   ErrorView error_view;
   InspectionView inspection;
+  CompareView compare;
+  std::vector<glm::vec3> measured;  ///< ends of a distance, at most two points, m
   Tool tool = Tool::camera;
   float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
   float dent_radius_m = 0.2f;
@@ -81,7 +91,9 @@ struct EditorState : Look {
   bool right_open = true;
   int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help, 3 review
   int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
-  bool open_path_popup = false, save_path_popup = false;
+  bool open_path_popup = false, save_path_popup = false, start_popup = false;
+  bool presenting = false;  ///< the picture alone
+  float text_scale = 1.0f;  ///< of all panels, beside that of the display
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
   std::array<char, 1024> path{};
@@ -111,6 +123,9 @@ struct EditorFacts {
   std::string device;
   std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones
   std::vector<std::string> brdf_files;
+  std::vector<std::string> recent_files;          ///< scenes and reviews, latest first
+  std::map<std::string, unsigned> look_pictures;  ///< texture of each kept look, where ready
+  Bounds bounds;                                  ///< of the scene, m
   const std::vector<Message>* messages = nullptr;
   const std::map<std::string, unsigned>* swatches = nullptr;  ///< texture of each library BRDF's ball, where ready
   std::vector<float> frame_history_ms;                        ///< oldest first

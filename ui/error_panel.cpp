@@ -55,8 +55,7 @@ void draw_budget(Ui& ui) {
   const MeterFacts& meter = ui.facts.meter;
   float budget = 100.0f * view.budget;
   row_label("Budget", "The largest relative RMSE that the mode's settings may have");
-  if (ImGui::SliderFloat("##budget", &budget, 0.5f, 200.0f, "%.1f %%", ImGuiSliderFlags_Logarithmic))
-    view.budget = 0.01f * budget;
+  if (slider("##budget", &budget, 0.5f, 200.0f, "%.1f %%", ImGuiSliderFlags_Logarithmic)) view.budget = 0.01f * budget;
   if (ImGui::IsItemDeactivatedAfterEdit() && meter.can_apply) ui.actions.apply_budget = true;
   mark_item(ui, "error/budget");
   dim_text(meter.budget_answer);

@@ -10,6 +10,14 @@ namespace maquette {
 
 float ev100_of(float cdm2) { return std::log2(std::max(cdm2, 1e-9f) * 100.0f / 12.5f); }
 
+std::string plain_number(double value) {
+  char text[64];
+  const double size = std::abs(value);
+  const bool whole = size >= 1000.0 && size < 1e15;
+  std::snprintf(text, sizeof text, whole ? "%.0f" : "%.4g", value);
+  return text;
+}
+
 std::array<float, 3> luminance_color(float cdm2, float low_cdm2, float high_cdm2) {
   if (!(cdm2 > 0.0f)) return {0.0f, 0.0f, 0.0f};
   if (cdm2 < low_cdm2) return {0.0f, 0.0f, 0.35f};
@@ -75,10 +83,15 @@ void draw_legend(Ui& ui) {
     std::snprintf(text, sizeof text, "%.1f EV      %.1f EV      %.1f EV", static_cast<double>(ev100_of(view.low_cdm2)),
                   static_cast<double>(ev100_of(middle)), static_cast<double>(ev100_of(view.high_cdm2)));
   else
-    std::snprintf(text, sizeof text, "%.3g cd/m2      %.3g      %.3g cd/m2", static_cast<double>(view.low_cdm2),
-                  static_cast<double>(middle), static_cast<double>(view.high_cdm2));
+    std::snprintf(
+        text, sizeof text, "%s cd/m2      %s      %s cd/m2", plain_number(static_cast<double>(view.low_cdm2)).c_str(),
+        plain_number(static_cast<double>(middle)).c_str(), plain_number(static_cast<double>(view.high_cdm2)).c_str());
   ImGui::TextUnformatted(text);
   dim_text("dark blue: below the scale; magenta: above it");
+}
+
+void luminance_slider(const char* id, float* cdm2, float low, float high) {
+  slider(id, cdm2, low, high, *cdm2 >= 100.0f ? "%.0f cd/m2" : "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
 }
 
 void draw_colors(Ui& ui) {
@@ -91,9 +104,9 @@ void draw_colors(Ui& ui) {
   mark_item(ui, "inspection/ev");
   tooltip("Exposure value at ISO 100, as a luminance meter shows it");
   row_label("From", "Lower end of the scale");
-  ImGui::SliderFloat("##low", &view.low_cdm2, 1e-2f, 1e5f, "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
+  luminance_slider("##low", &view.low_cdm2, 1e-2f, 1e5f);
   row_label("To", "Upper end of the scale");
-  ImGui::SliderFloat("##high", &view.high_cdm2, 1e-1f, 1e9f, "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
+  luminance_slider("##high", &view.high_cdm2, 1e-1f, 1e9f);
   view.high_cdm2 = std::max(view.high_cdm2, 1.01f * view.low_cdm2);
   if (view.false_color) draw_legend(ui);
   row_label("Layer", "Of the light at panes: all; what is seen through them; what they mirror; the second image alone");
@@ -119,7 +132,7 @@ void draw_regions(Ui& ui) {
   if (ImGui::Button("Remove all")) view.regions.clear();
   mark_item(ui, "inspection/clear");
   row_label("Threshold", "Regions tell the share of their pixels above it");
-  ImGui::SliderFloat("##threshold", &view.threshold_cdm2, 1.0f, 1e5f, "%.4g cd/m2", ImGuiSliderFlags_Logarithmic);
+  luminance_slider("##threshold", &view.threshold_cdm2, 1.0f, 1e5f);
   for (std::size_t i = 0; i < ui.facts.inspection.regions.size(); ++i) {
     ImGui::TextColored(kAccent, "Region %zu", i + 1);
     draw_rows(ui.facts.inspection.regions[i].values);
@@ -158,9 +171,9 @@ void draw_sweep(Ui& ui) {
   mark_item(ui, "inspection/plot");
   const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
   char text[160];
-  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %.4g cd/m2 at %.4g",
+  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s cd/m2 at %.4g",
                 static_cast<double>(facts.sweep_x.front()), static_cast<double>(facts.sweep_x.back()),
-                facts.sweep_unit.c_str(), static_cast<double>(top),
+                facts.sweep_unit.c_str(), plain_number(static_cast<double>(top)).c_str(),
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
 }

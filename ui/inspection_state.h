@@ -71,5 +71,7 @@ struct InspectionActions {
 std::array<float, 3> luminance_color(float cdm2, float low_cdm2, float high_cdm2);
 /// Exposure value at ISO 100 that a luminance meter shows: log2(L S / K) with K = 12.5 cd s/m2. Source: ISO 2720:1974.
 float ev100_of(float cdm2);
+/// Four significant digits, never with an exponent where a person reads a luminance: `0.03162`, `561.2`, `88900`.
+std::string plain_number(double value);
 
 }  // namespace maquette

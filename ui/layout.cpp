@@ -26,7 +26,7 @@ Layout compute_layout(const LayoutRequest& request) {
   Layout layout;
   const float width = std::max(request.width, 1.0f), height = std::max(request.height, 1.0f);
   const auto px = [&](float units) { return std::round(units * request.scale); };
-  const bool bars = height > 3.0f * px(kToolbarHeight + kStatusHeight);
+  const bool bars = !request.picture_alone && height > 3.0f * px(kToolbarHeight + kStatusHeight);
   const float top = bars ? px(kToolbarHeight) : 0.0f;
   const float bottom = bars ? px(kStatusHeight) : 0.0f;
   const auto fits = [&](float sides) { return bars && width - sides >= width / 3.0f; };

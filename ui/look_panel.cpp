@@ -45,7 +45,7 @@ void draw_cameras(Ui& ui) {
   }
   float fov_deg = glm::degrees(camera.fov_y_rad);
   row_label("Field of view", "Vertical angle of view");
-  if (ImGui::SliderFloat("##fov", &fov_deg, 5.0f, 120.0f, "%.0f\u00b0", ImGuiSliderFlags_AlwaysClamp))
+  if (slider("##fov", &fov_deg, 5.0f, 120.0f, "%.0f\u00b0", ImGuiSliderFlags_AlwaysClamp))
     camera.fov_y_rad = glm::radians(fov_deg);
 }
 
@@ -82,10 +82,10 @@ void draw_light(Ui& ui) {
     mark_item(ui, "environment");
   }
   row_label("Rotation", "Rotates the environment about the vertical; Ctrl and drag in the picture does it too");
-  ImGui::SliderFloat("##rotation", &edits.env_rotation_deg, -180.0f, 180.0f, "%.1f\u00b0");
+  slider("##rotation", &edits.env_rotation_deg, -180.0f, 180.0f, "%.1f\u00b0");
   mark_item(ui, "rotation");
   row_label("Intensity", "cd/m\u00b2 per stored unit of the environment");
-  ImGui::SliderFloat("##intensity", &edits.env_scale, 1e-3f, 1e6f, "\u00d7 %.3g", ImGuiSliderFlags_Logarithmic);
+  slider("##intensity", &edits.env_scale, 1e-3f, 1e6f, "\u00d7 %.3g", ImGuiSliderFlags_Logarithmic);
   mark_item(ui, "intensity");
   edits.env_scale = std::max(edits.env_scale, 0.0f);
 }
@@ -95,7 +95,7 @@ void draw_display(Ui& ui) {
   const float suggested = ui.facts.suggested_exposure_ev;
   const float button = ImGui::CalcTextSize("Auto").x + 2.0f * ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(-button - ImGui::GetStyle().ItemInnerSpacing.x);
-  if (ImGui::SliderFloat("##exposure", &ui.state.exposure_ev, suggested - 8.0f, suggested + 8.0f, "%+.2f EV"))
+  if (slider("##exposure", &ui.state.exposure_ev, suggested - 8.0f, suggested + 8.0f, "%+.2f EV"))
     ui.state.auto_exposure = false;
   mark_item(ui, "exposure");
   ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
@@ -113,10 +113,10 @@ void draw_display(Ui& ui) {
 void draw_dent(Ui& ui) {
   float depth_cm = 100.0f * ui.state.dent_depth_m, radius_cm = 100.0f * ui.state.dent_radius_m;
   row_label("Depth", "Of a press without a drag; negative pulls out");
-  if (ImGui::SliderFloat("##depth", &depth_cm, -20.0f, 20.0f, "%.1f cm")) ui.state.dent_depth_m = 0.01f * depth_cm;
+  if (slider("##depth", &depth_cm, -20.0f, 20.0f, "%.1f cm")) ui.state.dent_depth_m = 0.01f * depth_cm;
   mark_item(ui, "dent depth");
   row_label("Radius", "Of the part of the surface that moves");
-  if (ImGui::SliderFloat("##radius", &radius_cm, 1.0f, 200.0f, "%.0f cm", ImGuiSliderFlags_Logarithmic))
+  if (slider("##radius", &radius_cm, 1.0f, 200.0f, "%.0f cm", ImGuiSliderFlags_Logarithmic))
     ui.state.dent_radius_m = 0.01f * radius_cm;
   dim_text(ui.state.tool == Tool::dent ? "Press on a subdivision surface and drag down to push deeper, up to pull."
                                        : "D or the Dent button starts.");

@@ -61,10 +61,18 @@ void draw_looks(Ui& ui) {
   for (std::size_t i = 0; i < state.looks.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
     const Look& look = state.looks[i];
+    const float line = ImGui::GetTextLineHeight(), height = 2.0f * line;
+    const auto picture = ui.facts.look_pictures.find(look.name);
+    const float image = 16.0f / 9.0f * height;
+    if (picture != ui.facts.look_pictures.end())
+      ImGui::Image(reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(picture->second)), {image, height});
+    else
+      ImGui::Dummy({image, height});
+    ImGui::SameLine();
     const bool chosen = look.name == state.name;
     const std::string label = look.name + (chosen && !same_but_names(state, look) ? " *" : "");
     const float width = ImGui::GetContentRegionAvail().x - buttons;
-    if (ImGui::Selectable(elide(label, width).c_str(), chosen, 0, {width, 0.0f}))
+    if (ImGui::Selectable(elide(label, width).c_str(), chosen, 0, {width, height}))
       ui.actions.go_to_look = static_cast<int>(i);
     mark_item(ui, "look/" + look.name);
     tooltip(look.note.empty() ? look.name : look.name + "\n" + look.note);
@@ -88,6 +96,33 @@ void draw_looks(Ui& ui) {
   if (ImGui::Button("Update")) *at = canonical(state);
   mark_item(ui, "look/update");
   tooltip("Makes the look what is shown now");
+  ImGui::EndDisabled();
+}
+
+void draw_compare(Ui& ui) {
+  static const char* const kHows[] = {"wiper", "side by side", "difference (FLIP)"};
+  CompareView& view = ui.state.compare;
+  const std::string shown = view.other.empty() ? std::string("the one before") : view.other;
+  ImGui::BeginDisabled(ui.state.looks.empty());
+  row_label("Compare", "The look at hand with another one, by the same camera (C)");
+  if (ImGui::Checkbox("##on", &view.on) && !view.on) view.other.clear();
+  mark_item(ui, "compare/on");
+  ImGui::SameLine();
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  if (ImGui::BeginCombo("##other", shown.c_str())) {
+    if (ImGui::Selectable("the one before", view.other.empty())) view.other.clear();
+    for (const Look& look : ui.state.looks)
+      if (look.name != ui.state.name && ImGui::Selectable(look.name.c_str(), view.other == look.name)) {
+        view.other = look.name;
+        view.on = true;
+      }
+    ImGui::EndCombo();
+  }
+  mark_item(ui, "compare/other");
+  row_label("Shown as", "B goes from one to the next; X swaps both");
+  int how = static_cast<int>(view.how);
+  if (ImGui::Combo("##how", &how, kHows, 3)) view.how = static_cast<CompareView::How>(how);
+  mark_item(ui, "compare/how");
   ImGui::EndDisabled();
 }
 
@@ -187,7 +222,7 @@ void draw_playback(Ui& ui, const CameraPath& path) {
   auto time_s = static_cast<float>(view.time_s);
   const float end_s = can_play ? static_cast<float>(path_duration_s(path)) : 1.0f;
   ImGui::SetNextItemWidth(-1.0f);
-  if (ImGui::SliderFloat("##time", &time_s, 0.0f, end_s, "%.2f s")) {
+  if (slider("##time", &time_s, 0.0f, end_s, "%.2f s")) {
     view.time_s = static_cast<double>(time_s);
     view.goes_there = true;
   }
@@ -247,6 +282,7 @@ void draw_review_panel(Ui& ui) {
   const bool looks = section("Looks");
   mark_item(ui, "section/Looks");
   if (looks) draw_looks(ui);
+  if (looks) draw_compare(ui);
   if (section("Camera paths")) draw_paths(ui);
 }
 

@@ -48,10 +48,37 @@ void visibility_box(Ui& ui, int index) {
   mark_item(ui, "visible/" + ui.facts.scene->nodes[static_cast<std::size_t>(index)].name);
 }
 
-/// The shading mode of a part, chosen from a menu at its line.
+bool is_ancestor(const Scene& scene, int ancestor, int node) {
+  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
+    if (i == ancestor) return true;
+    i = scene.nodes[static_cast<std::size_t>(i)].parent;
+  }
+  return false;
+}
+
+/// Hides all that is drawn but a node, what is below it, and the lights.
+void isolate(Ui& ui, int kept) {
+  const Scene& scene = *ui.facts.scene;
+  std::set<std::string>& hidden = ui.state.edits.hidden_nodes;
+  hidden.clear();
+  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i) {
+    const Node& node = scene.nodes[static_cast<std::size_t>(i)];
+    // A branch is hidden at its top.
+    const bool beside = !is_ancestor(scene, i, kept) && !is_ancestor(scene, kept, i);
+    const bool top = node.parent < 0 || is_ancestor(scene, node.parent, kept);
+    if (beside && top && node.light < 0 && node.camera < 0) hidden.insert(ui.facts.path_of(i));
+  }
+}
+
+/// What a part can be turned to, from a menu at its line.
 void mode_menu(Ui& ui, int index) {
   const Scene& scene = *ui.facts.scene;
   if (!ImGui::BeginPopupContextItem("mode")) return;
+  if (ImGui::MenuItem("Show this alone")) isolate(ui, index);
+  mark_item(ui, "isolate");
+  if (ImGui::MenuItem("Show all", nullptr, false, !ui.state.edits.hidden_nodes.empty()))
+    ui.state.edits.hidden_nodes.clear();
+  ImGui::Separator();
   std::map<std::string, std::string>& modes = ui.state.edits.part_modes;
   const std::string path = ui.facts.path_of(index);
   const auto own = modes.find(path);
@@ -94,14 +121,6 @@ bool draw_line(Ui& ui, int index, bool leaf, bool open) {
   mode_menu(ui, index);
   if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, index) : ""));
   return expanded && !leaf;
-}
-
-bool is_ancestor(const Scene& scene, int ancestor, int node) {
-  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
-    if (i == ancestor) return true;
-    i = scene.nodes[static_cast<std::size_t>(i)].parent;
-  }
-  return false;
 }
 
 void draw_tree(Ui& ui, int index, int depth) {

@@ -1,8 +1,12 @@
 #include "ui/widgets.h"
 
+#include <imgui_internal.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "scenes/error.h"
@@ -33,6 +37,21 @@ std::string full_help(const SettingDeclaration& declaration) {
   return text;
 }
 
+/// The format of a value that has a unit, for printf.
+std::string with_unit(const std::string& number, const std::string& unit) {
+  std::string text = unit.empty() ? number : number + " " + unit;
+  for (std::size_t at = number.size(); (at = text.find('%', at)) != std::string::npos; at += 2) text.insert(at, "%");
+  return text;
+}
+
+/// As the text shows it.
+float rounded_by(const char* format, float value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, static_cast<double>(value));
+  const char* number = std::strpbrk(text, "+-.0123456789");
+  return number ? std::strtof(number, nullptr) : value;
+}
+
 /// The control of one setting; true and the new value when it changed.
 bool setting_control(const SettingDeclaration& declaration, SettingValue* value) {
   const bool wide = declaration.min > 0.0 && declaration.max / declaration.min > 50.0;
@@ -41,14 +60,19 @@ bool setting_control(const SettingDeclaration& declaration, SettingValue* value)
   if (bool* flag = std::get_if<bool>(value)) return ImGui::Checkbox("##value", flag);
   if (int* number = std::get_if<int>(value)) {
     if (!bounded) return ImGui::DragInt("##value", number);
-    return ImGui::SliderInt("##value", number, static_cast<int>(declaration.min), static_cast<int>(declaration.max),
-                            "%d", flags);
+    auto real = static_cast<float>(*number);
+    const std::string format = with_unit("%.0f", declaration.unit);
+    const bool changed = slider("##value", &real, static_cast<float>(declaration.min),
+                                static_cast<float>(declaration.max), format.c_str(), flags);
+    if (changed) *number = static_cast<int>(std::lround(real));
+    return changed;
   }
   if (double* number = std::get_if<double>(value)) {
     auto real = static_cast<float>(*number);
-    const bool changed = bounded ? ImGui::SliderFloat("##value", &real, static_cast<float>(declaration.min),
-                                                      static_cast<float>(declaration.max), "%.3g", flags)
-                                 : ImGui::DragFloat("##value", &real, 0.01f);
+    const std::string format = with_unit("%.3g", declaration.unit);
+    const bool changed = bounded ? slider("##value", &real, static_cast<float>(declaration.min),
+                                          static_cast<float>(declaration.max), format.c_str(), flags)
+                                 : ImGui::DragFloat("##value", &real, 0.01f, 0.0f, 0.0f, format.c_str());
     if (changed) *number = static_cast<double>(real);
     return changed;
   }
@@ -62,6 +86,25 @@ bool setting_control(const SettingDeclaration& declaration, SettingValue* value)
 }
 
 }  // namespace
+
+bool slider(const char* id, float* value, float low, float high, const char* format, ImGuiSliderFlags flags) {
+  const float column = scaled(88.0f), whole = ImGui::CalcItemWidth(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  ImGui::BeginGroup();
+  ImGui::SetNextItemWidth(std::max(whole - column - gap, scaled(40.0f)));
+  const bool typing = ImGui::GetIO().KeyCtrl || ImGui::TempInputIsActive(ImGui::GetID(id));
+  const bool changed = ImGui::SliderFloat(id, value, low, high, typing ? format : "", flags);
+  if (changed) *value = rounded_by(format, *value);
+  char text[64];
+  std::snprintf(text, sizeof text, format, static_cast<double>(*value));
+  ImGui::SameLine(0.0f, gap);
+  const float begin = ImGui::GetCursorPosX();
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(elide(text, column).c_str());
+  ImGui::SameLine(begin);
+  ImGui::Dummy({column, 1.0f});
+  ImGui::EndGroup();
+  return changed;
+}
 
 float scaled(float units) { return std::round(units * ImGui::GetFontSize() / kThemeFontSize); }
 

@@ -48,11 +48,16 @@ bool search_box(const char* id, const char* hint, char* text, std::size_t size);
 bool contains(const std::string& text, const char* part);
 /// Combo over names; true when `value` changed.
 bool combo(const char* id, std::string* value, const std::vector<std::string>& names);
+/// A slider whose value stands beside it, as printf's `format` writes and rounds it; Ctrl+click types one. Takes the
+/// width that was set for the next item.
+bool slider(const char* id, float* value, float low, float high, const char* format, ImGuiSliderFlags flags = 0);
 /// Slider, combo or box made from the declaration, with its unit, its help, and a reset button if it was changed.
 void setting_row(Ui& ui, const SettingDeclaration& declaration);
 
 void draw_toolbar(Ui& ui);
 void draw_status(Ui& ui);
+/// Recent and built-in scenes, over the picture.
+void draw_start_popup(Ui& ui);
 void draw_strip(Ui& ui);
 float strip_height(const EditorFacts& facts, float width);
 void draw_materials_panel(Ui& ui);

@@ -55,7 +55,8 @@ const std::vector<CommandDeclaration>& command_declarations() {
        ""},
       {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},
       {"help", "[WORD]", 0, 1,
-       "the manual, or its part about a command, a topic (settings, modes, scenes, light, files) or a setting", ""},
+       "the manual, or its part about a command, a topic (settings, modes, scenes, light, keys, files) or a setting",
+       ""},
   };
   return kCommands;
 }
@@ -190,6 +191,8 @@ void check_combinations(const CommandLine& line) {
     throw UsageError("", "play needs a folder or a video to write to", "add --output FOLDER or FILE.mp4");
   if (line.command == "report" && !line.help && options.output.empty())
     throw UsageError("", "report needs a folder to write to", "add --output FOLDER");
+  if (line.environments.size() > 1 && !line.sheet)
+    throw UsageError("--env", "it is given twice", "give it once, or add --sheet");
   if (line.command != "render" || line.help) return;
   if (options.output.empty() && options.stats.empty())
     throw UsageError("", "render needs a file to write to", "add --output FILE.exr or FILE.png");
@@ -214,6 +217,7 @@ void take_files(CommandLine* line) {
       throw UsageError("maquette play", "it needs to know which path of the review", "add --path NAME");
   } else if (views) {
     options.scene = first;
+    options.given.insert("SCENE");
   } else {
     if (!options.path.empty()) throw UsageError("--path", "it is for a review", "give a .maquette.json file");
     options.path = first;
@@ -225,7 +229,8 @@ void take_files(CommandLine* line) {
 void check_settled(const CommandLine& line) {
   for (const char* name : {"--time", "--target-error", "--frames", "--view", "--reference"})
     if (line.options.given.contains(name))
-      throw UsageError(name, "a review is drawn as a settled frame", "use --average N and --samples N instead");
+      throw UsageError(name, "reviews and sheets are drawn as settled frames",
+                       "use --average N and --samples N instead");
 }
 
 }  // namespace
@@ -270,7 +275,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     throw UsageError("--look " + line.options.look, "there is no review to take it from", "give a .maquette.json file");
   for (auto& [name, source] : line.options.materials) source = with_btf_reading(source, line.options.settings);
   check_combinations(line);
-  if (line.command == "render" && !line.options.review.empty()) check_settled(line);
+  if (line.command == "render" && (line.sheet || !line.options.review.empty())) check_settled(line);
   return line;
 }
 

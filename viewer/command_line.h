@@ -15,6 +15,8 @@ struct CommandLine {
   std::vector<std::string> files;  ///< positional arguments
   SceneOptions options;
   MeasureOptions measure;
+  bool sheet = false;                     ///< `render`: one picture of several materials and environments
+  std::vector<std::string> environments;  ///< all that `--env` gave
   bool json = false;
   bool markdown = false;
   bool vocabulary = false;

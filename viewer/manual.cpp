@@ -7,6 +7,7 @@
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/suggest.h"
+#include "ui/shortcuts.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/vocabulary_page.h"
@@ -128,6 +129,13 @@ Section file_section() {
            {"--stats", "one JSON object; docs/vocabulary.md says what its names mean"}}};
 }
 
+Section key_section() {
+  Section section{"Keys", "Mouse and keys of the window, which lists them too (F1).", {}};
+  for (const ShortcutGroup& group : shortcut_groups())
+    for (const Shortcut& shortcut : group.shortcuts) section.entries.push_back({shortcut.keys, shortcut.what});
+  return section;
+}
+
 Section exit_section() {
   return {"Exit codes",
           "An error is one line on standard error that names the file and what to do.",
@@ -137,7 +145,8 @@ Section exit_section() {
 /// Parts of the manual by one word.
 std::map<std::string, std::function<Section()>> topics() {
   return {{"settings", setting_section}, {"modes", mode_section}, {"scenes", scene_section},
-          {"light", light_section},      {"files", file_section}, {"commands", command_section}};
+          {"light", light_section},      {"files", file_section}, {"commands", command_section},
+          {"keys", key_section}};
 }
 
 /// The settings of that name, or of the technique named so.
@@ -151,8 +160,8 @@ Section settings_named(const std::string& name) {
 
 std::vector<Section> sections(const std::string& command) {
   if (command.empty())
-    return {command_section(), option_section(command), scene_section(), mode_section(),
-            setting_section(), light_section(),         file_section(),  exit_section()};
+    return {command_section(), option_section(command), scene_section(), mode_section(), setting_section(),
+            light_section(),   key_section(),           file_section(),  exit_section()};
   std::vector<Section> chosen = {option_section(command)};
   if (command == "view" || command == "render" || command == "inspect" || command == "measure") {
     chosen.push_back(scene_section());

@@ -102,6 +102,16 @@ OptionDeclaration render_only(std::string name, std::string argument, std::strin
   return option;
 }
 
+/// Notes all that it gives, for a sheet.
+OptionDeclaration several_environments(OptionDeclaration option) {
+  option.repeatable = true;
+  option.apply = [one = option.apply](CommandLine* line, const std::string& text) {
+    one(line, text);
+    line->environments.push_back(text);
+  };
+  return option;
+}
+
 std::string environment_choices() {
   std::vector<std::string> names;
   for (const std::string& name : builtin_environment_names()) names.push_back("builtin:" + name);
@@ -111,10 +121,10 @@ std::string environment_choices() {
 std::vector<OptionDeclaration> light_and_material_options() {
   using O = SceneOptions;
   return {
-      shared("--env", "FILE",
-             "environment: .hdr, .exr or " + environment_choices() +
-                 " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
-             [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }),
+      several_environments(shared("--env", "FILE",
+                                  "environment: .hdr, .exr or " + environment_choices() +
+                                      " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
+                                  [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); })),
       shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",
              [](O* o, const std::string& t) {
                o->env_rotation_deg = static_cast<float>(parse_in(t, "--env-rotation", -36000.0, 36000.0));
@@ -289,6 +299,12 @@ std::vector<OptionDeclaration> output_options() {
        [](CommandLine* line, const std::string& t) {
          line->options.frame_format = check_name(t, "--format", {"png", "exr"});
        }},
+      {"--sheet",
+       "",
+       "one picture of all sources that --material NAME=FILE gives to one material (columns) under all --env (rows); "
+       "--size is that of one",
+       {"render"},
+       [](CommandLine* line, const std::string&) { line->sheet = true; }},
       {"--average",
        "N",
        "frames that are averaged to one picture of a review or a path (1)",

@@ -18,6 +18,7 @@
 #include "viewer/interrupt.h"
 #include "viewer/outputs.h"
 #include "viewer/render_look.h"
+#include "viewer/render_sheet.h"
 #include "viewer/session.h"
 #include "viewer/stats.h"
 
@@ -272,6 +273,7 @@ void write_picture(const Renderer& renderer, const Image& radiance, float exposu
 
 int run_render(const CommandLine& line) {
   const SceneOptions& options = line.options;
+  if (line.sheet) return render_sheet(line);
   if (!options.review.empty()) return render_look(line);
   check_outputs(options);
   const std::optional<Image> reference = load_reference(options);

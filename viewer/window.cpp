@@ -17,17 +17,21 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "ui/editor.h"
+#include "ui/shortcuts.h"
 #include "viewer/bake_clock.h"
 #include "viewer/swatches.h"
 #include "viewer/window_compare.h"
 #include "viewer/window_host.h"
 #include "viewer/window_input.h"
 #include "viewer/window_inspection.h"
+#include "viewer/window_memory.h"
 #include "viewer/window_meter.h"
+#include "viewer/window_overlays.h"
 #include "viewer/window_paths.h"
 #include "viewer/window_picture.h"
 #include "viewer/window_session.h"
 #include "viewer/window_stored_light.h"
+#include "viewer/window_thumbnails.h"
 
 namespace maquette {
 
@@ -40,10 +44,21 @@ constexpr double kBusyMouse_s = 0.15;  // the picture waits for this time after 
 /// The program while its window is open.
 class App {
  public:
-  App(const SceneOptions& options, GLFWwindow* window, Inbox* inbox)
-      : options_(options), window_(window), inbox_(inbox), host_(window), session_(options) {
+  App(const SceneOptions& options, const WindowMemory& memory, GlfwWindow* window, Inbox* inbox)
+      : options_(options),
+        memory_(memory),
+        glfw_(window),
+        window_(window->get()),
+        inbox_(inbox),
+        host_(window->get()),
+        session_(options) {
     const DeviceInfo device = query_device();
     facts_.device = device.renderer;
+    EditorState& state = session_.state;
+    state.left_open = memory.left_open;
+    state.right_open = memory.right_open;
+    state.text_scale = memory.text_scale;
+    state.start_popup = options.screenshot.empty() && options.review.empty() && !options.given.contains("SCENE");
     last_frame_s_ = glfwGetTime();
   }
 
@@ -51,13 +66,15 @@ class App {
     while (!glfwWindowShouldClose(window_)) {
       wait();
       frame();
+      if (shot_wanted_) take_screenshot();
       if (!options_.screenshot.empty() && drawn_frames_ >= std::max(options_.frames, 1)) {
-        save_screenshot();
+        save_screenshot(options_.screenshot);
         glfwSwapBuffers(window_);
         break;
       }
       glfwSwapBuffers(window_);
     }
+    remember();
     return 0;
   }
 
@@ -78,6 +95,7 @@ class App {
     const EditorState& state = session_.state;
     const bool field_opens = state.open_path_popup || state.save_path_popup || editor_.awaits_field;
     const InputBatch input = inbox_->next(editor_.typing, field_opens);
+    host_.set_text_scale(state.text_scale);
     host_.begin_frame(input);
     collect_facts();
     EditorActions actions;
@@ -102,7 +120,10 @@ class App {
     inspection_.draw_overlay(session_, editor_.layout.picture);
     stored_light_.update(&session_, picture_);
     compare_.update(&session_, picture_);
-    compare_.draw_overlay(session_.state, editor_.layout.picture);
+    compare_.draw_overlay(session_.state, picture_, editor_.layout.picture);
+    draw_distance(session_.state, session_.bounds(), editor_.layout.picture);
+    thumbnails_.update(session_, picture_.still() && !compare_.drawing() && !session_.loading());
+    note_file();
     host_.end_frame();
   }
 
@@ -146,6 +167,8 @@ class App {
     inspection_.fill_facts(session_, &facts_.inspection);
     stored_light_.fill_facts(&facts_.stored_light);
     facts_.swatches = &swatches_.textures();
+    facts_.look_pictures = thumbnails_.textures(session_.state);
+    facts_.recent_files = memory_.recent;
   }
 
   Renderer::Pick pick(float x, float y) {
@@ -156,44 +179,71 @@ class App {
   void handle_pointer(const std::vector<PointerEvent>& events) {
     const bool blocked = ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel);
     for (const PointerEvent& event : events)
-      if (blocked || !compare_.takes(event, editor_.layout.picture))
+      if (blocked || !compare_.takes(event, session_.state, editor_.layout.picture))
         input_.handle(event, editor_.layout.picture, blocked, &session_,
                       [this](float x, float y) { return pick(x, y); });
   }
 
   void handle_keys(const std::vector<KeyEvent>& keys, EditorActions* actions) {
-    EditorState& state = session_.state;
     for (const KeyEvent& event : keys) {
-      if (event.released) continue;
-      if (event.ctrl) {
-        if (event.key == GLFW_KEY_Z) (event.shift ? actions->redo : actions->undo) = true;
-        if (event.key == GLFW_KEY_Y) actions->redo = true;
-        if (event.key == GLFW_KEY_S) actions->save = true;
-        if (event.key == GLFW_KEY_Q) glfwSetWindowShouldClose(window_, GLFW_TRUE);
-        continue;
-      }
-      if (input_.dragging()) continue;  // the letters fly then
-      if (event.key >= GLFW_KEY_1 && event.key <= GLFW_KEY_9) actions->go_to_camera = event.key - GLFW_KEY_1;
-      if (event.key == GLFW_KEY_F) actions->frame_scene = true;
-      if (event.key == GLFW_KEY_L) actions->keep_look = true;
-      if (event.key == GLFW_KEY_K) actions->add_key = true;
-      if (event.key == GLFW_KEY_SPACE) actions->play_path = true;
-      if (event.key == GLFW_KEY_C) compare_.toggle(&session_);
-      if (event.key == GLFW_KEY_X) compare_.swap(&session_);
-      if (event.key == GLFW_KEY_P) compare_.render_file(&session_, picture_);
-      if (event.key == GLFW_KEY_PAGE_DOWN) actions->next_look = 1;
-      if (event.key == GLFW_KEY_PAGE_UP) actions->next_look = -1;
-      if (event.key == GLFW_KEY_D) state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
-      if (event.key == GLFW_KEY_O) state.open_path_popup = true;
-      if (event.key == GLFW_KEY_LEFT_BRACKET) step_exposure(-0.25f);
-      if (event.key == GLFW_KEY_RIGHT_BRACKET) step_exposure(0.25f);
-      if (event.key == GLFW_KEY_TAB) state.left_open = state.right_open = !(state.left_open || state.right_open);
-      if (event.key == GLFW_KEY_F1 || event.key == GLFW_KEY_H) {
-        state.left_open = true;
-        state.left_tab = 2;
-      }
-      if (event.key == GLFW_KEY_ESCAPE) state.tool = Tool::camera;
+      if (event.released || is_modifier(event.key)) continue;
+      if (input_.dragging() && !event.ctrl) continue;  // the letters fly then
+      const Command command = command_of(written_key(event));
+      if (command == Command::camera) actions->go_to_camera = event.key - GLFW_KEY_1;
+      request(command, actions);
+      change_view(command);
     }
+  }
+
+  /// Commands that the panels have as buttons too.
+  void request(Command command, EditorActions* actions) {
+    EditorState& state = session_.state;
+    if (command == Command::undo) actions->undo = true;
+    if (command == Command::redo) actions->redo = true;
+    if (command == Command::save) actions->save = true;
+    if (command == Command::frame_scene) actions->frame_scene = true;
+    if (command == Command::keep_look) actions->keep_look = true;
+    if (command == Command::add_key) actions->add_key = true;
+    if (command == Command::play) actions->play_path = true;
+    if (command == Command::next_look) actions->next_look = 1;
+    if (command == Command::previous_look) actions->next_look = -1;
+    if (command == Command::compare) compare_.toggle(&session_);
+    if (command == Command::swap) compare_.swap(&session_);
+    if (command == Command::compare_otherwise && state.compare.on)
+      state.compare.how = static_cast<CompareView::How>((static_cast<int>(state.compare.how) + 1) % 3);
+    if (command == Command::render_file) compare_.render_file(&session_, picture_);
+    if (command == Command::close) glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    if (command == Command::open) state.open_path_popup = true;
+    if (command == Command::start_screen) state.start_popup = true;
+  }
+
+  /// Commands that change how the window shows things.
+  void change_view(Command command) {
+    EditorState& state = session_.state;
+    const auto toggle = [&](Tool tool) { state.tool = state.tool == tool ? Tool::camera : tool; };
+    if (command == Command::dent) toggle(Tool::dent);
+    if (command == Command::measure_distance) {
+      toggle(Tool::distance);
+      state.measured.clear();
+    }
+    if (command == Command::darker) step_exposure(-0.25f);
+    if (command == Command::brighter) step_exposure(0.25f);
+    if (command == Command::sides) state.left_open = state.right_open = !(state.left_open || state.right_open);
+    if (command == Command::help) {
+      state.left_open = true;
+      state.left_tab = 2;
+    }
+    if (command == Command::leave) state.tool = Tool::camera;
+    if (command == Command::present || (command == Command::leave && state.presenting)) {
+      state.presenting = !state.presenting;
+      glfw_->set_full_screen(state.presenting);
+    }
+    if (command == Command::full_screen) glfw_->set_full_screen(!glfw_->is_full_screen());
+    if (command == Command::screenshot) shot_wanted_ = true;
+    constexpr float kStep = 1.1f;
+    if (command == Command::larger) state.text_scale = std::min(kStep * state.text_scale, 3.0f);
+    if (command == Command::smaller) state.text_scale = std::max(state.text_scale / kStep, 0.6f);
+    if (command == Command::usual_size) state.text_scale = 1.0f;
   }
 
   void step_exposure(float stops) {
@@ -236,7 +286,44 @@ class App {
     if (actions.dismiss_messages) session_.dismiss_messages();
   }
 
-  void save_screenshot() const {
+  /// What is open goes to the top of the recent files.
+  void note_file() {
+    const std::string& review = session_.review().file();
+    const std::string& open = review.empty() ? session_.scene().name : review;
+    if (open == noted_) return;
+    noted_ = open;
+    if (!options_.screenshot.empty()) return;
+    memory_.note(absolute_source(open, std::filesystem::current_path().string()));
+    save_window_memory(memory_);
+  }
+
+  void remember() {
+    if (!options_.screenshot.empty()) return;
+    const EditorState& state = session_.state;
+    memory_.left_open = state.left_open;
+    memory_.right_open = state.right_open;
+    memory_.text_scale = state.text_scale;
+    if (!glfw_->is_full_screen()) glfwGetWindowSize(window_, &memory_.width, &memory_.height);
+    save_window_memory(memory_);
+  }
+
+  /// Of the whole window, beside the review.
+  void take_screenshot() {
+    shot_wanted_ = false;
+    namespace fs = std::filesystem;
+    const std::string& review = session_.review().file();
+    const fs::path folder = review.empty() ? fs::current_path() : fs::path(review).parent_path();
+    fs::path file = folder / "maquette.png";
+    for (int number = 2; fs::exists(file); ++number) file = folder / ("maquette " + std::to_string(number) + ".png");
+    try {
+      save_screenshot(file.string());
+      session_.add_message(MessageLevel::warning, "written: " + file.string());
+    } catch (const Error& error) {
+      session_.add_message(MessageLevel::error, error.what());
+    }
+  }
+
+  void save_screenshot(const std::string& file) const {
     int width = 0, height = 0;
     glfwGetFramebufferSize(window_, &width, &height);
     const auto w = static_cast<std::size_t>(width);
@@ -248,10 +335,12 @@ class App {
       for (std::size_t i = 0; i < 3 * w; ++i)
         image.data[static_cast<std::size_t>(y) * 3 * w + i] =
             static_cast<float>(bytes[static_cast<std::size_t>(height - 1 - y) * 3 * w + i]) / 255.0f;
-    save_png(options_.screenshot, image);
+    save_png(file, image);
   }
 
   SceneOptions options_;
+  WindowMemory memory_;
+  GlfwWindow* glfw_;
   GLFWwindow* window_;
   Inbox* inbox_;
   ImGuiHost host_;
@@ -265,21 +354,26 @@ class App {
   WindowCompare compare_;
   PictureInput input_;
   Swatches swatches_;
+  WindowThumbnails thumbnails_;
   EditorFacts facts_;
   EditorFrame editor_;
   double last_frame_s_ = 0.0;
   int drawn_frames_ = 0;
-  bool drew_ = false;
+  bool drew_ = false, shot_wanted_ = false;
+  std::string noted_;  ///< the file that was open in the last frame
 };
 
 }  // namespace
 
 int run_window(const SceneOptions& options) {
   Inbox inbox;
-  const GlfwWindow window(options.width, options.height, &inbox);
+  WindowMemory memory;
+  if (options.screenshot.empty()) memory = load_window_memory();
+  const bool sized = options.given.contains("--size") || memory.width == 0;
+  GlfwWindow window(sized ? options.width : memory.width, sized ? options.height : memory.height, &inbox);
   query_device();
   install_debug_output();
-  App app(options, window.get(), &inbox);
+  App app(options, memory, &window, &inbox);
   return app.run();
 }
 

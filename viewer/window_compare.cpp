@@ -4,10 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
+#include "render/metrics/flip.h"
 #include "render/picture/tonemap.h"
+#include "render/views/false_color.h"
 #include "review/journal.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
@@ -62,32 +66,37 @@ void WindowCompare::note_looks(const EditorState& state) {
   present_ = state.name;
 }
 
-/// The look that was shown before; without one, any other.
-const Look* WindowCompare::find_other(const EditorState& state) {
-  note_looks(state);
-  if (other_ == state.name || !kept_look(state, other_)) {
-    const auto any = std::ranges::find_if(state.looks, [&](const Look& look) { return look.name != state.name; });
-    other_ = any == state.looks.end() ? "" : any->name;
+/// The one that was chosen; else the look that was shown before; without one, any other.
+const Look* WindowCompare::find_other(EditorState* state) {
+  note_looks(*state);
+  CompareView& view = state->compare;
+  if (view.other == state->name || !kept_look(*state, view.other)) view.other.clear();
+  if (!view.other.empty()) return kept_look(*state, view.other);
+  if (other_ == state->name || !kept_look(*state, other_)) {
+    const auto any = std::ranges::find_if(state->looks, [&](const Look& look) { return look.name != state->name; });
+    other_ = any == state->looks.end() ? "" : any->name;
   }
-  return kept_look(state, other_);
+  return kept_look(*state, other_);
 }
 
 void WindowCompare::toggle(WindowSession* session) {
-  if (on_) return stop();
-  on_ = find_other(session->state) != nullptr;
-  if (!on_) session->add_message(MessageLevel::warning, "Compare: there is no other look; L keeps the present one");
+  EditorState& state = session->state;
+  state.compare.on = !state.compare.on;
+  if (!state.compare.on) stop(&state);
 }
 
 void WindowCompare::swap(WindowSession* session) {
   EditorState& state = session->state;
-  const Look* found = find_other(state);
+  const Look* found = find_other(&state);
   if (!found) return;
   Look other = *found;
   keep_present(&state);
   other.camera = state.camera;
+  const std::string present = state.name;
   note_looks(state);
   session->take(other);
   note_looks(state);
+  if (!state.compare.other.empty()) state.compare.other = present;
 }
 
 void WindowCompare::render_file(WindowSession* session, const WindowPicture& picture) {
@@ -108,10 +117,11 @@ void WindowCompare::render_file(WindowSession* session, const WindowPicture& pic
   }
 }
 
-bool WindowCompare::takes(const PointerEvent& event, const Rect& picture) {
+bool WindowCompare::takes(const PointerEvent& event, const EditorState& state, const Rect& picture) {
   using Kind = PointerEvent::Kind;
   const float line = picture.x + wiper_ * picture.width;
-  if (event.kind == Kind::press && on_ && event.button == 0 && picture.contains(event.x, event.y) &&
+  const bool wipes = state.compare.on && state.compare.how == CompareView::How::wiper;
+  if (event.kind == Kind::press && wipes && event.button == 0 && picture.contains(event.x, event.y) &&
       std::abs(event.x - line) <= kWiperReach)
     dragging_ = true;
   if (!dragging_) return false;
@@ -120,8 +130,9 @@ bool WindowCompare::takes(const PointerEvent& event, const Rect& picture) {
   return true;
 }
 
-void WindowCompare::stop() {
-  on_ = ready_ = dragging_ = false;
+void WindowCompare::stop(EditorState* state) {
+  state->compare.on = ready_ = dragging_ = false;
+  state->compare.other.clear();
   drawing_.cancel();
   wanted_.reset();
 }
@@ -131,66 +142,134 @@ void WindowCompare::update(WindowSession* session, const WindowPicture& picture)
   if (file_.poll(&error))
     session->add_message(error.empty() ? MessageLevel::warning : MessageLevel::error,
                          error.empty() ? "written: " + file_.output() : error);
-  const EditorState& state = session->state;
+  EditorState& state = session->state;
   note_looks(state);
-  if (!on_) return;
-  const Look* other = find_other(state);
-  if (!other) return stop();
-  Wanted wanted{*other, picture.drawn_size().x, picture.drawn_size().y};
-  wanted.look.camera = state.camera;
+  if (!state.compare.on) {
+    if (wanted_) stop(&state);
+    return;
+  }
+  const Look* other = find_other(&state);
+  if (!other) {
+    session->add_message(MessageLevel::warning, "Compare: there is no other look; L keeps the present one");
+    return stop(&state);
+  }
+  try {
+    draw_other(session, picture, *other);
+    if (ready_ && wanted_->look.auto_exposure && shown_ev_ != state.exposure_ev) show(state.exposure_ev);
+    if (state.compare.how == CompareView::How::difference) take_difference(session, picture);
+  } catch (const Error& problem) {
+    session->add_message(MessageLevel::error, problem.what());
+    stop(&state);
+  }
+}
+
+void WindowCompare::draw_other(WindowSession* session, const WindowPicture& picture, const Look& other) {
+  Wanted wanted{other, picture.drawn_size().x, picture.drawn_size().y};
+  wanted.look.camera = session->state.camera;
   const bool known = wanted_ && *wanted_ == wanted;
   if (!known) {
     ready_ = false;
     drawing_.cancel();
   }
-  try {
-    if (!known && picture.still()) {
-      Review review = session->review().review();
-      review.look = wanted.look;
-      SettledFrame settled;
-      settled.size.width = wanted.width;
-      settled.size.height = wanted.height;
-      settled.frames = kAveraged;
-      drawing_.start(review, settled, state_folder() + "/compare-" + std::to_string(::getpid()) + ".exr");
-      wanted_ = wanted;
-    }
-    if (drawing_.poll(&error)) {
-      if (!error.empty()) throw Error("", error);
-      radiance_ = load_hdr_image(drawing_.output());
-      fs::remove(drawing_.output());
-      ready_ = true;
-      show(state.exposure_ev);
-    }
-  } catch (const Error& problem) {
-    session->add_message(MessageLevel::error, problem.what());
-    stop();
+  if (!known && picture.still()) {
+    Review review = session->review().review();
+    review.look = wanted.look;
+    SettledFrame settled;
+    settled.size.width = wanted.width;
+    settled.size.height = wanted.height;
+    settled.frames = kAveraged;
+    drawing_.start(review, settled, state_folder() + "/compare-" + std::to_string(::getpid()) + ".exr");
+    wanted_ = wanted;
   }
-  if (ready_ && wanted_->look.auto_exposure && shown_ev_ != state.exposure_ev) show(state.exposure_ev);
+  std::string error;
+  if (!drawing_.poll(&error)) return;
+  if (!error.empty()) throw Error("", error);
+  radiance_ = load_hdr_image(drawing_.output());
+  fs::remove(drawing_.output());
+  ready_ = true;
+  show(session->state.exposure_ev);
+}
+
+/// Computed beside the window, anew each time that the average has twice as many frames.
+void WindowCompare::take_difference(WindowSession* session, const WindowPicture& picture) {
+  if (comparing_.valid() && comparing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    const Difference found = comparing_.get();
+    difference_ = overlay_texture(found.picture, "difference of looks", GL_NEAREST);
+    mean_flip_ = found.mean;
+  }
+  const int frames = picture.still() ? picture.stats()->accumulated_frames : 0;
+  const bool same_size = picture.drawn_size() == glm::ivec2(display_.width, display_.height);
+  if (!ready_ || comparing_.valid() || frames == 0 || !same_size) return;
+  if (frames >= compared_frames_ && frames < 2 * compared_frames_) return;
+  compared_frames_ = frames;
+  const EditorState& state = session->state;
+  Image own = tone_map(session->renderer().read_radiance(), state.exposure_ev, state.tonemap);
+  comparing_ = std::async(std::launch::async, [own = std::move(own), other = display_]() mutable {
+    const auto linear = [](Image* image) {
+      for (float& v : image->data) v = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    };
+    linear(&own);
+    linear(&other);
+    const Image map = flip_ldr_map(own, other);
+    Difference difference{false_color_image(map, FalseColorRange{0.0f, 1.0f}), 0.0};
+    for (const float v : map.data) difference.mean += static_cast<double>(v);
+    difference.mean /= static_cast<double>(std::max<std::size_t>(map.data.size(), 1));
+    return difference;
+  });
 }
 
 /// `exposure_ev`: of the present look, which one that is metered shares.
 void WindowCompare::show(float exposure_ev) {
   shown_ev_ = exposure_ev;
   const Look& look = wanted_->look;
-  Image display = tone_map(radiance_, look.auto_exposure ? exposure_ev : look.exposure_ev, look.tonemap);
-  for (std::size_t i = 3; i < display.data.size(); i += 4) display.data[i] = 1.0f;
-  texture_ = overlay_texture(display, "other look", GL_LINEAR);
+  display_ = tone_map(radiance_, look.auto_exposure ? exposure_ev : look.exposure_ev, look.tonemap);
+  for (std::size_t i = 3; i < display_.data.size(); i += 4) display_.data[i] = 1.0f;
+  texture_ = overlay_texture(display_, "other look", GL_LINEAR);
+  compared_frames_ = 0;
+  mean_flip_ = -1.0;
 }
 
-void WindowCompare::draw_overlay(const EditorState& state, const Rect& picture) const {
-  if (!on_ || picture.empty()) return;
+namespace {
+
+/// Both pictures whole, each half as large.
+void draw_halves(ImDrawList* list, ImTextureID own, ImTextureID other, const Rect& rect) {
+  const float bottom = rect.y + rect.height, middle = rect.x + 0.5f * rect.width, top = rect.y + 0.25f * rect.height;
+  list->AddRectFilled({rect.x, rect.y}, {rect.x + rect.width, bottom}, IM_COL32(20, 20, 22, 255));
+  list->AddImage(own, {rect.x, top}, {middle - 1.0f, bottom - 0.25f * rect.height}, {0.0f, 1.0f}, {1.0f, 0.0f});
+  if (other) list->AddImage(other, {middle + 1.0f, top}, {rect.x + rect.width, bottom - 0.25f * rect.height});
+}
+
+}  // namespace
+
+void WindowCompare::draw_overlay(const EditorState& state, const WindowPicture& picture, const Rect& rect) const {
+  if (!state.compare.on || rect.empty() || !picture.shown()) return;
+  using How = CompareView::How;
+  const How how = state.compare.how;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
-  const float x = picture.x + wiper_ * picture.width;
-  const float bottom = picture.y + picture.height, middle = picture.y + 0.5f * picture.height;
-  if (ready_)
-    list->AddImage(texture_id(texture_), {x, picture.y}, {picture.x + picture.width, bottom}, {wiper_, 0.0f},
-                   {1.0f, 1.0f});
-  list->AddLine({x, picture.y}, {x, bottom}, IM_COL32(255, 255, 255, 200), 2.0f);
-  list->AddRectFilled({x - 5.0f, middle - 18.0f}, {x + 5.0f, middle + 18.0f}, IM_COL32(255, 255, 255, 230), 5.0f);
-  const float y = bottom - 1.6f * ImGui::GetFontSize();
+  const float bottom = rect.y + rect.height, middle = rect.y + 0.5f * rect.height;
   const std::string present = "A  " + (state.name.empty() ? std::string("as it is") : state.name);
-  label(list, {x + 10.0f, y}, "B  " + other_ + (ready_ ? "" : " (is being drawn)"));
+  std::string other = "B  " + (state.compare.other.empty() ? other_ : state.compare.other);
+  if (!ready_) other += " (is being drawn)";
+  float x = rect.x + 0.5f * rect.width;
+  if (how == How::side_by_side) {
+    draw_halves(list, texture_id(picture.shown()), ready_ ? texture_id(texture_) : ImTextureID(), rect);
+  } else if (how == How::wiper) {
+    x = rect.x + wiper_ * rect.width;
+    if (ready_)
+      list->AddImage(texture_id(texture_), {x, rect.y}, {rect.x + rect.width, bottom}, {wiper_, 0.0f}, {1.0f, 1.0f});
+    list->AddLine({x, rect.y}, {x, bottom}, IM_COL32(255, 255, 255, 200), 2.0f);
+    list->AddRectFilled({x - 5.0f, middle - 18.0f}, {x + 5.0f, middle + 18.0f}, IM_COL32(255, 255, 255, 230), 5.0f);
+  } else if (ready_ && mean_flip_ >= 0.0) {
+    list->AddImage(texture_id(difference_), {rect.x, rect.y}, {rect.x + rect.width, bottom});
+  }
+  const float y = bottom - 1.6f * ImGui::GetFontSize();
+  label(list, {x + 10.0f, y}, other);
   label(list, {x - 10.0f - ImGui::CalcTextSize(present.c_str()).x, y}, present);
+  if (how != How::difference) return;
+  char text[96];
+  std::snprintf(text, sizeof text, mean_flip_ < 0.0 ? "is being compared" : "FLIP, mean %.4f: 0 blue, 1 red",
+                mean_flip_);
+  label(list, {x - 0.5f * ImGui::CalcTextSize(text).x, rect.y + 0.6f * ImGui::GetFontSize()}, text);
 }
 
 }  // namespace maquette

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <future>
 #include <optional>
 #include <string>
 
@@ -13,8 +14,8 @@
 
 namespace maquette {
 
-/// Settled pictures beside the window's own: the look that was shown before, A and B under a wiper, and a picture of
-/// the look at hand as a file.
+/// Settled pictures beside the window's own: another look, as B under a wiper, beside A, or as the difference that a
+/// person sees; and a picture of the look at hand as a file. What is compared how is in the state (CompareView).
 class WindowCompare {
  public:
   /// Compares with the look that was shown before, or no longer.
@@ -26,11 +27,11 @@ class WindowCompare {
   /// A picture is in work: the window's own may wait.
   bool drawing() const { return drawing_.busy() || file_.busy(); }
   /// Whether the event moves the wiper, and is nobody else's.
-  bool takes(const PointerEvent& event, const Rect& picture);
+  bool takes(const PointerEvent& event, const EditorState& state, const Rect& picture);
   /// Draws the other look in the background once nothing moves.
   void update(WindowSession* session, const WindowPicture& picture);
   /// Over the picture, behind the panels: between ImGui::NewFrame and Render.
-  void draw_overlay(const EditorState& state, const Rect& picture) const;
+  void draw_overlay(const EditorState& state, const WindowPicture& picture, const Rect& rect) const;
 
  private:
   struct Wanted {
@@ -39,18 +40,27 @@ class WindowCompare {
     bool operator==(const Wanted&) const = default;
   };
   void note_looks(const EditorState& state);
-  const Look* find_other(const EditorState& state);
-  void stop();
+  const Look* find_other(EditorState* state);
+  void stop(EditorState* state);
+  void draw_other(WindowSession* session, const WindowPicture& picture, const Look& other);
   void show(float exposure_ev);
+  void take_difference(WindowSession* session, const WindowPicture& picture);
 
-  bool on_ = false, dragging_ = false, ready_ = false;
+  bool dragging_ = false, ready_ = false;
   std::string present_, other_;  ///< names of the looks that were shown last
   float wiper_ = 0.5f;           ///< share of the picture's width, from the left, that shows the present look
   BackgroundRender drawing_, file_;
   std::optional<Wanted> wanted_;
-  Image radiance_;
-  Texture texture_;
+  Image radiance_, display_;  ///< of the other look
+  Texture texture_, difference_;
   float shown_ev_ = 0.0f;
+  struct Difference {
+    Image picture;  ///< in false colours
+    double mean = 0.0;
+  };
+  std::future<Difference> comparing_;
+  int compared_frames_ = 0;  ///< of the picture that was compared last
+  double mean_flip_ = -1.0;  ///< negative: not known yet
 };
 
 }  // namespace maquette

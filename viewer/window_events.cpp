@@ -3,6 +3,7 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <map>
 
 namespace maquette {
 
@@ -17,6 +18,22 @@ bool writes(const KeyEvent& event) { return event.text != 0 && !event.ctrl; }
 }  // namespace
 
 bool is_modifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER; }
+
+std::string written_key(const KeyEvent& event) {
+  static const std::map<int, std::string> kNames = {{GLFW_KEY_PAGE_UP, "Page Up"}, {GLFW_KEY_PAGE_DOWN, "Page Down"},
+                                                    {GLFW_KEY_SPACE, "Space"},     {GLFW_KEY_TAB, "Tab"},
+                                                    {GLFW_KEY_ESCAPE, "Escape"},   {GLFW_KEY_KP_ADD, "+"},
+                                                    {GLFW_KEY_KP_SUBTRACT, "-"},   {GLFW_KEY_KP_0, "0"}};
+  std::string name;
+  if (const auto known = kNames.find(event.key); known != kNames.end())
+    name = known->second;
+  else if (event.key >= GLFW_KEY_F1 && event.key <= GLFW_KEY_F12)
+    name = "F" + std::to_string(event.key - GLFW_KEY_F1 + 1);
+  else if (event.key > ' ' && event.key < 127)
+    name = static_cast<char>(event.key);
+  const bool letter = event.key >= GLFW_KEY_A && event.key <= GLFW_KEY_Z;
+  return std::string(event.ctrl ? "Ctrl+" : "") + (event.ctrl && event.shift && letter ? "Shift+" : "") + name;
+}
 
 void Inbox::add(const PointerEvent& event) { events_.emplace_back(event); }
 

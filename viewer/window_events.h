@@ -18,6 +18,9 @@ struct KeyEvent {
   unsigned text = 0;      ///< Unicode; 0: none
 };
 bool is_modifier(int key);
+/// As the list of shortcuts writes it (ui/shortcuts.h): `Ctrl+Shift+Z`, `Page Up`, `[`; Shift counts beside Ctrl and
+/// letters only.
+std::string written_key(const KeyEvent& event);
 
 /// What one frame of the window gets.
 struct InputBatch {

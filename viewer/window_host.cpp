@@ -6,6 +6,8 @@
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 
+#include <algorithm>
+
 #include "scenes/error.h"
 #include "ui/editor.h"
 
@@ -112,6 +114,33 @@ GlfwWindow::GlfwWindow(int width, int height, Inbox* inbox) {
   install_callbacks(window_);
 }
 
+bool GlfwWindow::is_full_screen() const { return glfwGetWindowMonitor(window_) != nullptr; }
+
+void GlfwWindow::set_full_screen(bool on) {
+  if (on == is_full_screen()) return;
+  if (!on) return glfwSetWindowMonitor(window_, nullptr, x_, y_, width_, height_, GLFW_DONT_CARE);
+  glfwGetWindowPos(window_, &x_, &y_);
+  glfwGetWindowSize(window_, &width_, &height_);
+  int count = 0;
+  GLFWmonitor** monitors = glfwGetMonitors(&count);
+  GLFWmonitor* best = nullptr;
+  int most = -1;
+  for (int i = 0; i < count; ++i) {
+    int x = 0, y = 0;
+    glfwGetMonitorPos(monitors[i], &x, &y);
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    const int common = std::max(std::min(x_ + width_, x + mode->width) - std::max(x_, x), 0) *
+                       std::max(std::min(y_ + height_, y + mode->height) - std::max(y_, y), 0);
+    if (common > most) {
+      most = common;
+      best = monitors[i];
+    }
+  }
+  if (!best) return;
+  const GLFWvidmode* mode = glfwGetVideoMode(best);
+  glfwSetWindowMonitor(window_, best, 0, 0, mode->width, mode->height, mode->refreshRate);
+}
+
 GlfwWindow::~GlfwWindow() {
   glfwDestroyWindow(window_);
   glfwTerminate();
@@ -189,6 +218,7 @@ bool ImGuiHost::refresh_scale() {
   glfwGetFramebufferSize(window_, &width, &height);
   const float ratio =
       window_width > 0 && width > 0 ? static_cast<float>(width) / static_cast<float>(window_width) : 1.0f;
+  scale *= text_scale_;
   if (scale == scale_ && ratio == ratio_) return false;
   const bool first = scale_ == 0.0f;
   scale_ = scale;

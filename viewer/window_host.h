@@ -19,9 +19,13 @@ class GlfwWindow {
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
   GLFWwindow* get() const { return window_; }
+  bool is_full_screen() const;
+  /// On the monitor that has most of the window, and back.
+  void set_full_screen(bool on);
 
  private:
   GLFWwindow* window_ = nullptr;
+  int x_ = 0, y_ = 0, width_ = 0, height_ = 0;  ///< before the full screen
 };
 
 /// ImGui's context and back ends, with font and style of the display's scale.
@@ -35,6 +39,8 @@ class ImGuiHost {
   /// Passes the events to ImGui. Its back end's callbacks are not used: they would run ahead of the frame that the
   /// events are for, and polled positions of the mouse are not where it was clicked.
   void begin_frame(const InputBatch& input);
+  /// Of the text, beside that of the display; from the next frame on.
+  void set_text_scale(float scale) { text_scale_ = scale; }
   void end_frame();
 
  private:
@@ -43,7 +49,7 @@ class ImGuiHost {
   void pass_key(const KeyEvent& event, bool typing);
 
   GLFWwindow* window_;
-  float scale_ = 0.0f, ratio_ = 0.0f;
+  float text_scale_ = 1.0f, scale_ = 0.0f, ratio_ = 0.0f;
   ImVec2 mouse_{-1.0f, -1.0f};
   bool down_[3] = {false, false, false};
   bool ctrl_ = false, shift_ = false;

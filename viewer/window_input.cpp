@@ -67,12 +67,17 @@ void PictureInput::handle(const PointerEvent& event, const Rect& picture, bool b
 void PictureInput::click(const Rect& picture, WindowSession* session, const Renderer::Pick& hit) {
   const float width = std::max(picture.width, 1.0f), height = std::max(picture.height, 1.0f);
   const glm::vec2 at(2.0f * (press_x_ - picture.x) / width - 1.0f, 1.0f - 2.0f * (press_y_ - picture.y) / height);
-  if (session->state.tool == Tool::stored)
+  std::vector<glm::vec3>& ends = session->state.measured;
+  if (session->state.tool == Tool::stored) {
     session->state.inspection.stored_at = glm::vec2((press_x_ - picture.x) / width, (press_y_ - picture.y) / height);
-  else if (session->state.tool == Tool::reflect)
+  } else if (session->state.tool == Tool::reflect) {
     session->pick_reflector(at, width / height, hit);
-  else
+  } else if (session->state.tool == Tool::distance) {
+    if (ends.size() >= 2) ends.clear();
+    if (hit.hit) ends.push_back(hit.position);
+  } else {
     session->select_in_front(at, width / height, hit);
+  }
 }
 
 void PictureInput::press(const PointerEvent& event, const Rect& picture, WindowSession* session, const Pick& pick) {

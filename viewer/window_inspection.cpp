@@ -48,7 +48,7 @@ std::string polarised_text(const Polarised& p) {
 
 std::string interval_text(const Interval& i) {
   char text[96];
-  std::snprintf(text, sizeof text, "%.4g +- %.2g cd/m2", i.mean, i.half_width);
+  std::snprintf(text, sizeof text, "%s +- %.2g cd/m2", plain_number(i.mean).c_str(), i.half_width);
   return text;
 }
 
@@ -194,7 +194,8 @@ void WindowInspection::probe(const WindowSession& session, const WindowPicture& 
   probe_.clear();
   std::snprintf(text, sizeof text, "%d, %d of %d x %d", px.x, px.y, request.width, request.height);
   probe_.emplace_back("Pixel", text);
-  std::snprintf(text, sizeof text, "%.4g cd/m2, %.2f EV", sum, static_cast<double>(ev100_of(static_cast<float>(sum))));
+  std::snprintf(text, sizeof text, "%s cd/m2, %.2f EV", plain_number(sum).c_str(),
+                static_cast<double>(ev100_of(static_cast<float>(sum))));
   probe_.emplace_back("Picture", text);
   probe_.emplace_back("Behind", name_of(*traced_->scene, sight.behind));
   if (!sight.pane) return;
@@ -258,9 +259,11 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
       const RegionStatistics s = region_statistics(sums, static_cast<double>(threshold));
       char text[128];
       InspectionFacts::Region values;
-      std::snprintf(text, sizeof text, "mean %.4g, median %.4g cd/m2", s.mean, s.median);
+      std::snprintf(text, sizeof text, "mean %s, median %s cd/m2", plain_number(s.mean).c_str(),
+                    plain_number(s.median).c_str());
       values.values.emplace_back("Picture", text);
-      std::snprintf(text, sizeof text, "%.4g to %.4g, sigma %.3g", s.min, s.max, s.sigma);
+      std::snprintf(text, sizeof text, "%s to %s, sigma %.3g", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
+                    s.sigma);
       values.values.emplace_back("", text);
       values.values.emplace_back("Over threshold", text_of("%.1f %%", 100.0 * s.share_over));
       if (!pixels.empty()) {

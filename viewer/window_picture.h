@@ -37,6 +37,8 @@ class WindowPicture {
   Renderer::Pick pick(WindowSession* session, float x, float y) const;
 
   const std::optional<FrameStats>& stats() const { return stats_; }
+  /// As it is on screen, tone mapped, row 0 below; empty before the first frame.
+  const Texture& shown() const { return picture_; }
   /// The request of the last frame.
   const FrameRequest& drawn() const { return drawn_; }
   /// Nothing moves, and the picture is the requested one.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <utility>
 
 #include "scenes/angles.h"
 #include "scenes/ground.h"
@@ -19,6 +20,38 @@ void WindowSession::forget_applied() {
   surfaces_.reset();
   ground_of_ = {};
   ground_rotation_deg_ = 0.0f;
+}
+
+/// Twice the same new time: who writes it has finished.
+bool WindowSession::has_changed(const std::string& source) {
+  std::error_code code;
+  const auto now = std::filesystem::last_write_time(source, code);
+  if (code) return false;
+  const auto [known, is_new] = watched_.try_emplace(source, Watched{now, now});
+  Watched& watched = known->second;
+  const bool rests = std::exchange(watched.seen, now) == now;
+  if (is_new || !rests || now == watched.used) return false;
+  watched.used = now;
+  return true;
+}
+
+void WindowSession::watch_files(double now_s) {
+  constexpr double kInterval_s = 1.0;
+  if (now_s - watched_s_ < kInterval_s || loading() || opening_) return;
+  watched_s_ = now_s;
+  const std::string& scene = scene_->name;
+  if (!scene.starts_with("builtin:") && has_changed(scene)) {
+    reading_again_ = true;
+    scene_source_ = scene;
+    scene_file_ = std::async(std::launch::async, [scene, of_file = scene_of_file_] {
+      return std::make_shared<Scene>(load_scene(scene, of_file));
+    });
+    add_message(MessageLevel::note, scene + " has changed: it is read again");
+  }
+  if (!applied_.environment.starts_with("builtin:") && has_changed(applied_.environment)) {
+    add_message(MessageLevel::note, applied_.environment + " has changed: it is read again");
+    applied_.environment.clear();
+  }
 }
 
 void WindowSession::apply_ground(bool busy) {

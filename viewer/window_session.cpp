@@ -219,7 +219,13 @@ void WindowSession::poll_files() {
   }
   if (!ready(scene_file_)) return;
   std::unique_ptr<OpenReview> opening = std::move(opening_);
+  const bool again = std::exchange(reading_again_, false);
   try {
+    if (again) {
+      const Review kept = review_now();
+      use_scene(scene_file_.get());
+      return show(kept);
+    }
     use_scene(scene_file_.get());
     if (opening) {
       scene_of_file_ = opening->review().scene_of_file;
@@ -240,6 +246,7 @@ void WindowSession::poll_files() {
 
 void WindowSession::update(bool busy, double now_s) {
   if (!state.continued_journal.empty()) continue_review(std::exchange(state.continued_journal, {}));
+  watch_files(now_s);
   poll_files();
   poll_btf();
   start_environment();
@@ -473,6 +480,7 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->brdf_files = brdf_files_;
   facts->messages = &messages_;
   facts->node_paths = &node_paths_;
+  facts->bounds = bounds_;
   facts->can_undo = review_->can_undo();
   facts->can_redo = review_->can_redo();
   facts->review_file = review_->file();

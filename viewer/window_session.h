@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <future>
 #include <map>
@@ -75,6 +76,7 @@ class WindowSession {
   bool loading() const { return scene_file_.valid() || environment_file_.valid() || !btf_in_work_.empty(); }
   float scene_radius() const { return bounds_.radius(); }
   const Scene& scene() const { return *scene_; }
+  const Bounds& bounds() const { return bounds_; }
 
  private:
   using ScenePointer = std::shared_ptr<Scene>;
@@ -97,6 +99,9 @@ class WindowSession {
   void apply_dents();
   void apply_visibility();
   void start_environment();
+  /// Reads scene and environment again when their files have changed and rest; looks and edits stay.
+  void watch_files(double now_s);
+  bool has_changed(const std::string& source);
   /// The look of a window without a review.
   void begin_look(const SceneOptions& options);
   void open_review(const std::string& file);
@@ -133,6 +138,12 @@ class WindowSession {
   std::future<ScenePointer> scene_file_;
   std::future<EnvironmentPointer> environment_file_;
   std::string scene_source_, environment_source_;
+  bool reading_again_ = false;  ///< the scene that is open
+  struct Watched {
+    std::filesystem::file_time_type used, seen;  ///< when it was read, and when it was looked at
+  };
+  std::map<std::string, Watched> watched_;
+  double watched_s_ = -1e9;
   /// Makes BTFs: gives the source of each that is ready. Null until one is asked for.
   std::unique_ptr<BackgroundWorker<std::string, std::string>> btf_worker_;
   std::string btf_in_work_;  ///< empty: none

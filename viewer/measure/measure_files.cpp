@@ -7,6 +7,7 @@
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "scenes/suggest.h"
+#include "ui/inspection_state.h"
 #include "viewer/json_values.h"
 #include "viewer/measure/measure_run.h"
 
@@ -221,15 +222,16 @@ std::string measurement_text(const Measurement& m) {
     }
     for (const RegionValues& r : e.regions) {
       std::snprintf(line, sizeof line,
-                    "  region %s (%zu pixels): reflected %.4g cd/m2 (%.4g to %.4g, median %.4g), transmitted %.4g, "
+                    "  region %s (%zu pixels): reflected %s cd/m2 (%s to %s, median %s), transmitted %s, "
                     "incidence %.1f deg, R %.3f, contrast kept %.1f %%\n",
-                    r.name.c_str(), r.pane_pixels, r.reflected.mean, r.reflected.min, r.reflected.max,
-                    r.reflected.median, r.transmitted.mean, r.incidence_deg.mean, r.reflectance.mean,
-                    100.0 * r.contrast);
+                    r.name.c_str(), r.pane_pixels, plain_number(r.reflected.mean).c_str(),
+                    plain_number(r.reflected.min).c_str(), plain_number(r.reflected.max).c_str(),
+                    plain_number(r.reflected.median).c_str(), plain_number(r.transmitted.mean).c_str(),
+                    r.incidence_deg.mean, r.reflectance.mean, 100.0 * r.contrast);
       text += line;
       if (r.flat_estimate_cdm2) {
-        std::snprintf(line, sizeof line, "    flat estimate %.4g cd/m2, measured %.2f times\n", *r.flat_estimate_cdm2,
-                      r.reflected.mean / *r.flat_estimate_cdm2);
+        std::snprintf(line, sizeof line, "    flat estimate %s cd/m2, measured %.2f times\n",
+                      plain_number(*r.flat_estimate_cdm2).c_str(), r.reflected.mean / *r.flat_estimate_cdm2);
         text += line;
       }
       if (r.ghost_arcmin) {
@@ -239,15 +241,16 @@ std::string measurement_text(const Measurement& m) {
       }
       if (r.traced) {
         std::snprintf(line, sizeof line,
-                      "    path traced, %d paths a pixel: reflected %.4g +- %.2g, transmitted %.4g +- %.2g (95 %%)\n",
-                      r.traced->paths, r.traced->reflected.mean, r.traced->reflected.half_width,
-                      r.traced->transmitted.mean, r.traced->transmitted.half_width);
+                      "    path traced, %d paths a pixel: reflected %s +- %.2g, transmitted %s +- %.2g (95 %%)\n",
+                      r.traced->paths, plain_number(r.traced->reflected.mean).c_str(), r.traced->reflected.half_width,
+                      plain_number(r.traced->transmitted.mean).c_str(), r.traced->transmitted.half_width);
         text += line;
       }
     }
     for (const ProbeValues& p : e.probes) {
-      std::snprintf(line, sizeof line, "  pixel %d,%d: reflected %.4g cd/m2, transmitted %.4g, sum %.4g; behind: %s\n",
-                    p.pixel.x, p.pixel.y, p.reflected, p.transmitted, p.reflected + p.transmitted, p.behind.c_str());
+      std::snprintf(line, sizeof line, "  pixel %d,%d: reflected %s cd/m2, transmitted %s, sum %s; behind: %s\n",
+                    p.pixel.x, p.pixel.y, plain_number(p.reflected).c_str(), plain_number(p.transmitted).c_str(),
+                    plain_number(p.reflected + p.transmitted).c_str(), p.behind.c_str());
       text += line;
       if (!p.sight.pane) continue;
       const PaneOptics& o = p.sight.pane->optics;

@@ -1,0 +1,69 @@
+// One declaration of the keys: the window's, the panel's and the manual's.
+#include "ui/shortcuts.h"
+
+#include <GLFW/glfw3.h>
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "viewer/manual.h"
+#include "viewer/window_events.h"
+
+namespace maquette {
+namespace {
+
+std::vector<std::string> keys_of(const Shortcut& shortcut) {
+  std::vector<std::string> keys;
+  for (std::size_t begin = 0; begin < shortcut.keys.size();) {
+    const std::size_t end = std::min(shortcut.keys.find(", ", begin), shortcut.keys.size());
+    keys.push_back(shortcut.keys.substr(begin, end - begin));
+    begin = end + 2;
+  }
+  return keys;
+}
+
+TEST(Shortcuts, EveryKeyHasOneCommandAndEveryCommandAKey) {
+  std::set<std::string> keys;
+  std::set<Command> commands;
+  for (const ShortcutGroup& group : shortcut_groups())
+    for (const Shortcut& shortcut : group.shortcuts) {
+      commands.insert(shortcut.command);
+      if (shortcut.command == Command::none || shortcut.command == Command::camera) continue;
+      for (const std::string& key : keys_of(shortcut)) {
+        EXPECT_TRUE(keys.insert(key).second) << key;
+        EXPECT_EQ(command_of(key), shortcut.command) << key;
+      }
+    }
+  for (int command = 0; command <= static_cast<int>(Command::close); ++command)
+    EXPECT_TRUE(commands.contains(static_cast<Command>(command))) << command;
+  EXPECT_EQ(command_of("5"), Command::camera);
+  EXPECT_EQ(command_of("0"), Command::none);
+  EXPECT_EQ(command_of(""), Command::none);
+}
+
+TEST(Shortcuts, EventsAreWrittenAsTheListHasThem) {
+  std::set<std::string> written;
+  for (int key = 1; key <= GLFW_KEY_LAST; ++key)
+    for (const bool ctrl : {false, true})
+      for (const bool shift : {false, true}) {
+        KeyEvent event;
+        event.key = key;
+        event.ctrl = ctrl;
+        event.shift = shift;
+        written.insert(written_key(event));
+      }
+  for (const ShortcutGroup& group : shortcut_groups())
+    for (const Shortcut& shortcut : group.shortcuts)
+      if (shortcut.command != Command::none && shortcut.command != Command::camera)
+        for (const std::string& key : keys_of(shortcut)) EXPECT_TRUE(written.contains(key)) << key;
+}
+
+TEST(Shortcuts, TheManualListsThem) {
+  const std::string manual = manual_text("keys");
+  for (const ShortcutGroup& group : shortcut_groups())
+    for (const Shortcut& shortcut : group.shortcuts)
+      EXPECT_NE(manual.find(shortcut.keys), std::string::npos) << shortcut.keys;
+}
+
+}  // namespace
+}  // namespace maquette

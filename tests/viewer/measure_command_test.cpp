@@ -1,0 +1,83 @@
+// The whole command: night, grids of eyes, sweeps, files; and calls that are wrong.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/viewer/run_program.h"
+#include "ui/inspection_state.h"
+
+namespace maquette {
+namespace {
+
+using Json = nlohmann::json;
+using Words = std::vector<std::string>;
+
+Words measure_words(const Words& more) {
+  Words words = {"measure", "--mode", "reference", "--size", "48x27", "--samples", "1", "--eye-point", "V1"};
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+Json measured(const TemporaryFolder& folder, Words more) {
+  more.insert(more.end(), {"-o", folder.file("m.json")});
+  const ProgramResult result = run_maquette(measure_words(more));
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  return Json::parse(read_text(folder.file("m.json")));
+}
+
+TEST(MeasureCommand, AGridOfBothEyesNamesTheWorst) {
+  const TemporaryFolder folder;
+  const Json json = measured(folder, {"--eye-grid", "2x1", "--both-eyes"});
+  const Json& eyes = json.at("eyes");
+  ASSERT_EQ(eyes.size(), 4u) << json.dump(1);
+  double worst = 0.0;
+  for (const Json& eye : eyes)
+    worst = std::max(worst, eye.at("regions").at(0).at("reflected_cdm2").at("mean").get<double>());
+  EXPECT_EQ(json.at("worst").at("reflected_cdm2").get<double>(), worst);
+}
+
+TEST(MeasureCommand, AtNightTheDisplaysAloneAreSeen) {
+  const TemporaryFolder folder;
+  const Json day = measured(folder, {}), night = measured(folder, {"--night"});
+  const auto through = [](const Json& json) {
+    return json.at("eyes").at(0).at("regions").at(0).at("transmitted_cdm2").at("mean").get<double>();
+  };
+  EXPECT_GT(through(day), 1000.0);
+  EXPECT_LT(through(night), 1.0);
+}
+
+TEST(MeasureCommand, WrongCallsAreNamed) {
+  const TemporaryFolder folder;
+  struct Case {
+    Words words;
+    int exit_code;
+    std::string error;
+  };
+  const std::vector<Case> cases = {
+      {measure_words({"--region", "a=40,20,20,20"}), 2, "it reaches outside the picture of 48x27"},
+      {measure_words({"--eye-grid", "0x2"}), 2, "it goes from 1 to 32"},
+      {measure_words({"--sweep", "rakes=1,2"}), 2, "did you mean rake?"},
+      {measure_words({"--sweep", "rake="}), 2, "--sweep"},
+      {measure_words({"--night", "--lux-on-glass", "1000"}), 2, "it excludes --lux-on-glass"},
+      {{"measure", "builtin:plate", "--eye-point", "V1"}, 1, "has no node r_point; give the R-point"},
+      {{"measure", "builtin:plate"}, 1, "no pixel shows a pane of glass"}};
+  for (const Case& c : cases) {
+    const ProgramResult result = run_maquette(c.words);
+    EXPECT_EQ(result.exit_code, c.exit_code) << result.error;
+    EXPECT_NE(result.error.find(c.error), std::string::npos) << result.error;
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+  }
+}
+
+TEST(PlainNumber, HasNoExponentWherePeopleReadIt) {
+  EXPECT_EQ(plain_number(88900.0), "88900");
+  EXPECT_EQ(plain_number(1234567.0), "1234567");
+  EXPECT_EQ(plain_number(561.23), "561.2");
+  EXPECT_EQ(plain_number(0.0316228), "0.03162");
+  EXPECT_EQ(plain_number(0.0), "0");
+  EXPECT_EQ(plain_number(-12345.6), "-12346");
+}
+
+}  // namespace
+}  // namespace maquette

@@ -1,0 +1,74 @@
+#include "ui/shortcuts.h"
+
+#include <algorithm>
+
+namespace maquette {
+
+const std::vector<ShortcutGroup>& shortcut_groups() {
+  using C = Command;
+  static const std::vector<ShortcutGroup> kGroups = {
+      {"Camera",
+       {{C::none, "Left drag", "orbit"},
+        {C::none, "Middle drag", "pan (Shift+left too)"},
+        {C::none, "Wheel", "dolly"},
+        {C::none, "Right drag", "look around; W A S D Q E fly"},
+        {C::camera, "1 to 9", "scene cameras"},
+        {C::frame_scene, "F", "frame the scene"}}},
+      {"Work",
+       {{C::none, "Click", "choose surface, material"},
+        {C::none, "Ctrl+drag", "rotate the light"},
+        {C::dent, "D", "dent tool on, off"},
+        {C::none, "Drag (dent)", "down deeper, up to pull"},
+        {C::none, "Wheel (dent)", "radius, button held"},
+        {C::measure_distance, "M", "distance of two clicks"},
+        {C::undo, "Ctrl+Z", "undo"},
+        {C::redo, "Ctrl+Y, Ctrl+Shift+Z", "redo"},
+        {C::darker, "[", "darker by a quarter stop"},
+        {C::brighter, "]", "brighter"},
+        {C::leave, "Escape", "leave tool or presentation"}}},
+      {"Review",
+       {{C::keep_look, "L", "keep this look"},
+        {C::previous_look, "Page Up", "previous look"},
+        {C::next_look, "Page Down", "next look"},
+        {C::compare, "C", "compare with the one before"},
+        {C::compare_otherwise, "B", "wiper, side by side, FLIP"},
+        {C::swap, "X", "swap A and B"},
+        {C::render_file, "P", "settled picture as .exr"},
+        {C::add_key, "K", "camera to the path"},
+        {C::play, "Space", "play, stop"},
+        {C::save, "Ctrl+S", "save"}}},
+      {"Files",
+       {{C::open, "O", "open by path"},
+        {C::start_screen, "Ctrl+O", "recent and built-in scenes"},
+        {C::none, "Drop .glb .gltf", "another scene"},
+        {C::none, "Drop .hdr .exr", "another environment"},
+        {C::none, "Drop .binary", "the material there"}}},
+      {"Window",
+       {{C::sides, "Tab", "sides away and back"},
+        {C::present, "F5", "picture alone, full screen"},
+        {C::full_screen, "F11", "full screen"},
+        {C::screenshot, "F12", "the window as .png"},
+        {C::larger, "Ctrl++, Ctrl+=", "larger text"},
+        {C::smaller, "Ctrl+-", "smaller text"},
+        {C::usual_size, "Ctrl+0", "usual size"},
+        {C::help, "F1, H", "this list"},
+        {C::close, "Ctrl+Q", "close"}}},
+  };
+  return kGroups;
+}
+
+Command command_of(const std::string& key) {
+  if (key.size() == 1 && key[0] >= '1' && key[0] <= '9') return Command::camera;
+  for (const ShortcutGroup& group : shortcut_groups())
+    for (const Shortcut& shortcut : group.shortcuts) {
+      if (shortcut.command == Command::none || shortcut.command == Command::camera) continue;
+      for (std::size_t begin = 0; begin < shortcut.keys.size();) {
+        const std::size_t end = std::min(shortcut.keys.find(", ", begin), shortcut.keys.size());
+        if (shortcut.keys.compare(begin, end - begin, key) == 0) return shortcut.command;
+        begin = end + 2;
+      }
+    }
+  return Command::none;
+}
+
+}  // namespace maquette

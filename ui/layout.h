@@ -26,8 +26,8 @@ struct LayoutRequest {
   float width = 1280.0f, height = 720.0f;
   float scale = 1.0f;  ///< of the font, with the display's content scale
   bool left_open = true, right_open = true;
-  bool picture_alone = false;
   float strip_height = 0.0f;  ///< of unread messages, 0: none
+  bool picture_alone = false;
 };
 /// The side panels shrink (right first) when the picture would get narrower than a third of the window. The picture is
 /// at least 1 x 1.

@@ -97,11 +97,11 @@ bool slider(const char* id, float* value, float low, float high, const char* for
   char text[64];
   std::snprintf(text, sizeof text, format, static_cast<double>(*value));
   ImGui::SameLine(0.0f, gap);
-  const float begin = ImGui::GetCursorPosX();
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(elide(text, column).c_str());
-  ImGui::SameLine(begin);
-  ImGui::Dummy({column, 1.0f});
+  const float rest = column - ImGui::GetItemRectSize().x;
+  ImGui::SameLine(0.0f, 0.0f);
+  ImGui::Dummy({std::max(rest, 0.0f), 1.0f});
   ImGui::EndGroup();
   return changed;
 }

@@ -263,25 +263,9 @@ std::vector<OptionDeclaration> technique_options() {
   };
 }
 
-std::vector<OptionDeclaration> output_options() {
-  using O = SceneOptions;
-  OptionDeclaration output = render_only(
-      "--output", "FILE",
-      "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
-      "colours) or .exr (absolute, R, G, B); `play`: .mp4, .mkv, .mov, or the folder "
-      "of the frames; `report`, `bake`: the folder; `measure`: .json or .csv",
-      [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
-  output.commands = {"render", "play", "compare", "report", "bake", "measure"};
-  output.alias = "-o";
+/// Of reviews, paths and sheets: what is drawn besides one picture.
+std::vector<OptionDeclaration> series_options() {
   return {
-      output,
-      {"--screenshot",
-       "FILE.png",
-       "the whole window after --frames drawn frames (1); then it closes",
-       {"view"},
-       [](CommandLine* line, const std::string& t) { line->options.screenshot = check_file_name(t, "--screenshot"); }},
-      render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
-                  [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
       {"--path",
        "NAME",
        "path of the review",
@@ -312,6 +296,28 @@ std::vector<OptionDeclaration> output_options() {
        [](CommandLine* line, const std::string& t) {
          line->options.average = static_cast<int>(parse_count(t, "--average", 1, 65536));
        }},
+  };
+}
+
+std::vector<OptionDeclaration> output_options() {
+  using O = SceneOptions;
+  OptionDeclaration output = render_only(
+      "--output", "FILE",
+      "`render`: .exr (linear, cd/m2) or .png (tone mapped); `compare`: the difference, .png (FLIP in false "
+      "colours) or .exr (absolute, R, G, B); `play`: .mp4, .mkv, .mov, or the folder "
+      "of the frames; `report`, `bake`: the folder; `measure`: .json or .csv",
+      [](O* o, const std::string& t) { o->output = check_file_name(t, "--output"); });
+  output.commands = {"render", "play", "compare", "report", "bake", "measure"};
+  output.alias = "-o";
+  return {
+      output,
+      {"--screenshot",
+       "FILE.png",
+       "the whole window after --frames drawn frames (1); then it closes",
+       {"view"},
+       [](CommandLine* line, const std::string& t) { line->options.screenshot = check_file_name(t, "--screenshot"); }},
+      render_only("--stats", "FILE.json", "writes what the frame cost and why (- for standard output)",
+                  [](O* o, const std::string& t) { o->stats = check_file_name(t, "--stats"); }),
       {"--budget",
        "S",
        "seconds for the whole report; what does not fit is listed (600)",
@@ -363,8 +369,8 @@ bool decides_settled_frames(const std::string& name) {
 const std::vector<OptionDeclaration>& option_declarations() {
   static const std::vector<OptionDeclaration> kOptions = [] {
     std::vector<OptionDeclaration> all;
-    for (const auto& group : {output_options(), technique_options(), light_and_material_options(), camera_options(),
-                              quality_options(), measure_option_declarations()})
+    for (const auto& group : {output_options(), series_options(), technique_options(), light_and_material_options(),
+                              camera_options(), quality_options(), measure_option_declarations()})
       all.insert(all.end(), group.begin(), group.end());
     for (OptionDeclaration& option : all)  // what only a picture for the eye has
       if (option.name == "--exposure" || option.name == "--tonemap" || option.name == "--view" ||

@@ -57,7 +57,6 @@ void draw_eye(Ui& ui) {
   if (ImGui::Button("Eye at V2")) ui.actions.inspection.eye_point = 2;
   mark_item(ui, "inspection/v2");
   tooltip("68 mm behind, 589 mm above the R-point");
-  ImGui::SameLine();
   ImGui::Checkbox("right-hand drive", &view.right_hand_drive);
 }
 

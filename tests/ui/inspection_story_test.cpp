@@ -1,6 +1,8 @@
 // The inspection story in the real window: the eye at V1, a probe, false colours, a region, a sweep, files.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "review/json_reader.h"
 #include "tests/ui/story_fixture.h"
 #include "viewer/measure/measure_run.h"
@@ -60,18 +62,21 @@ TEST_F(InspectionStory, DISABLED_EyeProbeRegionSweepExport) {
 
   for (const char* part : {"inspection/Eye", "inspection/Luminance", "inspection/Regions"}) press(&at, part);
   press(&at, "inspection/run");
-  at.facts().inspection.sweep_x = at.facts().inspection.sweep_y = {1.0f, 3.0f, 2.0f};
-  const Rect plot = at.item("inspection/plot");
-  const ScreenPicture before = desktop_->grab();
-  EXPECT_TRUE(wait_for([&] { return difference(before, desktop_->grab(), plot) > 2.0; })) << "the trend is plotted";
-  keep_screen("inspection-trend");
-
   press(&at, "inspection/Trends");
   const std::string file = (folder_ / "windshield.csv").string();
   type_into(&at, "inspection/path", file);
-  press(&at, "inspection/export");
-  ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
+  // The button works once the sweep has ended.
+  ASSERT_TRUE(wait_for([&] {
+    press(&at, "inspection/export");
+    return std::filesystem::exists(file);
+  })) << desktop_->errors();
   ASSERT_TRUE(wait_for_file(folder_ / "windshield.exr"));
+  const ScreenPicture before = desktop_->grab();
+  press(&at, "inspection/Trends");
+  at.facts().inspection.sweep_x = at.facts().inspection.sweep_y = {1.0f, 3.0f, 2.0f};
+  const Rect plot = at.item("inspection/plot");
+  EXPECT_TRUE(wait_for([&] { return difference(before, desktop_->grab(), plot) > 2.0; })) << "the trend is plotted";
+  keep_screen("inspection-trend");
   const std::string table = read_text_file(file);
   EXPECT_NE(table.find("scatter"), std::string::npos) << "what is not modelled is said:\n" << table;
   EXPECT_TRUE(desktop_->running());

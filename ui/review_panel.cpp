@@ -228,7 +228,6 @@ void draw_playback(Ui& ui, const CameraPath& path) {
   }
   mark_item(ui, "path/time");
   ImGui::EndDisabled();
-  if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");
 }
 
 void draw_paths(Ui& ui) {
@@ -273,6 +272,7 @@ void draw_paths(Ui& ui) {
   if (ImGui::Button("Write a file")) ui.actions.export_path = true;
   mark_item(ui, "path/export");
   tooltip("NAME.path.json beside the review; such a file can be dropped on the picture");
+  if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");
 }
 
 }  // namespace

@@ -68,21 +68,21 @@ Eigen::VectorXf outgoing_light(const LightField& field, std::size_t texel) {
 void add_codes(const LightField& field, std::size_t texel, PointReport* report) {
   if (field.interactions) {
     const Interactions& table = *field.interactions;
-    report->values.emplace_back("clusters", "light " + std::to_string(table.light_cluster[texel]) + ", material " +
+    report->values.emplace_back("Clusters", "light " + std::to_string(table.light_cluster[texel]) + ", material " +
                                                 std::to_string(table.material_cluster[texel]));
     return;
   }
   if (!field.compressed()) {
-    report->values.emplace_back("compression", "none");
+    report->values.emplace_back("Compression", "none");
     return;
   }
   report->values.emplace_back(
-      "cluster", std::to_string(field.fit.owner[texel]) + " of " + std::to_string(field.fit.pca.cluster_count()));
+      "Cluster", std::to_string(field.fit.owner[texel]) + " of " + std::to_string(field.fit.pca.cluster_count()));
   std::string weights;
   for (Eigen::Index c = 0; c < field.fit.weights.rows(); ++c)
     weights += (c > 0 ? ", " : "") +
                text_of("%.3g", static_cast<double>(field.fit.weights(c, static_cast<Eigen::Index>(texel))));
-  report->values.emplace_back("weights", weights.empty() ? "none: means alone" : weights);
+  report->values.emplace_back("Weights", weights.empty() ? "none: means alone" : weights);
 }
 
 }  // namespace
@@ -113,7 +113,7 @@ PointReport describe_texel(const LightField& field, std::size_t texel) {
   const DirectionSpline spline(lumisphere);
   const AtlasTexel& place = field.atlas.texels[texel];
   PointReport report;
-  report.values.emplace_back("texel", std::to_string(place.x) + ", " + std::to_string(place.y) + " of " +
+  report.values.emplace_back("Texel", std::to_string(place.x) + ", " + std::to_string(place.y) + " of " +
                                           std::to_string(field.atlas.side) + " x " + std::to_string(field.atlas.side) +
                                           ", chart " + std::to_string(field.atlas.sides[place.side].chart));
   const std::span<const float> arriving = field.incident->field.texel(texel);
@@ -121,9 +121,9 @@ PointReport describe_texel(const LightField& field, std::size_t texel) {
   for (int b = 0; b < lumisphere.count(); ++b)
     for (int c = 0; c < 3; ++c)
       irradiance[c] += lumisphere.projected(b) * static_cast<double>(arriving[static_cast<std::size_t>(3 * b + c)]);
-  report.values.emplace_back("illuminance",
+  report.values.emplace_back("Illuminance",
                              text_of("%.4g lx", 0.2126 * irradiance.x + 0.7152 * irradiance.y + 0.0722 * irradiance.z));
-  if (field.incident->field.masked[texel]) report.values.emplace_back("inside", "another body; its neighbour is shown");
+  if (field.incident->field.masked[texel]) report.values.emplace_back("Inside", "another body; its neighbour is shown");
   add_codes(field, texel, &report);
   const Eigen::VectorXf computed = outgoing_light(field, texel);
   const Eigen::VectorXf drawn = field.interactions ? field.interactions->decode(texel) : decode_texel(field, texel);
@@ -139,8 +139,8 @@ PointReport describe_texel(const LightField& field, std::size_t texel) {
     all += 3.0 * lumisphere.solid_angle(b);
   }
   if (light > 0.0)
-    report.values.emplace_back("compression adds",
-                               text_of("%.3g %% RMS of its mean", 100.0 * std::sqrt(squares / all) / (light / all)));
+    report.values.emplace_back("Error",
+                               text_of("%.3g %% RMS by compression", 100.0 * std::sqrt(squares / all) / (light / all)));
   report.pictures.push_back({"arriving", draw_disc([&](const glm::vec3& d) {
                                const float* bin = arriving.data() + 3 * lumisphere.bin_of(d);
                                return glm::vec3(bin[0], bin[1], bin[2]);

@@ -63,6 +63,17 @@ void check_replaces_none(const std::string& option, const std::string& path, con
                        "it would replace " + other + ", which this command reads or writes; choose another name");
 }
 
+void check_picture_outputs(const SceneOptions& options, std::vector<std::string> inputs) {
+  check_replaces_none("--output", options.output, inputs);
+  inputs.push_back(options.output);
+  check_replaces_none("--stats", options.stats, inputs);
+  if (!options.output.empty()) {
+    picture_format(options.output);
+    check_writable("--output", options.output);
+  }
+  if (!options.stats.empty()) check_writable("--stats", options.stats);
+}
+
 void prepare_folder(const std::string& option, const std::string& folder) {
   const std::string where = option + " " + folder;
   std::error_code error;

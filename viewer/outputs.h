@@ -24,6 +24,10 @@ std::vector<std::string> input_files(const SceneOptions& options);
 /// no file (empty, "-", built in) are none of them.
 void check_replaces_none(const std::string& option, const std::string& path, const std::vector<std::string>& others);
 
+/// Before the work: --output and --stats of a picture replace none of `inputs`, nor each other, and can be written.
+/// Throws Error.
+void check_picture_outputs(const SceneOptions& options, std::vector<std::string> inputs);
+
 /// Makes `folder` where it is not there yet. Throws Error when it cannot be made or written into.
 void prepare_folder(const std::string& option, const std::string& folder);
 

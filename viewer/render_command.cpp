@@ -35,18 +35,6 @@ constexpr double kPatience_s = 600.0;
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-void check_outputs(const SceneOptions& options) {
-  std::vector<std::string> others = input_files(options);
-  check_replaces_none("--output", options.output, others);
-  others.push_back(options.output);
-  check_replaces_none("--stats", options.stats, others);
-  if (!options.output.empty()) {
-    picture_format(options.output);
-    check_writable("--output", options.output);
-  }
-  if (!options.stats.empty()) check_writable("--stats", options.stats);
-}
-
 std::optional<Image> load_reference(const SceneOptions& options) {
   if (options.reference.empty()) return std::nullopt;
   Image reference = load_picture(options.reference);
@@ -275,7 +263,7 @@ int run_render(const CommandLine& line) {
   const SceneOptions& options = line.options;
   if (line.sheet) return render_sheet(line);
   if (!options.review.empty()) return render_look(line);
-  check_outputs(options);
+  check_picture_outputs(options, input_files(options));
   const std::optional<Image> reference = load_reference(options);
   // The scene and the environment are read while the driver starts.
   auto scene_job = std::async(std::launch::async, [&] { return load_session_scene(options); });

@@ -14,19 +14,6 @@ namespace maquette {
 
 namespace {
 
-void check_outputs(const SceneOptions& options, const Review& review) {
-  std::vector<std::string> others = review_sources(review);
-  others.push_back(options.review);
-  check_replaces_none("--output", options.output, others);
-  others.push_back(options.output);
-  check_replaces_none("--stats", options.stats, others);
-  if (!options.output.empty()) {
-    picture_format(options.output);
-    check_writable("--output", options.output);
-  }
-  if (!options.stats.empty()) check_writable("--stats", options.stats);
-}
-
 std::map<std::string, std::string> provenance(const SceneOptions& options, const Look& look) {
   return {{"maquette.review", options.review},
           {"maquette.look", look.name},
@@ -41,7 +28,9 @@ std::map<std::string, std::string> provenance(const SceneOptions& options, const
 int render_look(const CommandLine& line) {
   SceneOptions options = line.options;
   const Review review = *review_of(options);
-  check_outputs(options, review);
+  std::vector<std::string> inputs = review_sources(review);
+  inputs.push_back(options.review);
+  check_picture_outputs(options, inputs);
   const auto scene = std::make_shared<const Scene>(load_scene(review.scene, review.scene_of_file));
   const Look look = look_of_review(review, *scene, options);
   const GlContext context = GlContext::create_headless();

@@ -66,7 +66,7 @@ void EnvironmentLight::choose_directions(const PathSampler::Pairs& numbers, std:
                                          const LeafShares* shares, std::uint32_t path,
                                          std::span<Choice> choices) const {
   const bool records = shares && guide_->learning();
-  const bool sampled = shares && samples_ && PresampledEnvironment::serves(path);
+  const bool sampled = shares && samples_ && samples_->serves(path);
   for (std::size_t k = 0; k < choices.size(); ++k) {
     Choice& choice = choices[k];
     choice = {.within = numbers[k]};

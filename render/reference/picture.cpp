@@ -134,6 +134,14 @@ struct ReferencePicture::Impl {
            static_cast<std::uint32_t>(rates[pixel] * static_cast<float>(average - decided) + chance);
   }
 
+  /// Of any pixel. Rounding in target_of can bring one more than kMostRate times the average.
+  std::uint32_t most_paths(std::uint32_t average) const {
+    if (rates.empty()) return average;
+    std::uint32_t most = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) most = std::max(most, target_of(i, average));
+    return most;
+  }
+
   /// Adds one path's result to its pixel.
   static void add(const PathEstimate& e, PixelSums* p) {
     p->rays += e.rays;
@@ -266,7 +274,7 @@ struct ReferencePicture::Impl {
 
   /// Traces until the pixels have `average` paths; false when it was halted before.
   bool trace_to(std::uint32_t average, const Halt& halt, const Progress& progress) {
-    if (samples) samples->prepare(static_cast<std::uint32_t>(kMostRate * average));
+    if (samples) samples->prepare(most_paths(average));
     if (done > 0) {
       trace_pixels(tiles_where([](int, int) { return true; }), average, halt, progress);
     } else {

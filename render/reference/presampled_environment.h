@@ -36,8 +36,8 @@ class PresampledEnvironment {
 
   /// Samples the directions for the first `paths` paths of a pixel. Not while others use the samples.
   void prepare(std::uint32_t paths);
-  /// Whether there are directions for a path, after prepare.
-  static bool serves(std::uint32_t path) { return path < kMostPaths; }
+  /// Whether prepare has made directions for a path.
+  bool serves(std::uint32_t path) const { return path / kPathsASet < sets_.size(); }
   /// The direction for path `path`, by two numbers in [0, 1).
   const PresampledDirection& at(std::uint32_t path, int leaf, const glm::vec2& within) const {
     const Set& set = sets_[path / kPathsASet];

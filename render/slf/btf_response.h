@@ -31,6 +31,7 @@ class BtfResponse {
   /// The same in two steps, for many texels under one light: what the views' terms have of it, [view, 1 + component];
   /// and outgoing light of given factors [(view, 1 + component), channel]. Of one channel.
   Eigen::VectorXf light_of_terms(const Eigen::VectorXf& incident) const { return light_ * incident; }
+  const Eigen::MatrixXf& light() const { return light_; }
   Eigen::VectorXf apply_factors(const Eigen::VectorXf& factors, Eigen::Index channel,
                                 const Eigen::VectorXf& light) const;
 

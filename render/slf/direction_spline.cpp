@@ -98,7 +98,14 @@ std::vector<DirectionSpline::BinSample> DirectionSpline::bin_samples(int bin, in
   return all;
 }
 
-Eigen::MatrixXf DirectionSpline::from_means(int samples) const {
+const Eigen::MatrixXf& DirectionSpline::from_means(int samples) const {
+  const std::lock_guard lock(solved_->mutex);
+  Eigen::MatrixXf& solved = solved_->of_samples[samples];
+  if (solved.size() == 0) solved = solve_means(samples);
+  return solved;
+}
+
+Eigen::MatrixXf DirectionSpline::solve_means(int samples) const {
   const int bins = lumisphere_.count();
   Eigen::MatrixXd means = Eigen::MatrixXd::Zero(bins, bins);
   for (int k = 0; k < bins; ++k)

@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <glm/glm.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "render/slf/lumisphere.h"
@@ -29,8 +32,9 @@ class DirectionSpline {
   /// Points of a bin with weights that sum to 1: functions times weights are cosine-weighted means.
   using BinSample = Lumisphere::Sample;
   std::vector<BinSample> bin_samples(int bin, int samples) const;
-  /// [bin][bin]: coefficients of the light whose means over `samples` squared points of each bin are given.
-  Eigen::MatrixXf from_means(int samples) const;
+  /// [bin][bin]: coefficients of the light whose means over `samples` squared points of each bin are given. Computed
+  /// once; from any thread.
+  const Eigen::MatrixXf& from_means(int samples) const;
 
   /// Directions at which a function is fitted by least squares over solid angle.
   const std::vector<glm::vec3>& views() const { return views_; }
@@ -41,11 +45,17 @@ class DirectionSpline {
   const Lumisphere& lumisphere() const { return lumisphere_; }
 
  private:
+  struct Solved {
+    std::mutex mutex;
+    std::map<int, Eigen::MatrixXf> of_samples;
+  };
   Eigen::MatrixXd values_at(const std::vector<glm::vec3>& directions) const;
+  Eigen::MatrixXf solve_means(int samples) const;
 
   const Lumisphere lumisphere_;
   std::vector<glm::vec3> views_;
   Eigen::MatrixXf fit_, interpolate_;
+  std::shared_ptr<Solved> solved_ = std::make_shared<Solved>();
 };
 
 }  // namespace maquette

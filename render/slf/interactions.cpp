@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,6 +19,10 @@ namespace {
 constexpr int kTurnSamples = 4;         ///< squared, of a bin
 constexpr std::size_t kTableBytes = 8;  ///< of a coefficient on the device: three half floats, padded
 constexpr int kMostMaterialClusters = 256;
+constexpr std::size_t kMetricTexels = 512;  ///< that the metrics of both compressions are means over
+
+/// Of the metric's largest eigenvalue: light that is seen less counts as if it were seen so much.
+constexpr double kLeastSeen = 1e-6;
 
 /// [bin][bin]: means of the bins of a turned frame, from the coefficients of light.
 Eigen::MatrixXf turned_means(const DirectionSpline& spline, const BtfTurn& turn) {
@@ -48,6 +53,7 @@ class Builder {
         options_(options),
         cancel_(cancel),
         spline_(Lumisphere(incident.side)),
+        light_metric_(Eigen::MatrixXd::Zero(incident.bins, incident.bins)),
         out_(std::make_shared<Interactions>()) {}
 
   std::shared_ptr<const Interactions> build() {
@@ -67,9 +73,10 @@ class Builder {
                                                                                                           : 1);
     }
     place(groups);
-    if (!compress_light()) return nullptr;
+    turn_light();
+    out_->light_terms = 1 + options_.light_components;
     compress_materials(groups);
-    if (cancel_) return nullptr;
+    if (cancel_ || !compress_light()) return nullptr;
     fill_table();
     return cancel_ ? nullptr : out_;
   }
@@ -83,10 +90,10 @@ class Builder {
     }
   }
 
-  /// Local PCA of the light in the materials' frames.
-  bool compress_light() {
+  /// The light in the materials' frames.
+  void turn_light() {
     const auto texels = static_cast<Eigen::Index>(atlas_.texels.size());
-    Eigen::MatrixXf light(3 * incident_.bins, texels);
+    arriving_.resize(3 * incident_.bins, texels);
     std::map<BtfTurn, Eigen::MatrixXf> turned;
     const Eigen::MatrixXf from_means = spline_.from_means(kTurnSamples);
     for (const BtfTurn& turn : out_->turns)
@@ -96,16 +103,30 @@ class Builder {
       const BtfTurn& turn = out_->turns[static_cast<std::size_t>(t)];
       using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
       const Eigen::Map<const Colors> in(values.data(), incident_.bins, 3);
-      Eigen::Map<Colors> own(light.col(t).data(), incident_.bins, 3);
+      Eigen::Map<Colors> own(arriving_.col(t).data(), incident_.bins, 3);
       if (turn == BtfTurn())
         own = in;
       else
         own.noalias() = turned.at(turn) * in;
     });
-    Eigen::VectorXf measure(3 * incident_.bins);
-    for (int b = 0; b < incident_.bins; ++b)
-      measure.segment(3 * b, 3).setConstant(static_cast<float>(spline_.lumisphere().projected(b)));
-    light_ = fit_local_pca(light, measure, pca_options(options_.light_clusters, options_.light_components));
+  }
+
+  /// Local PCA of the light by what the materials see of it: in a space where distances are those of outgoing light.
+  bool compress_light() {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(light_metric_);
+    const double most = solver.eigenvalues()[solver.eigenvalues().size() - 1];
+    const Eigen::VectorXd roots = most > 0.0 ? solver.eigenvalues().cwiseMax(kLeastSeen * most).cwiseSqrt().eval()
+                                             : Eigen::VectorXd::Ones(incident_.bins).eval();  // black materials
+    const Eigen::MatrixXf into = (roots.asDiagonal() * solver.eigenvectors().transpose()).cast<float>();
+    out_of_metric_ = (solver.eigenvectors() * roots.cwiseInverse().asDiagonal()).cast<float>();
+    using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    tbb::parallel_for(Eigen::Index{0}, arriving_.cols(), [&](Eigen::Index t) {
+      Eigen::Map<Colors> own(arriving_.col(t).data(), incident_.bins, 3);
+      own = (into * own).eval();
+    });
+    light_ = fit_local_pca(arriving_, Eigen::VectorXf::Ones(arriving_.rows()),
+                           pca_options(options_.light_clusters, options_.light_components));
+    arriving_.resize(0, 0);
     if (cancel_) return false;
     out_->light_clusters = light_.pca.cluster_count();
     out_->light_terms = 1 + static_cast<int>(light_.weights.rows());
@@ -129,7 +150,8 @@ class Builder {
     const std::size_t pair = static_cast<std::size_t>(incident_.side * incident_.side) * kTableBytes *
                              static_cast<std::size_t>(out_->light_terms) *
                              static_cast<std::size_t>(out_->material_terms);
-    const std::size_t most = options_.most_bytes / pair / static_cast<std::size_t>(std::max(out_->light_clusters, 1));
+    const std::size_t most =
+        options_.most_bytes / pair / static_cast<std::size_t>(std::max(options_.light_clusters, 1));
     return static_cast<int>(std::clamp<std::size_t>(most, 1, kMostMaterialClusters));
   }
 
@@ -177,7 +199,51 @@ class Builder {
         if (linear) out_->material_weights(3 + c, t) = group.scales[i][c];
       }
     }
+    const auto share = static_cast<double>(group.texels.size());
+    Eigen::VectorXd area(incident_.bins);
+    for (int b = 0; b < incident_.bins; ++b) area[b] = spline_.lumisphere().solid_angle(b);
+    for (const LightResponse* response : cluster.responses)
+      for (const Eigen::MatrixXf& channel : response->channels) {
+        const Eigen::MatrixXd r = channel.cast<double>();
+        light_metric_ += share * r.transpose() * area.asDiagonal() * r;
+      }
     clusters_.push_back(std::move(cluster));
+  }
+
+  /// Adds what a BTF's texels see of light: sum over views of area * L^T E[F F^T] L, with its factors F and the light L
+  /// of its terms. Returns the measure of its factors: area * E[(L light)^2].
+  Eigen::VectorXf add_btf_metric(const TexelGroup& group, const BtfResponse& response, const Eigen::MatrixXf& factors,
+                                 const std::vector<double>& areas) {
+    const auto views = static_cast<Eigen::Index>(areas.size()), terms = factors.rows() / 3 / views;
+    const std::size_t count = std::min(group.texels.size(), kMetricTexels);
+    Eigen::VectorXf measure = Eigen::VectorXf::Zero(factors.rows());
+    std::vector<Eigen::MatrixXd> moments(areas.size(), Eigen::MatrixXd::Zero(terms, terms));
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t at = i * group.texels.size() / count;
+      using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+      const Eigen::Map<const Colors> light(arriving_.col(group.texels[at]).data(), incident_.bins, 3);
+      const Eigen::Map<const Colors> own(factors.col(static_cast<Eigen::Index>(at)).data(), views * terms, 3);
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        const Eigen::VectorXf seen = response.light_of_terms(light.col(c));
+        for (Eigen::Index r = 0; r < seen.size(); ++r) measure[3 * r + c] += seen[r] * seen[r];
+        for (Eigen::Index v = 0; v < views; ++v) {
+          const Eigen::VectorXd f = own.col(c).segment(v * terms, terms).cast<double>();
+          moments[static_cast<std::size_t>(v)] += f * f.transpose();
+        }
+      }
+    }
+    const double share =
+        static_cast<double>(group.texels.size()) / static_cast<double>(std::max<std::size_t>(count, 1));
+    for (Eigen::Index v = 0; v < views; ++v) {
+      const double area = areas[static_cast<std::size_t>(v)];
+      const Eigen::MatrixXd l = response.light().middleRows(v * terms, terms).cast<double>();
+      light_metric_ += share * area * l.transpose() * moments[static_cast<std::size_t>(v)] * l;
+      measure.segment(3 * v * terms, 3 * terms) *=
+          static_cast<float>(area / static_cast<double>(std::max<std::size_t>(count, 1)));
+    }
+    const float largest = measure.maxCoeff();
+    return largest > 0.0f ? measure.cwiseMax(static_cast<float>(kLeastSeen) * largest).eval()
+                          : Eigen::VectorXf::Ones(measure.size()).eval();
   }
 
   void add_btf(const TexelGroup& group, const BtfTexels& places, int clusters) {
@@ -196,12 +262,9 @@ class Builder {
             factors(static_cast<Eigen::Index>(3 * (v * terms + k)) + c, static_cast<Eigen::Index>(i)) = colors[k][c];
       }
     });
-    const std::vector<double> areas = btf.view_mesh.quadrature().solid_angle;
-    Eigen::VectorXf measure(factors.rows());
-    for (std::size_t v = 0; v < views; ++v)
-      measure.segment(static_cast<Eigen::Index>(3 * v * terms), static_cast<Eigen::Index>(3 * terms))
-          .setConstant(static_cast<float>(areas[v]));
     if (cancel_) return;
+    const Eigen::VectorXf measure =
+        add_btf_metric(group, *btfs_.back(), factors, btf.view_mesh.quadrature().solid_angle);
     const LocalPcaFit fit = fit_local_pca(factors, measure, pca_options(clusters, options_.material_components));
     const std::size_t first = clusters_.size();
     for (int k = 0; k < fit.pca.cluster_count(); ++k) {
@@ -230,8 +293,12 @@ class Builder {
     tbb::parallel_for(0, o.light_clusters, [&](int light) {
       const Eigen::VectorXf mean = light_.pca.mean(light);
       const Eigen::MatrixXf components = light_.pca.components(light);
-      for (int i = 0; i < o.light_terms && !cancel_; ++i)
-        fill_columns(light, i, i == 0 ? mean : Eigen::VectorXf(components.col(i - 1)));
+      using Colors = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+      for (int i = 0; i < o.light_terms && !cancel_; ++i) {
+        const Eigen::VectorXf term = i == 0 ? mean : Eigen::VectorXf(components.col(i - 1));
+        Colors colors = out_of_metric_ * Eigen::Map<const Colors>(term.data(), incident_.bins, 3);
+        fill_columns(light, i, Eigen::Map<const Eigen::VectorXf>(colors.data(), colors.size()));
+      }
     });
   }
 
@@ -266,6 +333,9 @@ class Builder {
   DirectionSpline spline_;
   std::shared_ptr<Interactions> out_;
   std::vector<BtfTexels> places_;  ///< of the groups with a BTF
+  Eigen::MatrixXf arriving_;       ///< [3 bin + channel][texel] in the materials' frames, until it is compressed
+  Eigen::MatrixXd light_metric_;   ///< [bin][bin] squared outgoing light of light, mean over materials, any unit
+  Eigen::MatrixXf out_of_metric_;  ///< from its compressed form to light
   LocalPcaFit light_;
   std::vector<MaterialCluster> clusters_;
   std::vector<std::unique_ptr<LightResponse>> responses_;

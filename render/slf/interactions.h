@@ -12,7 +12,7 @@
 namespace maquette {
 
 struct InteractionOptions {
-  int light_clusters = 32, light_components = 4, material_components = 8;
+  int light_clusters = 64, light_components = 8, material_components = 4;
   std::size_t most_bytes = std::size_t{128} << 20;  ///< of the table: decides the number of material clusters
   float texel_m = 0.0f;                             ///< textures are filtered over this; 0: not
 };

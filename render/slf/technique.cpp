@@ -52,7 +52,7 @@ std::vector<SettingDeclaration> light_field_settings() {
       {.name = "slf.route",
        .default_value = std::string("fields"),
        .help = "fields: outgoing light is computed and compressed; clusters: arriving light and materials are "
-               "compressed, and drawn by a table of what they make of each other (32 clusters of light)",
+               "compressed, and drawn by a table of what they make of each other (64 clusters of light)",
        .choices = {"fields", "clusters"}},
       {.name = "slf.clusters",
        .default_value = 128,

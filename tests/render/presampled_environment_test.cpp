@@ -55,6 +55,17 @@ TEST_F(PresampledEnvironmentTest, MatchesTheEnvironmentAtItsDirections) {
 }
 
 /// The mean of light over density in a leaf, times the probability of the leaf, is the leaf's share of all light.
+TEST_F(PresampledEnvironmentTest, ServesOnlyPathsThatItWasPreparedFor) {
+  PresampledEnvironment samples(EnvironmentLight(traced(), options_), leaves(), 1u << 20, 7);
+  EXPECT_FALSE(samples.serves(0));
+  samples.prepare(3 * PresampledEnvironment::kPathsASet);
+  EXPECT_TRUE(samples.serves(3 * PresampledEnvironment::kPathsASet - 1));
+  EXPECT_FALSE(samples.serves(3 * PresampledEnvironment::kPathsASet));
+  samples.prepare(2 * PresampledEnvironment::kMostPaths);
+  EXPECT_TRUE(samples.serves(PresampledEnvironment::kMostPaths - 1));
+  EXPECT_FALSE(samples.serves(PresampledEnvironment::kMostPaths));
+}
+
 TEST_F(PresampledEnvironmentTest, IntegratesTheSky) {
   const EnvironmentLight light(traced(), options_);
   PresampledEnvironment samples(light, leaves(), 1u << 20, 3);

@@ -55,12 +55,13 @@ Scene build_cornell() {
 
 Scene build_builtin_scene(const std::string& name) {
   using Maker = Scene (*)();
-  static constexpr std::array<std::pair<const char*, Maker>, 5> kMakers{{
+  static constexpr std::array<std::pair<const char*, Maker>, 6> kMakers{{
       {"cockpit", builtin::build_cockpit},
       {"sphere", builtin::build_sphere},
       {"plate", builtin::build_plate},
       {"cornell", builtin::build_cornell},
       {"seat", builtin::build_seat},
+      {"open-seat", builtin::build_open_seat},
   }};
   std::string names;
   for (const auto& [maker_name, maker] : kMakers) {

@@ -10,5 +10,6 @@ Scene build_plate();
 Scene build_cornell();
 Scene build_cockpit();
 Scene build_seat();
+Scene build_open_seat();
 
 }  // namespace maquette::builtin

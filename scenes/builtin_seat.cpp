@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "scenes/builtin.h"
@@ -39,22 +41,55 @@ void add_box(SceneBuilder* builder) {
 
 }  // namespace
 
-/// The test scene of surface light fields: a seat in an open box of white walls, a red wall and a mirror wall, below a
-/// yellowish lamp. Source: seed 001, Fig. 10.1.
-Scene build_seat() {
-  SceneBuilder builder("builtin:seat");
+namespace {
+
+SceneBuilder seat_scene(const std::string& name) {
+  SceneBuilder builder(name);
   CockpitMaterials m{};
   m.seat = builder.add_material(measured_material("Seat", "leather-black", srgb(38, 37, 37), 0.0f, 0.55f));
   m.insert = builder.add_material(measured_material("SeatInsert", "fabric-grey", srgb(112, 112, 114), 0.0f, 0.9f));
   m.chrome = builder.add_material(measured_material("Chrome", "metal-chrome", srgb(215, 215, 218), 1.0f, 0.08f));
   m.hard = builder.add_material(measured_material("Plastic", "plastic-matte-black", srgb(28, 28, 29), 0.0f, 0.6f));
   add_seat(&builder, m, "seat", 0.0);
+  return builder;
+}
+
+/// Outwards by equal steps, so that the seat's shadow falls on vertices that are equally dense.
+Primitive make_turntable() {
+  constexpr int kRings = 52, kAround = 160;
+  constexpr double kRadius = 0.85, kThickness = 0.03;
+  return make_grid(kRings + 1, kAround, [](double u, double v) {
+    const double rings = u * (kRings + 1), radius = kRadius * std::min(rings / kRings, 1.0), angle = 2.0 * kPi * v;
+    return Vec3(radius * std::sin(angle), kFloor - kThickness * std::max(rings - kRings, 0.0),
+                radius * std::cos(angle));
+  });
+}
+
+}  // namespace
+
+/// The test scene of surface light fields: a seat in an open box of white walls, a red wall and a mirror wall, below a
+/// yellowish lamp. Source: seed 001, Fig. 10.1.
+Scene build_seat() {
+  SceneBuilder builder = seat_scene("builtin:seat");
   add_box(&builder);
   builder.add_camera("front", {0.75, 1.35, 2.6}, {0.0, 0.72, -0.2}, 36.0);
   builder.add_camera("left", {0.85, 0.95, 1.0}, {-0.1, 0.62, -0.15}, 45.0);
   builder.add_camera("right", {-0.85, 1.0, 1.0}, {0.1, 0.62, -0.15}, 45.0);
   builder.add_camera("cushion", {0.35, 0.95, 0.85}, {0.0, 0.40, -0.05}, 36.0);
   builder.add_camera("top", {0.0, 1.75, 0.75}, {0.0, 0.45, -0.1}, 45.0);
+  return std::move(builder.scene());
+}
+
+/// The seat on a turntable, for a sky that turns.
+Scene build_open_seat() {
+  SceneBuilder builder = seat_scene("builtin:open-seat");
+  const int grey = builder.add_material(plain_material("Turntable", {0.42f, 0.42f, 0.43f}, 0.0f, 0.9f));
+  builder.scene().materials[static_cast<std::size_t>(grey)].specular = 0.0f;
+  builder.add_part("turntable", make_turntable(), grey);
+  builder.add_camera("front", {1.05, 1.15, 2.05}, {0.0, 0.58, -0.12}, 36.0);
+  builder.add_camera("left", {0.85, 0.95, 1.0}, {-0.1, 0.62, -0.15}, 45.0);
+  builder.add_camera("back", {-1.2, 1.2, -2.1}, {0.0, 0.58, -0.2}, 36.0);
+  builder.add_camera("cushion", {0.35, 0.95, 0.85}, {0.0, 0.40, -0.05}, 36.0);
   return std::move(builder.scene());
 }
 

@@ -12,6 +12,7 @@ struct BuiltIn {
 };
 constexpr BuiltIn kBuiltIns[] = {{"builtin:cockpit", "a car interior"},
                                  {"builtin:seat", "a seat beside a mirror wall"},
+                                 {"builtin:open-seat", "a seat under the sky"},
                                  {"builtin:plate", "four statues on marble"},
                                  {"builtin:sphere", "a sphere"},
                                  {"builtin:cornell", "a coloured box"}};

@@ -89,7 +89,8 @@ Section scene_section() {
        {"builtin:sphere", "a unit sphere at the origin"},
        {"builtin:plate", "four statues of matte, plastic, paint and metal on a marble-textured floor"},
        {"builtin:cornell", "a box with coloured walls, open to the viewer"},
-       {"builtin:seat", "a seat in an open box with a red wall and a mirror wall, below a lamp"}}};
+       {"builtin:seat", "a seat in an open box with a red wall and a mirror wall, below a lamp"},
+       {"builtin:open-seat", "a seat on a turntable, under the sky alone"}}};
 }
 
 Section light_section() {

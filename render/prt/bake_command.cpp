@@ -37,6 +37,20 @@ void run(const BakeRequest& request, const BakeControl& control) {
   if (!transfer) throw Error(job.folder, "the bake was interrupted", "the same command resumes it");
   if (ranks.rank != 0) return;
   const TransferBake& bake = *transfer->bake;
+  for (std::size_t p = 0; p < job.densities.size(); ++p) {
+    const DrawItem& item = job.geometry->items[job.parts[p].item];
+    char line[240];
+    std::snprintf(line, sizeof line, "%s: triangles divided into %d, light between vertices missed by %.1f %%",
+                  item.node < 0 ? "a part" : request.scene.nodes[static_cast<std::size_t>(item.node)].name.c_str(),
+                  1 << (2 * job.densities[p].level), 100.0 * job.densities[p].error);
+    control.report(line);
+  }
+  if (bake.bounce_bytes > 0) {
+    char line[160];
+    std::snprintf(line, sizeof line, "%d reflections: %.1f s, %.0f MB while baking", bake.options.bounces,
+                  bake.bounce_seconds, 1e-6 * static_cast<double>(bake.bounce_bytes));
+    control.report(line);
+  }
   std::size_t matrices = 0;
   for (const TransferGroup& group : bake.groups) {
     char line[240];

@@ -16,16 +16,26 @@ constexpr int transfer_terms(int btf_components) { return btf_components <= 2 ? 
 /// Transfer on the GPU, as shaders/prt reads it.
 class TransferBuffers {
  public:
-  /// `triangles`: of the geometry. Throws Error where the driver cannot hold it, saying how many vertices fit.
-  TransferBuffers(const Transfer& transfer, std::size_t triangles);
+  /// What one buffer may hold.
+  struct Limits {
+    std::size_t texels = 0, storage_bytes = 0;
+    static Limits of_driver();
+  };
+  /// `triangles`: of the geometry. Throws Error where `limits` cannot hold it, saying how many vertices fit.
+  TransferBuffers(const Transfer& transfer, std::size_t triangles, const Limits& limits = Limits::of_driver());
   /// `sums`: [row], of RelightTable.
   void set_sums(const std::vector<glm::vec4>& sums);
   void bind() const;
-  void bind_shown() const;  ///< for the vertex stage to write
+  /// Vertices that the vertex stage writes at a time: as many as one storage buffer can hold.
+  int vertices_at_once() const { return vertices_at_once_; }
+  void bind_shown(int first) const;  ///< from that vertex on
   std::size_t bytes() const;
   int vertices() const { return vertex_count_; }
   int components() const { return components_; }  ///< of the transfer
   int terms() const { return terms_; }            ///< transfer_terms
+  bool joint() const { return functions_ > 0; }
+  int functions() const { return functions_; }        ///< of the material with most, in the joint form; else 0
+  int rows_of_view() const { return rows_of_view_; }  ///< of sums, in the joint form
 
  private:
   void upload_triangles(const Transfer& transfer, std::size_t triangles);
@@ -38,9 +48,10 @@ class TransferBuffers {
     Texture view;
   };
   template <typename T>
-  static Table make_table(const char* label, GLenum format, const std::vector<T>& values, const std::string& remedy);
+  Table make_table(const char* label, GLenum format, const std::vector<T>& values, const std::string& remedy) const;
 
-  int vertex_count_ = 0, components_ = 0, terms_ = 3;
+  Limits limits_;
+  int vertex_count_ = 0, components_ = 0, terms_ = 3, functions_ = 0, rows_of_view_ = 0, vertices_at_once_ = 0;
   Table triangles_, grid_, vertices_, places_, records_, sums_, groups_, views_, factors_;
   Table shown_;  ///< what the vertex stage writes
 };

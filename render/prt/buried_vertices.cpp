@@ -61,7 +61,8 @@ std::vector<bool> find_buried_vertices(const TransferMesh& mesh, const FlatGeome
   return {found.begin(), found.end()};
 }
 
-void light_buried_vertices(const TransferMesh& mesh, const std::vector<bool>& buried, ArrivingLight* light) {
+std::vector<std::uint32_t> light_sources(const TransferMesh& mesh, const std::vector<bool>& buried,
+                                         const ArrivingLight& light) {
   const std::vector<std::vector<std::uint32_t>> neighbours = neighbours_of(mesh, buried);
   std::vector<std::uint32_t> source(mesh.vertices.size());
   std::vector<std::uint32_t> waiting;
@@ -76,7 +77,7 @@ void light_buried_vertices(const TransferMesh& mesh, const std::vector<bool>& bu
       float nearest = std::numeric_limits<float>::max();
       std::uint32_t of = v;
       for (const std::uint32_t n : neighbours[v]) {
-        if (!is_lit(*light, source[n])) continue;
+        if (!is_lit(light, source[n])) continue;
         const glm::vec3 to = mesh.vertices[n].position - mesh.vertices[v].position;
         if (const float distance = glm::dot(to, to); distance < nearest) nearest = distance, of = source[n];
       }
@@ -89,9 +90,13 @@ void light_buried_vertices(const TransferMesh& mesh, const std::vector<bool>& bu
     for (const auto& [v, of] : ring) source[v] = of;
     waiting = std::move(left);
   }
+  return source;
+}
+
+void take_light_of(const std::vector<std::uint32_t>& sources, ArrivingLight* light) {
   ArrivingLight all;
   all.first.push_back(0);
-  for (const std::uint32_t s : source) {
+  for (const std::uint32_t s : sources) {
     all.entries.insert(all.entries.end(), light->entries.begin() + static_cast<std::ptrdiff_t>(light->first[s]),
                        light->entries.begin() + static_cast<std::ptrdiff_t>(light->first[s + 1]));
     all.first.push_back(all.entries.size());

@@ -15,14 +15,16 @@ TransferMatrix factorise_transfer(const Eigen::MatrixXf& transfer, const CubeDir
   pca.components = options.components;
   pca.rounds = 10;
   pca.stop = options.stop;
-  const Eigen::VectorXf measure = directions.solid_angles().cast<float>();
+  const Eigen::Index channels = transfer.rows() / directions.count();
+  const Eigen::VectorXf measure = directions.solid_angles().cast<float>().replicate(channels, 1);
   const LocalPcaFit fit = fit_local_pca(transfer, measure, pca);
   const int dimensions = static_cast<int>(directions.count()), terms = 1 + options.components;
   TransferMatrix matrix;
   matrix.clusters = fit.pca.cluster_count();
   matrix.components = options.components;
+  matrix.channels = static_cast<int>(channels);
   const std::size_t rows = matrix.rows();
-  matrix.q.assign(rows * static_cast<std::size_t>(dimensions), 0);
+  matrix.q.assign(rows * static_cast<std::size_t>(dimensions * channels), 0);
   // Components have the norm 1 over the sphere; scaled by the RMS of their weights they are as large as what they
   // bring, and the weights are about 1: both well within half floats.
   Eigen::MatrixXf scales = Eigen::MatrixXf::Ones(options.components, matrix.clusters);
@@ -36,15 +38,17 @@ TransferMatrix factorise_transfer(const Eigen::MatrixXf& transfer, const CubeDir
     for (int c = 0; c < options.components; ++c)
       if (const float scale = std::sqrt(squares(c, k) / std::max(members[k], 1.0f)); scale > 0.0f) scales(c, k) = scale;
   tbb::parallel_for(0, matrix.clusters, [&](int k) {
-    Eigen::MatrixXf q(dimensions, terms);
+    Eigen::MatrixXf q(measure.size(), terms);
     q.col(0) = fit.pca.mean(k);
     q.rightCols(options.components) = fit.pca.components(k);
     q = measure.asDiagonal() * q;
     for (int c = 0; c < terms; ++c) {
       if (c > 0) q.col(c) *= scales(c - 1, k);
-      haar_transform_faces(directions.side(), q.col(c).data());
+      for (Eigen::Index n = 0; n < channels; ++n)
+        haar_transform_faces(directions.side(), q.col(c).data() + n * dimensions);
       const std::size_t row = static_cast<std::size_t>(k * terms + c);
-      for (int j = 0; j < dimensions; ++j) matrix.q[static_cast<std::size_t>(j) * rows + row] = half_of_float(q(j, c));
+      for (Eigen::Index j = 0; j < q.rows(); ++j)
+        matrix.q[static_cast<std::size_t>(j) * rows + row] = half_of_float(q(j, c));
     }
   });
   for (std::size_t v = 0; v < fit.owner.size(); ++v) {
@@ -64,7 +68,7 @@ TransferMatrix factorise_transfer(const Eigen::MatrixXf& transfer, const CubeDir
 }
 
 Eigen::MatrixXf decode_transfer(const TransferMatrix& matrix, const CubeDirections& directions) {
-  const Eigen::Index dimensions = directions.count();
+  const Eigen::Index dimensions = directions.count() * matrix.channels;
   const std::size_t rows = matrix.rows();
   const auto terms = static_cast<std::size_t>(1 + matrix.components);
   Eigen::MatrixXf q(dimensions, static_cast<Eigen::Index>(rows));
@@ -72,8 +76,11 @@ Eigen::MatrixXf decode_transfer(const TransferMatrix& matrix, const CubeDirectio
     const auto column = static_cast<Eigen::Index>(row);
     for (Eigen::Index j = 0; j < dimensions; ++j)
       q(j, column) = float_of_half(matrix.q[static_cast<std::size_t>(j) * rows + row]);
-    inverse_haar_faces(directions.side(), q.col(column).data());
-    q.col(column).array() /= directions.solid_angles().cast<float>().array();
+    for (int n = 0; n < matrix.channels; ++n) {
+      inverse_haar_faces(directions.side(), q.col(column).data() + n * directions.count());
+      q.col(column).segment(n * directions.count(), directions.count()).array() /=
+          directions.solid_angles().cast<float>().array();
+    }
   }
   Eigen::MatrixXf transfer(dimensions, static_cast<Eigen::Index>(matrix.owner.size()));
   for (std::size_t v = 0; v < matrix.owner.size(); ++v) {

@@ -5,6 +5,7 @@
 
 #include "render/parts/baked_parts.h"
 #include "render/prt/material_btf.h"
+#include "render/scene_state/facts.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
@@ -71,7 +72,10 @@ TransferOptions options_of(const Settings& settings) {
   options.clusters = settings.get_int("prt.clusters");
   options.components = settings.get_int("prt.components");
   options.btf_components = settings.get_int("prt.btf_components");
+  options.bounces = settings.get_int("prt.bounces");
   options.vertices = static_cast<std::size_t>(settings.get_int("prt.vertices"));
+  options.texel_clusters = settings.get_int("prt.texel_clusters");
+  options.joint_clusters = settings.get_int("prt.joint_clusters");
   options.parts_alone = settings.get_string("prt.shadows") == "parts";
   if ((options.faces & (options.faces - 1)) != 0)
     throw Error("prt.faces=" + std::to_string(options.faces), "Haar coefficients need a power of two",
@@ -79,7 +83,25 @@ TransferOptions options_of(const Settings& settings) {
   return options;
 }
 
+/// Of all parts together, where an error divides their triangles.
+constexpr std::size_t kMostVerticesByError = 200000;
+/// Records of vertices by views, of 81 views: from so many bytes on a scene gets the joint form.
+constexpr std::size_t kMostBytesByViews = std::size_t{256} << 20;
+
 }  // namespace
+
+TransferForm choose_transfer_form(const Settings& settings, std::size_t triangles) {
+  const std::string& asked = settings.get_string("prt.form");
+  if (asked != "auto") return {asked == "joint", "prt.form=" + asked};
+  const std::size_t vertices = std::max(static_cast<std::size_t>(settings.get_int("prt.vertices")), triangles / 2);
+  const auto records = static_cast<std::size_t>(1 + 81 * settings.get_int("prt.btf_components"));
+  const std::size_t bytes =
+      vertices * records * sizeof(std::uint16_t) * static_cast<std::size_t>(1 + settings.get_int("prt.components"));
+  const std::string size =
+      "about " + std::to_string(vertices) + " vertices by 81 views: " + std::to_string(bytes >> 20) + " MiB of weights";
+  if (bytes > kMostBytesByViews) return {true, size + ", more than " + std::to_string(kMostBytesByViews >> 20)};
+  return {false, size};
+}
 
 std::vector<std::size_t> find_transfer_items(const TransferInput& input) {
   const std::vector<bool> named = named_nodes(*input.scene, input.settings.get_string("prt.parts"));
@@ -93,11 +115,14 @@ std::vector<std::size_t> find_transfer_items(const TransferInput& input) {
   return items;
 }
 
-TransferJob make_transfer_job(const TransferInput& input, const std::string& folder, MeasuredLibrary* library) {
+TransferJob make_transfer_job(const TransferInput& input, const std::string& folder, MeasuredLibrary* library,
+                              const std::atomic<bool>* cancel) {
   TransferJob job;
   job.scene = input.scene->name;
   job.geometry = input.geometry;
   job.options = options_of(input.settings);
+  job.options.joint =
+      choose_transfer_form(input.settings, compute_facts(*input.scene, input.variant).triangle_count).joint;
   const std::vector<std::size_t> items = find_transfer_items(input);
   for (const std::size_t i : items) {
     const Material material = material_of(input, input.geometry->items[i]);
@@ -138,6 +163,11 @@ TransferJob make_transfer_job(const TransferInput& input, const std::string& fol
     for (std::size_t i = 0; i < job.occluding.size(); ++i)
       job.occluding[i] =
           is_shown(input, input.geometry->items[i]) && is_opaque(material_of(input, input.geometry->items[i]));
+  if (const double error = 0.01 * input.settings.get_double("prt.vertex_error"); error > 0.0) {
+    const std::atomic<bool> never{false};
+    job.densities = choose_vertex_density(*job.geometry, build_ray_scene(*job.geometry, job.occluding), error,
+                                          kMostVerticesByError, cancel ? *cancel : never, &job.parts);
+  }
   const std::string& named = folder.empty() ? input.settings.get_string("prt.bake") : folder;
   job.folder = transfer_folder(named, job, make_transfer_mesh(*job.geometry, job.parts, job.options.vertices));
   job.must_work = !named.empty();

@@ -21,11 +21,19 @@ struct TransferMemory {
   std::shared_ptr<const TransferBake> bake;
 };
 
+/// Whether a scene gets the joint form, and why, for the plan. `triangles`: of the scene.
+struct TransferForm {
+  bool joint = false;
+  std::string reason;
+};
+TransferForm choose_transfer_form(const Settings& settings, std::size_t triangles);
+
 /// Opaque, visible items of the wanted nodes and of those that `prt.parts` names, with what is below them.
 std::vector<std::size_t> find_transfer_items(const TransferInput& input);
 
 /// The job for an input; its folder: below `folder`, or else where `prt.bake` or the cache keep it. Loads BTFs. Throws
 /// Error, also for a material that transfer cannot hold, by its name.
-TransferJob make_transfer_job(const TransferInput& input, const std::string& folder, MeasuredLibrary* library);
+TransferJob make_transfer_job(const TransferInput& input, const std::string& folder, MeasuredLibrary* library,
+                              const std::atomic<bool>* cancel = nullptr);
 
 }  // namespace maquette

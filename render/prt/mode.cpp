@@ -1,5 +1,6 @@
 #include "render/prt/mode.h"
 
+#include <algorithm>
 #include <array>
 
 #include "render/gl/bindings.h"
@@ -21,7 +22,23 @@ constexpr const char* kKept = "prt_kept";
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 
-ShaderDefines defines(int terms, bool baked) { return {{"TERMS", std::to_string(terms)}, {"BAKED", flag(baked)}}; }
+/// In the joint form the count of terms is no constant of the shaders.
+ShaderDefines defines(int terms, bool joint) {
+  return joint ? ShaderDefines{{"JOINT", "1"}} : ShaderDefines{{"TERMS", std::to_string(terms)}};
+}
+ShaderDefines defines(int terms, bool joint, bool baked) {
+  ShaderDefines own = defines(terms, joint);
+  own.emplace_back("BAKED", flag(baked));
+  return own;
+}
+ShaderDefines defines(const TransferBuffers& buffers) { return defines(buffers.terms(), buffers.joint()); }
+
+void set_counts(const Program& program, const TransferBuffers& buffers) {
+  program.set("u_transfer_components", buffers.components());
+  if (!buffers.joint()) return;
+  program.set("u_transfer_functions", buffers.functions());
+  program.set("u_transfer_view_rows", buffers.rows_of_view());
+}
 
 const TransferStore* find_store(const FrameContext& frame, const ShadingPlan& plan) {
   return plan.own_bake.empty() ? nullptr : dynamic_cast<const TransferStore*>(frame.bakes.own(plan.own_bake));
@@ -88,12 +105,16 @@ class TransferMode : public ShadingMode {
   static void run_vertices(const LayerContext& layer) {
     const TransferStore* store = find_store(layer.frame, layer.plan);
     if (!store || store->buffers().vertices() == 0) return;
-    const Program& program =
-        layer.frame.programs.get({kVertices, "", {{"TERMS", std::to_string(store->buffers().terms())}}});
-    program.set("u_vertices", store->buffers().vertices());
-    program.set("u_transfer_components", store->buffers().components());
-    store->buffers().bind_shown();
-    dispatch_list(program, store->buffers().vertices());
+    const Program& program = layer.frame.programs.get({kVertices, "", defines(store->buffers())});
+    const TransferBuffers& buffers = store->buffers();
+    set_counts(program, buffers);
+    for (int first = 0; first < buffers.vertices(); first += buffers.vertices_at_once()) {
+      const int count = std::min(buffers.vertices_at_once(), buffers.vertices() - first);
+      program.set("u_first_vertex", first);
+      program.set("u_vertices", first + count);
+      buffers.bind_shown(first);
+      dispatch_list(program, count);
+    }
   }
   void run_shade(const FrameContext& frame, const ShadingPlan& plan, const ShaderVariant& variant,
                  const Texture& radiance, const Texture& marks, const TileList& tiles) {
@@ -103,11 +124,12 @@ class TransferMode : public ShadingMode {
     glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindImageTexture(kImageLookupMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
     ShaderVariant own = variant;
-    const ShaderDefines more = defines(store ? store->buffers().terms() : transfer_terms(0), store != nullptr);
+    const ShaderDefines more = defines(store ? store->buffers().terms() : transfer_terms(0),
+                                       store && store->buffers().joint(), store != nullptr);
     own.defines.insert(own.defines.end(), more.begin(), more.end());
     const Program& program = frame.programs.get(own);
     if (store) {
-      program.set("u_transfer_components", store->buffers().components());
+      set_counts(program, store->buffers());
       program.set("u_environment_scale", frame.request.env_scale);
     }
     dispatch_tiles(program, tiles, kPerPoint);
@@ -131,8 +153,8 @@ class TransferMode : public ShadingMode {
     glClearTexImage(values.get(), 0, GL_RGBA, GL_FLOAT, black);
     if (const TransferStore* store = find_store(layer.frame, layer.plan)) {
       layer.surfaces.bind();
-      const Program& program =
-          layer.frame.programs.get({kView, "", {{"TERMS", std::to_string(store->buffers().terms())}}});
+      const Program& program = layer.frame.programs.get({kView, "", defines(store->buffers())});
+      set_counts(program, store->buffers());
       program.set("u_view", view);
       program.set("u_environment_scale", layer.frame.request.env_scale);
       glBindImageTexture(kImageRadiance, values.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -154,15 +176,20 @@ std::unique_ptr<ShadingMode> make_transfer_mode() { return std::make_unique<Tran
 
 std::vector<ShaderVariant> transfer_shader_variants() {
   std::vector<ShaderVariant> variants;
-  for (const int terms : {transfer_terms(0), transfer_terms(kMostMaterialComponents)}) {
-    const std::string count = std::to_string(terms);
-    variants.push_back({kVertices, "", {{"TERMS", count}}});
-    variants.push_back({kView, "", {{"TERMS", count}}});
+  const auto add = [&](int terms, bool joint) {
+    variants.push_back({kVertices, "", defines(terms, joint)});
+    variants.push_back({kView, "", defines(terms, joint)});
     for (const bool baked : {false, true}) {
-      variants.push_back({kShade, "", defines(terms, baked)});
-      variants.push_back({kShade, "", {{"REFLECTED", "1"}, {"TERMS", count}, {"BAKED", flag(baked)}}});
+      if (joint && !baked) continue;
+      variants.push_back({kShade, "", defines(terms, joint, baked)});
+      variants.push_back({kShade, "", {{"REFLECTED", "1"}}});
+      const ShaderDefines more = defines(terms, joint, baked);
+      variants.back().defines.insert(variants.back().defines.end(), more.begin(), more.end());
     }
-  }
+  };
+  add(transfer_terms(0), false);
+  add(transfer_terms(kMostMaterialComponents), false);
+  add(0, true);
   return variants;
 }
 

@@ -110,27 +110,29 @@ CubeLight light_of_coefficients(const KeptLight& kept, int side) {
   return light;
 }
 
-RelightTable::RelightTable(int side, std::size_t rows) : side_(side) {
-  q_.assign((rows + kTile - 1) / kTile * kTile * coefficients(), 0);
+RelightTable::RelightTable(int side, std::size_t rows, int channels) : side_(side), channels_(channels) {
+  q_.assign(static_cast<std::size_t>(channels) * ((rows + kTile - 1) / kTile * kTile * coefficients()), 0);
   squares_.assign(coefficients(), 0.0);
 }
 
 std::size_t RelightTable::add(const TransferMatrix& matrix) {
   const std::size_t first = rows_, count = matrix.rows();
-  assert((first + count + kTile - 1) / kTile * kTile * coefficients() <= q_.size());
+  assert((first + count + kTile - 1) / kTile * kTile * coefficients() <= channel_size());
+  assert(matrix.channels == channels_);
   std::vector<double> members(static_cast<std::size_t>(matrix.clusters), 0.0);
   for (const std::uint16_t k : matrix.owner) members[k] += 1.0;
   const auto terms = static_cast<std::size_t>(1 + matrix.components);
   tbb::parallel_for(std::size_t{0}, coefficients(), [&](std::size_t j) {
     double squares = 0.0;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t row = first + i;
-      const std::uint16_t q = matrix.q[j * count + i];
-      q_[(row / kTile * coefficients() + j) * kTile + row % kTile] = q;
-      const double value = static_cast<double>(float_of_half(q));
-      squares += members[i / terms] * value * value;
-    }
-    squares_[j] += squares;
+    for (std::size_t n = 0; n < static_cast<std::size_t>(channels_); ++n)
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t row = first + i;
+        const std::uint16_t q = matrix.q[(n * coefficients() + j) * count + i];
+        q_[n * channel_size() + (row / kTile * coefficients() + j) * kTile + row % kTile] = q;
+        const double value = static_cast<double>(float_of_half(q));
+        squares += members[i / terms] * value * value;
+      }
+    squares_[j] += squares / channels_;
   });
   uses_ += static_cast<double>(matrix.owner.size());
   rows_ += count;
@@ -147,10 +149,16 @@ template <typename Tile>
 void RelightTable::for_tiles(const Tile& tile, std::vector<glm::vec4>* out) const {
   out->resize(rows_);
   tbb::parallel_for(std::size_t{0}, (rows_ + kTile - 1) / kTile, [&](std::size_t t) {
-    TileSums sums{};
-    tile(q_.data() + t * kTile * coefficients(), &sums);
+    const std::uint16_t* q = q_.data() + t * kTile * coefficients();
+    TileSums sums{}, green{}, blue{};
+    tile(q, &sums);
+    if (channels_ == 3) {  // of each colour's q its own sum
+      tile(q + channel_size(), &green);
+      tile(q + 2 * channel_size(), &blue);
+    }
+    const float *g = channels_ == 3 ? green.g : sums.g, *b = channels_ == 3 ? blue.b : sums.b;
     for (std::size_t i = 0; i < std::min(kTile, rows_ - t * kTile); ++i)
-      (*out)[t * kTile + i] = {sums.r[i], sums.g[i], sums.b[i], 0.0f};
+      (*out)[t * kTile + i] = {sums.r[i], g[i], b[i], 0.0f};
   });
 }
 

@@ -29,8 +29,8 @@ class RelightTable {
   static constexpr std::size_t kTile = 512;  ///< rows
 
   RelightTable() = default;
-  /// `side`: of the cube's faces. Space for `rows` rows.
-  RelightTable(int side, std::size_t rows);
+  /// `side`: of the cube's faces. Space for `rows` rows. `channels`: 3 where each colour of light has a q of its own.
+  RelightTable(int side, std::size_t rows, int channels = 1);
   /// Appends one transfer's rows; returns the first. Throws nothing; `rows` of the constructor are not to be exceeded.
   std::size_t add(const TransferMatrix& matrix);
 
@@ -47,13 +47,14 @@ class RelightTable {
   std::size_t bytes() const { return q_.size() * sizeof(std::uint16_t); }
 
  private:
+  std::size_t channel_size() const { return q_.size() / static_cast<std::size_t>(channels_); }
   template <typename Tile>
   void for_tiles(const Tile& tile, std::vector<glm::vec4>* out) const;
 
-  int side_ = 0;
+  int side_ = 0, channels_ = 1;
   std::size_t rows_ = 0;
-  std::vector<std::uint16_t> q_;
-  std::vector<double> squares_;  ///< [coefficient]
+  std::vector<std::uint16_t> q_;  ///< [channel][tile][coefficient][row of the tile]
+  std::vector<double> squares_;   ///< [coefficient]
   double uses_ = 0.0;
 };
 

@@ -26,7 +26,8 @@ Key key_of(const SceneState& scene, const FrameRequest& request, const std::vect
 }  // namespace
 
 Baked<Transfer> TransferKind::run(const TransferInput& input, const Baked<Transfer>&, const BakeTask<Transfer>& task) {
-  const TransferJob job = make_transfer_job(input, {}, &memory_.library);
+  TransferJob job = make_transfer_job(input, {}, &memory_.library, &task.cancel);
+  job.preview = task.publish;
   const auto transfer = bake_transfer(job, {}, memory_.bake, task.cancel, task.progress);
   if (transfer) memory_.bake = transfer->bake;
   return {transfer, transfer != nullptr, true};

@@ -15,6 +15,8 @@ namespace maquette {
 /// Makes transfer; keeps the last one, which a turned object shows again.
 class TransferKind : public BakeKind<TransferInput, Transfer> {
  public:
+  /// The materials' means, until the rest is there.
+  bool shows_parts() const override { return true; }
   Baked<Transfer> run(const TransferInput& input, const Baked<Transfer>&, const BakeTask<Transfer>& task) override;
 
  private:

@@ -2,6 +2,7 @@
 
 #include "render/frame/vocabulary.h"
 #include "render/prt/bake_command.h"
+#include "render/prt/job.h"
 #include "render/prt/mode.h"
 #include "render/prt/store.h"
 
@@ -37,12 +38,42 @@ std::vector<SettingDeclaration> transfer_settings() {
        .min = 0,
        .max = kMostMaterialComponents,
        .help = "eigen-textures of the material, besides the mean, whose transfer is computed"},
+      {.name = "prt.bounces",
+       .default_value = 0,
+       .min = 0,
+       .max = 16,
+       .help = "reflections of light between the parts, before the one that is seen; from 1 on transfer is by colour: "
+               "three times the time and the light side"},
       {.name = "prt.vertices",
        .default_value = 0,
        .min = 0,
        .max = 2000000,
        .unit = "vertices",
        .help = "at least so many, by dividing the triangles of the parts with the longest edges; 0: those of the mesh"},
+      {.name = "prt.vertex_error",
+       .default_value = 0.0,
+       .min = 0.0,
+       .max = 100.0,
+       .unit = "%",
+       .help =
+           "divides the triangles of each part until light that is interpolated between its vertices misses what "
+           "arrives in the middles of edges by no more (RMS; up to 200,000 vertices); 0: prt.vertices alone counts"},
+      {.name = "prt.form",
+       .default_value = std::string("auto"),
+       .help = "views: material and transfer are factorised for each sampled view; joint: for all views together, with "
+               "fewer bytes a vertex, and more sums when the light changes; auto: joint where weights by views take "
+               "more than 256 MiB",
+       .choices = {"auto", "views", "joint"}},
+      {.name = "prt.texel_clusters",
+       .default_value = 8,
+       .min = 1,
+       .max = 64,
+       .help = "clusters of a material's texels, in the joint form"},
+      {.name = "prt.joint_clusters",
+       .default_value = 8,
+       .min = 1,
+       .max = kMostTransferClusters,
+       .help = "clusters of vertices for each function of a material, in the joint form"},
       {.name = "prt.rays",
        .default_value = 2,
        .min = 1,
@@ -89,8 +120,14 @@ Technique prt_technique() {
       return "precomputed transfer holds all shadows (shading.visibility=" + asked + " has nothing to do)";
     return std::nullopt;
   };
-  info.add_passes = [](const PlanInput&, ShadingPlan* shading, FramePlan* plan) {
-    plan->passes.push_back({"transfer_vertices", "light of every vertex, by component", {}, {"prt"}});
+  info.add_passes = [](const PlanInput& input, ShadingPlan* shading, FramePlan* plan) {
+    const TransferForm form = choose_transfer_form(input.settings, input.facts.triangle_count);
+    plan->passes.push_back({"transfer_vertices",
+                            (form.joint ? "light of every vertex, by function of the materials; joint form: "
+                                        : "light of every vertex, by component; form by views: ") +
+                                form.reason,
+                            {},
+                            {"prt"}});
     plan->passes.push_back({"shade", "every visible pixel, by eigen-textures", {"surfaces", "prt"}, {"radiance"}});
     plan->left_out.push_back({words::kBandwidth, "mode " + shading->mode + " predicts nothing"});
   };

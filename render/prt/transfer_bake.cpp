@@ -8,8 +8,11 @@
 
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
+#include "render/prt/bounces.h"
 #include "render/prt/buried_vertices.h"
+#include "render/prt/joint_transfer.h"
 #include "render/prt/transfer_files.h"
+#include "render/prt/transfer_place.h"
 
 namespace maquette {
 
@@ -17,38 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kOccluderPoints = 256;
-
-/// Of what casts shadows, evenly spaced in the order of the geometry.
-std::vector<glm::vec3> occluder_points(const TransferJob& job) {
-  std::vector<glm::vec3> all, points;
-  for (std::size_t i = 0; i < job.geometry->items.size(); ++i) {
-    const DrawItem& item = job.geometry->items[i];
-    if (!job.occluding[i]) continue;
-    all.insert(all.end(), job.geometry->positions.begin() + item.first_vertex,
-               job.geometry->positions.begin() + item.first_vertex + item.vertex_count);
-  }
-  const std::size_t step = std::max<std::size_t>(1, (all.size() + kOccluderPoints - 1) / kOccluderPoints);
-  for (std::size_t i = 0; i < all.size(); i += step) points.push_back(all[i]);
-  return points;
-}
-
-std::vector<glm::vec3> positions_of(const TransferMesh& mesh) {
-  std::vector<glm::vec3> positions;
-  for (const TransferVertex& v : mesh.vertices) positions.push_back(v.position);
-  return positions;
-}
-
 struct BlockPlace {
   std::size_t group = 0;
-  int view = -1;  ///< -1: the mean
+  int view = -1;  ///< -1: the mean; in the joint form a function of the material
 };
+using JointBtfs = std::vector<std::shared_ptr<const JointBtf>>;  ///< [group]
 int components_of(const TransferJob& job, std::size_t group) {
   return std::min(job.options.btf_components, job.materials[group]->components);
 }
 
-std::vector<BlockPlace> places_of(const TransferJob& job) {
+std::vector<BlockPlace> places_of(const TransferJob& job, const JointBtfs& joints) {
   std::vector<BlockPlace> places;
+  for (std::size_t g = 0; g < joints.size(); ++g)
+    for (std::size_t f = 0; f < joints[g]->function_count(); ++f) places.push_back({g, static_cast<int>(f)});
+  if (job.options.joint) return places;
   for (std::size_t g = 0; g < job.materials.size(); ++g) {
     places.push_back({g, -1});
     if (components_of(job, g) == 0) continue;
@@ -56,47 +41,6 @@ std::vector<BlockPlace> places_of(const TransferJob& job) {
   }
   return places;
 }
-
-std::string option_difference(const TransferProvenance& found, const TransferProvenance& wanted) {
-  const auto differ = [](const char* what, int a, int b) {
-    return std::string(what) + " " + std::to_string(a) + " instead of " + std::to_string(b);
-  };
-  if (found.faces != wanted.faces) return differ("prt.faces", found.faces, wanted.faces);
-  if (found.rays != wanted.rays) return differ("prt.rays", found.rays, wanted.rays);
-  if (found.clusters != wanted.clusters) return differ("prt.clusters", found.clusters, wanted.clusters);
-  if (found.components != wanted.components) return differ("prt.components", found.components, wanted.components);
-  if (found.btf_components != wanted.btf_components)
-    return differ("prt.btf_components", found.btf_components, wanted.btf_components);
-  if (found.shape != wanted.shape) return "another mesh, or other parts, of scene " + found.scene;
-  if (found.materials != wanted.materials) return "other materials of scene " + found.scene;
-  return {};
-}
-
-/// Whether a bake of the same shape is that of the parts as they stand now: turned along with what casts shadows.
-struct Placement {
-  std::optional<RigidMotion> motion;  ///< none: the vertices have moved against each other
-  bool shadows_fit = true;
-};
-Placement place(const TransferProvenance& found, const std::vector<glm::vec3>& positions,
-                const std::vector<glm::vec3>& occluders, const TransferProvenance& wanted, const TransferMesh& mesh,
-                const std::vector<glm::vec3>& occluders_now) {
-  Placement placement;
-  if (found.geometry == wanted.geometry)
-    placement.motion = RigidMotion{};
-  else
-    placement.motion = find_rigid_motion(positions, positions_of(mesh));
-  if (!placement.motion) return placement;
-  if (found.geometry == wanted.geometry && found.occluders == wanted.occluders) return placement;
-  placement.shadows_fit = occluders.size() == occluders_now.size();
-  double size = 0.0;
-  for (const glm::vec3& p : occluders_now) size = std::max(size, static_cast<double>(glm::length(p)));
-  for (std::size_t i = 0; i < occluders.size() && placement.shadows_fit; ++i)
-    placement.shadows_fit = glm::length(placement.motion->rotation * glm::dvec3(occluders[i]) +
-                                        placement.motion->shift - glm::dvec3(occluders_now[i])) <= 1e-5 * size;
-  return placement;
-}
-
-constexpr const char* kStaleShadows = "what casts shadows did not turn along with its parts";
 
 /// One bake under way.
 class Run {
@@ -108,9 +52,7 @@ class Run {
         cancel_(cancel),
         progress_(progress),
         cube_(job.options.faces),
-        places_(places_of(job)),
-        bake_(std::make_shared<TransferBake>()),
-        blocks_(places_.size()) {}
+        bake_(std::make_shared<TransferBake>()) {}
 
   std::shared_ptr<const Transfer> make(const std::shared_ptr<const TransferBake>& last) {
     auto transfer = std::make_shared<Transfer>();
@@ -126,17 +68,30 @@ class Run {
         return transfer;
       }
     }
+    if (!fit_materials()) return nullptr;
+    places_ = places_of(job_, joints_);
+    blocks_.resize(places_.size());
     check_manifest(transfer.get());
+    baked_from_world_ = transfer->baked_from_world;
     load_blocks();
     if (!job_.may_make && done_ < blocks_.size()) fail_incomplete();
     if (!make_blocks(transfer->mesh) || !await_others()) return nullptr;
-    assemble(transfer->mesh);
+    assemble(job_, joints_, transfer->mesh, std::move(blocks_), bake_.get());
     transfer->bake = bake_;
     if (progress_) progress_(1.0);
     return transfer;
   }
 
  private:
+  bool fit_materials() {
+    for (const auto& material : job_.materials) {
+      if (!job_.options.joint) break;
+      joints_.push_back(fit_joint_btf(*material, {job_.options.texel_clusters, job_.options.btf_components}, cancel_));
+      if (!joints_.back()) return false;
+    }
+    return true;
+  }
+
   void check_manifest(Transfer* transfer) {
     bake_->provenance = wanted_;
     bake_->positions = positions_of(transfer->mesh);
@@ -164,9 +119,9 @@ class Run {
       throw Error(job_.folder, "the radiance transfer is stale: the vertices of its parts have moved",
                   "name another folder, or remove it and bake again");
     if (!at.shadows_fit) {
-      transfer->stale = kStaleShadows;
+      transfer->stale = at.why;
       if (job_.may_make || !job_.show_stale)
-        throw Error(job_.folder, std::string("the radiance transfer is stale: ") + kStaleShadows,
+        throw Error(job_.folder, "the radiance transfer is stale: " + at.why,
                     job_.may_make ? "name another folder, or remove it and bake again"
                                   : "bake it again, with prt.shadows=parts to let it turn alone, or show it: --set "
                                     "prt.stale=show");
@@ -200,6 +155,9 @@ class Run {
     try {
       TransferBlock block =
           load_transfer_block(path, transfer_key(bake_->provenance), static_cast<std::size_t>(cube_.count()));
+      for (const TransferMatrix& m : block)
+        if (m.channels != (job_.options.bounces > 0 ? 3 : 1))
+          throw Error(path, "the block has another count of colours", "bake it again");
       if (block.size() != matrices_of(b)) throw Error(path, "the block has another count of matrices", "bake it again");
       blocks_[b] = std::move(block);
     } catch (const Error&) {
@@ -212,6 +170,7 @@ class Run {
   }
 
   std::size_t matrices_of(std::size_t b) const {
+    if (job_.options.joint) return job_.materials[places_[b].group]->views.size();
     return places_[b].view < 0 ? 1 : static_cast<std::size_t>(components_of(job_, places_[b].group));
   }
 
@@ -221,7 +180,12 @@ class Run {
     std::unique_ptr<LightTable> table;
     std::size_t group_of_table = job_.materials.size();
     const std::vector<std::vector<std::uint32_t>> vertices = vertices_of_groups(mesh, job_.materials.size());
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    bool shown = !job_.preview || job_.options.joint;
+    for (const std::size_t b : means_first()) {
+      if (!shown && places_[b].view >= 0) {
+        shown = true;
+        show_means(mesh);
+      }
       if (!blocks_[b].empty() || !ranks_.has(b)) continue;
       if (cancel_) return false;
       if (arriving.first.empty()) {
@@ -230,11 +194,16 @@ class Run {
       }
       const auto [group, view] = places_[b];
       const Btf& material = *job_.materials[group];
-      const auto& lights = material.views[static_cast<std::size_t>(std::max(view, 0))].lights;
-      if (group_of_table != group || table->lights() != lights)
-        table = std::make_unique<LightTable>(arriving, vertices[group], lights);
-      group_of_table = group;
-      TransferBlock block = make_block(*table, material, b, vertices[group].empty());
+      const auto table_of = [&](std::size_t v) -> const LightTable& {
+        const auto& lights = material.views[v].lights;
+        if (group_of_table != group || table->lights() != lights)
+          table = std::make_unique<LightTable>(arriving, vertices[group], lights);
+        group_of_table = group;
+        return *table;
+      };
+      TransferBlock block = job_.options.joint ? make_joint_block(table_of, b, vertices[group])
+                                               : make_block(table_of(static_cast<std::size_t>(std::max(view, 0))),
+                                                            material, b, vertices[group]);
       if (cancel_) return false;
       save_block(b, block);
       blocks_[b] = std::move(block);
@@ -244,14 +213,26 @@ class Run {
     return true;
   }
 
-  ArrivingLight trace_light(const TransferMesh& mesh) const {
+  ArrivingLight trace_light(const TransferMesh& mesh) {
     const RayScene scene = build_ray_scene(*job_.geometry, job_.occluding);
     ArrivingLight light = trace_arriving_light(mesh, cube_, scene, {job_.options.rays}, cancel_);
-    if (!cancel_) light_buried_vertices(mesh, find_buried_vertices(mesh, *job_.geometry, cube_, scene, light), &light);
+    if (cancel_) return light;
+    const std::vector<std::uint32_t> sources =
+        light_sources(mesh, find_buried_vertices(mesh, *job_.geometry, cube_, scene, light), light);
+    take_light_of(sources, &light);
+    if (job_.options.bounces == 0) return light;
+    const auto begin = std::chrono::steady_clock::now();
+    bounces_ = compute_bounces({mesh, *job_.geometry, scene, cube_, light, job_.materials, sources},
+                               job_.options.bounces, cancel_);
+    bake_->bounce_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    bake_->bounce_bytes = static_cast<std::size_t>(bounces_.sent.size()) * sizeof(float) +
+                          bounces_.gathered.entries.size() * sizeof(GatheredLight::Entry);
     return light;
   }
 
-  TransferBlock make_block(const LightTable& table, const Btf& material, std::size_t b, bool empty) const {
+  TransferBlock make_block(const LightTable& table, const Btf& material, std::size_t b,
+                           const std::vector<std::uint32_t>& vertices) const {
+    const bool empty = vertices.empty();
     TransferBlock block;
     const int view = places_[b].view;
     const TransferPcaOptions options{job_.options.clusters, job_.options.components, [this] { return cancel_.load(); }};
@@ -259,10 +240,32 @@ class Run {
       const auto weights =
           view < 0 ? std::vector<float>() : material.views[static_cast<std::size_t>(view)].light_weights;
       Eigen::MatrixXf transfer = table.transfer(cube_.count(), weights, material.components, static_cast<int>(c));
-      if (empty) transfer = Eigen::MatrixXf::Zero(cube_.count(), 1);
+      if (job_.options.bounces > 0)
+        transfer = add_bounces(transfer, bounces_, *table.lights(), vertices, weights, material.components,
+                               static_cast<int>(c));
+      if (empty) transfer = Eigen::MatrixXf::Zero(transfer.rows(), 1);
       block.push_back(factorise_transfer(transfer, cube_, options));
       if (empty) block.back().owner.clear(), block.back().weights.clear(), block.back().squares.clear();
     }
+    return block;
+  }
+
+  TransferBlock make_joint_block(const std::function<const LightTable&(std::size_t)>& table, std::size_t b,
+                                 const std::vector<std::uint32_t>& vertices) const {
+    const JointBtf& joint = *joints_[places_[b].group];
+    const int function = places_[b].view, stride = static_cast<int>(joint.function_count());
+    const auto of_view = [&](std::size_t v) {
+      const LightTable& lights = table(v);
+      Eigen::MatrixXf transfer = lights.transfer(cube_.count(), joint.functions[v], stride, function);
+      if (job_.options.bounces > 0)
+        transfer = add_bounces(transfer, bounces_, *lights.lights(), vertices, joint.functions[v], stride, function);
+      return vertices.empty() ? Eigen::MatrixXf(Eigen::MatrixXf::Zero(transfer.rows(), 1)) : transfer;
+    };
+    TransferBlock block = factorise_joint_transfer(
+        of_view, joint.functions.size(), cube_,
+        {job_.options.joint_clusters, job_.options.components, [this] { return cancel_.load(); }});
+    for (TransferMatrix& matrix : block)
+      if (vertices.empty()) matrix.owner.clear(), matrix.weights.clear(), matrix.squares.clear();
     return block;
   }
 
@@ -277,6 +280,33 @@ class Run {
     }
   }
 
+  std::vector<std::size_t> means_first() const {
+    std::vector<std::size_t> order;
+    for (const bool means : {true, false})
+      for (std::size_t b = 0; b < places_.size(); ++b)
+        if ((places_[b].view < 0) == means) order.push_back(b);
+    return order;
+  }
+
+  void show_means(const TransferMesh& mesh) const {
+    std::vector<TransferBlock> means;
+    for (std::size_t b = 0; b < blocks_.size(); ++b)
+      if (places_[b].view < 0) means.push_back(blocks_[b]);
+    for (const TransferBlock& block : means)
+      if (block.empty()) return;  // another process makes it
+    Transfer transfer;
+    transfer.mesh = mesh;
+    transfer.baked_from_world = baked_from_world_;
+    TransferJob of_means = job_;
+    of_means.options.btf_components = 0;
+    auto bake = std::make_shared<TransferBake>();
+    bake->positions = bake_->positions;
+    bake->occluders = bake_->occluders;
+    assemble(of_means, {}, mesh, std::move(means), bake.get());
+    transfer.bake = std::move(bake);
+    job_.preview(transfer);
+  }
+
   bool await_others() {
     while (done_ < blocks_.size()) {
       if (cancel_) return false;
@@ -289,34 +319,38 @@ class Run {
   }
 
   /// Stacks the light sides of all blocks, in their order, whoever made them.
-  void assemble(const TransferMesh& mesh) {
-    bake_->options = job_.options;
-    bake_->blocks = blocks_.size();
-    std::vector<std::vector<std::uint32_t>> vertices = vertices_of_groups(mesh, job_.materials.size());
+  static void assemble(const TransferJob& job, const JointBtfs& joints, const TransferMesh& mesh,
+                       std::vector<TransferBlock> blocks, TransferBake* bake) {
+    const std::vector<BlockPlace> places = places_of(job, joints);
+    bake->options = job.options;
+    bake->blocks = blocks.size();
+    std::vector<std::vector<std::uint32_t>> vertices = vertices_of_groups(mesh, job.materials.size());
     std::size_t rows = 0;
-    for (const TransferBlock& block : blocks_)
+    for (const TransferBlock& block : blocks)
       for (const TransferMatrix& matrix : block) rows += matrix.rows();
-    bake_->table = RelightTable(job_.options.faces, rows);
-    bake_->groups.resize(job_.materials.size());
+    bake->table = RelightTable(job.options.faces, rows, job.options.bounces > 0 ? 3 : 1);
+    bake->groups.resize(job.materials.size());
     double squares = 0.0;
     std::size_t count = 0;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      TransferGroup& group = bake_->groups[places_[b].group];
-      if (places_[b].view < 0) {
-        group.material = job_.materials[places_[b].group];
-        group.components = components_of(job_, places_[b].group);
-        group.vertices = std::move(vertices[places_[b].group]);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      TransferGroup& group = bake->groups[places[b].group];
+      if (!group.material) {
+        group.material = job.materials[places[b].group];
+        if (job.options.joint) group.joint = joints[places[b].group];
+        group.components = job.options.joint ? group.joint->terms - 1 : components_of(job, places[b].group);
+        group.vertices = std::move(vertices[places[b].group]);
       }
-      for (TransferMatrix& matrix : blocks_[b]) {
-        group.rows.push_back(bake_->table.add(matrix));
+      for (TransferMatrix& matrix : blocks[b]) {
+        group.rows.push_back(bake->table.add(matrix));
         squares += matrix.error * matrix.error;
         ++count;
         matrix.q = {};
+        if (job.options.joint && &matrix != blocks[b].data()) matrix.owner = {};
         group.matrices.push_back(std::move(matrix));
       }
     }
-    for (TransferGroup& group : bake_->groups) sum_errors(&group);
-    bake_->error = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+    for (TransferGroup& group : bake->groups) sum_errors(&group);
+    bake->error = count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
   }
 
   static void sum_errors(TransferGroup* group) {
@@ -349,7 +383,10 @@ class Run {
   std::vector<BlockPlace> places_;
   std::shared_ptr<TransferBake> bake_;
   TransferProvenance wanted_;
+  glm::dmat3 baked_from_world_{1.0};
   std::vector<glm::vec3> occluders_;
+  Bounces bounces_;
+  JointBtfs joints_;
   std::vector<TransferBlock> blocks_;
   std::size_t done_ = 0;
 };
@@ -357,40 +394,8 @@ class Run {
 }  // namespace
 
 std::size_t TransferBake::bytes_per_vertex(const TransferGroup& group) const {
-  return group.matrices.size() * static_cast<std::size_t>(1 + options.components) * sizeof(std::uint16_t);
-}
-
-TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mesh) {
-  TransferProvenance p;
-  p.scene = job.scene;
-  std::vector<std::uint64_t> shape{mesh.vertices.size(), mesh.triangles.size()};
-  for (const TransferPart& part : mesh.parts) shape.push_back(part.group);
-  for (const auto& t : mesh.triangles) shape.push_back(static_cast<std::uint64_t>(t.level));
-  p.shape = chain_hash(mesh.grid, chain_hash(shape, 0));
-  std::vector<float> frames;
-  for (const TransferVertex& v : mesh.vertices)
-    for (const glm::vec3& x : {v.position, v.n, v.t, v.b}) frames.insert(frames.end(), {x.x, x.y, x.z});
-  p.geometry = chain_hash(frames, p.shape);
-  std::vector<std::uint32_t> corners;
-  std::vector<glm::vec3> occluders;
-  for (std::size_t i = 0; i < job.geometry->items.size(); ++i) {
-    const DrawItem& item = job.geometry->items[i];
-    if (!job.occluding[i]) continue;
-    for (std::uint32_t k = 0; k < item.index_count; ++k)
-      corners.push_back(job.geometry->indices[item.first_index + k] - item.first_vertex);
-    occluders.insert(occluders.end(), job.geometry->positions.begin() + item.first_vertex,
-                     job.geometry->positions.begin() + item.first_vertex + item.vertex_count);
-  }
-  p.occluders = chain_hash(occluders, chain_hash(corners, 0));
-  std::vector<std::uint64_t> materials;
-  for (const auto& material : job.materials) materials.push_back(material->hash);
-  p.materials = chain_hash(materials, 0);
-  p.faces = job.options.faces;
-  p.rays = job.options.rays;
-  p.clusters = job.options.clusters;
-  p.components = job.options.components;
-  p.btf_components = job.options.btf_components;
-  return p;
+  const std::size_t records = group.joint ? group.joint->function_count() : group.matrices.size();
+  return records * static_cast<std::size_t>(1 + options.components) * sizeof(std::uint16_t);
 }
 
 std::string transfer_folder(const std::string& folder, const TransferJob& job, const TransferMesh& mesh) {

@@ -9,17 +9,24 @@
 
 #include "render/bake/bake_ranks.h"
 #include "render/prt/factorised_transfer.h"
+#include "render/prt/joint_btf.h"
 #include "render/prt/relight.h"
 #include "render/prt/transfer.h"
+#include "render/prt/vertex_density.h"
 
 namespace maquette {
 
 struct TransferOptions {
-  int faces = 16;            ///< side of a face of the light's cube
-  int rays = 2;              ///< a side of the points of its texels
-  int clusters = 32;         ///< of each view and component
-  int components = 6;        ///< of the transfer
-  int btf_components = 2;    ///< of the materials
+  int faces = 16;          ///< side of a face of the light's cube
+  int rays = 2;            ///< a side of the points of its texels
+  int clusters = 32;       ///< of each view and component
+  int components = 6;      ///< of the transfer
+  int btf_components = 2;  ///< of the materials
+  int bounces = 0;         ///< reflections between parts; from 1 on transfer is by colour
+  /// All views in one factorisation of material and of transfer, instead of one for each view.
+  bool joint = false;
+  int texel_clusters = 8;    ///< of the material, in the joint form
+  int joint_clusters = 8;    ///< of vertices, for each function of the material, in the joint form
   std::size_t vertices = 0;  ///< at least so many; 0: those drawn
   bool parts_alone = false;  ///< only the parts cast shadows, and not the rest of the scene
 };
@@ -30,6 +37,7 @@ struct TransferJob {
   std::string scene;  ///< its name, for messages and folders
   std::shared_ptr<const FlatGeometry> geometry;
   std::vector<TransferPart> parts;
+  std::vector<VertexDensity> densities;               ///< [part], where its division was chosen by an error
   std::vector<std::shared_ptr<const Btf>> materials;  ///< [group]
   std::vector<bool> occluding;                        ///< [item]
   TransferOptions options;
@@ -37,6 +45,9 @@ struct TransferJob {
   bool must_work = false;   ///< the folder was named by the user: what is damaged or cannot be written is an error
   bool may_make = true;     ///< false: only what the folder holds is taken, and it must be whole
   bool show_stale = false;  ///< with `may_make` false: also where what casts shadows did not turn along
+  /// May be empty. Called once where blocks are missing, as soon as the means of all materials are there: transfer
+  /// without components, to be shown until the rest is made.
+  std::function<void(const struct Transfer&)> preview;
 };
 
 /// What a bake was made of: written into its files, and compared with what is asked for.
@@ -46,16 +57,19 @@ struct TransferProvenance {
   std::uint64_t occluders = 0;  ///< hash of what casts shadows
   std::uint64_t materials = 0;  ///< hash of the factorised materials
   std::uint64_t shape = 0;      ///< hash of what a rigid motion leaves as it is
-  int faces = 0, rays = 0, clusters = 0, components = 0, btf_components = 0;
+  int faces = 0, rays = 0, clusters = 0, components = 0, btf_components = 0, bounces = 0;
+  int texel_clusters = 0;  ///< 0: the form by views
   bool operator==(const TransferProvenance&) const = default;
 };
 
 /// Transfer of one material's vertices.
 struct TransferGroup {
   std::shared_ptr<const Btf> material;
-  int components = 0;  ///< of the material, at most TransferOptions::btf_components
+  std::shared_ptr<const JointBtf> joint;  ///< in the joint form
+  int components = 0;                     ///< of the material, at most TransferOptions::btf_components
   std::vector<std::uint32_t> vertices;
-  /// First that of the mean, which is the same for all views, then [view][component]. Their q is in the table.
+  /// First that of the mean, which is the same for all views, then [view][component]. Their q is in the table. In the
+  /// joint form [function][view]; those of a function's first view hold clusters and weights of all its views.
   std::vector<TransferMatrix> matrices;
   std::vector<std::size_t> rows;  ///< [matrix] first row in TransferBake::table
   std::vector<float> errors;      ///< [vertex] RMS of compression over all matrices, relative to the group's transfer
@@ -74,6 +88,8 @@ struct TransferBake {
   std::vector<glm::vec3> occluders;    ///< some points of what casts shadows, m
   std::size_t reused = 0, blocks = 0;  ///< blocks that an earlier run had made, and all
   double error = 0.0;                  ///< RMS of compression relative to the RMS of the transfer, over all matrices
+  double bounce_seconds = 0.0;   ///< time that reflections took, beside that of larger matrices; 0: none, or loaded
+  std::size_t bounce_bytes = 0;  ///< memory that they took
   /// Bytes of weights and clusters that a vertex of a group takes.
   std::size_t bytes_per_vertex(const TransferGroup& group) const;
 };

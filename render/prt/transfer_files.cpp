@@ -14,17 +14,20 @@ namespace fs = std::filesystem;
 constexpr const char *kManifestKind = "prt", *kBlockKind = "prt-transfer", *kVersion = "2";
 
 std::map<std::string, std::string> attributes_of(const TransferProvenance& p) {
-  return {{"version", kVersion},
-          {"scene", p.scene},
-          {"geometry", hex(p.geometry)},
-          {"occluders", hex(p.occluders)},
-          {"materials", hex(p.materials)},
-          {"shape", hex(p.shape)},
-          {"faces", std::to_string(p.faces)},
-          {"rays", std::to_string(p.rays)},
-          {"clusters", std::to_string(p.clusters)},
-          {"components", std::to_string(p.components)},
-          {"btf_components", std::to_string(p.btf_components)}};
+  std::map<std::string, std::string> attributes{{"version", kVersion},
+                                                {"scene", p.scene},
+                                                {"geometry", hex(p.geometry)},
+                                                {"occluders", hex(p.occluders)},
+                                                {"materials", hex(p.materials)},
+                                                {"shape", hex(p.shape)},
+                                                {"faces", std::to_string(p.faces)},
+                                                {"rays", std::to_string(p.rays)},
+                                                {"clusters", std::to_string(p.clusters)},
+                                                {"components", std::to_string(p.components)},
+                                                {"btf_components", std::to_string(p.btf_components)}};
+  if (p.bounces > 0) attributes["bounces"] = std::to_string(p.bounces);
+  if (p.texel_clusters > 0) attributes["texel_clusters"] = std::to_string(p.texel_clusters);
+  return attributes;
 }
 
 std::size_t number(const std::string& path, const BakeFile& file, const std::string& name) {
@@ -106,7 +109,9 @@ TransferManifest load_transfer_manifest(const std::string& path) {
                          small("rays"),
                          small("clusters"),
                          small("components"),
-                         small("btf_components")};
+                         small("btf_components"),
+                         file.attributes.contains("bounces") ? small("bounces") : 0,
+                         file.attributes.contains("texel_clusters") ? small("texel_clusters") : 0};
   manifest.positions = points_of(path, file, "vertices", number(path, file, "vertices"));
   manifest.occluders = points_of(path, file, "occluders", number(path, file, "occluder_points"));
   manifest.blocks = number(path, file, "blocks");
@@ -126,6 +131,8 @@ void save_transfer_block(const std::string& path, const std::string& key, const 
     std::snprintf(energy, sizeof energy, "%.17g", matrix.energy);
     file.attributes["clusters " + n] = std::to_string(matrix.clusters);
     file.attributes["components " + n] = std::to_string(matrix.components);
+    if (matrix.weights.empty()) file.attributes["weights " + n] = "none";
+    if (matrix.channels > 1) file.attributes["channels " + n] = std::to_string(matrix.channels);
     file.attributes["vertices " + n] = std::to_string(matrix.owner.size());
     file.attributes["error " + n] = error;
     file.attributes["energy " + n] = energy;
@@ -151,13 +158,16 @@ TransferBlock load_transfer_block(const std::string& path, const std::string& ke
     const std::string n = std::to_string(m);
     matrix.clusters = static_cast<int>(number(path, file, "clusters " + n));
     matrix.components = static_cast<int>(number(path, file, "components " + n));
+    if (file.attributes.contains("channels " + n))
+      matrix.channels = static_cast<int>(number(path, file, "channels " + n));
     const std::size_t vertices = number(path, file, "vertices " + n);
     matrix.error = std::strtod(attribute(path, file, "error " + n).c_str(), nullptr);
     matrix.energy = std::strtod(attribute(path, file, "energy " + n).c_str(), nullptr);
     if (matrix.clusters < 1 || matrix.clusters > kMostTransferClusters || matrix.components < 0 ||
-        matrix.components > kMostTransferComponents)
+        matrix.components > kMostTransferComponents || (matrix.channels != 1 && matrix.channels != 3))
       throw Error(path, "the block has impossible counts", "bake it again");
-    matrix.q = unpack(path, file.integers(path, "q " + n, "halves"), matrix.rows() * dimensions);
+    matrix.q = unpack(path, file.integers(path, "q " + n, "halves"),
+                      matrix.rows() * dimensions * static_cast<std::size_t>(matrix.channels));
     const auto& owner = file.integers(path, "clusters " + n, "cluster");
     const auto& squares = file.floats(path, "clusters " + n, "squared error");
     if (owner.size() < vertices || squares.size() < vertices)
@@ -168,7 +178,7 @@ TransferBlock load_transfer_block(const std::string& path, const std::string& ke
         throw Error(path, "a vertex has no cluster", "bake it again");
       matrix.owner.push_back(static_cast<std::uint16_t>(owner[v]));
     }
-    if (matrix.components > 0)
+    if (matrix.components > 0 && !file.attributes.contains("weights " + n))
       matrix.weights = unpack(path, file.integers(path, "weights " + n, "halves"),
                               vertices * static_cast<std::size_t>(matrix.components));
   }

@@ -47,7 +47,8 @@ std::size_t expected_vertices(const ItemSize& size, int level) { return (size.tr
 std::vector<int> choose_levels(const FlatGeometry& g, const std::vector<TransferPart>& parts, std::size_t wanted) {
   std::vector<ItemSize> sizes;
   for (const TransferPart& part : parts) sizes.push_back(measure_item(g, g.items[part.item]));
-  std::vector<int> levels(parts.size(), 0);
+  std::vector<int> levels;
+  for (const TransferPart& part : parts) levels.push_back(part.level);
   while (true) {
     std::size_t sum = 0, longest = parts.size();
     double edge = 0.0;

@@ -23,6 +23,7 @@ struct TransferPart {
   std::size_t item = 0;
   std::uint32_t group = 0;
   float tiles_per_uv_x = 0.0f, tiles_per_uv_y = 0.0f;  ///< of its BTF; 0: it has no coordinates, and shows the mean
+  int level = 0;                                       ///< its triangles are divided into 4^level, at least
 };
 
 /// Triangles of parts, each divided into 4^level flat ones, so that neighbours in an item share their vertices.

@@ -72,51 +72,125 @@ TransferPoint load_transfer_point(ivec2 pixel) {
   return r;
 }
 
+struct FactorLevel {
+  int first, width, height;
+};
+/// The two levels of a view that a footprint lies between.
+struct NearLevels {
+  FactorLevel fine, coarse;
+  float share;  // of the coarse one
+  int all;      // texels of all levels
+};
+/// `material`: the group's second texel. `texels`: of the buffer, for one of the material.
+NearLevels near_levels(uvec4 material, int texels, float footprint) {
+  FactorLevel level = FactorLevel(0, int(material.y), int(material.z));
+  float texel_footprint = footprint * float(max(level.width, level.height));
+  float place = min(texel_footprint > 1.0 ? log2(texel_footprint) : 0.0, float(findMSB(max(level.width, level.height))));
+  int fine = int(place);
+  NearLevels near = NearLevels(level, level, place - float(fine), 0);
+  while (true) {  // every level, to know where the next view begins
+    if (fine >= 0) near.fine = FactorLevel(near.all, level.width, level.height);
+    if (fine == 0 || fine == -1) near.coarse = FactorLevel(near.all, level.width, level.height);
+    near.all += level.width * level.height * texels;
+    --fine;
+    if (level.width == 1 && level.height == 1) break;
+    level.width = max(1, level.width / 2), level.height = max(1, level.height / 2);
+  }
+  return near;
+}
+
+/// Four texels around a point of a level, by their places in the buffer.
+struct NearTexels {
+  ivec4 first;
+  vec4 share;
+};
+NearTexels near_texels(FactorLevel level, int texels, vec2 uv) {
+  vec2 at = fract(uv) * vec2(level.width, level.height) - 0.5, low = floor(at), f = at - low;
+  NearTexels near;
+  for (int k = 0; k < 4; ++k) {
+    ivec2 cell = ivec2(low) + ivec2(k & 1, k >> 1);
+    cell = ivec2(cell.x < 0 ? level.width - 1 : (cell.x >= level.width ? 0 : cell.x), cell.y < 0 ? level.height - 1 : (cell.y >= level.height ? 0 : cell.y));
+    near.share[k] = ((k & 1) == 1 ? f.x : 1.0 - f.x) * (k > 1 ? f.y : 1.0 - f.y);
+    near.first[k] = level.first + (cell.y * level.width + cell.x) * texels;
+  }
+  return near;
+}
+
+#ifdef JOINT
+/// Light times factors of one texel: of its cluster's functions, at the three vertices.
+vec3 texel_radiance(TransferPoint p, int first, int terms, NearViews views[3]) {
+  vec4 four = texelFetch(t_transfer_factors, first);
+  int cluster = int(four.x), at = 1;
+  vec3 sum = vec3(0.0);
+  for (int c = 0; c < terms; ++c) {
+    vec3 color;
+    for (int n = 0; n < 3; ++n, ++at) {
+      if ((at & 3) == 0) four = texelFetch(t_transfer_factors, first + at / 4);
+      color[n] = four[at & 3];
+    }
+    vec3 light = vec3(0.0);
+    for (int k = 0; k < 3; ++k)
+      if (p.share[k] > 0.0) {
+#ifdef REFLECTED
+        light += p.share[k] * function_light(int(texelFetch(t_transfer_places, p.vertices[k]).x), cluster * terms + c, views[k]);
+#else
+        light += p.share[k] * texelFetch(t_transfer_shown, p.vertices[k] * u_transfer_functions + cluster * terms + c).rgb;
+#endif
+      }
+    sum += color * light;
+  }
+  return sum;
+}
+
+/// Radiance towards the eye: that of each texel around the point and its level, blended. Views are those of the vertices.
+vec3 transfer_radiance(TransferPoint p) {
+  uint group_index = texelFetch(t_transfer_places, p.vertices.x).y;
+  uvec4 material = texelFetch(t_transfer_groups, 2 * int(group_index) + 1);
+  int terms = 1 + int(material.w), texels = (1 + 3 * terms + 3) / 4;
+  NearViews views[3];
+#ifdef REFLECTED
+  uvec4 group = texelFetch(t_transfer_groups, 2 * int(group_index));
+  for (int k = 0; k < 3; ++k) views[k] = vertex_views(p.vertices[k], group, p.to_eye);
+#endif
+  NearLevels near = near_levels(material, texels, p.footprint);
+  vec3 sum = vec3(0.0);
+  for (int l = 0; l < 2; ++l) {
+    float of_level = l == 0 ? 1.0 - near.share : near.share;
+    FactorLevel level = near.fine;
+    if (l == 1) level = near.coarse;
+    level.first += int(material.x);
+    if (!(of_level > 0.0)) continue;
+    NearTexels four = near_texels(level, texels, p.uv);
+    for (int k = 0; k < 4; ++k)
+      if (four.share[k] > 0.0) sum += of_level * four.share[k] * texel_radiance(p, four.first[k], terms, views);
+  }
+  return max(sum, vec3(0.0));
+}
+#else
 const int kFactorTexels = (3 * TERMS + 3) / 4;
 
 /// Factors of a view: the mean texture and the eigen-textures at a point. Texels bilinear, levels linear, as read_btf_factors.
 struct Factors {
   vec4 four[kFactorTexels];
 };
-struct FactorLevel {
-  int first, width, height;
-};
 
 void add_factor_level(FactorLevel level, int texels, vec2 uv, float share, inout Factors sum) {
-  vec2 at = fract(uv) * vec2(level.width, level.height) - 0.5, low = floor(at), f = at - low;
-  for (int k = 0; k < 4; ++k) {
-    ivec2 cell = ivec2(low) + ivec2(k & 1, k >> 1);
-    cell = ivec2(cell.x < 0 ? level.width - 1 : (cell.x >= level.width ? 0 : cell.x), cell.y < 0 ? level.height - 1 : (cell.y >= level.height ? 0 : cell.y));
-    float weight = share * ((k & 1) == 1 ? f.x : 1.0 - f.x) * (k > 1 ? f.y : 1.0 - f.y);
-    int texel = level.first + (cell.y * level.width + cell.x) * texels;
+  NearTexels near = near_texels(level, texels, uv);
+  for (int k = 0; k < 4; ++k)
     for (int i = 0; i < kFactorTexels; ++i)
-      if (i < texels) sum.four[i] += weight * texelFetch(t_transfer_factors, texel + i);
-  }
+      if (i < texels) sum.four[i] += share * near.share[k] * texelFetch(t_transfer_factors, near.first[k] + i);
 }
 
 /// `material`: the group's second texel. `view`: of it.
 Factors read_factors(uvec4 material, int view, vec2 uv, float footprint) {
   int components = int(material.w), texels = (3 * (1 + components) + 3) / 4;
-  FactorLevel level = FactorLevel(0, int(material.y), int(material.z));
-  float texel_footprint = footprint * float(max(level.width, level.height));
-  float place = min(texel_footprint > 1.0 ? log2(texel_footprint) : 0.0, float(findMSB(max(level.width, level.height))));
-  int fine = int(place), all = 0;
-  float coarse = place - float(fine);
-  FactorLevel found = level, next = level;
-  while (true) {  // every level of a view, to know where the next view begins
-    if (fine >= 0) found = FactorLevel(all, level.width, level.height);
-    if (fine == 0 || fine == -1) next = FactorLevel(all, level.width, level.height);
-    all += level.width * level.height * texels;
-    --fine;
-    if (level.width == 1 && level.height == 1) break;
-    level.width = max(1, level.width / 2), level.height = max(1, level.height / 2);
-  }
-  int first = int(material.x) + view * all;
-  found.first += first, next.first += first;
+  NearLevels near = near_levels(material, texels, footprint);
+  int first = int(material.x) + view * near.all;
+  near.fine.first += first, near.coarse.first += first;
   Factors sum;
   for (int i = 0; i < kFactorTexels; ++i) sum.four[i] = vec4(0.0);
-  add_factor_level(found, texels, uv, 1.0 - coarse, sum);
-  if (coarse > 0.0) add_factor_level(next, texels, uv, coarse, sum);
+  add_factor_level(near.fine, texels, uv, 1.0 - near.share, sum);
+  if (near.share > 0.0) add_factor_level(near.coarse, texels, uv, near.share, sum);
   return sum;
 }
 
@@ -175,3 +249,4 @@ vec3 transfer_radiance(TransferPoint p) {
   }
   return max(sum, vec3(0.0));
 }
+#endif

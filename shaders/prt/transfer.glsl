@@ -14,6 +14,11 @@ layout(binding = kUnitTransferGroups) uniform usamplerBuffer t_transfer_groups;
 // Of a group: 16 x 16 texels of four starts each, then its triangles (inverse rows with a corner each, neighbours), then its border (two ends)
 layout(binding = kUnitTransferViews) uniform samplerBuffer t_transfer_views;
 uniform int u_transfer_components;  // of the transfer
+#ifdef JOINT
+// [vertex][function]: as the records above, of a function's first view; rows of the next views follow
+uniform int u_transfer_functions;  // of the material with most
+uniform int u_transfer_view_rows;
+#endif
 const int kStartSide = 32;
 
 /// Three sampled views and their shares.
@@ -64,10 +69,10 @@ NearViews near_views(uvec4 group, vec3 d) {
 
 int record_texels() { return (1 + (u_transfer_components + 1) / 2 + 3) / 4; }
 
-/// p and s summed: the light of one matrix at a vertex.
-vec3 record_light(int texel) {
+/// p and s summed: the light of one matrix at a vertex. `offset`: of its rows from those that the record names.
+vec3 record_light(int texel, int offset) {
   uvec4 words = texelFetch(t_transfer_records, texel);
-  int row = int(words.x);
+  int row = int(words.x) + offset;
   vec3 sum = texelFetch(t_transfer_sums, row).rgb;
   for (int c = 0; c < u_transfer_components; c += 2) {
     int word = 1 + c / 2;
@@ -79,6 +84,23 @@ vec3 record_light(int texel) {
   return sum;
 }
 
+/// Sampled views near the direction to an eye, in the vertex's frame.
+NearViews vertex_views(int vertex, uvec4 group, vec3 to_eye) {
+  vec3 n = texelFetch(t_transfer_vertices, 4 * vertex + 1).xyz;
+  vec3 d = vec3(dot(texelFetch(t_transfer_vertices, 4 * vertex + 2).xyz, to_eye), dot(texelFetch(t_transfer_vertices, 4 * vertex + 3).xyz, to_eye),
+                max(dot(n, to_eye), 1e-3));
+  return near_views(group, normalize(d));
+}
+
+#ifdef JOINT
+/// The light of one function of the material at a vertex, over its near views. `first`: of the vertex's records.
+vec3 function_light(int first, int function, NearViews views) {
+  vec3 sum = vec3(0.0);
+  for (int v = 0; v < 3; ++v)
+    if (views.share[v] > 0.0) sum += views.share[v] * record_light(first + function * record_texels(), views.index[v] * u_transfer_view_rows);
+  return sum;
+}
+#else
 /// A vertex's transfer towards an eye.
 struct VertexTransfer {
   NearViews views;
@@ -87,20 +109,18 @@ struct VertexTransfer {
 };
 
 VertexTransfer vertex_transfer(int vertex, vec3 to_eye) {
-  vec3 n = texelFetch(t_transfer_vertices, 4 * vertex + 1).xyz;
-  vec3 d = vec3(dot(texelFetch(t_transfer_vertices, 4 * vertex + 2).xyz, to_eye), dot(texelFetch(t_transfer_vertices, 4 * vertex + 3).xyz, to_eye),
-                max(dot(n, to_eye), 1e-3));
   uvec2 place = texelFetch(t_transfer_places, vertex).xy;
   uvec4 group = texelFetch(t_transfer_groups, 2 * int(place.y));
   int texels = record_texels(), components = int(group.x);
   VertexTransfer r;
-  r.views = near_views(group, normalize(d));
-  r.mean = record_light(int(place.x));
+  r.views = vertex_views(vertex, group, to_eye);
+  r.mean = record_light(int(place.x), 0);
   for (int v = 0; v < 3; ++v)
     for (int c = 0; c + 1 < TERMS; ++c) {
       vec3 light = vec3(0.0);
-      if (c < components && r.views.share[v] > 0.0) light = record_light(int(place.x) + texels * (1 + r.views.index[v] * components + c));
+      if (c < components && r.views.share[v] > 0.0) light = record_light(int(place.x) + texels * (1 + r.views.index[v] * components + c), 0);
       r.light[v * TERMS + c + 1] = light;
     }
   return r;
 }
+#endif

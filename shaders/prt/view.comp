@@ -32,7 +32,11 @@ void main() {
     for (int c = 0; c < 3; ++c) value += p.share[c] * texelFetch(t_transfer_vertices, 4 * p.vertices[c]).w;
   } else if (u_view >= 2) {
     for (int c = 0; c < 3; ++c)
+#ifdef JOINT
+      value += p.share[c] * texelFetch(t_transfer_shown, p.vertices[c] * u_transfer_functions + u_view - 2).rgb;
+#else
       for (int v = 0; v < 3; ++v) value += p.share[c] * texelFetch(t_transfer_shown, (p.vertices[c] * 3 + v) * TERMS + u_view - 2).rgb;
+#endif
     value *= u_environment_scale;
   }
   imageStore(o_value, pixel, vec4(p.known ? value : vec3(0.0), 1.0));

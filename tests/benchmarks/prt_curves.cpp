@@ -8,9 +8,13 @@
 #include <memory>
 #include <numeric>
 
+#include "render/btf/generate.h"
+#include "render/btf/builtin_geometry.h"
 #include "render/prt/job.h"
 #include "render/reference/path_scene.h"
+#include "render/reference/reference.h"
 #include "render/technique/registry.h"
+#include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
 #include "tests/benchmarks/stage.h"
@@ -99,11 +103,14 @@ class ClothBench {
 
   Figures measure() {
     cover("leather");
-    measure_compression();
-    measure_light();
-    measure_light_resolution();
-    measure_components();
+    if (wanted("compression")) measure_compression();
+    if (wanted("light")) measure_light();
+    if (wanted("resolution")) measure_light_resolution();
+    if (wanted("components")) measure_components();
+    measure_forms();
+    measure_bounces();
     measure_covers();
+    measure_directions();
     return std::move(figures_);
   }
 
@@ -131,8 +138,10 @@ class ClothBench {
   double bake(const Settings& s) const {
     if (stage_.options().fresh) std::filesystem::remove_all(s.get_string("prt.bake"));
     const Clock begin = now();
-    builtin_registry().find_bake("prt").run({*scene_, -1, s, {}, s.get_string("prt.bake")},
-                                            {kNever, [](const std::string&, double) {}, [](const std::string&) {}});
+    builtin_registry().find_bake("prt").run(
+        {*scene_, -1, s, {}, s.get_string("prt.bake")},
+        {kNever, [](const std::string&, double) {},
+         [&](const std::string& line) { report_ = line.substr(line.find(": ") + 2); }});
     return 1e-3 * (now() - begin).wall_ms;
   }
 
@@ -153,13 +162,13 @@ class ClothBench {
     return stage_.renderer().read_radiance();
   }
 
-  /// Plain sums with two components of the BTF under a light cube.
-  Image reference(int faces) const {
+  /// Plain sums with components of the BTF under a light cube.
+  Image reference(int faces, int components = 2) const {
     const auto traced = build_path_scene({.scene = *scene_, .environment = sky_});
     const CubeDirections cube(faces);
     return test::trace_transfer_reference(
-        {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), faces > 16 ? 1 : 2, 2}, camera_,
-        kWidth, kHeight);
+        {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), faces > 16 ? 1 : 2, components},
+        camera_, kWidth, kHeight);
   }
 
   /// relative_rmse over the pixels that the reference covers.
@@ -297,33 +306,144 @@ class ClothBench {
       pictures.push_back(draw(r));
       const double e = error(pictures.back(), truth);
       curve.points.emplace_back(components, 100.0 * e);
-      r.width = 640;
-      r.height = 360;
-      std::vector<double> frames, updates;
-      for (int i = 0; i < 15; ++i) {
-        r.env_rotation_rad = 0.02f * static_cast<float>(i);
-        const FrameStats stats = stage_.renderer().render(r);
-        frames.push_back(stats.frame_ms);
-        updates.push_back(stats.technique.at("light_update_ms"));
-      }
-      const auto median = [](std::vector<double> v) {
-        std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-        return v[v.size() / 2];
-      };
+      const Turning turning = turn(r);
       text += (text.empty() ? "" : "; ") + std::to_string(components) + ": " + percent(e) + ", update " +
-              number(median(updates)) + " ms, frame " + number(median(frames)) + " ms";
+              number(turning.update_ms) + " ms, frame " + number(turning.frame_ms) + " ms";
     }
     figures_.push_back(shown("10.17, by components of the transfer, light turning at 640 x 360", text));
     chart("10-17-components", {curve}, "components", "error of the picture (%)");
     save("10-17-reference-1-2-4-6", pictures);
   }
 
+  struct Turning {
+    double update_ms = 0.0, frame_ms = 0.0, vertex_bytes = 0.0, gpu_mb = 0.0;
+  };
+  /// Medians while the light turns at 640 x 360.
+  Turning turn(FrameRequest r) const {
+    r.width = 640;
+    r.height = 360;
+    std::vector<double> frames, updates;
+    Turning turning;
+    for (int i = 0; i < 15; ++i) {
+      r.env_rotation_rad = 0.02f * static_cast<float>(i);
+      const FrameStats stats = stage_.renderer().render(r);
+      frames.push_back(stats.frame_ms);
+      updates.push_back(stats.technique.at("light_update_ms"));
+      turning.vertex_bytes = stats.technique.at("prt_vertex_bytes");
+      turning.gpu_mb = 1e-6 * static_cast<double>(stats.gpu_bytes.at("prt"));
+    }
+    turning.update_ms = median(updates);
+    turning.frame_ms = median(frames);
+    return turning;
+  }
+  static double median(std::vector<double> v) {
+    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
+    return v[v.size() / 2];
+  }
+
+  /// Section 10.2.6: all views in one factorisation, against plain sums with all components of the BTF.
+  void measure_forms() {
+    if (!wanted("forms")) return;
+    const Image truth = reference(16, kMostBtfComponents);
+    struct Form {
+      const char* form;
+      int btf_components, texel_clusters, clusters, components;
+    };
+    std::vector<Image> pictures{truth};
+    for (const Form& f : {Form{"views", 2, 0, 32, 6}, Form{"views", 4, 0, 32, 6}, Form{"joint", 2, 4, 8, 6},
+                          Form{"joint", 2, 8, 8, 6}, Form{"joint", 2, 8, 16, 6}, Form{"joint", 3, 8, 8, 6}}) {
+      Settings s = settings(16, f.components);
+      s.set("prt.form", std::string(f.form));
+      s.set("prt.btf_components", f.btf_components);
+      if (f.texel_clusters > 0) {
+        s.set("prt.texel_clusters", f.texel_clusters);
+        s.set("prt.joint_clusters", f.clusters);
+      }
+      const std::string name = std::string(f.form) + ", C_B " + std::to_string(f.btf_components) +
+                               (f.texel_clusters > 0 ? ", k_B " + std::to_string(f.texel_clusters) : "") + ", " +
+                               std::to_string(f.clusters) + " clusters";
+      std::string folder = s.get_string("prt.bake") + "-" + name;
+      std::replace(folder.begin(), folder.end(), ' ', '_');
+      s.set("prt.bake", folder);
+      const double seconds = bake(s);
+      const Image picture = draw(request(s, 64));
+      const Turning turning = turn(request(s, 20));
+      figures_.push_back(shown("form " + name, percent(error(picture, truth)) + ", " + number(turning.vertex_bytes) +
+                                                   " bytes a vertex, " + number(turning.gpu_mb) +
+                                                   " MB on the GPU, update " + number(turning.update_ms) +
+                                                   " ms, frame " + number(turning.frame_ms) + " ms; bake or load " +
+                                                   number(seconds) + " s: " + report_));
+      pictures.push_back(picture);
+    }
+    save("forms", pictures);
+  }
+
+  /// Reflections between folds, against the path tracer with as many.
+  void measure_bounces() {
+    if (!wanted("bounces")) return;
+    const auto traced = build_path_scene({.scene = *scene_, .environment = sky_});
+    for (const int bounces : {0, 1, 3}) {
+      Settings s = settings(16, 6);
+      s.set("prt.bounces", bounces);
+      s.set("prt.bake", s.get_string("prt.bake") + "-bounces" + std::to_string(bounces));
+      const double seconds = bake(s);
+      const Image picture = draw(request(s, 64));
+      const PictureRequest p{
+          .camera = camera_, .width = kWidth, .height = kHeight, .seed = 7, .paths = {.max_bounces = 1 + bounces}};
+      ReferencePicture tracer(traced, p);
+      tracer.add(std::max(64, static_cast<int>(stage_.options().reference_seconds * 8.0)));
+      const Turning turning = turn(request(s, 20));
+      figures_.push_back(
+          shown("prt.bounces=" + std::to_string(bounces) + " against the path tracer under the whole sky",
+                percent(error(picture, tracer.mean())) + ", update " + number(turning.update_ms) +
+                    " ms; bake or load " + number(seconds) + " s: " + report_));
+    }
+  }
+
+  /// A BTF of 151 x 151 directions.
+  void measure_directions() {
+    if (!wanted("151")) return;
+    const std::string file = (std::filesystem::path(stage_.options().scratch) / "leather-151.exr").string();
+    const Clock begin = now();
+    if (!std::filesystem::exists(file)) {
+      const BuiltinGeometry& leather = *find_builtin_geometry("btf-leather");
+      BtfGeneratorOptions options;
+      options.texels = 32;
+      options.tile_m = leather.tile_m;
+      options.views = options.lights = directions_151();
+      save_btf(file, generate_btf("leather-151", leather.make(64), options, {}));
+    }
+    const double made = 1e-3 * (now() - begin).wall_ms;
+    cover_ = "leather-151";
+    scene_ = cloth_covered(file);
+    stage_.renderer().set_scene(scene_);
+    const Settings s = settings();
+    const double seconds = bake(s);
+    const Image picture = draw(request(s, 64));
+    const Turning turning = turn(request(s, 20));
+    figures_.push_back(shown("BTF of 151 x 151 directions",
+                             percent(error(picture, reference(16))) + ", " + number(turning.vertex_bytes) +
+                                 " bytes a vertex, update " + number(turning.update_ms) + " ms; made in " +
+                                 number(made) + " s, bake or load " + number(seconds) + " s: " + report_));
+    save("151-directions", {picture});
+  }
+  /// Rings 11 degrees apart, of 1, 6, 12, ... 42 directions, the last ones thinned to make 151.
+  static std::vector<glm::dvec3> directions_151() {
+    std::vector<glm::dvec3> directions{glm::dvec3(0.0, 0.0, 1.0)};
+    for (const auto& [ring, count] : {std::pair(1, 6), std::pair(2, 12), std::pair(3, 18), std::pair(4, 24),
+                                      std::pair(5, 28), std::pair(6, 30), std::pair(7, 32)})
+      for (int i = 0; i < count; ++i) directions.push_back(direction_of_angles(11.0 * ring, 360.0 * i / count));
+    return directions;
+  }
+
+  bool wanted(const std::string& part) const { return stage_.options().only.empty() || stage_.options().wants(part); }
+
   /// Figure 10.15: covers.
   void measure_covers() {
     std::vector<Image> pictures;
     std::string text;
-    for (const std::string name : {"leather", "knit", "fabric"}) {
-      if (!stage_.options().only.empty() && !stage_.options().wants(name)) continue;
+    for (const std::string name : {"leather", "knit@64", "fabric"}) {
+      if (!wanted(name)) continue;
       cover(name);
       const Settings s = settings();
       const double seconds = bake(s);
@@ -364,6 +484,7 @@ class ClothBench {
   std::shared_ptr<const Environment> sky_;
   std::shared_ptr<const Scene> scene_;
   std::string cover_;
+  mutable std::string report_;  ///< last line of the last bake
   CameraView camera_;
   Figures figures_;
 };

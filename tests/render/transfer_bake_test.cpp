@@ -114,6 +114,69 @@ TEST_F(TransferBakeTest, IsTheSameForAnyThreadsRanksAndInterruptions) {
   EXPECT_EQ(content(*other), content(*whole));
 }
 
+TEST_F(TransferBakeTest, JointFormAndReflectionsAreTheSameForAnyThreadsRanksAndInterruptions) {
+  const auto job = [&](const std::string& folder) {
+    TransferJob j = job_of(plate_and_block(), folder);
+    j.parts.push_back({.item = 1});
+    j.options.joint = true;
+    j.options.texel_clusters = 2;
+    j.options.joint_clusters = 3;
+    j.options.bounces = 2;
+    return j;
+  };
+  const auto whole = bake_transfer(job({}), {}, nullptr, kNever, {});
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->bake->blocks, 2u * 3u);
+  EXPECT_EQ(whole->bake->groups[0].matrices.size(), 6u * 19u);
+  EXPECT_EQ(whole->bake->bytes_per_vertex(whole->bake->groups[0]), 6u * 3u * 2u);
+  {
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    EXPECT_EQ(content(*bake_transfer(job({}), {}, nullptr, kNever, {})), content(*whole));
+  }
+  std::atomic<bool> cancel{false};
+  EXPECT_EQ(bake_transfer(job(path("resumed")), {}, nullptr, cancel,
+                          [&](double share) {
+                            if (share >= 0.5) cancel = true;
+                          }),
+            nullptr);
+  const auto resumed = bake_transfer(job(path("resumed")), {}, nullptr, kNever, {});
+  EXPECT_EQ(resumed->bake->reused, 3u);
+  EXPECT_EQ(content(*resumed), content(*whole));
+  std::shared_ptr<const Transfer> other;
+  std::thread second([&] { other = bake_transfer(job(path("shared")), {1, 2}, nullptr, kNever, {}); });
+  const auto first = bake_transfer(job(path("shared")), {0, 2}, nullptr, kNever, {});
+  second.join();
+  EXPECT_EQ(content(*first), content(*whole));
+  EXPECT_EQ(content(*other), content(*whole));
+  TransferJob by_views = job(path("resumed"));
+  by_views.options.joint = false;
+  EXPECT_NE(message([&] { bake_transfer(by_views, {}, nullptr, kNever, {}); }).find("prt.form"), std::string::npos);
+}
+
+TEST_F(TransferBakeTest, ShowsTheMeansUntilTheRestIsThere) {
+  TransferJob job = job_of(plate_and_block(), path("bake"));
+  job.parts.push_back({.item = 1, .group = 1});
+  job.materials.push_back(test::small_btf(1, 1));
+  std::vector<Transfer> shown;
+  std::vector<double> progress;
+  job.preview = [&](const Transfer& t) { shown.push_back(t); };
+  const auto whole = bake_transfer(job, {}, nullptr, kNever, [&](double share) {
+    if (shown.empty()) progress.push_back(share);
+  });
+  ASSERT_EQ(shown.size(), 1u);
+  EXPECT_EQ(progress.size(), 2u) << "both means, and no block more";
+  ASSERT_EQ(shown[0].bake->groups.size(), 2u);
+  for (std::size_t g = 0; g < 2; ++g) {
+    const TransferGroup &mean = shown[0].bake->groups[g], &all = whole->bake->groups[g];
+    EXPECT_EQ(mean.components, 0);
+    ASSERT_EQ(mean.matrices.size(), 1u);
+    EXPECT_EQ(mean.matrices[0].owner, all.matrices[0].owner);
+    EXPECT_EQ(mean.matrices[0].weights, all.matrices[0].weights);
+  }
+  EXPECT_EQ(content(*whole), content(*bake_transfer(job, {}, nullptr, kNever, {})));
+  EXPECT_EQ(shown.size(), 1u) << "what is there is not shown in parts";
+}
+
 TEST_F(TransferBakeTest, RefusesWhatItIsNotOf) {
   Scene scene = plate_and_block();
   TransferJob job = job_of(scene, path("bake"));

@@ -9,6 +9,7 @@
 #include "render/prt/buried_vertices.h"
 #include "render/prt/factorised_transfer.h"
 #include "render/prt/relight.h"
+#include "render/prt/vertex_density.h"
 #include "scenes/btf/half_floats.h"
 #include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
@@ -152,6 +153,36 @@ TEST(ArrivingLight, VerticesOfFoldsStandAboveTheirSurface) {
   }
 }
 
+TEST(VertexDensity, DividesPartsWhereTheirShadowsNeedIt) {
+  Scene scene;
+  scene.materials.push_back(test::matte(glm::vec3(0.5f)));
+  test::add(&scene, test::make_grid({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, 3, 0), "shadowed");
+  test::add(&scene, test::make_grid({39, 0, 1}, {2, 0, 0}, {0, 0, -2}, 3, 0), "open");
+  test::add(&scene, test::make_grid({-0.5f, 0.5f, 0.2f}, {0.8f, 0, 0}, {0, 0.5f, 0}, 1, 0), "block");
+  const FlatGeometry g = flatten(scene);
+  const RayScene rays = build_ray_scene(g, all_of(g));
+  const std::atomic<bool> never{false};
+  double last = 1.0;
+  for (int level = 0; level < 4; ++level) {
+    const double error = vertex_interpolation_error(g, {.item = 0, .level = level}, rays, never);
+    EXPECT_GT(error, 0.0);
+    EXPECT_LT(error, level == 0 ? 1.0 : 0.9 * last) << level;
+    last = error;
+  }
+  EXPECT_LT(vertex_interpolation_error(g, {.item = 1}, rays, never), 0.01);
+  std::vector<TransferPart> parts{{.item = 0}, {.item = 1}};
+  const auto chosen = choose_vertex_density(g, rays, 0.15, 100000, never, &parts);
+  EXPECT_GT(parts[0].level, 0);
+  EXPECT_EQ(parts[1].level, 0);
+  EXPECT_EQ(chosen[0].level, parts[0].level);
+  EXPECT_LE(chosen[0].error, 0.15);
+  // Not more than wanted, and then it says what is missed.
+  std::vector<TransferPart> few{{.item = 0}, {.item = 1}};
+  const auto limited = choose_vertex_density(g, rays, 0.001, 200, never, &few);
+  EXPECT_LE(make_transfer_mesh(g, few, 0).vertices.size(), 200u);
+  EXPECT_GT(limited[0].error, 0.001);
+}
+
 TEST(ArrivingLight, NothingReachesTheInsideOfAClosedBox) {
   const FlatGeometry g = flatten(test::box_scene(6, 2, test::matte(glm::vec3(0.5f))));
   std::vector<TransferPart> parts;
@@ -185,7 +216,7 @@ TEST(BuriedVertices, TakeTheLightOfTheirNearestLitNeighbours) {
     const ArrivingLight before = trace_arriving_light(mesh, cube, scene, {}, never);
     const std::vector<bool> buried = find_buried_vertices(mesh, g, cube, scene, before);
     ArrivingLight after = before;
-    light_buried_vertices(mesh, buried, &after);
+    take_light_of(light_sources(mesh, buried, before), &after);
     std::size_t count = 0;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const glm::vec3 p = mesh.vertices[v].position;

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "scenes/modelling.h"
+#include "tests/support/test_scenes.h"
 #include "tests/ui/window_fixture.h"
 
 namespace maquette {
@@ -50,6 +52,47 @@ TEST_F(Window, MouseAndKeysChangeThePicture) {
   desktop_->input({"key", "ctrl+q"});
   EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
   EXPECT_EQ(desktop_->errors(), "");
+}
+
+TEST_F(Window, TheLightTurnsOverPrecomputedTransfer) {
+  Scene ball;
+  ball.materials.push_back(test::matte(glm::vec3(0.5f)));
+  test::add(&ball, modelling::make_sphere(1.0, 6), "ball");
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("ball-" + std::to_string(::getpid()) + ".glb")).string();
+  save_glb(file, ball);
+  const Scene scene = load_scene(file);
+  Controls controls(scene);
+  const Rect picture = controls.picture();
+  const float side = 0.5f * picture.height;  // within the sphere: the sky turns beside it in any case
+  const Rect middle{picture.x + 0.5f * (picture.width - side), picture.y + 0.5f * (picture.height - side), side, side};
+  std::vector<std::string> begin{file,    "--eye",  "0,0.6,4", "--target",          "0,0,0",
+                                 "--fov", "35",     "--env",   "builtin:clear-sky", "--exposure",
+                                 "-13",   "--mode", "prt"};
+  for (const char* set : {"prt.faces=4", "prt.clusters=16", "prt.rays=1", "prt.components=4", "prt.btf_components=1"})
+    begin.insert(begin.end(), {"--set", set});
+  start(begin);
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const ScreenPicture before = settled(middle);
+  const float cx = picture.x + 0.5f * picture.width, cy = picture.y + 0.5f * picture.height;
+  desktop_->move(cx, cy);
+  desktop_->input({"keydown", "ctrl", "mousedown", "1"});
+  for (int i = 1; i <= 6; ++i) desktop_->move(cx + 20.0f * static_cast<float>(i), cy);
+  desktop_->input({"mouseup", "1", "keyup", "ctrl"});
+  EXPECT_TRUE(wait_for_change(before, middle)) << "Ctrl and drag turn the light";
+  const ScreenPicture turned = settled(middle);
+  desktop_->input({"key", "ctrl+q"});
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+
+  std::vector<std::string> again = begin;
+  again.insert(again.end(), {"--env-rotation", "42"});  // 0.35 degrees a pixel
+  start(again);
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const ScreenPicture given = settled(middle);
+  EXPECT_LT(difference(given, turned, middle), 0.25 * difference(before, turned, middle)) << "as --env-rotation says";
+  desktop_->input({"key", "ctrl+q"});
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  std::filesystem::remove(file);
 }
 
 TEST_F(Window, TwoClicksReplaceAMaterial) {

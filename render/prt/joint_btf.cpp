@@ -1,0 +1,281 @@
+#include "render/prt/joint_btf.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+#include <random>
+
+#include "scenes/btf/half_floats.h"
+
+namespace maquette {
+
+namespace {
+
+using Eigen::Index;
+constexpr Index kColors = 3;
+constexpr Index kSampledTexels = 4096;  ///< that clusters are fitted to
+constexpr Index kSketch = 48;           ///< dimensions in which texels are assigned
+constexpr int kRounds = 12;
+constexpr Index kBlock = 256;  ///< texels that a thread takes at a time
+
+/// Eigenvectors of a symmetric matrix with the largest values; columns of what is zero are zero.
+Eigen::MatrixXf leading(const Eigen::MatrixXd& matrix, Index count) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
+  const Eigen::VectorXd& values = solver.eigenvalues();
+  Eigen::MatrixXf basis = Eigen::MatrixXf::Zero(matrix.rows(), count);
+  for (Index k = 0; k < std::min(count, values.size()); ++k) {
+    const Index at = values.size() - 1 - k;
+    if (values[at] > 1e-12 * std::max(values[values.size() - 1], 1e-280))
+      basis.col(k) = solver.eigenvectors().col(at).cast<float>();
+  }
+  return basis;
+}
+
+/// Coordinates in which distances of texels are those of their rho over all views and lights by cosine.
+class TexelSpace {
+ public:
+  explicit TexelSpace(const Btf& btf) : btf_(btf), terms_(1 + btf.components) {
+    const DirectionMesh* known = nullptr;
+    std::vector<double> shares;
+    for (const BtfView& view : btf.views) {
+      if (known != view.lights.get()) shares = view.lights->quadrature().projected;
+      known = view.lights.get();
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(terms_, terms_);
+      for (std::size_t l = 0; l < shares.size(); ++l) {
+        Eigen::VectorXd f = Eigen::VectorXd::Ones(terms_);
+        for (Index c = 1; c < terms_; ++c)
+          f[c] = static_cast<double>(
+              view.light_weights[l * static_cast<std::size_t>(btf.components) + static_cast<std::size_t>(c - 1)]);
+        gram += shares[l] * f * f.transpose();
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(gram);
+      const Eigen::VectorXd roots = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+      to_.push_back((roots.asDiagonal() * solver.eigenvectors().transpose()).cast<float>());
+      const Eigen::VectorXd inverse =
+          (roots.array() > 1e-6 * roots.maxCoeff()).select(roots.array().max(1e-300).inverse(), 0.0);
+      from_.push_back((solver.eigenvectors() * inverse.asDiagonal()).cast<float>());
+    }
+  }
+  Index dimensions() const { return terms_ * static_cast<Index>(btf_.views.size()); }
+  /// Three columns, of the colours of a texel that begins at `offset` of each view's factors.
+  void read(std::size_t offset, float* columns) const {
+    Eigen::MatrixXf factors(terms_, kColors);
+    for (std::size_t v = 0; v < btf_.views.size(); ++v) {
+      const std::uint16_t* halves = btf_.views[v].factors.data() + offset;
+      for (Index c = 0; c < terms_; ++c)
+        for (Index k = 0; k < kColors; ++k) factors(c, k) = float_of_half(halves[c * kColors + k]);
+      const Eigen::MatrixXf y = to_[v] * factors;
+      for (Index k = 0; k < kColors; ++k)
+        std::copy_n(y.data() + k * terms_, terms_, columns + k * dimensions() + static_cast<Index>(v) * terms_);
+    }
+  }
+  /// A direction of the space as a function of the lights of a view.
+  std::vector<float> function(const Eigen::VectorXf& direction, std::size_t view) const {
+    const Eigen::VectorXf f = from_[view] * direction.segment(static_cast<Index>(view) * terms_, terms_);
+    const BtfView& of = btf_.views[view];
+    std::vector<float> values(of.lights->size(), f[0]);
+    for (std::size_t l = 0; l < values.size(); ++l)
+      for (Index c = 1; c < terms_; ++c)
+        values[l] +=
+            f[c] * of.light_weights[l * static_cast<std::size_t>(btf_.components) + static_cast<std::size_t>(c - 1)];
+    return values;
+  }
+
+ private:
+  const Btf& btf_;
+  Index terms_;
+  std::vector<Eigen::MatrixXf> to_, from_;
+};
+
+/// Clusters of linear subspaces; the three colours of a texel belong to one.
+class SubspaceClusters {
+ public:
+  SubspaceClusters(const Eigen::MatrixXf& samples, int clusters, Index terms) : samples_(samples), terms_(terms) {
+    const Index texels = samples.cols() / kColors;
+    const Eigen::MatrixXd wide = samples.cast<double>();
+    const Eigen::MatrixXf lift = leading(wide * wide.transpose(), std::min(kSketch, samples.rows()));
+    small_ = lift.transpose() * samples;
+    owner_.assign(static_cast<std::size_t>(texels), 0);
+    residual_.assign(owner_.size(), 0.0f);
+    seed(std::min<Index>(clusters, texels));
+    for (int round = 0; round < kRounds; ++round) {
+      assign();
+      update(std::min<Index>(terms, 1 + round / 2));
+    }
+    assign();
+    for (Index k = 0; k < static_cast<Index>(bases_.size()); ++k) full_.push_back(full_basis(k, lift));
+  }
+  const std::vector<Eigen::MatrixXf>& bases() const { return full_; }  ///< [cluster] orthonormal, strongest first
+
+ private:
+  auto texel(Index i) const { return small_.middleCols(kColors * i, kColors); }
+
+  void seed(Index clusters) {
+    std::mt19937 random(1);
+    std::vector<float> nearest(owner_.size(), std::numeric_limits<float>::max());
+    std::size_t pick = random() % owner_.size();
+    while (true) {
+      Eigen::MatrixXf line = texel(static_cast<Index>(pick)).rowwise().sum();
+      if (const float norm = line.norm(); norm > 0.0f) line /= norm;
+      bases_.push_back(line);
+      if (static_cast<Index>(bases_.size()) == clusters) return;
+      double total = 0.0;
+      for (std::size_t i = 0; i < owner_.size(); ++i) {
+        const auto x = texel(static_cast<Index>(i));
+        nearest[i] = std::min(nearest[i], (x - line * (line.transpose() * x)).squaredNorm());
+        total += static_cast<double>(nearest[i]);
+      }
+      if (!(total > 0.0)) return;  // fewer distinct texels than clusters
+      double at = static_cast<double>(random()) / 4294967296.0 * total;
+      pick = 0;
+      while (pick + 1 < owner_.size() && (at -= static_cast<double>(nearest[pick])) > 0.0) ++pick;
+    }
+  }
+
+  void assign() {
+    tbb::parallel_for(Index{0}, static_cast<Index>(owner_.size()), [&](Index i) {
+      const auto x = texel(i);
+      const float all = x.squaredNorm();
+      float best = std::numeric_limits<float>::max();
+      for (std::size_t k = 0; k < bases_.size(); ++k) {
+        const float left = all - (bases_[k].transpose() * x).squaredNorm();
+        if (left < best) best = left, owner_[static_cast<std::size_t>(i)] = static_cast<Index>(k);
+      }
+      residual_[static_cast<std::size_t>(i)] = std::max(best, 0.0f);
+    });
+  }
+
+  std::vector<std::vector<Index>> find_members() {
+    std::vector<std::vector<Index>> members(bases_.size());
+    for (std::size_t i = 0; i < owner_.size(); ++i)
+      members[static_cast<std::size_t>(owner_[i])].push_back(static_cast<Index>(i));
+    for (auto& m : members) {
+      if (!m.empty()) continue;
+      const auto worst = std::max_element(residual_.begin(), residual_.end()) - residual_.begin();
+      residual_[static_cast<std::size_t>(worst)] = 0.0f;
+      m.push_back(worst);
+    }
+    return members;
+  }
+
+  void update(Index terms) {
+    const auto members = find_members();
+    tbb::parallel_for(std::size_t{0}, bases_.size(), [&](std::size_t k) {
+      Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(small_.rows(), small_.rows());
+      for (const Index i : members[k]) {
+        const Eigen::MatrixXd x = texel(i).cast<double>();
+        gram += x * x.transpose();
+      }
+      bases_[k] = leading(gram, terms);
+    });
+  }
+
+  /// One step of subspace iteration in all dimensions from what the sketch says.
+  Eigen::MatrixXf full_basis(Index k, const Eigen::MatrixXf& lift) const {
+    std::vector<Index> columns;
+    for (std::size_t i = 0; i < owner_.size(); ++i)
+      if (owner_[i] == k)
+        for (Index c = 0; c < kColors; ++c) columns.push_back(kColors * static_cast<Index>(i) + c);
+    if (columns.empty()) return Eigen::MatrixXf::Zero(samples_.rows(), terms_);
+    const Eigen::MatrixXf x = samples_(Eigen::all, columns);
+    const Eigen::MatrixXf start = x * (x.transpose() * (lift * bases_[static_cast<std::size_t>(k)]));
+    const Eigen::MatrixXf range =
+        start * leading((start.transpose() * start).cast<double>(), start.cols());  // orthogonal, zeros last
+    Eigen::MatrixXf unit = range;
+    for (Index c = 0; c < unit.cols(); ++c)
+      if (const float norm = unit.col(c).norm(); norm > 0.0f) unit.col(c) /= norm;
+    const Eigen::MatrixXf w = unit.transpose() * x;
+    Eigen::MatrixXf basis = unit * leading((w * w.transpose()).cast<double>(), terms_);
+    for (Index c = 0; c < basis.cols(); ++c)
+      if (basis.col(c).sum() < 0.0f) basis.col(c) = -basis.col(c);
+    return basis;
+  }
+
+  const Eigen::MatrixXf& samples_;
+  Index terms_;
+  Eigen::MatrixXf small_;
+  std::vector<Index> owner_;
+  std::vector<float> residual_;
+  std::vector<Eigen::MatrixXf> bases_, full_;
+};
+
+}  // namespace
+
+std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOptions& options,
+                                              const std::atomic<bool>& cancel) {
+  auto joint = std::make_shared<JointBtf>();
+  joint->width = btf.width;
+  joint->height = btf.height;
+  joint->terms = 1 + options.components;
+  const TexelSpace space(btf);
+  const Index finest = static_cast<Index>(btf.width) * btf.height,
+              step = (finest + kSampledTexels - 1) / kSampledTexels;
+  const std::size_t stored = 3 * static_cast<std::size_t>(1 + btf.components);
+  Eigen::MatrixXf samples(space.dimensions(), kColors * ((finest + step - 1) / step));
+  tbb::parallel_for(Index{0}, samples.cols() / kColors, [&](Index i) {
+    space.read(static_cast<std::size_t>(i * step) * stored, samples.data() + kColors * i * samples.rows());
+  });
+  if (cancel) return nullptr;
+  const SubspaceClusters clusters(samples, options.clusters, joint->terms);
+  if (cancel) return nullptr;
+  joint->clusters = static_cast<int>(clusters.bases().size());
+  const Index terms = joint->terms, rows = samples.rows();
+  Eigen::MatrixXf bases(rows, joint->clusters * terms);
+  for (Index k = 0; k < joint->clusters; ++k)
+    bases.middleCols(k * terms, terms) = clusters.bases()[static_cast<std::size_t>(k)];
+  const auto scale = std::sqrt(static_cast<float>(btf.views.size()) * 3.14159265f);  // the cosine's integral is pi
+  for (std::size_t v = 0; v < btf.views.size(); ++v) {
+    std::vector<float> values(btf.views[v].lights->size() * joint->function_count());
+    for (std::size_t f = 0; f < joint->function_count(); ++f) {
+      const std::vector<float> of = space.function(bases.col(static_cast<Index>(f)), v);
+      for (std::size_t l = 0; l < of.size(); ++l) values[l * joint->function_count() + f] = scale * of[l];
+    }
+    joint->functions.push_back(std::move(values));
+  }
+  const auto all = static_cast<Index>(btf.views[0].factors.size() / stored);
+  joint->texels.assign(static_cast<std::size_t>(all) * joint->texel_halves(), 0);
+  std::vector<double> lost(static_cast<std::size_t>((finest + kBlock - 1) / kBlock), 0.0), energy(lost);
+  tbb::parallel_for(Index{0}, (all + kBlock - 1) / kBlock, [&](Index b) {
+    Eigen::MatrixXf x(rows, kColors);
+    for (Index t = b * kBlock; t < std::min((b + 1) * kBlock, all) && !cancel; ++t) {
+      space.read(static_cast<std::size_t>(t) * stored, x.data());
+      const Eigen::MatrixXf w = bases.transpose() * x;
+      Index best = 0;
+      for (Index k = 1; k < joint->clusters; ++k)
+        if (w.middleRows(k * terms, terms).squaredNorm() > w.middleRows(best * terms, terms).squaredNorm()) best = k;
+      std::uint16_t* halves = joint->texels.data() + static_cast<std::size_t>(t) * joint->texel_halves();
+      halves[0] = half_of_float(static_cast<float>(best));
+      for (Index c = 0; c < terms; ++c)
+        for (Index k = 0; k < kColors; ++k) halves[1 + c * kColors + k] = half_of_float(w(best * terms + c, k) / scale);
+      if (t >= finest) continue;
+      const Eigen::MatrixXf left = x - bases.middleCols(best * terms, terms) * w.middleRows(best * terms, terms);
+      lost[static_cast<std::size_t>(t / kBlock)] += static_cast<double>(left.squaredNorm());
+      energy[static_cast<std::size_t>(t / kBlock)] += static_cast<double>(x.squaredNorm());
+    }
+  });
+  if (cancel) return nullptr;
+  double sum = 0.0, of = 0.0;
+  for (std::size_t b = 0; b < lost.size(); ++b) sum += lost[b], of += energy[b];
+  joint->error = of > 0.0 ? std::sqrt(sum / of) : 0.0;
+  return joint;
+}
+
+glm::vec3 evaluate_joint_btf(const JointBtf& joint, const Btf& btf, int texel, std::size_t view, const glm::vec3& wi) {
+  const std::uint16_t* halves = joint.texels.data() + static_cast<std::size_t>(texel) * joint.texel_halves();
+  const auto cluster = static_cast<std::size_t>(float_of_half(halves[0]));
+  const DirectionWeights lights = btf.views[view].lights->find(wi);
+  glm::vec3 rho(0.0f);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(joint.terms); ++c) {
+    float h = 0.0f;
+    for (std::size_t k = 0; k < 3; ++k)
+      h += lights.weight[static_cast<int>(k)] *
+           joint.functions[view][static_cast<std::size_t>(lights.index[k]) * joint.function_count() +
+                                 cluster * static_cast<std::size_t>(joint.terms) + c];
+    for (int n = 0; n < 3; ++n) rho[n] += h * float_of_half(halves[1 + 3 * c + static_cast<std::size_t>(n)]);
+  }
+  return rho;
+}
+
+}  // namespace maquette

@@ -103,7 +103,7 @@ std::optional<JournalContents> read_journal(const std::string& file) {
         continue;
       }
       if (record.contains("draft")) {
-        draft = contents->history.document().patch(record.at("draft"));
+        draft = record.at("draft");  // the last one counts
       } else if (record.contains("saving")) {
         contents->saving_hash = record.at("saving");
       } else if (record.contains("saved")) {
@@ -120,9 +120,12 @@ std::optional<JournalContents> read_journal(const std::string& file) {
       break;
     }
   }
-  if (contents && !draft.is_null()) {
-    contents->history.record(draft);
+  if (!contents || draft.empty()) return contents;
+  try {
+    contents->history.record(contents->history.document().patch(draft));
     contents->ends_in_draft = true;
+  } catch (const std::exception&) {
+    ++contents->lost_lines;
   }
   return contents;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "review/json_reader.h"
+#include "review/look_json.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 
@@ -19,7 +20,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double kDraft_s = 0.7;  // with a frame of 0.3 s on top, a second
 constexpr int kMostUntitled = 100;
 constexpr std::size_t kMostLines = 3 * History::kDepth;
 
@@ -144,7 +144,8 @@ std::vector<std::string> OpenReview::left_behind() {
 }
 
 void OpenReview::write(const Json& record) {
-  changed_ = history_.document() != saved_;
+  const bool draft = record.contains("draft");
+  if (!draft) changed_ = history_.document() != saved_;
   if (!journal_) return;
   try {
     journal_->append(record);
@@ -153,7 +154,7 @@ void OpenReview::write(const Json& record) {
     journal_.reset();
     return;
   }
-  if (journal_->lines() > kMostLines) compact();
+  if (journal_->lines() > kMostLines && !draft) compact();
 }
 
 void OpenReview::compact() {
@@ -166,19 +167,29 @@ void OpenReview::compact() {
   }
 }
 
-void OpenReview::observe(const Review& now, bool busy, double now_s) {
+/// Of the look alone where nothing else differs: a hundred looks beside it would take their time in every frame.
+Json OpenReview::patch_to(const Review& now) const {
+  Review rest = now;
+  rest.look = review_.look;
+  if (rest != review_) return Json::diff(history_.document(), review_document(now));
+  const auto same = [](const std::string& source) { return source; };
+  return Json::diff(Json{{"look", history_.document().at("look")}}, Json{{"look", look_json(now.look, same)}});
+}
+
+void OpenReview::observe(const Review& now, bool busy) {
   Review kept = now;
   kept.look = canonical(kept.look);
   if (busy) {
-    if (kept == review_ || (draft_ && kept == *draft_) || now_s - draft_s_ < kDraft_s) return;
+    if (kept == (draft_ ? *draft_ : review_)) return;
     draft_ = kept;
-    draft_s_ = now_s;
-    write({{"draft", Json::diff(history_.document(), review_document(kept))}});
+    write({{"draft", patch_to(kept)}});
     return;
   }
-  draft_.reset();
-  draft_s_ = now_s;  // a change that begins now is a draft a little later
-  if (kept == review_) return;
+  const bool begun = std::exchange(draft_, std::nullopt).has_value();
+  if (kept == review_) {
+    if (begun) write({{"draft", Json::array()}});  // it was taken back
+    return;
+  }
   review_ = kept;
   history_.record(review_document(kept));
 }

@@ -33,8 +33,9 @@ class OpenReview {
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
   /// The review as it is now, in every iteration of the window's loop. `busy`: a control or the mouse is held, the
-  /// change goes on and becomes one step when it is over; the journal has it as a draft meanwhile.
-  void observe(const Review& now, bool busy, double now_s);
+  /// change goes on and becomes one step when it is over; the journal has each state of it as a draft meanwhile, before
+  /// the frame is drawn that shows it.
+  void observe(const Review& now, bool busy);
   /// What the program changed of its own accord: no step of its own.
   void amend(const Review& now);
   bool can_undo() const { return history_.can_undo(); }
@@ -54,6 +55,7 @@ class OpenReview {
   void keep_journal(const std::string& file);
   void write(const nlohmann::json& record);
   void compact();
+  nlohmann::json patch_to(const Review& now) const;
   Review parsed() const;
 
   History history_;
@@ -64,7 +66,6 @@ class OpenReview {
   bool read_only_ = false, changed_ = false;
   std::vector<std::string> notes_;
   std::optional<Review> draft_;
-  double draft_s_ = -1e9;
 };
 
 }  // namespace maquette

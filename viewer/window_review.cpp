@@ -93,7 +93,7 @@ void WindowSession::report_notes() {
 
 void WindowSession::save(const std::string& file) {
   try {
-    review_->observe(review_now(), false, 0.0);
+    review_->observe(review_now(), false);
     review_->save(file);
     add_message(MessageLevel::note, "saved " + file);
   } catch (const Error& error) {

@@ -255,7 +255,7 @@ void WindowSession::update(bool busy, double now_s) {
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   // While a scene is being exchanged there is no one state.
-  if (!opening_) review_->observe(review_now(), busy || dragged_dent_.has_value(), now_s);
+  if (!opening_) review_->observe(review_now(), busy || dragged_dent_.has_value());
   report_notes();
   advise();
 }

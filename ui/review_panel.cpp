@@ -172,6 +172,12 @@ void draw_key(Ui& ui, PathKey* key) {
 void draw_keys(Ui& ui, CameraPath* path) {
   PathView& view = ui.state.path_view;
   const std::vector<double> times = key_times_s(*path);
+  // A recorded path has many: what belongs to the chosen one stays in reach.
+  constexpr std::size_t kMostShown = 6;
+  const float line = ImGui::GetTextLineHeightWithSpacing();
+  ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.0f, 0.0f, 0.0f, 0.0f));
+  ImGui::BeginChild("keys", {0.0f, line * static_cast<float>(std::min(path->keys.size(), kMostShown)) + scaled(4.0f)});
+  ImGui::PopStyleColor();
   for (std::size_t i = 0; i < path->keys.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
     char text[160];
@@ -189,6 +195,7 @@ void draw_keys(Ui& ui, CameraPath* path) {
     ImGui::PopID();
     if (changed) break;
   }
+  ImGui::EndChild();
   if (ImGui::Button("Add this camera")) ui.actions.add_key = true;
   mark_item(ui, "key/add");
   tooltip("A key behind the chosen one (K)");
@@ -267,11 +274,12 @@ void draw_paths(Ui& ui) {
   row_label("Closed", "The last key leads back to the first");
   ImGui::Checkbox("##closed", &path.closed);
   mark_item(ui, "path/closed");
-  draw_playback(ui, path);
-  draw_keys(ui, &path);
+  ImGui::SameLine();
   if (ImGui::Button("Write a file")) ui.actions.export_path = true;
   mark_item(ui, "path/export");
   tooltip("NAME.path.json beside the review; such a file can be dropped on the picture");
+  draw_playback(ui, path);
+  draw_keys(ui, &path);
   if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");
 }
 

@@ -17,8 +17,7 @@ class InspectionStory : public Story {
   }
 };
 
-// Not among those of CI yet: it has not passed from end to end on a loaded machine.
-TEST_F(InspectionStory, DISABLED_EyeProbeRegionSweepExport) {
+TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   const Scene scene = load_scene("builtin:cockpit");
   Controls at = controls(scene);
   at.facts().inspection.has_r_point = true;

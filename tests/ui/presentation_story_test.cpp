@@ -16,8 +16,7 @@ class PresentationStory : public Story {
   }
 };
 
-// Not among those of CI yet: it has not passed from end to end on a loaded machine.
-TEST_F(PresentationStory, DISABLED_RecordEditPlayExport) {
+TEST_F(PresentationStory, RecordEditPlayExport) {
   const Scene scene = load_scene("builtin:sphere");
   Controls at = controls(scene);
   const Rect picture = at.picture(), middle = middle_of(picture);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -30,6 +31,11 @@ class Story : public Window {
     open_desktop();
   }
   void TearDown() override {
+    if (HasFailure() && desktop_) {  // what it looked like
+      const std::string screen = std::string(MAQUETTE_BUILD_DIR) + "/story-failed.png";
+      desktop_->save_screen(screen);
+      std::fprintf(stderr, "screen: %s\n%s", screen.c_str(), desktop_->errors().c_str());
+    }
     desktop_.reset();
     std::error_code ignored;
     std::filesystem::remove_all(folder_, ignored);
@@ -47,6 +53,14 @@ class Story : public Window {
   void press(Controls* at, const std::string& item) {
     desktop_->click(at->item(item));
     at->press(item);
+  }
+  /// Clicks away the message below the picture, which is smaller meanwhile.
+  void dismiss(Controls* at, const std::string& message) {
+    const std::vector<Message> shown = {{MessageLevel::warning, message}};
+    at->facts().messages = &shown;
+    const Rect button = at->item("dismiss");
+    at->facts().messages = nullptr;
+    desktop_->click(button);
   }
   /// Replaces what stands in a text field.
   void type_into(Controls* at, const std::string& field, const std::string& text) {

@@ -10,6 +10,7 @@
 #include "render/frame/stats.h"
 #include "render/picture/tonemap.h"
 #include "render/scene_state/geometry.h"
+#include "render/technique/compression_table.h"
 #include "render/technique/point_report.h"
 #include "render/technique/registry.h"
 #include "render/views/pick.h"
@@ -81,6 +82,8 @@ class Renderer {
   Pick pick(int x, int y) const;
   /// What the bake that a point is drawn with has stored there; nothing where it is drawn with none. Throws Error.
   std::optional<PointReport> describe(const Pick& pick) const;
+  /// Of the first bake of the last frame that is compressed; null where there is none.
+  CompressionTableJob compression_table() const;
 
   const Scene& scene() const;
   const SceneFacts& facts() const;

@@ -65,6 +65,14 @@ std::optional<PointReport> Renderer::describe(const Pick& pick) const {
   return std::nullopt;
 }
 
+CompressionTableJob Renderer::compression_table() const {
+  for (const ShadingPlan& layer : impl_->last.plan.layers) {
+    const SceneBake* bake = layer.own_bake.empty() ? nullptr : impl_->bakes.own(layer.own_bake);
+    if (CompressionTableJob job = bake ? bake->compression_table() : CompressionTableJob()) return job;
+  }
+  return {};
+}
+
 const std::vector<std::string>& Renderer::debug_view_names() {
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;

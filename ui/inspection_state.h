@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "render/technique/compression_table.h"
 #include "review/review.h"
 
 /// The inspection of panes in the window, as plain values.
@@ -41,6 +42,9 @@ struct StoredLightFacts {
     unsigned texture = 0;
   };
   std::vector<Picture> pictures;
+  bool can_tabulate = false;              ///< the bake is compressed
+  std::optional<double> tabulating;       ///< share that is done, while its table is computed
+  std::optional<CompressionTable> table;  ///< of the bake, whatever point is shown
 };
 
 /// What was measured.
@@ -65,6 +69,7 @@ struct InspectionActions {
   bool run_sweep = false;
   bool export_files = false;
   bool cancel = false;
+  bool tabulate_stored = false, stop_tabulating = false;
 };
 
 /// Display colour of a luminance between the ends of a logarithmic scale; blue below it, magenta above, black for none.

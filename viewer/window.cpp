@@ -278,6 +278,7 @@ class App {
     if (actions.measure_curve) meter_.measure_curve();
     if (actions.apply_budget) meter_.apply_budget(&session_);
     inspection_.carry_out(actions.inspection, &session_);
+    stored_light_.carry_out(actions.inspection, &session_);
     if (actions.undo) session_.undo();
     if (actions.redo) session_.redo();
     if (!actions.save_path.empty()) session_.save(actions.save_path);

@@ -32,12 +32,41 @@ bool draws_with_bake(const WindowPicture& picture) {
 
 }  // namespace
 
+WindowStoredLight::WindowStoredLight()
+    : tabulator_([](const CompressionTableJob& job, const BackgroundTask<CompressionTable>& task) {
+        return job(task.cancel, task.progress);
+      }) {}
+
+void WindowStoredLight::carry_out(const InspectionActions& actions, WindowSession* session) {
+  if (actions.stop_tabulating) tabulator_.cancel();
+  CompressionTableJob job = actions.tabulate_stored ? session->renderer().compression_table() : CompressionTableJob();
+  if (!job) return;
+  table_.reset();
+  tabulated_ = session->revision();
+  tabulator_.submit(std::move(job));
+}
+
+void WindowStoredLight::update_table(WindowSession* session) {
+  can_tabulate_ = facts_.any && session->renderer().compression_table();
+  if (tabulated_ != session->revision()) {
+    if (tabulator_.busy()) tabulator_.cancel();
+    table_.reset();
+  }
+  try {
+    if (auto table = tabulator_.take()) table_ = std::move(table);
+  } catch (const Error& error) {
+    session->add_message(MessageLevel::error, error.what());
+  }
+}
+
 void WindowStoredLight::update(WindowSession* session, const WindowPicture& picture) {
   retired_.clear();
   facts_.any = draws_with_bake(picture);
+  update_table(session);
   const std::optional<glm::vec2>& at = session->state.inspection.stored_at;
   if (!facts_.any || !at) {
-    facts_ = StoredLightFacts{facts_.any, {}, {}, {}};
+    facts_ = StoredLightFacts();
+    facts_.any = draws_with_bake(picture);
     retired_ = std::exchange(textures_, {});
     shown_.reset();
     return;
@@ -53,7 +82,8 @@ void WindowStoredLight::update(WindowSession* session, const WindowPicture& pict
 void WindowStoredLight::describe(WindowSession* session, const WindowPicture& picture, const glm::vec2& at) {
   const glm::ivec2 size(picture.drawn().width, picture.drawn().height);
   const glm::ivec2 px = glm::clamp(glm::ivec2(at * glm::vec2(size)), glm::ivec2(0), size - 1);
-  facts_ = StoredLightFacts{true, {}, {}, {}};
+  facts_ = StoredLightFacts();
+  facts_.any = true;
   retired_ = std::exchange(textures_, {});
   try {
     const std::optional<PointReport> report = session->renderer().describe(session->renderer().pick(px.x, px.y));
@@ -79,6 +109,11 @@ void WindowStoredLight::describe(WindowSession* session, const WindowPicture& pi
   }
 }
 
-void WindowStoredLight::fill_facts(StoredLightFacts* facts) const { *facts = facts_; }
+void WindowStoredLight::fill_facts(StoredLightFacts* facts) const {
+  *facts = facts_;
+  facts->can_tabulate = can_tabulate_;
+  facts->table = table_;
+  if (tabulator_.busy()) facts->tabulating = tabulator_.progress();
+}
 
 }  // namespace maquette

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "render/bake/bake.h"
+#include "render/technique/compression_table.h"
 #include "render/technique/point_report.h"
 
 namespace maquette {
@@ -30,6 +31,8 @@ class SceneBake {
                                               const glm::vec3& /*position*/) const {
     return std::nullopt;
   }
+  /// Of what it draws with, how the error follows the strength of compression; null where it compresses nothing.
+  virtual CompressionTableJob compression_table() const { return {}; }
 };
 
 }  // namespace maquette

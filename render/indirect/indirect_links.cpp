@@ -20,6 +20,10 @@ constexpr std::size_t kPointsPerTask = 64;
 constexpr int kMaxPanes = 6;
 /// Shadowed samples of the scene's own lights, per point and side.
 constexpr int kLampSamples = 16;
+/// Rays that find out whether surfaces are met from behind; of more backs than kFewBacks their light is baked, too.
+constexpr std::size_t kProbedPoints = 4096;
+constexpr int kProbingRays = 16;
+constexpr double kFewBacks = 0.005, kInside = 0.9;
 /// 16 ulp of a coordinate.
 constexpr float kRelativeLift = 1.0f / 1048576.0f;
 
@@ -80,7 +84,13 @@ class Tracer {
     return (m.diffuse * (1.0f - std::max({f.x, f.y, f.z})) + f) * (1.0f - coat) + coat;
   }
 
-  IndirectLink link(const glm::vec3& origin, const glm::vec3& direction, std::uint32_t chance) const {
+  /// What a ray meets behind panes.
+  struct Met {
+    std::uint32_t point = kNoPoint;
+    bool back = false;
+    glm::vec3 color{0.0f};  ///< share of the light there that comes back along the ray
+  };
+  Met meet(const glm::vec3& origin, const glm::vec3& direction, std::uint32_t chance) const {
     glm::vec3 share(1.0f);
     Ray ray{origin, direction};
     for (int pane = 0; pane <= kMaxPanes; ++pane) {
@@ -98,12 +108,38 @@ class Tracer {
       const int corner = u < hit.barycentric.x ? 1 : u < hit.barycentric.x + hit.barycentric.y ? 2 : 0;
       const std::uint32_t point = links_.points.point_of_vertex[scene_->corners(hit.triangle)[corner]];
       if (point == kNoPoint) return {};
-      const bool back = glm::dot(links_.points.points[point].normal, surface.normal) < 0.0f;
-      if (back && links_.sides == 1) return {};
-      const auto count = static_cast<std::uint32_t>(links_.points.points.size());
-      return {point + (back ? count : 0u), pack_color(share * reflectance(surface))};
+      return {point, glm::dot(links_.points.points[point].normal, surface.normal) < 0.0f, share * reflectance(surface)};
     }
     return {};
+  }
+
+  IndirectLink link(const glm::vec3& origin, const glm::vec3& direction, std::uint32_t chance) const {
+    const Met met = meet(origin, direction, chance);
+    if (met.point == kNoPoint || (met.back && links_.sides == 1)) return {};
+    const auto count = static_cast<std::uint32_t>(links_.points.points.size());
+    return {met.point + (met.back ? count : 0u), pack_color(met.color)};
+  }
+
+  /// Of the surfaces that rays of a sample of points meet, from both sides, the share that they meet from behind.
+  /// Points that see hardly anything else lie inside a body, where nobody looks, and do not count.
+  double share_of_backs() const {
+    const std::size_t count = links_.points.points.size(), step = std::max<std::size_t>(count / kProbedPoints, 1);
+    std::atomic<std::uint32_t> backs{0}, all{0};
+    tbb::parallel_for(std::size_t{0}, 2 * (count / step), [&](std::size_t k) {
+      const Start start = start_of(k / 2 * step, k % 2 == 0 ? 0 : 1);
+      std::uint32_t met = 0, behind = 0;
+      for (int r = 0; r < kProbingRays; ++r) {
+        const glm::vec3 direction = start.frame.to_world(indirect_ray_direction(r, kProbingRays));
+        const Met m = meet(start.origin, direction,
+                           hash(static_cast<std::uint32_t>(k * kProbingRays + static_cast<std::size_t>(r))));
+        met += m.point != kNoPoint ? 1 : 0;
+        behind += m.point != kNoPoint && m.back ? 1 : 0;
+      }
+      if (static_cast<double>(behind) > kInside * kProbingRays) return;
+      backs += behind;
+      all += met;
+    });
+    return all > 0 ? static_cast<double>(backs) / static_cast<double>(all) : 0.0;
   }
 
   glm::vec3 lamps(const glm::vec3& origin, const glm::vec3& normal, std::uint32_t seed) const {
@@ -132,13 +168,22 @@ class Tracer {
   }
   bool has_lamps() const { return !scene_->lights.lights.empty(); }
 
-  void trace_point(std::size_t index, int side) {
+  /// Where the rays of a point's side begin.
+  struct Start {
+    IndirectFrame frame;
+    glm::vec3 origin;
+  };
+  Start start_of(std::size_t index, int side) const {
     const VisibilityPoint& point = links_.points.points[index];
     const IndirectFrame frame = indirect_frame(point, index, side);
     const glm::vec3 at(links_.points.center + links_.points.scale_m * glm::dvec3(point.position + point.inset));
     const float largest = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
     const float lift = point.lift * static_cast<float>(links_.points.scale_m) + kRelativeLift * largest;
-    const glm::vec3 origin = at + frame.n * lift;
+    return {frame, at + frame.n * lift};
+  }
+
+  void trace_point(std::size_t index, int side) {
+    const auto [frame, origin] = start_of(index, side);
     const std::size_t slot = static_cast<std::size_t>(side) * links_.points.points.size() + index;
     const auto rays = static_cast<std::size_t>(links_.rays);
     for (std::size_t r = 0; r < rays; ++r) {
@@ -246,11 +291,11 @@ std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& i
     const std::uint32_t point = links->points.point_of_vertex[v];
     if (point != kNoPoint) links->vertex_of_point[point] = static_cast<std::uint32_t>(v);
   }
-  links->sides = shows_backs(input) ? 2 : 1;
-  const std::size_t slots = std::max<std::size_t>(count * static_cast<std::size_t>(links->sides), 1);
-  links->rays = std::clamp(static_cast<int>(budget / slots), kMinRays, kMaxRays);
   Tracer tracer(input, links.get());
   if (cancel) return nullptr;
+  links->sides = shows_backs(input) || tracer.share_of_backs() > kFewBacks ? 2 : 1;
+  const std::size_t slots = std::max<std::size_t>(count * static_cast<std::size_t>(links->sides), 1);
+  links->rays = std::clamp(static_cast<int>(budget / slots), kMinRays, kMaxRays);
   tracer.prepare();
   find_neighbours(links.get());
   std::atomic<std::size_t> done{0};

@@ -4,11 +4,17 @@
 #include <string>
 
 #include "render/bake/bake_command.h"
+#include "render/slf/light_field.h"
+#include "render/technique/compression_table.h"
 
 namespace maquette {
 
 /// Of a whole bake of incident light: its light, and the RMS that local PCA of it has over clusters and components.
 /// Nothing for other folders. Throws Error.
 std::optional<BakeFigures> inspect_light_field(const std::string& folder);
+
+/// Of the light that leaves evenly spaced texels, which is computed anew. Nothing once cancelled or where all is black.
+std::optional<CompressionTable> tabulate_compression(const LightField& field, const std::atomic<bool>& cancel,
+                                                     const std::function<void(double)>& progress);
 
 }  // namespace maquette

@@ -63,7 +63,7 @@ void compress(const std::shared_ptr<const OutgoingField>& outgoing, const Compre
   LocalPcaOptions pca;
   pca.clusters = options.clusters;
   pca.components = options.components;
-  pca.rounds = 14;
+  pca.rounds = 10;
   pca.stop = [&] { return cancel.load(); };
   field->fit = fit_local_pca(radiance, measure, pca);
   const double all = measure.cast<double>().sum();
@@ -76,6 +76,24 @@ void compress(const std::shared_ptr<const OutgoingField>& outgoing, const Compre
     field->errors[t] = static_cast<float>(std::sqrt(field->fit.errors[t] / all) / mean);
   }
   field->error = std::sqrt(squares / all / static_cast<double>(radiance.cols())) / mean;
+}
+
+std::shared_ptr<const OutgoingField> outgoing_of_texels(const LightField& field, std::span<const std::size_t> texels,
+                                                        const std::atomic<bool>& cancel) {
+  LightFieldAtlas atlas = field.atlas;
+  atlas.texels.clear();
+  IncidentField incident;
+  incident.side = field.side;
+  incident.bins = field.incident->field.bins;
+  incident.masked.assign(texels.size(), false);
+  for (const std::size_t t : texels) {
+    atlas.texels.push_back(field.atlas.texels[t]);
+    const std::span<const float> light = field.incident->field.texel(t);
+    incident.radiance.insert(incident.radiance.end(), light.begin(), light.end());
+  }
+  MeasuredLibrary library;
+  const auto materials = build_material_scene(field.made_from, &library);
+  return compute_outgoing(*materials, atlas, incident, outgoing_options(field.made_from, field.atlas), cancel);
 }
 
 Eigen::VectorXf decode_texel(const LightField& field, std::size_t texel) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,11 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
 /// A line for each material of the parts that is too specular for lumispheres of this side, with the side that would
 /// do. `scene`: built from the materials to show.
 std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side);
+
+/// Light that leaves some texels, computed anew from the light that arrives and the materials that are shown. Null once
+/// cancelled. Throws Error.
+std::shared_ptr<const OutgoingField> outgoing_of_texels(const LightField& field, std::span<const std::size_t> texels,
+                                                        const std::atomic<bool>& cancel);
 
 /// Outgoing radiance of a texel after compression, [3 bin + channel].
 Eigen::VectorXf decode_texel(const LightField& field, std::size_t texel);

@@ -5,6 +5,7 @@
 #include "render/parts/baked_parts.h"
 #include "render/scene_state/material_overrides.h"
 #include "render/scene_state/scene_state.h"
+#include "render/slf/inspect.h"
 #include "render/slf/job.h"
 #include "render/slf/texel_report.h"
 
@@ -64,6 +65,13 @@ std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, st
   const std::optional<std::size_t> texel = texel_at(field_->atlas, scene.geometry(), triangle, back, position);
   if (!texel) return std::nullopt;
   return describe_texel(*field_, *texel);
+}
+
+CompressionTableJob LightFieldStore::compression_table() const {
+  if (!field_) return {};
+  return [field = field_](const std::atomic<bool>& cancel, const std::function<void(double)>& progress) {
+    return tabulate_compression(*field, cancel, progress);
+  };
 }
 
 }  // namespace maquette

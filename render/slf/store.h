@@ -30,6 +30,7 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   void bind() const override { buffers_->bind(); }
   std::optional<PointReport> describe(const SceneState& scene, std::uint32_t triangle, bool back,
                                       const glm::vec3& position) const override;
+  CompressionTableJob compression_table() const override;
   bool ready() const override { return buffers_.has_value(); }
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 

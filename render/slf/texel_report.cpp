@@ -41,28 +41,9 @@ std::string text_of(const char* format, double value) {
   return text;
 }
 
-/// Atlas and light of one texel.
-struct OneTexel {
-  LightFieldAtlas atlas;
-  IncidentField incident;
-  OneTexel(const LightField& field, std::size_t texel) : atlas(field.atlas) {
-    atlas.texels = {field.atlas.texels[texel]};
-    incident.side = field.side;
-    incident.bins = field.incident->field.bins;
-    const std::span<const float> light = field.incident->field.texel(texel);
-    incident.radiance.assign(light.begin(), light.end());
-    incident.masked = {false};
-  }
-};
-
 Eigen::VectorXf outgoing_light(const LightField& field, std::size_t texel) {
   if (field.outgoing) return field.outgoing->radiance.col(static_cast<Eigen::Index>(texel));
-  MeasuredLibrary library;
-  const auto materials = build_material_scene(field.made_from, &library);
-  const OneTexel one(field, texel);
-  const auto outgoing = compute_outgoing(*materials, one.atlas, one.incident,
-                                         outgoing_options(field.made_from, field.atlas), std::atomic<bool>{false});
-  return outgoing->radiance.col(0);
+  return outgoing_of_texels(field, std::span(&texel, 1), std::atomic<bool>{false})->radiance.col(0);
 }
 
 void add_codes(const LightField& field, std::size_t texel, PointReport* report) {

@@ -186,6 +186,38 @@ TEST(LightFieldMode, TellsWhatATexelStores) {
   EXPECT_FALSE(renderer.describe(renderer.pick(5, 24)).has_value()) << "nothing is baked for this mode";
 }
 
+TEST(LightFieldMode, TellsHowItsErrorFollowsCompression) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(lit_box());
+  renderer.set_environment(test::constant_sky(0.1f));
+  FrameRequest request = request_for(64);
+  request.settings.set("slf.clusters", 8);
+  request.settings.set("slf.components", 2);
+  draw(&renderer, request);
+  const CompressionTableJob job = renderer.compression_table();
+  ASSERT_TRUE(job);
+  double last = 0.0;
+  const auto table = job(std::atomic<bool>{false}, [&](double p) {
+    EXPECT_GE(p, last);
+    last = p;
+  });
+  ASSERT_TRUE(table.has_value());
+  ASSERT_EQ(table->errors.size(), table->clusters.size() * table->components.size());
+  const auto at = [](const std::vector<int>& of, int wanted) {
+    return static_cast<std::size_t>(std::find(of.begin(), of.end(), wanted) - of.begin());
+  };
+  const std::size_t one = at(table->clusters, 1), eight = at(table->clusters, 8), two = at(table->components, 2);
+  // More of either is no worse.
+  for (std::size_t c = 0; c < table->components.size(); ++c) EXPECT_LE(table->error(c, eight), table->error(c, one));
+  for (std::size_t c = 1; c < table->components.size(); ++c) EXPECT_LE(table->error(c, one), table->error(c - 1, one));
+  EXPECT_GT(table->error(two, one), 0.0);
+  EXPECT_FALSE(job(std::atomic<bool>{true}, [](double) {}).has_value()) << "cancelled";
+  request.mode = "splitsum";
+  draw(&renderer, request);
+  EXPECT_FALSE(renderer.compression_table()) << "nothing is baked for this mode";
+}
+
 TEST(LightFieldMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

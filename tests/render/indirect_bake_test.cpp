@@ -119,6 +119,42 @@ TEST(IndirectBake, BowlUnderAConstantSkyIsAnIntegratingSphere) {
   }
 }
 
+/// The same bowl with its front outside: its inside is lit as well, though its material is single-sided, because that
+/// is what the reference shows.
+TEST(IndirectBake, BacksThatAreSeenReflectAsFrontsDo) {
+  Scene scene = bowl(0.6f);
+  Primitive& shell = scene.meshes[0].primitives[0];
+  for (glm::vec3& n : shell.normals) n = -n;
+  for (std::size_t i = 0; i + 2 < shell.indices.size(); i += 3) std::swap(shell.indices[i + 1], shell.indices[i + 2]);
+  const Baked b = bake(scene);
+  ASSERT_EQ(b.links->sides, 2);
+  const auto radiance = solve(b, {make_sky(64, 32, [](double, double) { return glm::vec3(2.0f); }), 0.0f, 1.0f});
+  const double expected = kPi * 0.5 * 0.6 / (1.0 - 0.5 * 0.6) * 2.0 / 2.0;
+  const std::size_t points = b.links->points.points.size();
+  double mean = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < points; ++i) {
+    if (b.links->points.points[i].position.y > 0.1f) continue;
+    mean += kPi * static_cast<double>(radiance[points + i].mean.x);
+    ++count;
+  }
+  ASSERT_GT(count, 800u);
+  EXPECT_NEAR(mean / static_cast<double>(count) / expected, 1.0, 0.03);
+}
+
+TEST(IndirectBake, BacksInsideClosedBodiesAreLeftOut) {
+  Scene scene = bowl(0.6f);
+  Material body = matte(glm::vec3(0.5f));
+  const auto at = [](float u, float v) {
+    const float phi = 6.28318531f * u, theta = 3.14159265f * v;
+    return glm::vec3(0.0f, -0.5f, 0.0f) +
+           0.2f * glm::vec3(std::sin(theta) * std::cos(phi), -std::cos(theta), std::sin(theta) * std::sin(phi));
+  };
+  add_mesh(&scene, lattice(16, at, [](const glm::vec3& p) { return glm::normalize(p - glm::vec3(0, -0.5f, 0)); }),
+           body);
+  EXPECT_EQ(bake(scene).links->sides, 1);
+}
+
 TEST(IndirectBake, NothingIsAddedWhereNothingIsSeen) {
   Scene scene;
   add_mesh(&scene,

@@ -13,10 +13,17 @@ namespace {
 
 constexpr float kMostDecades = 3.0f;
 
+std::string percent_text(double share) {
+  char text[32];
+  const double percent = 100.0 * share;
+  std::snprintf(text, sizeof text, "%.*f %%", percent < 0.95 ? 2 : percent < 9.5 ? 1 : 0, percent);
+  return text;
+}
+
 /// Curves of the error over clusters, one for each count of components, both axes logarithmic.
 void draw_curves(Ui& ui, const CompressionTable& table) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float label = ImGui::CalcTextSize("100 %").x + scaled(4.0f), line = ImGui::GetTextLineHeight();
+  const float label = ImGui::CalcTextSize("1000 %").x + scaled(4.0f), line = ImGui::GetTextLineHeight();
   const float name = ImGui::CalcTextSize("16 comp.").x + scaled(4.0f);
   const ImVec2 size(ImGui::GetContentRegionAvail().x, scaled(130.0f) + line);
   const ImVec2 low(at.x + label, at.y + size.y - line), high(at.x + size.x - name, at.y + 0.5f * line);
@@ -42,8 +49,7 @@ void draw_curves(Ui& ui, const CompressionTable& table) {
   for (float decade = bottom; decade <= top + 0.01f; decade += 0.5f) {
     const float y = low.y + (decade - bottom) / std::max(top - bottom, 0.1f) * (high.y - low.y);
     draw.AddLine({low.x, y}, {high.x, y}, grid);
-    std::snprintf(text, sizeof text, "%.2g %%", 100.0 * std::pow(10.0, static_cast<double>(decade)));
-    draw.AddText({at.x, y - 0.5f * line}, dim, text);
+    draw.AddText({at.x, y - 0.5f * line}, dim, percent_text(std::pow(10.0, static_cast<double>(decade))).c_str());
   }
   for (std::size_t k = 0; k < table.clusters.size(); ++k) {
     std::snprintf(text, sizeof text, "%d", table.clusters[k]);
@@ -75,7 +81,7 @@ void draw_table(Ui& ui, const CompressionTable& table) {
     dim_text(std::to_string(table.components[c]));
     for (std::size_t k = 0; k < table.clusters.size(); ++k) {
       ImGui::TableNextColumn();
-      ImGui::Text("%.2g %%", 100.0 * table.error(c, k));
+      ImGui::TextUnformatted(percent_text(table.error(c, k)).c_str());
     }
   }
   ImGui::EndTable();

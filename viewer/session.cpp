@@ -283,6 +283,20 @@ Look absolute_sources(Look look) {
   return look;
 }
 
+namespace {
+
+/// A mode with a setting NAME.ground may leave a ground that was added to the scene to the default mode.
+void set_mode_of_ground(const Scene& scene, FrameRequest* request) {
+  const std::string setting = request->mode + ".ground";
+  const bool added = !scene.nodes.empty() && is_added_ground(scene, scene.nodes.size() - 1);
+  if (!added || !find_setting(setting) || request->settings.get_string(setting) != "apart") return;
+  const auto named = [](const PartMode& part) { return part.node == kGroundName; };
+  if (std::ranges::none_of(request->part_modes, named))
+    request->part_modes.push_back({kGroundName, builtin_registry().default_mode});
+}
+
+}  // namespace
+
 FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize& size) {
   FrameRequest request;
   request.mode = look.mode;
@@ -300,7 +314,9 @@ FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize&
   request.reflectors = {look.edits.reflectors.begin(), look.edits.reflectors.end()};
   request.settings = look.settings;
   // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
-  if (look.edits.part_modes.empty() || builtin_registry().find_mode(look.mode).can.traces_picture) return request;
+  if (builtin_registry().find_mode(look.mode).can.traces_picture) return request;
+  set_mode_of_ground(scene, &request);
+  if (look.edits.part_modes.empty()) return request;
   const std::vector<std::string> paths = node_paths(scene);
   for (const auto& [path, mode] : look.edits.part_modes)
     for (const int node : called_nodes(scene, paths, path)) request.part_modes.push_back({path, mode, node});
@@ -312,6 +328,7 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
                                       {options.width, options.height, options.msaa, options.samples, options.seed});
   request.reflectors = options.reflectors;  // as they were called, for messages and stats
   request.part_modes = options.part_modes;
+  if (!builtin_registry().find_mode(request.mode).can.traces_picture) set_mode_of_ground(scene, &request);
   const Technique* reflector = builtin_registry().find_reflector(request.reflections);
   if (reflector && reflector->can.needs_eye && request.camera.is_orthographic())
     throw UsageError("--reflections " + request.reflections, "it projects from an eye, and the camera is orthographic",

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scenes/error.h"
+#include "scenes/ground.h"
 
 namespace maquette {
 
@@ -123,7 +124,8 @@ void WindowPicture::restore_valid_state(WindowSession* session) {
   state.edits.reflectors = reflectors_of(*last_valid_request_);
   if (!builtin_registry().find_mode(state.mode).can.traces_picture) {  // which only puts parts aside
     state.edits.part_modes.clear();
-    for (const PartMode& part : last_valid_request_->part_modes) state.edits.part_modes[part.node] = part.mode;
+    for (const PartMode& part : last_valid_request_->part_modes)
+      if (part.node != kGroundName) state.edits.part_modes[part.node] = part.mode;
   }
   session->amend();
 }

@@ -8,6 +8,7 @@
 #include "render/scene_state/facts.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
+#include "scenes/ground.h"
 
 namespace maquette {
 
@@ -110,6 +111,8 @@ std::vector<std::size_t> find_transfer_items(const TransferInput& input) {
     const DrawItem& item = input.geometry->items[i];
     const auto node = static_cast<std::size_t>(std::max(item.node, 0));
     if (item.node >= 0 && (!named[node] || (!input.nodes.empty() && !input.nodes[node]))) continue;
+    // The light that is projected on a ground turns with the sky: transfer cannot hold it.
+    if (item.node >= 0 && is_added_ground(*input.scene, node)) continue;
     if (is_shown(input, item) && is_opaque(material_of(input, item))) items.push_back(i);
   }
   return items;

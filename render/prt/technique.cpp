@@ -84,6 +84,12 @@ std::vector<SettingDeclaration> transfer_settings() {
        .default_value = std::string(),
        .help = "names of nodes that get transfer, with what is below them, separated by semicolons; empty: all opaque "
                "surfaces that the mode shades"},
+      {.name = "prt.ground",
+       .default_value = std::string("apart"),
+       .help =
+           "a ground that is added below the scene (ground.kind), whose light turns with the sky: apart: the default "
+           "mode shades it; none: it stays black",
+       .choices = {"apart", "none"}},
       {.name = "prt.shadows",
        .default_value = std::string("scene"),
        .help = "what casts shadows on the parts: scene: every opaque surface; parts: they alone, so that they may be "

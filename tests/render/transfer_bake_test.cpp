@@ -14,6 +14,7 @@
 #include "scenes/btf/btf_file.h"
 #include "scenes/btf/half_floats.h"
 #include "scenes/error.h"
+#include "scenes/ground.h"
 #include "scenes/srgb.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/small_btf.h"
@@ -305,6 +306,22 @@ TEST_F(TransferBakeTest, KnowsWhereItsPartsWereTurned) {
   const auto first = bake_transfer(job_of(scene, {}), {}, nullptr, kNever, {});
   EXPECT_EQ(bake_transfer(job_of(turned, {}), {}, first->bake, kNever, {})->bake, first->bake);
   EXPECT_NE(bake_transfer(job_of(alone, {}), {}, first->bake, kNever, {})->bake, first->bake);
+}
+
+TEST_F(TransferBakeTest, LeavesOutAGroundThatWasAdded) {
+  Scene scene = plate_and_block();
+  const std::size_t own = scene.nodes.size();
+  add_ground(&scene, *test::constant_sky(1.0f), {});
+  ASSERT_GT(scene.nodes.size(), own);
+  TransferInput input;
+  input.scene = std::make_shared<Scene>(scene);
+  input.geometry = std::make_shared<const FlatGeometry>(flatten(scene));
+  EXPECT_EQ(find_transfer_items(input).size(), 2u);
+  EXPECT_EQ(input.geometry->items.size(), 3u);
+  MeasuredLibrary library;
+  const TransferJob job = make_transfer_job(input, path("out"), &library);
+  EXPECT_EQ(job.parts.size(), 2u);
+  EXPECT_TRUE(job.occluding[2]) << "it hides the sky below";
 }
 
 TEST(RigidMotion, IsFoundOrNot) {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "render/technique/registry.h"
 #include "scenes/error.h"
+#include "scenes/ground.h"
 #include "tests/support/test_scenes.h"
 #include "viewer/dents.h"
 
@@ -137,6 +139,21 @@ TEST(Session, VariantsAndMaterialsAreChecked) {
   EXPECT_NO_THROW(check_material_name(scene, "*"));
   EXPECT_NO_THROW(check_material_name(scene, "Chrome"));
   EXPECT_NE(usage_error([&] { check_material_name(scene, "chrom"); }).find("did you mean Chrome?"), std::string::npos);
+}
+
+TEST(Session, AModeThatHoldsNoGroundLeavesItToTheDefaultMode) {
+  Scene scene = make_scene();
+  SceneOptions options;
+  options.mode = "prt";
+  EXPECT_TRUE(make_request(scene, options).part_modes.empty());
+  add_ground(&scene, *test::constant_sky(1.0f), {});
+  ASSERT_EQ(make_request(scene, options).part_modes.size(), 1u);
+  EXPECT_EQ(make_request(scene, options).part_modes[0].node, kGroundName);
+  EXPECT_EQ(make_request(scene, options).part_modes[0].mode, builtin_registry().default_mode);
+  options.settings.set("prt.ground", std::string("none"));
+  EXPECT_TRUE(make_request(scene, options).part_modes.empty());
+  options.mode = "slf";
+  EXPECT_TRUE(make_request(scene, options).part_modes.empty());
 }
 
 TEST(Session, ADentGoesInwardsAndStaysLocal) {

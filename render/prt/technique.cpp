@@ -10,7 +10,8 @@ namespace maquette {
 
 namespace {
 
-std::vector<SettingDeclaration> transfer_settings() {
+/// How light, transfer and materials are represented.
+std::vector<SettingDeclaration> compression_settings() {
   return {
       {.name = "prt.faces",
        .default_value = 16,
@@ -44,6 +45,12 @@ std::vector<SettingDeclaration> transfer_settings() {
        .max = 16,
        .help = "reflections of light between the parts, before the one that is seen; from 1 on transfer is by colour: "
                "three times the time and the light side"},
+  };
+}
+
+/// Vertices and rays, parts, and when it is baked.
+std::vector<SettingDeclaration> bake_settings() {
+  return {
       {.name = "prt.vertices",
        .default_value = 0,
        .min = 0,
@@ -114,7 +121,8 @@ Technique prt_technique() {
   Technique info;
   info.name = "prt";
   info.help = "precomputed radiance transfer: BTFs and other materials with shadows, under a sky that turns";
-  info.settings = transfer_settings();
+  info.settings = compression_settings();
+  for (SettingDeclaration& setting : bake_settings()) info.settings.push_back(std::move(setting));
   info.make_mode = make_transfer_mode;
   info.shader_variants = transfer_shader_variants;
   info.own_bake = OwnBake{"prt", "the light of its vertices is a sum over precomputed transfer",

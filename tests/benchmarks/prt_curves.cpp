@@ -344,7 +344,7 @@ class ClothBench {
   /// Section 10.2.6: all views in one factorisation, against plain sums with all components of the BTF.
   void measure_forms() {
     if (!wanted("forms")) return;
-    const Image truth = reference(16, kMostBtfComponents);
+    const Image truth = reference(settings().get_int("prt.faces"), kMostBtfComponents);
     struct Form {
       const char* form;
       int btf_components, texel_clusters, clusters, components;
@@ -422,7 +422,7 @@ class ClothBench {
     const Image picture = draw(request(s, 64));
     const Turning turning = turn(request(s, 20));
     figures_.push_back(shown("BTF of 151 x 151 directions",
-                             percent(error(picture, reference(16))) + ", " + number(turning.vertex_bytes) +
+                             percent(error(picture, reference(s.get_int("prt.faces")))) + ", " + number(turning.vertex_bytes) +
                                  " bytes a vertex, update " + number(turning.update_ms) + " ms; made in " +
                                  number(made) + " s, bake or load " + number(seconds) + " s: " + report_));
     save("151-directions", {picture});
@@ -448,7 +448,7 @@ class ClothBench {
       const Settings s = settings();
       const double seconds = bake(s);
       pictures.push_back(draw(request(s, 64)));
-      text += (text.empty() ? "" : ", ") + name + ": " + percent(error(pictures.back(), reference(16))) + " in " +
+      text += (text.empty() ? "" : ", ") + name + ": " + percent(error(pictures.back(), reference(s.get_int("prt.faces")))) + " in " +
               number(seconds) + " s";
     }
     figures_.push_back(shown("10.15, error by cover, and bake or load", text));

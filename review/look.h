@@ -32,7 +32,9 @@ struct Edits {
   std::map<std::string, std::string> materials;  ///< material name -> source; absent: as in the file
   std::vector<Dent> dents;                       ///< in the order in which they were pressed
   std::set<std::string> hidden_nodes;
-  std::set<std::string> reflectors;               ///< paths or names of nodes; empty: those that the scene marks
+  std::set<std::string> reflectors;  ///< paths or names of nodes; empty: those that the scene marks
+  /// Section plane, as CameraView has it: what is seen, m; 0: none.
+  glm::vec4 section{0.0f};
   std::map<std::string, std::string> part_modes;  ///< path of a node -> shading mode of it and of what is below it
   bool operator==(const Edits&) const = default;
 };

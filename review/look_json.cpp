@@ -1,6 +1,7 @@
 #include "review/look_json.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "render/picture/tonemap.h"
 #include "review/json_reader.h"
@@ -76,6 +77,22 @@ std::vector<Dent> dents_from_json(const Json& json, const std::string& where) {
   return dents;
 }
 
+Json section_json(const glm::vec4& section) {
+  if (section == glm::vec4(0.0f)) return nullptr;
+  return {{"normal", point_json(glm::vec3(section))}, {"offset_m", shortest(section.w)}};
+}
+
+glm::vec4 section_from_json(const Json& json, const std::string& where) {
+  if (json.is_null()) return glm::vec4(0.0f);
+  JsonReader reader(json, where);
+  const glm::vec3 normal = point_from(&reader, "normal");
+  const float offset_m = reader.real("offset_m");
+  reader.finish();
+  if (std::abs(glm::length(normal) - 1.0f) > 1e-3f)
+    throw Error(where + ".normal", "its length is not 1", "divide it by its length");
+  return {normal, offset_m};
+}
+
 std::map<std::string, std::string> map_from_json(const Json& json, const std::string& where) {
   std::map<std::string, std::string> map;
   for (const auto& [key, value] : json.items()) {
@@ -138,6 +155,7 @@ Json look_json(const Look& look, const SourceMap& to_file) {
           {"dents", dents_json(edits.dents)},
           {"hidden", edits.hidden_nodes},
           {"reflectors", edits.reflectors},
+          {"section", section_json(edits.section)},
           {"part_modes", modes},
           {"camera", camera_json(look.camera)},
           {"mode", look.mode},
@@ -164,6 +182,7 @@ Look look_from_json(const Json& json, const std::string& where, const SourceMap&
   edits.dents = dents_from_json(reader.list("dents"), reader.where("dents"));
   edits.hidden_nodes = set_of(reader.texts("hidden"));
   edits.reflectors = set_of(reader.texts("reflectors"));
+  if (reader.has("section")) edits.section = section_from_json(reader.member("section"), reader.where("section"));
   edits.part_modes = map_from_json(reader.object("part_modes"), reader.where("part_modes"));
   for (const auto& [path, mode] : edits.part_modes) check_mode(mode, reader.where("part_modes"));
   look.camera = camera_from_json(reader.member("camera"), reader.where("camera"));

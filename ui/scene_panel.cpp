@@ -1,4 +1,6 @@
 // The node tree with search, visibility and selection.
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -154,6 +156,46 @@ void draw_matches(Ui& ui) {
   if (!any) dim_text("No node has this in its name.");
 }
 
+/// The section plane: its axis, where it cuts, and which side is seen.
+void draw_section(Ui& ui) {
+  static const char* const kAxes[] = {"none", "x", "y", "z", "as given"};
+  glm::vec4& section = ui.state.edits.section;
+  int axis = 0, sign = 1;
+  if (section != glm::vec4(0.0f)) {
+    axis = 4;
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(section[i]) == 1.0f) axis = i + 1, sign = section[i] > 0.0f ? 1 : -1;
+  }
+  const Bounds& bounds = ui.facts.bounds;
+  row_label("Section", "Cuts away what the eye sees beyond a plane; shadows, light and mirror images stay whole");
+  if (ImGui::BeginCombo("##axis", kAxes[axis])) {
+    for (int i = 0; i < 4; ++i) {
+      if (ImGui::Selectable(kAxes[i], axis == i)) {
+        section = glm::vec4(0.0f);
+        if (i > 0) {
+          section[i - 1] = 1.0f;
+          section.w = bounds.empty() ? 0.0f : bounds.center()[i - 1];
+        }
+      }
+      mark_item(ui, std::string("section/") + kAxes[i]);
+    }
+    ImGui::EndCombo();
+  }
+  mark_item(ui, "section");
+  if (axis == 0) return;
+  const float middle = axis < 4 && !bounds.empty() ? bounds.center()[axis - 1] : 0.0f;
+  const float reach = axis < 4 && !bounds.empty() ? 0.5f * (bounds.max - bounds.min)[axis - 1] : 10.0f;
+  float at = static_cast<float>(sign) * section.w;
+  row_label("Cut at", "Along the axis, metres");
+  ImGui::SetNextItemWidth(-scaled(52.0f));
+  if (slider("##cut", &at, middle - reach, middle + reach, "%.3f m")) section.w = static_cast<float>(sign) * at;
+  mark_item(ui, "section/cut");
+  ImGui::SameLine();
+  if (ImGui::Button("Flip")) section = -section;
+  mark_item(ui, "section/flip");
+  tooltip("Shows the other side");
+}
+
 }  // namespace
 
 void draw_scene_panel(Ui& ui) {
@@ -161,7 +203,8 @@ void draw_scene_panel(Ui& ui) {
   const Scene& scene = *ui.facts.scene;
   const bool searching =
       search_box("##search", "Search nodes", ui.state.node_search.data(), ui.state.node_search.size());
-  const float foot = ImGui::GetTextLineHeightWithSpacing();
+  const float rows = ui.state.edits.section == glm::vec4(0.0f) ? 1.0f : 2.0f;
+  const float foot = ImGui::GetTextLineHeightWithSpacing() + rows * ImGui::GetFrameHeightWithSpacing();
   if (ImGui::BeginChild("tree", {0.0f, ImGui::GetContentRegionAvail().y - foot - scaled(4.0f)})) {
     if (searching) {
       draw_matches(ui);
@@ -170,6 +213,7 @@ void draw_scene_panel(Ui& ui) {
     }
   }
   ImGui::EndChild();
+  draw_section(ui);
   const std::size_t hidden = ui.state.edits.hidden_nodes.size();
   dim_text(std::to_string(scene.nodes.size()) + " nodes" +
            (hidden > 0 ? ", " + std::to_string(hidden) + " hidden" : std::string()));

@@ -21,6 +21,13 @@ glm::vec3 parse_point(const std::string& text, const std::string& what) {
   return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
 
+glm::vec4 parse_section(const std::string& text) {
+  const std::vector<double> v = parse_list(text, "--section", 4, "x,y,z,M");
+  const double length = glm::length(glm::dvec3(v[0], v[1], v[2]));
+  if (!(length > 0.0)) throw UsageError("--section", "the normal has no direction");
+  return glm::vec4(glm::dvec4(v[0], v[1], v[2], v[3]) / length);
+}
+
 void parse_size(SceneOptions* options, const std::string& text) {
   const std::size_t x = text.find('x');
   const bool has_sides =
@@ -186,6 +193,10 @@ std::vector<OptionDeclaration> camera_options() {
              [](O* o, const std::string& t) {
                o->orthographic_m = static_cast<float>(parse_in(t, "--orthographic", 1e-9, 1e9));
              }),
+      shared("--section", "x,y,z,M",
+             "section plane: only points p with x px + y py + z pz <= M metres are seen; shadows, light and mirror "
+             "images stay whole",
+             [](O* o, const std::string& t) { o->section = parse_section(t); }),
       shared("--size", "WxH", "picture in pixels (1280x720; `report`, `measure`: 320x180)", parse_size),
   };
 }
@@ -360,7 +371,7 @@ bool decides_settled_frames(const std::string& name) {
   static const std::set<std::string> kNames = {
       "--env",     "--env-rotation", "--env-scale", "--exposure", "--tonemap", "--material", "--scene",
       "--variant", "--size",         "--samples",   "--seed",     "--msaa",    "--set",      "--mode",
-      "--mode-of", "--reflections",  "--reflector", "--dent",     "--look"};
+      "--mode-of", "--reflections",  "--reflector", "--dent",     "--look",    "--section"};
   return kNames.contains(name);
 }
 

@@ -41,6 +41,7 @@ struct SceneOptions {
   std::string variant;                                         ///< empty: the file's default
   std::string camera;  ///< empty: the first camera, or one that frames the scene
   std::optional<glm::vec3> eye, target, up;
+  std::optional<glm::vec4> section;     ///< as Edits::section
   std::optional<float> fov_deg;         ///< vertical
   std::optional<float> orthographic_m;  ///< height of what is seen
   int width = 1280;

@@ -48,6 +48,7 @@ Look look_of_review(const Review& review, const Scene& scene, const SceneOptions
   if (given("--variant")) look.edits.variant = asked.edits.variant;
   for (const auto& [name, source] : asked.edits.materials) look.edits.materials[name] = source;
   look.edits.dents.insert(look.edits.dents.end(), asked.edits.dents.begin(), asked.edits.dents.end());
+  if (given("--section")) look.edits.section = asked.edits.section;
   if (given("--reflector")) look.edits.reflectors = asked.edits.reflectors;
   for (const auto& [path, mode] : asked.edits.part_modes) look.edits.part_modes[path] = mode;
   look.camera = camera_on_top(look.camera, scene, options);
@@ -81,6 +82,7 @@ void take_review(SceneOptions* options) {
   options->materials = {look.edits.materials.begin(), look.edits.materials.end()};
   options->variant = look.edits.variant;
   options->dents = look.edits.dents;
+  if (look.edits.section != glm::vec4(0.0f)) options->section = look.edits.section;
   options->hidden = look.edits.hidden_nodes;
   options->settings = look.settings;
   options->camera.clear();

@@ -266,6 +266,7 @@ Look look_of_options(const Scene& scene, const SceneOptions& options) {
       for (const int node : find_nodes(scene, part.node))  // names unknown nodes before any work
         edits.part_modes[paths[static_cast<std::size_t>(node)]] = part.mode;
   }
+  if (options.section) edits.section = *options.section;
   look.camera = camera_of_options(scene, options);
   look.mode = options.mode;
   look.reflections = options.reflections;
@@ -301,6 +302,7 @@ FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize&
   FrameRequest request;
   request.mode = look.mode;
   request.camera = look.camera;
+  request.camera.section = look.edits.section;
   request.width = std::max(size.width, 1);
   request.height = std::max(size.height, 1);
   fit_aspect(&request.camera, static_cast<float>(request.width) / static_cast<float>(request.height));

@@ -166,6 +166,7 @@ void WindowCompare::update(WindowSession* session, const WindowPicture& picture)
 void WindowCompare::draw_other(WindowSession* session, const WindowPicture& picture, const Look& other) {
   Wanted wanted{other, picture.drawn_size().x, picture.drawn_size().y};
   wanted.look.camera = session->state.camera;
+  wanted.look.edits.section = session->state.edits.section;
   const bool known = wanted_ && *wanted_ == wanted;
   if (!known) {
     ready_ = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "render/math/shared_formulas.h"
 
@@ -13,7 +14,7 @@ float CameraView::height_at(float distance_m) const {
 
 bool operator==(const CameraView& a, const CameraView& b) {
   return a.eye == b.eye && a.target == b.target && a.up == b.up && a.fov_y_rad == b.fov_y_rad &&
-         a.height_m == b.height_m && a.near_m == b.near_m && a.far_m == b.far_m;
+         a.height_m == b.height_m && a.near_m == b.near_m && a.far_m == b.far_m && a.section == b.section;
 }
 
 namespace {
@@ -41,6 +42,7 @@ void set_depths(const Bounds& bounds, CameraFrame* frame) {
 CameraFrame make_camera_frame(const CameraView& view, int width, int height, const Bounds& bounds) {
   CameraFrame frame;
   frame.eye = view.eye;
+  frame.section = view.section;
   frame.forward = glm::normalize(view.target - view.eye);
   glm::vec3 right = glm::cross(frame.forward, view.up);
   if (glm::dot(right, right) < 1e-12f) right = glm::cross(frame.forward, glm::vec3(0.0f, 0.0f, 1.0f));
@@ -59,6 +61,23 @@ CameraFrame make_camera_frame(const CameraView& view, int width, int height, con
 EyeRay CameraFrame::ray_through(const glm::vec2& ndc) const {
   const shared::EyeRay ray = shared::camera_ray(forward, right * half_x, up * half_y, orthographic ? 0.0f : 1.0f, ndc);
   return {eye + ray.origin, ray.direction};
+}
+
+glm::vec2 CameraFrame::seen_depths(const EyeRay& ray) const {
+  glm::vec2 depths(near_m, std::numeric_limits<float>::max());
+  const glm::vec3 normal(section);
+  if (normal == glm::vec3(0.0f)) return depths;
+  const float outside_m = glm::dot(normal, ray.origin) - section.w, rate = glm::dot(normal, ray.direction);
+  if (rate == 0.0f) {
+    if (outside_m > 0.0f) depths.y = depths.x;
+    return depths;
+  }
+  const float crossing = -outside_m / rate;
+  if (rate < 0.0f)
+    depths.x = std::max(depths.x, crossing);
+  else
+    depths.y = std::max(std::min(depths.y, crossing), depths.x);
+  return depths;
 }
 
 glm::mat4 clip_from_world(const CameraFrame& camera) {

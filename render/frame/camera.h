@@ -15,6 +15,9 @@ struct CameraView {
   float near_m = 0.0f;    ///< 0: derived from the scene bounds
   float far_m = 0.0f;
   float aspect = 0.0f;  ///< width over height that the view was framed for; 0: any
+  /// Section plane: the eye sees points p with dot(xyz, p) <= w, metres, xyz unit; 0: all. What casts shadows, what
+  /// lights and what is mirrored stays whole.
+  glm::vec4 section{0.0f};
 
   bool is_orthographic() const { return height_m > 0.0f; }
   /// Of what is seen at a distance along the viewing axis, m.
@@ -36,9 +39,13 @@ struct CameraFrame {
   float near_m = 0.0f;  ///< along `forward`
   /// Depths of what is drawn, m; of orthographic cameras only.
   float nearest_m = 0.0f, farthest_m = 1.0f;
+  glm::vec4 section{0.0f};  ///< of the view
 
   /// `ndc`: y up.
   EyeRay ray_through(const glm::vec2& ndc) const;
+  /// Depths x to y of what is seen along a ray: beyond the near plane, on the seen side of the section plane; empty
+  /// where x >= y.
+  glm::vec2 seen_depths(const EyeRay& ray) const;
 };
 /// `bounds`: of what is drawn, to derive a near plane that the view does not give. The eye of an orthographic camera is
 /// moved along the axis to just before the bounds: the picture is the same, and depths keep their precision.

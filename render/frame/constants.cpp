@@ -25,6 +25,7 @@ FrameConstants make_frame_constants(const SceneState& scene, const FrameRequest&
   c.sky_nodes = glm::ivec4(sky.columns, sky.spans, sky.last_row, sky.offset > 0.0f ? 1 : 0);
   c.bandwidth_size = glm::ivec4(environment.tables().bandwidth_width, environment.tables().bandwidth_height,
                                 scene.lights() ? scene.lights()->count() : 0, 0);
+  c.section = glm::vec3(camera.section) == glm::vec3(0.0f) ? glm::vec4(0.0f, 0.0f, 0.0f, 1.0f) : camera.section;
   c.quality = glm::vec4(1.0f, 1.0f, 0.0f, environment.sun_luminance());
   return c;
 }

@@ -15,7 +15,7 @@ static_assert(offsetof(FrameConstants, eye) == 64);
 static_assert(offsetof(FrameConstants, environment) == 128);
 static_assert(offsetof(FrameConstants, size) == 144);
 static_assert(offsetof(FrameConstants, bandwidth_size) == 192);
-static_assert(offsetof(FrameConstants, quality) == 224);
-static_assert(sizeof(FrameConstants) == 240);
+static_assert(offsetof(FrameConstants, section) == 224);
+static_assert(sizeof(FrameConstants) == 256);
 
 }  // namespace maquette

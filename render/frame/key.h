@@ -40,6 +40,7 @@ class Key {
   void add(const CameraView& camera) {
     for (const glm::vec3& v : {camera.eye, camera.target, camera.up}) add(v);
     for (const float f : {camera.fov_y_rad, camera.height_m, camera.near_m, camera.far_m, camera.aspect}) add(f);
+    for (int i = 0; i < 4; ++i) add(camera.section[i]);
   }
   /// Values that differ from their defaults say all.
   void add(const Settings& settings) {

@@ -64,8 +64,7 @@ void Raster::draw_item(const SceneState& scene, const FrameConstants& constants,
 
 void Raster::end() {
   glBindVertexArray(0);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
+  end_triangles();
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   ++revision_;
 }

@@ -10,11 +10,18 @@ void begin_triangles(GLuint framebuffer, int width, int height) {
   glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, none);
   glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, &far_depth);
   glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CLIP_DISTANCE0);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glFrontFace(GL_CCW);  // GL_UPPER_LEFT keeps the winding of the file
   glCullFace(GL_BACK);
+}
+
+void end_triangles() {
+  glDisable(GL_DEPTH_TEST);
+  glDisable(GL_CLIP_DISTANCE0);
+  glDisable(GL_CULL_FACE);
 }
 
 }  // namespace maquette

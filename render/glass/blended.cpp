@@ -140,8 +140,7 @@ bool Blended::peel(const MirroredScene& scene, const std::vector<std::size_t>& i
   }
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
+  end_triangles();
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   const ReflectionTargets& t = rays_.targets();
   glBindTextureUnit(kUnitTriangle, t.triangle.get());

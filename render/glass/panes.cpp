@@ -244,6 +244,7 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
   bind_framebuffer(scene, behind);
   if (on_black) clear_colors(framebuffer_.get());
   glEnable(GL_DEPTH_TEST);
+  glEnable(GL_CLIP_DISTANCE0);
   glDepthFunc(GL_GREATER);
   glDepthMask(GL_FALSE);
   record ? glDisable(GL_BLEND) : glEnable(GL_BLEND);
@@ -262,10 +263,9 @@ void Panes::draw_items(const PaneScene& scene, const std::vector<std::size_t>& d
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
-  glDisable(GL_DEPTH_TEST);
+  end_triangles();
   glDisable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ZERO);  // a second source forbids draws into several images, even while nothing blends
-  glDisable(GL_CULL_FACE);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 

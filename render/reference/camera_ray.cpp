@@ -76,7 +76,9 @@ class CameraRay::Splitter {
       out_.covered_ |= branch.straight;
     }
     // Push the straight part last, so that it is traced first: its random numbers do not depend on what is reflected.
-    push({offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction}, behind, branch, branch.straight);
+    Ray beyond{offset_from_surface(p.position, p.error, -p.normal), branch.ray.direction};
+    beyond.far = std::max(branch.ray.far - hit.distance, 0.0f);  // what an eye sees may end at a section plane
+    push(beyond, behind, branch, branch.straight);
     if (surface > 0.0f) add_surface(p, covered * surface, branch);
   }
 

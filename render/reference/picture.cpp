@@ -121,8 +121,8 @@ struct ReferencePicture::Impl {
     const float step = request.footprint * (request.msaa == 16 ? 0.25f : request.msaa == 4 ? 0.5f : 1.0f);
     const EyeRay ray = eye_ray_through(at), x = eye_ray_through(at + glm::vec2(step, 0.0f)),
                  y = eye_ray_through(at + glm::vec2(0.0f, step));
-    return {{ray.origin, ray.direction, camera.near_m, std::numeric_limits<float>::max()},
-            {x.origin, y.origin, x.direction, y.direction}};
+    const glm::vec2 depths = camera.seen_depths(ray);
+    return {{ray.origin, ray.direction, depths.x, depths.y}, {x.origin, y.origin, x.direction, y.direction}};
   }
 
   /// Number of paths of a pixel when the average is `average`.

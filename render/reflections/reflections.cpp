@@ -135,8 +135,7 @@ void Reflections::draw_panes(const Frame& frame, const ReflectionTargets& t) {
   }
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
+  end_triangles();
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }
 

@@ -155,6 +155,7 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
   glViewport(0, 0, t.width, t.height);
   glDisable(GL_DEPTH_TEST);
   glDisable(GL_CULL_FACE);
+  glEnable(GL_CLIP_DISTANCE0);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ZERO, GL_SRC_COLOR);
   const Program& program = mirrored.frame.programs.get(kCover);
@@ -180,6 +181,7 @@ void Skipping::draw_cover(const MirroredScene& mirrored, const ReflectionTargets
   }
   glBindVertexArray(0);
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  end_triangles();
   glDisable(GL_BLEND);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
 }

@@ -14,6 +14,7 @@ out vec2 v_uv;
 #endif
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  gl_ClipDistance[0] = u_frame.section.w - dot(u_frame.section.xyz, a_position);
 #if ALPHA_MASK
   v_alpha = vertex_color(gl_VertexID).a;
 #endif

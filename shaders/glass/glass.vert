@@ -30,6 +30,7 @@ float open_share(vec3 direction, bool back) {
 
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  gl_ClipDistance[0] = u_frame.section.w - dot(u_frame.section.xyz, a_position);
   v_position = from_eye(a_position);
   v_normal = texelFetch(t_vertices, 4 * gl_VertexID + 1).xyz;
   v_color = vertex_color(gl_VertexID);

@@ -6,5 +6,6 @@ layout(location = 1) in vec2 a_uv;
 out vec2 v_uv;
 void main() {
   gl_Position = u_frame.clip_from_world * vec4(a_position, 1.0);
+  gl_ClipDistance[0] = u_frame.section.w - dot(u_frame.section.xyz, a_position);
   v_uv = a_uv;
 }

@@ -13,5 +13,6 @@ struct FrameConstants {
   ivec4 environment_size;  // texels width, height; log2 scale of the packed texels; light sample list length
   ivec4 bandwidth_size;    // nu_L map width, height; number of lights; 0
   ivec4 sky_nodes;     // columns, spans between rows, last row, 1: nodes are the texels' centres (render/environment/packed_sky.h)
+  vec4 section;        // xyz unit, w m: points p with dot(xyz, p) > w are not drawn; 0, 0, 0, 1: all are
   vec4 quality;        // x: bandwidth.quality, sharpened with the samples; w: luminance amid suns, stored units
 };

@@ -39,7 +39,7 @@ class RandomReviews {
   }
   void change(Look* look) {
     Edits& edits = look->edits;
-    switch (pick(15)) {
+    switch (pick(16)) {
       case 0:
         edits.environment = "/a place/" + word() + ".hdr";
         break;
@@ -62,6 +62,10 @@ class RandomReviews {
         break;
       case 6:
         if (!edits.hidden_nodes.insert("/" + word()).second) edits.hidden_nodes.clear();
+        break;
+      case 15:
+        edits.section = pick(3) ? glm::vec4(glm::normalize(point() + glm::vec3(0.0f, 0.0f, 200.0f)), real(-2.0f, 2.0f))
+                                : glm::vec4(0.0f);
         break;
       case 7:
         if (!edits.reflectors.insert("/" + word() + "#2").second) edits.reflectors.clear();

@@ -57,6 +57,8 @@ void Renderer::update_mesh(int mesh, const std::vector<glm::vec3>& positions, co
 
 void Renderer::set_node_visible(int node, bool visible) { impl_->scene.set_node_visible(node, visible); }
 
+bool Renderer::move_nodes(std::shared_ptr<const Scene> scene) { return impl_->scene.move_nodes(std::move(scene)); }
+
 void Renderer::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
   impl_->scene.set_texture_offset(material_name, offset);
 }

@@ -44,6 +44,9 @@ class Renderer {
   /// New geometry of one mesh's primitive 0, same vertex count (dynamic geometry: dents).
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
+  /// The same scene with nodes elsewhere: materials, textures and what is hidden stay, meshes are as `scene` has them.
+  /// False, and nothing is changed, where its geometry is no longer the same triangles: `set_scene` is for that.
+  bool move_nodes(std::shared_ptr<const Scene> scene);
   /// Moves the base colour texture of the material named so, in its UV coordinates, until the next scene.
   void set_texture_offset(const std::string& material_name, const glm::vec2& offset);
   /// For a window: modes that draw whole pictures then work on a thread of their own, `render` shows what there is so

@@ -121,6 +121,7 @@ PathMoment path_at(const CameraPath& path, double time_s) {
   while (at + 1 < kept.size() && times[kept[at + 1]] <= time_s) ++at;
   const PathKey& key = path.keys[kept[at]];
   PathMoment moment;
+  moment.time_s = time_s;
   moment.key = kept[at];
   moment.camera = key.camera;
   const double left_s = times[kept[at]] + key.delay_s;

@@ -29,7 +29,8 @@ struct PathKey {
 struct CameraPath {
   std::string name;
   std::vector<PathKey> keys;
-  bool closed = false;  ///< the last key leads back to the first
+  bool closed = false;    ///< the last key leads back to the first
+  std::string animation;  ///< of the scene, which plays along from its begin; empty: none
   bool operator==(const CameraPath&) const = default;
 };
 
@@ -38,6 +39,7 @@ struct PathMoment {
   CameraView camera;
   std::optional<std::string> look;
   std::optional<float> env_rotation_deg, exposure_ev;
+  double time_s = 0.0;  ///< within the path
   std::size_t key = 0;  ///< the last one that was passed, of the keys with the skipped ones
 };
 

@@ -23,6 +23,21 @@ struct Dent {
   bool operator==(const Dent&) const = default;
 };
 
+/// A node turned with what is below it, `--turn NODE=x,y,z,DEG`.
+struct NodeTurn {
+  std::string node;                  ///< its name or path, or `*`: all that is drawn, about the origin of the world
+  glm::vec3 axis{0.0f, 1.0f, 0.0f};  ///< unit, in the frame of the node's parent, through the node's origin
+  float angle_deg = 0.0f;
+  bool operator==(const NodeTurn&) const = default;
+};
+
+/// A moment of one of the scene's animations.
+struct PlayedAnimation {
+  std::string name;  ///< empty: the scene rests as the file has it
+  double time_s = 0.0;
+  bool operator==(const PlayedAnimation&) const = default;
+};
+
 /// What is changed of the scene and its light. Nodes are named by their paths (scenes/node_paths.h).
 struct Edits {
   std::string environment = "builtin:clear-sky";
@@ -31,6 +46,8 @@ struct Edits {
   std::string variant;                           ///< empty: as in the file
   std::map<std::string, std::string> materials;  ///< material name -> source; absent: as in the file
   std::vector<Dent> dents;                       ///< in the order in which they were pressed
+  PlayedAnimation animation;                     ///< moves nodes; dents follow them
+  std::vector<NodeTurn> turns;                   ///< on top of it, one after the other
   std::set<std::string> hidden_nodes;
   std::set<std::string> reflectors;  ///< paths or names of nodes; empty: those that the scene marks
   /// Section plane, as CameraView has it: what is seen, m; 0: none.

@@ -77,6 +77,44 @@ std::vector<Dent> dents_from_json(const Json& json, const std::string& where) {
   return dents;
 }
 
+Json turns_json(const std::vector<NodeTurn>& turns) {
+  Json json = Json::array();
+  for (const NodeTurn& turn : turns)
+    json.push_back({{"node", turn.node}, {"axis", point_json(turn.axis)}, {"angle_deg", shortest(turn.angle_deg)}});
+  return json;
+}
+
+std::vector<NodeTurn> turns_from_json(const Json& json, const std::string& where) {
+  std::vector<NodeTurn> turns;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const std::string here = where + "[" + std::to_string(i) + "]";
+    JsonReader reader(json[i], here);
+    NodeTurn turn;
+    turn.node = reader.text("node");
+    turn.axis = point_from(&reader, "axis");
+    turn.angle_deg = reader.real("angle_deg", -36000.0f, 36000.0f);
+    reader.finish();
+    if (!(glm::length(turn.axis) > 0.0f)) throw Error(here + ".axis", "it has no direction");
+    turns.push_back(turn);
+  }
+  return turns;
+}
+
+Json animation_json(const PlayedAnimation& animation) {
+  if (animation.name.empty()) return nullptr;
+  return {{"name", animation.name}, {"time_s", animation.time_s}};
+}
+
+PlayedAnimation animation_from_json(const Json& json, const std::string& where) {
+  PlayedAnimation animation;
+  if (json.is_null()) return animation;
+  JsonReader reader(json, where);
+  animation.name = reader.text("name");
+  animation.time_s = reader.number("time_s", 0.0, 86400.0);
+  reader.finish();
+  return animation;
+}
+
 Json section_json(const glm::vec4& section) {
   if (section == glm::vec4(0.0f)) return nullptr;
   return {{"normal", point_json(glm::vec3(section))}, {"offset_m", shortest(section.w)}};
@@ -153,6 +191,8 @@ Json look_json(const Look& look, const SourceMap& to_file) {
           {"variant", edits.variant},
           {"materials", materials},
           {"dents", dents_json(edits.dents)},
+          {"animation", animation_json(edits.animation)},
+          {"turns", turns_json(edits.turns)},
           {"hidden", edits.hidden_nodes},
           {"reflectors", edits.reflectors},
           {"section", section_json(edits.section)},
@@ -180,6 +220,9 @@ Look look_from_json(const Json& json, const std::string& where, const SourceMap&
   for (const auto& [name, source] : map_from_json(reader.object("materials"), reader.where("materials")))
     edits.materials[name] = from_file(source);
   edits.dents = dents_from_json(reader.list("dents"), reader.where("dents"));
+  if (reader.has("animation"))
+    edits.animation = animation_from_json(reader.member("animation"), reader.where("animation"));
+  if (reader.has("turns")) edits.turns = turns_from_json(reader.list("turns"), reader.where("turns"));
   edits.hidden_nodes = set_of(reader.texts("hidden"));
   edits.reflectors = set_of(reader.texts("reflectors"));
   if (reader.has("section")) edits.section = section_from_json(reader.member("section"), reader.where("section"));

@@ -57,7 +57,7 @@ Json path_json(const CameraPath& path) {
                     {"look", key.look ? Json(*key.look) : Json(nullptr)},
                     {"env_rotation_deg", optional_json(key.env_rotation_deg)},
                     {"exposure_ev", optional_json(key.exposure_ev)}});
-  return {{"name", path.name}, {"closed", path.closed}, {"keys", keys}};
+  return {{"name", path.name}, {"closed", path.closed}, {"animation", path.animation}, {"keys", keys}};
 }
 
 CameraPath path_from_json(const Json& json, const std::string& where) {
@@ -65,6 +65,7 @@ CameraPath path_from_json(const Json& json, const std::string& where) {
   CameraPath path;
   path.name = reader.text("name");
   path.closed = reader.flag("closed");
+  if (reader.has("animation")) path.animation = reader.text("animation");
   const Json& keys = reader.list("keys");
   for (std::size_t i = 0; i < keys.size(); ++i)
     path.keys.push_back(key_from_json(keys[i], reader.where("keys[" + std::to_string(i) + "]")));

@@ -97,17 +97,6 @@ void open_buffers(Document* document, const Container& container) {
   }
 }
 
-void warn_of_the_rest(Document* document) {
-  const Json& root = document->root;
-  const auto count = [&root](const char* key) {
-    const auto found = root.find(key);
-    return found != root.end() && found->is_array() ? found->size() : 0;
-  };
-  if (count("animations") > 0)
-    document->warnings.add(std::to_string(count("animations")) +
-                           " animations are not played: the scene stands in its rest pose");
-}
-
 }  // namespace
 
 /// Buffers that could not be read and that nothing needed: else the import has thrown the fault.
@@ -132,7 +121,6 @@ Document open_document(const std::string& path, const std::string& scene) {
   decode_views(&document);
   import_tree(&document, scene);
   find_mesh_uses(&document);
-  warn_of_the_rest(&document);
   return document;
 }
 

@@ -47,6 +47,7 @@ struct Document {
   std::vector<MeshUse> mesh_uses;  ///< one for each mesh of the scene; those of the file come first
   std::vector<int> node_uses;      ///< of each node of the file: its mesh in the scene, or -1
   std::size_t instance_count = 0;  ///< of EXT_mesh_gpu_instancing, of all nodes read so far
+  std::size_t animation_keys = 0;  ///< of all animations read so far
   Warnings warnings;
 };
 
@@ -105,7 +106,9 @@ int camera_of_node(Document* document, const Fixtures& fixtures, std::size_t nod
 int light_of_node(Document* document, const Fixtures& fixtures, std::size_t node);
 /// Gives every node a camera of its own with a name; leaves out cameras in spaces without volume.
 void place_cameras(Document* document, Scene* scene);
-/// Fills nodes, roots, cameras, lights and patches; only what the default scene refers to.
+/// Fills animations. `scene_nodes`: index in the scene of each node of the file, -1 for those that are left out.
+void import_animations(Document* document, const std::vector<int>& scene_nodes, Scene* scene);
+/// Fills nodes, roots, cameras, lights, patches and animations; only what the default scene refers to.
 void import_nodes(Document* document, Scene* scene);
 
 /// Imports `extras.maquette` (docs/formats.md): control cages of meshes, Bezier patches, flags of nodes.

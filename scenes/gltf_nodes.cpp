@@ -160,6 +160,7 @@ void import_nodes(Document* document, Scene* scene) {
     if (new_index[i] >= 0) place_mesh(document, i, static_cast<std::size_t>(new_index[i]), scene);
   check_transforms(*document, *scene);
   place_cameras(document, scene);
+  import_animations(document, new_index, scene);
 }
 
 }  // namespace maquette::gltf

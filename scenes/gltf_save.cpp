@@ -48,6 +48,7 @@ class GlbWriter {
     write_variants();
     write_patches();
     write_nodes();
+    write_animations();
     for (const std::string& extension : extensions_) root_["extensionsUsed"].push_back(extension);
     if (!binary_.empty()) root_["buffers"] = {{{"byteLength", binary_.size()}}};
     return assemble();
@@ -239,6 +240,33 @@ class GlbWriter {
     root_["scene"] = 0;
     root_["scenes"].push_back(Json::object());
     if (!scene_.roots.empty()) root_["scenes"][0]["nodes"] = scene_.roots;
+  }
+
+  /// Channels move translation, rotation and scale: the nodes have these in place of their matrices.
+  void write_animations() {
+    static constexpr const char* kPaths[] = {"translation", "rotation", "scale"};
+    static constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+    for (const Animation& animation : scene_.animations) {
+      Json out = {{"name", animation.name}, {"channels", Json::array()}, {"samplers", Json::array()}};
+      for (const AnimatedNode& node : animation.nodes) {
+        Json& moved = root_["nodes"][static_cast<std::size_t>(node.node)];
+        moved.erase("matrix");
+        for (std::size_t i = 0; i < AnimatedNode::kProperties; ++i) {
+          const bool rotation = i == AnimatedNode::rotation;
+          moved[kPaths[i]] = to_json(node.rest[i], rotation ? 4 : 3);
+          const AnimationTrack& track = node.tracks[i];
+          if (track.times_s.empty()) continue;
+          const std::vector<glm::vec3> vectors(track.values.begin(), track.values.end());
+          const int output = rotation ? add_floats(track.values, "VEC4", 0) : add_floats(vectors, "VEC3", 0);
+          out["channels"].push_back(
+              {{"sampler", out["samplers"].size()}, {"target", {{"node", node.node}, {"path", kPaths[i]}}}});
+          out["samplers"].push_back({{"input", add_floats(track.times_s, "SCALAR", 0)},
+                                     {"output", output},
+                                     {"interpolation", kInterpolations[static_cast<int>(track.interpolation)]}});
+        }
+      }
+      root_["animations"].push_back(std::move(out));
+    }
   }
 
   std::vector<std::byte> assemble() {

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "scenes/animation.h"
+
 namespace maquette {
 
 /// Texture image, row 0 on top, always RGBA: 4 codes a texel.
@@ -203,6 +205,7 @@ struct Scene {
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   std::vector<std::string> variants;
+  std::vector<Animation> animations;
   std::vector<std::string> warnings;  ///< one line per unsupported feature of the file
 };
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -40,9 +41,17 @@ struct MeterFacts {
   double seconds = 0.0;                       ///< from the camera's last move to this result
   std::string status;                         ///< one line: what it does, or why it cannot measure
   std::string curve;                          ///< where the curve of the mode comes from; empty: there is none
+  std::string reference_answer;               ///< where the reference would be better after the same time
   std::string budget_answer;                  ///< the settings that keep the budget, or why none do
   bool can_apply = false;
   bool measuring_curve = false;
+  struct Reflector {
+    std::string name;
+    double error = 0.0, time_ms = 0.0;  ///< of a frame
+    std::string why;                    ///< it cannot draw this view; else empty
+  };
+  std::vector<Reflector> reflectors;  ///< techniques that were compared in this view
+  bool comparing_reflectors = false;
 };
 
 /// The path that is being edited and played.
@@ -94,6 +103,7 @@ struct EditorState : Look {
   bool open_path_popup = false, save_path_popup = false, start_popup = false;
   bool presenting = false;  ///< the picture alone
   float text_scale = 1.0f;  ///< of all panels, beside that of the display
+  std::string frame_pass;   ///< whose times the tab Frame plots; empty: the whole frame's
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
   std::array<char, 1024> path{};
@@ -119,7 +129,7 @@ struct EditorFacts {
   std::vector<std::string> cameras;                      ///< bookmarks, in order of the keys 1 to 9
   std::vector<BackgroundWork> background;
   std::map<std::string, double> seconds_left;  ///< of `background`, once it can be told
-  std::string loading;  ///< what is being read; empty: nothing
+  std::string loading;                         ///< what is being read; empty: nothing
   std::string device;
   std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones
   std::vector<std::string> brdf_files;
@@ -130,7 +140,9 @@ struct EditorFacts {
   const std::map<std::string, unsigned>* swatches = nullptr;  ///< texture of each library BRDF's ball, where ready
   std::vector<float> frame_history_ms;                        ///< oldest first
   std::vector<PassTime> smooth_passes;
-  std::set<int> reflecting;  ///< nodes that are reflectors, whether in view or not
+  std::map<std::string, std::vector<float>> pass_history_ms;  ///< of each pass, as long as `frame_history_ms`
+  std::optional<glm::vec2> sun_deg;  ///< elevation, azimuth from +Z towards +X; nothing where the light has no sun
+  std::set<int> reflecting;          ///< nodes that are reflectors, whether in view or not
   glm::ivec2 picture_px{0};
   float suggested_exposure_ev = 0.0f;
   MeterFacts meter;
@@ -157,13 +169,15 @@ struct EditorActions {
   int next_look = 0;  ///< 1 or -1
   bool new_path = false, turntable = false, add_key = false, record_path = false, play_path = false;
   bool export_path = false;
-  int step_path = 0;      ///< frames
-  std::string open_path;  ///< scene, environment or BRDF, by its extension
+  int add_animation = -1;  ///< index of one of the scene: a path that it plays along
+  int step_path = 0;       ///< frames
+  std::string open_path;   ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
   bool meter_exposure = false;
   bool undo = false, redo = false;
   bool dismiss_messages = false;
+  bool compare_reflectors = false;
   bool measure_curve = false;  ///< of the present mode in the present view
   InspectionActions inspection;
   bool apply_budget = false;  ///< sets the mode's samples to those that keep the budget

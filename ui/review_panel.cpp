@@ -237,6 +237,35 @@ void draw_playback(Ui& ui, const CameraPath& path) {
   ImGui::EndDisabled();
 }
 
+/// The scene's own animations, each of which makes a path.
+void draw_animations(Ui& ui) {
+  const std::vector<Animation>& animations = ui.facts.scene->animations;
+  if (animations.empty()) return;
+  row_label("Animation", "Of the scene's file: adds a path that it plays along");
+  if (ImGui::BeginCombo("##animation", "add one of the scene")) {
+    for (std::size_t i = 0; i < animations.size(); ++i) {
+      char label[192];
+      std::snprintf(label, sizeof label, "%s  %.2f s", animations[i].name.c_str(), animations[i].duration_s);
+      if (ImGui::Selectable(label)) ui.actions.add_animation = static_cast<int>(i);
+      mark_item(ui, "animation/" + animations[i].name);
+    }
+    ImGui::EndCombo();
+  }
+  mark_item(ui, "animation");
+}
+
+/// What plays along the chosen path.
+void draw_path_animation(Ui& ui, CameraPath* path) {
+  const std::vector<Animation>& animations = ui.facts.scene->animations;
+  if (animations.empty() && path->animation.empty()) return;
+  row_label("Plays", "Animation of the scene that plays along the path");
+  if (!ImGui::BeginCombo("##plays", path->animation.empty() ? "nothing" : path->animation.c_str())) return;
+  if (ImGui::Selectable("nothing", path->animation.empty())) path->animation.clear();
+  for (const Animation& animation : animations)
+    if (ImGui::Selectable(animation.name.c_str(), path->animation == animation.name)) path->animation = animation.name;
+  ImGui::EndCombo();
+}
+
 void draw_paths(Ui& ui) {
   EditorState& state = ui.state;
   PathView& view = state.path_view;
@@ -251,6 +280,7 @@ void draw_paths(Ui& ui) {
   if (ImGui::Button("Turntable")) ui.actions.turntable = true;
   mark_item(ui, "path/turntable");
   tooltip("Once around what is looked at");
+  draw_animations(ui);
   if (state.paths.empty()) return dim_text("A path moves the camera from key to key; maquette play renders it.");
   view.path = std::clamp(view.path, 0, static_cast<int>(state.paths.size()) - 1);
   for (std::size_t i = 0; i < state.paths.size(); ++i) {
@@ -278,6 +308,7 @@ void draw_paths(Ui& ui) {
   if (ImGui::Button("Write a file")) ui.actions.export_path = true;
   mark_item(ui, "path/export");
   tooltip("NAME.path.json beside the review; such a file can be dropped on the picture");
+  draw_path_animation(ui, &path);
   draw_playback(ui, path);
   draw_keys(ui, &path);
   if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");

@@ -196,6 +196,27 @@ void draw_section(Ui& ui) {
   tooltip("Shows the other side");
 }
 
+/// The turn of the chosen node about the vertical; others that a command or a file gave stay.
+void draw_turn(Ui& ui) {
+  const Scene& scene = *ui.facts.scene;
+  if (ui.state.selected_node < 0 || ui.state.selected_node >= static_cast<int>(scene.nodes.size())) return;
+  const glm::vec3 up(0.0f, 1.0f, 0.0f);
+  const std::string path = ui.facts.path_of(ui.state.selected_node);
+  std::vector<NodeTurn>& turns = ui.state.edits.turns;
+  const auto found = std::ranges::find_if(turns, [&](const NodeTurn& t) { return t.node == path && t.axis == up; });
+  float angle = found == turns.end() ? 0.0f : found->angle_deg;
+  row_label("Turn", "The chosen node with what is below it, about the vertical through its origin");
+  if (slider("##turn", &angle, -180.0f, 180.0f, "%.1f\u00b0")) {
+    if (found == turns.end())
+      turns.push_back({path, up, angle});
+    else if (angle == 0.0f)
+      turns.erase(found);
+    else
+      found->angle_deg = angle;
+  }
+  mark_item(ui, "turn");
+}
+
 }  // namespace
 
 void draw_scene_panel(Ui& ui) {
@@ -203,7 +224,8 @@ void draw_scene_panel(Ui& ui) {
   const Scene& scene = *ui.facts.scene;
   const bool searching =
       search_box("##search", "Search nodes", ui.state.node_search.data(), ui.state.node_search.size());
-  const float rows = ui.state.edits.section == glm::vec4(0.0f) ? 1.0f : 2.0f;
+  const float rows =
+      (ui.state.edits.section == glm::vec4(0.0f) ? 1.0f : 2.0f) + (ui.state.selected_node >= 0 ? 1.0f : 0.0f);
   const float foot = ImGui::GetTextLineHeightWithSpacing() + rows * ImGui::GetFrameHeightWithSpacing();
   if (ImGui::BeginChild("tree", {0.0f, ImGui::GetContentRegionAvail().y - foot - scaled(4.0f)})) {
     if (searching) {
@@ -214,6 +236,7 @@ void draw_scene_panel(Ui& ui) {
   }
   ImGui::EndChild();
   draw_section(ui);
+  draw_turn(ui);
   const std::size_t hidden = ui.state.edits.hidden_nodes.size();
   dim_text(std::to_string(scene.nodes.size()) + " nodes" +
            (hidden > 0 ? ", " + std::to_string(hidden) + " hidden" : std::string()));

@@ -34,8 +34,9 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "precomputes what a technique needs: " + bake_names() +
            "; resumes where it was stopped, and builds only what has changed",
        ""},
-      {"play", "PATH.path.json [SCENE] | REVIEW", 1, 2,
-       "a camera path of a file or, by --path, of a review: settled frame by settled frame to a folder or a video; the "
+      {"play", "PATH.path.json [SCENE] | REVIEW | SCENE", 1, 2,
+       "a camera path of a file or, by --path, of a review, or a scene's --animation: settled frame by settled frame "
+       "to a folder or a video; the "
        "same command continues where it stopped",
        ""},
       {"report", "[SCENE|REVIEW]", 0, 1,
@@ -220,9 +221,13 @@ void take_files(CommandLine* line) {
     options.given.insert("SCENE");
   } else {
     if (!options.path.empty()) throw UsageError("--path", "it is for a review", "give a .maquette.json file");
-    options.path = first;
+    const bool is_path = first.ends_with(".path.json") || line->files.size() > 1 || options.animation.name.empty();
+    if (is_path) options.path = first;
     if (line->files.size() > 1) options.scene = line->files[1];
+    if (!is_path) options.scene = first;
   }
+  if (line->command == "play" && !options.path.empty() && !options.camera.empty())
+    throw UsageError("--camera", "a path has its own cameras", "leave it out");
 }
 
 /// A settled frame is the same however long it takes: no clock ends it, nothing is measured.

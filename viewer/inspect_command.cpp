@@ -161,6 +161,10 @@ Json inspect_scene(const CommandLine& line) {
   }
   json["closes_the_eye_in"] = facts.enclosed;
   json["cameras"] = cameras_json(*scene);
+  for (const Animation& animation : scene->animations)
+    json["animations"].push_back({{"name", animation.name},
+                                  {"duration_s", number(animation.duration_s)},
+                                  {"moves", std::to_string(animation.nodes.size()) + " nodes"}});
   json["variants"] = scene->variants;
   json["materials"] = Json::array();
   for (const Material& material : scene->materials)

@@ -22,7 +22,11 @@ Look fixed_part(Look look) {
   look.note.clear();
   look.camera = CameraView();
   look.edits.env_scale = 1.0f;
-  if (look.settings.get_string("ground.kind") == "none") look.edits.env_rotation_deg = 0.0f;
+  if (look.settings.get_string("ground.kind") == "none") {
+    look.edits.env_rotation_deg = 0.0f;
+    look.edits.turns.clear();
+  }
+  look.edits.animation = {};
   look.auto_exposure = true;
   look.exposure_ev = 0.0f;
   look.tonemap.clear();
@@ -53,23 +57,45 @@ std::shared_ptr<const Environment> LookStage::environment(const std::string& sou
 
 void LookStage::show(const Look& look) {
   const Look fixed = fixed_part(look);
-  if (shown_ && *shown_ == fixed) return;
+  const Edits& edits = look.edits;
+  if (shown_ && *shown_ == fixed && animation_ == edits.animation && turns_ == edits.turns) return;
+  if (shown_ && *shown_ == fixed && move(edits)) return;
   shown_.reset();
   renderer_.reset();  // one at a time is in memory
   prepare(look);
   shown_ = fixed;
+  animation_ = edits.animation;
+  turns_ = edits.turns;
+}
+
+bool LookStage::move(const Edits& edits) {
+  auto moved = std::make_shared<Scene>(*drawn_);
+  pose_nodes(moved.get(), rest_, edits);
+  if (!renderer_->move_nodes(moved)) return false;
+  drawn_ = std::move(moved);
+  animation_ = edits.animation;
+  turns_ = edits.turns;
+  return true;
 }
 
 void LookStage::prepare(const Look& look) {
   const Edits& edits = look.edits;
   std::shared_ptr<const Scene> scene = scene_;
-  if (!edits.dents.empty()) {
-    auto dented = std::make_shared<Scene>(*scene_);
-    press_dents(dented.get(), edits.dents);
-    scene = std::move(dented);
+  if (!edits.dents.empty() || !edits.turns.empty()) {
+    auto edited = std::make_shared<Scene>(*scene_);
+    press_dents(edited.get(), edits.dents);
+    Edits turned = edits;
+    turned.animation = {};  // the ground does not move with it
+    pose_nodes(edited.get(), rest_, turned);
+    scene = std::move(edited);
   }
   const std::shared_ptr<const Environment> light = environment(edits.environment);
   drawn_ = with_ground(scene, *light, look.settings, radians(edits.env_rotation_deg));
+  if (!edits.animation.name.empty()) {
+    auto moved = std::make_shared<Scene>(*drawn_);
+    pose_nodes(moved.get(), rest_, edits);
+    drawn_ = std::move(moved);
+  }
   for (const auto& [name, source] : edits.materials) {
     check_material_name(*drawn_, name);
     prepare_btf(source);

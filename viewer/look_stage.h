@@ -7,6 +7,7 @@
 
 #include "render/renderer.h"
 #include "review/look.h"
+#include "viewer/pose.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -23,7 +24,7 @@ struct SettledFrame {
 class LookStage {
  public:
   /// `scene`: as the file has it.
-  explicit LookStage(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {}
+  explicit LookStage(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)), rest_(rest_pose(*scene_)) {}
 
   /// Draws; the renderer then has the picture. Throws Error: a file that cannot be used, a mode that cannot draw it.
   FrameStats render(const Look& look, const SettledFrame& settled);
@@ -37,13 +38,19 @@ class LookStage {
  private:
   void show(const Look& look);
   void prepare(const Look& look);
+  /// Moves the nodes of what is shown. False where the renderer has to be made anew.
+  bool move(const Edits& edits);
   std::shared_ptr<const Environment> environment(const std::string& source);
   float suited_exposure_ev(const Look& look);
 
-  std::shared_ptr<const Scene> scene_, drawn_;
+  std::shared_ptr<const Scene> scene_;
+  RestPose rest_;
+  std::shared_ptr<const Scene> drawn_;
   std::map<std::string, std::shared_ptr<const Environment>> environments_;
   std::unique_ptr<Renderer> renderer_;
   std::optional<Look> shown_;  ///< without what a renderer may be turned to
+  PlayedAnimation animation_;  ///< as they are shown
+  std::vector<NodeTurn> turns_;
   FrameRequest request_;
 };
 

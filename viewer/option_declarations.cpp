@@ -55,6 +55,14 @@ void parse_turn(SceneOptions* options, const std::string& text) {
   options->turns.push_back({node, glm::vec3(glm::normalize(axis)), static_cast<float>(v[3])});
 }
 
+void parse_animation(SceneOptions* options, const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  options->animation.name = text.substr(0, equals);
+  if (equals != std::string::npos)
+    options->animation.time_s = parse_in(text.substr(equals + 1), "--animation", 0.0, 86400.0);
+  if (options->animation.name.empty()) throw UsageError("--animation", "the name is empty", "write NAME or NAME=S");
+}
+
 const std::string& check_name(const std::string& text, const std::string& what, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (name == text) return text;
@@ -233,6 +241,11 @@ std::vector<OptionDeclaration> quality_options() {
                                      "is drawn, about that of the "
                                      "world",
                                      parse_turn, true))),
+      bake_option(plan_option(
+          shared("--animation", "NAME=S",
+                 "the scene's animation at S seconds (0); `play`: NAME alone plays along the path, or for its duration "
+                 "where there is none",
+                 parse_animation))),
       bake_option(plan_option(shared(
           "--set", "SETTING=VALUE", "any setting of the list below",
           [](O* o, const std::string& t) {
@@ -369,9 +382,10 @@ std::vector<OptionDeclaration> output_options() {
 /// Options of `render` that are those of `play` as well.
 bool decides_settled_frames(const std::string& name) {
   static const std::set<std::string> kNames = {
-      "--env",     "--env-rotation", "--env-scale", "--exposure", "--tonemap", "--material", "--scene",
-      "--variant", "--size",         "--samples",   "--seed",     "--msaa",    "--set",      "--mode",
-      "--mode-of", "--reflections",  "--reflector", "--dent",     "--look",    "--section"};
+      "--env",   "--env-rotation", "--env-scale", "--exposure",    "--tonemap",   "--material",
+      "--scene", "--variant",      "--size",      "--samples",     "--seed",      "--msaa",
+      "--set",   "--mode",         "--mode-of",   "--reflections", "--reflector", "--dent",
+      "--look",  "--section",      "--animation", "--turn",        "--camera"};
   return kNames.contains(name);
 }
 

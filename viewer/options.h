@@ -14,13 +14,6 @@
 
 namespace maquette {
 
-/// One `--turn NODE=x,y,z,DEG`.
-struct NodeTurn {
-  std::string node;  ///< its name or path, or `*`
-  glm::vec3 axis{0.0f, 1.0f, 0.0f};
-  float angle_deg = 0.0f;
-};
-
 /// What the shared options of `view` and `render` say; the defaults are the program's defaults.
 struct SceneOptions {
   std::set<std::string> given;  ///< names of the options that were given
@@ -55,6 +48,7 @@ struct SceneOptions {
   std::string debug_view;  ///< `--view NAME`; empty: the picture
   std::vector<Dent> dents;
   std::vector<NodeTurn> turns;
+  PlayedAnimation animation;     ///< `--animation NAME=S`; of `play` the name alone
   std::set<std::string> hidden;  ///< nodes of a review that are not shown
   Settings settings;
   std::vector<std::string> settings_given;  ///< by --set, defaults too

@@ -17,6 +17,7 @@
 #include "viewer/interrupt.h"
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
+#include "viewer/pose.h"
 #include "viewer/report/content_key.h"
 #include "viewer/review_options.h"
 #include "viewer/video_pipe.h"
@@ -49,6 +50,22 @@ std::string frame_file(const Play& play, int frame) {
   return play.folder + name;
 }
 
+/// Of a scene without a path: that of the animation, for the camera that is asked for.
+CameraPath path_of_options(const Scene& scene, const SceneOptions& options) {
+  const std::string& name = options.animation.name;
+  const Animation& animation = scene.animations[static_cast<std::size_t>(find_animation(scene, name))];
+  const std::vector<CameraPath> paths = paths_of_animation(scene, animation, camera_of_options(scene, options));
+  if (paths.empty()) throw Error(scene.name, "animation \"" + name + "\" has no duration", "render shows its one pose");
+  for (const CameraPath& path : paths)
+    if (path.name == name + " (" + options.camera + ")") return path;
+  if (options.camera.empty() || paths.front().name == name) return paths.front();
+  CameraPath rests = paths.front();  // a camera that the animation does not move
+  rests.keys.resize(2);
+  for (PathKey& key : rests.keys) key.camera = camera_by_name(scene, options.camera);
+  for (PathKey& key : rests.keys) key.duration_s = animation.duration_s;
+  return rests;
+}
+
 std::shared_ptr<const Scene> load_played(const SceneOptions& options, Play* play) {
   if (const std::optional<Review> review = review_of(options)) {
     play->review = *review;
@@ -56,18 +73,24 @@ std::shared_ptr<const Scene> load_played(const SceneOptions& options, Play* play
     play->review.look = look_of_review(*review, *scene, options);
     play->path = find_path(*review, options.path);
     check_path(play->path, options.review + ": path " + options.path);
+    if (!options.animation.name.empty()) play->path.animation = options.animation.name;
+    if (!play->path.animation.empty()) find_animation(*scene, play->path.animation);
     for (const PathKey& key : play->path.keys)
       if (key.look && !key.skip) find_look(*review, *key.look);
     return scene;
   }
-  play->path = load_path(options.path);
+  const std::shared_ptr<Scene> scene = load_session_scene(without_edits(options));
+  if (options.path.empty()) {
+    play->path = path_of_options(*scene, options);
+  } else {
+    play->path = load_path(options.path);
+    if (!options.animation.name.empty()) play->path.animation = options.animation.name;
+  }
+  if (!play->path.animation.empty()) find_animation(*scene, play->path.animation);
   for (const PathKey& key : play->path.keys)
     if (key.look && !key.skip)
       throw Error(options.path, "the path changes to look \"" + *key.look + "\", and there is no review",
                   "play it from the review that has the look");
-  SceneOptions undented = options;
-  undented.dents.clear();
-  const std::shared_ptr<Scene> scene = load_session_scene(undented);
   play->review.scene = absolute_source(options.scene, fs::current_path().string());
   play->review.scene_of_file = options.scene_of_file;
   play->review.look = absolute_sources(look_of_options(*scene, options));
@@ -124,6 +147,7 @@ class Player {
     if (!play_.exr)
       exposure_ev = moment.exposure_ev ? *moment.exposure_ev : exposure_of_look(moment.look.value_or(""), look);
     look.camera = moment.camera;
+    if (!play_.path.animation.empty()) look.edits.animation = {play_.path.animation, moment.time_s};
     if (moment.env_rotation_deg) look.edits.env_rotation_deg = *moment.env_rotation_deg;
     stage_.render(look, play_.settled);
     const std::string file = frame_file(play_, frame);

@@ -83,11 +83,9 @@ int render_sheet(const CommandLine& line) {
   check_size(options, columns, rows);
 
   const std::optional<Review> review = review_of(options);
-  SceneOptions plain = options;
-  plain.dents.clear();
   const std::shared_ptr<const Scene> scene =
       review ? std::make_shared<const Scene>(load_scene(review->scene, review->scene_of_file))
-             : load_session_scene(plain);
+             : load_session_scene(without_edits(options));
   Look look = review ? look_of_review(*review, *scene, options) : absolute_sources(look_of_options(*scene, options));
   const GlContext context = GlContext::create_headless();
   LookStage stage(scene);

@@ -48,6 +48,8 @@ Look look_of_review(const Review& review, const Scene& scene, const SceneOptions
   if (given("--variant")) look.edits.variant = asked.edits.variant;
   for (const auto& [name, source] : asked.edits.materials) look.edits.materials[name] = source;
   look.edits.dents.insert(look.edits.dents.end(), asked.edits.dents.begin(), asked.edits.dents.end());
+  if (given("--animation")) look.edits.animation = asked.edits.animation;
+  look.edits.turns.insert(look.edits.turns.end(), asked.edits.turns.begin(), asked.edits.turns.end());
   if (given("--section")) look.edits.section = asked.edits.section;
   if (given("--reflector")) look.edits.reflectors = asked.edits.reflectors;
   for (const auto& [path, mode] : asked.edits.part_modes) look.edits.part_modes[path] = mode;
@@ -83,6 +85,8 @@ void take_review(SceneOptions* options) {
   options->variant = look.edits.variant;
   options->dents = look.edits.dents;
   if (look.edits.section != glm::vec4(0.0f)) options->section = look.edits.section;
+  options->animation = look.edits.animation;
+  options->turns = look.edits.turns;
   options->hidden = look.edits.hidden_nodes;
   options->settings = look.settings;
   options->camera.clear();

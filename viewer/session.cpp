@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <glm/gtc/matrix_transform.hpp>
 #include <limits>
 
 #include "render/parts/parts.h"
@@ -20,6 +19,7 @@
 #include "scenes/suggest.h"
 #include "ui/camera_control.h"
 #include "viewer/dents.h"
+#include "viewer/pose.h"
 
 namespace maquette {
 
@@ -170,32 +170,18 @@ void hide_node(Scene* scene, int node) {
 
 }  // namespace
 
-void turn_node(Scene* scene, const NodeTurn& turn) {
-  const glm::dmat4 rotation =
-      glm::rotate(glm::dmat4(1.0), glm::radians(static_cast<double>(turn.angle_deg)), glm::dvec3(turn.axis));
-  if (turn.node == "*") {
-    for (const int root : scene->roots) {
-      Node& node = scene->nodes[static_cast<std::size_t>(root)];
-      if (node.camera < 0 && node.light < 0) node.local = glm::mat4(rotation * glm::dmat4(node.local));
-    }
-    return;
-  }
-  for (const int index : find_nodes(*scene, turn.node)) {
-    Node& node = scene->nodes[static_cast<std::size_t>(index)];
-    const glm::dvec4 origin = glm::dmat4(node.local)[3];
-    node.local = glm::mat4(rotation * glm::dmat4(node.local));
-    node.local[3] = glm::vec4(origin);
-  }
-}
-
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   check_is_scene(options.scene);
   auto scene = std::make_shared<Scene>(load_scene(options.scene, options.scene_of_file));
   find_variant(*scene, options.variant);
   for (const auto& [name, source] : options.materials) check_material_name(*scene, name);
   camera_of_options(*scene, options);
-  for (const NodeTurn& turn : options.turns) turn_node(scene.get(), turn);
   press_dents(scene.get(), options.dents);
+  if (!options.animation.name.empty()) {
+    const int animation = find_animation(*scene, options.animation.name);
+    pose(scene.get(), scene->animations[static_cast<std::size_t>(animation)], options.animation.time_s);
+  }
+  for (const NodeTurn& turn : options.turns) turn_node(scene.get(), turn);
   for (const int node : called_nodes(*scene, options.hidden)) hide_node(scene.get(), node);
   return scene;
 }
@@ -247,6 +233,25 @@ float exposure_of(const SceneOptions& options, const Environment& environment) {
   return suggest_exposure_ev(environment) - std::log2(options.env_scale);
 }
 
+namespace {
+
+std::vector<NodeTurn> turns_by_path(const Scene& scene, const std::vector<NodeTurn>& asked) {
+  std::vector<NodeTurn> turns;
+  if (asked.empty()) return turns;
+  const std::vector<std::string> paths = node_paths(scene);
+  for (const NodeTurn& turn : asked) {
+    if (turn.node == "*") {
+      turns.push_back(turn);
+      continue;
+    }
+    for (const int node : find_nodes(scene, turn.node))
+      turns.push_back({paths[static_cast<std::size_t>(node)], turn.axis, turn.angle_deg});
+  }
+  return turns;
+}
+
+}  // namespace
+
 Look look_of_options(const Scene& scene, const SceneOptions& options) {
   Look look;
   Edits& edits = look.edits;
@@ -259,6 +264,9 @@ Look look_of_options(const Scene& scene, const SceneOptions& options) {
     for (const Material& material : scene.materials)
       if (name == "*" || material.name == name) edits.materials[material.name] = source;
   edits.dents = options.dents;
+  edits.animation = options.animation;
+  if (!edits.animation.name.empty()) find_animation(scene, edits.animation.name);
+  edits.turns = turns_by_path(scene, options.turns);
   edits.reflectors = {options.reflectors.begin(), options.reflectors.end()};
   if (!options.part_modes.empty()) {
     const std::vector<std::string> paths = node_paths(scene);
@@ -275,6 +283,13 @@ Look look_of_options(const Scene& scene, const SceneOptions& options) {
   look.exposure_ev = options.exposure_ev.value_or(0.0f);
   look.tonemap = options.tonemap;
   return look;
+}
+
+SceneOptions without_edits(SceneOptions options) {
+  options.dents.clear();
+  options.turns.clear();
+  options.animation = {};
+  return options;
 }
 
 Look absolute_sources(Look look) {

@@ -11,8 +11,8 @@
 
 namespace maquette {
 
-/// Loads the scene of the options and presses its dents. Throws Error, and UsageError when a name of the options
-/// (camera, variant, material) is not in the scene.
+/// Loads the scene of the options, presses its dents, and moves its nodes as animation and turns say. Throws Error, and
+/// UsageError when a name of the options (camera, variant, material) is not in the scene.
 std::shared_ptr<Scene> load_session_scene(const SceneOptions& options);
 
 /// The scene with the ground that the settings ask for, in the light of an environment that is rotated so; the same
@@ -36,10 +36,6 @@ int find_variant(const Scene& scene, const std::string& name);
 /// Throws UsageError with the nearest names when the scene has no material `name` (`*` is all).
 void check_material_name(const Scene& scene, const std::string& name);
 
-/// Turns nodes about an axis of their parent's frame, through their own origin; `*`: all roots that are drawn, about
-/// the world's origin. Throws UsageError for a node that is not there.
-void turn_node(Scene* scene, const NodeTurn& turn);
-
 /// A line for the user where the scene's own lamps outshine an environment that is no brighter than a street at night:
 /// most files are in units of their own. Empty otherwise. `remedy` is what to change, before the figure: "--env-scale".
 /// `suited_env_scale`: the one at which the environment is as bright as a hall, where the line is not empty.
@@ -54,6 +50,9 @@ float exposure_of(const SceneOptions& options, const Environment& environment);
 
 /// The state that the options ask for. Throws UsageError for a camera, a variant and a node that are not there.
 Look look_of_options(const Scene& scene, const SceneOptions& options);
+
+/// The options without what moves or changes the scene's geometry: a look has that.
+SceneOptions without_edits(SceneOptions options);
 
 /// With absolute paths, as reviews have them.
 Look absolute_sources(Look look);

@@ -113,6 +113,13 @@ void WindowPaths::carry_out(const EditorActions& actions, WindowSession* session
         session->add_message(MessageLevel::warning, "Record: the camera has not moved");
     }
   }
+  if (actions.add_animation >= 0) {
+    const std::vector<Animation>& all = session->scene().animations;
+    const auto at = static_cast<std::size_t>(actions.add_animation);
+    if (at < all.size())
+      for (CameraPath& path : paths_of_animation(session->scene(), all[at], state.camera))
+        add_path(&state, std::move(path));
+  }
   const CameraPath* path = chosen_path(&state);
   if (actions.play_path && path && can_play(*path)) {
     view.playing = !view.playing;
@@ -136,6 +143,7 @@ void WindowPaths::show_time(WindowSession* session, double time_s) {
     if (look != state.looks.end()) session->take(*look);
   }
   state.camera = moment.camera;
+  if (!path->animation.empty()) state.edits.animation = {path->animation, moment.time_s};
   if (moment.env_rotation_deg) state.edits.env_rotation_deg = *moment.env_rotation_deg;
   if (moment.exposure_ev) {
     state.exposure_ev = *moment.exposure_ev;

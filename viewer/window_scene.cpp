@@ -17,9 +17,32 @@ void WindowSession::forget_applied() {
   applied_.materials.clear();
   applied_.dents.clear();
   applied_.hidden_nodes.clear();
+  applied_.animation = {};
+  applied_.turns.clear();
   surfaces_.reset();
   ground_of_ = {};
   ground_rotation_deg_ = 0.0f;
+}
+
+std::shared_ptr<const Scene> WindowSession::at_rest() const {
+  if (!is_posed(applied_)) return scene_;
+  auto rest = std::make_shared<Scene>(*scene_);
+  pose_nodes(rest.get(), rest_, {});
+  return rest;
+}
+
+void WindowSession::apply_pose() {
+  auto posed = std::make_shared<Scene>(*scene_);
+  pose_nodes(posed.get(), rest_, state.edits);
+  const bool moved = renderer_.move_nodes(posed);
+  if (!moved) renderer_.set_scene(posed);
+  scene_ = std::move(posed);
+  if (!moved) forget_applied();
+  surfaces_.reset();
+  applied_.dents.clear();  // the renderer has the meshes of the file again
+  applied_.animation = state.edits.animation;
+  applied_.turns = state.edits.turns;
+  ++revision_;
 }
 
 /// Twice the same new time: who writes it has finished.
@@ -65,12 +88,16 @@ void WindowSession::apply_ground(bool busy) {
     // The ground is the last of everything: what names parts by number stays true.
     auto scene = std::make_shared<Scene>(*scene_);
     remove_ground(scene.get());
+    Edits turned = state.edits;
+    turned.animation = {};  // the ground does not move with it
+    pose_nodes(scene.get(), rest_, turned);
     if (want) add_ground(scene.get(), *environment_, ground_options(settings));
     renderer_.set_scene(scene);
     scene_ = std::move(scene);
     node_paths_ = node_paths(*scene_);
     dragged_dent_.reset();
     forget_applied();
+    applied_.turns = state.edits.turns;
     ground_of_ = wanted;
     request_metering();
     ++revision_;
@@ -106,6 +133,33 @@ void WindowSession::advise() {
                 editor->left_open = true;
                 editor->left_tab = 0;
               }});
+}
+
+void WindowSession::select(const Renderer::Pick& pick) {
+  if (!pick.hit) return;
+  state.selected_node = state.reveal_node = pick.node;
+  if (pick.material >= 0 && pick.material < static_cast<int>(scene_->materials.size())) {
+    state.selected_material = pick.material;
+    state.reveal_material = true;
+  }
+}
+
+void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
+  const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
+  const EyeRay through = camera.ray_through({at.x * aspect, at.y});
+  const glm::vec3 &eye = through.origin, ray = glm::normalize(through.direction);
+  // A mirror that is not a reflector yet is itself the opaque surface at this point.
+  const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, eye) : 1e30f;
+  const int node = find_mirror(*scene_, state.edits, eye, ray, limit_m);
+  if (node < 0)
+    add_message(MessageLevel::warning, "Reflectors: nothing mirrors here; panes and smooth metals do");
+  else if (scene_->nodes[static_cast<std::size_t>(node)].name.empty())
+    add_message(MessageLevel::warning,
+                "Reflectors: this part has no name in the file, by which it could be told apart");
+  else if (!toggle_reflector(*scene_, node, &state.edits))
+    add_message(MessageLevel::warning, "Reflectors: the last one stays; choose Reflections off to draw none");
+  else
+    state.selected_node = state.reveal_node = node;
 }
 
 void WindowSession::select_in_front(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {

@@ -75,9 +75,7 @@ WindowSession::WindowSession(const SceneOptions& asked) {
   auto environment = std::async(std::launch::async, [source = options.environment] {
     return std::make_shared<Environment>(load_environment(source));
   });
-  SceneOptions undented = options;
-  undented.dents.clear();
-  ScenePointer scene = load_session_scene(undented);
+  ScenePointer scene = load_session_scene(without_edits(options));
   scene_of_file_ = options.scene_of_file;
   state.edits.env_scale = options.env_scale;
   use_scene(scene);
@@ -119,6 +117,7 @@ void WindowSession::begin_look(const SceneOptions& options) {
 void WindowSession::use_scene(ScenePointer scene) {
   renderer_.set_scene(scene);
   scene_ = std::move(scene);
+  rest_ = rest_pose(*scene_);
   bounds_ = framed_bounds(*scene_);
   node_paths_ = node_paths(*scene_);
   dragged_dent_.reset();
@@ -139,6 +138,8 @@ void WindowSession::use_environment(EnvironmentPointer environment, const std::s
   renderer_.set_environment(environment);
   environment_ = std::move(environment);
   suggested_ev_ = suggest_exposure_ev(*environment_);
+  const SunPlace sun = find_sun(*environment_, 0.0);
+  sun_ = sun.found ? std::optional(sun) : std::nullopt;
   if (state.auto_exposure) state.exposure_ev = suggested_exposure();
   request_metering();
   for (const std::string& warning : environment_->warnings)
@@ -252,6 +253,7 @@ void WindowSession::update(bool busy, double now_s) {
   start_environment();
   apply_ground(busy);
   if (state.edits.materials != applied_.materials) apply_materials();
+  if (state.edits.animation != applied_.animation || state.edits.turns != applied_.turns) apply_pose();
   if (state.edits.dents != applied_.dents) apply_dents();
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   // While a scene is being exchanged there is no one state.
@@ -338,7 +340,10 @@ void WindowSession::apply_materials() {
 
 void WindowSession::apply_dents() {
   try {
-    if (!surfaces_) surfaces_ = std::make_unique<DentedSurfaces>(scene_.get());
+    if (!surfaces_) {
+      surfaces_of_ = at_rest();
+      surfaces_ = std::make_unique<DentedSurfaces>(surfaces_of_.get());
+    }
     for (const int mesh : surfaces_->press(state.edits.dents)) {
       const DentedSurfaces::Surface* dented = surfaces_->surface(mesh);
       const Primitive& plain = scene_->meshes[static_cast<std::size_t>(mesh)].primitives[0];
@@ -380,8 +385,13 @@ bool WindowSession::begin_dent(const Renderer::Pick& pick) {
     return refuse(node.name + " is not a subdivision surface; try the door of builtin:cockpit");
   dismiss_messages();
   dragged_dent_ = state.edits.dents.size();
-  state.edits.dents.push_back(
-      {pick.position, 0.0f, state.dent_radius_m, node_paths_[static_cast<std::size_t>(pick.node)]});
+  const auto part = static_cast<std::size_t>(pick.node);
+  glm::vec3 at = pick.position;
+  if (is_posed(applied_)) {
+    const glm::mat4 now = compute_world_transforms(*scene_)[part], then = compute_world_transforms(*at_rest())[part];
+    at = glm::vec3(then * glm::inverse(now) * glm::vec4(at, 1.0f));
+  }
+  state.edits.dents.push_back({at, 0.0f, state.dent_radius_m, node_paths_[part]});
   return true;
 }
 
@@ -389,33 +399,6 @@ void WindowSession::drag_dent(float depth_m, float radius_m) {
   if (!dragged_dent_ || *dragged_dent_ >= state.edits.dents.size()) return;
   state.edits.dents[*dragged_dent_].depth_m = depth_m;
   state.edits.dents[*dragged_dent_].radius_m = radius_m;
-}
-
-void WindowSession::select(const Renderer::Pick& pick) {
-  if (!pick.hit) return;
-  state.selected_node = state.reveal_node = pick.node;
-  if (pick.material >= 0 && pick.material < static_cast<int>(scene_->materials.size())) {
-    state.selected_material = pick.material;
-    state.reveal_material = true;
-  }
-}
-
-void WindowSession::pick_reflector(const glm::vec2& at, float aspect, const Renderer::Pick& pick) {
-  const CameraFrame camera = make_camera_frame(state.camera, 1, 1, bounds_);
-  const EyeRay through = camera.ray_through({at.x * aspect, at.y});
-  const glm::vec3 &eye = through.origin, ray = glm::normalize(through.direction);
-  // A mirror that is not a reflector yet is itself the opaque surface at this point.
-  const float limit_m = pick.hit ? 1.001f * glm::distance(pick.position, eye) : 1e30f;
-  const int node = find_mirror(*scene_, state.edits, eye, ray, limit_m);
-  if (node < 0)
-    add_message(MessageLevel::warning, "Reflectors: nothing mirrors here; panes and smooth metals do");
-  else if (scene_->nodes[static_cast<std::size_t>(node)].name.empty())
-    add_message(MessageLevel::warning,
-                "Reflectors: this part has no name in the file, by which it could be told apart");
-  else if (!toggle_reflector(*scene_, node, &state.edits))
-    add_message(MessageLevel::warning, "Reflectors: the last one stays; choose Reflections off to draw none");
-  else
-    state.selected_node = state.reveal_node = node;
 }
 
 void WindowSession::go_to_camera(int index) {
@@ -426,7 +409,8 @@ void WindowSession::go_to_camera(int index) {
 }
 
 void WindowSession::meter_if_requested(bool continued) {
-  const Metered now{scene_, environment_, state.edits, renderer_.background_work().empty()};
+  Metered now{rest_, environment_, state.edits, renderer_.background_work().empty()};
+  now.edits.animation = {};  // one exposure for all of it
   if (!(metered_ == now)) {
     metering_ = true;
     frames_metered_ = 0;
@@ -487,6 +471,10 @@ void WindowSession::fill_facts(EditorFacts* facts) const {
   facts->review_changed = review_->changed();
   facts->review_read_only = review_->read_only();
   if (state.reflections != "off") facts->reflecting = reflecting_nodes(*scene_, state.edits);
+  facts->sun_deg.reset();
+  if (sun_)
+    facts->sun_deg = glm::vec2(sun_->elevation_deg,
+                               wrap_degrees(static_cast<float>(sun_->azimuth_deg) + state.edits.env_rotation_deg));
   facts->suggested_exposure_ev = suggested_exposure();
   facts->command = render_command(*scene_, state);
 }

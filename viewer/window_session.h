@@ -12,11 +12,13 @@
 #include <vector>
 
 #include "render/bake/background_worker.h"
+#include "render/inspection/light_on_pane.h"
 #include "render/renderer.h"
 #include "review/open_review.h"
 #include "ui/editor_state.h"
 #include "viewer/dents.h"
 #include "viewer/options.h"
+#include "viewer/pose.h"
 
 namespace maquette {
 
@@ -96,6 +98,10 @@ class WindowSession {
   /// Whether a material's source can be set now; a BTF that is not in the cache is made in the background first.
   bool is_ready(const std::string& source);
   void poll_btf();
+  /// Moves the nodes to where animation and turns have them.
+  void apply_pose();
+  /// The scene as the file has it, in which dents are pressed: they follow their part.
+  std::shared_ptr<const Scene> at_rest() const;
   void apply_dents();
   void apply_visibility();
   void start_environment();
@@ -114,10 +120,12 @@ class WindowSession {
   void continue_review(const std::string& journal);
 
   Renderer renderer_;
-  std::shared_ptr<Scene> scene_;  ///< with its ground
+  std::shared_ptr<Scene> scene_;  ///< with its ground, posed
+  RestPose rest_;
   Bounds bounds_;
   std::shared_ptr<Environment> environment_;
-  float suggested_ev_ = 0.0f;  ///< for an env_scale of 1
+  std::optional<SunPlace> sun_;  ///< without the rotation
+  float suggested_ev_ = 0.0f;    ///< for an env_scale of 1
   Edits applied_;
   /// What the ground was made for.
   struct GroundOf {
@@ -149,12 +157,13 @@ class WindowSession {
   std::string btf_in_work_;  ///< empty: none
   std::set<std::string> ready_btfs_;
   std::vector<std::string> node_paths_;
+  std::shared_ptr<const Scene> surfaces_of_;
   std::unique_ptr<DentedSurfaces> surfaces_;
   std::optional<std::size_t> dragged_dent_;
   bool metering_ = true;
   /// What the exposure was metered for: another of these is metered again.
   struct Metered {
-    std::shared_ptr<const Scene> scene;
+    RestPose rest;
     std::shared_ptr<const Environment> environment;
     Edits edits;
     bool bakes_done = false;

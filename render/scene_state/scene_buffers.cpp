@@ -240,6 +240,20 @@ void SceneBuffers::update_mesh(const Scene& scene, int mesh, const std::vector<g
   }
 }
 
+bool SceneBuffers::move(const Scene& scene) {
+  FlatGeometry moved = flatten(scene);
+  const auto same = [](const DrawItem& a, const DrawItem& b) {
+    return a.node == b.node && a.mesh == b.mesh && a.primitive == b.primitive && a.patch == b.patch &&
+           a.index_count == b.index_count && a.vertex_count == b.vertex_count;
+  };
+  if (!std::ranges::equal(moved.items, geometry_.items, same)) return false;
+  const std::vector<bool> visible = visible_;
+  geometry_ = std::move(moved);
+  build_geometry();
+  visible_ = visible;
+  return true;
+}
+
 void SceneBuffers::set_node_visible(int node, bool visible) {
   for (std::size_t i = 0; i < geometry_.items.size(); ++i)
     if (geometry_.items[i].node == node) visible_[i] = visible;

@@ -28,6 +28,9 @@ class SceneBuffers {
   void update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,
                    const std::vector<glm::vec3>& normals);
 
+  /// The same triangles elsewhere; false, and nothing is changed, where they are not the same.
+  bool move(const Scene& scene);
+
   const FlatGeometry& geometry() const { return geometry_; }
   /// World bounds of item i.
   const Bounds& bounds(std::size_t i) const { return bounds_[i]; }

@@ -125,6 +125,18 @@ void SceneState::update_mesh(int mesh, const std::vector<glm::vec3>& positions, 
   ++revisions_.surfaces;
 }
 
+bool SceneState::move_nodes(std::shared_ptr<const Scene> scene) {
+  require_scene();
+  if (!buffers_->move(*scene)) return false;
+  scene_ = std::move(scene);
+  facts_variant_ = kNone;
+  ++revisions_.geometry;
+  ++revisions_.occlusion;
+  ++revisions_.surfaces;
+  ++revisions_.lights;
+  return true;
+}
+
 void SceneState::set_node_visible(int node, bool visible) {
   require_scene();
   buffers_->set_node_visible(node, visible);

@@ -26,6 +26,8 @@ class SceneState {
   void set_material(const std::string& material_name, const std::string& source);
   void update_mesh(int mesh, const std::vector<glm::vec3>& positions, const std::vector<glm::vec3>& normals);
   void set_node_visible(int node, bool visible);
+  /// See Renderer::move_nodes.
+  bool move_nodes(std::shared_ptr<const Scene> scene);
   /// See Renderer::set_texture_offset.
   void set_texture_offset(const std::string& material_name, const glm::vec2& offset);
 

@@ -39,7 +39,7 @@ class RandomReviews {
   }
   void change(Look* look) {
     Edits& edits = look->edits;
-    switch (pick(16)) {
+    switch (pick(18)) {
       case 0:
         edits.environment = "/a place/" + word() + ".hdr";
         break;
@@ -62,6 +62,13 @@ class RandomReviews {
         break;
       case 6:
         if (!edits.hidden_nodes.insert("/" + word()).second) edits.hidden_nodes.clear();
+        break;
+      case 16:
+        edits.animation = pick(3) ? PlayedAnimation{word(), static_cast<double>(pick(1000)) / 64.0} : PlayedAnimation();
+        break;
+      case 17:
+        edits.turns.push_back({"/" + word(), glm::vec3(0.0f, 0.6f, -0.8f), real(-180.0f, 180.0f)});
+        if (edits.turns.size() > 3) edits.turns.clear();
         break;
       case 15:
         edits.section = pick(3) ? glm::vec4(glm::normalize(point() + glm::vec3(0.0f, 0.0f, 200.0f)), real(-2.0f, 2.0f))

@@ -126,6 +126,53 @@ TEST_F(Play, PathFilesNeedNoReview) {
   EXPECT_TRUE(contains(look.error, "there is no review")) << look.error;
 }
 
+/// A frame that moves what the frame before showed is the frame that is drawn alone.
+TEST_F(Play, AnimationsOfTheSceneArePlayedBitForBit) {
+  Scene scene = load_scene("builtin:plate");
+  Animation slide;
+  slide.name = "slide";
+  slide.duration_s = 0.4;
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    if (scene.nodes[i].mesh < 0) continue;
+    AnimatedNode node;
+    node.node = static_cast<int>(i);
+    node.tracks[AnimatedNode::translation] = {
+        AnimationTrack::Interpolation::linear, {0.0f, 0.4f}, {glm::vec4(0.0f), glm::vec4(0.4f, 0.1f, 0.0f, 0.0f)}};
+    slide.nodes.push_back(node);
+    break;
+  }
+  scene.animations = {slide};
+  save_glb(folder_.file("slide.glb"), scene);
+  const std::vector<std::string> call = {"play",        folder_.file("slide.glb"),
+                                         "--animation", "slide",
+                                         "--fps",       "5",
+                                         "--format",    "exr",
+                                         "--set",       "ground.kind=none",
+                                         "-o",          folder_.file("frames")};
+  const ProgramResult whole = run(call);
+  ASSERT_EQ(whole.exit_code, 0) << whole.error;
+  EXPECT_TRUE(contains(whole.out, "3 frames of 48x27")) << whole.out;
+  fs::rename(folder_.file("frames/frame-00001.exr"), folder_.file("kept.exr"));
+  EXPECT_TRUE(contains(run(call).out, "1 of them drawn now"));
+  expect_same_pixels("kept.exr", "frames/frame-00001.exr");
+  const Image first = load_hdr_image(folder_.file("frames/frame-00000.exr")),
+              last = load_hdr_image(folder_.file("frames/frame-00002.exr"));
+  EXPECT_NE(first.data, last.data) << "it moves";
+  // What `render` draws of a look at that moment.
+  Review review;
+  review.scene = folder_.file("slide.glb");
+  review.look.camera = camera_of_options(scene, SceneOptions());
+  review.look.edits.animation = {"slide", 0.2};
+  const std::string file = folder_.file("slide.maquette.json");
+  save_review(file, review);
+  const ProgramResult one = run({"render", file, "-o", folder_.file("look.exr")});
+  ASSERT_EQ(one.exit_code, 0) << one.error;
+  expect_same_pixels("look.exr", "kept.exr");
+  const ProgramResult unknown =
+      run({"play", folder_.file("slide.glb"), "--animation", "slid", "-o", folder_.file("x")});
+  EXPECT_TRUE(contains(unknown.error, "no such animation; did you mean slide?")) << unknown.error;
+}
+
 TEST_F(Play, BadCallsAreNamed) {
   const auto error = [&](std::vector<std::string> arguments) {
     const ProgramResult result = run_maquette(arguments);

@@ -9,6 +9,7 @@
 #include "scenes/ground.h"
 #include "tests/support/test_scenes.h"
 #include "viewer/dents.h"
+#include "viewer/pose.h"
 
 namespace maquette {
 namespace {

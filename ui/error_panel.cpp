@@ -20,6 +20,7 @@ void draw_figure(const MeterFacts& meter) {
     dim_text(text);
   }
   if (!meter.status.empty()) dim_text(meter.status);
+  if (!meter.reference_answer.empty()) dim_text(meter.reference_answer);
 }
 
 void draw_meter(Ui& ui) {
@@ -67,12 +68,28 @@ void draw_budget(Ui& ui) {
   if (!meter.curve.empty()) dim_text("Curve: " + meter.curve);
 }
 
+/// Errors of the whole picture, which differ by its mirrors and panes alone.
+void draw_reflectors(Ui& ui) {
+  const MeterFacts& meter = ui.facts.meter;
+  if (ImGui::Button(meter.comparing_reflectors ? "Comparing ..." : "Compare techniques") && !meter.comparing_reflectors)
+    ui.actions.compare_reflectors = true;
+  mark_item(ui, "error/reflectors");
+  tooltip("Draws this view with every reflector technique and measures the picture's error");
+  for (const MeterFacts::Reflector& reflector : meter.reflectors) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%s, %.0f ms", percent_text(reflector.error).c_str(), reflector.time_ms);
+    value_row(reflector.name.c_str(), reflector.why.empty() ? text : "cannot draw this view");
+    tooltip(reflector.why);
+  }
+}
+
 }  // namespace
 
 void draw_error_panel(Ui& ui) {
   ui.state.error_view.open = true;
   if (section("Error of the picture")) draw_meter(ui);
   if (section("Error budget")) draw_budget(ui);
+  if (ui.state.reflections != kNoReflections && section("Reflector techniques")) draw_reflectors(ui);
 }
 
 }  // namespace maquette::panels

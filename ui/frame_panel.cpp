@@ -15,13 +15,17 @@ std::string thousands(std::size_t value) {
   return text;
 }
 
-void bar_row(const std::string& label, double value, double whole, const char* text) {
+/// True when it is clicked.
+bool bar_row(const std::string& label, double value, double whole, const char* text, bool chosen) {
   const float width = ImGui::GetContentRegionAvail().x;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float height = ImGui::GetTextLineHeight() + scaled(4.0f);
+  const bool clicked = ImGui::Selectable(("##" + label).c_str(), chosen, 0,
+                                         {width, height - ImGui::GetStyle().ItemSpacing.y + scaled(3.0f)});
   const float fraction = whole > 0.0 ? static_cast<float>(std::clamp(value / whole, 0.0, 1.0)) : 0.0f;
   ImDrawList* list = ImGui::GetWindowDrawList();
-  list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), scaled(3.0f));
+  if (!chosen && !ImGui::IsItemHovered())
+    list->AddRectFilled(at, {at.x + width, at.y + height}, ImGui::GetColorU32(ImGuiCol_FrameBg), scaled(3.0f));
   if (fraction > 0.004f)
     list->AddRectFilled(at, {at.x + width * fraction, at.y + height},
                         ImGui::ColorConvertFloat4ToU32({kAccent.x, kAccent.y, kAccent.z, 0.45f}), scaled(3.0f));
@@ -29,26 +33,60 @@ void bar_row(const std::string& label, double value, double whole, const char* t
   list->AddText({at.x + scaled(6.0f), text_y}, ImGui::GetColorU32(ImGuiCol_Text), label.c_str());
   list->AddText({at.x + width - ImGui::CalcTextSize(text).x - scaled(6.0f), text_y}, ImGui::GetColorU32(ImGuiCol_Text),
                 text);
-  ImGui::Dummy({width, height - ImGui::GetStyle().ItemSpacing.y + scaled(3.0f)});
+  return clicked;
+}
+
+/// Times of the last frames, one a line, passes in columns.
+std::string history_csv(const EditorFacts& facts) {
+  std::string text = "frame_ms";
+  for (const auto& [name, times] : facts.pass_history_ms) text += "," + name;
+  for (std::size_t i = 0; i < facts.frame_history_ms.size(); ++i) {
+    char number[32];
+    std::snprintf(number, sizeof number, "\n%.3f", static_cast<double>(facts.frame_history_ms[i]));
+    text += number;
+    for (const auto& [name, times] : facts.pass_history_ms) {
+      std::snprintf(number, sizeof number, ",%.3f", static_cast<double>(i < times.size() ? times[i] : 0.0f));
+      text += number;
+    }
+  }
+  return text + "\n";
+}
+
+/// Of the whole frame, or of the pass that is chosen.
+void draw_history(Ui& ui) {
+  const FrameStats& stats = *ui.facts.stats;
+  const auto pass = ui.facts.pass_history_ms.find(ui.state.frame_pass);
+  const bool whole = pass == ui.facts.pass_history_ms.end();
+  const std::vector<float>& history = whole ? ui.facts.frame_history_ms : pass->second;
+  if (history.empty()) return;
+  char text[160];
+  if (whole)
+    std::snprintf(text, sizeof text, "%.1f ms, %.1f frames/s", stats.frame_ms, 1000.0 / std::max(stats.frame_ms, 1e-3));
+  else
+    std::snprintf(text, sizeof text, "%s: %.2f ms", pass->first.c_str(), static_cast<double>(history.back()));
+  const float peak = *std::max_element(history.begin(), history.end());
+  ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, text, 0.0f, 1.25f * peak,
+                   {ImGui::GetContentRegionAvail().x, scaled(64.0f)});
+  mark_item(ui, "frame/history");
 }
 
 void draw_timings(Ui& ui) {
   const FrameStats& stats = *ui.facts.stats;
-  const std::vector<float>& history = ui.facts.frame_history_ms;
   char text[64];
-  if (!history.empty()) {
-    const float peak = *std::max_element(history.begin(), history.end());
-    std::snprintf(text, sizeof(text), "%.1f ms, %.1f frames/s", stats.frame_ms,
-                  1000.0 / std::max(stats.frame_ms, 1e-3));
-    ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, text, 0.0f, 1.25f * peak,
-                     {ImGui::GetContentRegionAvail().x, scaled(64.0f)});
-  }
+  draw_history(ui);
   double total = 0.0;
   for (const PassTime& pass : ui.facts.smooth_passes) total += pass.ms;
   for (const PassTime& pass : ui.facts.smooth_passes) {
     std::snprintf(text, sizeof(text), "%.2f ms", pass.ms);
-    bar_row(stats.plan.pass_title(pass.name, pass.layer), pass.ms, total, text);
+    const std::string title = stats.plan.pass_title(pass.name, pass.layer);
+    const bool chosen = title == ui.state.frame_pass;
+    if (bar_row(title, pass.ms, total, text, chosen)) ui.state.frame_pass = chosen ? "" : title;
+    mark_item(ui, "pass/" + title);
+    tooltip("Click: its times in the last frames");
   }
+  if (ImGui::Button("Copy the times")) ImGui::SetClipboardText(history_csv(ui.facts).c_str());
+  mark_item(ui, "frame/copy");
+  tooltip("Of the last frames and of each of their passes, as CSV");
   ImGui::Spacing();
   value_row("Visible points", thousands(stats.visible_pixels));
   std::string shaded = thousands(stats.shaded_pixels);

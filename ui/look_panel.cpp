@@ -1,6 +1,7 @@
 // Cameras, variants, light, exposure and tone mapping.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "scenes/environment.h"
@@ -88,6 +89,13 @@ void draw_light(Ui& ui) {
   slider("##intensity", &edits.env_scale, 1e-3f, 1e6f, "\u00d7 %.3g", ImGuiSliderFlags_Logarithmic);
   mark_item(ui, "intensity");
   edits.env_scale = std::max(edits.env_scale, 0.0f);
+  if (!ui.facts.sun_deg) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "%.1f\u00b0 high, %.1f\u00b0", static_cast<double>(ui.facts.sun_deg->x),
+                static_cast<double>(ui.facts.sun_deg->y));
+  value_row("Sun", text);
+  mark_item(ui, "sun");
+  tooltip("Elevation, and azimuth from +Z towards +X");
 }
 
 void draw_display(Ui& ui) {

@@ -3,8 +3,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <exception>
+#include <thread>
 #include <utility>
 
 #include "scenes/luminance.h"
@@ -108,6 +110,32 @@ std::optional<MeteredError> meter_error(const Image& picture, const GridReferenc
   return result;
 }
 
+double reference_noise(const GridReference& reference, double paths) {
+  const Image &a = reference.halves[0], &b = reference.halves[1];
+  double squares = 0.0, light = 0.0, count = 0.0;
+  for (int row = 0; row < a.height; ++row)
+    for (int column = 0; column < a.width; ++column) {
+      if (!(a.at(column, row, 3) >= 1.0f)) continue;
+      for (int c = 0; c < 3; ++c) {
+        const double difference = static_cast<double>(a.at(column, row, c)) - static_cast<double>(b.at(column, row, c));
+        squares += difference * difference / 3.0;
+      }
+      light += 0.5 * (luminance(a, column, row) + luminance(b, column, row));
+      count += 1.0;
+    }
+  if (!(light > 0.0) || !(paths > 0.0)) return 0.0;
+  // The difference of two means of half the paths each has four times the variance of the mean of all.
+  const double of_one = 0.25 * squares / count * reference.paths;
+  return std::sqrt(of_one / paths) / (light / count);
+}
+
+double reference_paths(const GridReference& reference, double seconds, int width, int height) {
+  if (!(reference.seconds > 0.0)) return 0.0;
+  const double traced = static_cast<double>(reference.paths) * reference.grid.width * reference.grid.height;
+  const double cores = static_cast<double>(std::max(1u, std::thread::hardware_concurrency())) / few_cores();
+  return cores * traced / reference.seconds * seconds / (static_cast<double>(width) * height);
+}
+
 bool ErrorMeter::watch(const View& view, const SceneMaker& make_scene) {
   if (watched_ && *watched_ == view) return false;
   watched_ = view;
@@ -158,11 +186,13 @@ void ErrorMeter::trace(const Job& job, const BackgroundTask<GridReference>& task
     ReferencePicture first(scene_, request);
     request.seed = kSeeds[1];
     ReferencePicture second(scene_, request);
+    const auto begin = std::chrono::steady_clock::now();
     for (int count = 1; first.samples() < kPathsOfLevel[level] && !task.cancel; count = first.samples()) {
       bool whole = false;
       few.execute([&] { whole = first.add(count, task.stop) && second.add(count, task.stop); });
       if (!whole) return;
-      task.publish({grid, {first.mean(), second.mean()}, first.samples() + second.samples()});
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      task.publish({grid, {first.mean(), second.mean()}, first.samples() + second.samples(), seconds});
     }
     if (grid.factor == 1) return;
   }

@@ -31,7 +31,8 @@ CameraView grid_camera(const CameraView& camera, const PixelGrid& grid, int heig
 struct GridReference {
   PixelGrid grid;
   Image halves[2];
-  int paths = 0;  ///< a pixel, both halves
+  int paths = 0;         ///< a pixel, both halves
+  double seconds = 0.0;  ///< that they took, on few cores
 };
 
 struct MeteredError {
@@ -43,6 +44,12 @@ struct MeteredError {
 /// Nothing when no surface is seen or the reference is black. The square of the error is the mean of the products of
 /// the differences to both halves: without bias from the reference's noise.
 std::optional<MeteredError> meter_error(const Image& picture, const GridReference& reference);
+
+/// Relative RMSE that a picture of this many paths a pixel would have by its noise alone, over the grid's surface
+/// pixels; from the difference of the halves.
+double reference_noise(const GridReference& reference, double paths);
+/// Paths a pixel that the reference would trace of a whole picture in this time, on all cores.
+double reference_paths(const GridReference& reference, double seconds, int width, int height);
 
 /// Traces references of the resting view on a thread of its own with few cores: coarse first, then finer. Deterministic
 /// for a view but for how far it comes.

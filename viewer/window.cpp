@@ -142,7 +142,7 @@ class App {
     update.width_px = w;
     update.height_px = h;
     const bool mouse = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
-    update.panels_busy = mouse || (compare_.drawing() && picture_.still());
+    update.panels_busy = mouse || meter_.comparing() || (compare_.drawing() && picture_.still());
     update.more_events = !inbox_->empty();
     update.now_s = now;
     drew_ = picture_.update(&session_, update);
@@ -160,6 +160,7 @@ class App {
     facts_.seconds_left = bake_clock_.update(glfwGetTime(), facts_.background);
     facts_.stats = picture_.stats() ? &*picture_.stats() : nullptr;
     facts_.frame_history_ms = picture_.history_ms();
+    facts_.pass_history_ms = picture_.pass_history_ms();
     facts_.smooth_passes = picture_.smooth_passes();
     facts_.picture_px = picture_.drawn_size();
     facts_.converged = picture_.converged();
@@ -276,6 +277,7 @@ class App {
       session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
     if (actions.meter_exposure) session_.request_metering();
     if (actions.measure_curve) meter_.measure_curve();
+    if (actions.compare_reflectors) meter_.compare_reflectors();
     if (actions.apply_budget) meter_.apply_budget(&session_);
     inspection_.carry_out(actions.inspection, &session_);
     stored_light_.carry_out(actions.inspection, &session_);

@@ -67,7 +67,7 @@ void WindowMeter::update(WindowSession* session, const WindowPicture& picture, d
     meter_.cancel();
     error_.reset();
     reference_.reset();
-    curve_step_ = -1;
+    curve_step_ = reflector_step_ = -1;
     return;
   }
   const ErrorMeter::View view = view_of(*session, picture);
@@ -76,6 +76,7 @@ void WindowMeter::update(WindowSession* session, const WindowPicture& picture, d
     begin_s_ = now_s;
     error_.reset();
     reference_.reset();
+    reflectors_.clear();
     judged_s_ = -1e9;
   }
   picture_width_ = view.width;
@@ -90,6 +91,7 @@ void WindowMeter::update(WindowSession* session, const WindowPicture& picture, d
   const bool better = picture.stats() && picture.stats()->accumulated_frames != judged_frames_;
   if (reference_ && (new_result || better) && now_s - judged_s_ > kJudge_s) judge(session, picture, now_s);
   if (reference_ && curve_step_ >= 0) continue_curve(session, picture);
+  if (reference_ && reflector_step_ >= 0) continue_reflectors(session, picture);
   update_textures(*session);
 }
 
@@ -98,6 +100,7 @@ void WindowMeter::judge(WindowSession* session, const WindowPicture& picture, do
   judged_s_ = now_s;
   judged_frames_ = picture.stats()->accumulated_frames;
   figure_s_ = now_s - begin_s_;
+  picture_s_ = 1e-3 * picture.stats()->frame_ms * picture.stats()->accumulated_frames;
   textures_stale_ = true;
 }
 
@@ -122,6 +125,43 @@ void WindowMeter::continue_curve(WindowSession* session, const WindowPicture& pi
   measured_[curve_name(mode.name, session->state.error_view.all_light)] = curve_;
 }
 
+void WindowMeter::continue_reflectors(WindowSession* session, const WindowPicture& picture) {
+  const std::vector<std::string> names = builtin_registry().names(TechniqueKind::reflector);
+  if (reflector_step_ >= static_cast<int>(names.size())) {
+    reflector_step_ = -1;
+    return;
+  }
+  MeterFacts::Reflector result;
+  result.name = names[static_cast<std::size_t>(reflector_step_)];
+  FrameRequest request = picture.drawn();
+  request.reflections = result.name;
+  try {
+    const FrameStats stats = session->renderer().render(request);
+    // What it needs is made in the background: it is drawn again until that is there.
+    if (!session->renderer().background_work().empty()) return;
+    const auto error = meter_error(session->renderer().read_radiance(), *reference_);
+    result.time_ms = stats.frame_ms;
+    result.error = error ? error->error : 0.0;
+  } catch (const Error& problem) {
+    result.why = problem.what();
+  }
+  ++reflector_step_;
+  reflectors_.push_back(result);
+}
+
+/// Where the path tracer would have less error by noise after the time that this picture took.
+std::string WindowMeter::reference_answer() const {
+  if (!error_ || !reference_ || reference_->paths < 8) return "";
+  const double paths = reference_paths(*reference_, picture_s_, picture_width_, picture_height_);
+  const double noise = paths > 0.0 ? reference_noise(*reference_, paths) : 0.0;
+  if (paths < 1.0 || !(noise < error_->low)) return "";
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "mode reference would be better after the same time: about %s by %.0f paths a pixel in %.1f s",
+                percent_text(noise).c_str(), paths, picture_s_);
+  return text;
+}
+
 std::optional<BudgetCurve> WindowMeter::find_curve(const WindowSession& session) const {
   const std::string name = curve_name(session.state.mode, session.state.error_view.all_light);
   if (const auto found = measured_.find(name); found != measured_.end()) return found->second;
@@ -134,6 +174,9 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
   *facts = {};
   if (!session.state.error_view.open) return;
   facts->measuring_curve = curve_step_ >= 0;
+  facts->comparing_reflectors = reflector_step_ >= 0;
+  facts->reflectors = reflectors_;
+  facts->reference_answer = reference_answer();
   const std::string problem = meter_.problem();
   if (!problem.empty())
     facts->status = problem;

@@ -24,6 +24,13 @@ class WindowMeter {
   void draw_overlay(const WindowSession& session, const Rect& picture);
   /// Measures a curve of the present mode, one frame in each iteration of the window's loop, once there is a reference.
   void measure_curve() { curve_step_ = 0; }
+  /// Draws the present view with each reflector technique, one in each iteration of the window's loop.
+  void compare_reflectors() {
+    reflector_step_ = 0;
+    reflectors_.clear();
+  }
+  /// The renderer is busy with other pictures than the window's.
+  bool comparing() const { return reflector_step_ >= 0; }
   void apply_budget(WindowSession* session) const;
 
  private:
@@ -37,6 +44,8 @@ class WindowMeter {
   void take_snapshot(WindowSession* session, std::uint64_t revision, int variant);
   void judge(WindowSession* session, const WindowPicture& picture, double now_s);
   void continue_curve(WindowSession* session, const WindowPicture& picture);
+  void continue_reflectors(WindowSession* session, const WindowPicture& picture);
+  std::string reference_answer() const;
   void update_textures(const WindowSession& session);
   std::optional<BudgetCurve> find_curve(const WindowSession& session) const;
 
@@ -48,6 +57,9 @@ class WindowMeter {
   std::uint64_t measured_revision_ = 0;
   int curve_step_ = -1;  ///< of the mode's quality steps; -1: none is being measured
   BudgetCurve curve_;
+  int reflector_step_ = -1;  ///< of the registry's reflector techniques; -1: none is being measured
+  std::vector<MeterFacts::Reflector> reflectors_;
+  double picture_s_ = 0.0;  ///< that the picture on screen took
   std::shared_ptr<const GridReference> reference_;
   std::optional<MeteredError> error_;
   std::uint64_t version_ = 0;

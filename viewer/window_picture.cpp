@@ -143,6 +143,17 @@ void WindowPicture::note_cost(bool move) {
 void WindowPicture::note_times() {
   if (history_ms_.size() >= kHistory) history_ms_.erase(history_ms_.begin());
   history_ms_.push_back(static_cast<float>(stats_->frame_ms));
+  for (auto& [name, times] : pass_history_ms_) times.push_back(0.0f);  // passes that this frame skipped
+  for (const PassTime& pass : stats_->passes) {
+    const std::string title = stats_->plan.pass_title(pass.name, pass.layer);
+    std::vector<float>& times = pass_history_ms_[title];
+    if (times.empty()) times.assign(history_ms_.size(), 0.0f);
+    times.back() = static_cast<float>(pass.ms);
+  }
+  for (auto& [name, times] : pass_history_ms_)
+    if (times.size() > kHistory) times.erase(times.begin());
+  std::erase_if(pass_history_ms_,
+                [](const auto& pass) { return std::ranges::all_of(pass.second, [](float ms) { return ms == 0.0f; }); });
   std::vector<PassTime> next = stats_->passes;
   for (PassTime& pass : next)
     for (const PassTime& old : smooth_passes_)

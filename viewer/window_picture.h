@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,6 +45,8 @@ class WindowPicture {
   /// Nothing moves, and the picture is the requested one.
   bool still() const { return stats_ && !moving_ && !failed_; }
   const std::vector<float>& history_ms() const { return history_ms_; }
+  /// Of each pass by its title, 0 where a frame skipped it.
+  const std::map<std::string, std::vector<float>>& pass_history_ms() const { return pass_history_ms_; }
   const std::vector<PassTime>& smooth_passes() const { return smooth_passes_; }
   glm::ivec2 drawn_size() const { return {drawn_.width, drawn_.height}; }
   bool converged() const { return stats_ && !moving_ && stats_->accumulated_frames >= kMostAveraged; }
@@ -60,6 +63,7 @@ class WindowPicture {
 
   std::optional<FrameStats> stats_;
   std::vector<float> history_ms_;
+  std::map<std::string, std::vector<float>> pass_history_ms_;
   std::vector<PassTime> smooth_passes_;
   FrameRequest drawn_;        ///< of the last frame
   FrameRequest last_wanted_;  ///< at full size and with the samples of a moving frame; shows whether anything moved

@@ -211,20 +211,40 @@ std::shared_ptr<const JointBtf> fit_joint_btf(const Btf& btf, const JointBtfOpti
   joint->terms = 1 + options.components;
   const TexelSpace space(btf);
   const Index finest = static_cast<Index>(btf.width) * btf.height,
-              step = (finest + kSampledTexels - 1) / kSampledTexels;
+              step = (finest + kSampledTexels - 1) / kSampledTexels | 1;
   const std::size_t stored = 3 * static_cast<std::size_t>(1 + btf.components);
-  Eigen::MatrixXf samples(space.dimensions(), kColors * ((finest + step - 1) / step));
-  tbb::parallel_for(Index{0}, samples.cols() / kColors, [&](Index i) {
-    space.read(static_cast<std::size_t>(i * step) * stored, samples.data() + kColors * i * samples.rows());
-  });
+  const auto sampled = [&](Index first, Index count, Index at_step) {
+    Eigen::MatrixXf samples(space.dimensions(), kColors * ((count + at_step - 1) / at_step));
+    tbb::parallel_for(Index{0}, samples.cols() / kColors, [&](Index i) {
+      space.read(static_cast<std::size_t>(first + i * at_step) * stored, samples.data() + kColors * i * samples.rows());
+    });
+    return samples;
+  };
+  // Coarser texels are means over many clusters, and outside of what each of these spans: one cluster is theirs.
+  const std::vector<BtfLevel> levels = btf_levels(btf.width, btf.height, btf.components);
+  const bool apart = options.clusters >= 2 && finest > options.clusters && levels.size() > 1;
   if (cancel) return nullptr;
-  const SubspaceClusters clusters(samples, options.clusters, joint->terms);
+  const Eigen::MatrixXf samples = sampled(0, finest, step);
+  std::vector<Eigen::MatrixXf> found =
+      SubspaceClusters(samples, options.clusters - (apart ? 1 : 0), joint->terms).bases();
   if (cancel) return nullptr;
-  joint->clusters = static_cast<int>(clusters.bases().size());
+  if (apart) {
+    Eigen::MatrixXf coarse(space.dimensions(), 0);
+    for (std::size_t l = 1; l < levels.size(); ++l) {  // each level has the same weight
+      const Index count = static_cast<Index>(levels[l].width) * levels[l].height,
+                  of_level = (count + kSampledTexels / 8 - 1) / (kSampledTexels / 8) | 1;
+      const Eigen::MatrixXf own = sampled(static_cast<Index>(levels[l].offset / stored), count, of_level);
+      const Index before = coarse.cols();
+      coarse.conservativeResize(Eigen::NoChange, before + own.cols());
+      coarse.rightCols(own.cols()) = own / std::sqrt(static_cast<float>(own.cols()));
+    }
+    found.push_back(SubspaceClusters(coarse, 1, joint->terms).bases()[0]);
+  }
+  if (cancel) return nullptr;
+  joint->clusters = static_cast<int>(found.size());
   const Index terms = joint->terms, rows = samples.rows();
   Eigen::MatrixXf bases(rows, joint->clusters * terms);
-  for (Index k = 0; k < joint->clusters; ++k)
-    bases.middleCols(k * terms, terms) = clusters.bases()[static_cast<std::size_t>(k)];
+  for (Index k = 0; k < joint->clusters; ++k) bases.middleCols(k * terms, terms) = found[static_cast<std::size_t>(k)];
   const auto scale = std::sqrt(static_cast<float>(btf.views.size()) * 3.14159265f);  // the cosine's integral is pi
   for (std::size_t v = 0; v < btf.views.size(); ++v) {
     std::vector<float> values(btf.views[v].lights->size() * joint->function_count());

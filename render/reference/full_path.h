@@ -98,7 +98,7 @@ class FullPath {
     std::array<float, kMostShadowRays> useful;
     useful.fill(-1.0f);  // not traced
     for (std::uint32_t k = 0; k < at_.shadow_rays && !environment_.black(); ++k) {
-      ArrivingLight& light = at_.arriving[at_.arrived];
+      ShadowRay& light = at_.arriving[at_.arrived];
       environment_.draw_chosen(at_.choices[k], &light.draw);
       light.rays = static_cast<float>(at_.shadow_rays);
       light.choice = k;
@@ -117,7 +117,7 @@ class FullPath {
     // Panes and guide records of all rays together: one ray's data is fetched while another's is computed.
     std::size_t kept = 0;
     for (std::size_t i = 0; i < at_.arrived; ++i) {
-      ArrivingLight& light = at_.arriving[i];
+      ShadowRay& light = at_.arriving[i];
       light.through = transmittance(scene_, light.draw.direction, light.passage);
       if (light.through == glm::vec3(0.0f)) continue;
       if (i < of_sky) useful[light.choice] = largest(light.through);
@@ -405,7 +405,7 @@ class FullPath {
   const LeafShares* shares() const { return location().cell != LightGuide::kNoCell ? &location().shares : nullptr; }
 
   /// Traces the shadow ray; false where it is blocked.
-  bool trace_light(const SurfacePoint& p, ArrivingLight* light) {
+  bool trace_light(const SurfacePoint& p, ShadowRay* light) {
     const LightDraw& draw = light->draw;
     light->above = false;
     if (glm::dot(draw.direction, p.normal) <= 0.0f) return false;
@@ -420,7 +420,7 @@ class FullPath {
     return find_passage(scene_, ray, &light->passage);
   }
 
-  void add_light(const SurfacePoint& p, ArrivingLight* light) {
+  void add_light(const SurfacePoint& p, ShadowRay* light) {
     LightDraw& draw = light->draw;
     if (draw.texel >= 0) environment_.fill(&draw, shares());
     const Scattering s = evaluate_scattering(p, light->query);

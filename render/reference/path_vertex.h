@@ -25,7 +25,7 @@ struct ShadingLocation {
 };
 
 /// One of `rays` shadow rays of the same kind.
-struct ArrivingLight {
+struct ShadowRay {
   LightDraw draw;
   float rays;
   std::uint32_t choice;  ///< index into the choices, of shadow rays to the sky
@@ -44,7 +44,7 @@ struct PathVertex {
   std::array<EnvironmentLight::Choice, kMostShadowRays> choices;
   bool has_lamp = false;
   LightPick picked;  ///< the lamp
-  std::array<ArrivingLight, kMostShadowRays + 1> arriving;
+  std::array<ShadowRay, kMostShadowRays + 1> arriving;
   std::size_t arrived = 0;
   float mirror_share = 0.0f;  ///< of scattered rays that the guide draws
   float guided = 0.0f;        ///< probability that the guide drew the present direction

@@ -147,7 +147,7 @@ vec3 transfer_radiance(TransferPoint p) {
   uint group_index = texelFetch(t_transfer_places, p.vertices.x).y;
   uvec4 material = texelFetch(t_transfer_groups, 2 * int(group_index) + 1);
   int terms = 1 + int(material.w), texels = (1 + 3 * terms + 3) / 4;
-  NearViews views[3];
+  NearViews none = NearViews(ivec3(0), vec3(0.0)), views[3] = NearViews[3](none, none, none);
 #ifdef REFLECTED
   uvec4 group = texelFetch(t_transfer_groups, 2 * int(group_index));
   for (int k = 0; k < 3; ++k) views[k] = vertex_views(p.vertices[k], group, p.to_eye);

@@ -68,6 +68,17 @@ class TransferMode : public maquette::testing::TemporaryFolder {
     test::add(scene.get(), test::make_grid({-0.5f, 0.0f, -0.2f}, {0.8f, 0, 0}, {0, 0.6f, 0}, 4, 1), "block");
     return scene;
   }
+  /// The same before a mirror.
+  std::shared_ptr<Scene> mirrored_plate() {
+    auto scene = covered_plate();
+    Material chrome;
+    chrome.name = "chrome";
+    chrome.roughness = 0.0f;
+    scene->materials.push_back(chrome);
+    test::add(scene.get(), test::make_grid({-1.0f, 0.0f, -0.9f}, {2, 0, 0}, {0, 1.2f, 0}, 1, 2), "mirror")->reflector =
+        true;
+    return scene;
+  }
   static FrameRequest look(FrameRequest r) {
     r.camera.eye = {0.6f, 1.9f, 2.4f};
     r.camera.target = {0.0f, 0.1f, 0.0f};

@@ -313,14 +313,7 @@ TEST_F(TransferMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
 TEST_F(TransferMode, MirroredRaysShowIt) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;
-  auto scene = covered_plate();
-  Material chrome;
-  chrome.name = "chrome";
-  chrome.roughness = 0.0f;
-  scene->materials.push_back(chrome);
-  test::add(scene.get(), test::make_grid({-1.0f, 0.0f, -0.9f}, {2, 0, 0}, {0, 1.2f, 0}, 1, 2), "mirror")->reflector =
-      true;
-  renderer.set_scene(scene);
+  renderer.set_scene(mirrored_plate());
   renderer.set_environment(test::constant_sky(1.0f));
   FrameRequest request = look(small_request());
   request.reflections = "raytraced";

@@ -9,6 +9,8 @@
 #include <limits>
 #include <random>
 
+#include "render/math/cluster_members.h"
+
 namespace maquette {
 
 namespace {
@@ -216,22 +218,8 @@ class LocalPcaFitter {
     });
   }
 
-  std::vector<std::vector<Index>> find_members() {
-    std::vector<std::vector<Index>> members(clusters_.size());
-    for (std::size_t i = 0; i < fit_.owner.size(); ++i)
-      members[static_cast<std::size_t>(fit_.owner[i])].push_back(static_cast<Index>(i));
-    for (auto& m : members) {
-      if (!m.empty()) continue;
-      // An empty cluster restarts at the vector with the largest error.
-      const auto worst = std::max_element(errors_.begin(), errors_.end()) - errors_.begin();
-      errors_[static_cast<std::size_t>(worst)] = 0.0f;
-      m.push_back(worst);
-    }
-    return members;
-  }
-
   void update(int components) {
-    const auto members = find_members();
+    const auto members = members_of_clusters(fit_.owner, clusters_.size(), &errors_);
     tbb::parallel_for(std::size_t{0}, clusters_.size(), [&](std::size_t k) {
       Eigen::VectorXd mean = Eigen::VectorXd::Zero(small_.rows());
       for (const Index i : members[k]) mean += small_.col(i).cast<double>();
@@ -253,7 +241,7 @@ class LocalPcaFitter {
     const Index n = scaled_.cols();
     fit_.weights = Eigen::MatrixXf::Zero(options_.components, n);
     fit_.errors.assign(static_cast<std::size_t>(n), 0.0);
-    const auto members = find_members();
+    const auto members = members_of_clusters(fit_.owner, clusters_.size(), &errors_);
     const auto count = static_cast<Index>(clusters_.size()), dimensions = scaled_.rows();
     Eigen::MatrixXf means(dimensions, count), bases = Eigen::MatrixXf::Zero(dimensions, count * options_.components);
     tbb::parallel_for(Index{0}, count, [&](Index k) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "render/math/cluster_members.h"
 #include "scenes/btf/half_floats.h"
 
 namespace maquette {
@@ -147,21 +148,8 @@ class SubspaceClusters {
     });
   }
 
-  std::vector<std::vector<Index>> find_members() {
-    std::vector<std::vector<Index>> members(bases_.size());
-    for (std::size_t i = 0; i < owner_.size(); ++i)
-      members[static_cast<std::size_t>(owner_[i])].push_back(static_cast<Index>(i));
-    for (auto& m : members) {
-      if (!m.empty()) continue;
-      const auto worst = std::max_element(residual_.begin(), residual_.end()) - residual_.begin();
-      residual_[static_cast<std::size_t>(worst)] = 0.0f;
-      m.push_back(worst);
-    }
-    return members;
-  }
-
   void update(Index terms) {
-    const auto members = find_members();
+    const auto members = members_of_clusters(owner_, bases_.size(), &residual_);
     tbb::parallel_for(std::size_t{0}, bases_.size(), [&](std::size_t k) {
       Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(small_.rows(), small_.rows());
       for (const Index i : members[k]) {

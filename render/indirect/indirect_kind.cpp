@@ -61,7 +61,7 @@ struct Header {
 
 }  // namespace
 
-IndirectKind::IndirectKind() : CachedBakeKind("indirect", 4) {}
+IndirectKind::IndirectKind() : CachedBakeKind("indirect", 5) {}
 
 Baked<IndirectResult> IndirectKind::load(const IndirectJob& job) {
   if (memory_.input != job.input) memory_ = {job.input, nullptr, {}};

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/indirect/sky_rays.h"
 #include "render/math/shared_formulas.h"
 #include "scenes/luminance.h"
 
@@ -159,23 +160,26 @@ void for_slots(std::size_t count, const std::atomic<bool>& cancel, const Body& b
   });
 }
 
-/// Averages with the neighbours on the same smooth surface, which have other ray patterns: this reduces the noise.
-void smooth(const IndirectLinks& links, std::vector<IndirectRadiance>* values, std::vector<IndirectRadiance>* spare,
+void add_share(float share, const glm::vec3& value, glm::vec3* sum) { *sum += share * value; }
+void add_share(float share, const IndirectRadiance& value, IndirectRadiance* sum) {
+  sum->mean += share * value.mean;
+  sum->gradient += share * value.gradient;
+}
+
+/// Averages [side][point] with the neighbours on the same smooth surface, which have other rays: this reduces the
+/// noise.
+template <typename Value>
+void smooth(const IndirectLinks& links, std::vector<Value>* values, std::vector<Value>* spare,
             const std::atomic<bool>& cancel) {
   const std::size_t count = links.points.points.size();
   spare->resize(values->size());
   for_slots(values->size(), cancel, [&](std::size_t slot) {
     const std::size_t point = slot % count, side = slot - point;
-    IndirectRadiance sum;
-    for (std::uint32_t k = links.first_neighbour[point]; k < links.first_neighbour[point + 1]; ++k) {
-      const IndirectNeighbour& neighbour = links.neighbours[k];
-      const IndirectRadiance& there = (*values)[side + neighbour.point];
-      sum.mean += neighbour.weight * there.mean;
-      sum.gradient += neighbour.weight * there.gradient;
-    }
-    const IndirectRadiance& own = (*values)[slot];
-    const float share = links.own_weight[point];
-    (*spare)[slot] = {share * own.mean + sum.mean, share * own.gradient + sum.gradient};
+    Value sum{};
+    add_share(links.own_weight[point], (*values)[slot], &sum);
+    for (std::uint32_t k = links.first_neighbour[point]; k < links.first_neighbour[point + 1]; ++k)
+      add_share(links.neighbours[k].weight, (*values)[side + links.neighbours[k].point], &sum);
+    (*spare)[slot] = sum;
   });
   values->swap(*spare);
 }
@@ -230,19 +234,33 @@ SkyCells splat_sky(const IndirectSky& sky) {
   return cells;
 }
 
-std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
-                                               const IndirectSky& sky, IndirectBounces bounces,
-                                               const IndirectSolution* before, const std::atomic<bool>& cancel) {
-  const SkyLanes cells(splat_sky(sky));
+std::vector<glm::vec3> sky_irradiance(const IndirectLinks& links, const VisibilityBake& bits, const IndirectSky& sky,
+                                      SkyLight by, const std::atomic<bool>& cancel) {
+  const SkyCells cells = splat_sky(sky);
+  const SkyLanes lanes(cells);
   const std::size_t count = links.points.points.size(), slots = count * static_cast<std::size_t>(links.sides);
   std::vector<glm::vec3> direct(slots);
   for_slots(count, cancel, [&](std::size_t i) {
     const std::uint32_t vertex = links.vertex_of_point[i];
     if (vertex == kNoPoint) return;
-    const TwoSided light = direct_irradiance(bits.vertices[vertex], links.points.points[i].normal, cells);
+    const TwoSided light = direct_irradiance(bits.vertices[vertex], links.points.points[i].normal, lanes);
     direct[i] = light.front * bits.transmittance[vertex][0];
     if (links.sides == 2) direct[count + i] = light.back * bits.transmittance[vertex][1];
   });
+  if (by == SkyLight::rays) {
+    std::vector<glm::vec3> error = error_of_maps(links, bits, sky, cells, cancel), spare;
+    for (int round = 0; round < kSmoothingRounds && !cancel; ++round) smooth(links, &error, &spare, cancel);
+    for (std::size_t i = 0; i < slots; ++i) direct[i] = glm::max(direct[i] + error[i], 0.0f);
+  }
+  return direct;
+}
+
+std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
+                                               const IndirectSky& sky, IndirectBounces bounces,
+                                               const IndirectSolution* before, const std::atomic<bool>& cancel) {
+  const std::size_t slots = links.points.points.size() * static_cast<std::size_t>(links.sides);
+  std::vector<glm::vec3> direct =
+      sky_irradiance(links, bits, sky, bounces == IndirectBounces::all ? SkyLight::rays : SkyLight::maps, cancel);
   for (std::size_t i = 0; i < links.lamps.size(); ++i) direct[i] += links.lamps[i];
   IndirectSolution s;
   s.radiance.resize(slots);

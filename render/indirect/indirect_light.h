@@ -54,8 +54,15 @@ struct IndirectSolution {
   std::vector<glm::vec3> bounced;          ///< [side][point] indirect irradiance
 };
 
-/// Solves for one sky; `bits` are those of the visibility bake. `before`: the solution that `step` continues from,
-/// otherwise ignored; may be null. Null once `cancel` is set. A step costs a fifth of all bounces.
+/// Irradiance of the sky at every point, [side][point]: from the visibility maps alone, or with what shadow rays find
+/// them to err by (render/indirect/sky_rays.h), smoothed.
+enum class SkyLight { maps, rays };
+std::vector<glm::vec3> sky_irradiance(const IndirectLinks& links, const VisibilityBake& bits, const IndirectSky& sky,
+                                      SkyLight by, const std::atomic<bool>& cancel);
+
+/// Solves for one sky, whose light is found by rays for all bounces; `bits` are those of the visibility bake. `before`:
+/// the solution that `step` continues from, otherwise ignored; may be null. Null once `cancel` is set. A step costs a
+/// fifth of all bounces.
 std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
                                                const IndirectSky& sky, IndirectBounces bounces,
                                                const IndirectSolution* before, const std::atomic<bool>& cancel);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/materials/analytic_albedo.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/surface.h"
 #include "render/reference/traversal.h"
@@ -74,14 +75,8 @@ class Tracer {
       const glm::vec3 tint = input_.scene.materials[material].tint_measured ? p.base_color : glm::vec3(1.0f);
       return albedo_at(input_.measured_albedo[material], p.wo.z) * tint;
     }
-    // Schlick's term with its maximum reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based
-    // shading model".
-    const shared::AnalyticMaterial& m = p.analytic;
-    const float x = 1.0f - p.wo.z, rough = std::sqrt(shared::mean_alpha(m));
-    const glm::vec3 f0 = shared::base_f0(m, p.wo.z);
-    const glm::vec3 f = f0 + (glm::max(glm::vec3(m.f90 * (1.0f - rough)), f0) - f0) * (x * x * x * x * x);
-    const float coat = m.coat * (0.04f + 0.96f * x * x * x * x * x);
-    return (m.diffuse * (1.0f - std::max({f.x, f.y, f.z})) + f) * (1.0f - coat) + coat;
+    const shared::AnalyticAlbedo albedo = shared::analytic_albedo(p.analytic, p.wo.z);
+    return albedo.diffuse + albedo.mirror + albedo.coat;
   }
 
   /// What a ray meets behind panes.
@@ -126,7 +121,7 @@ class Tracer {
     const std::size_t count = links_.points.points.size(), step = std::max<std::size_t>(count / kProbedPoints, 1);
     std::atomic<std::uint32_t> backs{0}, all{0};
     tbb::parallel_for(std::size_t{0}, 2 * (count / step), [&](std::size_t k) {
-      const Start start = start_of(k / 2 * step, k % 2 == 0 ? 0 : 1);
+      const IndirectStart start = indirect_start(links_, k / 2 * step, k % 2 == 0 ? 0 : 1);
       std::uint32_t met = 0, behind = 0;
       for (int r = 0; r < kProbingRays; ++r) {
         const glm::vec3 direction = start.frame.to_world(indirect_ray_direction(r, kProbingRays));
@@ -168,22 +163,8 @@ class Tracer {
   }
   bool has_lamps() const { return !scene_->lights.lights.empty(); }
 
-  /// Where the rays of a point's side begin.
-  struct Start {
-    IndirectFrame frame;
-    glm::vec3 origin;
-  };
-  Start start_of(std::size_t index, int side) const {
-    const VisibilityPoint& point = links_.points.points[index];
-    const IndirectFrame frame = indirect_frame(point, index, side);
-    const glm::vec3 at(links_.points.center + links_.points.scale_m * glm::dvec3(point.position + point.inset));
-    const float largest = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
-    const float lift = point.lift * static_cast<float>(links_.points.scale_m) + kRelativeLift * largest;
-    return {frame, at + frame.n * lift};
-  }
-
   void trace_point(std::size_t index, int side) {
-    const auto [frame, origin] = start_of(index, side);
+    const auto [frame, origin] = indirect_start(links_, index, side);
     const std::size_t slot = static_cast<std::size_t>(side) * links_.points.points.size() + index;
     const auto rays = static_cast<std::size_t>(links_.rays);
     for (std::size_t r = 0; r < rays; ++r) {
@@ -193,6 +174,8 @@ class Tracer {
     if (!links_.lamps.empty())
       links_.lamps[slot] = lamps(origin, frame.n, hash(static_cast<std::uint32_t>(slot) ^ 0x5bd1e995u));
   }
+
+  const std::shared_ptr<const PathScene>& scene() const { return scene_; }
 
   void prepare() {
     for (int r = 0; r < links_.rays; ++r) pattern_.push_back(indirect_ray_direction(r, links_.rays));
@@ -279,6 +262,15 @@ IndirectFrame indirect_frame(const VisibilityPoint& point, std::size_t index, in
   return {cosine * t + sine * b, cosine * b - sine * t, n};
 }
 
+IndirectStart indirect_start(const IndirectLinks& links, std::size_t index, int side) {
+  const VisibilityPoint& point = links.points.points[index];
+  const IndirectFrame frame = indirect_frame(point, index, side);
+  const glm::vec3 at(links.points.center + links.points.scale_m * glm::dvec3(point.position + point.inset));
+  const float largest = std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  const float lift = point.lift * static_cast<float>(links.points.scale_m) + kRelativeLift * largest;
+  return {frame, at + frame.n * lift};
+}
+
 std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& input, std::size_t budget,
                                                           const std::atomic<bool>& cancel,
                                                           const std::function<void(double)>& progress) {
@@ -297,6 +289,7 @@ std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& i
   const std::size_t slots = std::max<std::size_t>(count * static_cast<std::size_t>(links->sides), 1);
   links->rays = std::clamp(static_cast<int>(budget / slots), kMinRays, kMaxRays);
   tracer.prepare();
+  links->scene = tracer.scene();
   find_neighbours(links.get());
   std::atomic<std::size_t> done{0};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPointsPerTask), [&](const auto& range) {

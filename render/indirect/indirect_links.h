@@ -12,6 +12,8 @@
 
 namespace maquette {
 
+struct PathScene;
+
 /// All inputs of the transport links: everything that indirect light depends on except the sky.
 struct IndirectInput {
   Scene scene;  ///< materials after overrides; hidden nodes have visible = false
@@ -50,6 +52,7 @@ struct IndirectLinks {
   std::vector<float> own_weight;
   std::vector<std::uint32_t> first_neighbour;  ///< [point + 1]
   std::vector<IndirectNeighbour> neighbours;
+  std::shared_ptr<const PathScene> scene;  ///< what rays meet
   std::size_t bytes() const {
     return links.size() * sizeof(IndirectLink) + lamps.size() * sizeof(glm::vec3) + own_weight.size() * sizeof(float) +
            first_neighbour.size() * sizeof(std::uint32_t) + neighbours.size() * sizeof(IndirectNeighbour);
@@ -71,5 +74,11 @@ struct IndirectFrame {
   glm::vec3 to_world(const glm::vec3& d) const { return t * d.x + b * d.y + n * d.z; }
 };
 IndirectFrame indirect_frame(const VisibilityPoint& point, std::size_t index, int side);
+/// Where the rays of a point's side begin, world.
+struct IndirectStart {
+  IndirectFrame frame;
+  glm::vec3 origin;
+};
+IndirectStart indirect_start(const IndirectLinks& links, std::size_t index, int side);
 
 }  // namespace maquette

@@ -193,7 +193,7 @@ void MirroredRays::find_tint(const MirroredScene& scene, const FollowRule& rule)
 }
 
 void MirroredRays::average(const MirroredScene& scene, const FollowRule& rule) {
-  frames_ = !rule.averages ? 0 : rule.continues ? frames_ + 1 : 1;
+  frames_ = rule.averages ? frames_in_mean(rule) : 0;
   if (!rule.averages) return;
   ReflectionTargets& t = *targets_;
   if (!t.mean) t.mean = Texture::make_2d("mean of mirrored light", GL_RGBA32F, t.width, t.height);
@@ -278,7 +278,8 @@ void MirroredRays::shade_hits(const MirroredScene& scene, const FollowRule& rule
     layer.mode.shade_hits({frame, plan, t, panes, by_rays && plan.sun_apart});
     if (by_rays) {
       glBindTextureUnit(kUnitTriangle, t.triangle.get());
-      shadows_.add(frame, plan, t);
+      shadows_.add(frame,
+                   {.plan = plan, .constants = constants_, .sky_frames = rule.averages ? frames_in_mean(rule) : 0}, t);
     }
     if (plan.indirect != "baked") continue;
     frame.timer().end("reflected shade");

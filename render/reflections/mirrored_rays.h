@@ -86,6 +86,7 @@ class MirroredRays {
   void add_layers(const MirroredScene& scene, const FollowRule& rule);
   /// The mean over the frames at rest takes the place of this frame's light.
   void average(const MirroredScene& scene, const FollowRule& rule);
+  int frames_in_mean(const FollowRule& rule) const { return rule.continues ? frames_ + 1 : 1; }
 
   std::optional<ReflectionTargets> targets_;
   FrameConstants constants_{};

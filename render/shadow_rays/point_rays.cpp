@@ -53,7 +53,7 @@ std::vector<ShaderVariant> point_rays_shader_variants() {
     plan.lights = k & 2;
     plan.visibility = k & 4 ? "baked" : "none";
     const DrawnPoints points{.plan = plan, .tiles = none, .sky = (k & 16) != 0, .reflected = (k & 32) != 0};
-    if (!(points.sky && points.reflected)) variants.push_back(draw_variant(points, k & 8));
+    variants.push_back(draw_variant(points, k & 8));
   }
   return variants;
 }

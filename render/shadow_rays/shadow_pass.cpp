@@ -6,29 +6,10 @@
 #include <atomic>
 #include <cmath>
 
-#include "render/frame/constants.h"
 #include "render/gl/bindings.h"
-#include "render/math/shared_formulas.h"
 #include "render/shadow_rays/point_rays.h"
 
 namespace maquette {
-
-namespace {
-
-/// Grid cells over which the sky's first ray of each point is smoothed; fewer as frames are added.
-constexpr double kFilterRadius = 14.0;
-constexpr int kBaseColorBias = 34;  ///< of shaders/shared/gbuffer.glsl
-/// Base colours are not taken for darker.
-constexpr float kLeastBase = 0.04f;
-
-/// How much of a neighbour's light a point takes.
-float likeness(const glm::vec3& offset, const glm::vec3& normal, const glm::vec3& other, float width_m) {
-  const float facing = std::max(glm::dot(normal, other), 0.0f), facing2 = facing * facing, facing4 = facing2 * facing2;
-  const float off = glm::dot(offset, normal) / (3.0f * width_m);
-  return facing4 * facing4 * std::exp(-off * off);
-}
-
-}  // namespace
 
 void ShadowPass::run(const LayerContext& layer, bool averages) {
   const FrameContext& frame = layer.frame;
@@ -48,8 +29,8 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
     sky_frames_ = 0;
   }
   if (rests && sky_frames_ == 0) {
-    raw_sky_.assign(count, glm::vec4(0.0f));
-    points_.assign(count, Point());
+    sky_.assign(count, glm::vec4(0.0f));
+    points_.assign(count, SkyPoint());
   }
   if (with_lamps) lamp_frames_ = averages && same_lamps ? lamp_frames_ + 1 : 1;
   if (!same_lamps || (with_lamps && lamp_frames_ == 1)) lamps_.assign(count, glm::vec4(0.0f));
@@ -78,19 +59,11 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
   });
   if (frame.accumulated > 0) {
     ++sky_frames_;
-    filter_sky(w, h);
-    for (std::size_t i = 0; i < count; ++i) sum_[i] += sky_[i] * glm::vec4(points_[i].base, 0.0f);
+    const std::vector<glm::vec4>& smooth = filter_.run(points_, sky_, {w, h}, sky_frames_);
+    for (std::size_t i = 0; i < count; ++i) sum_[i] += smooth[i] * glm::vec4(points_[i].base, 0.0f);
   }
   light_.upload(0, w, h, GL_RGBA, GL_FLOAT, sum_.data());
   frame.timer().end("trace_rays");
-}
-
-void ShadowPass::keep_point(const LayerContext& layer, const PointRays& rays, const SurfacePlace& place, Point* point) {
-  const glm::vec3 root = shared::unpack_rgb9e5(rays.base_color, kBaseColorBias);
-  point->position = place.position;
-  point->width_m = pixel_width(layer.constants, glm::length(place.position - glm::vec3(layer.constants.eye)));
-  point->normal = place.normal;
-  point->base = glm::max(root * root, glm::vec3(kLeastBase));
 }
 
 void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const Drawn& drawn) {
@@ -122,54 +95,16 @@ void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const D
       }
       const SurfacePlace place = place_of(geometry, p.triangle - 1, p.position);
       if (drawn.learns) sun_shadows_.set(at, place);
-      if (sky) keep_point(layer, p, place, &points_[at]);
+      if (sky) points_[at] = sky_point(layer.constants, p, place);
       const BroughtLight brought = trace_point(scene, p, place);
       own += brought.rays;
       sun_[at] += (glm::vec4(brought.sun, 0.0f) - sun_[at]) * blend;
       if (drawn.lamps) lamps_[at] += (glm::vec4(brought.lamp, 0.0f) - lamps_[at]) * lamp_blend;
-      if (sky) raw_sky_[at] += (glm::vec4(brought.sky / points_[at].base, 0.0f) - raw_sky_[at]) * sky_blend;
+      if (sky) sky_[at] += (glm::vec4(brought.sky / points_[at].base, 0.0f) - sky_[at]) * sky_blend;
     }
     traced += own;
   });
   ray_count_ += traced;
-}
-
-void ShadowPass::filter_sky(int width, int height) {
-  // A ray's noise is about that of a path: as many are taken together, over neighbours and frames, as make a picture.
-  // Falling faster than the noise, the radius leaves grain where it would leave blur; FLIP of cabins is the lower for
-  // it.
-  const int radius = static_cast<int>(std::lround(kFilterRadius * std::pow(sky_frames_, -0.75)));
-  sky_ = raw_sky_;
-  if (radius == 0) return;
-  spare_.resize(sky_.size());
-  for (const bool down : {false, true}) {
-    tbb::parallel_for(0, height, [&](int y) {
-      for (int x = 0; x < width; ++x) {
-        const auto index = [&](int i, int j) {
-          return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
-        };
-        const std::size_t at = index(x, y);
-        const Point& own = points_[at];
-        spare_[at] = glm::vec4(0.0f);
-        if (!(own.width_m > 0.0f)) continue;
-        float weights = 0.0f;
-        for (int k = -radius; k <= radius; ++k) {
-          const int i = down ? x : x + k, j = down ? y + k : y;
-          if (i < 0 || j < 0 || i >= width || j >= height) continue;
-          const std::size_t to = index(i, j);
-          const Point& other = points_[to];
-          if (!(other.width_m > 0.0f)) continue;
-          const float t = static_cast<float>(k) / static_cast<float>(radius);
-          const float weight =
-              std::exp(-2.0f * t * t) * likeness(other.position - own.position, own.normal, other.normal, own.width_m);
-          spare_[at] += weight * sky_[to];
-          weights += weight;
-        }
-        spare_[at] /= std::max(weights, 1e-6f);
-      }
-    });
-    sky_.swap(spare_);
-  }
 }
 
 }  // namespace maquette

@@ -5,6 +5,7 @@
 
 #include "render/frame/context.h"
 #include "render/frame/key.h"
+#include "render/shadow_rays/sky_filter.h"
 #include "render/shadow_rays/sun_shadows.h"
 
 namespace maquette {
@@ -23,13 +24,6 @@ class ShadowPass {
   std::size_t ray_count() const { return ray_count_; }
 
  private:
-  /// A grid point, as far as the filter looks at it.
-  struct Point {
-    glm::vec3 position{0.0f};
-    float width_m = 0.0f;    ///< of a grid cell there; 0: no point
-    glm::vec3 normal{0.0f};  ///< of its triangle
-    glm::vec3 base{1.0f};    ///< base colour, which the filter leaves sharp
-  };
   /// What the rays of this frame go to, and which points are drawn.
   struct Drawn {
     const TileList& tiles;
@@ -37,16 +31,14 @@ class ShadowPass {
     bool sun_first = false;  ///< the sun's rays are traced
     bool learns = false;     ///< all places, for frames where they are
   };
-  static void keep_point(const LayerContext& layer, const PointRays& rays, const SurfacePlace& place, Point* point);
   void trace_band(const LayerContext& layer, std::size_t band, const Drawn& drawn);
-  /// The sky's share of the light, smoothed over as many neighbours as it has noise; into `sky_`.
-  void filter_sky(int width, int height);
 
   Texture light_;
-  Buffer rays_;  ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
-  std::vector<glm::vec4> sun_, lamps_, raw_sky_;  ///< means over the frames; the sky's over the base colour
-  std::vector<glm::vec4> sky_, spare_, sum_;      ///< the same, smoothed; of the filter; what is composed
-  std::vector<Point> points_;
+  Buffer rays_;                               ///< of one band of tiles, as shaders/shadow_rays/draw.comp writes them
+  std::vector<glm::vec4> sun_, lamps_, sky_;  ///< means over the frames; the sky's over the base colour
+  std::vector<glm::vec4> sum_;                ///< what is composed
+  std::vector<SkyPoint> points_;
+  SkyFilter filter_;
   SunShadows sun_shadows_;
   std::size_t ray_count_ = 0;
   int frames_ = 0, lamp_frames_ = 0, sky_frames_ = 0;

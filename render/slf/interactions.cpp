@@ -53,8 +53,8 @@ class Builder {
         options_(options),
         cancel_(cancel),
         spline_(Lumisphere(incident.side)),
-        light_metric_(Eigen::MatrixXd::Zero(incident.bins, incident.bins)),
-        out_(std::make_shared<Interactions>()) {}
+        out_(std::make_shared<Interactions>()),
+        light_metric_(Eigen::MatrixXd::Zero(incident.bins, incident.bins)) {}
 
   std::shared_ptr<const Interactions> build() {
     const std::vector<TexelGroup> groups = group_texels(scene_, atlas_, options_.texel_m);

@@ -21,10 +21,10 @@ MirrorLobe measured_mirror(Point p, float widest) {
 /// One ray represents base and coat; its direction is interpolated by their reflectances. Half of a GGX lobe has half vectors within atan(alpha).
 MirrorLobe analytic_mirror(Point p, float widest) {
   AnalyticMaterial m = p.analytic;
-  AnalyticMirrors mirrors = analytic_mirrors(m, p.wo.z);
+  AnalyticAlbedo albedo = analytic_albedo(m, p.wo.z);
   float widest_alpha = (widest + 0.5 / 255.0) * (widest + 0.5 / 255.0);  // the G-buffer has it in 8 bits
-  vec3 base = mean_alpha(m) <= widest_alpha ? mirrors.base * (1.0 - mirrors.coat) : vec3(0.0);
-  float coat = m.coat_alpha <= widest_alpha ? mirrors.coat : 0.0;
+  vec3 base = mean_alpha(m) <= widest_alpha ? albedo.mirror : vec3(0.0);
+  float coat = m.coat_alpha <= widest_alpha ? albedo.coat : 0.0;
   float share = coat / max(coat + luminance(base), 1e-20);
   return MirrorLobe(base + vec3(coat), mix(lobe_direction(p.wo, mean_alpha(m)), lobe_direction(p.wo, m.coat_alpha), share),
                     2.0 * mix(mean_alpha(m), m.coat_alpha, share), share);

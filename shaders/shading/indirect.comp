@@ -30,11 +30,10 @@ vec3 reflect_measured(Point p, IndirectLight light) {
 
 vec3 reflect_analytic(Point p, IndirectLight light) {
   AnalyticMaterial m = p.analytic;
-  AnalyticMirrors mirrors = analytic_mirrors(m, p.wo.z);
-  vec3 f = mirrors.base;
-  vec3 result = m.diffuse * (1.0 - max(f.r, max(f.g, f.b))) * indirect_radiance(light, to_world(p, vec3(0.0, 0.0, 2.0 / 3.0)));
-  result += f * indirect_radiance(light, to_world(p, lobe_direction(p.wo, mean_alpha(m))));
-  return result * (1.0 - mirrors.coat) + mirrors.coat * indirect_radiance(light, to_world(p, lobe_direction(p.wo, m.coat_alpha)));
+  AnalyticAlbedo albedo = analytic_albedo(m, p.wo.z);
+  return albedo.diffuse * indirect_radiance(light, to_world(p, vec3(0.0, 0.0, 2.0 / 3.0))) +
+         albedo.mirror * indirect_radiance(light, to_world(p, lobe_direction(p.wo, mean_alpha(m)))) +
+         albedo.coat * indirect_radiance(light, to_world(p, lobe_direction(p.wo, m.coat_alpha)));
 }
 
 void main() {

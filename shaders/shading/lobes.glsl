@@ -2,6 +2,7 @@
 // [slot][64] four texels, in the frame of view and normal (azimuth 0 is the side of the view): albedo, roughness of the specular part | mean
 // direction | albedo of the specular part, angle that contains half of it | its mean direction (render/materials/lobes.h)
 #include "shared/bindings.glsl"
+#include "shared/analytic_albedo.glsl"
 layout(binding = kUnitLobes) uniform samplerBuffer t_lobes;
 
 /// A local direction (any length) in the world.
@@ -20,18 +21,5 @@ vec4 lobe_texel(LobeRow row, int k) {
   return mix(texelFetch(t_lobes, row.first + k), texelFetch(t_lobes, row.first + 4 + k), row.fraction);
 }
 
-/// Reflectances of an analytic material's specular lobes.
-struct AnalyticMirrors {
-  vec3 base;
-  float coat;
-};
-AnalyticMirrors analytic_mirrors(AnalyticMaterial m, float cosine) {
-  float x = 1.0 - cosine;
-  float x5 = x * x * x * x * x;
-  // Schlick's term with a largest reflectance reduced by the roughness. Source: Lagarde 2011, "Adopting a physically based shading model".
-  vec3 f0 = base_f0(m, cosine);
-  vec3 f = f0 + (max(vec3(m.f90 * (1.0 - sqrt(mean_alpha(m)))), f0) - f0) * x5;
-  return AnalyticMirrors(f, m.coat * (0.04 + 0.96 * x5));
-}
 /// Mean direction of a lobe: between the mirror direction and the one of a Lambertian lobe, which is as wide as the hemisphere.
 vec3 lobe_direction(vec3 wo, float alpha) { return mix(vec3(-wo.x, -wo.y, wo.z), vec3(0.0, 0.0, 2.0 / 3.0), alpha); }

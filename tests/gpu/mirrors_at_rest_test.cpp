@@ -1,6 +1,7 @@
 // What mirrors show while nothing moves: shadows by rays, rays that vary over pixels and lobes, and the mean of the
 // frames.
 #include <numbers>
+#include <optional>
 
 #include "tests/gpu/reflections_fixture.h"
 
@@ -39,6 +40,14 @@ class MirrorsAtRest : public ::testing::Test {
     sky->rgb[kSunY * kWidth + kSunX] = glm::vec3(50000.0f);
     renderer_.set_environment(sky);
   }
+  void set_constant_sky() {
+    auto sky = std::make_shared<Environment>();
+    sky->name = "constant";
+    sky->width = 64;
+    sky->height = 32;
+    sky->rgb.assign(std::size_t{64} * 32, glm::vec3(1.0f));
+    renderer_.set_environment(sky);
+  }
   static FrameRequest request() {
     FrameRequest r = request_of("raytraced");
     r.mode = "bandwidth";
@@ -58,28 +67,49 @@ class MirrorsAtRest : public ::testing::Test {
     EXPECT_TRUE(errors.empty()) << errors.front();
     return renderer_.read_debug_view("reflection");
   }
-  /// Share of a pixel's mirrored floor that the sun lights; below 0: not all of it is floor. In double, 12 x 12 points.
-  static double lit_share(const FrameRequest& r, int x, int y) {
+  /// Where the mirrored ray of a point of the picture (pixels) meets the floor; nothing: it does not, or may meet the
+  /// square.
+  static std::optional<glm::dvec3> mirrored_floor(const FrameRequest& r, double px, double py) {
     const glm::dvec3 eye(r.camera.eye), forward = glm::normalize(glm::dvec3(r.camera.target) - eye),
                                         right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0))),
                                         up = glm::cross(right, forward);
     const double tan_y = std::tan(0.5 * static_cast<double>(r.camera.fov_y_rad));
+    glm::dvec3 d = forward + tan_y * ((2.0 * px / kSide - 1.0) * right - (2.0 * py / kSide - 1.0) * up);
+    const glm::dvec3 on_mirror = eye + d * ((kMirrorZ - eye.z) / d.z);
+    if (on_mirror.y < 0.1 || on_mirror.y > 0.95 || d.y >= -1e-6) return std::nullopt;
+    d.z = -d.z;
+    const glm::dvec3 on_floor = on_mirror - d * (on_mirror.y / d.y);
+    if (std::abs(on_floor.x) > 15.0 || std::abs(on_floor.z) > 15.0) return std::nullopt;
+    return on_floor;
+  }
+  /// Share of a pixel's mirrored floor that the sun lights; below 0: not all of it is floor. In double, 12 x 12 points.
+  static double lit_share(const FrameRequest& r, int x, int y) {
     const glm::dvec3 sun = to_sun();
     int lit = 0;
     constexpr int kPoints = 12;
     for (int k = 0; k < kPoints * kPoints; ++k) {
-      const double px = x + (k % kPoints + 0.5) / kPoints, py = y + (k / kPoints + 0.5) / kPoints;
-      glm::dvec3 d = forward + tan_y * ((2.0 * px / kSide - 1.0) * right - (2.0 * py / kSide - 1.0) * up);
-      const glm::dvec3 on_mirror = eye + d * ((kMirrorZ - eye.z) / d.z);
-      // From higher up the square itself may be in the way.
-      if (on_mirror.y < 0.1 || on_mirror.y > 0.95 || d.y >= -1e-6) return -1.0;
-      d.z = -d.z;
-      const glm::dvec3 on_floor = on_mirror - d * (on_mirror.y / d.y);
-      if (std::abs(on_floor.x) > 15.0 || std::abs(on_floor.z) > 15.0) return -1.0;
-      const glm::dvec3 above = on_floor + sun / sun.y;
+      const auto on_floor = mirrored_floor(r, x + (k % kPoints + 0.5) / kPoints, y + (k / kPoints + 0.5) / kPoints);
+      if (!on_floor) return -1.0;
+      const glm::dvec3 above = *on_floor + sun / sun.y;
       lit += std::abs(above.x) > 0.5 || std::abs(above.z) > 0.5;
     }
     return lit / static_cast<double>(kPoints * kPoints);
+  }
+  /// Share of a constant sky's light that reaches a point of the floor past the square and the mirror, by quadrature.
+  static double open_share(const glm::dvec3& at) {
+    constexpr int kSteps = 64;
+    int open = 0;
+    for (int k = 0; k < kSteps * kSteps; ++k) {
+      const double u = (k % kSteps + 0.5) / kSteps, phi = 2.0 * std::numbers::pi * (k / kSteps + 0.5) / kSteps;
+      const glm::dvec3 d(std::sqrt(u) * std::cos(phi), std::sqrt(1.0 - u), std::sqrt(u) * std::sin(phi)),
+          square = at + d / d.y;
+      const double t = (kMirrorZ - at.z) / d.z;
+      const glm::dvec3 mirror = at + t * d;
+      const bool by_square = std::abs(square.x) < 0.5 && std::abs(square.z)<0.5, by_mirror = t> 0.0 &&
+                             std::abs(mirror.x) < 3.0 && mirror.y > 0.05 && mirror.y < 3.05;
+      open += !by_square && !by_mirror;
+    }
+    return open / static_cast<double>(kSteps * kSteps);
   }
 
   void SetUp() override { install_debug_output(); }
@@ -124,6 +154,42 @@ TEST_F(MirrorsAtRest, ShadowsHaveTheEdgesOfTheGeometry) {
   EXPECT_LT(rest.all, 0.01);
   EXPECT_LT(rest.edge, 0.08);
   EXPECT_GT(first.all, 3.0 * rest.all) << "maps of four vertices";
+}
+
+/// The floor has four vertices, far away, which see all of the sky.
+TEST_F(MirrorsAtRest, TheSkysShadowsAreInTheMirrorToo) {
+  set_shadow_before_mirror(0.0f);
+  set_constant_sky();
+  const FrameRequest r = request();
+  constexpr int kBlock = 12;
+  const auto error_of = [&](const Image& image) {
+    double seen = 0.0, expected = 0.0;
+    std::vector<std::pair<double, double>> blocks;
+    for (int by = 0; by < kSide; by += kBlock)
+      for (int bx = 0; bx < kSide; bx += kBlock) {
+        double a = 0.0, b = 0.0;
+        int count = 0;
+        for (int k = 0; k < kBlock * kBlock; ++k) {
+          const int x = bx + k % kBlock, y = by + k / kBlock;
+          const auto at = mirrored_floor(r, x + 0.5, y + 0.5);
+          if (!at) continue;
+          a += static_cast<double>(image.at(x, y, 1));
+          b += open_share(*at);
+          ++count;
+        }
+        if (count < kBlock * kBlock) continue;
+        seen += a;
+        expected += b;
+        blocks.emplace_back(a, b);
+      }
+    EXPECT_GT(blocks.size(), 20u);
+    double error = 0.0;
+    for (const auto& [a, b] : blocks) error = std::max(error, std::abs(a / seen * expected / b - 1.0));
+    return error;
+  };
+  const double rest = error_of(draw(r, kFrames)), first = error_of(draw(r, 1));
+  EXPECT_LT(rest, 0.05);
+  EXPECT_GT(first, 3.0 * rest) << "maps of four vertices";
 }
 
 /// A mirror of roughness 0.09 blurs what lies far behind it; the mean over the picture stays.

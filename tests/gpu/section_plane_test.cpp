@@ -82,7 +82,9 @@ class SectionPlane : public ::testing::Test {
       }
     EXPECT_EQ(wrong, 0) << what << ": of " << seen << " pixels";
     EXPECT_GT(seen, kSide * kSide / 3);
-    if (behind > 100) EXPECT_NEAR(through / behind, 0.92, 0.05) << what << ": the pane transmits";
+    if (behind > 100) {
+      EXPECT_NEAR(through / behind, 0.92, 0.05) << what << ": the pane transmits";
+    }
   }
 
   GlContext context_ = GlContext::create_headless();

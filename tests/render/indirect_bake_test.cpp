@@ -225,12 +225,14 @@ TEST(IndirectBake, RotatingTheSkyNeedsNoRays) {
 }
 
 /// One bounce at a time, each under a different sky: after the last sky has stayed for some bounces the light equals
-/// the full solution for it.
+/// the full solution for it, without what shadow rays add at rest.
 TEST(IndirectBake, StepsFollowARotatingSky) {
   const Baked b = bake(bowl(0.8f));
+  IndirectLinks links = *b.links;
+  links.scene = nullptr;
   const auto sky = sun_at(kPi / 2, 0.9);
   const auto solved = [&](float rotation_rad) {
-    return *solve_indirect(*b.links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::all, nullptr, kGoOn);
+    return *solve_indirect(links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::all, nullptr, kGoOn);
   };
   const auto difference = [](const IndirectSolution& one, const IndirectSolution& other) {
     double apart = 0.0, sum = 0.0;
@@ -243,12 +245,48 @@ TEST(IndirectBake, StepsFollowARotatingSky) {
   const IndirectSolution start = solved(0.0f), end = solved(0.6f);
   IndirectSolution s = start;
   const auto step = [&](float rotation_rad) {
-    s = *solve_indirect(*b.links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::step, &s, kGoOn);
+    s = *solve_indirect(links, *b.visibility, {sky, rotation_rad, 1.0f}, IndirectBounces::step, &s, kGoOn);
   };
   for (int k = 1; k <= 3; ++k) step(0.2f * static_cast<float>(k));
   EXPECT_LT(difference(s, end), 0.2 * difference(start, end));
   for (int k = 0; k < 12; ++k) step(0.6f);
   EXPECT_LT(difference(s, end), 2e-3);
+}
+
+/// The shadow's edge of a sheet at 1 m over a floor, under a sun that is smaller than a cell of the maps.
+TEST(IndirectBake, RaysToTheSkyFindWhatMapsMiss) {
+  Scene scene;
+  const auto flat = [](float height, glm::vec2 from, glm::vec2 to) {
+    return [=](float u, float v) { return glm::vec3(glm::mix(from.x, to.x, u), height, glm::mix(from.y, to.y, v)); };
+  };
+  const auto up = [](const glm::vec3&) { return glm::vec3(0.0f, 1.0f, 0.0f); };
+  add_mesh(&scene, lattice(30, flat(0.0f, {-0.5f, -0.5f}, {0.5f, 0.5f}), up), matte(glm::vec3(0.5f)));
+  add_mesh(&scene, lattice(1, flat(1.0f, {-90.0f, -90.0f}, {0.5f, 90.0f}), up), matte(glm::vec3(0.5f)));
+  const Baked b = bake(scene);
+  constexpr double kLongitude = 1.9, kLatitude = 1.05;
+  const auto sky = sun_at(kLongitude, kLatitude);
+  const auto irradiance = [&](SkyLight by) {
+    return sky_irradiance(*b.links, *b.visibility, {sky, 0.0f, 1.0f}, by, kGoOn);
+  };
+  const std::vector<glm::vec3> by_maps = irradiance(SkyLight::maps), by_rays = irradiance(SkyLight::rays);
+  // Between the sheet's edge and the floor's points lies the sun where they are lit.
+  const double run = std::sin(kLongitude) / std::tan(kLatitude);
+  double lit = 0.0, maps_off = 0.0, rays_off = 0.0;
+  int points = 0;
+  for (std::size_t i = 0; i < b.links->points.points.size(); ++i) {
+    const IndirectStart start = indirect_start(*b.links, i, 0);
+    const double beyond = static_cast<double>(start.origin.x) + run - 0.5;
+    // Next to the edge the sun is seen in part, and rays are smoothed over neighbours.
+    if (start.origin.y > 0.5f || std::abs(beyond) < 0.12) continue;
+    if (beyond > 0.0 && lit == 0.0) lit = static_cast<double>(by_rays[i].x);
+    const double expected = beyond > 0.0 ? lit : 0.0;
+    maps_off += std::abs(static_cast<double>(by_maps[i].x) - expected);
+    rays_off += std::abs(static_cast<double>(by_rays[i].x) - expected);
+    ++points;
+  }
+  EXPECT_GT(lit, 0.0);
+  EXPECT_LT(rays_off, 0.02 * lit * points);
+  EXPECT_GT(maps_off, 3.0 * rays_off);
 }
 
 /// The sky is summed in blocks of texels; summing single texels gives the same cells.

@@ -100,8 +100,7 @@ void LightFieldBuffers::upload_codes(const LightField& field) {
     }
   }
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  clusters_ = Texture::make_2d("light field clusters", GL_R8UI, side, side);
-  clusters_.upload(0, side, side, GL_RED_INTEGER, GL_UNSIGNED_BYTE, clusters.data());
+  upload_clusters(field, clusters);
   errors_ = Texture::make_2d("light field errors", GL_R16F, side, side);
   errors_.upload(0, side, side, GL_RED, GL_HALF_FLOAT, errors.data());
   if (!field.compressed()) return;
@@ -109,6 +108,19 @@ void LightFieldBuffers::upload_codes(const LightField& field) {
   for (int l = 0; l < layers; ++l)
     glTextureSubImage3D(weights_.get(), 0, 0, 0, l, side, side, 1, GL_RGBA, GL_HALF_FLOAT,
                         weights.data() + static_cast<std::size_t>(l) * cells);
+}
+
+void LightFieldBuffers::upload_clusters(const LightField& field, const std::vector<std::uint8_t>& clusters) {
+  const FlatGeometry& geometry = *field.made_from.incident.geometry;
+  std::vector<glm::uvec2> cells(clusters.size(), glm::uvec2(0u));
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const std::uint32_t t = field.atlas.texel_of_cell[c];
+    if (t == LightFieldAtlas::kNone) continue;
+    const glm::vec3 n = frame_of_texel(geometry, field.atlas, t).n;
+    cells[c] = {clusters[c], glm::packSnorm2x16(2.0f * shared::octahedral_from_direction(n) - 1.0f)};
+  }
+  clusters_ = Texture::make_2d("light field clusters and normals", GL_RG32UI, field.atlas.side, field.atlas.side);
+  clusters_.upload(0, field.atlas.side, field.atlas.side, GL_RG_INTEGER, GL_UNSIGNED_INT, cells.data());
 }
 
 void LightFieldBuffers::upload_lumispheres(const LightField& field) {
@@ -191,8 +203,7 @@ void LightFieldBuffers::upload_interactions(const LightField& field) {
                         weights.data() + static_cast<std::size_t>(l) * cells);
   std::vector<std::uint8_t> clusters(cells);
   std::transform(codes.begin(), codes.end(), clusters.begin(), [](std::uint32_t code) { return code & 255u; });
-  clusters_ = Texture::make_2d("light field clusters", GL_R8UI, side, side);
-  clusters_.upload(0, side, side, GL_RED_INTEGER, GL_UNSIGNED_BYTE, clusters.data());
+  upload_clusters(field, clusters);
   errors_ = Texture::make_2d("light field errors", GL_R16F, side, side);
 }
 

@@ -16,6 +16,8 @@ class LightFieldBuffers {
  private:
   void upload_sides(const LightField& field, std::size_t triangles);
   void upload_codes(const LightField& field);
+  /// Of each cell a cluster, and the normal of the texel that is read there.
+  void upload_clusters(const LightField& field, const std::vector<std::uint8_t>& clusters);
   void upload_lumispheres(const LightField& field);
   void upload_stored(const LightField& field);
   void upload_interactions(const LightField& field);

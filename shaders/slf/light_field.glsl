@@ -9,7 +9,7 @@ layout(binding = kUnitDepth) uniform sampler2D t_depth;
 layout(binding = kUnitLightFieldSlots) uniform usamplerBuffer t_slots;  // [2 triangle + back]: side of the atlas + 1, 0: none
 // Two texels of constants, then three a side: UVs of two corners | of the third, chart | axis of the chart
 layout(binding = kUnitLightFieldSides) uniform samplerBuffer t_sides;
-layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x]
+layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x] cluster, normal
 layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
 layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
 layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed; of interactions light and material cluster, turn, 8 bits each, mirrored
@@ -35,7 +35,8 @@ struct FieldPoint {
   vec2 at;        // texels
   int chart;
   vec3 position;  // m, world
-  vec3 wo;        // unit, local
+  vec3 axis;      // of the chart's frames
+  vec3 mirrored;  // unit, world: the direction to the eye, mirrored at the normal
 };
 
 FieldPoint load_field_point(ivec2 pixel) {
@@ -60,12 +61,22 @@ FieldPoint load_field_point(ivec2 pixel) {
   r.at = s0.xy * (1.0 - w.x - w.y) + s0.zw * w.x + s1.xy * w.y;
   r.chart = int(s1.z);
   vec3 n = unpack_normal(texelFetch(t_surface, pixel, 0).x);
-  CarriedFrame frame = carried_frame(texelFetch(t_sides, side + 2).xyz, n);
-  r.wo = normalize(vec3(dot(frame.t, to_eye), dot(frame.b, to_eye), max(dot(n, to_eye), 1e-3)));
+  r.axis = texelFetch(t_sides, side + 2).xyz;
+  r.mirrored = 2.0 * max(dot(n, to_eye), 1e-3) * n - to_eye;
   return r;
 }
 
+/// Direction in the frame of a texel of that normal in which it mirrors what the point mirrors. Texels whose normals differ then show one highlight at
+/// one place; with the direction to the eye itself it would lie between theirs, blurred by their angle.
+vec3 direction_at(FieldPoint p, uint normal) {
+  vec3 n = unpack_normal(normal);
+  CarriedFrame frame = carried_frame(p.axis, n);
+  return normalize(vec3(-dot(frame.t, p.mirrored), -dot(frame.b, p.mirrored), max(dot(n, p.mirrored), 1e-3)));
+}
+
 ivec2 clamp_cell(ivec2 cell, int side) { return clamp(cell, ivec2(0), ivec2(side - 1)); }
+
+vec2 map_cells(vec3 direction, int directions) { return (parabolic_from_direction(direction) * 0.5 + 0.5) * float(directions); }
 
 /// Quadratic B-splines about the cells at one coordinate as two bilinear reads: offsets of both from the cell's centre, and the weight of the second.
 /// Source: Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering", GPU Gems 2, chapter 20; here the middle cell is divided between both.
@@ -91,13 +102,17 @@ vec3 decode_cluster(int cluster, vec4 weights[4], vec2 cells, FieldConstants k) 
   return sum;
 }
 
-vec3 compressed_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
+vec3 compressed_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   int layers = (k.components + 3) / 4;
   vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
-  ivec4 cluster;
-  for (int i = 0; i < 4; ++i) cluster[i] = int(texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
-  bool same = all(equal(cluster, ivec4(cluster.x)));
-  // Weights of one cluster blend; those of several mean different things, and each texel is decoded.
+  uvec4 cluster, normal;
+  for (int i = 0; i < 4; ++i) {
+    uvec2 cell = texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).xy;
+    cluster[i] = cell.x;
+    normal[i] = cell.y;
+  }
+  bool same = all(equal(cluster, uvec4(cluster.x))) && all(equal(normal, uvec4(normal.x)));
+  // Weights of one cluster and direction blend; else each texel is decoded.
   vec3 sum = vec3(0.0);
   int decodes = same ? 1 : 4;
   for (int i = 0; i < decodes; ++i) {
@@ -107,7 +122,7 @@ vec3 compressed_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
       ivec2 cell = clamp_cell(base + ivec2(j & 1, j >> 1), k.side);
       for (int l = 0; l < layers; ++l) weights[l] += (same ? share[j] : 1.0) * texelFetch(t_weights, ivec3(cell, l), 0);
     }
-    sum += (same ? 1.0 : share[i]) * decode_cluster(cluster[i], weights, cells, k);
+    sum += (same ? 1.0 : share[i]) * decode_cluster(int(cluster[i]), weights, map_cells(direction_at(p, normal[i]), k.directions), k);
   }
   return sum;
 }
@@ -126,12 +141,12 @@ vec3 read_spline(int column, vec2 cells, int directions) {
   return sum;
 }
 
-vec2 map_cells(vec3 direction, int directions) { return (parabolic_from_direction(direction) * 0.5 + 0.5) * float(directions); }
-
-vec3 stored_radiance(ivec2 base, vec2 f, vec2 cells, FieldConstants k) {
+vec3 stored_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 4; ++i) {
-    int texel = int(texelFetch(t_cells, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x);
+    ivec2 cell = clamp_cell(base + ivec2(i & 1, i >> 1), k.side);
+    int texel = int(texelFetch(t_cells, cell, 0).x);
+    vec2 cells = map_cells(direction_at(p, texelFetch(t_clusters, cell, 0).y), k.directions);
     float share = ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y);
     sum += share * read_spline(texel, cells, k.directions);
   }
@@ -144,13 +159,13 @@ vec3 turn_to_material(vec3 d, uint code) {
   return vec3(c * d.x + s * d.y, (code & 0x1000000u) != 0u ? -up : up, d.z);
 }
 
-vec3 interaction_radiance(ivec2 base, vec2 f, vec3 wo, FieldConstants k) {
+vec3 interaction_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   int layers = (k.light_terms + 2) / 4;
   vec3 sum = vec3(0.0);
   for (int n = 0; n < 4; ++n) {
     ivec2 cell = clamp_cell(base + ivec2(n & 1, n >> 1), k.side);
     uint code = texelFetch(t_cells, cell, 0).x;
-    vec2 cells = map_cells(turn_to_material(wo, code), k.directions);
+    vec2 cells = map_cells(turn_to_material(direction_at(p, texelFetch(t_clusters, cell, 0).y), code), k.directions);
     int column = (int(code & 255u) * k.material_clusters + int((code >> 8u) & 255u)) * k.light_terms * k.material_terms;
     vec3 own = vec3(0.0);
     for (int i = 0; i < k.light_terms; ++i) {
@@ -169,12 +184,11 @@ vec3 interaction_radiance(ivec2 base, vec2 f, vec3 wo, FieldConstants k) {
 vec3 field_radiance(FieldPoint p) {
   FieldConstants k = field_constants();
   vec2 at = p.at - 0.5, base = floor(at);
-  vec2 cells = map_cells(p.wo, k.directions);
   // A loop is skipped by software devices where no invocation enters it; both sides of a branch are not.
   vec3 sum = vec3(0.0);
-  for (int i = 0; i < (k.compressed ? 1 : 0); ++i) sum = compressed_radiance(ivec2(base), at - base, cells, k);
+  for (int i = 0; i < (k.compressed ? 1 : 0); ++i) sum = compressed_radiance(p, ivec2(base), at - base, k);
   bool table = k.light_terms > 0;
-  for (int i = 0; i < (table ? 1 : 0); ++i) sum = interaction_radiance(ivec2(base), at - base, p.wo, k);
-  for (int i = 0; i < (k.compressed || table ? 0 : 1); ++i) sum = stored_radiance(ivec2(base), at - base, cells, k);
+  for (int i = 0; i < (table ? 1 : 0); ++i) sum = interaction_radiance(p, ivec2(base), at - base, k);
+  for (int i = 0; i < (k.compressed || table ? 0 : 1); ++i) sum = stored_radiance(p, ivec2(base), at - base, k);
   return max(sum, vec3(0.0)) * k.scale;
 }

@@ -61,6 +61,43 @@ TEST(LightFieldMode, AConvexBodyUnderAConstantSkyShowsItsAlbedo) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
+/// Normals differ by 5 degrees from texel to texel: each is read in the direction in which it mirrors what the point
+/// mirrors.
+TEST(LightFieldMode, AHighlightOnACurvedBodyStaysWhole) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  Material metal;
+  metal.metallic = 1.0f;
+  metal.roughness = std::sqrt(0.3f);
+  const auto scene = std::make_shared<Scene>(test::sphere_of(metal));
+  auto sky = std::make_shared<Environment>();
+  sky->width = 128;
+  sky->height = 64;
+  sky->rgb.assign(std::size_t{128} * 64, glm::vec3(0.2f));
+  for (int y = 14; y < 24; ++y)
+    for (int x = 50; x < 62; ++x)
+      sky->rgb[static_cast<std::size_t>(y) * 128 + static_cast<std::size_t>(x)] = glm::vec3(30.0f);
+  renderer.set_scene(scene);
+  renderer.set_environment(sky);
+  FrameRequest request = request_for(64);
+  request.camera.eye = {0.3f, 0.4f, 4.0f};
+  request.camera.fov_y_rad = 0.5f;
+  request.settings.set("slf.clusters", 0);
+  request.settings.set("slf.paths", 8);
+  ReferencePicture picture(build_path_scene({.scene = *scene, .environment = sky}),
+                           {.camera = request.camera, .width = request.width, .height = request.height});
+  picture.add(160);
+  const Image expected = picture.mean(), image = draw(&renderer, request).picture;
+  double squares = 0.0, light = 0.0;
+  for (int y = 0; y < request.height; ++y)
+    for (int x = 0; x < request.width; ++x) {
+      if (expected.at(x, y, 3) < 1.0f || image.at(x, y, 3) < 1.0f) continue;
+      squares += std::pow(static_cast<double>(image.at(x, y, 1) - expected.at(x, y, 1)), 2.0);
+      light += std::pow(static_cast<double>(expected.at(x, y, 1)), 2.0);
+    }
+  EXPECT_LT(std::sqrt(squares / light), 0.018) << "0.026 with the direction to the eye";
+}
+
 /// A box with a lamp, its back wall of two colours: interreflection, shadows and the seams between walls.
 std::shared_ptr<Scene> lit_box() {
   auto scene = std::make_shared<Scene>(test::box_scene(5, 4, test::matte({0.6f, 0.5f, 0.4f})));

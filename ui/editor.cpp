@@ -41,9 +41,12 @@ void draw_tabs(Ui& ui, const char* id, std::span<const Tab> tabs, int* open) {
     panels::mark_item(ui, std::string("tab/") + tabs[i].name);
     if (!shown) continue;
     ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.0f, 0.0f, 0.0f, 0.0f));
-    const bool visible = ImGui::BeginChild("content");
+    // Rows keep their width when a scrollbar is needed.
+    bool* scrolls = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("scrolls"), false);
+    const bool visible = ImGui::BeginChild("content", {*scrolls ? 0.0f : -ImGui::GetStyle().ScrollbarSize, 0.0f});
     ImGui::PopStyleColor();
     if (visible) tabs[i].draw(ui);
+    *scrolls = ImGui::GetScrollMaxY() > 0.0f;
     ImGui::EndChild();
     ImGui::EndTabItem();
   }

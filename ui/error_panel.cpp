@@ -10,6 +10,7 @@ namespace maquette::panels {
 namespace {
 
 void draw_figure(const MeterFacts& meter) {
+  const float top = ImGui::GetCursorPosY();
   if (meter.has_error) {
     ImGui::SetWindowFontScale(1.6f);
     ImGui::TextUnformatted(percent_text(meter.error).c_str());
@@ -21,6 +22,7 @@ void draw_figure(const MeterFacts& meter) {
   }
   if (!meter.status.empty()) dim_text(meter.status);
   if (!meter.reference_answer.empty()) dim_text(meter.reference_answer);
+  hold_lines(top, 6.5f);  // the large figure and five lines
 }
 
 void draw_meter(Ui& ui) {
@@ -59,13 +61,18 @@ void draw_budget(Ui& ui) {
   if (slider("##budget", &budget, 0.5f, 200.0f, "%.1f %%", ImGuiSliderFlags_Logarithmic)) view.budget = 0.01f * budget;
   if (ImGui::IsItemDeactivatedAfterEdit() && meter.can_apply) ui.actions.apply_budget = true;
   mark_item(ui, "error/budget");
+  const float top = ImGui::GetCursorPosY();
   dim_text(meter.budget_answer);
-  if (meter.can_apply && ImGui::Button("Use these settings")) ui.actions.apply_budget = true;
-  if (meter.can_apply) mark_item(ui, "error/apply");
+  hold_lines(top, 4.0f);
+  ImGui::BeginDisabled(!meter.can_apply);
+  if (ImGui::Button("Use these settings")) ui.actions.apply_budget = true;
+  mark_item(ui, "error/apply");
+  ImGui::EndDisabled();
+  ImGui::SameLine();
   if (ImGui::Button(meter.measuring_curve ? "Measuring ..." : "Measure this view") && !meter.measuring_curve)
     ui.actions.measure_curve = true;
   mark_item(ui, "error/measure");
-  if (!meter.curve.empty()) dim_text("Curve: " + meter.curve);
+  dim_text(meter.curve.empty() ? " " : "Curve: " + meter.curve);
 }
 
 /// Errors of the whole picture, which differ by its mirrors and panes alone.

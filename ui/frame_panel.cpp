@@ -63,9 +63,12 @@ void draw_history(Ui& ui) {
   if (whole)
     std::snprintf(text, sizeof text, "%.1f ms, %.1f frames/s", stats.frame_ms, 1000.0 / std::max(stats.frame_ms, 1e-3));
   else
-    std::snprintf(text, sizeof text, "%s: %.2f ms", pass->first.c_str(), static_cast<double>(history.back()));
+    std::snprintf(text, sizeof text, "%.2f ms", static_cast<double>(history.back()));
+  value_row(whole ? "frame" : pass->first.c_str(), text);
   const float peak = *std::max_element(history.begin(), history.end());
-  ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, text, 0.0f, 1.25f * peak,
+  std::snprintf(text, sizeof text, "0 to %s ms, last %zu frames", plain_number(static_cast<double>(peak)).c_str(),
+                history.size());
+  ImGui::PlotLines("##history", history.data(), static_cast<int>(history.size()), 0, text, 0.0f, 1.4f * peak,
                    {ImGui::GetContentRegionAvail().x, scaled(64.0f)});
   mark_item(ui, "frame/history");
 }

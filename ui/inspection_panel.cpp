@@ -142,9 +142,9 @@ void draw_regions(Ui& ui) {
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
-  const float below = ImGui::GetCursorPosY() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
+  const float top = ImGui::GetCursorPosY();
   dim_text(facts.sun.empty() ? "No sun in this environment" : facts.sun);
-  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), below));
+  hold_lines(top, 2.0f);
   row_label("Vary", "Sun, rake and the rest, from this eye, path traced on few pixels");
   if (facts.sweep_names.empty()) return;
   const int count = static_cast<int>(facts.sweep_names.size());
@@ -164,15 +164,15 @@ void draw_sweep(Ui& ui) {
   mark_item(ui, "inspection/run");
   ImGui::EndDisabled();
   if (facts.sweep_y.empty()) return;
-  const float top = *std::max_element(facts.sweep_y.begin(), facts.sweep_y.end());
+  const float most = *std::max_element(facts.sweep_y.begin(), facts.sweep_y.end());
   ImGui::PlotLines("##plot", facts.sweep_y.data(), static_cast<int>(facts.sweep_y.size()), 0, facts.sweep_title.c_str(),
-                   0.0f, 1.1f * std::max(top, 1e-9f), {ImGui::GetContentRegionAvail().x, scaled(110.0f)});
+                   0.0f, 1.1f * std::max(most, 1e-9f), {ImGui::GetContentRegionAvail().x, scaled(110.0f)});
   mark_item(ui, "inspection/plot");
   const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
   char text[160];
   std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s cd/m2 at %.4g",
                 static_cast<double>(facts.sweep_x.front()), static_cast<double>(facts.sweep_x.back()),
-                facts.sweep_unit.c_str(), plain_number(static_cast<double>(top)).c_str(),
+                facts.sweep_unit.c_str(), plain_number(static_cast<double>(most)).c_str(),
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
 }
@@ -193,9 +193,9 @@ void draw_export(Ui& ui) {
 void draw_inspection_panel(Ui& ui) {
   ui.state.inspection.open = true;
   const InspectionFacts& facts = ui.facts.inspection;
-  const float below = ImGui::GetCursorPosY() + 2.0f * ImGui::GetTextLineHeightWithSpacing();
+  const float top = ImGui::GetCursorPosY();
   dim_text(!facts.status.empty() ? facts.status : "Rest the mouse on the picture: what its pixel shows.");
-  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), below));  // nothing jumps when another text needs fewer lines
+  hold_lines(top, 2.0f);
   const auto part = [&](const char* title, void (*draw)(Ui&)) {
     const bool shown = section(title);
     mark_item(ui, std::string("inspection/") + title);

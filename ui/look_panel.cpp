@@ -91,11 +91,11 @@ void draw_light(Ui& ui) {
   edits.env_scale = std::max(edits.env_scale, 0.0f);
   if (!ui.facts.sun_deg) return;
   char text[64];
-  std::snprintf(text, sizeof text, "%.1f\u00b0 high, %.1f\u00b0", static_cast<double>(ui.facts.sun_deg->x),
+  std::snprintf(text, sizeof text, "%.1f\u00b0 high, at %.1f\u00b0", static_cast<double>(ui.facts.sun_deg->x),
                 static_cast<double>(ui.facts.sun_deg->y));
-  value_row("Sun", text);
+  row_label("Sun", "Where the light of the environment is brightest: elevation, and azimuth from +Z towards +X");
+  ImGui::TextUnformatted(elide(text, ImGui::GetContentRegionAvail().x).c_str());
   mark_item(ui, "sun");
-  tooltip("Elevation, and azimuth from +Z towards +X");
 }
 
 void draw_display(Ui& ui) {

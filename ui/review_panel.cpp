@@ -235,6 +235,8 @@ void draw_playback(Ui& ui, const CameraPath& path) {
   }
   mark_item(ui, "path/time");
   ImGui::EndDisabled();
+  const std::string late = std::to_string(view.late_frames);
+  dim_text(view.late_frames > 0 ? late + " frames came late; play renders every one" : " ");
 }
 
 /// The scene's own animations, each of which makes a path.
@@ -242,7 +244,7 @@ void draw_animations(Ui& ui) {
   const std::vector<Animation>& animations = ui.facts.scene->animations;
   if (animations.empty()) return;
   row_label("Animation", "Of the scene's file: adds a path that it plays along");
-  if (ImGui::BeginCombo("##animation", "add one of the scene")) {
+  if (ImGui::BeginCombo("##animation", "add a path")) {
     for (std::size_t i = 0; i < animations.size(); ++i) {
       char label[192];
       std::snprintf(label, sizeof label, "%s  %.2f s", animations[i].name.c_str(), animations[i].duration_s);
@@ -311,7 +313,6 @@ void draw_paths(Ui& ui) {
   draw_path_animation(ui, &path);
   draw_playback(ui, path);
   draw_keys(ui, &path);
-  if (view.late_frames > 0) dim_text(std::to_string(view.late_frames) + " frames came late; play renders every one");
 }
 
 }  // namespace

@@ -168,6 +168,8 @@ void draw_section(Ui& ui) {
   }
   const Bounds& bounds = ui.facts.bounds;
   row_label("Section", "Cuts away what the eye sees beyond a plane; shadows, light and mirror images stay whole");
+  const float flip = ImGui::CalcTextSize("Flip").x + 2.0f * ImGui::GetStyle().FramePadding.x;
+  ImGui::SetNextItemWidth(-flip - ImGui::GetStyle().ItemSpacing.x);
   if (ImGui::BeginCombo("##axis", kAxes[axis])) {
     for (int i = 0; i < 4; ++i) {
       if (ImGui::Selectable(kAxes[i], axis == i)) {
@@ -182,18 +184,19 @@ void draw_section(Ui& ui) {
     ImGui::EndCombo();
   }
   mark_item(ui, "section");
+  ImGui::SameLine();
+  ImGui::BeginDisabled(axis == 0);
+  if (ImGui::Button("Flip")) section = -section, sign = -sign;
+  mark_item(ui, "section/flip");
+  ImGui::EndDisabled();
+  tooltip("Shows the other side");
   if (axis == 0) return;
   const float middle = axis < 4 && !bounds.empty() ? bounds.center()[axis - 1] : 0.0f;
   const float reach = axis < 4 && !bounds.empty() ? 0.5f * (bounds.max - bounds.min)[axis - 1] : 10.0f;
   float at = static_cast<float>(sign) * section.w;
-  row_label("Cut at", "Along the axis, metres");
-  ImGui::SetNextItemWidth(-scaled(52.0f));
+  row_label("Cut at", "Along the axis, metres; Ctrl+click types a value");
   if (slider("##cut", &at, middle - reach, middle + reach, "%.3f m")) section.w = static_cast<float>(sign) * at;
   mark_item(ui, "section/cut");
-  ImGui::SameLine();
-  if (ImGui::Button("Flip")) section = -section;
-  mark_item(ui, "section/flip");
-  tooltip("Shows the other side");
 }
 
 /// The turn of the chosen node about the vertical; others that a command or a file gave stay.

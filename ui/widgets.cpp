@@ -167,6 +167,10 @@ void dim_text(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
+void hold_lines(float top_y, float lines) {
+  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top_y + lines * ImGui::GetTextLineHeightWithSpacing()));
+}
+
 const char* glyph(const char* icon, const char* text) {
   // Two- and three-byte UTF-8 is all that the icons use.
   const auto* u = reinterpret_cast<const unsigned char*>(icon);

@@ -32,6 +32,9 @@ void row_label(const char* label, const std::string& help = {});
 /// Small grey caps-free heading with a rule; true when open.
 bool section(const char* title, bool open = true);
 void dim_text(const std::string& text);
+/// What follows begins at least so many lines of text below `top_y`, a cursor position: nothing jumps when text comes
+/// or goes.
+void hold_lines(float top_y, float lines);
 /// Label on the left, value on the right.
 void value_row(const char* label, const std::string& value);
 /// In MiB.

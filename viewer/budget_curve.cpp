@@ -23,7 +23,7 @@ std::string curve_name(const std::string& mode, bool all_light) { return mode + 
 
 std::optional<BudgetPoint> samples_for_budget(const BudgetCurve& curve, double budget, std::string* why) {
   if (curve.points.empty()) {
-    *why = "nothing was measured";
+    *why = "Nothing was measured.";
     return std::nullopt;
   }
   std::vector<BudgetPoint> points = curve.points;
@@ -32,12 +32,19 @@ std::optional<BudgetPoint> samples_for_budget(const BudgetCurve& curve, double b
   const BudgetPoint best = *std::min_element(
       points.begin(), points.end(), [](const BudgetPoint& a, const BudgetPoint& b) { return a.error < b.error; });
   if (best.samples == 0) {
-    *why = "this mode has no setting that trades time for error; its error is " + percent_text(best.error);
+    *why = "This mode has no setting that trades time for error; its error is " + percent_text(best.error) + ".";
     return std::nullopt;
   }
   if (best.error > budget) {
-    *why = "it cannot be kept: the smallest error measured is " + percent_text(best.error) + " (" +
+    *why = "It cannot be kept: the smallest error measured is " + percent_text(best.error) + " (" +
            std::to_string(best.samples) + " samples)";
+    // Noise alone would halve with four times the samples.
+    constexpr double kFlat = 0.8;
+    const bool flat = std::ranges::any_of(points, [&](const BudgetPoint& p) {
+      return p.samples >= 2 * best.samples || (2 * p.samples <= best.samples && kFlat * p.error < best.error);
+    });
+    *why += flat ? ". More samples hardly lower it: what is left is light that the mode does not compute."
+                 : ". More samples would lower it further.";
     return std::nullopt;
   }
   for (std::size_t i = 0; i < points.size(); ++i) {

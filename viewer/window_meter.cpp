@@ -162,6 +162,19 @@ std::string WindowMeter::reference_answer() const {
   return text;
 }
 
+/// The path tracer's noise falls to any budget.
+std::string WindowMeter::what_keeps(double budget) const {
+  if (!reference_ || reference_->paths < 8 || !(budget > 0.0)) return "";
+  const double noise = reference_noise(*reference_, 1.0);
+  const double in_a_second = reference_paths(*reference_, 1.0, picture_width_, picture_height_);
+  if (!(noise > 0.0) || !(in_a_second > 0.0)) return "";
+  const double paths = std::max(std::ceil(noise * noise / (budget * budget)), 1.0);
+  char text[128];
+  std::snprintf(text, sizeof text, " Mode reference keeps it: about %.0f paths a pixel, %.3g s.", paths,
+                paths / in_a_second);
+  return text;
+}
+
 std::optional<BudgetCurve> WindowMeter::find_curve(const WindowSession& session) const {
   const std::string name = curve_name(session.state.mode, session.state.error_view.all_light);
   if (const auto found = measured_.find(name); found != measured_.end()) return found->second;
@@ -206,6 +219,7 @@ void WindowMeter::fill_facts(const WindowSession& session, MeterFacts* facts) co
   const std::optional<BudgetPoint> choice = samples_for_budget(*curve, session.state.error_view.budget, &why);
   if (!choice) {
     facts->budget_answer = why;
+    if (session.state.error_view.all_light) facts->budget_answer += what_keeps(session.state.error_view.budget);
     return;
   }
   facts->can_apply = !samples_setting(session.state.mode).empty();

@@ -46,6 +46,7 @@ class WindowMeter {
   void continue_curve(WindowSession* session, const WindowPicture& picture);
   void continue_reflectors(WindowSession* session, const WindowPicture& picture);
   std::string reference_answer() const;
+  std::string what_keeps(double budget) const;
   void update_textures(const WindowSession& session);
   std::optional<BudgetCurve> find_curve(const WindowSession& session) const;
 

@@ -159,6 +159,16 @@ TEST(BudgetCurve, ReadsTheFewestSamplesLogLog) {
   EXPECT_FALSE(samples_for_budget({}, 0.5, &why));
 }
 
+TEST(BudgetCurve, SaysWhetherMoreSamplesWouldHelp) {
+  std::string noise, flat, worse;
+  EXPECT_FALSE(samples_for_budget({"here", {{4, 1.0, 0.4}, {16, 2.0, 0.2}, {64, 5.0, 0.1}}}, 0.05, &noise));
+  EXPECT_FALSE(samples_for_budget({"here", {{4, 1.0, 0.4}, {16, 2.0, 0.34}, {64, 5.0, 0.33}}}, 0.05, &flat));
+  EXPECT_FALSE(samples_for_budget({"here", {{4, 1.0, 0.4}, {16, 2.0, 0.32}, {64, 5.0, 0.35}}}, 0.05, &worse));
+  EXPECT_NE(noise.find("would lower it further"), std::string::npos) << noise;
+  EXPECT_NE(flat.find("hardly"), std::string::npos) << flat;
+  EXPECT_NE(worse.find("hardly"), std::string::npos) << worse;
+}
+
 TEST(BudgetCurve, IsKeptByWhatTheSceneLooksLike) {
   Scene scene = build_builtin_scene("sphere");
   Environment environment = load_environment("builtin:studio");

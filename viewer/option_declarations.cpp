@@ -229,7 +229,8 @@ std::vector<OptionDeclaration> quality_options() {
           "--target-error", "X",
           "averages frames until the relative RMSE is X: against --reference, else as estimated from the frames",
           [](O* o, const std::string& t) { o->target_error = parse_in(t, "--target-error", 1e-6, 10.0); }),
-      render_only("--time", "S", "averages frames for S seconds (with --target-error: at most)",
+      render_only("--time", "S",
+                  "averages frames for S seconds, shaders and bakes not counted (with --target-error: at most)",
                   [](O* o, const std::string& t) { o->time_s = parse_in(t, "--time", 1e-3, 86400.0); }),
       one_picture(shared(
           "--view", "NAME", "a debug view instead of the picture: " + join(Renderer::debug_view_names()),

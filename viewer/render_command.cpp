@@ -21,6 +21,7 @@
 #include "viewer/render_sheet.h"
 #include "viewer/session.h"
 #include "viewer/stats.h"
+#include "viewer/timed_frames.h"
 
 namespace maquette {
 
@@ -119,22 +120,23 @@ class Accumulation {
                RenderReport* report)
       : renderer_(*renderer), options_(options), reference_(reference), report_(*report) {}
 
-  Ending run(FrameRequest request) {
-    prepare(request);
-    const double limit_s = options_.time_s.value_or(kPatience_s);
+  Ending run(FrameRequest request, Clock::time_point preparation) {
     slices_ = traces_picture(request);
-    const Clock::time_point start = Clock::now();
+    prepare(request);
+    report_.preparation_s = seconds_since(preparation);
+    const double limit_s = options_.time_s.value_or(kPatience_s);
     const InterruptGuard guard;
     AccumulationProgress progress(options_);
-    while (true) {
-      const double begin_s = seconds_since(start);
-      if (slices_) request.deadline = start + duration_of(std::min(limit_s, begin_s + kSlice_s));
+    const Clock::time_point start = Clock::now();
+    TimedFrames frames(limit_s, [start] { return seconds_since(start); });
+    for (bool first = true;; first = false) {
+      if (slices_) request.deadline = start + duration_of(std::min(limit_s, frames.elapsed_s() + kSlice_s));
       if (report_.frames.size() == kKeptFrames) report_.frames.erase(report_.frames.begin());
-      report_.frames.push_back(renderer_.render(request, true));
-      report_.total_s = seconds_since(start);
-      // The end nearest to the time that was asked for: another frame, where less than half of it is beyond.
-      const double frame_s = report_.total_s - begin_s;
-      const bool out_of_time = report_.total_s + (slices_ ? 0.0 : 0.5 * frame_s) >= limit_s;
+      report_.frames.push_back(renderer_.render(request, !first));
+      frames.end_frame();
+      report_.total_s = frames.elapsed_s();
+      // Slices end by themselves.
+      const bool out_of_time = slices_ ? report_.total_s >= limit_s : frames.over();
       if (reached(out_of_time)) return Ending::as_asked;
       if (InterruptGuard::asked()) return Ending::interrupted;
       if (out_of_time) return options_.target_error ? Ending::out_of_time : Ending::as_asked;
@@ -143,13 +145,17 @@ class Accumulation {
   }
 
  private:
-  /// Compiles shaders and builds what rays are traced through, so that the time is that of frames alone.
+  /// Compiles shaders and builds what rays are traced through, so that the time is that of frames alone: two small
+  /// frames, the second of which is averaged with the first, and a whole one.
   void prepare(FrameRequest request) {
     constexpr int kShare = 16;
+    const FrameRequest whole = request;
     request.width = std::max(1, request.width / kShare);
     request.height = std::max(1, request.height / kShare);
-    request.samples = 1;
+    if (slices_) request.samples = 1;
     renderer_.render(request);
+    renderer_.render(request, true);
+    if (!slices_) renderer_.render(whole);
   }
 
   /// A mode that traces whole pictures stops after so long for progress and Ctrl-C.
@@ -206,7 +212,9 @@ std::string time_text(const RenderReport& report, const FrameRequest& request, b
     std::snprintf(text, sizeof text, "%d frames in %.1f s", last.accumulated_frames, report.total_s);
   else
     std::snprintf(text, sizeof text, "%.1f ms a frame", last.frame_ms);
-  return text;
+  std::string result = text;
+  if (accumulates) result += ", after " + duration_text(report.preparation_s) + " for shaders and bakes";
+  return result;
 }
 
 /// The part about the error in the line that is printed for a picture.
@@ -292,12 +300,13 @@ int run_render(const CommandLine& line) {
   const bool accumulates = options.time_s || options.target_error;
   // A few paths in each frame, which share the camera's rays: frames have little overhead, and the loop stops in time.
   if (traces_picture(request) && accumulates && options.samples == 0) request.samples = 8;
+  const Clock::time_point preparation = Clock::now();
   renderer.finish_background_work(request);
 
   RenderReport report;
   Ending ending = Ending::as_asked;
   if (accumulates)
-    ending = Accumulation(&renderer, options, reference, &report).run(request);
+    ending = Accumulation(&renderer, options, reference, &report).run(request, preparation);
   else
     render_frames(&renderer, request, options, &report);
   warn_of_light_left_out(report.frames.back().plan);

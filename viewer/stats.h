@@ -15,6 +15,7 @@ namespace maquette {
 struct RenderReport {
   std::vector<FrameStats> frames;         ///< the measured ones, at least one
   double total_s = 0.0;                   ///< from the first to the last of them
+  double preparation_s = 0.0;             ///< what an accumulation's shaders and bakes took before
   std::optional<double> estimated_error;  ///< relative RMSE, from the frames themselves
   std::optional<ErrorFigures> error;      ///< against --reference
 };

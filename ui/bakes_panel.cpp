@@ -62,7 +62,7 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
 
 void draw_bakes(Ui& ui) {
   const auto bakes = ui.facts.stats->status.bakes();
-  if (bakes.empty() || !section("Bakes")) return;
+  if (bakes.empty() || !section(ui, "Bakes")) return;
   for (const auto& [name, bake] : bakes) draw_bake(ui, name, bake);
 }
 

@@ -11,6 +11,7 @@ namespace maquette::panels {
 namespace {
 
 constexpr int kMaxStripLines = 3;
+constexpr float kCameraWidth = 118.0f;
 
 std::string scene_title(const EditorFacts& facts) {
   if (!facts.scene) return "no scene";
@@ -30,7 +31,7 @@ bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const c
   int* age = ImGui::GetStateStorage()->GetIntRef(ImGui::GetID("age"));
   *age = ImGui::IsWindowAppearing() ? 0 : *age + 1;
   if (*age == 0) ImGui::SetKeyboardFocusHere();
-  ImGui::SetNextItemWidth(scaled(460.0f));
+  ImGui::SetNextItemWidth(std::min(scaled(460.0f), ImGui::GetIO().DisplaySize.x - scaled(120.0f)));
   bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
                                   ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   if (*age < kFocusFrames && !ImGui::IsItemActive() && !entered) ui.frame.awaits_field = true;
@@ -56,7 +57,7 @@ void draw_save_popup(Ui& ui) {
 }
 
 void draw_camera_combo(Ui& ui) {
-  ImGui::SetNextItemWidth(scaled(118.0f));
+  ImGui::SetNextItemWidth(scaled(kCameraWidth));
   if (!ImGui::BeginCombo("##camera", "Cameras")) {
     tooltip("Scene cameras, also on the keys 1 to 9");
     return;
@@ -73,56 +74,103 @@ void draw_camera_combo(Ui& ui) {
 
 }  // namespace
 
-void draw_toolbar(Ui& ui) {
+namespace {
+
+float button_width(const char* label) { return ImGui::CalcTextSize(label).x + 2.0f * ImGui::GetStyle().FramePadding.x; }
+
+/// Opens or closes a side; where both have no room, the one that was opened last is shown.
+void toggle_side(EditorState* state, bool right, bool shown) {
+  (right ? state->right_open : state->left_open) = !shown;
+  if (!shown) state->right_first = right;
+}
+
+void side_button(Ui& ui, bool right, const char* tip) {
+  const bool shown = right ? ui.frame.layout.right_shown : ui.frame.layout.left_shown;
+  const bool points_right = right == shown;
+  ImGui::PushID(right);
+  if (ImGui::Button(points_right ? glyph("\u25b8", ">") : glyph("\u25c2", "<"), {ImGui::GetFrameHeight(), 0.0f}))
+    toggle_side(&ui.state, right, shown);
+  ImGui::PopID();
+  mark_item(ui, right ? "toggle/right" : "toggle/left");
+  tooltip(tip);
+}
+
+void draw_undo(Ui& ui, const char* label, bool can, bool* action, const char* mark, const char* tip) {
+  ImGui::BeginDisabled(!can);
+  if (ImGui::Button(label)) *action = true;
+  mark_item(ui, mark);
+  ImGui::EndDisabled();
+  tooltip(tip);
+}
+
+/// What has no room is in the menu alone.
+void draw_tools(Ui& ui, float end) {
   EditorState& state = ui.state;
-  if (ImGui::Button(state.left_open ? glyph("\u25c2", "<") : glyph("\u25b8", ">"), {ImGui::GetFrameHeight(), 0.0f}))
-    state.left_open = !state.left_open;
-  mark_item(ui, "toggle/left");
-  tooltip("Materials, scene and help (Tab hides both sides)");
+  float x = ImGui::GetItemRectMax().x - ImGui::GetWindowPos().x;
+  bool room = true;
+  const auto fits = [&](float width) {
+    room = room && x + ImGui::GetStyle().ItemSpacing.x + width <= end;
+    if (!room) return false;
+    x += ImGui::GetStyle().ItemSpacing.x + width;
+    ImGui::SameLine();
+    return true;
+  };
+  if (fits(button_width("Open..."))) {
+    if (ImGui::Button("Open...")) state.start_popup = true;
+    mark_item(ui, "open");
+    tooltip("Recent and built-in scenes (Ctrl+O); a scene, an environment or a measured material by its path (O)");
+  }
+  if (fits(button_width("Save *"))) {
+    const std::string& file = ui.facts.review_file;
+    if (ImGui::Button(ui.facts.review_changed ? "Save *" : "Save", {button_width("Save *"), 0.0f}))
+      ui.actions.save = true;
+    mark_item(ui, "save");
+    tooltip(file.empty() ? "Saves the review (Ctrl+S)" : "Saves " + file + " (Ctrl+S)");
+  }
+  if (fits(scaled(kCameraWidth))) draw_camera_combo(ui);
+  if (fits(button_width("Frame"))) {
+    if (ImGui::Button("Frame")) ui.actions.frame_scene = true;
+    mark_item(ui, "frame");
+    tooltip("Shows the whole scene (F)");
+  }
+  if (fits(button_width("Dent"))) {
+    const bool on = state.tool == Tool::dent;
+    if (toggle_button("Dent", on)) state.tool = on ? Tool::camera : Tool::dent;
+    mark_item(ui, "dent");
+    tooltip("Press the mouse on a subdivision surface, such as the door, and drag down to push deeper (D)");
+  }
+  if (fits(button_width("Undo")))
+    draw_undo(ui, "Undo", ui.facts.can_undo, &ui.actions.undo, "undo", "Takes back the last change (Ctrl+Z)");
+  if (fits(button_width("Redo")))
+    draw_undo(ui, "Redo", ui.facts.can_redo, &ui.actions.redo, "redo", "Makes it again (Ctrl+Y, Ctrl+Shift+Z)");
+}
+
+}  // namespace
+
+void draw_toolbar(Ui& ui) {
+  side_button(ui, false, "Materials, scene, help and review (Tab hides both sides)");
   ImGui::SameLine();
-  ImGui::TextColored(kAccent, "Maquette");
-  ImGui::SameLine();
-  ImGui::TextColored(kDim, "%s", elide(scene_title(ui.facts), scaled(190.0f)).c_str());
-  if (ui.facts.scene) tooltip(ui.facts.scene->name);
-  ImGui::SameLine(scaled(296.0f) + ImGui::GetStyle().WindowPadding.x);
-  if (ImGui::Button("Open...")) state.start_popup = true;
-  mark_item(ui, "open");
-  tooltip("Recent and built-in scenes (Ctrl+O); a scene, an environment or a measured material by its path (O)");
+  draw_menu(ui);
   draw_open_popup(ui);
-  ImGui::SameLine();
-  if (ImGui::Button(ui.facts.review_changed ? "Save *" : "Save")) ui.actions.save = true;
-  mark_item(ui, "save");
-  tooltip(ui.facts.review_file.empty() ? "Saves the review (Ctrl+S)" : "Saves " + ui.facts.review_file + " (Ctrl+S)");
   draw_save_popup(ui);
   ImGui::SameLine();
-  draw_camera_combo(ui);
-  ImGui::SameLine();
-  if (ImGui::Button("Frame")) ui.actions.frame_scene = true;
-  mark_item(ui, "frame");
-  tooltip("Shows the whole scene (F)");
-  ImGui::SameLine();
-  if (toggle_button("Dent", state.tool == Tool::dent))
-    state.tool = state.tool == Tool::dent ? Tool::camera : Tool::dent;
-  mark_item(ui, "dent");
-  tooltip("Press the mouse on a subdivision surface, such as the door, and drag down to push deeper (D)");
-  ImGui::SameLine();
-  ImGui::BeginDisabled(!ui.facts.can_undo);
-  if (ImGui::Button("Undo")) ui.actions.undo = true;
-  mark_item(ui, "undo");
-  ImGui::EndDisabled();
-  tooltip("Takes back the last change (Ctrl+Z)");
-  ImGui::SameLine();
-  ImGui::BeginDisabled(!ui.facts.can_redo);
-  if (ImGui::Button("Redo")) ui.actions.redo = true;
-  mark_item(ui, "redo");
-  ImGui::EndDisabled();
-  tooltip("Makes it again (Ctrl+Y, Ctrl+Shift+Z)");
-  const float right = ImGui::GetWindowWidth() - ImGui::GetStyle().WindowPadding.x - ImGui::GetFrameHeight();
-  ImGui::SameLine(right);
-  if (ImGui::Button(state.right_open ? glyph("\u25b8", ">") : glyph("\u25c2", "<"), {ImGui::GetFrameHeight(), 0.0f}))
-    state.right_open = !state.right_open;
-  mark_item(ui, "toggle/right");
-  tooltip("Look, rendering and frame (Tab hides both sides)");
+  const float padding = ImGui::GetStyle().WindowPadding.x, width = ImGui::GetWindowWidth();
+  const bool wide = width >= scaled(900.0f);
+  if (wide) {
+    ImGui::TextColored(kAccent, "Maquette");
+    ImGui::SameLine();
+  }
+  const float room = wide ? scaled(296.0f) - ImGui::GetCursorPosX() : scaled(96.0f);
+  ImGui::TextColored(kDim, "%s", elide(scene_title(ui.facts), room).c_str());
+  if (ui.facts.scene) tooltip(ui.facts.scene->name);
+  if (wide) {
+    ImGui::SameLine(scaled(296.0f));
+    ImGui::Dummy({padding - ImGui::GetStyle().ItemSpacing.x, 1.0f});
+  }
+  const float end = width - padding - ImGui::GetFrameHeight();
+  draw_tools(ui, end - ImGui::GetStyle().ItemSpacing.x);
+  ImGui::SameLine(end);
+  side_button(ui, true, "Look, rendering, frame, error and inspection (Tab hides both sides)");
 }
 
 namespace {
@@ -138,6 +186,8 @@ std::string distance_hint(const EditorState& state) {
   return text;
 }
 
+float room_right() { return ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x; }
+
 }  // namespace
 
 void draw_status(Ui& ui) {
@@ -148,7 +198,7 @@ void draw_status(Ui& ui) {
     std::snprintf(text, sizeof(text), "%s    %d x %d    %.1f ms    %s %d frame%s", ui.state.mode.c_str(),
                   facts.picture_px.x, facts.picture_px.y, stats.frame_ms, facts.converged ? "converged," : "average of",
                   stats.accumulated_frames, stats.accumulated_frames == 1 ? "" : "s");
-    ImGui::TextUnformatted(text);
+    ImGui::TextUnformatted(elide(text, room_right()).c_str());
     ImGui::SameLine(0.0f, scaled(28.0f));
   }
   if (!facts.loading.empty()) {
@@ -156,7 +206,8 @@ void draw_status(Ui& ui) {
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
   for (const BackgroundWork& work : facts.background) {
-    ImGui::TextColored(kWarning, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
+    std::snprintf(text, sizeof text, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
+    ImGui::TextColored(kWarning, "%s", elide(text, room_right()).c_str());
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
   const std::string hint = ui.state.tool == Tool::dent       ? "Dent: press on a surface and drag; D leaves"
@@ -166,8 +217,7 @@ void draw_status(Ui& ui) {
                            : ui.state.tool == Tool::reflect  ? "Reflectors: click on panes and mirrors; Esc leaves"
                            : facts.loading.empty() && facts.background.empty() ? facts.device
                                                                                : std::string();
-  const float room = ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x;
-  const std::string shown = elide(hint, room);
+  const std::string shown = elide(hint, room_right());
   const float width = ImGui::CalcTextSize(shown.c_str()).x;
   ImGui::SameLine(ImGui::GetWindowWidth() - width - ImGui::GetStyle().WindowPadding.x);
   ImGui::TextColored(kDim, "%s", shown.c_str());

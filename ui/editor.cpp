@@ -3,7 +3,10 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <algorithm>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "ui/widgets.h"
 
@@ -27,31 +30,55 @@ bool begin_part(Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags fla
   return true;
 }
 
-struct Tab {
-  const char* name;
-  void (*draw)(Ui& ui);
-};
+using DrawPanel = void (*)(Ui& ui);
 
 /// Tabs, each with its own scrolling; `open` names the one to be opened once.
-void draw_tabs(Ui& ui, const char* id, std::span<const Tab> tabs, int* open) {
-  if (!ImGui::BeginTabBar(id)) return;
-  for (std::size_t i = 0; i < tabs.size(); ++i) {
-    const bool shown =
-        ImGui::BeginTabItem(tabs[i].name, nullptr, *open == static_cast<int>(i) ? ImGuiTabItemFlags_SetSelected : 0);
-    panels::mark_item(ui, std::string("tab/") + tabs[i].name);
+void draw_tabs(Ui& ui, const std::string& part, const char* const* names, std::span<const DrawPanel> draw, int* open) {
+  if (!ImGui::BeginTabBar((part + " tabs").c_str())) return;
+  for (std::size_t i = 0; i < draw.size(); ++i) {
+    const bool opens = *open == static_cast<int>(i);
+    const bool shown = ImGui::BeginTabItem(names[i], nullptr, opens ? ImGuiTabItemFlags_SetSelected : 0);
+    panels::mark_item(ui, std::string("tab/") + names[i]);
     if (!shown) continue;
+    if (*open < 0 || opens) panels::take_keyboard(ui, part.c_str());
     ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.0f, 0.0f, 0.0f, 0.0f));
     // Rows keep their width when a scrollbar is needed.
     bool* scrolls = ImGui::GetStateStorage()->GetBoolRef(ImGui::GetID("scrolls"), false);
-    const bool visible = ImGui::BeginChild("content", {*scrolls ? 0.0f : -ImGui::GetStyle().ScrollbarSize, 0.0f});
+    const bool visible = panels::begin_list("content", 0.0f, *scrolls ? 0.0f : -ImGui::GetStyle().ScrollbarSize);
     ImGui::PopStyleColor();
-    if (visible) tabs[i].draw(ui);
+    if (visible) draw[i](ui);
     *scrolls = ImGui::GetScrollMaxY() > 0.0f;
     ImGui::EndChild();
     ImGui::EndTabItem();
   }
   *open = -1;
   ImGui::EndTabBar();
+}
+
+/// To the next control of the same part, and from the last one to the first.
+void step_keyboard(Ui& ui) {
+  const int step = std::exchange(ui.state.keyboard_step, 0);
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  if (step == 0 || !context.NavWindow) return;
+  std::vector<KeyboardStop> stops = ui.frame.stops;
+  std::erase_if(stops, [&](const KeyboardStop& s) { return s.part != context.NavWindow->RootWindow->Name; });
+  if (stops.empty()) return;
+  const int count = static_cast<int>(stops.size());
+  const auto at = std::ranges::find(stops, context.NavId, &KeyboardStop::item);
+  const int from = at == stops.end() ? (step > 0 ? -1 : 0) : static_cast<int>(at - stops.begin());
+  panels::give_keyboard(stops[static_cast<std::size_t>((from + step + count) % count)]);
+}
+
+/// Where the keyboard is, once it has been given away.
+void find_keyboard(Ui& ui) {
+  if (ui.state.keyboard_goes_to == "picture") ImGui::FocusWindow(nullptr);
+  // A tab that is being opened takes it in the next frame.
+  if (!ui.frame.windows.contains(ui.state.keyboard_goes_to)) ui.state.keyboard_goes_to.clear();
+  ui.frame.navigating = ImGui::GetIO().NavVisible;
+  const ImGuiWindow* window = ImGui::GetCurrentContext()->NavWindow;
+  if (!ui.frame.navigating || !window) return;
+  const std::string name = window->RootWindow->Name;
+  if (ui.frame.windows.contains(name)) ui.frame.keyboard_part = name;
 }
 
 }  // namespace
@@ -67,6 +94,7 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
   request.left_open = state->left_open;
   request.right_open = state->right_open;
   request.picture_alone = state->presenting;
+  request.right_first = state->right_first;
   frame.layout = compute_layout(request);
   request.strip_height = panels::strip_height(facts, frame.layout.picture.width);
   frame.layout = compute_layout(request);
@@ -90,26 +118,25 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
     ImGui::End();
   }
   ImGui::PopStyleVar();
-  static constexpr Tab kLeft[] = {{"Materials", panels::draw_materials_panel},
-                                  {"Scene", panels::draw_scene_panel},
-                                  {"Help", panels::draw_help_panel},
-                                  {"Review", panels::draw_review_panel}};
-  static constexpr Tab kRight[] = {{"Look", panels::draw_look_panel},
-                                   {"Render", panels::draw_render_panel},
-                                   {"Frame", panels::draw_frame_panel},
-                                   {"Error", panels::draw_error_panel},
-                                   {"Inspect", panels::draw_inspection_panel}};
+  static constexpr DrawPanel kPanels[] = {
+      panels::draw_materials_panel, panels::draw_scene_panel, panels::draw_help_panel,
+      panels::draw_review_panel,    panels::draw_look_panel,  panels::draw_render_panel,
+      panels::draw_frame_panel,     panels::draw_error_panel, panels::draw_inspection_panel};
+  static_assert(std::size(kPanels) == std::size(kPanelNames));
+  const std::span<const DrawPanel> all(kPanels);
   state->error_view.open = false;
   state->inspection.open = false;
   panels::draw_start_popup(ui);
   if (begin_part(ui, "left", layout.left, kStill)) {
-    draw_tabs(ui, "left tabs", kLeft, &state->left_tab);
+    draw_tabs(ui, "left", kPanelNames, all.first(kLeftPanels), &state->left_tab);
     ImGui::End();
   }
   if (begin_part(ui, "right", layout.right, kStill)) {
-    draw_tabs(ui, "right tabs", kRight, &state->right_tab);
+    draw_tabs(ui, "right", kPanelNames + kLeftPanels, all.subspan(kLeftPanels), &state->right_tab);
     ImGui::End();
   }
+  step_keyboard(ui);
+  find_keyboard(ui);
   frame.editing = ImGui::IsAnyItemActive();
   // WantTextInput itself is that of the last frame, and stays for one after a field was left.
   frame.typing = frame.editing && ImGui::GetCurrentContext()->WantTextInputNextFrame == 1;

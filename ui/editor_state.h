@@ -17,6 +17,7 @@
 #include "scenes/node_paths.h"
 #include "scenes/scene.h"
 #include "ui/inspection_state.h"
+#include "ui/shortcuts.h"
 
 /// What the window edits and shows, as plain values: panels read and change them, viewer/ applies them.
 namespace maquette {
@@ -98,9 +99,12 @@ struct EditorState : Look {
   bool reveal_material = false;
   bool left_open = true;
   bool right_open = true;
-  int left_tab = -1;   ///< to be opened once: 0 materials, 1 scene, 2 help, 3 review
-  int right_tab = -1;  ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
-  bool open_path_popup = false, save_path_popup = false, start_popup = false;
+  int left_tab = -1;             ///< to be opened once: 0 materials, 1 scene, 2 help, 3 review
+  int right_tab = -1;            ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
+  bool right_first = false;      ///< the right side was opened last: the left one gives way where both have no room
+  int keyboard_step = 0;         ///< once: to the next control (1) or the one before (-1)
+  std::string keyboard_goes_to;  ///< once: a part of the window (`toolbar`, `left`, `right`, `picture`)
+  bool open_path_popup = false, save_path_popup = false, start_popup = false, menu_popup = false;
   bool presenting = false;  ///< the picture alone
   float text_scale = 1.0f;  ///< of all panels, beside that of the display
   std::string frame_pass;   ///< whose times the tab Frame plots; empty: the whole frame's
@@ -162,8 +166,9 @@ struct EditorFacts {
 
 /// Actions that the panels request, each done once.
 struct EditorActions {
-  bool save = false;      ///< the review; asks for a name where it has none
-  std::string save_path;  ///< the review, under this name
+  std::vector<Command> commands;  ///< as if their keys had been pressed
+  bool save = false;              ///< the review; asks for a name where it has none
+  std::string save_path;          ///< the review, under this name
   bool keep_look = false;
   int go_to_look = -1;
   int next_look = 0;  ///< 1 or -1

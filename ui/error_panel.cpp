@@ -94,9 +94,9 @@ void draw_reflectors(Ui& ui) {
 
 void draw_error_panel(Ui& ui) {
   ui.state.error_view.open = true;
-  if (section("Error of the picture")) draw_meter(ui);
-  if (section("Error budget")) draw_budget(ui);
-  if (ui.state.reflections != kNoReflections && section("Reflector techniques")) draw_reflectors(ui);
+  if (section(ui, "Error of the picture")) draw_meter(ui);
+  if (section(ui, "Error budget")) draw_budget(ui);
+  if (ui.state.reflections != kNoReflections && section(ui, "Reflector techniques")) draw_reflectors(ui);
 }
 
 }  // namespace maquette::panels

@@ -163,13 +163,13 @@ void draw_messages(Ui& ui) {
 
 void draw_frame_panel(Ui& ui) {
   if (ui.facts.stats) {
-    if (section("Timings")) draw_timings(ui);
-    if (section("Plan")) {
+    if (section(ui, "Timings")) draw_timings(ui);
+    if (section(ui, "Plan")) {
       draw_status(ui.facts.stats->status);
       draw_plan(ui.facts.stats->plan, ui.facts.stats->skipped);
     }
     draw_bakes(ui);
-    if (section("Memory", false)) {
+    if (section(ui, "Memory", false)) {
       std::size_t total = 0;
       for (const auto& [name, bytes] : ui.facts.stats->gpu_bytes) {
         value_row(name.c_str(), byte_text(bytes));
@@ -178,7 +178,7 @@ void draw_frame_panel(Ui& ui) {
       value_row("Sum", byte_text(total));
     }
   }
-  if (section("Messages")) draw_messages(ui);
+  if (section(ui, "Messages")) draw_messages(ui);
 }
 
 }  // namespace maquette::panels

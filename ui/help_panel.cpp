@@ -3,9 +3,9 @@
 
 namespace maquette::panels {
 
-void draw_help_panel(Ui&) {
+void draw_help_panel(Ui& ui) {
   for (const ShortcutGroup& group : shortcut_groups()) {
-    if (!section(group.title.c_str())) continue;
+    if (!section(ui, group.title.c_str())) continue;
     for (const Shortcut& shortcut : group.shortcuts) {
       ImGui::TextUnformatted(elide(shortcut.keys, scaled(112.0f)).c_str());
       tooltip(shortcut.keys);

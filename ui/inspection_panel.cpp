@@ -47,8 +47,7 @@ void draw_eye(Ui& ui) {
     dim_text("R-point: the node r_point");
   } else {
     row_label("R-point", "Metres in the scene; a node named r_point would be used instead");
-    ImGui::InputFloat3("##r", view.r_point_m.data(), "%.3f");
-    mark_item(ui, "inspection/r_point");
+    number_fields(ui, "inspection/r_point", view.r_point_m.data(), 3, "%.3f");
   }
   if (ImGui::Button("Eye at V1")) ui.actions.inspection.eye_point = 1;
   mark_item(ui, "inspection/v1");
@@ -58,6 +57,7 @@ void draw_eye(Ui& ui) {
   mark_item(ui, "inspection/v2");
   tooltip("68 mm behind, 589 mm above the R-point");
   ImGui::Checkbox("right-hand drive", &view.right_hand_drive);
+  mark_item(ui, "inspection/right-hand drive");
 }
 
 void draw_legend(Ui& ui) {
@@ -104,8 +104,10 @@ void draw_colors(Ui& ui) {
   tooltip("Exposure value at ISO 100, as a luminance meter shows it");
   row_label("From", "Lower end of the scale");
   luminance_slider("##low", &view.low_cdm2, 1e-2f, 1e5f);
+  mark_item(ui, "inspection/low");
   row_label("To", "Upper end of the scale");
   luminance_slider("##high", &view.high_cdm2, 1e-1f, 1e9f);
+  mark_item(ui, "inspection/high");
   view.high_cdm2 = std::max(view.high_cdm2, 1.01f * view.low_cdm2);
   if (view.false_color) draw_legend(ui);
   row_label("Layer", "Of the light at panes: all; what is seen through them; what they mirror; the second image alone");
@@ -132,6 +134,7 @@ void draw_regions(Ui& ui) {
   mark_item(ui, "inspection/clear");
   row_label("Threshold", "Regions tell the share of their pixels above it");
   luminance_slider("##threshold", &view.threshold_cdm2, 1.0f, 1e5f);
+  mark_item(ui, "inspection/threshold");
   for (std::size_t i = 0; i < ui.facts.inspection.regions.size(); ++i) {
     ImGui::TextColored(kAccent, "Region %zu", i + 1);
     draw_rows(ui.facts.inspection.regions[i].values);
@@ -156,9 +159,10 @@ void draw_sweep(Ui& ui) {
   }
   mark_item(ui, "inspection/sweep");
   row_label("From, to", facts.sweep_unit);
-  ImGui::InputFloat2("##range", view.sweep_range.data(), "%.4g");
+  number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
   ImGui::SliderInt("##steps", &view.sweep_count, 2, 24);
+  mark_item(ui, "inspection/steps");
   ImGui::BeginDisabled(!facts.job.empty());
   if (ImGui::Button("Run")) ui.actions.inspection.run_sweep = true;
   mark_item(ui, "inspection/run");
@@ -197,7 +201,7 @@ void draw_inspection_panel(Ui& ui) {
   dim_text(!facts.status.empty() ? facts.status : "Rest the mouse on the picture: what its pixel shows.");
   hold_lines(top, 2.0f);
   const auto part = [&](const char* title, void (*draw)(Ui&)) {
-    const bool shown = section(title);
+    const bool shown = section(ui, title);
     mark_item(ui, std::string("inspection/") + title);
     if (shown) draw(ui);
   };

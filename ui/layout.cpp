@@ -30,7 +30,8 @@ Layout compute_layout(const LayoutRequest& request) {
   const float top = bars ? px(kToolbarHeight) : 0.0f;
   const float bottom = bars ? px(kStatusHeight) : 0.0f;
   const auto fits = [&](float sides) { return bars && width - sides >= width / 3.0f; };
-  layout.left_shown = request.left_open && fits(px(kLeftWidth));
+  const bool right_first = request.right_first && request.right_open && fits(px(kRightWidth));
+  layout.left_shown = request.left_open && fits(px(kLeftWidth) + (right_first ? px(kRightWidth) : 0.0f));
   layout.right_shown = request.right_open && fits(px(kRightWidth) + (layout.left_shown ? px(kLeftWidth) : 0.0f));
   const float left = layout.left_shown ? px(kLeftWidth) : 0.0f;
   const float right = layout.right_shown ? px(kRightWidth) : 0.0f;
@@ -43,6 +44,15 @@ Layout compute_layout(const LayoutRequest& request) {
   layout.strip = {left, height - bottom - strip, width - left - right, strip};
   layout.picture = {left, top, std::max(width - left - right, 1.0f), std::max(middle - strip, 1.0f)};
   return layout;
+}
+
+float fitting_scale(float wanted, float width_px, float height_px) {
+  constexpr float kLeast = 0.8f;  // still legible
+  constexpr float kRounding = 3.0f;
+  constexpr float kWidth = 1.5f * kRightWidth + kRounding;
+  constexpr float kHeight = 3.0f * (kToolbarHeight + kStatusHeight) + kRounding;
+  const float most = std::min(width_px / kWidth, height_px / kHeight);
+  return std::min(wanted, std::max(most, kLeast));
 }
 
 }  // namespace maquette

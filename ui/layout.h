@@ -28,9 +28,14 @@ struct LayoutRequest {
   bool left_open = true, right_open = true;
   float strip_height = 0.0f;  ///< of unread messages, 0: none
   bool picture_alone = false;
+  bool right_first = false;  ///< the left side gives way before the right one
 };
-/// The side panels shrink (right first) when the picture would get narrower than a third of the window. The picture is
-/// at least 1 x 1.
+/// The side panels give way (right first, unless asked otherwise) when the picture would get narrower than a third of
+/// the window. The picture is at least 1 x 1.
 Layout compute_layout(const LayoutRequest& request);
+
+/// The scale of text and controls that is nearest to `wanted`, at which a window of so many pixels has room for the
+/// bars and one side panel.
+float fitting_scale(float wanted, float width_px, float height_px);
 
 }  // namespace maquette

@@ -42,12 +42,14 @@ void draw_cameras(Ui& ui) {
     row_label("Height", "Of what the picture shows");
     ImGui::DragFloat("##height", &camera.height_m, 0.01f * camera.height_m, 1e-6f, 1e9f, "%.4g m",
                      ImGuiSliderFlags_AlwaysClamp);
+    mark_item(ui, "camera/height");
     return;
   }
   float fov_deg = glm::degrees(camera.fov_y_rad);
   row_label("Field of view", "Vertical angle of view");
   if (slider("##fov", &fov_deg, 5.0f, 120.0f, "%.0f\u00b0", ImGuiSliderFlags_AlwaysClamp))
     camera.fov_y_rad = glm::radians(fov_deg);
+  mark_item(ui, "camera/fov");
 }
 
 void draw_variants(Ui& ui) {
@@ -126,6 +128,7 @@ void draw_dent(Ui& ui) {
   row_label("Radius", "Of the part of the surface that moves");
   if (slider("##radius", &radius_cm, 1.0f, 200.0f, "%.0f cm", ImGuiSliderFlags_Logarithmic))
     ui.state.dent_radius_m = 0.01f * radius_cm;
+  mark_item(ui, "dent radius");
   dim_text(ui.state.tool == Tool::dent ? "Press on a subdivision surface and drag down to push deeper, up to pull."
                                        : "D or the Dent button starts.");
 }
@@ -134,11 +137,11 @@ void draw_dent(Ui& ui) {
 
 void draw_look_panel(Ui& ui) {
   if (!ui.facts.scene) return;
-  if (section("Camera")) draw_cameras(ui);
-  if (section("Light")) draw_light(ui);
-  if (section("Display")) draw_display(ui);
-  if (!ui.facts.scene->variants.empty() && section("Variant")) draw_variants(ui);
-  if (section("Dent")) draw_dent(ui);
+  if (section(ui, "Camera")) draw_cameras(ui);
+  if (section(ui, "Light")) draw_light(ui);
+  if (section(ui, "Display")) draw_display(ui);
+  if (!ui.facts.scene->variants.empty() && section(ui, "Variant")) draw_variants(ui);
+  if (section(ui, "Dent")) draw_dent(ui);
 }
 
 }  // namespace maquette::panels

@@ -129,7 +129,7 @@ void draw_materials_panel(Ui& ui) {
   const bool chosen =
       ui.state.selected_material >= 0 && ui.state.selected_material < static_cast<int>(scene.materials.size());
   const float list_height = std::round(chosen ? 0.42f * room : room - ImGui::GetTextLineHeightWithSpacing() * 2.5f);
-  if (ImGui::BeginChild("list", {0.0f, list_height})) draw_material_list(ui);
+  if (begin_list("list", list_height)) draw_material_list(ui);
   ImGui::EndChild();
   if (!chosen) {
     dim_text("Choose a material here or click on a surface, then give it a paint or a trim.");
@@ -146,7 +146,7 @@ void draw_materials_panel(Ui& ui) {
   mark_item(ui, "restore");
   ImGui::EndDisabled();
   tooltip("Back to what the file says");
-  if (ImGui::BeginChild("library")) draw_library(ui, material);
+  if (begin_list("library", 0.0f)) draw_library(ui, material);
   ImGui::EndChild();
 }
 

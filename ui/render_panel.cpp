@@ -101,8 +101,10 @@ void draw_settings(Ui& ui) {
 void draw_resolution(Ui& ui) {
   row_label("Still", "Picture pixels a window pixel when nothing moves");
   scale_combo("##still", &ui.state.still_scale, 3);
+  mark_item(ui, "still scale");
   row_label("Moving", "And while the camera, the light or a surface moves");
   scale_combo("##moving", &ui.state.moving_scale, 4);
+  mark_item(ui, "moving scale");
   row_label("Antialiasing",
             "Samples a pixel; shading is shared where it varies little. At rest: once nothing has moved for a while");
   struct Choice {
@@ -128,20 +130,22 @@ void draw_debug_views(Ui& ui) {
     ImGui::EndCombo();
   }
   mark_item(ui, "view");
-  if (!ui.state.debug_view.empty() && ImGui::Button("Back to the picture")) ui.state.debug_view.clear();
+  if (ui.state.debug_view.empty()) return;
+  if (ImGui::Button("Back to the picture")) ui.state.debug_view.clear();
+  mark_item(ui, "view/picture");
 }
 
 }  // namespace
 
 void draw_render_panel(Ui& ui) {
-  if (section("Shading mode")) {
+  if (section(ui, "Shading mode")) {
     draw_mode(ui);
     draw_reflections(ui);
     draw_reflector_picking(ui);
   }
-  if (section("Settings")) draw_settings(ui);
-  if (section("Resolution")) draw_resolution(ui);
-  if (section("Debug view")) draw_debug_views(ui);
+  if (section(ui, "Settings")) draw_settings(ui);
+  if (section(ui, "Resolution")) draw_resolution(ui);
+  if (section(ui, "Debug view")) draw_debug_views(ui);
 }
 
 }  // namespace maquette::panels

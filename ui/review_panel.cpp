@@ -143,6 +143,7 @@ void draw_key(Ui& ui, PathKey* key) {
       if (ImGui::Selectable(kEases[i], static_cast<int>(key->ease) == i)) key->ease = static_cast<Ease>(i);
     ImGui::EndCombo();
   }
+  mark_item(ui, "key/ease");
   row_label("Skip", "As if the key were not there");
   ImGui::Checkbox("##skip", &key->skip);
   mark_item(ui, "key/skip");
@@ -153,15 +154,18 @@ void draw_key(Ui& ui, PathKey* key) {
       if (ImGui::Selectable(look.name.c_str(), key->look == look.name)) key->look = look.name;
     ImGui::EndCombo();
   }
+  mark_item(ui, "key/look");
   const auto keyed = [&](const char* label, const char* id, std::optional<float>* value, float now,
                          const char* format) {
     bool on = value->has_value();
     row_label(label, "Changes evenly between the keys that say it");
     if (ImGui::Checkbox((std::string(id) + " on").c_str(), &on)) *value = on ? std::optional(now) : std::nullopt;
+    mark_item(ui, std::string("key/") + label + " on");
     if (!*value) return;
     ImGui::SameLine();
     ImGui::SetNextItemWidth(-1.0f);
     ImGui::DragFloat(id, &**value, 0.1f, -3600.0f, 3600.0f, format);
+    mark_item(ui, std::string("key/") + label);
   };
   keyed("Light", "##key rotation", &key->env_rotation_deg, ui.state.edits.env_rotation_deg, "%.1f\u00b0");
   keyed("Exposure", "##key exposure", &key->exposure_ev, ui.state.exposure_ev, "%+.2f EV");
@@ -176,7 +180,7 @@ void draw_keys(Ui& ui, CameraPath* path) {
   constexpr std::size_t kMostShown = 6;
   const float line = ImGui::GetTextLineHeightWithSpacing();
   ImGui::PushStyleColor(ImGuiCol_ChildBg, ImVec4(0.0f, 0.0f, 0.0f, 0.0f));
-  ImGui::BeginChild("keys", {0.0f, line * static_cast<float>(std::min(path->keys.size(), kMostShown)) + scaled(4.0f)});
+  begin_list("keys", line * static_cast<float>(std::min(path->keys.size(), kMostShown)) + scaled(4.0f));
   ImGui::PopStyleColor();
   for (std::size_t i = 0; i < path->keys.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));
@@ -226,6 +230,7 @@ void draw_playback(Ui& ui, const CameraPath& path) {
         view.playback = static_cast<Playing>(i);
     ImGui::EndCombo();
   }
+  mark_item(ui, "path/playback");
   auto time_s = static_cast<float>(view.time_s);
   const float end_s = can_play ? static_cast<float>(path_duration_s(path)) : 1.0f;
   ImGui::SetNextItemWidth(-1.0f);
@@ -261,7 +266,9 @@ void draw_path_animation(Ui& ui, CameraPath* path) {
   const std::vector<Animation>& animations = ui.facts.scene->animations;
   if (animations.empty() && path->animation.empty()) return;
   row_label("Plays", "Animation of the scene that plays along the path");
-  if (!ImGui::BeginCombo("##plays", path->animation.empty() ? "nothing" : path->animation.c_str())) return;
+  const bool open = ImGui::BeginCombo("##plays", path->animation.empty() ? "nothing" : path->animation.c_str());
+  mark_item(ui, "path/plays");
+  if (!open) return;
   if (ImGui::Selectable("nothing", path->animation.empty())) path->animation.clear();
   for (const Animation& animation : animations)
     if (ImGui::Selectable(animation.name.c_str(), path->animation == animation.name)) path->animation = animation.name;
@@ -319,11 +326,16 @@ void draw_paths(Ui& ui) {
 
 void draw_review_panel(Ui& ui) {
   if (!ui.facts.scene) return;
-  const bool looks = section("Looks");
-  mark_item(ui, "section/Looks");
+  // Lists number their lines, each for itself.
+  const bool looks = section(ui, "Looks");
+  ImGui::PushID("looks");
   if (looks) draw_looks(ui);
   if (looks) draw_compare(ui);
-  if (section("Camera paths")) draw_paths(ui);
+  ImGui::PopID();
+  const bool paths = section(ui, "Camera paths");
+  ImGui::PushID("paths");
+  if (paths) draw_paths(ui);
+  ImGui::PopID();
 }
 
 }  // namespace maquette::panels

@@ -11,6 +11,14 @@ namespace maquette::panels {
 
 namespace {
 
+bool is_ancestor(const Scene& scene, int ancestor, int node) {
+  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
+    if (i == ancestor) return true;
+    i = scene.nodes[static_cast<std::size_t>(i)].parent;
+  }
+  return false;
+}
+
 const char* kind_of(const Scene& scene, const Node& node) {
   if (node.mesh >= 0) return scene.meshes[static_cast<std::size_t>(node.mesh)].cage ? "subdivision" : "mesh";
   if (node.patch >= 0) return "patch";
@@ -50,33 +58,10 @@ void visibility_box(Ui& ui, int index) {
   mark_item(ui, "visible/" + ui.facts.scene->nodes[static_cast<std::size_t>(index)].name);
 }
 
-bool is_ancestor(const Scene& scene, int ancestor, int node) {
-  for (int i = node, steps = 0; i >= 0 && steps <= static_cast<int>(scene.nodes.size()); ++steps) {
-    if (i == ancestor) return true;
-    i = scene.nodes[static_cast<std::size_t>(i)].parent;
-  }
-  return false;
-}
-
-/// Hides all that is drawn but a node, what is below it, and the lights.
-void isolate(Ui& ui, int kept) {
+/// What a part can be turned to, in an open menu.
+void draw_part_menu(Ui& ui, int index) {
   const Scene& scene = *ui.facts.scene;
-  std::set<std::string>& hidden = ui.state.edits.hidden_nodes;
-  hidden.clear();
-  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i) {
-    const Node& node = scene.nodes[static_cast<std::size_t>(i)];
-    // A branch is hidden at its top.
-    const bool beside = !is_ancestor(scene, i, kept) && !is_ancestor(scene, kept, i);
-    const bool top = node.parent < 0 || is_ancestor(scene, node.parent, kept);
-    if (beside && top && node.light < 0 && node.camera < 0) hidden.insert(ui.facts.path_of(i));
-  }
-}
-
-/// What a part can be turned to, from a menu at its line.
-void mode_menu(Ui& ui, int index) {
-  const Scene& scene = *ui.facts.scene;
-  if (!ImGui::BeginPopupContextItem("mode")) return;
-  if (ImGui::MenuItem("Show this alone")) isolate(ui, index);
+  if (ImGui::MenuItem("Show this alone", "I")) isolate(&ui.state, ui.facts, index);
   mark_item(ui, "isolate");
   if (ImGui::MenuItem("Show all", nullptr, false, !ui.state.edits.hidden_nodes.empty()))
     ui.state.edits.hidden_nodes.clear();
@@ -94,6 +79,11 @@ void mode_menu(Ui& ui, int index) {
     mark_item(ui, "part mode/" + technique.name);
   }
   ImGui::EndPopup();
+}
+
+/// At a line of the tree, by the right mouse button.
+void mode_menu(Ui& ui, int index) {
+  if (ImGui::BeginPopupContextItem("mode")) draw_part_menu(ui, index);
 }
 
 /// What is said of a node behind its name.
@@ -118,7 +108,7 @@ bool draw_line(Ui& ui, int index, bool leaf, bool open) {
   const bool reflects = ui.facts.reflecting.contains(index);
   const bool expanded = ImGui::TreeNodeEx("##node", flags, "%s%s", node.name.empty() ? "(no name)" : node.name.c_str(),
                                           notes_of(ui, index).c_str());
-  if (ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) select_node(ui, index);
+  if ((ImGui::IsItemClicked() && !ImGui::IsItemToggledOpen()) || pressed_by_key()) select_node(ui, index);
   mark_item(ui, "node/" + node.name);
   mode_menu(ui, index);
   if (*kind) tooltip(node.name + "\n" + kind + (reflects ? "\nreflects" + fit_of(ui, index) : ""));
@@ -209,6 +199,8 @@ void draw_turn(Ui& ui) {
   const auto found = std::ranges::find_if(turns, [&](const NodeTurn& t) { return t.node == path && t.axis == up; });
   float angle = found == turns.end() ? 0.0f : found->angle_deg;
   row_label("Turn", "The chosen node with what is below it, about the vertical through its origin");
+  const float more = ImGui::GetFrameHeight();
+  ImGui::SetNextItemWidth(-more - ImGui::GetStyle().ItemSpacing.x);
   if (slider("##turn", &angle, -180.0f, 180.0f, "%.1f\u00b0")) {
     if (found == turns.end())
       turns.push_back({path, up, angle});
@@ -218,6 +210,11 @@ void draw_turn(Ui& ui) {
       found->angle_deg = angle;
   }
   mark_item(ui, "turn");
+  ImGui::SameLine();
+  if (ImGui::Button("...", {more, 0.0f})) ImGui::OpenPopup("part");
+  mark_item(ui, "part");
+  tooltip("Shows the chosen part alone; its shading mode");
+  if (ImGui::BeginPopup("part")) draw_part_menu(ui, ui.state.selected_node);
 }
 
 }  // namespace
@@ -230,7 +227,7 @@ void draw_scene_panel(Ui& ui) {
   const float rows =
       (ui.state.edits.section == glm::vec4(0.0f) ? 1.0f : 2.0f) + (ui.state.selected_node >= 0 ? 1.0f : 0.0f);
   const float foot = ImGui::GetTextLineHeightWithSpacing() + rows * ImGui::GetFrameHeightWithSpacing();
-  if (ImGui::BeginChild("tree", {0.0f, ImGui::GetContentRegionAvail().y - foot - scaled(4.0f)})) {
+  if (begin_list("tree", ImGui::GetContentRegionAvail().y - foot - scaled(4.0f))) {
     if (searching) {
       draw_matches(ui);
     } else {
@@ -246,7 +243,25 @@ void draw_scene_panel(Ui& ui) {
   if (hidden > 0) {
     ImGui::SameLine();
     if (ImGui::SmallButton("Show all")) ui.state.edits.hidden_nodes.clear();
+    mark_item(ui, "show all");
   }
 }
 
 }  // namespace maquette::panels
+
+namespace maquette {
+
+void isolate(EditorState* state, const EditorFacts& facts, int kept) {
+  const Scene& scene = *facts.scene;
+  std::set<std::string>& hidden = state->edits.hidden_nodes;
+  hidden.clear();
+  for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i) {
+    const Node& node = scene.nodes[static_cast<std::size_t>(i)];
+    // A branch is hidden at its top.
+    const bool beside = !panels::is_ancestor(scene, i, kept) && !panels::is_ancestor(scene, kept, i);
+    const bool top = node.parent < 0 || panels::is_ancestor(scene, node.parent, kept);
+    if (beside && top && node.light < 0 && node.camera < 0) hidden.insert(facts.path_of(i));
+  }
+}
+
+}  // namespace maquette

@@ -21,6 +21,7 @@ const std::vector<ShortcutGroup>& shortcut_groups() {
         {C::none, "Drag (dent)", "down deeper, up to pull"},
         {C::none, "Wheel (dent)", "radius, button held"},
         {C::measure_distance, "M", "distance of two clicks"},
+        {C::isolate, "I", "the chosen part alone, or all"},
         {C::undo, "Ctrl+Z", "undo"},
         {C::redo, "Ctrl+Y, Ctrl+Shift+Z", "redo"},
         {C::darker, "[", "darker by a quarter stop"},
@@ -44,7 +45,13 @@ const std::vector<ShortcutGroup>& shortcut_groups() {
         {C::none, "Drop .hdr .exr", "another environment"},
         {C::none, "Drop .binary", "the material there"}}},
       {"Window",
-       {{C::sides, "Tab", "sides away and back"},
+       {{C::menu, "F10", "menu of all commands"},
+        {C::panel, "Ctrl+1 to Ctrl+9", "tabs, from Materials to Inspect"},
+        {C::next_part, "F6", "keys go to the next side"},
+        {C::none, "Tab, arrows", "the next control there"},
+        {C::none, "Space", "press it; arrows move a slider"},
+        {C::none, "Enter", "type its value"},
+        {C::sides, "Tab", "sides away and back"},
         {C::present, "F5", "picture alone, full screen"},
         {C::full_screen, "F11", "full screen"},
         {C::screenshot, "F12", "the window as .png"},
@@ -58,10 +65,14 @@ const std::vector<ShortcutGroup>& shortcut_groups() {
 }
 
 Command command_of(const std::string& key) {
-  if (key.size() == 1 && key[0] >= '1' && key[0] <= '9') return Command::camera;
+  const bool digit = !key.empty() && key.back() >= '1' && key.back() <= '9';
+  if (digit && key.size() == 1) return Command::camera;
+  if (digit && key.size() == 6 && key.starts_with("Ctrl+")) return Command::panel;
   for (const ShortcutGroup& group : shortcut_groups())
     for (const Shortcut& shortcut : group.shortcuts) {
-      if (shortcut.command == Command::none || shortcut.command == Command::camera) continue;
+      if (shortcut.command == Command::none || shortcut.command == Command::camera ||
+          shortcut.command == Command::panel)
+        continue;
       for (std::size_t begin = 0; begin < shortcut.keys.size();) {
         const std::size_t end = std::min(shortcut.keys.find(", ", begin), shortcut.keys.size());
         if (shortcut.keys.compare(begin, end - begin, key) == 0) return shortcut.command;

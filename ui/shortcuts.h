@@ -35,6 +35,10 @@ enum class Command {
   larger,
   smaller,
   usual_size,
+  menu,
+  next_part,
+  panel,
+  isolate,
   help,
   leave,
   close
@@ -43,7 +47,7 @@ enum class Command {
 /// One line of the list of keys. The keys are read from here by the window, the panel Help, and the manual.
 struct Shortcut {
   Command command = Command::none;
-  std::string keys;  ///< `Ctrl+Y`, `F11`, `Page Up`, `[`; several behind commas; `1 to 9`
+  std::string keys;  ///< `Ctrl+Y`, `F11`, `Page Up`, `[`; several behind commas; `1 to 9`, `Ctrl+1 to Ctrl+9`
   std::string what;
 };
 struct ShortcutGroup {
@@ -53,7 +57,12 @@ struct ShortcutGroup {
 const std::vector<ShortcutGroup>& shortcut_groups();
 
 /// The command of one key as it is written above, with `Ctrl+` before it where that is held; none where there is none.
-/// Digits are Command::camera.
+/// Digits are Command::camera, with `Ctrl+` Command::panel.
 Command command_of(const std::string& key);
+
+/// Tabs of the left side, then of the right side, in the order of the keys Ctrl+1 to Ctrl+9.
+inline constexpr const char* kPanelNames[] = {"Materials", "Scene", "Help",  "Review", "Look",
+                                              "Render",    "Frame", "Error", "Inspect"};
+inline constexpr int kLeftPanels = 4;
 
 }  // namespace maquette

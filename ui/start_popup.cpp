@@ -1,4 +1,5 @@
 // What a window offers before anything is open: recent files, built-in scenes, a path.
+#include <algorithm>
 #include <filesystem>
 
 #include "ui/widgets.h"
@@ -19,8 +20,9 @@ constexpr BuiltIn kBuiltIns[] = {{"builtin:cockpit", "a car interior"},
 
 void line(Ui& ui, const std::string& source, const std::string& name, const std::string& behind) {
   ImGui::PushID(source.c_str());
-  const float column = scaled(190.0f);
-  if (ImGui::Selectable("##file", false, 0, {scaled(430.0f), 0.0f})) {
+  const float whole = std::min(scaled(430.0f), ImGui::GetIO().DisplaySize.x - scaled(60.0f));
+  const float column = 0.44f * whole;
+  if (ImGui::Selectable("##file", false, 0, {whole, 0.0f})) {
     ui.actions.open_path = source;
     ImGui::CloseCurrentPopup();
   }
@@ -28,7 +30,7 @@ void line(Ui& ui, const std::string& source, const std::string& name, const std:
   ImGui::SameLine(ImGui::GetStyle().WindowPadding.x);
   ImGui::TextUnformatted(elide(name, column - scaled(10.0f)).c_str());
   ImGui::SameLine(column);
-  ImGui::TextColored(kDim, "%s", elide(behind, scaled(250.0f)).c_str());
+  ImGui::TextColored(kDim, "%s", elide(behind, whole - column).c_str());
   ImGui::PopID();
 }
 
@@ -40,6 +42,8 @@ void draw_start_popup(Ui& ui) {
   const Rect& picture = ui.frame.layout.picture;
   ImGui::SetNextWindowPos({picture.x + 0.5f * picture.width, picture.y + 0.4f * picture.height}, ImGuiCond_Appearing,
                           {0.5f, 0.5f});
+  const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, {window.x, std::max(window.y - scaled(90.0f), 1.0f)});
   if (!ImGui::BeginPopup("start")) return;
   if (!ui.facts.recent_files.empty()) {
     dim_text("Recent");

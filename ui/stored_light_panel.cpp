@@ -92,6 +92,7 @@ void draw_compression(Ui& ui) {
   if (facts.tabulating) {
     ImGui::ProgressBar(static_cast<float>(*facts.tabulating), ImVec2(-1.0f, 0.0f));
     if (ImGui::Button("Stop")) ui.actions.inspection.stop_tabulating = true;
+    mark_item(ui, "stored light/stop");
     return;
   }
   if (facts.table) {

@@ -81,7 +81,7 @@ void set_colors(ImGuiStyle* style) {
   c[ImGuiCol_PlotHistogram] = accent_at(0.85f);
   c[ImGuiCol_PlotHistogramHovered] = accent;
   c[ImGuiCol_TextSelectedBg] = accent_at(0.35f);
-  c[ImGuiCol_NavHighlight] = accent;
+  c[ImGuiCol_NavHighlight] = {0.62f, 0.84f, 1.0f, 1.0f};
   c[ImGuiCol_TableHeaderBg] = gray(0.17f);
   c[ImGuiCol_TableRowBgAlt] = gray(1.0f, 0.0f, 0.02f);
 }
@@ -93,6 +93,7 @@ void apply_theme(float scale, float pixels_per_unit) {
   pixels_per_unit = std::clamp(pixels_per_unit, 0.5f, 6.0f);
   ImGui::GetIO().IniFilename = nullptr;  // the layout is fixed, nothing to remember
   ImGui::GetIO().ConfigWindowsMoveFromTitleBarOnly = true;
+  ImGui::GetIO().ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
   load_font(scale);
   ImGui::GetIO().FontGlobalScale = 1.0f / pixels_per_unit;
   ImGuiStyle style;
@@ -114,9 +115,9 @@ void apply_theme(float scale, float pixels_per_unit) {
   style.WindowBorderSize = 0.0f;
   style.ChildBorderSize = 0.0f;
   style.PopupBorderSize = 1.0f;
-  style.WindowMinSize = {1.0f, 1.0f};
   style.ScaleAllSizes(scale / pixels_per_unit);
   style.PopupBorderSize = 1.0f;
+  style.WindowMinSize = {1.0f, 1.0f};
   ImGui::GetStyle() = style;
 }
 

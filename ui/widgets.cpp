@@ -1,5 +1,6 @@
 #include "ui/widgets.h"
 
+#define IMGUI_DEFINE_MATH_OPERATORS
 #include <imgui_internal.h>
 
 #include <algorithm>
@@ -91,7 +92,8 @@ bool slider(const char* id, float* value, float low, float high, const char* for
   const float column = scaled(88.0f), whole = ImGui::CalcItemWidth(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
   ImGui::BeginGroup();
   ImGui::SetNextItemWidth(std::max(whole - column - gap, scaled(40.0f)));
-  const bool typing = ImGui::GetIO().KeyCtrl || ImGui::TempInputIsActive(ImGui::GetID(id));
+  const bool entered = ImGui::GetCurrentContext()->NavActivateInputId == ImGui::GetID(id);
+  const bool typing = ImGui::GetIO().KeyCtrl || entered || ImGui::TempInputIsActive(ImGui::GetID(id));
   const bool changed = ImGui::SliderFloat(id, value, low, high, typing ? format : "", flags);
   if (changed) *value = rounded_by(format, *value);
   char text[64];
@@ -103,6 +105,8 @@ bool slider(const char* id, float* value, float low, float high, const char* for
   ImGui::SameLine(0.0f, 0.0f);
   ImGui::Dummy({std::max(rest, 0.0f), 1.0f});
   ImGui::EndGroup();
+  // The group stands for the slider, also where the keyboard goes.
+  ImGui::GetCurrentContext()->LastItemData.ID = ImGui::GetID(id);
   return changed;
 }
 
@@ -111,6 +115,36 @@ float scaled(float units) { return std::round(units * ImGui::GetFontSize() / kTh
 void mark_item(Ui& ui, const std::string& name) {
   const ImVec2 a = ImGui::GetItemRectMin(), b = ImGui::GetItemRectMax();
   ui.frame.items[name] = {a.x, a.y, b.x - a.x, b.y - a.y};
+  const ImGuiLastItemData& item = ImGui::GetCurrentContext()->LastItemData;
+  ImGuiWindow* window = ImGui::GetCurrentWindow();
+  if (item.ID == 0 || (item.InFlags & ImGuiItemFlags_Disabled) != 0) return;
+  if (!ui.frame.stops.empty() && ui.frame.stops.back().item == item.ID) return;  // marked by two names
+  ui.frame.stops.push_back({item.ID, window->ID, window->RootWindow->Name, {a.x, a.y, b.x - a.x, b.y - a.y}});
+}
+
+bool pressed_by_key() {
+  const ImGuiContext& context = *ImGui::GetCurrentContext();
+  return ImGui::GetItemID() != 0 && context.NavActivateId == ImGui::GetItemID();
+}
+
+void give_keyboard(const KeyboardStop& stop) {
+  ImGuiContext& context = *ImGui::GetCurrentContext();
+  ImGuiWindow* window = ImGui::FindWindowByID(stop.window);
+  if (!window) return;
+  ImGui::ClearActiveID();
+  ImGui::FocusWindow(window);
+  ImGui::SetFocusID(stop.item, window);
+  const ImRect rect(stop.rect.x, stop.rect.y, stop.rect.x + stop.rect.width, stop.rect.y + stop.rect.height);
+  window->NavRectRel[context.NavLayer] = {rect.Min - window->Pos, rect.Max - window->Pos};
+  ImGui::ScrollToBringRectIntoView(window, rect);
+  context.NavDisableHighlight = false;
+  context.NavDisableMouseHover = true;
+}
+
+void take_keyboard(Ui& ui, const char* part) {
+  if (ui.state.keyboard_goes_to != part || ui.frame.stops.empty()) return;
+  ui.state.keyboard_goes_to.clear();
+  give_keyboard(ui.frame.stops.back());
 }
 
 void tooltip(const std::string& text) {
@@ -130,11 +164,12 @@ void row_label(const char* label, const std::string& help) {
   ImGui::SetNextItemWidth(-FLT_MIN);
 }
 
-bool section(const char* title, bool open) {
+bool section(Ui& ui, const char* title, bool open) {
   ImGui::PushStyleColor(ImGuiCol_Header, ImVec4(0.175f, 0.175f, 0.182f, 1.0f));
   ImGui::PushStyleColor(ImGuiCol_HeaderActive, ImVec4(0.25f, 0.25f, 0.256f, 1.0f));
   const bool shown = ImGui::CollapsingHeader(title, open ? ImGuiTreeNodeFlags_DefaultOpen : 0);
   ImGui::PopStyleColor(2);
+  mark_item(ui, std::string("section/") + title);
   return shown;
 }
 
@@ -167,6 +202,10 @@ void dim_text(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
+bool begin_list(const char* id, float height, float width) {
+  return ImGui::BeginChild(id, {width, height}, false, ImGuiWindowFlags_NavFlattened);
+}
+
 void hold_lines(float top_y, float lines) {
   ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(), top_y + lines * ImGui::GetTextLineHeightWithSpacing()));
 }
@@ -192,6 +231,17 @@ std::string elide(const std::string& text, float width) {
   }
   while (low > 0 && (static_cast<unsigned char>(text[low]) & 0xc0u) == 0x80u) --low;  // not inside a UTF-8 letter
   return text.substr(0, low) + "...";
+}
+
+void number_fields(Ui& ui, const std::string& name, float* values, int count, const char* format) {
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, n = static_cast<float>(count);
+  const float width = std::floor((ImGui::GetContentRegionAvail().x - (n - 1.0f) * gap) / n);
+  for (int i = 0; i < count; ++i) {
+    if (i > 0) ImGui::SameLine(0.0f, gap);
+    ImGui::SetNextItemWidth(width);
+    ImGui::InputFloat(("##" + name + std::to_string(i)).c_str(), values + i, 0.0f, 0.0f, format);
+    mark_item(ui, i == 0 ? name : name + "/" + std::to_string(i + 1));
+  }
 }
 
 bool search_box(const char* id, const char* hint, char* text, std::size_t size) {
@@ -242,6 +292,7 @@ void setting_row(Ui& ui, const SettingDeclaration& declaration) {
   if (changed) {
     ImGui::SameLine(0.0f, ImGui::GetStyle().ItemInnerSpacing.x);
     if (ImGui::Button(glyph("\u21ba", "x"), {ImGui::GetFrameHeight(), 0.0f})) ui.state.settings.reset(declaration.name);
+    mark_item(ui, "reset/" + declaration.name);
     tooltip("Back to the default, " + to_text(declaration.default_value));
   }
   ImGui::PopID();

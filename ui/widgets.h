@@ -23,14 +23,14 @@ struct Ui {
 float scaled(float units);
 extern const ImVec4 kDim, kAccent, kWarning, kError;
 
-/// Records the rectangle of the last item under a name.
+/// Records the rectangle of the last item under a name; the keyboard comes to it in this order.
 void mark_item(Ui& ui, const std::string& name);
 /// Shows an explanation of the last item when the mouse rests on it.
 void tooltip(const std::string& text);
 /// "Name ......" on the left; the next control fills the rest of the row.
 void row_label(const char* label, const std::string& help = {});
 /// Small grey caps-free heading with a rule; true when open.
-bool section(const char* title, bool open = true);
+bool section(Ui& ui, const char* title, bool open = true);
 void dim_text(const std::string& text);
 /// What follows begins at least so many lines of text below `top_y`, a cursor position: nothing jumps when text comes
 /// or goes.
@@ -45,6 +45,9 @@ bool toggle_button(const char* label, bool on);
 const char* glyph(const char* icon, const char* text);
 /// Text cut to `width` with an ellipsis.
 std::string elide(const std::string& text, float width);
+/// A part of a panel that scrolls by itself, to the bottom where its height is 0; ends with ImGui::EndChild. The
+/// keyboard walks in and out of it.
+bool begin_list(const char* id, float height, float width = 0.0f);
 /// Search field over the whole width; true when it has text.
 bool search_box(const char* id, const char* hint, char* text, std::size_t size);
 /// Case-insensitive.
@@ -54,10 +57,20 @@ bool combo(const char* id, std::string* value, const std::vector<std::string>& n
 /// A slider whose value stands beside it, as printf's `format` writes and rounds it; Ctrl+click types one. Takes the
 /// width that was set for the next item.
 bool slider(const char* id, float* value, float low, float high, const char* format, ImGuiSliderFlags flags = 0);
+/// Fields for some numbers in a row, over the rest of it.
+void number_fields(Ui& ui, const std::string& name, float* values, int count, const char* format);
 /// Slider, combo or box made from the declaration, with its unit, its help, and a reset button if it was changed.
 void setting_row(Ui& ui, const SettingDeclaration& declaration);
 
+/// The last item was pressed by Space or Enter.
+bool pressed_by_key();
+/// Gives a control the keyboard, visibly.
+void give_keyboard(const KeyboardStop& stop);
+/// Gives the item that was marked last the keyboard, visibly, when it is to go to this part of the window.
+void take_keyboard(Ui& ui, const char* part);
+
 void draw_toolbar(Ui& ui);
+void draw_menu(Ui& ui);  ///< button and popup with all commands
 void draw_status(Ui& ui);
 /// Recent and built-in scenes, over the picture.
 void draw_start_popup(Ui& ui);

@@ -93,14 +93,20 @@ class App {
   void frame() {
     const double now = glfwGetTime();
     const EditorState& state = session_.state;
-    const bool field_opens = state.open_path_popup || state.save_path_popup || editor_.awaits_field;
-    const InputBatch input = inbox_->next(editor_.typing, field_opens);
+    // Keys wait for what they are meant for.
+    const bool opens = state.open_path_popup || state.save_path_popup || state.start_popup || state.menu_popup ||
+                       editor_.awaits_field || !state.keyboard_goes_to.empty() || state.keyboard_step != 0;
+    const InputBatch input = inbox_->next(editor_.typing, opens);
     host_.set_text_scale(state.text_scale);
     host_.begin_frame(input);
     collect_facts();
     EditorActions actions;
     editor_ = draw_editor(&session_.state, facts_, &actions);
     if (!input.typing) handle_keys(input.keys, &actions);
+    for (const Command command : actions.commands) {
+      request(command, &actions);
+      change_view(command);
+    }
     handle_pointer(input.pointer);
     fly(static_cast<float>(now - last_frame_s_));
     last_frame_s_ = now;
@@ -189,8 +195,11 @@ class App {
     for (const KeyEvent& event : keys) {
       if (event.released || is_modifier(event.key)) continue;
       if (input_.dragging() && !event.ctrl) continue;  // the letters fly then
+      if (editor_.navigating && event.key == GLFW_KEY_TAB) session_.state.keyboard_step = event.shift ? -1 : 1;
+      if (editor_.navigating && !event.ctrl && moves_among_controls(event.key)) continue;
       const Command command = command_of(written_key(event));
       if (command == Command::camera) actions->go_to_camera = event.key - GLFW_KEY_1;
+      if (command == Command::panel) open_panel(&session_.state, event.key - GLFW_KEY_1);
       request(command, actions);
       change_view(command);
     }
@@ -216,6 +225,31 @@ class App {
     if (command == Command::close) glfwSetWindowShouldClose(window_, GLFW_TRUE);
     if (command == Command::open) state.open_path_popup = true;
     if (command == Command::start_screen) state.start_popup = true;
+    if (command == Command::menu) {
+      state.menu_popup = true;
+      state.keyboard_goes_to = "toolbar";
+    }
+    if (command == Command::next_part) state.keyboard_goes_to = next_part();
+  }
+
+  /// Of those that are shown, behind the one that has the keyboard.
+  std::string next_part() const {
+    static const std::string kOrder[] = {"picture", "left", "right", "toolbar"};
+    constexpr std::size_t kCount = std::size(kOrder);
+    const auto* at = std::find(std::begin(kOrder), std::end(kOrder), editor_.keyboard_part);
+    for (std::size_t i = 1; i <= kCount; ++i) {
+      const std::string& next = kOrder[(static_cast<std::size_t>(at - std::begin(kOrder)) + i) % kCount];
+      if (next == "picture" || editor_.windows.contains(next)) return next;
+    }
+    return "picture";
+  }
+
+  void isolate_chosen() {
+    EditorState& state = session_.state;
+    if (!state.edits.hidden_nodes.empty())
+      state.edits.hidden_nodes.clear();
+    else if (facts_.scene && state.selected_node >= 0)
+      isolate(&state, facts_, state.selected_node);
   }
 
   /// Commands that change how the window shows things.
@@ -227,13 +261,11 @@ class App {
       toggle(Tool::distance);
       state.measured.clear();
     }
+    if (command == Command::isolate) isolate_chosen();
     if (command == Command::darker) step_exposure(-0.25f);
     if (command == Command::brighter) step_exposure(0.25f);
     if (command == Command::sides) state.left_open = state.right_open = !(state.left_open || state.right_open);
-    if (command == Command::help) {
-      state.left_open = true;
-      state.left_tab = 2;
-    }
+    if (command == Command::help) open_panel(&state, 2);
     if (command == Command::leave) state.tool = Tool::camera;
     if (command == Command::present || (command == Command::leave && state.presenting)) {
       state.presenting = !state.presenting;

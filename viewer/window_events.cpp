@@ -19,6 +19,13 @@ bool writes(const KeyEvent& event) { return event.text != 0 && !event.ctrl; }
 
 bool is_modifier(int key) { return key >= GLFW_KEY_LEFT_SHIFT && key <= GLFW_KEY_RIGHT_SUPER; }
 
+bool moves_among_controls(int key) {
+  static constexpr int kKeys[] = {GLFW_KEY_SPACE, GLFW_KEY_ENTER, GLFW_KEY_KP_ENTER, GLFW_KEY_TAB,
+                                  GLFW_KEY_LEFT,  GLFW_KEY_RIGHT, GLFW_KEY_UP,       GLFW_KEY_DOWN,
+                                  GLFW_KEY_HOME,  GLFW_KEY_END,   GLFW_KEY_ESCAPE};
+  return std::ranges::find(kKeys, key) != std::end(kKeys);
+}
+
 std::string written_key(const KeyEvent& event) {
   static const std::map<int, std::string> kNames = {{GLFW_KEY_PAGE_UP, "Page Up"}, {GLFW_KEY_PAGE_DOWN, "Page Down"},
                                                     {GLFW_KEY_SPACE, "Space"},     {GLFW_KEY_TAB, "Tab"},

@@ -18,6 +18,8 @@ struct KeyEvent {
   unsigned text = 0;      ///< Unicode; 0: none
 };
 bool is_modifier(int key);
+/// Arrows, Space, Enter and the like, which belong to the control that has the keyboard.
+bool moves_among_controls(int key);
 /// As the list of shortcuts writes it (ui/shortcuts.h): `Ctrl+Shift+Z`, `Page Up`, `[`; Shift counts beside Ctrl and
 /// letters only.
 std::string written_key(const KeyEvent& event);

@@ -151,6 +151,8 @@ ImGuiHost::ImGuiHost(GLFWwindow* window) : window_(window) {
   ImGui::CreateContext();
   refresh_scale();
   ImGui_ImplGlfw_InitForOpenGL(window, false);
+  // Its own walk by Tab comes to text fields alone, and pages are those of looks.
+  for (const int key : {ImGuiKey_Tab, ImGuiKey_PageUp, ImGuiKey_PageDown}) ImGui::GetIO().KeyMap[key] = -1;
   ImGui_ImplOpenGL3_Init("#version 450 core");
 }
 
@@ -181,7 +183,8 @@ void ImGuiHost::pass_key(const KeyEvent& event, bool typing) {
     ctrl_ = event.ctrl;
     shift_ = event.shift;
   }
-  if (event.text != 0 && !event.ctrl) {
+  const bool presses = event.key == GLFW_KEY_SPACE && !typing;  // the control that has the keyboard
+  if (event.text != 0 && !event.ctrl && !presses) {
     if (typing) io.AddInputCharacter(event.text);
   } else if (event.key > 0 && event.key < IM_ARRAYSIZE(io.KeysDown)) {
     io.KeysDown[event.key] = true;  // even if it has been released since
@@ -218,7 +221,7 @@ bool ImGuiHost::refresh_scale() {
   glfwGetFramebufferSize(window_, &width, &height);
   const float ratio =
       window_width > 0 && width > 0 ? static_cast<float>(width) / static_cast<float>(window_width) : 1.0f;
-  scale *= text_scale_;
+  scale = fitting_scale(scale * text_scale_, static_cast<float>(width), static_cast<float>(height));
   if (scale == scale_ && ratio == ratio_) return false;
   const bool first = scale_ == 0.0f;
   scale_ = scale;

@@ -16,6 +16,7 @@ class HeadlessEditor {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = {width, height};
     io.DeltaTime = 1.0f / 30.0f;
+    for (int key = 0; key < ImGuiKey_COUNT; ++key) io.KeyMap[key] = key;
     apply_theme(scale);
     unsigned char* pixels = nullptr;
     int w = 0, h = 0;
@@ -51,6 +52,14 @@ class HeadlessEditor {
     step(2);
     actions = done;
     return true;
+  }
+
+  /// Presses and releases a key.
+  void press(ImGuiKey key) {
+    ImGui::GetIO().KeysDown[key] = true;
+    step();
+    ImGui::GetIO().KeysDown[key] = false;
+    step(2);
   }
 
   EditorState state;

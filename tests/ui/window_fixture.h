@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -40,6 +41,15 @@ class Controls {
   Rect picture() {
     editor_.step();
     return editor_.frame.layout.picture;
+  }
+  /// How often Tab is pressed from one control to another one of the same part.
+  int steps(const std::string& from, const std::string& to) {
+    const Rect begin = item(from), end = item(to);
+    const auto at = [&](const Rect& rect) {
+      return std::ranges::find_if(editor_.frame.stops,
+                                  [&](const KeyboardStop& s) { return s.rect.x == rect.x && s.rect.y == rect.y; });
+    };
+    return static_cast<int>(at(end) - at(begin));
   }
   EditorState& state() { return editor_.state; }
   EditorFacts& facts() { return editor_.facts; }

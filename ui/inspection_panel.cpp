@@ -46,7 +46,7 @@ void draw_eye(Ui& ui) {
   if (ui.facts.inspection.has_r_point) {
     dim_text("R-point: the node r_point");
   } else {
-    row_label("R-point", "Metres in the scene; a node named r_point would be used instead");
+    row_label("R-point, m", "In the scene; a node named r_point would be used instead");
     number_fields(ui, "inspection/r_point", view.r_point_m.data(), 3, "%.3f");
   }
   if (ImGui::Button("Eye at V1")) ui.actions.inspection.eye_point = 1;
@@ -158,7 +158,7 @@ void draw_sweep(Ui& ui) {
     ImGui::EndCombo();
   }
   mark_item(ui, "inspection/sweep");
-  row_label("From, to", facts.sweep_unit);
+  row_label(elide("From, to, " + facts.sweep_unit, scaled(104.0f)).c_str(), "In " + facts.sweep_unit);
   number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
   ImGui::SliderInt("##steps", &view.sweep_count, 2, 24);

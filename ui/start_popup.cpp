@@ -39,12 +39,12 @@ void line(Ui& ui, const std::string& source, const std::string& name, const std:
 void draw_start_popup(Ui& ui) {
   if (ui.state.start_popup) ImGui::OpenPopup("start");
   ui.state.start_popup = false;
-  const Rect& picture = ui.frame.layout.picture;
-  ImGui::SetNextWindowPos({picture.x + 0.5f * picture.width, picture.y + 0.4f * picture.height}, ImGuiCond_Appearing,
-                          {0.5f, 0.5f});
   const ImVec2 window = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({0.5f * window.x, 0.45f * window.y}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSizeConstraints({0.0f, 0.0f}, {window.x, std::max(window.y - scaled(90.0f), 1.0f)});
   if (!ImGui::BeginPopup("start")) return;
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  ui.frame.items["start"] = {at.x, at.y, size.x, size.y};
   if (!ui.facts.recent_files.empty()) {
     dim_text("Recent");
     for (const std::string& file : ui.facts.recent_files) {

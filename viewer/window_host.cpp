@@ -193,7 +193,10 @@ void ImGuiHost::pass_key(const KeyEvent& event, bool typing) {
 }
 
 void ImGuiHost::begin_frame(const InputBatch& input) {
-  if (refresh_scale()) ImGui_ImplOpenGL3_DestroyFontsTexture();
+  if (refresh_scale()) {
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
+  }
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGuiIO& io = ImGui::GetIO();

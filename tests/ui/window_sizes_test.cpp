@@ -36,6 +36,7 @@ struct Prepared {
     editor->facts.messages = &messages;
     editor->facts.cameras = {"driver", "passenger", "exterior", "a camera with a long name that has no room"};
     editor->facts.background = {{"visibility", 0.4}, {"octree", 0.2}, {"indirect light", 0.1}};
+    for (int i = 0; i < 12; ++i) editor->facts.recent_files.push_back("/home/somebody/of/a/long/path/car.glb");
     editor->facts.device = "a device with a rather long name (and what else a driver says of itself)";
     editor->facts.inspection.sweep_names = sweep_names();
     editor->facts.sun_deg = glm::vec2(40.0f, -130.5f);
@@ -117,6 +118,12 @@ TEST(WindowSizes, TheMenuAndTheSideButtonsAreAlwaysThere) {
       editor.step(3);
       for (const char* item : {"menu", "toggle/left", "toggle/right", "open", "save"})
         EXPECT_TRUE(editor.frame.items.contains(item)) << item << " at " << size.width << ", scale " << wanted;
+      editor.state.start_popup = true;
+      editor.step(4);
+      const Rect start = editor.frame.items.at("start");
+      EXPECT_TRUE(start.x >= 0.0f && start.x + start.width <= size.width) << size.width << ", scale " << wanted;
+      EXPECT_TRUE(start.y >= 0.0f && start.y + start.height <= size.height)
+          << start.y << " + " << start.height << " at " << size.height << ", scale " << wanted;
     }
 }
 

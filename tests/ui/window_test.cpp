@@ -182,6 +182,24 @@ TEST_F(Window, TheErrorTabShowsAFigureAndWhereItIs) {
   EXPECT_EQ(desktop_->errors(), "");
 }
 
+TEST_F(Window, TextGrowsAndComesBack) {
+  const Scene scene = load_scene("builtin:sphere");
+  Controls controls(scene);
+  const Rect picture = controls.picture(), middle = middle_of(picture);
+  start({"builtin:sphere", "--samples", "2"});
+  ASSERT_TRUE(wait_for_picture(middle)) << desktop_->errors();
+  const Rect right{picture.x + picture.width, 0.0f, kWidth - picture.x - picture.width, kHeight};
+  desktop_->move(middle.x, middle.y);
+  const ScreenPicture usual = settled(middle);
+  for (int i = 0; i < 3; ++i) desktop_->input({"key", "ctrl+plus"});
+  EXPECT_TRUE(wait_for_change(usual, right, 3.0)) << desktop_->errors();
+  desktop_->input({"key", "ctrl+0"});
+  EXPECT_TRUE(
+      desktop_->wait_until([&](const ScreenPicture& p) { return difference(usual, p, right) < 1.0; }, kPatience_s))
+      << desktop_->errors();
+  EXPECT_TRUE(desktop_->running()) << desktop_->errors();
+}
+
 TEST_F(Window, ClosesByItselfWithAScreenshot) {
   const std::filesystem::path file =
       std::filesystem::temp_directory_path() / ("maquette-screenshot-" + std::to_string(::getpid()) + ".png");

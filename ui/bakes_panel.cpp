@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
+#include "render/frame/vocabulary.h"
 #include "render/technique/registry.h"
 #include "ui/widgets.h"
 
@@ -18,13 +20,18 @@ bool can_hold(const Registry& registry, const std::string& setting) {
   return false;
 }
 
-std::string time_text(double seconds) {
-  char text[32];
-  if (seconds < 90.0)
-    std::snprintf(text, sizeof(text), "%.0f s left", std::ceil(seconds));
-  else
-    std::snprintf(text, sizeof(text), "%.0f min left", std::ceil(seconds / 60.0));
-  return text;
+/// What a bake of the scene changes in the picture; bakes that are not listed are those of the mode that has their
+/// name.
+const std::map<std::string, const char*>& changes_of_bakes() {
+  static const std::map<std::string, const char*> kChanges = {
+      {"visibility", "shadows of the sky and of what it lights"},
+      {"shadow_rays", "shadows of suns and lamps, at every point"},
+      {"indirect", "light that other surfaces send, where it is too dark now"},
+      {words::kOctree, "what mirrors and panes show, and shadows by rays"},
+      {"cell_brdfs", "gloss of what mirrors and panes show"},
+      {"patch_fit", "mirror images in curved parts, which are hatched or absent now"},
+  };
+  return kChanges;
 }
 
 std::string state_text(const BakeStatus& bake, bool busy, bool held) {
@@ -48,8 +55,10 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
     char done[64];
     const auto left = ui.facts.seconds_left.find(name);
     std::snprintf(done, sizeof(done), "%.0f %%%s", std::floor(100.0 * work->fraction),
-                  left == ui.facts.seconds_left.end() ? "" : (", " + time_text(left->second)).c_str());
+                  left == ui.facts.seconds_left.end() ? "" : (", " + time_left_text(left->second)).c_str());
     ImGui::ProgressBar(static_cast<float>(work->fraction), ImVec2(-1.0f, 0.0f), done);
+    const std::string change = change_text(*ui.facts.registry, name);
+    if (!change.empty()) dim_text("It will change: " + change + ".");
   }
   if (stops && (busy || held)) {
     if (ImGui::Button(held ? "Bake" : "Stop")) ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
@@ -59,6 +68,22 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
 }
 
 }  // namespace
+
+std::string time_left_text(double seconds) {
+  char text[32];
+  if (seconds < 90.0)
+    std::snprintf(text, sizeof(text), "%.0f s left", std::ceil(seconds));
+  else
+    std::snprintf(text, sizeof(text), "%.0f min left", std::ceil(seconds / 60.0));
+  return text;
+}
+
+std::string change_text(const Registry& registry, const std::string& bake) {
+  const auto known = changes_of_bakes().find(bake);
+  if (known != changes_of_bakes().end()) return known->second;
+  const bool of_mode = std::ranges::any_of(registry.techniques, [&](const Technique& t) { return t.name == bake; });
+  return of_mode ? "all light that mode " + bake + " shows, parts without it being black now" : "";
+}
 
 void draw_bakes(Ui& ui) {
   const auto bakes = ui.facts.stats->status.bakes();

@@ -186,6 +186,17 @@ std::string distance_hint(const EditorState& state) {
   return text;
 }
 
+/// What is in work, how far it is, and what it will change.
+std::string work_text(const EditorFacts& facts, const BackgroundWork& work) {
+  char text[96];
+  std::snprintf(text, sizeof text, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
+  std::string said = text;
+  if (const auto left = facts.seconds_left.find(work.what); left != facts.seconds_left.end())
+    said += ", " + time_left_text(left->second);
+  const std::string change = change_text(*facts.registry, work.what);
+  return change.empty() ? said : said + ": it will change " + change;
+}
+
 float room_right() { return ImGui::GetWindowWidth() - ImGui::GetCursorPosX() - ImGui::GetStyle().WindowPadding.x; }
 
 }  // namespace
@@ -206,8 +217,10 @@ void draw_status(Ui& ui) {
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
   for (const BackgroundWork& work : facts.background) {
-    std::snprintf(text, sizeof text, "%s %.0f %%", work.what.c_str(), 100.0 * work.fraction);
-    ImGui::TextColored(kWarning, "%s", elide(text, room_right()).c_str());
+    const std::string said = work_text(facts, work);
+    ImGui::TextColored(kWarning, "%s", elide(said, room_right()).c_str());
+    mark_item(ui, "work/" + work.what);
+    tooltip(said);
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
   const std::string hint = ui.state.tool == Tool::dent       ? "Dent: press on a surface and drag; D leaves"

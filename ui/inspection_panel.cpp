@@ -158,7 +158,7 @@ void draw_sweep(Ui& ui) {
     ImGui::EndCombo();
   }
   mark_item(ui, "inspection/sweep");
-  row_label(elide("From, to, " + facts.sweep_unit, scaled(104.0f)).c_str(), "In " + facts.sweep_unit);
+  row_label(elide("In " + facts.sweep_unit, scaled(104.0f)).c_str(), "From and to");
   number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
   ImGui::SliderInt("##steps", &view.sweep_count, 2, 24);

@@ -48,7 +48,8 @@ std::string polarised_text(const Polarised& p) {
 
 std::string interval_text(const Interval& i) {
   char text[96];
-  std::snprintf(text, sizeof text, "%s +- %.2g cd/m2", plain_number(i.mean).c_str(), i.half_width);
+  std::snprintf(text, sizeof text, "%s +- %.2g cd/m2", plain_number(i.mean).c_str(),
+                i.half_width < 1e-6 * i.mean ? 0.0 : i.half_width);  // what is the same along every path
   return text;
 }
 
@@ -69,6 +70,7 @@ PathOptions path_options(const FrameRequest& request) {
 
 struct LayerMeans {
   Interval reflected, transmitted;
+  std::vector<double> reflected_each;  ///< of the pixels, cd/m2
 };
 
 /// Path-traced means over pixels, with intervals from independent batches.
@@ -76,6 +78,7 @@ LayerMeans trace_means(const PathScene& paths, const FrameRequest& request, cons
                        const std::vector<std::size_t>& pixels, const std::vector<Sight>& sights, int count,
                        Polarisation polarisation) {
   std::vector<double> reflected, transmitted;
+  std::vector<double> each(pixels.size(), 0.0);
   for (int batch = 0; batch < kBatches; ++batch) {
     const LayerPictures layers =
         trace_layers(paths, path_options(request), rays, pixels, {request.width, request.height}, count,
@@ -84,17 +87,30 @@ LayerMeans trace_means(const PathScene& paths, const FrameRequest& request, cons
     for (std::size_t k = 0; k < pixels.size(); ++k) {
       const int x = static_cast<int>(pixels[k] % static_cast<std::size_t>(request.width)),
                 y = static_cast<int>(pixels[k] / static_cast<std::size_t>(request.width));
-      r += luminance(layers.reflected, x, y) * polarisation_factor(sights[k].pane, polarisation, true);
+      const double mirrored =
+          luminance(layers.reflected, x, y) * polarisation_factor(sights[k].pane, polarisation, true);
+      each[k] += mirrored / kBatches;
+      r += mirrored;
       t += luminance(layers.transmitted, x, y) * polarisation_factor(sights[k].pane, polarisation, false);
     }
     reflected.push_back(r / static_cast<double>(pixels.size()));
     transmitted.push_back(t / static_cast<double>(pixels.size()));
   }
-  return {confidence_interval(reflected), confidence_interval(transmitted)};
+  return {confidence_interval(reflected), confidence_interval(transmitted), std::move(each)};
 }
 
 bool has_r_point(const Scene& scene) {
   return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
+}
+
+/// What a region's pixels have.
+std::vector<std::pair<std::string, std::string>> statistics_rows(const char* name, const RegionStatistics& s) {
+  char middle[128], ends[128];
+  std::snprintf(middle, sizeof middle, "mean %s, median %s", plain_number(s.mean).c_str(),
+                plain_number(s.median).c_str());
+  std::snprintf(ends, sizeof ends, "%s to %s, sigma %.3g", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
+                s.sigma);
+  return {{name, middle}, {"", ends}, {"over threshold", text_of("%.1f %%", 100.0 * s.share_over)}};
 }
 
 glm::ivec4 pixels_of(const InspectedRegion& r, const FrameRequest& request) {
@@ -224,11 +240,12 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
   const InspectionView& view = session.state.inspection;
   if (is_ready(region_job_)) regions_ = region_job_.get();
   if (region_job_.valid()) return;
-  const bool current =
-      regions_.regions == view.regions && regions_of_ == picture.drawn() && regions_polarisation_ == view.polarisation;
+  const bool current = regions_.regions == view.regions && regions_of_ == picture.drawn() &&
+                       regions_polarisation_ == view.polarisation && regions_threshold_cdm2_ == view.threshold_cdm2;
   if (current || picture_.width != picture.drawn().width || session.state.tool == Tool::region) return;
   regions_of_ = picture.drawn();
   regions_polarisation_ = view.polarisation;
+  regions_threshold_cdm2_ = view.threshold_cdm2;
   region_job_ = std::async(std::launch::async, [request = picture.drawn(), traced = *traced_, regions = view.regions,
                                                 shown = picture_, threshold = view.threshold_cdm2,
                                                 polarisation = static_cast<Polarisation>(view.polarisation)] {
@@ -256,21 +273,17 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
         pixels.push_back(pixel);
         sights.push_back(sight);
       }
-      const RegionStatistics s = region_statistics(sums, static_cast<double>(threshold));
-      char text[128];
       InspectionFacts::Region values;
-      std::snprintf(text, sizeof text, "mean %s, median %s cd/m2", plain_number(s.mean).c_str(),
-                    plain_number(s.median).c_str());
-      values.values.emplace_back("Picture", text);
-      std::snprintf(text, sizeof text, "%s to %s, sigma %.3g", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
-                    s.sigma);
-      values.values.emplace_back("", text);
-      values.values.emplace_back("Over threshold", text_of("%.1f %%", 100.0 * s.share_over));
+      const auto add = [&](const char* name, const RegionStatistics& s) {
+        for (auto& row : statistics_rows(name, s)) values.values.push_back(std::move(row));
+      };
+      add("Picture, cd/m2", region_statistics(sums, static_cast<double>(threshold)));
       if (!pixels.empty()) {
         const LayerMeans means = trace_means(*traced.paths, request, rays, pixels, sights, kRegionPaths, polarisation);
         values.values.emplace_back("Incidence",
                                    text_of("%.1f deg in the mean", region_statistics(incidence, 0.0).mean));
         values.values.emplace_back("Reflected", interval_text(means.reflected));
+        add("its pixels", region_statistics(means.reflected_each, static_cast<double>(threshold)));
         values.values.emplace_back("Transmitted", interval_text(means.transmitted));
         values.values.emplace_back(
             "Contrast kept", text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean)));

@@ -74,6 +74,7 @@ class WindowInspection {
   RegionJob regions_;
   FrameRequest regions_of_;
   int regions_polarisation_ = -1;
+  float regions_threshold_cdm2_ = -1.0f;
   std::unique_ptr<Job> job_;
   std::vector<float> sweep_x_, sweep_y_;
   std::string sweep_title_, status_, sun_;

@@ -99,7 +99,8 @@ void WindowSession::begin_look(const SceneOptions& options) {
   static_cast<Look&>(state) = absolute_sources(look_of_options(*scene_, options));
   if (!options.eye && !options.target) set_camera(state.camera);  // WindowPicture adapts it to the picture's size
   state.settings = settings_of(options);
-  if (!options.settings.changed().contains("ground.kind") && wants_ground(*scene_))
+  const bool asked = std::ranges::find(options.settings_given, "ground.kind") != options.settings_given.end();
+  if (!asked && !options.settings.changed().contains("ground.kind") && wants_ground(*scene_))
     state.settings.set("ground.kind", std::string("projected"));
   state.edits.env_rotation_deg = wrap_degrees(options.env_rotation_deg);
   state.exposure_ev = exposure_of(options, *environment_);

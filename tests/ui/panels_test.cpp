@@ -310,6 +310,7 @@ TEST(Panels, BakesCanBeStoppedAndMade) {
   editor.state.right_tab = 2;
   editor.step(3);
   EXPECT_EQ(editor.frame.items.count("stop/visibility"), 0u);
+  EXPECT_TRUE(editor.frame.items.contains("work/prt")) << "in the status bar";
   EXPECT_EQ(editor.frame.items.count("bake/prt"), 0u);
   ASSERT_TRUE(editor.click("stop/prt"));
   EXPECT_EQ(editor.state.settings.get_string("prt.run"), "hold");

@@ -182,6 +182,30 @@ TEST_F(Window, TheErrorTabShowsAFigureAndWhereItIs) {
   EXPECT_EQ(desktop_->errors(), "");
 }
 
+TEST_F(Window, TheGroundIsLeftAwayWhereThatIsAsked) {
+  Scene ball;
+  ball.materials.push_back(test::matte(glm::vec3(0.5f)));
+  test::add(&ball, modelling::make_sphere(1.0, 6), "ball");
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("ground-" + std::to_string(::getpid()) + ".glb")).string();
+  save_glb(file, ball);
+  const Scene scene = load_scene(file);
+  Controls controls(scene);
+  const Rect picture = controls.picture();
+  const Rect below{picture.x, picture.y + 0.5f * picture.height, picture.width, 0.49f * picture.height};
+  const auto shown = [&](const std::string& kind) {
+    start({file, "--samples", "2", "--env", "builtin:clear-sky", "--exposure", "-13", "--set", "ground.kind=" + kind});
+    EXPECT_TRUE(wait_for_picture(middle_of(picture))) << desktop_->errors();
+    const ScreenPicture result = settled(below);
+    desktop_->input({"key", "ctrl+q"});
+    EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+    return result;
+  };
+  const ScreenPicture projected = shown("projected"), none = shown("none");
+  std::filesystem::remove(file);
+  EXPECT_GT(difference(projected, none, below), 1.0) << "scenes without a ground get one only where none is refused";
+}
+
 TEST_F(Window, TextGrowsAndComesBack) {
   const Scene scene = load_scene("builtin:sphere");
   Controls controls(scene);

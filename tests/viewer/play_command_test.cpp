@@ -194,6 +194,13 @@ TEST_F(Play, BadCallsAreNamed) {
   single.keys.resize(1);
   save_path(folder_.file("one.path.json"), single);
   EXPECT_TRUE(contains(error({"play", folder_.file("one.path.json"), "-o", out}), "one key only"));
+  CameraPath at_once = path_;
+  for (PathKey& key : at_once.keys) key.duration_s = key.delay_s = 0.0;
+  save_path(folder_.file("none.path.json"), at_once);
+  EXPECT_TRUE(contains(error({"play", folder_.file("none.path.json"), "-o", out}), "the path has no duration"));
+  review_.paths[0] = at_once;
+  save_review(file_, review_);
+  EXPECT_TRUE(contains(error({"play", file_, "--path", at_once.name, "-o", out}), "the path has no duration"));
   review_.look.edits.environment = folder_.file("gone.hdr");
   review_.look.edits.materials["x"] = folder_.file("gone.binary");
   save_review(file_, review_);

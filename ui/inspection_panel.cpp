@@ -56,6 +56,16 @@ void draw_eye(Ui& ui) {
   if (ImGui::Button("Eye at V2")) ui.actions.inspection.eye_point = 2;
   mark_item(ui, "inspection/v2");
   tooltip("68 mm behind, 589 mm above the R-point");
+  row_label("Own, mm", "An eye of your own: rearward, right and up from the R-point");
+  number_fields(ui, "inspection/own eye", view.eye_mm.data(), 3, "%.0f");
+  if (ImGui::Button("Eye there")) ui.actions.inspection.eye_point = 3;
+  mark_item(ui, "inspection/own");
+  ImGui::SameLine();
+  static const char* const kEyes[] = {"between both", "left eye", "right eye"};
+  ImGui::SetNextItemWidth(-FLT_MIN);
+  ImGui::Combo("##which", &view.which_eye, kEyes, 3);
+  mark_item(ui, "inspection/which eye");
+  tooltip("Which eye of the head the buttons take: 65 mm lie between them");
   ImGui::Checkbox("right-hand drive", &view.right_hand_drive);
   mark_item(ui, "inspection/right-hand drive");
 }
@@ -142,6 +152,40 @@ void draw_regions(Ui& ui) {
   if (view.regions.empty()) dim_text("None yet: the export measures all pixels that show the pane.");
 }
 
+/// Under what sweeps and files are measured.
+void draw_conditions(Ui& ui) {
+  InspectionView& view = ui.state.inspection;
+  dim_text("Of trends and files; the probe and regions show the picture as it is.");
+  row_label("Light", "As it is; scaled to lux on the pane's outer face; or displays and lamps of the scene alone");
+  static const char* const kLights[] = {"as it is", "lux on the glass", "night: none outside"};
+  int light = static_cast<int>(view.light);
+  if (ImGui::Combo("##light", &light, kLights, 3)) view.light = static_cast<InspectionView::Light>(light);
+  mark_item(ui, "inspection/light");
+  if (view.light == InspectionView::Light::given) {
+    row_label("On the glass", "Illuminance of the pane's outer face");
+    slider("##lux", &view.lux_on_glass, 1.0f, 2e5f, "%.0f lx", ImGuiSliderFlags_Logarithmic);
+    mark_item(ui, "inspection/lux");
+  }
+  row_label("Eyes", "Across and down an eye box of 100 x 50 mm; the worst is named");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (i > 0) ImGui::SameLine(0.0f, gap);
+    ImGui::SetNextItemWidth(width);
+    ImGui::SliderInt(i == 0 ? "##columns" : "##rows", &view.grid[i], 1, 8, i == 0 ? "%d across" : "%d down",
+                     ImGuiSliderFlags_AlwaysClamp);
+    mark_item(ui, i == 0 ? "inspection/columns" : "inspection/rows");
+  }
+  ImGui::Checkbox("left and right eye", &view.both_eyes);
+  mark_item(ui, "inspection/both eyes");
+  ImGui::Checkbox("matte dashboard", &view.dash_given);
+  mark_item(ui, "inspection/dash");
+  tooltip("What the pane mirrors most becomes Lambertian with this reflectance");
+  if (!view.dash_given) return;
+  row_label("Reflectance");
+  slider("##dash", &view.dash_reflectance, 0.0f, 1.0f, "%.2f");
+  mark_item(ui, "inspection/dash reflectance");
+}
+
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
@@ -209,8 +253,10 @@ void draw_inspection_panel(Ui& ui) {
   part("Eye", draw_eye);
   part("Luminance", draw_colors);
   part("Regions", draw_regions);
+  part("Conditions", draw_conditions);
   part("Trends", draw_sweep);
   part("Files", draw_export);
+  draw_rows(facts.worst);
   if (!facts.job.empty()) {
     ImGui::ProgressBar(facts.job_share, {-FLT_MIN, 0.0f}, facts.job.c_str());
     if (ImGui::Button("Cancel")) ui.actions.inspection.cancel = true;

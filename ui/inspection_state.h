@@ -25,6 +25,16 @@ struct InspectionView {
   std::vector<InspectedRegion> regions;
   std::array<float, 3> r_point_m{0.0f, 0.0f, 0.0f};
   bool right_hand_drive = false;
+  std::array<float, 3> eye_mm{68.0f, -5.0f, 665.0f};  ///< own eye point: rearward, right, up from the R-point
+  int which_eye = 0;                                  ///< of a head: 0 its middle, 1 left, 2 right
+  /// Of sweeps and files: the light as it is, so many lux on the glass, or none from outside.
+  enum class Light { as_is, given, night };
+  Light light = Light::as_is;
+  float lux_on_glass = 88900.0f;
+  bool both_eyes = false;
+  std::array<int, 2> grid{1, 1};  ///< eyes across and down the eye box of 100 x 50 mm
+  bool dash_given = false;        ///< the dashboard is Lambertian with this reflectance
+  float dash_reflectance = 0.13f;
   int sweep = 0;  ///< of sweep_names()
   std::array<float, 2> sweep_range{10.0f, 80.0f};
   int sweep_count = 8;
@@ -60,12 +70,13 @@ struct InspectionFacts {
   std::vector<float> sweep_x, sweep_y;  ///< mean reflected luminance, cd/m2
   std::string sweep_title, job;         ///< what is being computed
   float job_share = 0.0f;
-  bool has_r_point = false;  ///< the scene has a node r_point
+  std::vector<std::pair<std::string, std::string>> worst;  ///< of the last sweep or export
+  bool has_r_point = false;                                ///< the scene has a node r_point
 };
 
 /// What its buttons ask for.
 struct InspectionActions {
-  int eye_point = 0;  ///< 1: V1, 2: V2
+  int eye_point = 0;  ///< 1: V1, 2: V2, 3: the own one
   bool run_sweep = false;
   bool export_files = false;
   bool cancel = false;

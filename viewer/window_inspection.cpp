@@ -15,6 +15,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/luminance.h"
+#include "viewer/inspection_options.h"
 #include "viewer/measure/measure_files.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/outputs.h"
@@ -111,14 +112,6 @@ std::vector<std::pair<std::string, std::string>> statistics_rows(const char* nam
   std::snprintf(ends, sizeof ends, "%s to %s, sigma %.3g", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
                 s.sigma);
   return {{name, middle}, {"", ends}, {"over threshold", text_of("%.1f %%", 100.0 * s.share_over)}};
-}
-
-glm::ivec4 pixels_of(const InspectedRegion& r, const FrameRequest& request) {
-  const auto at = [](float share, int size) {
-    return std::clamp(static_cast<int>(std::lround(share * static_cast<float>(size))), 0, size);
-  };
-  const int x = at(r.x, request.width), y = at(r.y, request.height);
-  return {x, y, std::max(at(r.x + r.width, request.width) - x, 1), std::max(at(r.y + r.height, request.height) - y, 1)};
 }
 
 }  // namespace
@@ -224,6 +217,9 @@ void WindowInspection::probe(const WindowSession& session, const WindowPicture& 
   probe_.emplace_back("R of a face", polarised_text(pane.optics.surface));
   probe_.emplace_back("R of the pane", polarised_text(pane.optics.reflected));
   probe_.emplace_back("T of the pane", polarised_text(pane.optics.transmitted));
+  const std::optional<PaneLight> light = light_on_pane(*traced_->paths, *traced_->environment, request.env_rotation_rad,
+                                                       request.env_scale, pane.node, glm::dvec3(request.camera.eye));
+  if (light) probe_.emplace_back("On the glass", plain_number(light->illuminance_lx) + " lx from outside");
   probe_.emplace_back("Mirrors", name_of(*traced_->scene, pane.mirrored));
   probe_.emplace_back("Reflected", interval_text(means.reflected));
   probe_.emplace_back("Transmitted", interval_text(means.transmitted));
@@ -252,7 +248,7 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
     RegionJob out{regions, {}};
     const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced.paths->bounds);
     for (const InspectedRegion& region : regions) {
-      const glm::ivec4 box = pixels_of(region, request);
+      const glm::ivec4 box = pixels_of(region, request.width, request.height);
       std::vector<double> sums;
       std::vector<std::size_t> pixels;
       std::vector<Sight> sights;
@@ -321,20 +317,15 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
   const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
   options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
   options.samples = exports ? 16 : 8;
-  MeasureOptions measured;
-  measured.threshold_cdm2 = static_cast<double>(view.threshold_cdm2);
-  measured.polarisation = static_cast<Polarisation>(view.polarisation);
-  FrameRequest size;
-  size.width = options.width;
-  size.height = options.height;
+  MeasureOptions measured = measure_options_of(view);
   if (exports) {
     measured.paths = 64;
     measured.layers = "exr";
     for (std::size_t i = 0; i < view.regions.size(); ++i) {
-      const glm::ivec4 box = pixels_of(view.regions[i], size);
-      measured.regions.push_back({"region " + std::to_string(i + 1), std::min(box.x, size.width - 1),
-                                  std::min(box.y, size.height - 1), std::min(box.z, size.width - box.x),
-                                  std::min(box.w, size.height - box.y)});
+      const glm::ivec4 box = pixels_of(view.regions[i], options.width, options.height);
+      measured.regions.push_back({"region " + std::to_string(i + 1), std::min(box.x, options.width - 1),
+                                  std::min(box.y, options.height - 1), std::min(box.z, options.width - box.x),
+                                  std::min(box.w, options.height - box.y)});
     }
   } else {
     const std::string& name = sweep_names()[static_cast<std::size_t>(view.sweep)];
@@ -383,9 +374,9 @@ void WindowInspection::finish_job(WindowSession* session) {
       const std::string path = session->state.inspection.export_path.data();
       session->add_message(MessageLevel::warning, "written: " + path + " and its layers");
     } else {
-      for (const EyeValues& eye : result.eyes)
-        sweep_y_.push_back(static_cast<float>(eye.regions.front().reflected.mean));
+      sweep_y_ = worst_of_steps(result, sweep_x_);
     }
+    worst_ = worst_rows(result);
   } catch (const std::exception& error) {
     if (!cancelled) session->add_message(MessageLevel::error, error.what());
     sweep_x_.clear();
@@ -404,8 +395,7 @@ void WindowInspection::carry_out(const InspectionActions& actions, WindowSession
     if (!has_r_point(session->scene()))
       options.r_point_m = glm::dvec3(view.r_point_m[0], view.r_point_m[1], view.r_point_m[2]);
     const VehicleAxes axes = vehicle_axes(options.axes);
-    const glm::dvec3 eye = eye_from_r_point(r_point_of(session->scene(), options), axes,
-                                            {actions.eye_point == 1 ? "V1" : "V2", view.right_hand_drive});
+    const glm::dvec3 eye = eye_of_button(actions.eye_point, view, r_point_of(session->scene(), options), axes);
     CameraView& camera = session->state.camera;
     const float distance = std::max(glm::length(camera.target - camera.eye), 0.1f);
     camera.eye = glm::vec3(eye);
@@ -429,6 +419,7 @@ void WindowInspection::fill_facts(const WindowSession& session, InspectionFacts*
   facts->sweep_y = sweep_y_;
   facts->sweep_x = sweep_x_;
   facts->sweep_title = sweep_title_;
+  facts->worst = worst_;
   if (job_) {
     facts->job = job_->what;
     facts->job_share = job_->share;

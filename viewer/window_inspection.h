@@ -78,6 +78,7 @@ class WindowInspection {
   std::unique_ptr<Job> job_;
   std::vector<float> sweep_x_, sweep_y_;
   std::string sweep_title_, status_, sun_;
+  std::vector<std::pair<std::string, std::string>> worst_;
   Texture colors_;
   bool colors_stale_ = true;
   InspectionView colors_of_;

@@ -29,7 +29,7 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   const ScreenPicture closed = desktop_->grab();
   desktop_->click(at.item("tab/Inspect"));
   at.state().right_tab = 4;
-  ASSERT_TRUE(wait_for_change(closed, at.item("inspection/Trends"), 1.0)) << "the tab opens";
+  ASSERT_TRUE(wait_for_change(closed, at.item("inspection/Regions"), 1.0)) << "the tab opens";
 
   press(&at, "inspection/v2");
   const VehicleAxes axes = vehicle_axes("-z,-x,+y");
@@ -59,7 +59,8 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   at.state().tool = Tool::camera;
   at.state().inspection.regions = {region};
 
-  for (const char* part : {"inspection/Eye", "inspection/Luminance", "inspection/Regions"}) press(&at, part);
+  for (const char* part : {"inspection/Eye", "inspection/Luminance", "inspection/Regions", "inspection/Conditions"})
+    press(&at, part);
   press(&at, "inspection/run");
   press(&at, "inspection/Trends");
   const std::string file = (folder_ / "windshield.csv").string();

@@ -1,0 +1,82 @@
+#include "viewer/inspection_options.h"
+
+#include <gtest/gtest.h>
+
+namespace maquette {
+namespace {
+
+TEST(InspectionOptions, ButtonsPutTheEyeWhereTheCommandDoes) {
+  const VehicleAxes axes = vehicle_axes("-z,-x,+y");
+  const glm::dvec3 r_point(0.37, 0.47, -0.23);
+  InspectionView view;
+  EXPECT_EQ(eye_of_button(1, view, r_point, axes), eye_from_r_point(r_point, axes, {"V1", false}));
+  EXPECT_EQ(eye_of_button(2, view, r_point, axes), eye_from_r_point(r_point, axes, {"V2", false}));
+  view.right_hand_drive = true;
+  EXPECT_EQ(eye_of_button(1, view, r_point, axes), eye_from_r_point(r_point, axes, {"V1", true}));
+  view = {};
+  view.eye_mm = {100.0f, 20.0f, 640.0f};
+  const glm::dvec3 own = eye_of_button(3, view, r_point, axes);
+  EXPECT_NEAR(glm::distance(own, r_point + 0.1 * axes.rearward + 0.02 * axes.right + 0.64 * axes.up), 0.0, 1e-7);
+  view.which_eye = 1;
+  const glm::dvec3 left = eye_of_button(3, view, r_point, axes);
+  view.which_eye = 2;
+  const glm::dvec3 right = eye_of_button(3, view, r_point, axes);
+  EXPECT_NEAR(glm::dot(right - left, axes.right), 0.065, 1e-9);
+  EXPECT_NEAR(glm::distance(0.5 * (left + right), own), 0.0, 1e-9);
+}
+
+TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
+  InspectionView view;
+  EXPECT_FALSE(measure_options_of(view).night);
+  EXPECT_FALSE(measure_options_of(view).lux_on_glass);
+  EXPECT_FALSE(measure_options_of(view).dash_reflectance);
+  view.light = InspectionView::Light::given;
+  view.dash_given = true;
+  view.grid = {3, 2};
+  view.both_eyes = true;
+  view.polarisation = 3;
+  view.threshold_cdm2 = 250.0f;
+  const MeasureOptions options = measure_options_of(view);
+  EXPECT_DOUBLE_EQ(options.lux_on_glass.value(), 88900.0);
+  EXPECT_FLOAT_EQ(static_cast<float>(options.dash_reflectance.value()), 0.13f);
+  EXPECT_EQ(options.grid_columns, 3);
+  EXPECT_EQ(options.grid_rows, 2);
+  EXPECT_TRUE(options.both_eyes);
+  EXPECT_EQ(options.polarisation, Polarisation::sunglasses);
+  EXPECT_EQ(options.threshold_cdm2, 250.0);
+  view.light = InspectionView::Light::night;
+  EXPECT_TRUE(measure_options_of(view).night);
+  EXPECT_FALSE(measure_options_of(view).lux_on_glass) << "the two exclude each other";
+}
+
+TEST(InspectionOptions, TheWorstEyeOfEachStepCounts) {
+  Measurement result;
+  const auto add = [&](double step, double cdm2) {
+    EyeValues eye;
+    eye.eye = "row 1, column " + std::to_string(result.eyes.size() + 1);
+    eye.step = {{"rake", step}};
+    eye.regions.resize(1);
+    eye.regions[0].reflected.mean = cdm2;
+    result.eyes.push_back(eye);
+  };
+  add(45.0, 10.0);
+  add(45.0, 12.0);
+  add(60.0, 30.0);
+  add(60.0, 20.0);
+  result.worst = 2;
+  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}), (std::vector<float>{12.0f, 30.0f}));
+  const auto rows = worst_rows(result);
+  ASSERT_GE(rows.size(), 2u);
+  EXPECT_EQ(rows[0].second, "row 1, column 3, rake 60");
+  EXPECT_EQ(rows[1].second.substr(0, 8), "30 cd/m2");
+  EXPECT_TRUE(worst_rows({}).empty());
+}
+
+TEST(InspectionOptions, RegionsCoverAtLeastAPixel) {
+  EXPECT_EQ(pixels_of({0.25f, 0.5f, 0.5f, 0.25f}, 80, 40), glm::ivec4(20, 20, 40, 10));
+  EXPECT_EQ(pixels_of({0.5f, 0.5f, 0.001f, 0.001f}, 80, 40), glm::ivec4(40, 20, 1, 1));
+  EXPECT_EQ(pixels_of({0.0f, 0.0f, 1.0f, 1.0f}, 80, 40), glm::ivec4(0, 0, 80, 40));
+}
+
+}  // namespace
+}  // namespace maquette

@@ -1,0 +1,70 @@
+#include "viewer/inspection_options.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace maquette {
+
+glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height) {
+  const auto at = [](float share, int size) {
+    return std::clamp(static_cast<int>(std::lround(share * static_cast<float>(size))), 0, size);
+  };
+  const int x = at(region.x, width), y = at(region.y, height);
+  return {x, y, std::max(at(region.x + region.width, width) - x, 1),
+          std::max(at(region.y + region.height, height) - y, 1)};
+}
+
+MeasureOptions measure_options_of(const InspectionView& view) {
+  MeasureOptions options;
+  options.threshold_cdm2 = static_cast<double>(view.threshold_cdm2);
+  options.polarisation = static_cast<Polarisation>(view.polarisation);
+  options.night = view.light == InspectionView::Light::night;
+  if (view.light == InspectionView::Light::given) options.lux_on_glass = static_cast<double>(view.lux_on_glass);
+  options.both_eyes = view.both_eyes;
+  options.grid_columns = view.grid[0];
+  options.grid_rows = view.grid[1];
+  if (view.dash_given) options.dash_reflectance = static_cast<double>(view.dash_reflectance);
+  return options;
+}
+
+glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes) {
+  char point[96];
+  std::snprintf(point, sizeof point, "%.9g,%.9g,%.9g", static_cast<double>(view.eye_mm[0]),
+                static_cast<double>(view.eye_mm[1]), static_cast<double>(view.eye_mm[2]));
+  const EyePlace place{button == 1 ? "V1" : button == 2 ? "V2" : point, view.right_hand_drive};
+  const glm::dvec3 middle = eye_from_r_point(r_point_m, axes, place);
+  if (view.which_eye == 0) return middle;
+  return both_eyes(middle, axes)[view.which_eye == 1 ? 0 : 1];
+}
+
+std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps) {
+  std::vector<float> worst(steps.size(), 0.0f);
+  for (const EyeValues& eye : result.eyes)
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      if (!eye.step.empty() && !eye.regions.empty() && static_cast<float>(eye.step.front().second) == steps[i])
+        worst[i] = std::max(worst[i], static_cast<float>(eye.regions.front().reflected.mean));
+  return worst;
+}
+
+std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& result) {
+  std::vector<std::pair<std::string, std::string>> rows;
+  if (result.worst >= result.eyes.size() || result.eyes[result.worst].regions.empty()) return rows;
+  const EyeValues& eye = result.eyes[result.worst];
+  const RegionValues& region = eye.regions.front();
+  std::string where = eye.eye;
+  for (const auto& [name, value] : eye.step) where += ", " + name + " " + plain_number(value);
+  rows.emplace_back("Worst", where);
+  rows.emplace_back("Reflected",
+                    plain_number(region.reflected.mean) + " cd/m2, at most " + plain_number(region.reflected.max));
+  rows.emplace_back("Contrast kept", plain_number(100.0 * region.contrast) + " %");
+  if (eye.light) {
+    rows.emplace_back("On the glass", plain_number(eye.light->illuminance_lx) + " lx");
+    rows.emplace_back("Rake", plain_number(eye.light->rake_deg) + " deg from the vertical");
+  }
+  if (region.veil_per_lux)
+    rows.emplace_back("Veil per lux", plain_number(*region.veil_per_lux) + " cd/m2/lx, an own index");
+  return rows;
+}
+
+}  // namespace maquette

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/inspection/eye_points.h"
+#include "ui/inspection_state.h"
+#include "viewer/measure/measurement.h"
+
+namespace maquette {
+
+/// Pixels of a region of a picture of this size: x, y from the top left, width, height, at least 1.
+glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height);
+
+/// What the tab Inspect asks `measure` for, in sweeps and exports alike: light, eyes, dashboard, threshold,
+/// polarisation.
+MeasureOptions measure_options_of(const InspectionView& view);
+
+/// The eye that a button asks for: 1 V1, 2 V2, 3 the view's own point; of a head's eyes the one that the view names.
+glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes);
+
+/// Of each step of a sweep the largest mean of the reflected light over all eyes, cd/m2.
+std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps);
+
+/// The worst eye and step, light on the glass, veil per lux, in words.
+std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& result);
+
+}  // namespace maquette

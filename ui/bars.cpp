@@ -11,6 +11,7 @@ namespace maquette::panels {
 namespace {
 
 constexpr int kMaxStripLines = 3;
+constexpr ImGuiSelectableFlags kStaysOpen = ImGuiSelectableFlags_DontClosePopups;
 constexpr float kCameraWidth = 118.0f;
 
 std::string scene_title(const EditorFacts& facts) {
@@ -20,10 +21,42 @@ std::string scene_title(const EditorFacts& facts) {
   return std::filesystem::path(name).filename().string();
 }
 
+/// Folders and files, one below the other; the file that is chosen, else empty.
+std::string draw_browser(Ui& ui) {
+  namespace fs = std::filesystem;
+  FileBrowser& browser = ui.state.browser;
+  if (browser.folder.empty()) browser = browse_folder(".");
+  const fs::path folder = browser.folder;
+  dim_text(browser.folder);
+  std::string chosen, next;
+  const float room = std::min(scaled(220.0f), 0.4f * ImGui::GetIO().DisplaySize.y);
+  const float width = std::min(scaled(530.0f), ImGui::GetIO().DisplaySize.x - scaled(60.0f));
+  if (begin_list("files", room, width)) {
+    if (folder.has_parent_path() && folder != folder.root_path() && ImGui::Selectable("..", false, kStaysOpen))
+      next = folder.parent_path().string();
+    for (const std::string& name : browser.folders) {
+      if (ImGui::Selectable((name + "/").c_str(), false, kStaysOpen)) next = (folder / name).string();
+      mark_item(ui, "browse/" + name);
+    }
+    for (const std::string& name : browser.files) {
+      if (ImGui::Selectable(name.c_str())) chosen = (folder / name).string();
+      mark_item(ui, "browse/" + name);
+    }
+    if (browser.files.empty()) dim_text("no scene, review, path, environment or material here");
+  }
+  ImGui::EndChild();
+  if (!next.empty()) browser = browse_folder(next);
+  if (!chosen.empty()) ImGui::CloseCurrentPopup();
+  return chosen;
+}
+
 /// A popup with one text field, which gets the keyboard, and a button; true when the text was entered.
-bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const char* button) {
+/// With `browsed`, files are offered, and a chosen one stands there.
+bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const char* button,
+                std::string* browsed = nullptr) {
   constexpr int kFocusFrames = 4;  // ImGui takes two or three to hand the keyboard over
   if (*open) ImGui::OpenPopup(title);
+  if (*open) ui.state.browser.folder.clear();  // files may have come since
   *open = false;
   if (!ImGui::BeginPopup(title)) return false;
   ImGui::TextUnformatted(title);
@@ -37,15 +70,18 @@ bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const c
   if (*age < kFocusFrames && !ImGui::IsItemActive() && !entered) ui.frame.awaits_field = true;
   ImGui::SameLine();
   entered = (ImGui::Button(button) || entered) && ui.state.path[0] != 0;
+  if (browsed) *browsed = draw_browser(ui);
   if (entered) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
   return entered;
 }
 
 void draw_open_popup(Ui& ui) {
+  std::string browsed;
   if (path_popup(ui, "Path of a scene, an environment or a measured material", &ui.state.open_path_popup,
-                 ".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)", "Open"))
+                 ".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)", "Open", &browsed))
     ui.actions.open_path = ui.state.path.data();
+  if (!browsed.empty()) ui.actions.open_path = browsed;
 }
 
 void draw_save_popup(Ui& ui) {

@@ -135,6 +135,7 @@ EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActi
     draw_tabs(ui, "right", kPanelNames + kLeftPanels, all.subspan(kLeftPanels), &state->right_tab);
     ImGui::End();
   }
+  actions->drop_source = panels::dropped_source(ui);
   step_keyboard(ui);
   find_keyboard(ui);
   frame.editing = ImGui::IsAnyItemActive();

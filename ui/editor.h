@@ -32,6 +32,9 @@ struct EditorFrame {
 /// Opens a tab, by its number in kPanelNames, and gives it the keyboard.
 void open_panel(EditorState* state, int panel);
 
+/// Gives a material another source; its own one is no change.
+void assign_source(EditorState* state, const Material& material, const std::string& source);
+
 /// Hides all that is drawn but a node, what is below it, and the lights.
 void isolate(EditorState* state, const EditorFacts& facts, int kept);
 

@@ -16,6 +16,7 @@
 #include "review/look.h"
 #include "scenes/node_paths.h"
 #include "scenes/scene.h"
+#include "ui/file_browser.h"
 #include "ui/inspection_state.h"
 #include "ui/shortcuts.h"
 
@@ -111,6 +112,7 @@ struct EditorState : Look {
   std::array<char, 256> material_search{};
   std::array<char, 256> node_search{};
   std::array<char, 1024> path{};
+  FileBrowser browser;
 };
 
 enum class MessageLevel { note, warning, error };
@@ -174,9 +176,10 @@ struct EditorActions {
   int next_look = 0;  ///< 1 or -1
   bool new_path = false, turntable = false, add_key = false, record_path = false, play_path = false;
   bool export_path = false;
-  int add_animation = -1;  ///< index of one of the scene: a path that it plays along
-  int step_path = 0;       ///< frames
-  std::string open_path;   ///< scene, environment or BRDF, by its extension
+  std::string drop_source;  ///< of a material, let go over what is under the mouse
+  int add_animation = -1;   ///< index of one of the scene: a path that it plays along
+  int step_path = 0;        ///< frames
+  std::string open_path;    ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
   bool meter_exposure = false;

@@ -10,6 +10,8 @@ namespace maquette::panels {
 
 namespace {
 
+constexpr const char* kDraggedSource = "material source";
+
 std::string source_label(const std::string& source) {
   if (source.empty()) return "from the file";
   if (source == "builtin:glass") return "Glass pane";
@@ -79,7 +81,8 @@ void draw_material_list(Ui& ui) {
                    selected))
       ui.state.selected_material = static_cast<int>(i);
     mark_item(ui, "material/" + material.name);
-    if (ImGui::IsItemHovered()) ui.frame.hovered_material = static_cast<int>(i);
+    if (ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenBlockedByActiveItem))
+      ui.frame.hovered_material = static_cast<int>(i);
     tooltip(material.name + "\n" + source_label(source) + (source.empty() ? "" : "\n" + source) +
             "\nDrop a .binary file here to replace it");
     if (selected && ui.state.reveal_material) {
@@ -90,20 +93,18 @@ void draw_material_list(Ui& ui) {
   }
 }
 
-void assign_source(Ui& ui, const Material& material, const std::string& source) {
-  if (source == material.measured || source.empty())
-    ui.state.edits.materials.erase(material.name);
-  else
-    ui.state.edits.materials[material.name] = source;
-}
-
 void library_row(Ui& ui, const Material& material, const std::string& label, const std::string& source,
                  const std::string& help) {
   ImGui::PushID(source.c_str());
   const glm::vec4 color = source == "builtin:glass" ? glm::vec4(0.25f, 0.32f, 0.34f, 1.0f) : glm::vec4(0.18f);
   if (swatch_row(ui, label, {}, source, color, current_source(ui, material) == source))
-    assign_source(ui, material, source);
+    assign_source(&ui.state, material, source);
   mark_item(ui, "library/" + source);
+  if (ImGui::BeginDragDropSource()) {
+    ImGui::SetDragDropPayload(kDraggedSource, source.c_str(), source.size() + 1);
+    ImGui::TextUnformatted(label.c_str());
+    ImGui::EndDragDropSource();
+  }
   tooltip(help);
   ImGui::PopID();
 }
@@ -150,4 +151,23 @@ void draw_materials_panel(Ui& ui) {
   ImGui::EndChild();
 }
 
+std::string dropped_source(const Ui& ui) {
+  const ImGuiPayload* payload = ImGui::GetDragDropPayload();
+  if (!payload || !payload->IsDataType(kDraggedSource) || !ImGui::IsMouseReleased(ImGuiMouseButton_Left)) return {};
+  const ImVec2 mouse = ImGui::GetIO().MousePos;
+  const bool somewhere = ui.frame.layout.picture.contains(mouse.x, mouse.y) || ui.frame.hovered_material >= 0;
+  return somewhere ? static_cast<const char*>(payload->Data) : std::string();
+}
+
 }  // namespace maquette::panels
+
+namespace maquette {
+
+void assign_source(EditorState* state, const Material& material, const std::string& source) {
+  if (source == material.measured || source.empty())
+    state->edits.materials.erase(material.name);
+  else
+    state->edits.materials[material.name] = source;
+}
+
+}  // namespace maquette

@@ -77,6 +77,8 @@ void draw_start_popup(Ui& ui);
 void draw_strip(Ui& ui);
 float strip_height(const EditorFacts& facts, float width);
 void draw_materials_panel(Ui& ui);
+/// What was dragged from the library and let go over the picture or over a material in this frame; else empty.
+std::string dropped_source(const Ui& ui);
 void draw_scene_panel(Ui& ui);
 void draw_help_panel(Ui& ui);
 void draw_review_panel(Ui& ui);

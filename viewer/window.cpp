@@ -112,6 +112,7 @@ class App {
     last_frame_s_ = now;
     for (const std::string& path : inbox_->dropped) session_.open(path, material_under_mouse());
     inbox_->dropped.clear();
+    if (!actions.drop_source.empty()) drop(actions.drop_source);
     carry_out(actions);
     paths_.carry_out(actions, &session_, now);
     paths_.update(&session_, now);
@@ -300,6 +301,14 @@ class App {
     if (!editor_.layout.picture.contains(fx, fy)) return session_.state.selected_material;
     const Renderer::Pick hit = pick(fx, fy);
     return hit.hit ? hit.material : session_.state.selected_material;
+  }
+
+  /// A material of the library, on what is under the mouse.
+  void drop(const std::string& source) {
+    const int material = material_under_mouse();
+    if (material < 0 || material >= static_cast<int>(session_.scene().materials.size())) return;
+    session_.state.selected_material = material;
+    assign_source(&session_.state, session_.scene().materials[static_cast<std::size_t>(material)], source);
   }
 
   void carry_out(const EditorActions& actions) {

@@ -14,7 +14,8 @@ using Json = nlohmann::json;
 using Words = std::vector<std::string>;
 
 Words measure_words(const Words& more) {
-  Words words = {"measure", "--mode", "reference", "--size", "48x27", "--samples", "1", "--eye-point", "V1"};
+  Words words = {"measure", "--mode", "reference", "--size", "48x27", "--eye-point", "V1"};
+  if (std::ranges::find(more, "--samples") == more.end()) words.insert(words.end(), {"--samples", "1"});
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -45,6 +46,30 @@ TEST(MeasureCommand, AtNightTheDisplaysAloneAreSeen) {
   };
   EXPECT_GT(through(day), 1000.0);
   EXPECT_LT(through(night), 1.0);
+}
+
+// The order that is known from measurements: a flatter windshield and a brighter dashboard veil more.
+TEST(MeasureCommand, TheVeilGrowsWithRakeAndWithTheDashboard) {
+  const TemporaryFolder folder;
+  const Json json = measured(folder, {"--samples", "2", "--lux-on-glass", "88900", "--sweep", "rake=45,60,70",
+                                      "--sweep", "dash-reflectance=0.13,0.20,0.34"});
+  const Json& eyes = json.at("eyes");
+  ASSERT_EQ(eyes.size(), 9u);
+  const auto veil = [&](int rake, int dash) {
+    return eyes.at(static_cast<std::size_t>(3 * rake + dash))
+        .at("regions")
+        .at(0)
+        .at("reflected_cdm2")
+        .at("mean")
+        .get<double>();
+  };
+  for (int rake = 0; rake < 3; ++rake)
+    for (int dash = 0; dash < 3; ++dash) {
+      const double before = std::max(rake > 0 ? veil(rake - 1, dash) : 0.0, dash > 0 ? veil(rake, dash - 1) : 0.0);
+      EXPECT_GT(veil(rake, dash), 1.2 * before) << rake << ", " << dash;
+    }
+  // What is lit sends back in proportion to its reflectance; what it mirrors besides does not come with it.
+  for (int rake = 0; rake < 3; ++rake) EXPECT_NEAR(veil(rake, 2) / veil(rake, 0), 0.34 / 0.13, 0.35) << rake;
 }
 
 TEST(MeasureCommand, WrongCallsAreNamed) {

@@ -74,6 +74,14 @@ struct CompareView {
   std::string other;  ///< name of the other look; empty: the one that was shown before
 };
 
+/// How the picture is saved as a file, settled.
+struct PictureFile {
+  int width = 1920, height = 1080;
+  int msaa = 16;     ///< samples a pixel
+  int frames = 16;   ///< that are averaged; of a mode that traces whole pictures so many paths a pixel
+  bool png = false;  ///< else EXR
+};
+
 /// Everything the panels change: the look at hand, and how the window shows it.
 struct EditorState : Look {
   std::vector<Look> looks;        ///< kept ones of the review
@@ -88,6 +96,7 @@ struct EditorState : Look {
   ErrorView error_view;
   InspectionView inspection;
   CompareView compare;
+  PictureFile picture_file;
   std::vector<glm::vec3> measured;  ///< ends of a distance, at most two points, m
   Tool tool = Tool::camera;
   float dent_depth_m = 0.02f;  ///< of a press without a drag; negative pulls out
@@ -176,10 +185,11 @@ struct EditorActions {
   int next_look = 0;  ///< 1 or -1
   bool new_path = false, turntable = false, add_key = false, record_path = false, play_path = false;
   bool export_path = false;
-  std::string drop_source;  ///< of a material, let go over what is under the mouse
-  int add_animation = -1;   ///< index of one of the scene: a path that it plays along
-  int step_path = 0;        ///< frames
-  std::string open_path;    ///< scene, environment or BRDF, by its extension
+  bool save_picture = false;  ///< as `EditorState::picture_file` says
+  std::string drop_source;    ///< of a material, let go over what is under the mouse
+  int add_animation = -1;     ///< index of one of the scene: a path that it plays along
+  int step_path = 0;          ///< frames
+  std::string open_path;      ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
   bool meter_exposure = false;

@@ -1,4 +1,7 @@
 // Shading mode, its settings as declared, resolution and debug views.
+#include <algorithm>
+#include <cmath>
+
 #include "render/technique/registry.h"
 #include "ui/widgets.h"
 
@@ -135,6 +138,38 @@ void draw_debug_views(Ui& ui) {
   mark_item(ui, "view/picture");
 }
 
+/// The settled picture as a file, of any size.
+void draw_picture_file(Ui& ui) {
+  PictureFile& file = ui.state.picture_file;
+  row_label("Size", "Of the file, in pixels");
+  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
+  for (int* side : {&file.width, &file.height}) {
+    const bool first = side == &file.width;
+    if (!first) ImGui::SameLine(0.0f, gap);
+    ImGui::SetNextItemWidth(width);
+    ImGui::InputInt(first ? "##file width" : "##file height", side, 0);
+    mark_item(ui, first ? "file/width" : "file/height");
+    *side = std::clamp(*side, 1, 16384);
+  }
+  row_label("Antialiasing", "Samples a pixel");
+  static const char* const kNames[] = {"off", "4 samples", "16 samples"};
+  int index = file.msaa >= 16 ? 2 : file.msaa >= 4 ? 1 : 0;
+  if (ImGui::Combo("##file msaa", &index, kNames, 3)) file.msaa = index == 2 ? 16 : index == 1 ? 4 : 1;
+  mark_item(ui, "file/msaa");
+  row_label("Averaged", "Frames, which it takes so many times the time of one; in mode reference paths a pixel");
+  auto frames = static_cast<float>(file.frames);
+  if (slider("##file frames", &frames, 1.0f, 1024.0f, "%.0f", ImGuiSliderFlags_Logarithmic))
+    file.frames = std::max(static_cast<int>(std::lround(frames)), 1);
+  mark_item(ui, "file/frames");
+  ImGui::Checkbox("PNG", &file.png);
+  mark_item(ui, "file/png");
+  tooltip("Tone mapped, instead of linear EXR");
+  ImGui::SameLine();
+  if (ImGui::Button("Save the picture")) ui.actions.save_picture = true;
+  mark_item(ui, "file/save");
+  tooltip("Beside the review, drawn by a program of its own while you work on");
+}
+
 }  // namespace
 
 void draw_render_panel(Ui& ui) {
@@ -145,6 +180,7 @@ void draw_render_panel(Ui& ui) {
   }
   if (section(ui, "Settings")) draw_settings(ui);
   if (section(ui, "Resolution")) draw_resolution(ui);
+  if (section(ui, "Picture as a file")) draw_picture_file(ui);
   if (section(ui, "Debug view")) draw_debug_views(ui);
 }
 

@@ -316,6 +316,7 @@ class App {
     if (actions.go_to_camera >= 0) session_.go_to_camera(actions.go_to_camera);
     if (actions.frame_scene)
       session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
+    if (actions.save_picture) compare_.save_picture(&session_);
     if (actions.meter_exposure) session_.request_metering();
     if (actions.measure_curve) meter_.measure_curve();
     if (actions.compare_reflectors) meter_.compare_reflectors();

@@ -27,10 +27,10 @@ constexpr int kAveraged = 4, kAveragedFile = 16;  // frames
 constexpr float kWiperReach = 7.0f;               // units to each side of the line
 
 /// A file in a folder that is not there yet: NAME.exr, NAME 2.exr, ...
-std::string free_file(const fs::path& folder, std::string name) {
+std::string free_file(const fs::path& folder, std::string name, const std::string& ending) {
   std::replace(name.begin(), name.end(), '/', '-');
-  fs::path file = folder / (name + ".exr");
-  for (int number = 2; fs::exists(file); ++number) file = folder / (name + " " + std::to_string(number) + ".exr");
+  fs::path file = folder / (name + ending);
+  for (int number = 2; fs::exists(file); ++number) file = folder / (name + " " + std::to_string(number) + ending);
   return file.string();
 }
 
@@ -100,17 +100,31 @@ void WindowCompare::swap(WindowSession* session) {
 }
 
 void WindowCompare::render_file(WindowSession* session, const WindowPicture& picture) {
+  SettledFrame settled;
+  settled.size.width = picture.drawn_size().x;
+  settled.size.height = picture.drawn_size().y;
+  settled.frames = kAveragedFile;
+  start_file(session, settled, ".exr");
+}
+
+void WindowCompare::save_picture(WindowSession* session) {
+  const PictureFile& file = session->state.picture_file;
+  SettledFrame settled;
+  settled.size.width = file.width;
+  settled.size.height = file.height;
+  settled.size.msaa = file.msaa;
+  settled.frames = file.frames;
+  start_file(session, settled, file.png ? ".png" : ".exr");
+}
+
+void WindowCompare::start_file(WindowSession* session, const SettledFrame& settled, const std::string& ending) {
   if (file_.busy()) return session->add_message(MessageLevel::warning, file_.output() + " is still in work");
   try {
     const std::string& review = session->review().file();
-    SettledFrame settled;
-    settled.size.width = picture.drawn_size().x;
-    settled.size.height = picture.drawn_size().y;
-    settled.frames = kAveragedFile;
     const std::string& name = session->state.name;
-    file_.start(
-        session->review().review(), settled,
-        free_file(review.empty() ? fs::current_path() : fs::path(review).parent_path(), name.empty() ? "look" : name));
+    file_.start(session->review().review(), settled,
+                free_file(review.empty() ? fs::current_path() : fs::path(review).parent_path(),
+                          name.empty() ? "look" : name, ending));
     session->add_message(MessageLevel::warning, "in work: " + file_.output());
   } catch (const Error& error) {
     session->add_message(MessageLevel::error, error.what());

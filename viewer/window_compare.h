@@ -24,6 +24,8 @@ class WindowCompare {
   void swap(WindowSession* session);
   /// Draws the look at hand, as large as the window shows it, into an .exr beside the review.
   void render_file(WindowSession* session, const WindowPicture& picture);
+  /// The same in the size and the format that the panel names.
+  void save_picture(WindowSession* session);
   /// A picture is in work: the window's own may wait.
   bool drawing() const { return drawing_.busy() || file_.busy(); }
   /// Whether the event moves the wiper, and is nobody else's.
@@ -39,6 +41,7 @@ class WindowCompare {
     int width = 0, height = 0;
     bool operator==(const Wanted&) const = default;
   };
+  void start_file(WindowSession* session, const SettledFrame& settled, const std::string& ending);
   void note_looks(const EditorState& state);
   const Look* find_other(EditorState* state);
   void stop(EditorState* state);

@@ -297,6 +297,23 @@ TEST(Panels, OneByOneAndHugeWindowsDoNoHarm) {
   }
 }
 
+TEST(Panels, APictureIsSavedInTheSizeThatIsAsked) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  editor.state.right_tab = 1;
+  editor.state.picture_file.width = 0;
+  editor.state.picture_file.height = 1 << 20;
+  editor.step(3);
+  EXPECT_EQ(editor.state.picture_file.width, 1);
+  EXPECT_EQ(editor.state.picture_file.height, 16384);
+  EXPECT_FALSE(editor.actions.save_picture);
+  ASSERT_TRUE(editor.click("file/png"));
+  EXPECT_TRUE(editor.state.picture_file.png);
+  ASSERT_TRUE(editor.click("file/save"));
+  EXPECT_TRUE(editor.actions.save_picture);
+}
+
 TEST(Panels, BakesCanBeStoppedAndMade) {
   const Scene scene = small_scene();
   FrameStats stats;

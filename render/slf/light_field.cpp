@@ -63,7 +63,7 @@ void compress(const std::shared_ptr<const OutgoingField>& outgoing, const Compre
   LocalPcaOptions pca;
   pca.clusters = options.clusters;
   pca.components = options.components;
-  pca.rounds = 10;
+  pca.rounds = 7;
   pca.stop = [&] { return cancel.load(); };
   field->fit = fit_local_pca(radiance, measure, pca);
   const double all = measure.cast<double>().sum();

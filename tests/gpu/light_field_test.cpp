@@ -84,8 +84,9 @@ TEST(LightFieldMode, AHighlightOnACurvedBodyStaysWhole) {
   request.camera.fov_y_rad = 0.5f;
   request.settings.set("slf.clusters", 0);
   request.settings.set("slf.paths", 8);
-  ReferencePicture picture(build_path_scene({.scene = *scene, .environment = sky}),
-                           {.camera = request.camera, .width = request.width, .height = request.height});
+  ReferencePicture picture(
+      build_path_scene({.scene = *scene, .environment = sky}),
+      {.camera = request.camera, .width = request.width, .height = request.height, .seed = 0, .paths = {}});
   picture.add(160);
   const Image expected = picture.mean(), image = draw(&renderer, request).picture;
   double squares = 0.0, light = 0.0;
@@ -127,8 +128,9 @@ TEST(LightFieldMode, AgreesWithTheReferenceInABox) {
   request.camera.fov_y_rad = 1.2f;
   Image references[2];
   for (std::uint32_t k = 0; k < 2; ++k) {
-    ReferencePicture picture(build_path_scene({.scene = *scene, .environment = sky}),
-                             {.camera = request.camera, .width = request.width, .height = request.height, .seed = k});
+    ReferencePicture picture(
+        build_path_scene({.scene = *scene, .environment = sky}),
+        {.camera = request.camera, .width = request.width, .height = request.height, .seed = k, .paths = {}});
     picture.add(64);
     references[k] = picture.mean();
   }

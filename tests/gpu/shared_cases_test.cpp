@@ -91,7 +91,11 @@ class SharedCases : public ::testing::Test {
     r.width = r.height = 40;
     r.samples = 256;
     r.camera.fov_y_rad = static_cast<float>(radians(30.0));
-    r.camera = c.camera.empty() ? r.camera : camera_of_options(renderer.scene(), {.camera = c.camera});
+    if (!c.camera.empty()) {
+      SceneOptions given;
+      given.camera = c.camera;
+      r.camera = camera_of_options(renderer.scene(), given);
+    }
     if (!transport.empty()) r.settings.set("reference.transport", std::string(transport));
     renderer.render(r);
     const std::string view = c.view;

@@ -112,15 +112,16 @@ void LightFieldBuffers::upload_codes(const LightField& field) {
 
 void LightFieldBuffers::upload_clusters(const LightField& field, const std::vector<std::uint8_t>& clusters) {
   const FlatGeometry& geometry = *field.made_from.incident.geometry;
-  std::vector<glm::uvec2> cells(clusters.size(), glm::uvec2(0u));
+  std::vector<std::uint32_t> cells(clusters.size(), 0u);
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const std::uint32_t t = field.atlas.texel_of_cell[c];
     if (t == LightFieldAtlas::kNone) continue;
     const glm::vec3 n = frame_of_texel(geometry, field.atlas, t).n;
-    cells[c] = {clusters[c], glm::packSnorm2x16(2.0f * shared::octahedral_from_direction(n) - 1.0f)};
+    const glm::uvec2 normal(glm::round(shared::octahedral_from_direction(n) * 4095.0f));
+    cells[c] = clusters[c] | normal.x << 8u | normal.y << 20u;
   }
-  clusters_ = Texture::make_2d("light field clusters and normals", GL_RG32UI, field.atlas.side, field.atlas.side);
-  clusters_.upload(0, field.atlas.side, field.atlas.side, GL_RG_INTEGER, GL_UNSIGNED_INT, cells.data());
+  clusters_ = Texture::make_2d("light field clusters and normals", GL_R32UI, field.atlas.side, field.atlas.side);
+  clusters_.upload(0, field.atlas.side, field.atlas.side, GL_RED_INTEGER, GL_UNSIGNED_INT, cells.data());
 }
 
 void LightFieldBuffers::upload_lumispheres(const LightField& field) {

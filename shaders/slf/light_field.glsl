@@ -9,7 +9,7 @@ layout(binding = kUnitDepth) uniform sampler2D t_depth;
 layout(binding = kUnitLightFieldSlots) uniform usamplerBuffer t_slots;  // [2 triangle + back]: side of the atlas + 1, 0: none
 // Two texels of constants, then three a side: UVs of two corners | of the third, chart | axis of the chart
 layout(binding = kUnitLightFieldSides) uniform samplerBuffer t_sides;
-layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x] cluster, normal
+layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x] cluster, 8 bits; octahedral normal, 12 each
 layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
 layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
 layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed; of interactions light and material cluster, turn, 8 bits each, mirrored
@@ -66,10 +66,10 @@ FieldPoint load_field_point(ivec2 pixel) {
   return r;
 }
 
-/// Direction in the frame of a texel of that normal in which it mirrors what the point mirrors. Texels whose normals differ then show one highlight at
-/// one place; with the direction to the eye itself it would lie between theirs, blurred by their angle.
-vec3 direction_at(FieldPoint p, uint normal) {
-  vec3 n = unpack_normal(normal);
+/// Direction in the frame of a texel (its word of t_clusters) in which it mirrors what the point mirrors. Texels whose normals differ then show one
+/// highlight at one place; with the direction to the eye itself it would lie between theirs, blurred by their angle.
+vec3 direction_at(FieldPoint p, uint cell) {
+  vec3 n = direction_from_octahedral(vec2(float((cell >> 8u) & 4095u), float(cell >> 20u)) / 4095.0);
   CarriedFrame frame = carried_frame(p.axis, n);
   return normalize(vec3(-dot(frame.t, p.mirrored), -dot(frame.b, p.mirrored), max(dot(n, p.mirrored), 1e-3)));
 }
@@ -105,13 +105,9 @@ vec3 decode_cluster(int cluster, vec4 weights[4], vec2 cells, FieldConstants k) 
 vec3 compressed_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   int layers = (k.components + 3) / 4;
   vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
-  uvec4 cluster, normal;
-  for (int i = 0; i < 4; ++i) {
-    uvec2 cell = texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).xy;
-    cluster[i] = cell.x;
-    normal[i] = cell.y;
-  }
-  bool same = all(equal(cluster, uvec4(cluster.x))) && all(equal(normal, uvec4(normal.x)));
+  uvec4 cells;
+  for (int i = 0; i < 4; ++i) cells[i] = texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x;
+  bool same = all(equal(cells, uvec4(cells.x)));
   // Weights of one cluster and direction blend; else each texel is decoded.
   vec3 sum = vec3(0.0);
   int decodes = same ? 1 : 4;
@@ -122,7 +118,7 @@ vec3 compressed_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
       ivec2 cell = clamp_cell(base + ivec2(j & 1, j >> 1), k.side);
       for (int l = 0; l < layers; ++l) weights[l] += (same ? share[j] : 1.0) * texelFetch(t_weights, ivec3(cell, l), 0);
     }
-    sum += (same ? 1.0 : share[i]) * decode_cluster(int(cluster[i]), weights, map_cells(direction_at(p, normal[i]), k.directions), k);
+    sum += (same ? 1.0 : share[i]) * decode_cluster(int(cells[i] & 255u), weights, map_cells(direction_at(p, cells[i]), k.directions), k);
   }
   return sum;
 }
@@ -146,7 +142,7 @@ vec3 stored_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   for (int i = 0; i < 4; ++i) {
     ivec2 cell = clamp_cell(base + ivec2(i & 1, i >> 1), k.side);
     int texel = int(texelFetch(t_cells, cell, 0).x);
-    vec2 cells = map_cells(direction_at(p, texelFetch(t_clusters, cell, 0).y), k.directions);
+    vec2 cells = map_cells(direction_at(p, texelFetch(t_clusters, cell, 0).x), k.directions);
     float share = ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y);
     sum += share * read_spline(texel, cells, k.directions);
   }
@@ -165,7 +161,7 @@ vec3 interaction_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   for (int n = 0; n < 4; ++n) {
     ivec2 cell = clamp_cell(base + ivec2(n & 1, n >> 1), k.side);
     uint code = texelFetch(t_cells, cell, 0).x;
-    vec2 cells = map_cells(turn_to_material(direction_at(p, texelFetch(t_clusters, cell, 0).y), code), k.directions);
+    vec2 cells = map_cells(turn_to_material(direction_at(p, texelFetch(t_clusters, cell, 0).x), code), k.directions);
     int column = (int(code & 255u) * k.material_clusters + int((code >> 8u) & 255u)) * k.light_terms * k.material_terms;
     vec3 own = vec3(0.0);
     for (int i = 0; i < k.light_terms; ++i) {

@@ -28,7 +28,7 @@ void main() {
   ivec2 cell = clamp_cell(ivec2(floor(p.at)), k.side);
   vec3 value = color_of(uint(p.chart));
   if (u_view == 0) value *= ((cell.x ^ cell.y) & 1) == 1 ? 1.0 : 0.35;
-  if (u_view == 2) value = color_of(texelFetch(t_clusters, cell, 0).x);
+  if (u_view == 2) value = color_of(texelFetch(t_clusters, cell, 0).x & 255u);
   if (u_view == 3) value = vec3(texelFetch(t_errors, cell, 0).x);
   if (u_view == 4) {
     vec3 w = texelFetch(t_weights, ivec3(cell, 0), 0).rgb;

@@ -58,7 +58,7 @@ std::size_t bytes_of_slices(const OutgoingField& field, const std::string& scrat
 std::size_t bytes_resident(const LightField& field, std::size_t texels, std::size_t bins) {
   const auto components = static_cast<std::size_t>(field.fit.weights.rows());
   const std::size_t layers = (components + 3) / 4, clusters = static_cast<std::size_t>(field.fit.pca.cluster_count());
-  return texels * (8 + 8 * layers) + clusters * (components + 1) * bins * 8;
+  return texels * (4 + 8 * layers) + clusters * (components + 1) * bins * 8;
 }
 
 }  // namespace maquette::bench

@@ -187,7 +187,7 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
 }
 
 std::string gloss_warning(const Scene& scene) {
-  constexpr float kMatte = 0.9f;
+  constexpr float kMatte = 0.75f;  // exporters write 0.8 where they know nothing
   std::size_t materials = 0;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const Material& m = scene.materials[i];

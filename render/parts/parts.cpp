@@ -39,7 +39,7 @@ std::vector<int> find_nodes(const Scene& scene, const std::string& call) {
   for (int i = 0; i < static_cast<int>(scene.nodes.size()); ++i) known.push_back(node_path(scene, i));
   std::sort(known.begin(), known.end());
   known.erase(std::unique(known.begin(), known.end()), known.end());
-  throw UsageError("--mode-of " + call, "the scene has no node of that name", did_you_mean(call, known));
+  throw UsageError("node " + call, "the scene has no node of that name", did_you_mean(call, known));
 }
 
 std::vector<int> layers_of_nodes(const Scene& scene, const std::vector<PartMode>& part_modes,

@@ -224,6 +224,8 @@ TEST(Session, MaterialsOfColoursOnlyAreNamed) {
   Scene scene = load_scene("builtin:sphere");
   scene.materials.assign(3, test::matte(glm::vec3(0.5f)));
   EXPECT_NE(gloss_warning(scene).find("3 materials have neither gloss nor glass"), std::string::npos);
+  for (Material& m : scene.materials) m.roughness = 0.8f;
+  EXPECT_NE(gloss_warning(scene), "");
   scene.materials[1].roughness = 0.3f;
   EXPECT_EQ(gloss_warning(scene), "");
   scene.materials[1] = test::clear_pane();

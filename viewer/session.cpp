@@ -1,6 +1,7 @@
 #include "viewer/session.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -55,7 +56,34 @@ CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& worl
 }
 
 /// A view from the front (+Z), the right and above that contains the bounding sphere.
-CameraView frame_scene(const Bounds& bounds, float aspect) {
+/// The end of Z at which a vehicle's front is: +1, as glTF has it, unless its nodes' names say otherwise (wheel_fl,
+/// door-rear). Of words that are one of these.
+float front_of(const Scene& scene) {
+  const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  float sum[2] = {0.0f, 0.0f};
+  int count[2] = {0, 0};
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i) {
+    std::string word;
+    for (const char c : scene.nodes[i].name + " ") {
+      if (std::isalpha(static_cast<unsigned char>(c))) {
+        word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        continue;
+      }
+      const bool front = word == "front" || word == "fl" || word == "fr",
+                 rear = word == "rear" || word == "rl" || word == "rr";
+      if (front || rear) {
+        sum[rear] += world[i][3].z;
+        ++count[rear];
+      }
+      word.clear();
+    }
+  }
+  if (count[0] == 0 || count[1] == 0) return 1.0f;
+  return sum[0] / static_cast<float>(count[0]) < sum[1] / static_cast<float>(count[1]) ? -1.0f : 1.0f;
+}
+
+/// Three quarters from the front.
+CameraView frame_scene(const Bounds& bounds, float front, float aspect) {
   CameraView view;
   view.fov_y_rad = kDefaultFov;
   if (bounds.empty()) return view;
@@ -63,7 +91,7 @@ CameraView frame_scene(const Bounds& bounds, float aspect) {
   const float narrow = std::min(half, std::atan(std::tan(half) * aspect));
   const float distance = std::max(bounds.radius(), 1e-6f) / std::sin(narrow);
   view.target = bounds.center();
-  view.eye = view.target + distance * glm::normalize(glm::vec3(0.7f, 0.4f, 1.0f));
+  view.eye = view.target + distance * glm::normalize(glm::vec3(0.7f * front, 0.4f, front));
   return view;
 }
 
@@ -119,7 +147,7 @@ CameraView camera_of_options(const Scene& scene, const SceneOptions& options) {
   else if (!names.empty())
     view = camera_by_name(scene, names.front());
   else
-    view = frame_scene(bounds, static_cast<float>(options.width) / static_cast<float>(options.height));
+    view = frame_scene(bounds, front_of(scene), static_cast<float>(options.width) / static_cast<float>(options.height));
   if (options.eye) {
     view.eye = *options.eye;
     view.target = bounds.empty() ? glm::vec3(0.0f) : bounds.center();

@@ -220,6 +220,27 @@ TEST(Session, AGroundIsAddedOnlyBelowSomething) {
   EXPECT_EQ(framed_bounds(*grounded).max, compute_bounds(*sphere).max);
 }
 
+TEST(Session, TheFirstViewIsFromTheFront) {
+  Scene scene = load_scene("builtin:sphere");
+  scene.cameras.clear();
+  for (Node& node : scene.nodes) node.camera = -1, node.name = "part";
+  const auto add = [&](const std::string& name, float z) {
+    Node node;
+    node.name = name;
+    node.local[3] = glm::vec4(0.0f, 0.0f, z, 1.0f);
+    scene.roots.push_back(static_cast<int>(scene.nodes.size()));
+    scene.nodes.push_back(node);
+  };
+  const SceneOptions options;
+  EXPECT_GT(camera_of_options(scene, options).eye.z, 0.0f) << "as glTF has it";
+  add("wheel_fl", -1.2f);
+  EXPECT_GT(camera_of_options(scene, options).eye.z, 0.0f) << "nothing to compare with";
+  add("wheel_rl", 1.4f);
+  EXPECT_LT(camera_of_options(scene, options).eye.z, 0.0f);
+  add("Bumper Front", 9.0f);
+  EXPECT_GT(camera_of_options(scene, options).eye.z, 0.0f);
+}
+
 TEST(Session, MaterialsOfColoursOnlyAreNamed) {
   Scene scene = load_scene("builtin:sphere");
   scene.materials.assign(3, test::matte(glm::vec3(0.5f)));

@@ -75,7 +75,7 @@ TEST_F(Exposure, TheCockpitIsLegibleFromEachCamera) {
 
 TEST_F(Exposure, TheFerrariIsLegibleUnderBothEnvironments) {
   if (!std::filesystem::exists(kData)) GTEST_SKIP() << "needs " << kData;
-  for (const auto& [file, ev] : {std::pair("grace_latlong.exr", 0.5), std::pair("autoshop_01_1k.hdr", 0.0)}) {
+  for (const auto& [file, ev] : {std::pair("grace_latlong.exr", 0.0), std::pair("autoshop_01_1k.hdr", 0.0)}) {
     SceneOptions options;
     options.scene = (kData / "scenes/ferrari458.glb").string();
     options.environment = (kData / "environments" / file).string();

@@ -108,14 +108,12 @@ Section light_section() {
         "the environment alone, by maps of 0.22 rad a vertex: a few milliseconds a frame, after seconds of baking. "
         "Left out: shadows of lamps, edges sharper than the mesh; the sun leaks by a cell"},
        {"traced",
-        "every sample's ray goes through the octree: lamps too. Several times the frame's time, after the octree's "
-        "bake "
-        "(tens of seconds); surfaces are as fine as its cells, and panes do not dim"},
+        "every sample's ray goes through the octree: lamps too. Several times the frame's time, after tens of seconds "
+        "of baking; surfaces are as fine as its cells, and panes do not dim"},
        {"none", "no shadows: the paper's model, and what the report's estimator errors are of. Costs nothing"},
        {"indirect baked",
         "light from surface to surface, all bounces, by vertex; with every kind of shadows. A few milliseconds a "
-        "frame, "
-        "after seconds of baking. Left out: caustics, what is finer than the mesh"},
+        "frame, after seconds of baking. Left out: caustics, what is finer than the mesh"},
        {"indirect none", "what no light sees directly is black. Costs nothing"}}};
 }
 

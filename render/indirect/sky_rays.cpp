@@ -67,18 +67,17 @@ std::vector<glm::vec3> error_of_maps(const IndirectLinks& links, const Visibilit
     for (std::size_t i = range.begin(); i != range.end() && !cancel; ++i) {
       const std::uint32_t vertex = links.vertex_of_point[i];
       if (vertex == kNoPoint) continue;
+      const glm::vec3& normal = links.points.points[i].normal;
+      const glm::vec3 origins[2] = {indirect_start(links, i, 0).origin, indirect_start(links, i, 1).origin};
       for (std::size_t r = 0; r < rays; ++r) {
         const SkySample& sample = samples[(i * rays + r) % kSamples];
-        const glm::vec3& normal = links.points.points[i].normal;
         const float cosine = glm::dot(normal, sample.direction);
         const glm::vec2 by_map =
             mapped(bits.vertices[vertex], cells, normal, sample.direction) * bits.transmittance[vertex];
         for (std::size_t side = 0; side < sides; ++side) {
           glm::vec3 arrives(-by_map[static_cast<glm::length_t>(side)]);
-          if (side == (cosine > 0.0f ? 0u : 1u)) {
-            const IndirectStart start = indirect_start(links, i, static_cast<int>(side));
-            arrives += std::abs(cosine) * transmittance(*links.scene, {start.origin, sample.direction});
-          }
+          if (side == (cosine > 0.0f ? 0u : 1u))
+            arrives += std::abs(cosine) * transmittance(*links.scene, {origins[side], sample.direction});
           error[side * count + i] += sample.weight * arrives / static_cast<float>(rays);
         }
       }

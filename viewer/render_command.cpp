@@ -284,8 +284,11 @@ int run_render(const CommandLine& line) {
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const std::string& warning : environment->warnings)
     std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
-  const std::string warning = units_warning(*scene, *environment, options.env_scale, "--env-scale");
-  if (!warning.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), warning.c_str());
+  const std::string units = units_warning(*scene, *environment, options.env_scale, "--env-scale");
+  if (!units.empty()) std::fprintf(stderr, "warning: %s: %s\n", environment->name.c_str(), units.c_str());
+  const bool own_materials = options.materials.empty() && !scene->name.starts_with("builtin:");
+  const std::string gloss = own_materials ? gloss_warning(*scene, "give measured ones by --material") : "";
+  if (!gloss.empty()) std::fprintf(stderr, "warning: %s: %s\n", scene->name.c_str(), gloss.c_str());
 
   prepare_btfs(options, *scene);
   Renderer renderer;

@@ -55,7 +55,6 @@ CameraView camera_of(const Scene& scene, std::size_t node, const glm::mat4& worl
   return view;
 }
 
-/// A view from the front (+Z), the right and above that contains the bounding sphere.
 /// The end of Z at which a vehicle's front is: +1, as glTF has it, unless its nodes' names say otherwise (wheel_fl,
 /// door-rear). Of words that are one of these.
 float front_of(const Scene& scene) {
@@ -82,7 +81,7 @@ float front_of(const Scene& scene) {
   return sum[0] / static_cast<float>(count[0]) < sum[1] / static_cast<float>(count[1]) ? -1.0f : 1.0f;
 }
 
-/// Three quarters from the front.
+/// A view three quarters from the front and above that contains the bounding sphere.
 CameraView frame_scene(const Bounds& bounds, float front, float aspect) {
   CameraView view;
   view.fov_y_rad = kDefaultFov;
@@ -214,7 +213,7 @@ std::shared_ptr<Scene> load_session_scene(const SceneOptions& options) {
   return scene;
 }
 
-std::string gloss_warning(const Scene& scene) {
+std::string gloss_warning(const Scene& scene, const std::string& remedy) {
   constexpr float kMatte = 0.75f;  // exporters write 0.8 where they know nothing
   std::size_t materials = 0;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
@@ -229,7 +228,7 @@ std::string gloss_warning(const Scene& scene) {
   if (materials == 0) return {};
   return (materials == 1 ? std::string("its one material has")
                          : "its " + std::to_string(materials) + " materials have") +
-         " neither gloss nor glass, so paint looks like chalk; take measured ones from the library";
+         " neither gloss nor glass, so paint looks like chalk; " + remedy;
 }
 
 std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,

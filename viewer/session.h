@@ -42,8 +42,8 @@ void check_material_name(const Scene& scene, const std::string& name);
 std::string units_warning(const Scene& scene, const Environment& environment, float env_scale,
                           const std::string& remedy, float* suited_env_scale = nullptr);
 /// A line for the user where a scene's materials have neither gloss nor glass, as files have that know colours only.
-/// Empty otherwise.
-std::string gloss_warning(const Scene& scene);
+/// Empty otherwise. `remedy`: what to do, the end of the line.
+std::string gloss_warning(const Scene& scene, const std::string& remedy = "take measured ones from the library");
 
 /// `--exposure`, or the one at which the environment looks right at once.
 float exposure_of(const SceneOptions& options, const Environment& environment);

@@ -412,6 +412,7 @@ void WindowSession::go_to_camera(int index) {
 void WindowSession::meter_if_requested(bool continued) {
   Metered now{rest_, environment_, state.edits, renderer_.background_work().empty()};
   now.edits.animation = {};  // one exposure for all of it
+  now.edits.section = {};    // and for what a cut lays open
   if (!(metered_ == now)) {
     metering_ = true;
     frames_metered_ = 0;

@@ -14,23 +14,30 @@ namespace maquette {
 namespace {
 
 constexpr int kSide = 96;
-/// Centre of the sun's texel below.
-constexpr int kSunX = 40, kSunY = 8, kWidth = 128, kHeight = 64;
+/// Texels around the horizon of the skies below, and of one with a narrow sun.
+constexpr int kSkyWidth = 128, kFineSkyWidth = 1024;
 
-glm::dvec3 to_sun() {
-  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * (kSunX + 0.5) / kWidth,
-               lat = std::numbers::pi / 2.0 - std::numbers::pi * (kSunY + 0.5) / kHeight;
+/// The texel of the sun.
+glm::ivec2 sun_texel(int sky_width) { return {sky_width * 5 / 16, sky_width / 16}; }
+
+glm::dvec3 to_sun(int sky_width = kSkyWidth) {
+  const glm::dvec2 texel = glm::dvec2(sun_texel(sky_width)) + 0.5;
+  const double lon = std::numbers::pi - 2.0 * std::numbers::pi * texel.x / sky_width,
+               lat = std::numbers::pi / 2.0 - 2.0 * std::numbers::pi * texel.y / sky_width;
   return {std::cos(lat) * std::sin(lon), std::sin(lat), std::cos(lat) * std::cos(lon)};
 }
 
-/// A dim sky with a sun of one texel.
-std::shared_ptr<Environment> sunny(float sky) {
+/// A dim sky with a sun of one texel, as bright whatever its size.
+std::shared_ptr<Environment> sunny(float sky, int sky_width = kSkyWidth) {
   auto environment = std::make_shared<Environment>();
   environment->name = "sunny";
-  environment->width = kWidth;
-  environment->height = kHeight;
-  environment->rgb.assign(static_cast<std::size_t>(kWidth) * kHeight, glm::vec3(sky));
-  environment->rgb[kSunY * kWidth + kSunX] = glm::vec3(5000.0f);
+  environment->width = sky_width;
+  environment->height = sky_width / 2;
+  environment->rgb.assign(static_cast<std::size_t>(sky_width) * static_cast<std::size_t>(sky_width / 2),
+                          glm::vec3(sky));
+  const glm::ivec2 texel = sun_texel(sky_width);
+  const float smaller = static_cast<float>(sky_width) / kSkyWidth;
+  environment->rgb[static_cast<std::size_t>(texel.y * sky_width + texel.x)] = glm::vec3(5000.0f * smaller * smaller);
   return environment;
 }
 
@@ -46,12 +53,12 @@ class ShadowRays : public ::testing::Test {
     return scene;
   }
   /// From below the square, straight down on its shadow.
-  static FrameRequest request(const std::string& mode) {
+  static FrameRequest request(const std::string& mode, const glm::dvec3& sun = to_sun()) {
     FrameRequest r;
     r.mode = mode;
     r.width = r.height = kSide;
     r.samples = 64;
-    const glm::dvec3 middle = -to_sun() / to_sun().y;
+    const glm::dvec3 middle = -sun / sun.y;
     r.camera.target = glm::vec3(middle.x, 0.0, middle.z);
     r.camera.eye = r.camera.target + glm::vec3(0.0f, 0.95f, 0.0f);
     r.camera.up = {0, 0, -1};
@@ -79,30 +86,67 @@ double beyond_shadow_px(const FrameRequest& r, int x, int y) {
   return (std::max(std::abs(px), std::abs(pz)) - 0.5) / pixel_m;
 }
 
+/// Checks that what lies more than a pixel beyond the penumbra of the square's shadow is lit, and what lies as far
+/// within is dark.
+void expect_shadow_of_square(const Image& image, const FrameRequest& r, double penumbra_px, const std::string& what) {
+  double lit = 0.0, dark = 0.0, lit_count = 0.0, dark_count = 0.0;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
+      if (off > penumbra_px + 1.0) lit += value, ++lit_count;
+      if (off < -penumbra_px - 1.0) dark += value, ++dark_count;
+    }
+  lit /= lit_count;
+  dark /= dark_count;
+  EXPECT_LT(dark, 0.1 * lit) << what;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
+      if (std::abs(off) <= penumbra_px + 1.0) continue;
+      EXPECT_NEAR(value, off > 0.0 ? lit : dark, (off > 0.0 ? 0.15 : 0.1) * lit) << what << " " << x << ", " << y;
+    }
+}
+
 TEST_F(ShadowRays, TheSunsEdgeIsWhereTheGeometryPutsIt) {
   renderer_.set_scene(std::make_shared<Scene>(floor_below(test::matte(glm::vec3(0.1f)))));
-  renderer_.set_environment(sunny(0.05f));
-  // A sun of a texel, bilinear: up to 0.05 rad wide each way, at 1.1 m.
+  // Suns of a texel, bilinear: as far as a texel from the middle each way. The fine one's penumbra is a third of a
+  // pixel.
+  for (const int sky_width : {kSkyWidth, kFineSkyWidth}) {
+    renderer_.set_environment(sunny(0.05f, sky_width));
+    const double texel_rad = 2.0 * std::numbers::pi / sky_width;
+    const double penumbra_px = 1.2 * texel_rad * 1.2 / (2.0 * std::tan(0.8) * 0.95 / kSide);
+    for (const char* mode : {"uniform", "bandwidth"}) {
+      const FrameRequest r = request(mode, to_sun(sky_width));
+      expect_shadow_of_square(draw(r), r, penumbra_px, mode + std::string(", sky of ") + std::to_string(sky_width));
+    }
+  }
+}
+
+/// The square's shadow goes where it goes: the part that holds it moves, and a dent moves its surface.
+TEST_F(ShadowRays, FollowMovedPartsAndDents) {
+  const Scene scene = floor_below(test::matte(glm::vec3(0.1f)));
+  renderer_.set_environment(sunny(0.05f, kFineSkyWidth));
+  constexpr double kPenumbra_px = 0.5;
   for (const char* mode : {"uniform", "bandwidth"}) {
-    const FrameRequest r = request(mode);
-    const Image image = draw(r);
-    const double penumbra_px = 0.06 * 1.2 / (2.0 * std::tan(0.8) * 0.95 / kSide);
-    double lit = 0.0, dark = 0.0, lit_count = 0.0, dark_count = 0.0;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
-        const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
-        if (off > penumbra_px + 1.0) lit += value, ++lit_count;
-        if (off < -penumbra_px - 1.0) dark += value, ++dark_count;
-      }
-    lit /= lit_count;
-    dark /= dark_count;
-    EXPECT_LT(dark, 0.1 * lit) << mode;
-    for (int y = 0; y < kSide; ++y)
-      for (int x = 0; x < kSide; ++x) {
-        const double off = beyond_shadow_px(r, x, y), value = static_cast<double>(image.at(x, y, 1));
-        if (std::abs(off) <= penumbra_px + 1.0) continue;
-        EXPECT_NEAR(value, off > 0.0 ? lit : dark, (off > 0.0 ? 0.15 : 0.1) * lit) << mode << " " << x << ", " << y;
-      }
+    renderer_.set_scene(std::make_shared<Scene>(scene));
+    FrameRequest r = request(mode, to_sun(kFineSkyWidth));
+    expect_shadow_of_square(draw(r), r, kPenumbra_px, mode);
+
+    const glm::vec3 way(0.7f, 0.0f, -0.4f);
+    auto moved = std::make_shared<Scene>(scene);
+    moved->nodes.back().local[3] += glm::vec4(way, 0.0f);
+    ASSERT_TRUE(renderer_.move_nodes(moved));
+    r.camera.target += way;
+    r.camera.eye += way;
+    expect_shadow_of_square(draw(r), r, kPenumbra_px, mode + std::string(", moved"));
+
+    ASSERT_TRUE(renderer_.move_nodes(std::make_shared<Scene>(scene)));
+    r.camera.target -= 2.0f * way;
+    r.camera.eye -= 2.0f * way;
+    Primitive square = scene.meshes.back().primitives[0];
+    for (glm::vec3& position : square.positions) position -= way;
+    renderer_.update_mesh(static_cast<int>(scene.meshes.size()) - 1, square.positions, square.normals);
+    expect_shadow_of_square(draw(r), r, kPenumbra_px, mode + std::string(", dented"));
   }
 }
 

@@ -194,16 +194,19 @@ TEST_F(Window, TheGroundIsLeftAwayWhereThatIsAsked) {
   const Rect picture = controls.picture();
   const Rect below{picture.x, picture.y + 0.5f * picture.height, picture.width, 0.49f * picture.height};
   const auto shown = [&](const std::string& kind) {
-    start({file, "--samples", "2", "--env", "builtin:clear-sky", "--exposure", "-13", "--set", "ground.kind=" + kind});
+    std::vector<std::string> words{file, "--samples", "2", "--env", "builtin:clear-sky", "--exposure", "-13"};
+    if (!kind.empty()) words.insert(words.end(), {"--set", "ground.kind=" + kind});
+    start(words);
     EXPECT_TRUE(wait_for_picture(middle_of(picture))) << desktop_->errors();
     const ScreenPicture result = settled(below);
     desktop_->input({"key", "ctrl+q"});
     EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
     return result;
   };
-  const ScreenPicture projected = shown("projected"), none = shown("none");
+  const ScreenPicture projected = shown("projected"), none = shown("none"), unasked = shown("");
   std::filesystem::remove(file);
   EXPECT_GT(difference(projected, none, below), 1.0) << "scenes without a ground get one only where none is refused";
+  EXPECT_LT(difference(projected, unasked, below), 0.5) << "and get it unasked";
 }
 
 TEST_F(Window, TextGrowsAndComesBack) {

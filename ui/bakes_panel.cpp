@@ -24,9 +24,9 @@ bool can_hold(const Registry& registry, const std::string& setting) {
 /// name.
 const std::map<std::string, const char*>& changes_of_bakes() {
   static const std::map<std::string, const char*> kChanges = {
-      {"visibility", "shadows of the sky and of what it lights"},
+      {"visibility", "shadows of the sky, which come with indirect light"},
       {"shadow_rays", "shadows of suns and lamps, at every point"},
-      {"indirect", "light that other surfaces send, where it is too dark now"},
+      {"indirect", "shadows of the sky, and light that other surfaces send"},
       {words::kOctree, "what mirrors and panes show, and shadows by rays"},
       {"cell_brdfs", "gloss of what mirrors and panes show"},
       {"patch_fit", "mirror images in curved parts, which are hatched or absent now"},
@@ -82,7 +82,7 @@ std::string change_text(const Registry& registry, const std::string& bake) {
   const auto known = changes_of_bakes().find(bake);
   if (known != changes_of_bakes().end()) return known->second;
   const bool of_mode = std::ranges::any_of(registry.techniques, [&](const Technique& t) { return t.name == bake; });
-  return of_mode ? "all light that mode " + bake + " shows, parts without it being black now" : "";
+  return of_mode ? "all light that mode " + bake + " shows; a preview is shown now" : "";
 }
 
 void draw_bakes(Ui& ui) {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/gl/context.h"
@@ -152,12 +153,15 @@ class App {
     update.panels_busy = mouse || meter_.comparing() || (compare_.drawing() && picture_.still());
     update.more_events = !inbox_->empty();
     update.now_s = now;
-    drew_ = picture_.update(&session_, update);
+    // Panels come first: the programs of a first picture take seconds where the driver has not kept them.
+    const bool panels_alone = !std::exchange(shown_, true);
+    drew_ = !panels_alone && picture_.update(&session_, update);
     if (drew_) ++drawn_frames_;
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, width, height);
     glClearColor(0.08f, 0.08f, 0.085f, 1.0f);
     glClear(GL_COLOR_BUFFER_BIT);
+    if (panels_alone) return draw_note("The first picture is being prepared", rect);
     picture_.blit(x, height - y - h);
     if (drawn_frames_ > 1) swatches_.update();
   }
@@ -404,7 +408,7 @@ class App {
   EditorFrame editor_;
   double last_frame_s_ = 0.0;
   int drawn_frames_ = 0;
-  bool drew_ = false, shot_wanted_ = false;
+  bool shown_ = false, drew_ = false, shot_wanted_ = false;
   std::string noted_;  ///< the file that was open in the last frame
 };
 

@@ -51,4 +51,9 @@ void draw_distance(const EditorState& state, const Bounds& bounds, const Rect& p
   list->PopClipRect();
 }
 
+void draw_note(const char* text, const Rect& picture) {
+  const float inset = ImGui::GetFontSize();
+  ImGui::GetBackgroundDrawList()->AddText({picture.x + inset, picture.y + inset}, IM_COL32(255, 255, 255, 200), text);
+}
+
 }  // namespace maquette

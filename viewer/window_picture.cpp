@@ -15,6 +15,8 @@ constexpr double kSmoothing = 0.15;
 // Edges are smoothed only when a frame takes less time than this: the first frame with four times the samples takes
 // about three times as long, and cannot be interrupted.
 constexpr double kQuickEnough_ms = 800.0;
+/// Bakes that are done are taken over by the next frame.
+constexpr double kLongestYield_ms = 1000.0;
 
 std::set<std::string> reflectors_of(const FrameRequest& request) {
   return {request.reflectors.begin(), request.reflectors.end()};
@@ -77,8 +79,12 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   edges.now_s = now_s;
   request.msaa = still_edges_.next_samples(edges);
   const bool stale = changed || background_done || !(request == drawn_);
-  const bool due = stale ? !failed_ : !moving_ && !input.panels_busy && !failed_ && !converged();
+  // Frames that only average leave bakes the processors for as long as they took.
+  const bool yields =
+      background && now_s < drawn_s_ + 2e-3 * std::min(stats_ ? stats_->frame_ms : 0.0, kLongestYield_ms);
+  const bool due = stale ? !failed_ : !moving_ && !input.panels_busy && !failed_ && !yields && !converged();
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
+  if (due) drawn_s_ = now_s;
   if (due) draw(session, request, request == drawn_ && (!changed || material_only));
   if (due && !failed_) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested(stats_->accumulated_frames > 1);

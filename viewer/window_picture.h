@@ -70,6 +70,7 @@ class WindowPicture {
   std::optional<FrameRequest> last_valid_request_;  ///< the last that nothing refused, with the state's samples a pixel
   std::uint64_t last_revision_ = 0, last_material_revision_ = 0;
   double last_change_s_ = -1e9;
+  double drawn_s_ = -1e9;  ///< when the newest frame was begun
   bool moving_ = false;
   float last_moving_scale_ = 1.0f;
   MovingScale moving_scale_;

@@ -53,6 +53,7 @@ struct ShadingPlan {
   std::string own_bake;             ///< the technique's, once it is ready; else empty
   bool texture_bandwidth = false;
   bool shadow_rays = false;               ///< what shines brightly is shadowed by rays, point by point
+  bool sky_rays = false;                  ///< at rest also to the rest of the sky
   bool sun_apart = false;                 ///< by them alone comes the sun's light: samples leave it out
   bool lights = false;                    ///< punctual lights or emissive meshes are sampled
   bool sheen = false, clearcoat = false;  ///< lobes that analytic materials may have

@@ -37,6 +37,12 @@ bool wants_baked(const Planning& p, const Technique& mode) {
   return mode.can.shadows && (asked == "baked" || (by_scene && pays));
 }
 
+/// Without indirect light a cabin is black where the sky is shadowed: both come together.
+bool awaits_indirect(const Planning& p, const Technique& mode) {
+  return mode.can.indirect && p.in.settings.get_string("shading.indirect") != "none" && wants_baked(p, mode) &&
+         !p.in.status.indirect.ready;
+}
+
 void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   if (mode.can.traces_picture) return;
   const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("shadow_rays", why, by); };
@@ -46,6 +52,7 @@ void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* s
   if (!p.in.status.has_geometry) return leave_out("nothing is there to occlude", kScene);
   if (!p.in.status.shadow_rays.ready) return leave_out("what they meet is not built yet", kStatus);
   shading->shadow_rays = true;
+  shading->sky_rays = p.in.status.accumulated > 0 && !awaits_indirect(p, mode);
   shading->sun_apart = p.in.status.has_sun;
 }
 
@@ -62,6 +69,8 @@ void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* sh
     if (!p.in.status.has_geometry) return p.leave_out("visibility", "nothing is there to occlude", kScene);
     if (!p.in.status.visibility.ready)
       return p.leave_out("visibility", not_ready("its bake is", p.in.status.visibility), kStatus);
+    if (awaits_indirect(p, mode))
+      return p.leave_out("visibility", "it comes with indirect light, without which shadows would be black", kStatus);
     shading->visibility = "baked";
     return p.feature("visibility", asked == "baked" ? "shading.visibility is baked"
                                    : p.in.facts.enclosed
@@ -85,9 +94,9 @@ void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shad
       return leave_out("nothing shadows the sky, so there is nothing that it would fill", "shading.visibility");
     return leave_out("it goes with visibility maps, which are left out", p.in.view.hidden_share ? kScene : kStatus);
   }
-  if (shading->visibility == "none" || !p.in.status.visibility.ready)
-    return leave_out("it waits for the bake of visibility", kStatus);
+  if (!p.in.status.visibility.ready) return leave_out("it waits for the bake of visibility", kStatus);
   if (!p.in.status.indirect.ready) return leave_out(not_ready("its bake is", p.in.status.indirect), kStatus);
+  if (shading->visibility == "none") return leave_out("it waits for what shadows the sky", kStatus);
   shading->indirect = "baked";
 }
 
@@ -115,8 +124,7 @@ void decide_own_bake(const Planning& p, const Technique& mode, ShadingPlan* shad
 
 void add_shadow_ray_passes(const Planning& p, const ShadingPlan& shading) {
   if (!shading.shadow_rays) return;
-  const std::string sun = shading.sun_apart ? "the sun and " : "",
-                    sky = p.in.status.accumulated > 0 ? ", and to the sky" : "";
+  const std::string sun = shading.sun_apart ? "the sun and " : "", sky = shading.sky_rays ? ", and to the sky" : "";
   p.add({"draw_rays",
          "from each point to " + sun + "lamps" + sky + ", with what they bring",
          {"surfaces"},

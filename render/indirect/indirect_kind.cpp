@@ -73,7 +73,16 @@ Baked<IndirectResult> IndirectKind::load(const IndirectJob& job) {
 Baked<IndirectResult> IndirectKind::run(const IndirectJob& job, const Baked<IndirectResult>&,
                                         const BakeTask<IndirectResult>& task) {
   const bool traced = !memory_.links;
-  if (traced) memory_.links = trace_indirect_links(*job.input, kRayBudget, task.cancel, task.progress);
+  if (traced) {
+    const auto show_first = [&](const IndirectLinks& links) {
+      const auto solution =
+          solve_indirect(links, *job.visibility, job.sky, IndirectBounces::step, nullptr, task.cancel);
+      if (solution) task.publish({pack_indirect(links, solution->radiance), job.sky, job.bounces, job.input});
+    };
+    const bool shown = task.publish && job.bounces == IndirectBounces::all;
+    memory_.links = trace_indirect_links(*job.input, kRayBudget, task.cancel, task.progress,
+                                         shown ? show_first : std::function<void(const IndirectLinks&)>());
+  }
   if (!memory_.links || task.cancel || job.bounces == IndirectBounces::none) return {};
   auto solution = solve_indirect(*memory_.links, *job.visibility, job.sky, job.bounces, &memory_.solution, task.cancel);
   if (!solution) return {};

@@ -22,12 +22,14 @@ struct IndirectResult {
 };
 
 /// Indirect light, kept in the cache by content. Rays are traced only when neither the run before nor the cache has the
-/// answer. For no bounces it traces them and gives nothing.
+/// answer; a first result by few of them, with the maps' sky, comes early. For no bounces it traces them and gives
+/// nothing.
 class IndirectKind : public CachedBakeKind<IndirectJob, IndirectResult> {
  public:
   IndirectKind();
   Baked<IndirectResult> load(const IndirectJob&) override;
   Baked<IndirectResult> run(const IndirectJob&, const Baked<IndirectResult>&, const BakeTask<IndirectResult>&) override;
+  bool shows_parts() const override { return true; }
   /// A newer sky waits for the one in work (a rotating environment all the time would else never be seen); newer
   /// surfaces stop it.
   static bool spares(const IndirectJob& before, const IndirectJob& next) { return before.input == next.input; }

@@ -61,8 +61,8 @@ std::vector<glm::vec3> sky_irradiance(const IndirectLinks& links, const Visibili
                                       SkyLight by, const std::atomic<bool>& cancel);
 
 /// Solves for one sky, whose light is found by rays for all bounces; `bits` are those of the visibility bake. `before`:
-/// the solution that `step` continues from, otherwise ignored; may be null. Null once `cancel` is set. A step costs a
-/// fifth of all bounces.
+/// the solution that `step` continues from, otherwise ignored; without one it takes all bounces of what the maps show.
+/// Null once `cancel` is set. A step costs a fifth of all bounces.
 std::optional<IndirectSolution> solve_indirect(const IndirectLinks& links, const VisibilityBake& bits,
                                                const IndirectSky& sky, IndirectBounces bounces,
                                                const IndirectSolution* before, const std::atomic<bool>& cancel);

@@ -16,6 +16,8 @@ namespace maquette {
 namespace {
 
 constexpr int kMinRays = 16, kMaxRays = 256;
+/// Of a point, for a first result: blotchy, and soon there.
+constexpr int kFirstRays = 4;
 constexpr std::size_t kPointsPerTask = 64;
 /// A ray that passes more panes than this is terminated.
 constexpr int kMaxPanes = 6;
@@ -175,16 +177,32 @@ class Tracer {
       links_.lamps[slot] = lamps(origin, frame.n, hash(static_cast<std::uint32_t>(slot) ^ 0x5bd1e995u));
   }
 
+  /// From all points.
+  void trace(int rays, const std::atomic<bool>& cancel, const std::function<void(double)>& progress) {
+    prepare(rays);
+    const std::size_t count = links_.points.points.size();
+    std::atomic<std::size_t> done{0};
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPointsPerTask), [&](const auto& range) {
+      if (cancel) return;
+      for (std::size_t i = range.begin(); i != range.end(); ++i)
+        for (int side = 0; side < links_.sides; ++side) trace_point(i, side);
+      const std::size_t now = done += range.size();
+      if (progress) progress(static_cast<double>(now) / static_cast<double>(count));
+    });
+  }
+
   const std::shared_ptr<const PathScene>& scene() const { return scene_; }
 
-  void prepare() {
-    for (int r = 0; r < links_.rays; ++r) pattern_.push_back(indirect_ray_direction(r, links_.rays));
+ private:
+  void prepare(int rays) {
+    links_.rays = rays;
+    pattern_.clear();
+    for (int r = 0; r < rays; ++r) pattern_.push_back(indirect_ray_direction(r, rays));
     const std::size_t slots = links_.points.points.size() * static_cast<std::size_t>(links_.sides);
     links_.links.resize(slots * static_cast<std::size_t>(links_.rays));
     if (has_lamps()) links_.lamps.resize(slots);
   }
 
- private:
   static std::shared_ptr<const Environment> black() {
     auto environment = std::make_shared<Environment>();
     environment->width = environment->height = 1;
@@ -273,7 +291,8 @@ IndirectStart indirect_start(const IndirectLinks& links, std::size_t index, int 
 
 std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& input, std::size_t budget,
                                                           const std::atomic<bool>& cancel,
-                                                          const std::function<void(double)>& progress) {
+                                                          const std::function<void(double)>& progress,
+                                                          const std::function<void(const IndirectLinks&)>& first) {
   auto links = std::make_shared<IndirectLinks>();
   links->points = build_visibility_points(*input.geometry, input.transmits, cancel);
   if (cancel) return nullptr;
@@ -287,18 +306,15 @@ std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& i
   if (cancel) return nullptr;
   links->sides = shows_backs(input) || tracer.share_of_backs() > kFewBacks ? 2 : 1;
   const std::size_t slots = std::max<std::size_t>(count * static_cast<std::size_t>(links->sides), 1);
-  links->rays = std::clamp(static_cast<int>(budget / slots), kMinRays, kMaxRays);
-  tracer.prepare();
+  const int rays = std::clamp(static_cast<int>(budget / slots), kMinRays, kMaxRays);
   links->scene = tracer.scene();
   find_neighbours(links.get());
-  std::atomic<std::size_t> done{0};
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kPointsPerTask), [&](const auto& range) {
-    if (cancel) return;
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (int side = 0; side < links->sides; ++side) tracer.trace_point(i, side);
-    const std::size_t now = done += range.size();
-    if (progress) progress(static_cast<double>(now) / static_cast<double>(count));
-  });
+  if (first) {
+    tracer.trace(kFirstRays, cancel, {});
+    if (cancel) return nullptr;
+    first(*links);
+  }
+  tracer.trace(rays, cancel, progress);
   return cancel ? nullptr : links;
 }
 

@@ -60,10 +60,12 @@ struct IndirectLinks {
 };
 
 /// Traces with the functions of the reference path tracer: panes transmit their share, textures colour the reflected
-/// light. About `budget` rays in all, 16 to 256 a point. Null once `cancel` is set.
+/// light. About `budget` rays in all, 16 to 256 a point. Null once `cancel` is set. `first`: takes what 4 rays a point
+/// find, which are traced before the others.
 std::shared_ptr<const IndirectLinks> trace_indirect_links(const IndirectInput& input, std::size_t budget,
                                                           const std::atomic<bool>& cancel,
-                                                          const std::function<void(double)>& progress = {});
+                                                          const std::function<void(double)>& progress = {},
+                                                          const std::function<void(const IndirectLinks&)>& first = {});
 
 /// Local direction of ray `r` of `rays`, cosine-distributed; z is the normal.
 glm::vec3 indirect_ray_direction(int r, int rays);

@@ -28,7 +28,7 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
     sun_.assign(count, glm::vec4(0.0f));
     sky_frames_ = 0;
   }
-  if (rests && sky_frames_ == 0) {
+  if (layer.plan.sky_rays && sky_frames_ == 0) {
     sky_.assign(count, glm::vec4(0.0f));
     points_.assign(count, SkyPoint());
   }
@@ -57,7 +57,7 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
     for (std::size_t i = range.begin(); i != range.end(); ++i)
       sum_[i] = layer.plan.lights ? sun_[i] + lamps_[i] : sun_[i];
   });
-  if (frame.accumulated > 0) {
+  if (layer.plan.sky_rays) {
     ++sky_frames_;
     const std::vector<glm::vec4>& smooth = filter_.run(points_, sky_, {w, h}, sky_frames_);
     for (std::size_t i = 0; i < count; ++i) sum_[i] += smooth[i] * glm::vec4(points_[i].base, 0.0f);
@@ -68,8 +68,7 @@ void ShadowPass::run(const LayerContext& layer, bool averages) {
 
 void ShadowPass::trace_band(const LayerContext& layer, std::size_t band, const Drawn& drawn) {
   const FrameContext& frame = layer.frame;
-  // The maps are good enough for a picture that moves.
-  const bool sky = frame.accumulated > 0;
+  const bool sky = layer.plan.sky_rays;
   glBindTextureUnit(kUnitTriangle, layer.surfaces.triangle().get());
   const std::vector<PointRays> rays = draw_point_rays(
       frame,

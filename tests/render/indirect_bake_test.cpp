@@ -438,4 +438,26 @@ TEST(IndirectKind, ARotatedSkyIsUsedAndOldSurfacesAreNot) {
   EXPECT_FALSE(worker.take());
 }
 
+/// By few rays and what the maps show: near the whole one, and the whole one is as without it.
+TEST(IndirectKind, AFirstResultComesBeforeTheWholeOne) {
+  const Baked b = bake(bowl(0.6f), 1 << 16);
+  const auto sky = make_sky(64, 32, [](double, double) { return glm::vec3(2.0f); });
+  const IndirectJob job{b.input, b.visibility, {sky, 0.0f, 1.0f}};
+  const auto mean = [](const IndirectResult& result) {
+    double sum = 0.0;
+    for (const glm::uvec4& packed : result.bake.vertices)
+      sum += static_cast<double>(shared::unpack_indirect(packed, result.bake.bias).mean.x);
+    return sum / static_cast<double>(result.bake.vertices.size());
+  };
+  std::vector<IndirectResult> parts;
+  IndirectKind kind;
+  const auto whole = make_bake(kind, job, {kGoOn, {}, [&](const IndirectResult& part) { parts.push_back(part); }});
+  ASSERT_EQ(parts.size(), 1u);
+  ASSERT_TRUE(whole.complete);
+  EXPECT_NE(parts[0].bake.vertices, whole.value->bake.vertices);
+  EXPECT_NEAR(mean(parts[0]), mean(*whole.value), 0.05 * mean(*whole.value));
+  const Baked at_once = bake(bowl(0.6f), std::size_t{1} << 24);
+  EXPECT_EQ(pack_indirect(*at_once.links, solve(at_once, job.sky)).vertices, whole.value->bake.vertices);
+}
+
 }  // namespace

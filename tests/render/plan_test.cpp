@@ -317,6 +317,35 @@ TEST(Plan, IndirectLightGoesWithShadowsOfTheSky) {
   EXPECT_TRUE(leaves_out(plan(facts, "uniform", settings, {}), "indirect"));
 }
 
+/// Else a cabin would be black from the moment when shadows are there until indirect light is.
+TEST(Plan, TheSkysShadowsComeWithIndirectLight) {
+  SceneFacts facts;
+  facts.enclosed = true;
+  FrameStatus status;
+  status.accumulated = 1;
+  status.indirect.ready = false;
+  Settings settings;
+  for (const char* mode : {"uniform", "bandwidth"}) {
+    const FramePlan before = plan(facts, mode, settings, {}, status);
+    EXPECT_EQ(before.shading().visibility, "none");
+    EXPECT_TRUE(leaves_out(before, "visibility"));
+    EXPECT_TRUE(before.shading().shadow_rays) << "the sun's are there";
+    EXPECT_FALSE(before.shading().sky_rays);
+    EXPECT_TRUE(before.prepares("bake_visibility"));
+    EXPECT_TRUE(before.prepares("bake_indirect"));
+  }
+  status.indirect.ready = true;
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}, status).shading().visibility, "baked");
+  EXPECT_TRUE(plan(facts, "bandwidth", settings, {}, status).shading().sky_rays);
+  status.indirect.ready = false;
+  EXPECT_EQ(plan(facts, "splitsum", settings, {}, status).shading().visibility,
+            plan(facts, "splitsum", settings, {}).shading().visibility)
+      << "a mode without indirect light waits for nothing";
+  settings.set("shading.indirect", std::string("none"));
+  EXPECT_EQ(plan(facts, "bandwidth", settings, {}, status).shading().visibility, "baked");
+  EXPECT_TRUE(plan(facts, "bandwidth", settings, {}, status).shading().sky_rays);
+}
+
 TEST(Plan, ASceneThatNeedsLittlePaysLittle) {
   const FramePlan small = plan({}, "bandwidth", {}, {});
   for (const char* what :

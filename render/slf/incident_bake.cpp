@@ -80,7 +80,7 @@ std::string difference(const IncidentProvenance& found, const IncidentProvenance
 
 std::string key_of(const IncidentProvenance& provenance) { return key_of_attributes(attributes_of(provenance)); }
 
-std::string read_kind(const std::string& path, const BakeFile& file) {
+std::string read_kind(const BakeFile& file) {
   const auto found = file.attributes.find("kind");
   return found != file.attributes.end() ? found->second : "";
 }
@@ -89,7 +89,7 @@ std::string read_kind(const std::string& path, const BakeFile& file) {
 void read_block(const std::string& path, const std::string& key, std::span<float> radiance,
                 std::span<std::uint32_t> masked) {
   const BakeFile file = load_bake_file(path);
-  if (read_kind(path, file) != kBlockKind) throw Error(path, "the file holds no incident light");
+  if (read_kind(file) != kBlockKind) throw Error(path, "the file holds no incident light");
   if (attribute(path, file, "key") != key) throw Error(path, "the block is of another bake", "bake it again");
   const auto& stored = file.integers(path, "texels", "masked");
   if (stored.size() < masked.size()) throw Error(path, "the block is too short", "bake it again");
@@ -353,13 +353,13 @@ std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const 
 bool is_incident_folder(const std::string& folder) {
   const std::string path = manifest_path(folder);
   std::error_code ignored;
-  return fs::exists(path, ignored) && read_kind(path, load_bake_file(path)) == kManifestKind;
+  return fs::exists(path, ignored) && read_kind(load_bake_file(path)) == kManifestKind;
 }
 
 IncidentSummary summarize_incident(const std::string& folder) {
   const std::string path = manifest_path(folder);
   const BakeFile file = load_bake_file(path);
-  if (read_kind(path, file) != kManifestKind) throw Error(path, "the bake is no surface light field");
+  if (read_kind(file) != kManifestKind) throw Error(path, "the bake is no surface light field");
   IncidentSummary summary;
   summary.provenance = read_provenance(path, file);
   summary.texels = std::strtoull(attribute(path, file, "texels").c_str(), nullptr, 10);

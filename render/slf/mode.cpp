@@ -3,6 +3,7 @@
 #include <array>
 
 #include "render/gl/bindings.h"
+#include "render/picture/tonemap.h"
 #include "render/shading/work_lists.h"
 #include "render/views/read_texture.h"
 
@@ -15,6 +16,12 @@ constexpr std::array<const char*, 5> kViews{"slf_texels", "slf_charts", "slf_clu
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 
+/// As bright as the sky on average.
+float preview_cdm2(const FrameContext& frame) {
+  const double sky = mean_luminance(*frame.scene.environment().shared_environment());
+  return sky > 0.0 ? static_cast<float>(sky) * frame.request.env_scale : 1.0f;
+}
+
 class LightFieldMode : public ShadingMode {
  public:
   int band_rows(const GridSize& size) const override { return band_rows_of(size, false); }
@@ -26,7 +33,7 @@ class LightFieldMode : public ShadingMode {
   }
   std::vector<Pass> passes(const LayerContext& layer) override {
     return {{.names = {"shade"}, .layer = layer.index, .run = [this, &layer] {
-               run(layer.plan, {kShade, "", {}}, layer.radiance, marks_, layer.surfaces.tiles(), layer.frame.programs);
+               run(layer.frame, layer.plan, {kShade, "", {}}, layer.radiance, marks_, layer.surfaces.tiles());
                unsigned counts[2] = {};
                counters_.read(0, sizeof counts, counts);
                counts_ = {counts[0], counts[1], 0};
@@ -34,7 +41,7 @@ class LightFieldMode : public ShadingMode {
   }
   void shade_hits(const HitShading& hits) override {
     const ReflectionTargets& t = hits.targets;
-    run(hits.plan, {kShade, "", {{"REFLECTED", "1"}}}, t.radiance, t.marks, t.tiles, hits.frame.programs);
+    run(hits.frame, hits.plan, {kShade, "", {{"REFLECTED", "1"}}}, t.radiance, t.marks, t.tiles);
   }
   int samples_of_cells() const override { return kSamplesOfCells; }
   ShadingCounts counts() const override { return counts_; }
@@ -50,15 +57,18 @@ class LightFieldMode : public ShadingMode {
   }
 
  private:
-  void run(const ShadingPlan& plan, const ShaderVariant& variant, const Texture& radiance, const Texture& marks,
-           const TileList& tiles, ProgramCache& programs) {
+  void run(const FrameContext& frame, const ShadingPlan& plan, const ShaderVariant& variant, const Texture& radiance,
+           const Texture& marks, const TileList& tiles) {
     counters_.clear_to_zero();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, kBufferCounters, counters_.get());
     glBindImageTexture(kImageRadiance, radiance.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindImageTexture(kImageLookupMarks, marks.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA8UI);
     ShaderVariant own = variant;
-    own.defines.emplace_back("BAKED", flag(!plan.own_bake.empty()));
-    dispatch_tiles(programs.get(own), tiles, kPerPoint);
+    const bool baked = !plan.own_bake.empty();
+    own.defines.emplace_back("BAKED", flag(baked));
+    const Program& program = frame.programs.get(own);
+    if (!baked) program.set("u_preview_cdm2", preview_cdm2(frame));
+    dispatch_tiles(program, tiles, kPerPoint);
   }
   PointValue read_view(int view, const LayerContext& layer) const {
     const GridSize& size = layer.surfaces.size();

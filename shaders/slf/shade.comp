@@ -15,6 +15,9 @@ layout(local_size_x = 64) in;
 #include "slf/light_field.glsl"
 layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_radiance;
 layout(binding = kImageLookupMarks, rgba8ui) uniform writeonly uimage2D o_marks;  // shaded, level, log2 of samples, 1 if visible
+#if !BAKED
+uniform float u_preview_cdm2;  // until the bake is there: light from the eye, on the surfaces' own colours
+#endif
 layout(std430, binding = kBufferCounters) buffer Counters { uint b_visible, b_shaded; };
 
 void main() {
@@ -35,6 +38,8 @@ void main() {
 #else
   imageStore(o_marks, pixel, uvec4(0u, 0u, 0u, 1u));
   atomicAdd(b_visible, 1u);
-  imageStore(o_radiance, pixel, vec4(0.0, 0.0, 0.0, 1.0));
+  Surface s = unpack_surface(texelFetch(t_surface, pixel, 0));
+  float facing = abs(dot(s.normal, normalize(view_ray(pixel))));
+  imageStore(o_radiance, pixel, vec4(s.base_color * (u_preview_cdm2 * (0.3 + 0.7 * facing)), 1.0));
 #endif
 }

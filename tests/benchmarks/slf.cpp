@@ -1,4 +1,5 @@
 // Surface light fields: the seat in its box, against the path tracer.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -170,8 +171,41 @@ class SeatBench {
     figures->push_back(shown("incident bake of the seat, " + cover.name + " (or its load, where it was cached)",
                              number(bake_s) + " s"));
     if (cover.btf && !stage_.options().charts.empty()) save_local(*scene);
+    measure_drawing(request(*scene, scene->cameras.front().name), cover.name, figures);
     if (cover.btf) measure_swap(request(*scene, scene->cameras.front().name), figures);
     measure_fields(scene, sky, cover, figures);
+  }
+
+  /// The shading pass a covered pixel beside that of mode splitsum, which shades walls too: frames in turn, whose eye
+  /// moves, medians; of processor time where the device is software.
+  void measure_drawing(FrameRequest r, const std::string& name, Figures* figures) {
+    constexpr int kFrames = 15, kBefore = 2;
+    r.width = 4 * kWidth;
+    r.height = 4 * kHeight;
+    r.settings.set("slf.clusters", 128);
+    Renderer& renderer = stage_.renderer();
+    std::vector<double> each_ns[2];
+    for (const bool lookup : {false, true}) {
+      r.mode = lookup ? "splitsum" : "slf";
+      renderer.finish_background_work(r);
+    }
+    for (int k = 0; k < kFrames + kBefore; ++k)
+      for (const bool lookup : {false, true}) {
+        r.mode = lookup ? "splitsum" : "slf";
+        r.camera.eye.x += 1e-4f;
+        const FrameStats stats = renderer.render(r);
+        double ms = 0.0;
+        for (const PassTime& pass : stats.passes)
+          if (pass.name == "shade") ms += pass.cpu_ms > 0.0 ? pass.cpu_ms : pass.ms;
+        if (k >= kBefore)
+          each_ns[lookup].push_back(1e6 * ms / static_cast<double>(std::max<std::size_t>(stats.shaded_pixels, 1)));
+      }
+    for (std::vector<double>& values : each_ns) std::ranges::nth_element(values, values.begin() + kFrames / 2);
+    const double field_ns = each_ns[0][kFrames / 2], lookup_ns = each_ns[1][kFrames / 2];
+    figures->push_back(
+        judged("drawing of the light field a pixel, " + name + ", 128 x 8", "<= 3 times splitsum",
+               number(field_ns / lookup_ns) + " times: " + number(field_ns) + " beside " + number(lookup_ns) + " ns",
+               field_ns <= 3.0 * lookup_ns));
   }
 
   /// From another material on the baked parts to its first picture, compressed; first read from its file, then known.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/prt/cube_light.h"
+#include "render/prt/transfer_mesh.h"
 #include "render/reference/path_scene.h"
 #include "scenes/image.h"
 
@@ -14,6 +15,8 @@ struct TransferReference {
   CubeLight light;
   int rays = 2;        ///< a side of a direction's texel, as the bake
   int components = 2;  ///< of the BTFs, besides the mean
+  /// What arrives is found at its vertices, and is linear between them; null: at each pixel. Of the scene's geometry.
+  const TransferMesh* vertices = nullptr;
 };
 
 /// Radiance of what is seen; alpha 1 where that is a surface with a BTF.

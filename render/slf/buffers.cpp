@@ -1,11 +1,14 @@
 #include "render/slf/buffers.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 
 #include "render/gl/bindings.h"
 #include "render/math/shared_formulas.h"
+#include "render/slf/direction_spline.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -31,6 +34,21 @@ float largest_of(const LightField& field) {
     largest = field.outgoing->radiance.maxCoeff();
   }
   return largest;
+}
+
+/// Clusters side by side, as in shaders/slf/light_field.glsl.
+constexpr int kLumisphereColumns = 16;
+
+/// The splines at the texels of a tile: of lumisphere_table_side and a border of one.
+std::vector<std::array<DirectionSpline::Share, 9>> table_of_splines(const Lumisphere& sphere) {
+  const int fine = lumisphere_table_side(sphere.side());
+  const auto side = static_cast<float>(sphere.side());
+  const float step = side / static_cast<float>(fine);
+  const auto at = [&](int i) { return std::clamp((static_cast<float>(i) + 0.5f) * step, 0.0f, side); };
+  std::vector<std::array<DirectionSpline::Share, 9>> table;
+  for (int y = -1; y <= fine; ++y)
+    for (int x = -1; x <= fine; ++x) table.push_back(DirectionSpline::shares_at(sphere, {at(x), at(y)}, step));
+  return table;
 }
 
 }  // namespace
@@ -105,6 +123,7 @@ void LightFieldBuffers::upload_codes(const LightField& field) {
   errors_.upload(0, side, side, GL_RED, GL_HALF_FLOAT, errors.data());
   if (!field.compressed()) return;
   weights_ = Texture::make_2d_array("light field weights", GL_RGBA16F, side, side, layers);
+  weights_.set_filter(GL_LINEAR, GL_LINEAR);
   for (int l = 0; l < layers; ++l)
     glTextureSubImage3D(weights_.get(), 0, 0, 0, l, side, side, 1, GL_RGBA, GL_HALF_FLOAT,
                         weights.data() + static_cast<std::size_t>(l) * cells);
@@ -126,24 +145,30 @@ void LightFieldBuffers::upload_clusters(const LightField& field, const std::vect
 
 void LightFieldBuffers::upload_lumispheres(const LightField& field) {
   const Lumisphere sphere(field.side);
-  const int tile = field.side + 2, count = field.fit.pca.cluster_count();
+  const auto table = table_of_splines(sphere);
+  const int tile = lumisphere_table_side(field.side) + 2, count = field.fit.pca.cluster_count();
   const int terms = static_cast<int>(field.fit.weights.rows()) + 1;
-  const int width = count * tile, height = terms * tile;
-  std::vector<std::uint64_t> texels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int k = 0; k < count; ++k) {
-    const Eigen::VectorXf mean = field.fit.pca.mean(k) / scale_;
-    const Eigen::MatrixXf components = field.fit.pca.components(k);
-    for (int term = 0; term < terms; ++term)
-      for (int y = 0; y < tile; ++y)
-        for (int x = 0; x < tile; ++x) {
-          const Eigen::Index row = 3 * sphere.bin_near_cell(x - 1, y - 1);
-          const auto value = [&](Eigen::Index c) { return term == 0 ? mean[row + c] : components(row + c, term - 1); };
-          texels[static_cast<std::size_t>(term * tile + y) * static_cast<std::size_t>(width) +
-                 static_cast<std::size_t>(k * tile + x)] = glm::packHalf4x16({value(0), value(1), value(2), 0.0f});
-        }
-  }
-  lumispheres_ = Texture::make_2d("light field lumispheres", GL_RGBA16F, width, height);
-  lumispheres_.upload(0, width, height, GL_RGBA, GL_HALF_FLOAT, texels.data());
+  const int width = kLumisphereColumns * tile, height = (count + kLumisphereColumns - 1) / kLumisphereColumns * tile;
+  const std::size_t layer = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  std::vector<std::uint64_t> texels(layer * static_cast<std::size_t>(terms), 0);
+  tbb::parallel_for(0, count, [&](int k) {
+    Eigen::MatrixXf values(3 * sphere.count(), terms), sum(3, terms);
+    values.col(0) = field.fit.pca.mean(k) / scale_;
+    if (terms > 1) values.rightCols(terms - 1) = field.fit.pca.components(k);
+    const int left = k % kLumisphereColumns * tile, top = k / kLumisphereColumns * tile;
+    for (int i = 0; i < tile * tile; ++i) {
+      sum.setZero();
+      for (const DirectionSpline::Share& share : table[static_cast<std::size_t>(i)])
+        sum += share.weight * values.middleRows(3 * share.bin, 3);
+      const std::size_t at = static_cast<std::size_t>(top + i / tile) * static_cast<std::size_t>(width) +
+                             static_cast<std::size_t>(left + i % tile);
+      for (int term = 0; term < terms; ++term)
+        texels[static_cast<std::size_t>(term) * layer + at] =
+            glm::packHalf4x16({sum(0, term), sum(1, term), sum(2, term), 0.0f});
+    }
+  });
+  lumispheres_ = Texture::make_2d_array("light field lumispheres", GL_RGBA16F, width, height, terms);
+  glTextureSubImage3D(lumispheres_.get(), 0, 0, 0, 0, width, height, terms, GL_RGBA, GL_HALF_FLOAT, texels.data());
   lumispheres_.set_filter(GL_LINEAR, GL_LINEAR);
 }
 

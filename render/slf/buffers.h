@@ -5,6 +5,10 @@
 
 namespace maquette {
 
+/// Texels along a side of the table from which a lumisphere of `side` bins is read bilinearly: 7/4 of them, with which
+/// a field of 1024 x 1024 texels stays 40 times smaller than its slices.
+inline int lumisphere_table_side(int side) { return (7 * side + 3) / 4; }
+
 /// A light field on the GPU, as shaders/slf/light_field.glsl reads it.
 class LightFieldBuffers {
  public:

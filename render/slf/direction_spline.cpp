@@ -58,14 +58,20 @@ DirectionSpline::DirectionSpline(const Lumisphere& lumisphere) : lumisphere_(lum
 }
 
 std::array<DirectionSpline::Share, 9> DirectionSpline::shares(const glm::vec3& direction) const {
-  const int side = lumisphere_.side();
-  const glm::vec2 cells = (shared::parabolic_from_direction(direction) * 0.5f + 0.5f) * static_cast<float>(side);
+  const auto side = static_cast<float>(lumisphere_.side());
+  return shares_at(lumisphere_, (shared::parabolic_from_direction(direction) * 0.5f + 0.5f) * side);
+}
+
+std::array<DirectionSpline::Share, 9> DirectionSpline::shares_at(const Lumisphere& lumisphere, const glm::vec2& cells,
+                                                                 float step) {
+  const int side = lumisphere.side();
   const glm::ivec2 cell = glm::clamp(glm::ivec2(glm::floor(cells)), 0, side - 1);
   const glm::vec2 t = cells - glm::vec2(cell) - 0.5f;
-  const glm::vec3 wx = spline_weights(t.x), wy = spline_weights(t.y);
+  const glm::vec3 excess = step * step / 12.0f * glm::vec3(1.0f, -2.0f, 1.0f);
+  const glm::vec3 wx = spline_weights(t.x) - excess, wy = spline_weights(t.y) - excess;
   std::array<Share, 9> shares;
   for (int i = 0; i < 9; ++i)
-    shares[static_cast<std::size_t>(i)] = {lumisphere_.bin_near_cell(cell.x + i % 3 - 1, cell.y + i / 3 - 1),
+    shares[static_cast<std::size_t>(i)] = {lumisphere.bin_near_cell(cell.x + i % 3 - 1, cell.y + i / 3 - 1),
                                            wx[i % 3] * wy[i / 3]};
   return shares;
 }

@@ -26,6 +26,10 @@ class DirectionSpline {
     float weight = 0.0f;
   };
   std::array<Share, 9> shares(const glm::vec3& direction) const;
+  /// The same at a point of the lumisphere's map, in cells from its corner. `step`: for a table of such points, this
+  /// far apart in cells, which is read bilinearly: less what that adds on average, step^2 / 12 of the second
+  /// derivative.
+  static std::array<Share, 9> shares_at(const Lumisphere& lumisphere, const glm::vec2& cells, float step = 0.0f);
   /// Of coefficients [bin].
   float value(const Eigen::VectorXf& coefficients, const glm::vec3& direction) const;
 

@@ -11,7 +11,7 @@ layout(binding = kUnitLightFieldSlots) uniform usamplerBuffer t_slots;  // [2 tr
 layout(binding = kUnitLightFieldSides) uniform samplerBuffer t_sides;
 layout(binding = kUnitLightFieldClusters) uniform usampler2D t_clusters;  // [y][x] cluster, 8 bits; octahedral normal, 12 each
 layout(binding = kUnitLightFieldWeights) uniform sampler2DArray t_weights;  // [component / 4][y][x]
-layout(binding = kUnitLightFieldLumispheres) uniform sampler2D t_lumispheres;  // tiles: [mean, components][cluster]
+layout(binding = kUnitLightFieldLumispheres) uniform sampler2DArray t_lumispheres;  // [mean, components]: tiles of clusters, kLumisphereColumns a row
 layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y][x] texel, where nothing is compressed; of interactions light and material cluster, turn, 8 bits each, mirrored
 layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], half floats
 layout(binding = kUnitLightFieldErrors) uniform sampler2D t_errors;       // [y][x]
@@ -39,9 +39,9 @@ struct FieldPoint {
   vec3 mirrored;  // unit, world: the direction to the eye, mirrored at the normal
 };
 
-FieldPoint load_field_point(ivec2 pixel) {
+/// Of a triangle that has a side in the atlas.
+FieldPoint place_in_field(ivec2 pixel, int triangle) {
   FieldPoint r;
-  int triangle = max(int(texelFetch(t_triangle, pixel, 0).x), 1) - 1;
   ivec3 v = ivec3(texelFetch(t_indices, 3 * triangle).x, texelFetch(t_indices, 3 * triangle + 1).x, texelFetch(t_indices, 3 * triangle + 2).x);
   vec3 ray = view_ray(pixel), to_eye = -normalize(ray);
   r.position = view_origin(pixel) + ray * texelFetch(t_depth, pixel, 0).x;
@@ -66,6 +66,18 @@ FieldPoint load_field_point(ivec2 pixel) {
   return r;
 }
 
+FieldPoint load_field_point(ivec2 pixel) {
+  FieldPoint r;
+  r.known = false;
+  r.at = vec2(0.0);
+  r.chart = 0;
+  int triangle = max(int(texelFetch(t_triangle, pixel, 0).x), 1) - 1;
+  bool any = (texelFetch(t_slots, 2 * triangle).x | texelFetch(t_slots, 2 * triangle + 1).x) != 0u;
+  // A loop is skipped by software devices where no invocation enters it; both sides of a branch are not.
+  for (int i = 0; i < (any ? 1 : 0); ++i) r = place_in_field(pixel, triangle);
+  return r;
+}
+
 /// Direction in the frame of a texel (its word of t_clusters) in which it mirrors what the point mirrors. Texels whose normals differ then show one
 /// highlight at one place; with the direction to the eye itself it would lie between theirs, blurred by their angle.
 vec3 direction_at(FieldPoint p, uint cell) {
@@ -78,47 +90,53 @@ ivec2 clamp_cell(ivec2 cell, int side) { return clamp(cell, ivec2(0), ivec2(side
 
 vec2 map_cells(vec3 direction, int directions) { return (parabolic_from_direction(direction) * 0.5 + 0.5) * float(directions); }
 
-/// Quadratic B-splines about the cells at one coordinate as two bilinear reads: offsets of both from the cell's centre, and the weight of the second.
-/// Source: Sigg and Hadwiger 2005, "Fast Third-Order Texture Filtering", GPU Gems 2, chapter 20; here the middle cell is divided between both.
-vec3 spline_reads(float t) {
-  vec3 w = vec3(0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t, 0.5 * (0.5 + t) * (0.5 + t));
-  float low = w.x + 0.5 * w.y, high = w.z + 0.5 * w.y;
-  return vec3(-w.x / low, w.z / high, high);
+const int kLumisphereColumns = 16;
+
+/// Where the map of a cluster's lumisphere is read towards a point of it in cells. The map's splines are tabulated closer than its cells
+/// (render/slf/buffers.cpp) and read bilinearly; a tile has a border of one texel.
+vec2 lumisphere_at(int cluster, vec2 cells, FieldConstants k) {
+  vec2 size = vec2(textureSize(t_lumispheres, 0).xy);
+  float tile = size.x / float(kLumisphereColumns);
+  vec2 corner = vec2(cluster % kLumisphereColumns, cluster / kLumisphereColumns) * tile + 1.0;
+  return (corner + cells * ((tile - 2.0) / float(k.directions))) / size;
+}
+/// What four components add; weights of those that are not there are 0.
+vec3 four_components(vec2 at, int layer, vec4 weights) {
+  float first = float(4 * layer + 1);
+  return weights.x * texture(t_lumispheres, vec3(at, first)).rgb + weights.y * texture(t_lumispheres, vec3(at, first + 1.0)).rgb +
+         weights.z * texture(t_lumispheres, vec3(at, first + 2.0)).rgb + weights.w * texture(t_lumispheres, vec3(at, first + 3.0)).rgb;
 }
 
-/// Of a term (mean or a component) of a cluster, towards a point of the map in cells; a tile has a border of one cell.
-vec3 lumisphere_term(int cluster, int term, vec2 cells, int directions) {
-  vec2 cell = clamp(floor(cells), vec2(0.0), vec2(float(directions - 1))) + 0.5;
-  vec3 x = spline_reads(cells.x - cell.x), y = spline_reads(cells.y - cell.y);
-  vec2 tile = vec2(cluster, term) * float(directions + 2) + 1.0 + cell, size = vec2(textureSize(t_lumispheres, 0));
-  vec3 low = mix(texture(t_lumispheres, (tile + vec2(x.x, y.x)) / size).rgb, texture(t_lumispheres, (tile + vec2(x.y, y.x)) / size).rgb, x.z);
-  vec3 high = mix(texture(t_lumispheres, (tile + vec2(x.x, y.y)) / size).rgb, texture(t_lumispheres, (tile + vec2(x.y, y.y)) / size).rgb, x.z);
-  return mix(low, high, y.z);
-}
+/// Directions of neighbouring texels that differ by less are read at their mean, in cells: that errs by 1/32 of the map's second derivative.
+const float kOneDirection = 0.25;
 
-vec3 decode_cluster(int cluster, vec4 weights[4], vec2 cells, FieldConstants k) {
-  vec3 sum = lumisphere_term(cluster, 0, cells, k.directions);
-  for (int c = 0; c < k.components; ++c) sum += weights[c >> 2][c & 3] * lumisphere_term(cluster, c + 1, cells, k.directions);
-  return sum;
+vec3 texel_reading(FieldPoint p, ivec2 cell, FieldConstants k) {
+  uint word = texelFetch(t_clusters, clamp_cell(cell, k.side), 0).x;
+  return vec3(map_cells(direction_at(p, word), k.directions), float(word & 255u));
 }
 
 vec3 compressed_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   int layers = (k.components + 3) / 4;
-  vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
-  uvec4 cells;
-  for (int i = 0; i < 4; ++i) cells[i] = texelFetch(t_clusters, clamp_cell(base + ivec2(i & 1, i >> 1), k.side), 0).x;
-  bool same = all(equal(cells, uvec4(cells.x)));
-  // Weights of one cluster and direction blend; else each texel is decoded.
+  // x, y: read point of the texel; z: its cluster.
+  vec3 t0 = texel_reading(p, base, k), t1 = texel_reading(p, base + ivec2(1, 0), k), t2 = texel_reading(p, base + ivec2(0, 1), k),
+       t3 = texel_reading(p, base + ivec2(1, 1), k);
+  vec3 mean = mix(mix(t0, t1, f.x), mix(t2, t3, f.x), f.y), far = max(max(abs(t0 - mean), abs(t1 - mean)), max(abs(t2 - mean), abs(t3 - mean)));
+  bool same = all(lessThan(far, vec3(kOneDirection, kOneDirection, 1.0e-3)));
   vec3 sum = vec3(0.0);
-  int decodes = same ? 1 : 4;
-  for (int i = 0; i < decodes; ++i) {
-    vec4 weights[4] = vec4[4](vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
-    int first = same ? 0 : i, last = same ? 3 : i;
-    for (int j = first; j <= last; ++j) {
-      ivec2 cell = clamp_cell(base + ivec2(j & 1, j >> 1), k.side);
-      for (int l = 0; l < layers; ++l) weights[l] += (same ? share[j] : 1.0) * texelFetch(t_weights, ivec3(cell, l), 0);
-    }
-    sum += (same ? 1.0 : share[i]) * decode_cluster(int(cells[i] & 255u), weights, map_cells(direction_at(p, cells[i]), k.directions), k);
+  // Weights of one cluster and direction blend; else each texel is decoded.
+  for (int i = 0; i < (same ? 1 : 0); ++i) {
+    vec2 point = lumisphere_at(int(t0.z), mean.xy, k);
+    sum = texture(t_lumispheres, vec3(point, 0.0)).rgb;
+    for (int l = 0; l < layers; ++l)
+      sum += four_components(point, l, texture(t_weights, vec3((vec2(base) + f + 0.5) / float(k.side), float(l))));
+  }
+  for (int i = 0; i < (same ? 0 : 4); ++i) {
+    ivec2 cell = clamp_cell(base + ivec2(i & 1, i >> 1), k.side);
+    vec3 t = i < 2 ? (i == 0 ? t0 : t1) : (i == 2 ? t2 : t3);
+    vec2 point = lumisphere_at(int(t.z), t.xy, k);
+    vec3 own = texture(t_lumispheres, vec3(point, 0.0)).rgb;
+    for (int l = 0; l < layers; ++l) own += four_components(point, l, texelFetch(t_weights, ivec3(cell, l), 0));
+    sum += ((i & 1) == 1 ? f.x : 1.0 - f.x) * (i > 1 ? f.y : 1.0 - f.y) * own;
   }
   return sum;
 }
@@ -176,15 +194,14 @@ vec3 interaction_radiance(FieldPoint p, ivec2 base, vec2 f, FieldConstants k) {
   return sum;
 }
 
-/// cd/m2 towards the eye, without emission.
+/// cd/m2 towards the eye, without emission; black where the atlas does not have the point.
 vec3 field_radiance(FieldPoint p) {
   FieldConstants k = field_constants();
   vec2 at = p.at - 0.5, base = floor(at);
-  // A loop is skipped by software devices where no invocation enters it; both sides of a branch are not.
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < (k.compressed ? 1 : 0); ++i) sum = compressed_radiance(p, ivec2(base), at - base, k);
   bool table = k.light_terms > 0;
-  for (int i = 0; i < (table ? 1 : 0); ++i) sum = interaction_radiance(p, ivec2(base), at - base, k);
-  for (int i = 0; i < (k.compressed || table ? 0 : 1); ++i) sum = stored_radiance(p, ivec2(base), at - base, k);
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < (p.known && k.compressed ? 1 : 0); ++i) sum = compressed_radiance(p, ivec2(base), at - base, k);
+  for (int i = 0; i < (p.known && table ? 1 : 0); ++i) sum = interaction_radiance(p, ivec2(base), at - base, k);
+  for (int i = 0; i < (!p.known || k.compressed || table ? 0 : 1); ++i) sum = stored_radiance(p, ivec2(base), at - base, k);
   return max(sum, vec3(0.0)) * k.scale;
 }

@@ -1,14 +1,16 @@
 #include "tests/benchmarks/slf_size.h"
 
+#include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
-#include <Imath/half.h>
 
 #include <array>
 #include <filesystem>
 #include <vector>
+
+#include "render/slf/buffers.h"
 
 namespace maquette::bench {
 
@@ -58,7 +60,9 @@ std::size_t bytes_of_slices(const OutgoingField& field, const std::string& scrat
 std::size_t bytes_resident(const LightField& field, std::size_t texels, std::size_t bins) {
   const auto components = static_cast<std::size_t>(field.fit.weights.rows());
   const std::size_t layers = (components + 3) / 4, clusters = static_cast<std::size_t>(field.fit.pca.cluster_count());
-  return texels * (4 + 8 * layers) + clusters * (components + 1) * bins * 8;
+  const double finer = static_cast<double>(lumisphere_table_side(field.side)) / field.side;
+  const auto read = static_cast<std::size_t>(finer * finer * static_cast<double>(bins));
+  return texels * (4 + 8 * layers) + clusters * (components + 1) * read * 8;
 }
 
 }  // namespace maquette::bench

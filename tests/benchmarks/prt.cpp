@@ -5,6 +5,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <memory>
 
+#include "render/prt/buried_vertices.h"
 #include "render/prt/job.h"
 #include "render/reference/path_scene.h"
 #include "render/reference/reference.h"
@@ -84,19 +85,30 @@ class TransferBench {
                                           settings_.get_int("prt.btf_components")},
                                          camera(*scene), kWidth, kHeight);
     }
-    const TransferJob from = job(*scene);
-    const TransferMesh mesh = make_transfer_mesh(*from.geometry, from.parts, from.options.vertices);
-    const Image at_vertices =
-        test::trace_transfer_reference({*traced, cube, pyramid.resample(cube, environment_rotation(0.0)),
-                                        settings_.get_int("prt.rays"), settings_.get_int("prt.btf_components"), &mesh},
-                                       camera(*scene), kWidth, kHeight);
-    figures_.push_back(shown(
-        under_ + ": plain sums at the vertices, linear between them, against plain sums at the pixels",
-        percent(error_of_covered(at_vertices, references[0])) + "; what is drawn with all coefficients, against them " +
-            percent(error_of_covered(draw(request(*scene, 0.0, 1024)), at_vertices)) + " (C_T)"));
+    measure_vertices(*scene,
+                     {*traced, cube, pyramid.resample(cube, environment_rotation(0.0)), settings_.get_int("prt.rays"),
+                      settings_.get_int("prt.btf_components")},
+                     references[0]);
     measure_errors(*scene, references);
     measure_turned_light(*scene);
     measure_raw(*scene, traced, references[0]);
+  }
+
+  /// What arrives at the vertices, linear between them, and what compression adds.
+  void measure_vertices(const Scene& scene, test::TransferReference reference, const Image& at_pixels) {
+    const std::atomic<bool> never{false};
+    const TransferJob from = job(scene);
+    const TransferMesh mesh = make_transfer_mesh(*from.geometry, from.parts, from.options.vertices);
+    const RayScene occluders = build_ray_scene(*from.geometry, from.occluding);
+    const ArrivingLight arriving = trace_arriving_light(mesh, reference.cube, occluders, {reference.rays}, never);
+    reference.vertices = &mesh;
+    reference.light_of =
+        light_sources(mesh, find_buried_vertices(mesh, *from.geometry, reference.cube, occluders, arriving), arriving);
+    const Image at_vertices = test::trace_transfer_reference(reference, camera(scene), kWidth, kHeight);
+    figures_.push_back(shown(
+        under_ + ": plain sums at the vertices, linear between them, against plain sums at the pixels",
+        percent(error_of_covered(at_vertices, at_pixels)) + "; what is drawn with all coefficients, against them " +
+            percent(error_of_covered(draw(request(scene, 0.0, 1024)), at_vertices)) + " (C_T)"));
   }
 
   /// The job of the files that were baked.
@@ -186,7 +198,9 @@ class TransferBench {
     }
   }
 
-  CameraView camera(const Scene& scene) const { return find_camera(scene, getenv("BENCHCAM") ? getenv("BENCHCAM") : "left"); }
+  CameraView camera(const Scene& scene) const {
+    return find_camera(scene, getenv("BENCHCAM") ? getenv("BENCHCAM") : "left");
+  }
 
   FrameRequest request(const Scene& scene, double turn_rad, int coefficients) const {
     FrameRequest r;

@@ -87,7 +87,7 @@ glm::vec3 shade(const TransferReference& r, const SurfacePoint& p, const Transfe
   if (triangle) {
     const TransferCorners corners = find_transfer_corners(*r.vertices, *triangle, barycentric);
     for (int i = 0; i < 3; ++i) {
-      const TransferVertex& v = r.vertices->vertices[corners.vertex[i]];
+      const TransferVertex& v = r.vertices->vertices[r.light_of[corners.vertex[i]]];
       add_light(r, {transfer_ray_origin(v), v.n, v.t, v.b}, static_cast<double>(corners.share[i]), &near);
     }
   } else {

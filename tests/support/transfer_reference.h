@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "render/prt/cube_light.h"
 #include "render/prt/transfer_mesh.h"
 #include "render/reference/path_scene.h"
@@ -17,6 +20,7 @@ struct TransferReference {
   int components = 2;  ///< of the BTFs, besides the mean
   /// What arrives is found at its vertices, and is linear between them; null: at each pixel. Of the scene's geometry.
   const TransferMesh* vertices = nullptr;
+  std::vector<std::uint32_t> light_of = {};  ///< [vertex] whose light it has (light_sources)
 };
 
 /// Radiance of what is seen; alpha 1 where that is a surface with a BTF.

@@ -42,7 +42,8 @@ Json document_json(const Review& review, const SourceMap& to_file) {
           {"look", look_json(review.look, to_file)},
           {"looks", looks},
           {"paths", paths},
-          {"regions", regions}};
+          {"regions", regions},
+          {"inspection", inspection_json(review.inspection)}};
 }
 
 template <typename T>
@@ -86,11 +87,13 @@ Review read_document(JsonReader* reader, const SourceMap& from_file) {
     review.looks.push_back(look_from_json(looks[i], at("looks", i), from_file));
   const Json& paths = reader->list("paths");
   for (std::size_t i = 0; i < paths.size(); ++i) review.paths.push_back(path_from_json(paths[i], at("paths", i)));
-  if (reader->has("regions")) {  // the first reviews had none
+  if (reader->has("regions")) {  // the first reviews had none, and nothing of the inspection
     const Json& regions = reader->list("regions");
     for (std::size_t i = 0; i < regions.size(); ++i)
       review.regions.push_back(region_from_json(regions[i], at("regions", i)));
   }
+  if (reader->has("inspection"))
+    review.inspection = inspection_from_json(reader->member("inspection"), reader->where("inspection"));
   check_names(review.looks, reader->where("looks"), "look");
   check_names(review.paths, reader->where("paths"), "path");
   return review;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "review/camera_path.h"
+#include "review/inspection_setup.h"
 #include "review/look.h"
 
 namespace maquette {
@@ -16,7 +17,8 @@ struct InspectedRegion {
   bool operator==(const InspectedRegion&) const = default;
 };
 
-/// All that a user makes of a scene: the state at hand, what was kept of looks, paths and regions. Sources are built-in
+/// All that a user makes of a scene: the state at hand, what was kept of looks, paths and
+/// regions, and how panes are inspected. Sources are built-in
 /// names and absolute paths.
 struct Review {
   std::string scene = "builtin:cockpit";
@@ -25,6 +27,7 @@ struct Review {
   std::vector<Look> looks;
   std::vector<CameraPath> paths;
   std::vector<InspectedRegion> regions;
+  InspectionSetup inspection;
   bool operator==(const Review&) const = default;
 };
 

@@ -100,7 +100,8 @@ void draw_legend(Ui& ui) {
 }
 
 void luminance_slider(const char* id, float* cdm2, float low, float high) {
-  slider(id, cdm2, low, high, *cdm2 >= 100.0f ? "%.0f cd/m2" : "%.3g cd/m2", ImGuiSliderFlags_Logarithmic);
+  slider(id, cdm2, low, high, *cdm2 >= 100.0f ? "%.0f cd/m2" : "%.3g cd/m2",
+         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
 }
 
 void draw_colors(Ui& ui) {
@@ -145,6 +146,16 @@ void draw_regions(Ui& ui) {
   row_label("Threshold", "Regions tell the share of their pixels above it");
   luminance_slider("##threshold", &view.threshold_cdm2, 1.0f, 1e5f);
   mark_item(ui, "inspection/threshold");
+  row_label("Contrast", "What should be seen through the pane: whatever is there, or an object of one luminance");
+  static const char* const kBackgrounds[] = {"of what is seen", "of an object"};
+  int given = view.background_given ? 1 : 0;
+  if (ImGui::Combo("##contrast", &given, kBackgrounds, 2)) view.background_given = given == 1;
+  mark_item(ui, "inspection/contrast");
+  if (view.background_given) {
+    row_label("Its luminance", "Of the object, before the pane dims it");
+    luminance_slider("##background", &view.background_cdm2, 1e-2f, 1e6f);
+    mark_item(ui, "inspection/background");
+  }
   for (std::size_t i = 0; i < ui.facts.inspection.regions.size(); ++i) {
     ImGui::TextColored(kAccent, "Region %zu", i + 1);
     draw_rows(ui.facts.inspection.regions[i].values);
@@ -163,18 +174,22 @@ void draw_conditions(Ui& ui) {
   mark_item(ui, "inspection/light");
   if (view.light == InspectionView::Light::given) {
     row_label("On the glass", "Illuminance of the pane's outer face");
-    slider("##lux", &view.lux_on_glass, 1.0f, 2e5f, "%.0f lx", ImGuiSliderFlags_Logarithmic);
+    slider("##lux", &view.lux_on_glass, 1.0f, 2e5f, "%.0f lx",
+           ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     mark_item(ui, "inspection/lux");
   }
-  row_label("Eyes", "Across and down an eye box of 100 x 50 mm; the worst is named");
+  row_label("Eyes", "Across and down the eye box, measured each; the worst is named");
   const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
   for (std::size_t i = 0; i < 2; ++i) {
     if (i > 0) ImGui::SameLine(0.0f, gap);
     ImGui::SetNextItemWidth(width);
-    ImGui::SliderInt(i == 0 ? "##columns" : "##rows", &view.grid[i], 1, 8, i == 0 ? "%d across" : "%d down",
+    ImGui::SliderInt(i == 0 ? "##columns" : "##rows", &view.grid[i], 1, kMostGrid, i == 0 ? "%d across" : "%d down",
                      ImGuiSliderFlags_AlwaysClamp);
     mark_item(ui, i == 0 ? "inspection/columns" : "inspection/rows");
   }
+  row_label("Eye box, mm", "Width and height in which these eyes lie, around the eye of the camera");
+  number_fields(ui, "inspection/eye box", view.eye_box_mm.data(), 2, "%.0f");
+  for (float& side : view.eye_box_mm) side = std::clamp(side, 0.0f, kMostEyeBox_mm);
   ImGui::Checkbox("left and right eye", &view.both_eyes);
   mark_item(ui, "inspection/both eyes");
   ImGui::Checkbox("matte dashboard", &view.dash_given);
@@ -205,7 +220,7 @@ void draw_sweep(Ui& ui) {
   row_label(elide("In " + facts.sweep_unit, scaled(104.0f)).c_str(), "From and to");
   number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
-  ImGui::SliderInt("##steps", &view.sweep_count, 2, 24);
+  ImGui::SliderInt("##steps", &view.sweep_count, 2, kMostSweepSteps);
   mark_item(ui, "inspection/steps");
   ImGui::BeginDisabled(!facts.job.empty());
   if (ImGui::Button("Run")) ui.actions.inspection.run_sweep = true;

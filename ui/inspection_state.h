@@ -14,30 +14,10 @@
 namespace maquette {
 
 /// Settings of the inspection tab.
-struct InspectionView {
+struct InspectionView : InspectionSetup {
   bool open = false;  ///< the tab is visible: only then is anything measured. Set by the panel in each frame
   bool false_color = false;
-  bool in_ev = false;     ///< the scale of the false colours is in EV100 instead of cd/m2
-  float low_cdm2 = 1.0f;  ///< ends of the scale; beyond them are the out-of-range colours
-  float high_cdm2 = 1e4f;
-  float threshold_cdm2 = 100.0f;
-  int polarisation = 0;  ///< Polarisation
   std::vector<InspectedRegion> regions;
-  std::array<float, 3> r_point_m{0.0f, 0.0f, 0.0f};
-  bool right_hand_drive = false;
-  std::array<float, 3> eye_mm{68.0f, -5.0f, 665.0f};  ///< own eye point: rearward, right, up from the R-point
-  int which_eye = 0;                                  ///< of a head: 0 its middle, 1 left, 2 right
-  /// Of sweeps and files: the light as it is, so many lux on the glass, or none from outside.
-  enum class Light { as_is, given, night };
-  Light light = Light::as_is;
-  float lux_on_glass = 88900.0f;
-  bool both_eyes = false;
-  std::array<int, 2> grid{1, 1};  ///< eyes across and down the eye box of 100 x 50 mm
-  bool dash_given = false;        ///< the dashboard is Lambertian with this reflectance
-  float dash_reflectance = 0.13f;
-  int sweep = 0;  ///< of sweep_names()
-  std::array<float, 2> sweep_range{10.0f, 80.0f};
-  int sweep_count = 8;
   std::array<char, 256> export_path{"inspection.csv"};
   std::optional<glm::vec2> stored_at;  ///< point whose stored light is shown: of the picture, 0 to 1 from the top left
 };

@@ -24,6 +24,8 @@ MeasureOptions measure_options_of(const InspectionView& view) {
   options.both_eyes = view.both_eyes;
   options.grid_columns = view.grid[0];
   options.grid_rows = view.grid[1];
+  options.eye_box_mm = {static_cast<double>(view.eye_box_mm[0]), static_cast<double>(view.eye_box_mm[1])};
+  if (view.background_given) options.background_cdm2 = static_cast<double>(view.background_cdm2);
   if (view.dash_given) options.dash_reflectance = static_cast<double>(view.dash_reflectance);
   return options;
 }

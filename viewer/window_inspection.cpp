@@ -3,23 +3,17 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <numbers>
 
 #include "render/inspection/light_on_pane.h"
 #include "render/reference/path_scene.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
-#include "scenes/files.h"
 #include "scenes/luminance.h"
 #include "viewer/inspection_options.h"
-#include "viewer/measure/measure_files.h"
 #include "viewer/measure/measure_run.h"
-#include "viewer/outputs.h"
-#include "viewer/session.h"
 
 namespace maquette {
 
@@ -29,11 +23,6 @@ constexpr double kRead_s = 0.4;  // between two readings of the picture
 constexpr int kProbePaths = 64, kRegionPaths = 4, kBatches = 8;
 constexpr std::size_t kRegionPixels = 600;  // of a region that are traced
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-template <typename T>
-bool is_ready(const std::future<T>& future) {
-  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-}
 
 std::string text_of(const char* format, double value) {
   char text[96];
@@ -98,6 +87,24 @@ LayerMeans trace_means(const PathScene& paths, const FrameRequest& request, cons
     transmitted.push_back(t / static_cast<double>(pixels.size()));
   }
   return {confidence_interval(reflected), confidence_interval(transmitted), std::move(each)};
+}
+
+/// The contrast that an object of the options' luminance keeps, or what is seen behind these pixels.
+std::pair<std::string, std::string> contrast_row(const MeasureOptions& options, const std::vector<Sight>& sights,
+                                                 const LayerMeans& means) {
+  if (!options.background_cdm2)
+    return {"Contrast kept", text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean))};
+  double share = 0.0;
+  for (std::size_t k = 0; k < sights.size(); ++k)
+    share += contrast_kept(*background_through(options, sights[k]), means.reflected_each[k]);
+  return {"Contrast kept", text_of("%.1f %%", 100.0 * share / static_cast<double>(sights.size())) + " of " +
+                               plain_number(*options.background_cdm2) + " cd/m2"};
+}
+
+/// Whether probe and regions tell the same under both.
+bool same_figures(const InspectionSetup& a, const InspectionSetup& b) {
+  return a.threshold_cdm2 == b.threshold_cdm2 && a.polarisation == b.polarisation &&
+         a.background_given == b.background_given && a.background_cdm2 == b.background_cdm2;
 }
 
 bool has_r_point(const Scene& scene) {
@@ -190,9 +197,11 @@ void WindowInspection::probe(const WindowSession& session, const WindowPicture& 
                  request.width - 1),
       std::clamp(static_cast<int>((mouse.y - rect.y) / rect.height * static_cast<float>(request.height)), 0,
                  request.height - 1));
-  if (px == probed_px_ || picture_.width != request.width || picture_.height != request.height) return;
-  probed_px_ = px;
   const InspectionView& view = session.state.inspection;
+  const bool probed = px == probed_px_ && same_figures(probed_setup_, view);
+  if (probed || picture_.width != request.width || picture_.height != request.height) return;
+  probed_px_ = px;
+  probed_setup_ = view;
   const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced_->paths->bounds);
   const std::size_t pixel =
       static_cast<std::size_t>(px.y) * static_cast<std::size_t>(request.width) + static_cast<std::size_t>(px.x);
@@ -223,8 +232,7 @@ void WindowInspection::probe(const WindowSession& session, const WindowPicture& 
   probe_.emplace_back("Mirrors", name_of(*traced_->scene, pane.mirrored));
   probe_.emplace_back("Reflected", interval_text(means.reflected));
   probe_.emplace_back("Transmitted", interval_text(means.transmitted));
-  probe_.emplace_back("Contrast kept",
-                      text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean)));
+  probe_.push_back(contrast_row(measure_options_of(view), {sight}, means));
   const Settings& settings = session.state.settings;
   const GlassSheet sheet{glm::dvec3(request.camera.eye), 1e-3 * settings.get_double("reflections.thickness"),
                          1e-3 * settings.get_double("reflections.wedge")};
@@ -236,15 +244,13 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
   const InspectionView& view = session.state.inspection;
   if (is_ready(region_job_)) regions_ = region_job_.get();
   if (region_job_.valid()) return;
-  const bool current = regions_.regions == view.regions && regions_of_ == picture.drawn() &&
-                       regions_polarisation_ == view.polarisation && regions_threshold_cdm2_ == view.threshold_cdm2;
+  const bool current =
+      regions_.regions == view.regions && regions_of_ == picture.drawn() && same_figures(regions_setup_, view);
   if (current || picture_.width != picture.drawn().width || session.state.tool == Tool::region) return;
   regions_of_ = picture.drawn();
-  regions_polarisation_ = view.polarisation;
-  regions_threshold_cdm2_ = view.threshold_cdm2;
+  regions_setup_ = view;
   region_job_ = std::async(std::launch::async, [request = picture.drawn(), traced = *traced_, regions = view.regions,
-                                                shown = picture_, threshold = view.threshold_cdm2,
-                                                polarisation = static_cast<Polarisation>(view.polarisation)] {
+                                                shown = picture_, options = measure_options_of(view)] {
     RegionJob out{regions, {}};
     const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced.paths->bounds);
     for (const InspectedRegion& region : regions) {
@@ -273,16 +279,16 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
       const auto add = [&](const char* name, const RegionStatistics& s) {
         for (auto& row : statistics_rows(name, s)) values.values.push_back(std::move(row));
       };
-      add("Picture, cd/m2", region_statistics(sums, static_cast<double>(threshold)));
+      add("Picture, cd/m2", region_statistics(sums, options.threshold_cdm2));
       if (!pixels.empty()) {
-        const LayerMeans means = trace_means(*traced.paths, request, rays, pixels, sights, kRegionPaths, polarisation);
+        const LayerMeans means =
+            trace_means(*traced.paths, request, rays, pixels, sights, kRegionPaths, options.polarisation);
         values.values.emplace_back("Incidence",
                                    text_of("%.1f deg in the mean", region_statistics(incidence, 0.0).mean));
         values.values.emplace_back("Reflected", interval_text(means.reflected));
-        add("its pixels", region_statistics(means.reflected_each, static_cast<double>(threshold)));
+        add("its pixels", region_statistics(means.reflected_each, options.threshold_cdm2));
         values.values.emplace_back("Transmitted", interval_text(means.transmitted));
-        values.values.emplace_back(
-            "Contrast kept", text_of("%.1f %%", 100.0 * contrast_kept(means.transmitted.mean, means.reflected.mean)));
+        values.values.push_back(contrast_row(options, sights, means));
       } else {
         values.values.emplace_back("Pane", "none in this region");
       }
@@ -290,98 +296,6 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
     }
     return out;
   });
-}
-
-void WindowInspection::start_job(WindowSession* session, bool exports) {
-  if (job_ || !traced_) {
-    session->add_message(MessageLevel::warning, "inspection: wait until the scene is prepared");
-    return;
-  }
-  const InspectionView& view = session->state.inspection;
-  const EditorState& state = session->state;
-  SceneOptions options;
-  options.scene = traced_->scene->name;
-  options.environment = state.edits.environment;
-  options.env_rotation_deg = state.edits.env_rotation_deg;
-  options.env_scale = state.edits.env_scale;
-  for (const Technique& technique : builtin_registry().techniques)
-    if (technique.can.traces_picture) options.mode = technique.name;
-  options.settings = state.settings;
-  options.settings.reset("reflections.layer");
-  options.eye = state.camera.eye;
-  options.target = state.camera.target;
-  options.up = state.camera.up;
-  options.fov_deg = glm::degrees(state.camera.fov_y_rad);
-  constexpr int kSweepHeight = 54, kExportHeight = 180;
-  options.height = exports ? kExportHeight : kSweepHeight;
-  const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
-  options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
-  options.samples = exports ? 16 : 8;
-  MeasureOptions measured = measure_options_of(view);
-  if (exports) {
-    measured.paths = 64;
-    measured.layers = "exr";
-    for (std::size_t i = 0; i < view.regions.size(); ++i) {
-      const glm::ivec4 box = pixels_of(view.regions[i], options.width, options.height);
-      measured.regions.push_back({"region " + std::to_string(i + 1), std::min(box.x, options.width - 1),
-                                  std::min(box.y, options.height - 1), std::min(box.z, options.width - box.x),
-                                  std::min(box.w, options.height - box.y)});
-    }
-  } else {
-    const std::string& name = sweep_names()[static_cast<std::size_t>(view.sweep)];
-    Sweep sweep{name, {}};
-    sweep_x_.clear();
-    sweep_y_.clear();
-    for (int i = 0; i < view.sweep_count; ++i) {
-      const double t = static_cast<double>(i) / std::max(view.sweep_count - 1, 1);
-      sweep.values.push_back(static_cast<double>(view.sweep_range[0]) * (1.0 - t) +
-                             static_cast<double>(view.sweep_range[1]) * t);
-      check_sweep_value(name, sweep.values.back());
-      sweep_x_.push_back(static_cast<float>(sweep.values.back()));
-    }
-    measured.sweeps = {sweep};
-    sweep_title_ = "reflected cd/m2 over " + name;
-  }
-  const std::string path = view.export_path.data();
-  job_ = std::make_unique<Job>();
-  job_->what = exports ? "Export" : "Sweep of " + measured.sweeps.front().name;
-  job_->exports = exports;
-  job_->result =
-      std::async(std::launch::async, [job = job_.get(), options, measured, traced = *traced_, exports, path] {
-        LastEye last;
-        MeasureOptions asked = measured;
-        Measurement result = measure(
-            options, asked, traced.scene, traced.environment,
-            [job](double share) {
-              job->share = static_cast<float>(share);
-              if (job->cancel) throw Error("inspection", "cancelled", "");
-            },
-            &last);
-        if (exports) {
-          write_text(path, lower_extension(path) == ".json" ? measurement_json(result) : measurement_csv(result));
-          write_layers(std::filesystem::path(path).replace_extension(".exr").string(), result, last);
-        }
-        return result;
-      });
-}
-
-void WindowInspection::finish_job(WindowSession* session) {
-  if (!job_ || !is_ready(job_->result)) return;
-  const bool exports = job_->exports, cancelled = job_->cancel;
-  try {
-    const Measurement result = job_->result.get();
-    if (exports) {
-      const std::string path = session->state.inspection.export_path.data();
-      session->add_message(MessageLevel::warning, "written: " + path + " and its layers");
-    } else {
-      sweep_y_ = worst_of_steps(result, sweep_x_);
-    }
-    worst_ = worst_rows(result);
-  } catch (const std::exception& error) {
-    if (!cancelled) session->add_message(MessageLevel::error, error.what());
-    sweep_x_.clear();
-  }
-  job_.reset();
 }
 
 void WindowInspection::carry_out(const InspectionActions& actions, WindowSession* session) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <future>
 #include <memory>
 #include <mutex>
@@ -15,6 +16,11 @@
 #include "viewer/window_session.h"
 
 namespace maquette {
+
+template <typename T>
+bool is_ready(const std::future<T>& future) {
+  return future.valid() && future.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
 
 /// The inspection tab's part of the window: probe under the mouse, false colours, regions, sweeps and files. Rays and
 /// paths run on threads of their own; only the picture's luminances are read from the renderer.
@@ -73,8 +79,7 @@ class WindowInspection {
   std::future<RegionJob> region_job_;
   RegionJob regions_;
   FrameRequest regions_of_;
-  int regions_polarisation_ = -1;
-  float regions_threshold_cdm2_ = -1.0f;
+  InspectionSetup regions_setup_, probed_setup_;
   std::unique_ptr<Job> job_;
   std::vector<float> sweep_x_, sweep_y_;
   std::string sweep_title_, status_, sun_;

@@ -18,6 +18,7 @@ Review WindowSession::review_now() const {
   review.looks = state.looks;
   review.paths = state.paths;
   review.regions = state.inspection.regions;
+  review.inspection = state.inspection;
   return review;
 }
 
@@ -33,6 +34,7 @@ void WindowSession::show(const Review& review) {
   state.looks = review.looks;
   state.paths = review.paths;
   state.inspection.regions = review.regions;
+  static_cast<InspectionSetup&>(state.inspection) = review.inspection;
 }
 
 void WindowSession::begin_review(std::unique_ptr<OpenReview> review, const std::string& look) {

@@ -237,6 +237,7 @@ void WindowSession::poll_files() {
       state.looks.clear();
       state.paths.clear();
       state.inspection.regions.clear();
+      state.inspection.r_point_m = InspectionSetup().r_point_m;
       state.settings.set("ground.kind", std::string(wants_ground(*scene_) ? "projected" : "none"));
       set_camera(camera_of_options(*scene_, SceneOptions()));
       review_ = std::make_unique<OpenReview>(review_now(), keeps_journal_);

@@ -134,7 +134,22 @@ TEST_F(ReviewFile, BadOnesAreRefused) {
   EXPECT_TRUE(contains(problem(outside), "regions[0]: it reaches outside the picture")) << problem(outside);
   Json first_ones = json;
   first_ones.erase("regions");
-  EXPECT_NO_THROW(parse_review(first_ones.dump(), file)) << "the first reviews had no regions";
+  first_ones.erase("inspection");
+  EXPECT_NO_THROW(parse_review(first_ones.dump(), file)) << "the first reviews had neither";
+  Json inspected = json;
+  inspected["inspection"]["polarisation"] = "sunglases";
+  EXPECT_TRUE(
+      contains(problem(inspected), "inspection.polarisation: there is no \"sunglases\"; did you mean sunglasses"))
+      << problem(inspected);
+  inspected = json;
+  inspected["inspection"]["background_cdm2"] = -1.0;
+  EXPECT_TRUE(contains(problem(inspected), "inspection.background_cdm2")) << problem(inspected);
+  inspected = json;
+  inspected["inspection"]["eye_box_mm"] = {100.0};
+  EXPECT_TRUE(contains(problem(inspected), "inspection.eye_box_mm: 2 numbers")) << problem(inspected);
+  inspected = json;
+  inspected["inspection"]["eyebox_mm"] = {100.0, 50.0};
+  EXPECT_TRUE(contains(problem(inspected), "did you mean eye_box_mm")) << problem(inspected);
   const std::string damaged = error_of([&] { parse_review(json.dump().substr(0, 200), file); });
   EXPECT_TRUE(contains(damaged, "it is damaged") && contains(damaged, "journal")) << damaged;
   EXPECT_TRUE(contains(error_of([&] { load_review("/nowhere/b.maquette.json"); }), "does not exist"));

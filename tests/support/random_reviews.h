@@ -14,7 +14,7 @@ class RandomReviews {
   explicit RandomReviews(unsigned seed) : random_(seed) {}
 
   void change(Review* review) {
-    switch (pick(6)) {
+    switch (pick(7)) {
       case 0:
         return change_list(&review->looks, [&] {
           Look look = review->look;
@@ -33,8 +33,50 @@ class RandomReviews {
           const float x = real(0.0f, 0.9f), y = real(0.0f, 0.9f);
           return InspectedRegion{x, y, real(0.0f, 1.0f - x), real(0.0f, 1.0f - y)};
         });
+      case 3:
+        return change(&review->inspection);
       default:
         return change(&review->look);
+    }
+  }
+  void change(InspectionSetup* setup) {
+    switch (pick(8)) {
+      case 0:
+        setup->background_given = pick(2) == 0;
+        setup->background_cdm2 = std::exp(real(-3.0f, 9.0f));
+        break;
+      case 1:
+        setup->eye_box_mm = {real(0.0f, 500.0f), real(0.0f, 500.0f)};
+        setup->grid = {1 + pick(kMostGrid), 1 + pick(kMostGrid)};
+        break;
+      case 2:
+        setup->threshold_cdm2 = real(1.0f, 1e4f);
+        setup->polarisation = pick(4);
+        break;
+      case 3:
+        setup->low_cdm2 = real(0.1f, 10.0f);
+        setup->high_cdm2 = real(20.0f, 1e6f);
+        setup->in_ev = pick(2) == 0;
+        break;
+      case 4:
+        setup->r_point_m = {real(-2.0f, 2.0f), real(-2.0f, 2.0f), real(-2.0f, 2.0f)};
+        setup->eye_mm = {real(-99.0f, 99.0f), real(-99.0f, 99.0f), real(500.0f, 700.0f)};
+        setup->which_eye = pick(3);
+        break;
+      case 5:
+        setup->light = static_cast<InspectionSetup::Light>(pick(3));
+        setup->lux_on_glass = real(1.0f, 1e5f);
+        break;
+      case 6:
+        setup->dash_given = pick(2) == 0;
+        setup->dash_reflectance = real(0.0f, 1.0f);
+        setup->both_eyes = pick(2) == 0;
+        setup->right_hand_drive = pick(2) == 0;
+        break;
+      default:
+        setup->sweep = pick(static_cast<int>(sweep_names().size()));
+        setup->sweep_range = {real(0.0f, 9.0f), real(10.0f, 90.0f)};
+        setup->sweep_count = 2 + pick(20);
     }
   }
   void change(Look* look) {

@@ -314,6 +314,21 @@ TEST(Panels, APictureIsSavedInTheSizeThatIsAsked) {
   EXPECT_TRUE(editor.actions.save_picture);
 }
 
+TEST(Panels, TheContrastIsOfWhatIsSeenOrOfAnObject) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  editor.state.right_tab = 4;
+  editor.step(3);
+  EXPECT_FALSE(editor.frame.items.contains("inspection/background"));
+  ASSERT_TRUE(editor.click("inspection/contrast"));
+  editor.press(ImGuiKey_DownArrow);
+  editor.press(ImGuiKey_Space);
+  ASSERT_TRUE(editor.state.inspection.background_given);
+  EXPECT_TRUE(editor.frame.items.contains("inspection/background"));
+  EXPECT_TRUE(editor.frame.items.contains("inspection/eye box/2")) << "width and height";
+}
+
 TEST(Panels, BakesCanBeStoppedAndMade) {
   const Scene scene = small_scene();
   FrameStats stats;

@@ -36,6 +36,10 @@ TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
   view.both_eyes = true;
   view.polarisation = 3;
   view.threshold_cdm2 = 250.0f;
+  view.eye_box_mm = {140.0f, 80.0f};
+  EXPECT_FALSE(measure_options_of(view).background_cdm2) << "of what is seen";
+  view.background_given = true;
+  view.background_cdm2 = 2500.0f;
   const MeasureOptions options = measure_options_of(view);
   EXPECT_DOUBLE_EQ(options.lux_on_glass.value(), 88900.0);
   EXPECT_FLOAT_EQ(static_cast<float>(options.dash_reflectance.value()), 0.13f);
@@ -44,6 +48,8 @@ TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
   EXPECT_TRUE(options.both_eyes);
   EXPECT_EQ(options.polarisation, Polarisation::sunglasses);
   EXPECT_EQ(options.threshold_cdm2, 250.0);
+  EXPECT_EQ(options.eye_box_mm, glm::dvec2(140.0, 80.0));
+  EXPECT_EQ(options.background_cdm2.value(), 2500.0);
   view.light = InspectionView::Light::night;
   EXPECT_TRUE(measure_options_of(view).night);
   EXPECT_FALSE(measure_options_of(view).lux_on_glass) << "the two exclude each other";

@@ -29,6 +29,9 @@ void add_assumptions(const SceneOptions& s, const MeasureOptions& o, const Scene
   add("eye",
       o.eye ? o.eye->point + " from the R-point" + (o.right_hand_drive ? ", right-hand drive" : ", left-hand drive")
             : "camera " + (s.camera.empty() ? std::string("of the options") : s.camera));
+  if (o.grid_columns * o.grid_rows > 1)
+    add("eye box", number_text(o.eye_box_mm.x) + " x " + number_text(o.eye_box_mm.y) + " mm around it, " +
+                       std::to_string(o.grid_columns) + " x " + std::to_string(o.grid_rows) + " eyes");
   add("vehicle axes", o.axes + " are rearward, right, up in the scene");
   add("pane", scene.nodes[static_cast<std::size_t>(pane)].name);
   add("pane formula",

@@ -39,12 +39,6 @@ double luminance_at(const Image& image, std::size_t pixel) {
 
 }  // namespace
 
-const std::vector<std::string>& sweep_names() {
-  static const std::vector<std::string> kNames = {"sun-elevation",    "sun-azimuth", "rake",
-                                                  "dash-reflectance", "wedge",       "thickness"};
-  return kNames;
-}
-
 EyeRays eye_rays(const CameraView& camera, int width, int height, const Bounds& bounds) {
   const CameraFrame frame = make_camera_frame(camera, width, height, bounds);
   EyeRays rays;
@@ -148,6 +142,12 @@ std::vector<std::size_t> pane_pixels(const PictureRegion& region, int width, int
   return pixels;
 }
 
+std::optional<double> background_through(const MeasureOptions& options, const Sight& sight) {
+  if (!options.background_cdm2 || !sight.pane) return std::nullopt;
+  return *options.background_cdm2 * sight.pane->optics.transmitted.mean() *
+         polarisation_factor(sight.pane, options.polarisation, false);
+}
+
 RegionValues region_values(const EyeContext& context, const PictureRegion& region, const LayerPictures& pictures,
                            const std::vector<Sight>& sights) {
   const std::vector<std::size_t> pixels = pane_pixels(region, context.width, context.pane, sights);
@@ -172,10 +172,7 @@ RegionValues region_values(const EyeContext& context, const PictureRegion& regio
     incidence.push_back(pane.incidence_rad * 180.0 / std::numbers::pi);
     reflectance.push_back(pane.optics.reflected.mean());
     values.surface_reflectance += pane.optics.surface.mean() / static_cast<double>(pixels.size());
-    const double background = o.background_cdm2 ? *o.background_cdm2 * pane.optics.transmitted.mean() *
-                                                      polarisation_factor(sights[i].pane, o.polarisation, false)
-                                                : transmitted.back();
-    contrast += contrast_kept(background, reflected.back());
+    contrast += contrast_kept(background_through(o, sights[i]).value_or(transmitted.back()), reflected.back());
     if (context.light && o.dash_reflectance)
       flat += flat_veil_cdm2(context.light->illuminance_lx, context.light->transmitted_share, *o.dash_reflectance,
                              pane.optics.reflected.mean());

@@ -67,10 +67,10 @@ void parse_sweep(MeasureOptions* o, const std::string& text) {
 }
 
 Polarisation parse_polarisation(const std::string& text) {
-  static const std::vector<std::string> kNames = {"all", "s", "p", "sunglasses"};
-  for (std::size_t i = 0; i < kNames.size(); ++i)
-    if (kNames[i] == text) return static_cast<Polarisation>(i);
-  throw UsageError("--polarisation", "there is no \"" + text + "\"", did_you_mean(text, kNames));
+  const std::vector<std::string>& names = polarisation_names();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == text) return static_cast<Polarisation>(i);
+  throw UsageError("--polarisation", "there is no \"" + text + "\"", did_you_mean(text, names));
 }
 
 std::vector<OptionDeclaration> eye_options() {

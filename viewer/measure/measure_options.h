@@ -7,6 +7,7 @@
 
 #include "render/inspection/eye_points.h"
 #include "render/inspection/sights.h"
+#include "review/inspection_setup.h"
 
 namespace maquette {
 
@@ -21,7 +22,6 @@ struct Sweep {
   std::string name;  ///< one of sweep_names()
   std::vector<double> values;
 };
-const std::vector<std::string>& sweep_names();
 /// Throws UsageError for a value that the quantity cannot have.
 void check_sweep_value(const std::string& name, double value);
 

@@ -46,6 +46,8 @@ std::vector<std::size_t> pane_pixels(const PictureRegion& region, int width, int
                                      const std::vector<Sight>& sights);
 /// Angle between both images of what a pixel mirrors, arc minutes.
 double ghost_arcmin(const PaneSight& pane, const GlassSheet& sheet);
+/// Luminance of the options' background through the pane of a pixel, cd/m2; nothing where none is given.
+std::optional<double> background_through(const MeasureOptions& options, const Sight& sight);
 /// Throws Error for a region without the pane.
 RegionValues region_values(const EyeContext& context, const PictureRegion& region, const LayerPictures& pictures,
                            const std::vector<Sight>& sights);

@@ -34,6 +34,7 @@ std::string draw_browser(Ui& ui) {
   if (begin_list("files", room, width)) {
     if (folder.has_parent_path() && folder != folder.root_path() && ImGui::Selectable("..", false, kStaysOpen))
       next = folder.parent_path().string();
+    mark_item(ui, "browse/..");
     for (const std::string& name : browser.folders) {
       if (ImGui::Selectable((name + "/").c_str(), false, kStaysOpen)) next = (folder / name).string();
       mark_item(ui, "browse/" + name);
@@ -68,8 +69,10 @@ bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const c
   bool entered = ImGui::InputText("##path", ui.state.path.data(), ui.state.path.size(),
                                   ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_AutoSelectAll);
   if (*age < kFocusFrames && !ImGui::IsItemActive() && !entered) ui.frame.awaits_field = true;
+  mark_item(ui, "dialog/path");
   ImGui::SameLine();
   entered = (ImGui::Button(button) || entered) && ui.state.path[0] != 0;
+  mark_item(ui, std::string("dialog/") + button);
   if (browsed) *browsed = draw_browser(ui);
   if (entered) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();

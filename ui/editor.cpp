@@ -75,6 +75,8 @@ void find_keyboard(Ui& ui) {
   // A tab that is being opened takes it in the next frame.
   if (!ui.frame.windows.contains(ui.state.keyboard_goes_to)) ui.state.keyboard_goes_to.clear();
   ui.frame.navigating = ImGui::GetIO().NavVisible;
+  const auto at = std::ranges::find(ui.frame.stops, ImGui::GetCurrentContext()->NavId, &KeyboardStop::item);
+  ui.state.keyboard_types = at != ui.frame.stops.end() && at->typed;
   const ImGuiWindow* window = ImGui::GetCurrentContext()->NavWindow;
   if (!ui.frame.navigating || !window) return;
   const std::string name = window->RootWindow->Name;
@@ -86,6 +88,7 @@ void find_keyboard(Ui& ui) {
 EditorFrame draw_editor(EditorState* state, const EditorFacts& facts, EditorActions* actions) {
   EditorFrame frame;
   Ui ui{*state, facts, *actions, frame};
+  panels::press_by_enter(state->keyboard_types);
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   LayoutRequest request;
   request.width = size.x;

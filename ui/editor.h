@@ -13,6 +13,7 @@ struct KeyboardStop {
   unsigned item = 0, window = 0;  ///< ImGui's numbers
   std::string part;               ///< `toolbar`, `left`, `right`, or the name of what has popped up
   Rect rect;
+  bool typed = false;  ///< Enter types its value; elsewhere it presses
 };
 
 /// Positions of panels and controls in this frame, for the mouse and for tests.

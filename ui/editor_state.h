@@ -113,6 +113,7 @@ struct EditorState : Look {
   int right_tab = -1;            ///< to be opened once: 0 look, 1 render, 2 frame, 3 error, 4 inspection
   bool right_first = false;      ///< the right side was opened last: the left one gives way where both have no room
   int keyboard_step = 0;         ///< once: to the next control (1) or the one before (-1)
+  bool keyboard_types = false;   ///< Enter begins to type in the control that has the keyboard. Set in each frame
   std::string keyboard_goes_to;  ///< once: a part of the window (`toolbar`, `left`, `right`, `picture`)
   bool open_path_popup = false, save_path_popup = false, start_popup = false, menu_popup = false;
   bool presenting = false;  ///< the picture alone

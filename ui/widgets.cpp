@@ -106,7 +106,9 @@ bool slider(const char* id, float* value, float low, float high, const char* for
   ImGui::Dummy({std::max(rest, 0.0f), 1.0f});
   ImGui::EndGroup();
   // The group stands for the slider, also where the keyboard goes.
-  ImGui::GetCurrentContext()->LastItemData.ID = ImGui::GetID(id);
+  ImGuiLastItemData& item = ImGui::GetCurrentContext()->LastItemData;
+  item.ID = ImGui::GetID(id);
+  item.InFlags |= ImGuiItemFlags_Inputable;
   return changed;
 }
 
@@ -119,7 +121,18 @@ void mark_item(Ui& ui, const std::string& name) {
   ImGuiWindow* window = ImGui::GetCurrentWindow();
   if (item.ID == 0 || (item.InFlags & ImGuiItemFlags_Disabled) != 0) return;
   if (!ui.frame.stops.empty() && ui.frame.stops.back().item == item.ID) return;  // marked by two names
-  ui.frame.stops.push_back({item.ID, window->ID, window->RootWindow->Name, {a.x, a.y, b.x - a.x, b.y - a.y}});
+  ui.frame.stops.push_back({item.ID,
+                            window->ID,
+                            window->RootWindow->Name,
+                            {a.x, a.y, b.x - a.x, b.y - a.y},
+                            (item.InFlags & ImGuiItemFlags_Inputable) != 0});
+}
+
+void press_by_enter(bool types) {
+  ImGuiContext& context = *ImGui::GetCurrentContext();
+  if (types || context.NavActivateInputId == 0 || context.ActiveId != 0) return;
+  context.NavActivateId = context.NavActivateDownId = context.NavActivatePressedId = context.NavActivateInputId;
+  context.NavActivateInputId = 0;
 }
 
 bool pressed_by_key() {

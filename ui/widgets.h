@@ -62,6 +62,9 @@ void number_fields(Ui& ui, const std::string& name, float* values, int count, co
 /// Slider, combo or box made from the declaration, with its unit, its help, and a reset button if it was changed.
 void setting_row(Ui& ui, const SettingDeclaration& declaration);
 
+/// At the begin of a frame: Enter presses what has the keyboard, as Space does, unless `types`: there it begins to
+/// type.
+void press_by_enter(bool types);
 /// The last item was pressed by Space or Enter.
 bool pressed_by_key();
 /// Gives a control the keyboard, visibly.

@@ -103,7 +103,10 @@ class App {
     collect_facts();
     EditorActions actions;
     editor_ = draw_editor(&session_.state, facts_, &actions);
-    if (!input.typing) handle_keys(input.keys, &actions);
+    if (input.typing)
+      leave_field(input.keys);
+    else
+      handle_keys(input.keys, &actions);
     for (const Command command : actions.commands) {
       request(command, &actions);
       change_view(command);
@@ -194,6 +197,12 @@ class App {
       if (blocked || !compare_.takes(event, session_.state, editor_.layout.picture))
         input_.handle(event, editor_.layout.picture, blocked, &session_,
                       [this](float x, float y) { return pick(x, y); });
+  }
+
+  /// Tab goes on from a text field as from any control.
+  void leave_field(const std::vector<KeyEvent>& keys) {
+    for (const KeyEvent& event : keys)
+      if (event.key == GLFW_KEY_TAB && !event.released) session_.state.keyboard_step = event.shift ? -1 : 1;
   }
 
   void handle_keys(const std::vector<KeyEvent>& keys, EditorActions* actions) {

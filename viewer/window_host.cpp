@@ -187,8 +187,9 @@ void ImGuiHost::pass_key(const KeyEvent& event, bool typing) {
   if (event.text != 0 && !event.ctrl && !presses) {
     if (typing) io.AddInputCharacter(event.text);
   } else if (event.key > 0 && event.key < IM_ARRAYSIZE(io.KeysDown)) {
-    io.KeysDown[event.key] = true;  // even if it has been released since
-    tapped_.push_back(event.key);
+    const int key = event.key == GLFW_KEY_KP_ENTER ? GLFW_KEY_ENTER : event.key;
+    io.KeysDown[key] = true;  // even if it has been released since
+    tapped_.push_back(key);
   }
 }
 

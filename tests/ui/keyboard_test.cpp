@@ -142,6 +142,108 @@ TEST(Keyboard, SpaceAndArrowsChangeAValue) {
   EXPECT_EQ(editor.state.edits.env_rotation_deg, turned) << "the slider was left";
 }
 
+/// Tabs to a control of a panel.
+void go_to(HeadlessEditor* editor, int panel, const std::string& name) {
+  open_panel(&editor->state, panel);
+  editor->step(4);
+  for (int i = 0; i < 200; ++i) {
+    editor->state.keyboard_step = 1;
+    editor->step(2);
+    std::set<std::string> reached;
+    note_focused(*editor, &reached);
+    if (reached.contains(name)) return;
+  }
+  ADD_FAILURE() << name << " was not reached";
+}
+
+TEST(Keyboard, EnterPressesAsSpaceDoes) {
+  for (const ImGuiKey key : {ImGuiKey_Space, ImGuiKey_Enter}) {
+    Prepared prepared;
+    HeadlessEditor editor(1280.0f, 720.0f);
+    prepared.fill(&editor);
+    editor.step(3);
+    const auto pressed = [&](const bool EditorActions::*action) {
+      ImGui::GetIO().KeysDown[key] = true;
+      editor.step();
+      const bool done = editor.actions.*action;
+      ImGui::GetIO().KeysDown[key] = false;
+      editor.step(2);
+      return done;
+    };
+    const int review = 3, inspect = 8;
+    go_to(&editor, review, "look/keep");
+    EXPECT_TRUE(pressed(&EditorActions::keep_look)) << key;
+    go_to(&editor, inspect, "inspection/both eyes");
+    editor.press(key);
+    EXPECT_TRUE(editor.state.inspection.both_eyes) << "a box " << key;
+    go_to(&editor, inspect, "inspection/Trends");
+    ASSERT_TRUE(editor.frame.items.contains("inspection/run"));
+    editor.press(key);
+    EXPECT_FALSE(editor.frame.items.contains("inspection/run")) << "a section closes " << key;
+    go_to(&editor, inspect, "inspection/light");
+    editor.press(key);
+    editor.press(ImGuiKey_DownArrow);
+    editor.press(key);
+    EXPECT_EQ(editor.state.inspection.light, InspectionSetup::Light::given) << "a line of a list " << key;
+    editor.state.keyboard_goes_to = "toolbar";
+    editor.step(3);
+    editor.press(key);
+    EXPECT_TRUE(editor.frame.items.contains("menu/Camera")) << "the menu " << key;
+  }
+}
+
+TEST(Keyboard, EnterPressesInDialogs) {
+  Prepared prepared;
+  HeadlessEditor editor(1280.0f, 720.0f);
+  prepared.fill(&editor);
+  editor.step(3);
+  editor.state.start_popup = true;
+  editor.step(4);
+  ASSERT_TRUE(editor.frame.items.contains("start/builtin:sphere"));
+  for (int i = 0; i < 20; ++i) {
+    editor.press(ImGuiKey_DownArrow);
+    std::set<std::string> reached;
+    note_focused(editor, &reached);
+    if (reached.contains("start/another")) break;
+  }
+  editor.press(ImGuiKey_Enter);
+  editor.step(4);
+  ASSERT_TRUE(editor.frame.items.contains("dialog/Open")) << "the button opened the next dialog";
+  EXPECT_TRUE(editor.frame.typing) << "its field has the keyboard";
+  ImGui::GetIO().AddInputCharactersUTF8("builtin:plate");
+  editor.step(2);
+  editor.state.keyboard_step = 1;
+  editor.step(3);
+  ImGui::GetIO().KeysDown[ImGuiKey_Enter] = true;
+  editor.step();
+  EXPECT_EQ(editor.actions.open_path, "builtin:plate");
+  ImGui::GetIO().KeysDown[ImGuiKey_Enter] = false;
+  editor.step(3);
+  EXPECT_FALSE(editor.frame.items.contains("dialog/Open"));
+}
+
+TEST(Keyboard, EnterTypesANumber) {
+  Prepared prepared;
+  HeadlessEditor editor(1280.0f, 720.0f);
+  prepared.fill(&editor);
+  editor.step(3);
+  editor.state.inspection.background_given = true;
+  for (const char* name :
+       {"inspection/threshold", "inspection/background", "inspection/eye box", "inspection/columns"}) {
+    go_to(&editor, 8, name);
+    editor.press(ImGuiKey_Enter);
+    EXPECT_TRUE(editor.frame.typing) << name;
+    ImGui::GetIO().AddInputCharactersUTF8("7");
+    editor.step(2);
+    editor.press(ImGuiKey_Enter);
+    EXPECT_FALSE(editor.frame.typing) << name;
+  }
+  EXPECT_EQ(editor.state.inspection.threshold_cdm2, 7.0f);
+  EXPECT_EQ(editor.state.inspection.background_cdm2, 7.0f);
+  EXPECT_EQ(editor.state.inspection.eye_box_mm[0], 7.0f);
+  EXPECT_EQ(editor.state.inspection.grid[0], 7);
+}
+
 TEST(Keyboard, TheMenuHoldsEveryCommand) {
   Prepared prepared;
   HeadlessEditor editor(1280.0f, 720.0f);

@@ -101,6 +101,23 @@ std::vector<double> key_times_s(const CameraPath& path) {
   return times;
 }
 
+void move_key(CameraPath* path, std::size_t key, double time_s) {
+  constexpr double kLeast_s = 0.04;  // of a move: a frame
+  const std::vector<std::size_t> kept = kept_keys(*path);
+  const auto at = std::find(kept.begin(), kept.end(), key);
+  if (at == kept.end() || at == kept.begin()) return;
+  const std::vector<double> times = key_times_s(*path);
+  PathKey& before = path->keys[*(at - 1)];
+  PathKey& moved = path->keys[key];
+  const double least = times[*(at - 1)] + before.delay_s + kLeast_s;
+  const bool moves_on = at + 1 != kept.end() || path->closed;
+  const double most = moves_on ? times[key] + moved.duration_s - kLeast_s : 86400.0;
+  if (most < least) return;
+  const double shift = std::clamp(time_s, least, most) - times[key];
+  before.duration_s += shift;
+  if (moves_on) moved.duration_s -= shift;
+}
+
 double path_duration_s(const CameraPath& path) {
   const std::vector<std::size_t> kept = kept_keys(path);
   double sum = 0.0;

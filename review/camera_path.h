@@ -49,6 +49,10 @@ double path_duration_s(const CameraPath& path);
 /// Begin of each key's rest, s; of skipped keys that of the key before them.
 std::vector<double> key_times_s(const CameraPath& path);
 
+/// Moves a key to another time, as far as the keys beside it let it; these stay where they are. The first key, and one
+/// that is skipped, stay; the last one of an open path makes it longer or shorter.
+void move_key(CameraPath* path, std::size_t key, double time_s);
+
 /// `time_s` is clamped to the path, or wraps around in a closed one. Position: centripetal Catmull-Rom (Yuksel,
 /// Schaefer and Keyser 2011, "Parameterization and applications of Catmull-Rom curves"), which neither overshoots nor
 /// loops between keys. Orientation: the same curve with great arcs between unit quaternions, of signs that take the

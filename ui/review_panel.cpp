@@ -92,6 +92,11 @@ void draw_looks(Ui& ui) {
   mark_item(ui, "look name");
   if (std::none_of(state.looks.begin(), state.looks.end(), [&](const Look& l) { return l.name == state.name; }))
     state.name = at->name;
+  char note[512];
+  std::snprintf(note, sizeof note, "%s", at->note.c_str());
+  row_label("Note", "What is to be said about the look that is chosen");
+  if (ImGui::InputText("##note", note, sizeof note)) at->note = state.note = note;
+  mark_item(ui, "look note");
   ImGui::BeginDisabled(same_but_names(state, *at));
   if (ImGui::Button("Update")) *at = canonical(state);
   mark_item(ui, "look/update");
@@ -135,6 +140,11 @@ void draw_key(Ui& ui, PathKey* key) {
       *value = static_cast<double>(shown);
     mark_item(ui, std::string("key/") + label);
   };
+  char name[128];
+  std::snprintf(name, sizeof name, "%s", key->name.c_str());
+  row_label("Key", "Its name");
+  if (ImGui::InputTextWithHint("##key name", "a name", name, sizeof name)) key->name = name;
+  mark_item(ui, "key/name");
   seconds("Delay", "##delay", "Rest at this key", &key->delay_s);
   seconds("Duration", "##duration", "Of the move to the next key", &key->duration_s);
   row_label("Ease", "How the move begins and ends");
@@ -207,7 +217,8 @@ void draw_keys(Ui& ui, CameraPath* path) {
     draw_key(ui, &path->keys[static_cast<std::size_t>(view.key)]);
 }
 
-void draw_playback(Ui& ui, const CameraPath& path) {
+void draw_playback(Ui& ui, CameraPath* edited) {
+  const CameraPath& path = *edited;
   static const char* const kPlayings[] = {"once", "loop", "there and back", "backwards"};
   PathView& view = ui.state.path_view;
   const bool can_play = std::ranges::count(path.keys, false, &PathKey::skip) >= 2 && path_duration_s(path) > 0.0;
@@ -240,6 +251,7 @@ void draw_playback(Ui& ui, const CameraPath& path) {
   }
   mark_item(ui, "path/time");
   ImGui::EndDisabled();
+  if (can_play) draw_timeline(ui, edited);
   const std::string late = std::to_string(view.late_frames);
   dim_text(view.late_frames > 0 ? late + " frames came late; play renders every one" : " ");
 }
@@ -318,7 +330,7 @@ void draw_paths(Ui& ui) {
   mark_item(ui, "path/export");
   tooltip("NAME.path.json beside the review; such a file can be dropped on the picture");
   draw_path_animation(ui, &path);
-  draw_playback(ui, path);
+  draw_playback(ui, &path);
   draw_keys(ui, &path);
 }
 

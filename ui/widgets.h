@@ -85,6 +85,7 @@ std::string dropped_source(const Ui& ui);
 void draw_scene_panel(Ui& ui);
 void draw_help_panel(Ui& ui);
 void draw_review_panel(Ui& ui);
+void draw_timeline(Ui& ui, CameraPath* path);  ///< its bar of keys
 void draw_look_panel(Ui& ui);
 void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);

@@ -144,6 +144,36 @@ TEST(CameraPath, DelaySkipEaseAndLooks) {
   }
 }
 
+TEST(CameraPath, AMovedKeyLeavesTheOthersWhereTheyAre) {
+  CameraPath path = path_of({key_at({0, 0, 0}), key_at({1, 0, 0}), key_at({2, 0, 0}), key_at({3, 0, 0})});
+  path.keys[0].delay_s = 0.5;
+  path.keys[1].delay_s = 0.25;
+  const std::vector<double> before = key_times_s(path);  // 0, 1.5, 2.75, 3.75
+  move_key(&path, 1, 1.9);
+  EXPECT_NEAR(key_times_s(path)[1], 1.9, 1e-12);
+  for (const std::size_t k : {0u, 2u, 3u}) EXPECT_NEAR(key_times_s(path)[k], before[k], 1e-12);
+  EXPECT_EQ(path.keys[1].delay_s, 0.25);
+  move_key(&path, 1, 99.0);
+  EXPECT_NEAR(path.keys[1].duration_s, 0.04, 1e-9) << "it stops before the next one";
+  move_key(&path, 1, -99.0);
+  EXPECT_NEAR(path.keys[0].duration_s, 0.04, 1e-9) << "and behind the rest of the one before";
+  EXPECT_NEAR(key_times_s(path)[2], before[2], 1e-12);
+  move_key(&path, 3, 6.0);
+  EXPECT_NEAR(path_duration_s(path), 6.0, 1e-12) << "the last one makes the path longer";
+  const CameraPath same = path;
+  move_key(&path, 0, 1.0);
+  EXPECT_EQ(path, same) << "the first one stays";
+  path.closed = true;
+  path.keys[3].duration_s = 2.0;
+  move_key(&path, 3, 7.0);
+  EXPECT_NEAR(path_duration_s(path), 8.0, 1e-12) << "the way back gets shorter";
+  path.keys[1].skip = true;
+  move_key(&path, 1, 2.0);
+  move_key(&path, 2, 3.0);
+  EXPECT_NEAR(key_times_s(path)[2], 3.0, 1e-12) << "skipped keys are as if they were not there";
+  EXPECT_NO_THROW(check_path(path, "test"));
+}
+
 TEST(CameraPath, PlaysInEveryDirection) {
   const CameraPath path = path_of({key_at({0, 0, 0}, 2.0), key_at({1, 0, 0})});
   EXPECT_DOUBLE_EQ(playing_time_s(path, Playing::once, 5.0), 2.0);

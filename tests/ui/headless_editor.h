@@ -54,6 +54,29 @@ class HeadlessEditor {
     return true;
   }
 
+  /// Drags from the middle of an item by so much.
+  bool drag(const std::string& item, float dx, float dy) {
+    step(2);
+    const auto found = frame.items.find(item);
+    if (found == frame.items.end()) return false;
+    ImGuiIO& io = ImGui::GetIO();
+    const Rect r = found->second;
+    io.MousePos = {r.x + 0.5f * r.width, r.y + 0.5f * r.height};
+    step();
+    io.MouseDown[0] = true;
+    step();
+    for (int i = 1; i <= 4; ++i) {
+      const float t = 0.25f * static_cast<float>(i);
+      io.MousePos = {r.x + 0.5f * r.width + t * dx, r.y + 0.5f * r.height + t * dy};
+      step();
+    }
+    io.MouseDown[0] = false;
+    step();
+    io.MousePos = {-1.0f, -1.0f};
+    step(2);
+    return true;
+  }
+
   /// Presses and releases a key.
   void press(ImGuiKey key) {
     ImGui::GetIO().KeysDown[key] = true;

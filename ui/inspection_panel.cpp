@@ -86,16 +86,21 @@ void draw_legend(Ui& ui) {
   }
   ImGui::Dummy({width, height});
   mark_item(ui, "inspection/legend");
-  char text[160];
   const float middle = std::sqrt(view.low_cdm2 * view.high_cdm2);
-  if (view.in_ev)
-    std::snprintf(text, sizeof text, "%.1f EV      %.1f EV      %.1f EV", static_cast<double>(ev100_of(view.low_cdm2)),
-                  static_cast<double>(ev100_of(middle)), static_cast<double>(ev100_of(view.high_cdm2)));
-  else
-    std::snprintf(
-        text, sizeof text, "%s cd/m2      %s      %s cd/m2", plain_number(static_cast<double>(view.low_cdm2)).c_str(),
-        plain_number(static_cast<double>(middle)).c_str(), plain_number(static_cast<double>(view.high_cdm2)).c_str());
-  ImGui::TextUnformatted(text);
+  const auto label = [&](float cdm2) {
+    char ev[32];
+    std::snprintf(ev, sizeof ev, "%.1f EV", static_cast<double>(ev100_of(cdm2)));
+    return view.in_ev ? std::string(ev) : plain_number(static_cast<double>(cdm2)) + (cdm2 == middle ? "" : " cd/m2");
+  };
+  // Each below its place on the scale.
+  const float left = ImGui::GetCursorPosX();
+  const std::string texts[] = {label(view.low_cdm2), label(middle), label(view.high_cdm2)};
+  for (int i = 0; i < 3; ++i) {
+    const float share = 0.5f * static_cast<float>(i);
+    if (i > 0) ImGui::SameLine(left + share * (width - ImGui::CalcTextSize(texts[i].c_str()).x));
+    ImGui::TextUnformatted(texts[i].c_str());
+    mark_item(ui, "inspection/legend/" + std::to_string(i));
+  }
   dim_text("dark blue: below the scale; magenta: above it");
 }
 
@@ -201,6 +206,17 @@ void draw_conditions(Ui& ui) {
   mark_item(ui, "inspection/dash reflectance");
 }
 
+/// The step of a sweep under the mouse, instead of its number.
+void name_step(const InspectionFacts& facts) {
+  if (!ImGui::IsItemHovered()) return;
+  const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
+  const float share = (ImGui::GetIO().MousePos.x - low.x) / std::max(high.x - low.x, 1.0f);
+  const float last = static_cast<float>(facts.sweep_y.size() - 1);
+  const auto at = static_cast<std::size_t>(std::clamp(std::round(share * last), 0.0f, last));
+  ImGui::SetTooltip("%s %s: %s cd/m2", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
+                    facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str());
+}
+
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
@@ -230,6 +246,7 @@ void draw_sweep(Ui& ui) {
   const float most = *std::max_element(facts.sweep_y.begin(), facts.sweep_y.end());
   ImGui::PlotLines("##plot", facts.sweep_y.data(), static_cast<int>(facts.sweep_y.size()), 0, facts.sweep_title.c_str(),
                    0.0f, 1.1f * std::max(most, 1e-9f), {ImGui::GetContentRegionAvail().x, scaled(110.0f)});
+  name_step(facts);
   mark_item(ui, "inspection/plot");
   const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
   char text[160];
@@ -273,7 +290,8 @@ void draw_inspection_panel(Ui& ui) {
   part("Files", draw_export);
   draw_rows(facts.worst);
   if (!facts.job.empty()) {
-    ImGui::ProgressBar(facts.job_share, {-FLT_MIN, 0.0f}, facts.job.c_str());
+    ImGui::ProgressBar(facts.job_share, {-FLT_MIN, 0.0f}, "");
+    dim_text(facts.job + (facts.job_seconds_left < 0.0 ? "" : ", " + time_left_text(facts.job_seconds_left)));
     if (ImGui::Button("Cancel")) ui.actions.inspection.cancel = true;
     mark_item(ui, "inspection/cancel");
   }

@@ -50,6 +50,7 @@ struct InspectionFacts {
   std::vector<float> sweep_x, sweep_y;  ///< mean reflected luminance, cd/m2
   std::string sweep_title, job;         ///< what is being computed
   float job_share = 0.0f;
+  double job_seconds_left = -1.0;                          ///< negative: not known yet
   std::vector<std::pair<std::string, std::string>> worst;  ///< of the last sweep or export
   bool has_r_point = false;                                ///< the scene has a node r_point
 };

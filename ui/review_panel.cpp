@@ -107,7 +107,7 @@ void draw_looks(Ui& ui) {
 void draw_compare(Ui& ui) {
   static const char* const kHows[] = {"wiper", "side by side", "difference (FLIP)"};
   CompareView& view = ui.state.compare;
-  const std::string shown = view.other.empty() ? std::string("the one before") : view.other;
+  const std::string shown = view.other.empty() ? std::string("last shown") : view.other;
   ImGui::BeginDisabled(ui.state.looks.empty());
   row_label("Compare", "The look at hand with another one, by the same camera (C)");
   if (ImGui::Checkbox("##on", &view.on) && !view.on) view.other.clear();
@@ -115,7 +115,7 @@ void draw_compare(Ui& ui) {
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-FLT_MIN);
   if (ImGui::BeginCombo("##other", shown.c_str())) {
-    if (ImGui::Selectable("the one before", view.other.empty())) view.other.clear();
+    if (ImGui::Selectable("last shown", view.other.empty())) view.other.clear();
     for (const Look& look : ui.state.looks)
       if (look.name != ui.state.name && ImGui::Selectable(look.name.c_str(), view.other == look.name)) {
         view.other = look.name;
@@ -253,7 +253,7 @@ void draw_playback(Ui& ui, CameraPath* edited) {
   ImGui::EndDisabled();
   if (can_play) draw_timeline(ui, edited);
   const std::string late = std::to_string(view.late_frames);
-  dim_text(view.late_frames > 0 ? late + " frames came late; play renders every one" : " ");
+  dim_text(view.late_frames > 0 ? late + " frames late; play renders all" : " ");
 }
 
 /// The scene's own animations, each of which makes a path.

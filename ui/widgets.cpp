@@ -89,9 +89,10 @@ bool setting_control(const SettingDeclaration& declaration, SettingValue* value)
 }  // namespace
 
 bool slider(const char* id, float* value, float low, float high, const char* format, ImGuiSliderFlags flags) {
-  const float column = scaled(88.0f), whole = ImGui::CalcItemWidth(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float whole = ImGui::CalcItemWidth(), gap = ImGui::GetStyle().ItemInnerSpacing.x;
+  const float column = std::clamp(whole - gap - scaled(40.0f), scaled(48.0f), scaled(88.0f));
   ImGui::BeginGroup();
-  ImGui::SetNextItemWidth(std::max(whole - column - gap, scaled(40.0f)));
+  ImGui::SetNextItemWidth(std::max(whole - column - gap, scaled(16.0f)));
   const bool entered = ImGui::GetCurrentContext()->NavActivateInputId == ImGui::GetID(id);
   const bool typing = ImGui::GetIO().KeyCtrl || entered || ImGui::TempInputIsActive(ImGui::GetID(id));
   const bool changed = ImGui::SliderFloat(id, value, low, high, typing ? format : "", flags);

@@ -40,6 +40,18 @@ glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec
   return both_eyes(middle, axes)[view.which_eye == 1 ? 0 : 1];
 }
 
+std::string interval_text(const Interval& i) {
+  double half = i.half_width < 1e-6 * std::abs(i.mean) ? 0.0 : i.half_width;  // what is the same along every path
+  if (half >= 100.0) {
+    const double unit = std::pow(10.0, std::floor(std::log10(half)) - 1.0);
+    half = unit * std::round(half / unit);
+  }
+  char text[96];
+  std::snprintf(text, sizeof text, half >= 100.0 ? "%s +- %.0f cd/m2" : "%s +- %.2g cd/m2",
+                plain_number(i.mean).c_str(), half);
+  return text;
+}
+
 std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps) {
   std::vector<float> worst(steps.size(), 0.0f);
   for (const EyeValues& eye : result.eyes)

@@ -20,6 +20,9 @@ MeasureOptions measure_options_of(const InspectionView& view);
 /// The eye that a button asks for: 1 V1, 2 V2, 3 the view's own point; of a head's eyes the one that the view names.
 glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes);
 
+/// `3989 +- 110 cd/m2`: two digits of the half-width, never with an exponent.
+std::string interval_text(const Interval& interval);
+
 /// Of each step of a sweep the largest mean of the reflected light over all eyes, cd/m2.
 std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps);
 

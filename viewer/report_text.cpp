@@ -46,6 +46,11 @@ void append_item(const std::string& key, const Json& value, std::size_t indent, 
   }
 }
 
+/// Of a number whose name is not written.
+const char* unit_of(const std::string& key) {
+  return key.ends_with("_deg") ? " deg" : key.ends_with("_m") ? " m" : "";
+}
+
 /// An object in a list is one line: its first value, a colon, the others, lists with their names.
 std::string object_line(const Json& object) {
   std::string line;
@@ -53,7 +58,7 @@ std::string object_line(const Json& object) {
   for (const auto& [key, part] : object.items()) {
     if (i > 0) line += i == 1 ? ": " : "; ";
     if (is_scalar(part)) {
-      line += scalar_text(part);
+      line += scalar_text(part) + unit_of(key);
     } else {
       line += readable(key);
       for (const Json& value : part) line += (&value == &part.front() ? " " : ", ") + scalar_text(value);

@@ -254,6 +254,26 @@ void draw_halves(ImDrawList* list, ImTextureID own, ImTextureID other, const Rec
   if (other) list->AddImage(other, {middle + 1.0f, top}, {rect.x + rect.width, bottom - 0.25f * rect.height});
 }
 
+/// As much of the name as there is room for.
+std::string fitted(std::string name, float room) {
+  const auto wide = [&](const std::string& text) { return ImGui::CalcTextSize(text.c_str()).x > room; };
+  if (!wide(name)) return name;
+  while (name.size() > 1 && wide(name + "...")) name.pop_back();
+  while (!name.empty() && (static_cast<unsigned char>(name.back()) & 0xc0u) == 0x80u) name.pop_back();  // UTF-8
+  return name + "...";
+}
+
+/// Both names beside the line at x, inside the picture: a side that has no room has no name.
+void draw_names(ImDrawList* list, const std::string& present, const std::string& other, float x, const Rect& rect) {
+  constexpr float kGap = 10.0f, kEdge = 6.0f, kLeast = 40.0f;
+  const float y = rect.y + rect.height - 1.6f * ImGui::GetFontSize();
+  const float left = x - kGap - rect.x - kEdge, right = rect.x + rect.width - kEdge - x - kGap;
+  if (right >= kLeast) label(list, {x + kGap, y}, fitted(other, right));
+  if (left < kLeast) return;
+  const std::string shown = fitted(present, left);
+  label(list, {x - kGap - ImGui::CalcTextSize(shown.c_str()).x, y}, shown);
+}
+
 }  // namespace
 
 void WindowCompare::draw_overlay(const EditorState& state, const WindowPicture& picture, const Rect& rect) const {
@@ -264,7 +284,6 @@ void WindowCompare::draw_overlay(const EditorState& state, const WindowPicture& 
   const float bottom = rect.y + rect.height, middle = rect.y + 0.5f * rect.height;
   const std::string present = "A  " + (state.name.empty() ? std::string("as it is") : state.name);
   std::string other = "B  " + (state.compare.other.empty() ? other_ : state.compare.other);
-  if (!ready_) other += " (is being drawn)";
   float x = rect.x + 0.5f * rect.width;
   if (how == How::side_by_side) {
     draw_halves(list, texture_id(picture.shown()), ready_ ? texture_id(texture_) : ImTextureID(), rect);
@@ -277,12 +296,13 @@ void WindowCompare::draw_overlay(const EditorState& state, const WindowPicture& 
   } else if (ready_ && mean_flip_ >= 0.0) {
     list->AddImage(texture_id(difference_), {rect.x, rect.y}, {rect.x + rect.width, bottom});
   }
-  const float y = bottom - 1.6f * ImGui::GetFontSize();
-  label(list, {x + 10.0f, y}, other);
-  label(list, {x - 10.0f - ImGui::CalcTextSize(present.c_str()).x, y}, present);
-  if (how != How::difference) return;
+  draw_names(list, present, other, x, rect);
+  if (how != How::difference && ready_) return;
   char text[96];
-  std::snprintf(text, sizeof text, mean_flip_ < 0.0 ? "is being compared" : "FLIP, mean %.4f: 0 blue, 1 red",
+  std::snprintf(text, sizeof text,
+                !ready_            ? "B is being drawn"
+                : mean_flip_ < 0.0 ? "is being compared"
+                                   : "FLIP, mean %.4f: 0 blue, 1 red",
                 mean_flip_);
   label(list, {x - 0.5f * ImGui::CalcTextSize(text).x, rect.y + 0.6f * ImGui::GetFontSize()}, text);
 }

@@ -36,13 +36,6 @@ std::string polarised_text(const Polarised& p) {
   return text;
 }
 
-std::string interval_text(const Interval& i) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%s +- %.2g cd/m2", plain_number(i.mean).c_str(),
-                i.half_width < 1e-6 * i.mean ? 0.0 : i.half_width);  // what is the same along every path
-  return text;
-}
-
 std::string name_of(const Scene& scene, const Met& met) {
   if (!met.surface) return "sky";
   std::string text = scene.nodes[static_cast<std::size_t>(met.node)].name;
@@ -116,8 +109,8 @@ std::vector<std::pair<std::string, std::string>> statistics_rows(const char* nam
   char middle[128], ends[128];
   std::snprintf(middle, sizeof middle, "mean %s, median %s", plain_number(s.mean).c_str(),
                 plain_number(s.median).c_str());
-  std::snprintf(ends, sizeof ends, "%s to %s, sigma %.3g", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
-                s.sigma);
+  std::snprintf(ends, sizeof ends, "%s to %s, sigma %s", plain_number(s.min).c_str(), plain_number(s.max).c_str(),
+                plain_number(s.sigma).c_str());
   return {{name, middle}, {"", ends}, {"over threshold", text_of("%.1f %%", 100.0 * s.share_over)}};
 }
 
@@ -160,7 +153,13 @@ void WindowInspection::read_picture(WindowSession* session, const WindowPicture&
   read_s_ = now_s;
   picture_ = session->renderer().read_radiance();
   colors_stale_ = true;
-  if (other) probed_px_ = glm::ivec2(-1);
+  if (other) forget_probe();
+}
+
+/// What was under the mouse in another picture is not in this one.
+void WindowInspection::forget_probe() {
+  probed_px_ = glm::ivec2(-1);
+  probe_.clear();
 }
 
 void WindowInspection::update(WindowSession* session, const WindowPicture& picture, const Rect& rect, glm::vec2 mouse,
@@ -171,6 +170,7 @@ void WindowInspection::update(WindowSession* session, const WindowPicture& pictu
   status_.clear();
   if (!picture.still() || session->loading()) {
     status_ = "It waits until nothing moves.";
+    forget_probe();
     return;
   }
   take_scene(session, picture);
@@ -337,6 +337,9 @@ void WindowInspection::fill_facts(const WindowSession& session, InspectionFacts*
   if (job_) {
     facts->job = job_->what;
     facts->job_share = job_->share;
+    const std::chrono::duration<double> past = std::chrono::steady_clock::now() - job_->begin;
+    const auto share = static_cast<double>(facts->job_share);
+    if (share > 0.0) facts->job_seconds_left = past.count() * (1.0 - share) / share;
     facts->sweep_y.clear();
   }
   facts->has_r_point = has_r_point(session.scene());
@@ -367,18 +370,26 @@ void WindowInspection::draw_probe(const Rect& picture) const {
   if (probe_.empty()) return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const float line = ImGui::GetTextLineHeight(), pad = 0.4f * line, column = 7.0f * line;
-  float width = 0.0f;
-  for (const auto& [name, value] : probe_) width = std::max(width, ImGui::CalcTextSize(value.c_str()).x);
-  const ImVec2 low(picture.x + pad,
-                   picture.y + picture.height - pad - line * static_cast<float>(probe_.size()) - 2.0f * pad);
-  list->AddRectFilled(low, {low.x + column + width + 2.0f * pad, picture.y + picture.height - pad},
-                      IM_COL32(16, 16, 18, 215), 4.0f);
+  // What is too wide for a small picture goes on in the next line.
+  const float room = std::max(picture.width - column - 4.0f * pad, 4.0f * line);
+  float width = 0.0f, height = 0.0f;
+  for (const auto& [name, value] : probe_) {
+    const ImVec2 size = ImGui::CalcTextSize(value.c_str(), nullptr, false, room);
+    width = std::max(width, size.x);
+    height += size.y;
+  }
+  const float bottom = picture.y + picture.height - pad;
+  const ImVec2 low(picture.x + pad, std::max(bottom - height - 2.0f * pad, picture.y));
+  list->PushClipRect({picture.x, picture.y}, {picture.x + picture.width, picture.y + picture.height});
+  list->AddRectFilled(low, {low.x + column + width + 2.0f * pad, bottom}, IM_COL32(16, 16, 18, 215), 4.0f);
   float y = low.y + pad;
   for (const auto& [name, value] : probe_) {
     list->AddText({low.x + pad, y}, IM_COL32(160, 160, 165, 255), name.c_str());
-    list->AddText({low.x + pad + column, y}, IM_COL32(240, 240, 240, 255), value.c_str());
-    y += line;
+    list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), {low.x + pad + column, y}, IM_COL32(240, 240, 240, 255),
+                  value.c_str(), nullptr, room);
+    y += ImGui::CalcTextSize(value.c_str(), nullptr, false, room).y;
   }
+  list->PopClipRect();
 }
 
 void WindowInspection::draw_overlay(const WindowSession& session, const Rect& picture) {

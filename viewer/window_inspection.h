@@ -49,6 +49,7 @@ class WindowInspection {
   struct Job {
     std::string what;
     bool exports = false;
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
     std::atomic<float> share{0.0f};
     std::atomic<bool> cancel{false};
     std::future<Measurement> result;
@@ -60,6 +61,7 @@ class WindowInspection {
 
   void take_scene(WindowSession* session, const WindowPicture& picture);
   void read_picture(WindowSession* session, const WindowPicture& picture, double now_s);
+  void forget_probe();
   void probe(const WindowSession& session, const WindowPicture& picture, const Rect& rect, glm::vec2 mouse);
   void measure_regions(const WindowSession& session, const WindowPicture& picture);
   void start_job(WindowSession* session, bool exports);

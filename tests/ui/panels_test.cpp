@@ -99,6 +99,22 @@ TEST(Panels, ControlsStayInsideTheirSide) {
   }
 }
 
+TEST(Panels, SlidersLeaveRoomForWhatStandsBehindThem) {
+  const Scene scene = small_scene();
+  for (const float width : {600.0f, 1280.0f}) {
+    HeadlessEditor editor(width, 720.0f);
+    editor.facts.scene = &scene;
+    editor.state.left_tab = 1;
+    editor.state.selected_node = 1;
+    editor.step(4);
+    const Rect flip = editor.frame.items.at("section/flip");
+    for (const char* name : {"part", "turn"}) {
+      const Rect rect = editor.frame.items.at(name);
+      EXPECT_LE(rect.x + rect.width, flip.x + flip.width + 0.5f) << name << " at " << width;
+    }
+  }
+}
+
 TEST(Panels, PartsTakeAModeInTheSceneTree) {
   const Scene scene = small_scene();
   HeadlessEditor editor(1280.0f, 720.0f);
@@ -329,6 +345,40 @@ TEST(Panels, TheContrastIsOfWhatIsSeenOrOfAnObject) {
   EXPECT_TRUE(editor.frame.items.contains("inspection/eye box/2")) << "width and height";
 }
 
+TEST(Panels, AMeasurementInWorkCanBeCancelled) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  editor.facts.inspection.sweep_names = sweep_names();
+  editor.state.right_tab = 4;
+  editor.step(3);
+  EXPECT_FALSE(editor.frame.items.contains("inspection/cancel"));
+  editor.facts.inspection.job = "Sweep of rake";
+  editor.facts.inspection.job_share = 0.25f;
+  editor.facts.inspection.job_seconds_left = 12.0;
+  ASSERT_TRUE(editor.click("inspection/cancel"));
+  EXPECT_TRUE(editor.actions.inspection.cancel);
+  ASSERT_TRUE(editor.click("inspection/run"));
+  EXPECT_FALSE(editor.actions.inspection.run_sweep) << "one at a time";
+}
+
+TEST(Panels, TheLegendHasItsNumbersWhereTheyBelong) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.state.right_tab = 4;
+  editor.state.inspection.false_color = true;
+  for (const bool in_ev : {false, true}) {
+    editor.state.inspection.in_ev = in_ev;
+    editor.step(3);
+    const Rect bar = editor.frame.items.at("inspection/legend");
+    const auto text = [&](int i) { return editor.frame.items.at("inspection/legend/" + std::to_string(i)); };
+    EXPECT_NEAR(text(0).x, bar.x, 1.0f);
+    EXPECT_NEAR(text(1).x + 0.5f * text(1).width, bar.x + 0.5f * bar.width, 1.5f);
+    EXPECT_NEAR(text(2).x + text(2).width, bar.x + bar.width, 1.5f);
+  }
+}
+
 TEST(Panels, AKeyIsDraggedAlongTheTimeline) {
   const Scene scene = small_scene();
   HeadlessEditor editor(1280.0f, 1400.0f);
@@ -355,6 +405,23 @@ TEST(Panels, AKeyIsDraggedAlongTheTimeline) {
   ASSERT_TRUE(editor.click("timeline/1"));
   EXPECT_EQ(editor.state.path_view.key, 0);
   EXPECT_EQ(editor.state.path_view.time_s, 0.0);
+}
+
+TEST(Panels, LateFramesDoNotMoveTheKeys) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  CameraPath path;
+  path.name = "way";
+  path.keys.resize(2);
+  path.keys[1].camera.eye.x = 1.0f;
+  editor.state.paths = {path};
+  editor.state.left_tab = 3;
+  editor.step(3);
+  const float before = editor.frame.items.at("key/1").y;
+  editor.state.path_view.late_frames = 1234;
+  editor.step(3);
+  EXPECT_EQ(editor.frame.items.at("key/1").y, before);
 }
 
 TEST(Panels, ALookHasANote) {

@@ -55,6 +55,13 @@ TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
   EXPECT_FALSE(measure_options_of(view).lux_on_glass) << "the two exclude each other";
 }
 
+TEST(InspectionOptions, IntervalsAreReadWithoutExponents) {
+  EXPECT_EQ(interval_text({3989.2, 113.0}), "3989 +- 110 cd/m2");
+  EXPECT_EQ(interval_text({115.53, 2.84}), "115.5 +- 2.8 cd/m2");
+  EXPECT_EQ(interval_text({12627.0, 1e-6}), "12627 +- 0 cd/m2");
+  EXPECT_EQ(interval_text({2.5e6, 12345.0}), "2500000 +- 12000 cd/m2");
+}
+
 TEST(InspectionOptions, TheWorstEyeOfEachStepCounts) {
   Measurement result;
   const auto add = [&](double step, double cdm2) {

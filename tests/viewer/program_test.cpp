@@ -166,6 +166,7 @@ TEST(Program, DoctorAndInspectSpeakJson) {
   EXPECT_GT(cockpit["cameras"][0]["fov_deg"].get<double>(), 1.0);
   const std::string told = run_maquette({"inspect", "builtin:cockpit"}).out;
   EXPECT_TRUE(contains(told, "driver: eye m ")) << told;
+  EXPECT_TRUE(contains(told, "; 58 deg\n")) << "its angle of view has a unit: " << told;
   EXPECT_TRUE(contains(told, "; a reflector")) << told;
   EXPECT_EQ(sphere["plan"][0]["pass"], "build_shadow_rays");
   EXPECT_EQ(sphere["plan"][1]["pass"], "raster");

@@ -45,7 +45,7 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "command continues where it stopped",
        ""},
       {"compare", "A.exr B.exr", 2, 2, "error of A against the reference B", ""},
-      {"measure", "[SCENE]", 0, 1,
+      {"measure", "[SCENE|REVIEW]", 0, 1,
        "what a pane of glass adds to what an eye sees: luminances, reflectances, angles, regions and sweeps, as JSON "
        "or CSV",
        ""},
@@ -208,7 +208,8 @@ void check_combinations(const CommandLine& line) {
 /// Scene, review and path among the arguments.
 void take_files(CommandLine* line) {
   SceneOptions& options = line->options;
-  const bool views = line->command == "view" || line->command == "render" || line->command == "report";
+  const bool views =
+      line->command == "view" || line->command == "render" || line->command == "report" || line->command == "measure";
   if (line->files.empty() || (!views && line->command != "play")) return;
   const std::string& first = line->files.front();
   if (is_review_file(first)) {
@@ -274,7 +275,6 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments) {
     throw UsageError("maquette " + command.name, "one of its arguments is empty", "it takes " + command.arguments);
   if (!line.help && static_cast<int>(line.files.size()) < command.min_files)
     throw UsageError("maquette " + command.name, "it needs " + command.arguments);
-  if (line.command == "measure" && !line.files.empty()) line.options.scene = line.files.front();
   take_files(&line);
   if (!line.options.look.empty() && line.options.review.empty())
     throw UsageError("--look " + line.options.look, "there is no review to take it from", "give a .maquette.json file");

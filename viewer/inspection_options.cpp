@@ -15,12 +15,12 @@ glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height) {
           std::max(at(region.y + region.height, height) - y, 1)};
 }
 
-MeasureOptions measure_options_of(const InspectionView& view) {
+MeasureOptions measure_options_of(const InspectionSetup& view) {
   MeasureOptions options;
   options.threshold_cdm2 = static_cast<double>(view.threshold_cdm2);
   options.polarisation = static_cast<Polarisation>(view.polarisation);
-  options.night = view.light == InspectionView::Light::night;
-  if (view.light == InspectionView::Light::given) options.lux_on_glass = static_cast<double>(view.lux_on_glass);
+  options.night = view.light == InspectionSetup::Light::night;
+  if (view.light == InspectionSetup::Light::given) options.lux_on_glass = static_cast<double>(view.lux_on_glass);
   options.both_eyes = view.both_eyes;
   options.grid_columns = view.grid[0];
   options.grid_rows = view.grid[1];
@@ -28,6 +28,50 @@ MeasureOptions measure_options_of(const InspectionView& view) {
   if (view.background_given) options.background_cdm2 = static_cast<double>(view.background_cdm2);
   if (view.dash_given) options.dash_reflectance = static_cast<double>(view.dash_reflectance);
   return options;
+}
+
+bool has_r_point(const Scene& scene) {
+  return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
+}
+
+std::vector<PictureRegion> picture_regions(const std::vector<InspectedRegion>& regions, int width, int height) {
+  std::vector<PictureRegion> result;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const glm::ivec4 box = pixels_of(regions[i], width, height);
+    const int x = std::min(box.x, width - 1), y = std::min(box.y, height - 1);
+    result.push_back(
+        {"region " + std::to_string(i + 1), x, y, std::min(box.z, width - x), std::min(box.w, height - y)});
+  }
+  return result;
+}
+
+MeasureOptions measure_options_of(const Review& review, const Scene& scene, const SceneOptions& asked,
+                                  const MeasureOptions& options) {
+  const InspectionSetup& setup = review.inspection;
+  const MeasureOptions kept = measure_options_of(setup);
+  const std::set<std::string>& given = asked.given;
+  MeasureOptions result = options;
+  const auto take = [&](const char* option, auto MeasureOptions::*member) {
+    if (!given.contains(option)) result.*member = kept.*member;
+  };
+  take("--threshold", &MeasureOptions::threshold_cdm2);
+  take("--polarisation", &MeasureOptions::polarisation);
+  take("--background", &MeasureOptions::background_cdm2);
+  take("--eye-box", &MeasureOptions::eye_box_mm);
+  take("--eye-grid", &MeasureOptions::grid_columns);
+  take("--eye-grid", &MeasureOptions::grid_rows);
+  take("--both-eyes", &MeasureOptions::both_eyes);
+  take("--dash-reflectance", &MeasureOptions::dash_reflectance);
+  if (!given.contains("--night") && !given.contains("--lux-on-glass")) {
+    result.night = kept.night;
+    result.lux_on_glass = kept.lux_on_glass;
+  }
+  if (!given.contains("--right-hand-drive")) result.right_hand_drive = setup.right_hand_drive;
+  // As in the window, a node of the scene counts more.
+  if (!given.contains("--r-point") && !has_r_point(scene) && setup.r_point_m != InspectionSetup().r_point_m)
+    result.r_point_m = glm::dvec3(setup.r_point_m[0], setup.r_point_m[1], setup.r_point_m[2]);
+  if (result.regions.empty()) result.regions = picture_regions(review.regions, asked.width, asked.height);
+  return result;
 }
 
 glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes) {

@@ -15,7 +15,16 @@ glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height);
 
 /// What the tab Inspect asks `measure` for, in sweeps and exports alike: light, eyes, dashboard, threshold,
 /// polarisation.
-MeasureOptions measure_options_of(const InspectionView& view);
+MeasureOptions measure_options_of(const InspectionSetup& setup);
+
+bool has_r_point(const Scene& scene);
+
+/// What the options do not name is as the review has it.
+MeasureOptions measure_options_of(const Review& review, const Scene& scene, const SceneOptions& asked,
+                                  const MeasureOptions& options);
+
+/// The regions of a review, named by their numbers.
+std::vector<PictureRegion> picture_regions(const std::vector<InspectedRegion>& regions, int width, int height);
 
 /// The eye that a button asks for: 1 V1, 2 V2, 3 the view's own point; of a head's eyes the one that the view names.
 glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec3& r_point_m, const VehicleAxes& axes);

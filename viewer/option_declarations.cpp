@@ -399,8 +399,7 @@ const std::vector<OptionDeclaration>& option_declarations() {
                               camera_options(), quality_options(), measure_option_declarations()})
       all.insert(all.end(), group.begin(), group.end());
     for (OptionDeclaration& option : all)  // what only a picture for the eye has
-      if (option.name == "--exposure" || option.name == "--tonemap" || option.name == "--view" ||
-          option.name == "--look")
+      if (option.name == "--exposure" || option.name == "--tonemap" || option.name == "--view")
         std::erase(option.commands, "measure");
     for (OptionDeclaration& option : all)
       if (decides_settled_frames(option.name)) option.commands.emplace_back("play");

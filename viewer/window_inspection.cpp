@@ -100,10 +100,6 @@ bool same_figures(const InspectionSetup& a, const InspectionSetup& b) {
          a.background_given == b.background_given && a.background_cdm2 == b.background_cdm2;
 }
 
-bool has_r_point(const Scene& scene) {
-  return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
-}
-
 /// What a region's pixels have.
 std::vector<std::pair<std::string, std::string>> statistics_rows(const char* name, const RegionStatistics& s) {
   char middle[128], ends[128];

@@ -39,12 +39,7 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
   if (exports) {
     measured.paths = 64;
     measured.layers = "exr";
-    for (std::size_t i = 0; i < view.regions.size(); ++i) {
-      const glm::ivec4 box = pixels_of(view.regions[i], options.width, options.height);
-      measured.regions.push_back({"region " + std::to_string(i + 1), std::min(box.x, options.width - 1),
-                                  std::min(box.y, options.height - 1), std::min(box.z, options.width - box.x),
-                                  std::min(box.w, options.height - box.y)});
-    }
+    measured.regions = picture_regions(view.regions, options.width, options.height);
   } else {
     const std::string& name = sweep_names()[static_cast<std::size_t>(view.sweep)];
     Sweep sweep{name, {}};

@@ -59,12 +59,12 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   at.state().tool = Tool::camera;
   at.state().inspection.regions = {region};
 
+  for (const char* part : {"inspection/Eye", "inspection/Luminance", "inspection/Regions"}) press(&at, part);
   type_into(&at, "inspection/eye box", "140");
   EXPECT_TRUE(wait_for_review([](const Review& r) { return r.inspection.eye_box_mm[0] == 140.0f; }))
       << "and the size of the eye box";
   key("Return");
-  for (const char* part : {"inspection/Eye", "inspection/Luminance", "inspection/Regions", "inspection/Conditions"})
-    press(&at, part);
+  press(&at, "inspection/Conditions");
   press(&at, "inspection/run");
   press(&at, "inspection/Trends");
   const std::string file = (folder_ / "windshield.csv").string();

@@ -55,6 +55,43 @@ TEST(InspectionOptions, ConditionsAreThoseOfTheCommand) {
   EXPECT_FALSE(measure_options_of(view).lux_on_glass) << "the two exclude each other";
 }
 
+TEST(InspectionOptions, AReviewGivesWhatTheCommandDoesNotName) {
+  Review review;
+  review.inspection.threshold_cdm2 = 250.0f;
+  review.inspection.eye_box_mm = {140.0f, 80.0f};
+  review.inspection.grid = {3, 2};
+  review.inspection.light = InspectionSetup::Light::night;
+  review.inspection.r_point_m = {0.1f, 0.2f, 0.3f};
+  review.regions = {{0.5f, 0.25f, 0.25f, 0.5f}};
+  SceneOptions asked;
+  asked.width = 80;
+  asked.height = 40;
+  Scene scene;
+  MeasureOptions options = measure_options_of(review, scene, asked, {});
+  EXPECT_EQ(options.threshold_cdm2, 250.0);
+  EXPECT_EQ(options.eye_box_mm, glm::dvec2(140.0, 80.0));
+  EXPECT_EQ(options.grid_columns, 3);
+  EXPECT_TRUE(options.night);
+  ASSERT_TRUE(options.r_point_m);
+  ASSERT_EQ(options.regions.size(), 1u);
+  EXPECT_EQ(options.regions[0].x, 40);
+  EXPECT_EQ(options.regions[0].height, 20);
+
+  asked.given = {"--threshold", "--lux-on-glass", "--eye-grid"};
+  MeasureOptions given;
+  given.threshold_cdm2 = 7.0;
+  given.lux_on_glass = 500.0;
+  given.regions = {{"low", 1, 2, 3, 4}};
+  scene.nodes.resize(1);
+  scene.nodes[0].name = "r_point";
+  options = measure_options_of(review, scene, asked, given);
+  EXPECT_EQ(options.threshold_cdm2, 7.0);
+  EXPECT_EQ(options.grid_columns, 1);
+  EXPECT_FALSE(options.night) << "another light was asked for";
+  EXPECT_FALSE(options.r_point_m) << "the scene's node counts more";
+  EXPECT_EQ(options.regions[0].name, "low");
+}
+
 TEST(InspectionOptions, IntervalsAreReadWithoutExponents) {
   EXPECT_EQ(interval_text({3989.2, 113.0}), "3989 +- 110 cd/m2");
   EXPECT_EQ(interval_text({115.53, 2.84}), "115.5 +- 2.8 cd/m2");

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "review/review.h"
 #include "tests/viewer/run_program.h"
 #include "ui/inspection_state.h"
+#include "viewer/session.h"
 
 namespace maquette {
 namespace {
@@ -36,6 +38,26 @@ TEST(MeasureCommand, AGridOfBothEyesNamesTheWorst) {
   for (const Json& eye : eyes)
     worst = std::max(worst, eye.at("regions").at(0).at("reflected_cdm2").at("mean").get<double>());
   EXPECT_EQ(json.at("worst").at("reflected_cdm2").get<double>(), worst);
+}
+
+TEST(MeasureCommand, AReviewIsMeasuredAsTheWindowInspectsIt) {
+  const TemporaryFolder folder;
+  Review review;
+  review.look.camera = camera_by_name(load_scene(review.scene), "driver");
+  review.inspection.threshold_cdm2 = 250.0f;
+  review.inspection.light = InspectionSetup::Light::given;
+  review.inspection.lux_on_glass = 5000.0f;
+  review.inspection.grid = {2, 1};
+  review.inspection.eye_box_mm = {140.0f, 0.0f};
+  const std::string file = folder.file("car.maquette.json");
+  save_review(file, review);
+  const Json json = measured(folder, {file});
+  EXPECT_EQ(json.at("assumptions").at("threshold"), "250 cd/m2") << json.dump(1);
+  const Json& eyes = json.at("eyes");
+  ASSERT_EQ(eyes.size(), 2u);
+  EXPECT_NEAR(eyes.at(0).at("light_on_glass").at("illuminance_lx").get<double>(), 5000.0, 1.0);
+  EXPECT_NE(json.at("assumptions").at("eye box").get<std::string>().find("140 x 0 mm"), std::string::npos);
+  EXPECT_EQ(measured(folder, {file, "--threshold", "7"}).at("assumptions").at("threshold"), "7 cd/m2");
 }
 
 TEST(MeasureCommand, AtNightTheDisplaysAloneAreSeen) {

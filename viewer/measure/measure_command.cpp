@@ -7,10 +7,12 @@
 #include "viewer/btf_preparation.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
+#include "viewer/inspection_options.h"
 #include "viewer/interrupt.h"
 #include "viewer/measure/measure_files.h"
 #include "viewer/outputs.h"
 #include "viewer/progress_lines.h"
+#include "viewer/review_options.h"
 #include "viewer/session.h"
 
 namespace maquette {
@@ -39,13 +41,16 @@ void check_outputs(const CommandLine& line) {
 
 int run_measure(const CommandLine& line) {
   check_outputs(line);
-  const SceneOptions& options = line.options;
+  SceneOptions options = line.options;
+  if (line.measure.eye && options.eye) throw UsageError("--eye-point", "it excludes --eye", "leave one of them out");
   MeasureOptions measured = line.measure;
+  const std::optional<Review> review = review_of(options);
+  if (review) take_review(&options);
+  const std::shared_ptr<const Scene> scene = load_session_scene(options);
+  if (review) measured = measure_options_of(*review, *scene, line.options, measured);
   if (measured.eye) measured.eye->right_hand_drive = measured.right_hand_drive;
-  if (measured.eye && options.eye) throw UsageError("--eye-point", "it excludes --eye", "leave one of them out");
   if (measured.night && measured.lux_on_glass)
     throw UsageError("--night", "it excludes --lux-on-glass", "leave one of them out");
-  const std::shared_ptr<const Scene> scene = load_session_scene(options);
   const auto environment = std::make_shared<const Environment>(load_environment(options.environment));
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   for (const std::string& warning : environment->warnings)

@@ -132,6 +132,8 @@ void mark_item(Ui& ui, const std::string& name) {
 void press_by_enter(bool types) {
   ImGuiContext& context = *ImGui::GetCurrentContext();
   if (types || context.NavActivateInputId == 0 || context.ActiveId != 0) return;
+  // A field that is given the keyboard is not pressed.
+  if ((context.NavActivateFlags & ImGuiActivateFlags_TryToPreserveState) != 0) return;
   context.NavActivateId = context.NavActivateDownId = context.NavActivatePressedId = context.NavActivateInputId;
   context.NavActivateInputId = 0;
 }

@@ -47,9 +47,7 @@ void append_item(const std::string& key, const Json& value, std::size_t indent, 
 }
 
 /// Of a number whose name is not written.
-const char* unit_of(const std::string& key) {
-  return key.ends_with("_deg") ? " deg" : key.ends_with("_m") ? " m" : "";
-}
+const char* unit_of(const std::string& key) { return key.ends_with("_deg") ? " deg" : key.ends_with("_m") ? " m" : ""; }
 
 /// An object in a list is one line: its first value, a colon, the others, lists with their names.
 std::string object_line(const Json& object) {

@@ -222,6 +222,22 @@ TEST(Keyboard, EnterPressesInDialogs) {
   EXPECT_FALSE(editor.frame.items.contains("dialog/Open"));
 }
 
+TEST(Keyboard, ADialogsFieldHasItAtOnce) {
+  for (bool EditorState::*dialog : {&EditorState::open_path_popup, &EditorState::save_path_popup}) {
+    Prepared prepared;
+    HeadlessEditor editor(1280.0f, 720.0f);
+    prepared.fill(&editor);
+    editor.step(3);
+    ASSERT_TRUE(editor.click("tab/Scene")) << "the mouse was used last";
+    editor.state.*dialog = true;
+    editor.step(6);
+    EXPECT_TRUE(editor.frame.typing);
+    ImGui::GetIO().AddInputCharactersUTF8("a.glb");
+    editor.step(2);
+    EXPECT_STREQ(editor.state.path.data(), "a.glb");
+  }
+}
+
 TEST(Keyboard, EnterTypesANumber) {
   Prepared prepared;
   HeadlessEditor editor(1280.0f, 720.0f);

@@ -154,6 +154,7 @@ class App {
     update.height_px = h;
     const bool mouse = now - inbox_->last_event_s < kBusyMouse_s && options_.screenshot.empty();
     update.panels_busy = mouse || meter_.comparing() || (compare_.drawing() && picture_.still());
+    update.playing = paths_.playing();
     update.more_events = !inbox_->empty();
     update.now_s = now;
     // Panels come first: the programs of a first picture take seconds where the driver has not kept them.

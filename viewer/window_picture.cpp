@@ -17,6 +17,7 @@ constexpr double kSmoothing = 0.15;
 constexpr double kQuickEnough_ms = 800.0;
 /// Bakes that are done are taken over by the next frame.
 constexpr double kLongestYield_ms = 1000.0;
+constexpr float kFirstScale = 0.35f;  // of the first picture of another look
 
 std::set<std::string> reflectors_of(const FrameRequest& request) {
   return {request.reflectors.begin(), request.reflectors.end()};
@@ -51,7 +52,13 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   last_revision_ = session->revision();
   last_material_revision_ = session->material_revision();
   if (changed) failed_ = false;
-  if (moved) last_change_s_ = now_s;
+  if (moved || input.playing) last_change_s_ = now_s;
+  // Another look is shown coarsely at once, and as it is wanted right after that. Where it has other materials alone,
+  // the renderer keeps what it has of all others.
+  const bool other_look = session->looks_taken() != looks_taken_ && moved && !material_only && !input.playing;
+  looks_taken_ = session->looks_taken();
+  const bool first_look = other_look && stats_->frame_ms > slow_look_ms_;
+  if (first_look) last_change_s_ = -1e9;
   const bool moving = now_s - last_change_s_ < kSettle_s;
   // The first frame of a move has no history, and its cost is not representative.
   const bool begins = !moving_ || rotation_only != (moving_kind_ == MovingScale::Kind::light);
@@ -61,7 +68,9 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   }
   if (!moving) moving_scale_.rest();
   moving_ = moving;
-  const float scale = moving_ ? last_moving_scale_ : session->state.still_scale;
+  const float scale = first_look ? std::min(kFirstScale, session->state.still_scale)
+                      : moving_  ? last_moving_scale_
+                                 : session->state.still_scale;
   FrameRequest request = wanted;
   request.width = std::max(static_cast<int>(std::lround(static_cast<float>(width_px) * scale)), 1);
   request.height = std::max(static_cast<int>(std::lround(static_cast<float>(height_px) * scale)), 1);

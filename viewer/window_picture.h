@@ -19,6 +19,7 @@ namespace maquette {
 struct PictureUpdate {
   int width_px = 1, height_px = 1;  ///< in framebuffer pixels
   bool panels_busy = false;         ///< the mouse moves, or another picture is drawn: averaging may wait
+  bool playing = false;             ///< a path plays: nothing rests, not even where the camera does
   bool more_events = false;         ///< more mouse events are waiting: drawing may wait
   double now_s = 0.0;
 };
@@ -30,6 +31,8 @@ class WindowPicture {
  public:
   static constexpr int kMostAveraged = 1024;
 
+  /// The first picture of another look is coarse where the frame before took longer.
+  void set_slow_look_ms(double ms) { slow_look_ms_ = ms; }
   /// Draws if needed. Returns whether a frame was drawn.
   bool update(WindowSession* session, const PictureUpdate& input);
   /// Copies the picture into framebuffer 0 at x, y (from the bottom left).
@@ -68,8 +71,8 @@ class WindowPicture {
   FrameRequest drawn_;        ///< of the last frame
   FrameRequest last_wanted_;  ///< at full size and with the samples of a moving frame; shows whether anything moved
   std::optional<FrameRequest> last_valid_request_;  ///< the last that nothing refused, with the state's samples a pixel
-  std::uint64_t last_revision_ = 0, last_material_revision_ = 0;
-  double last_change_s_ = -1e9;
+  std::uint64_t last_revision_ = 0, last_material_revision_ = 0, looks_taken_ = 0;
+  double last_change_s_ = -1e9, slow_look_ms_ = 100.0;
   double drawn_s_ = -1e9;  ///< when the newest frame was begun
   bool moving_ = false;
   float last_moving_scale_ = 1.0f;

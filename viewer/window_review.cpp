@@ -23,6 +23,11 @@ Review WindowSession::review_now() const {
 }
 
 void WindowSession::take(const Look& look) {
+  show(look);
+  ++looks_taken_;
+}
+
+void WindowSession::show(const Look& look) {
   const float exposure_ev = state.exposure_ev;
   static_cast<Look&>(state) = look;
   if (state.auto_exposure) state.exposure_ev = exposure_ev;
@@ -30,7 +35,7 @@ void WindowSession::take(const Look& look) {
 }
 
 void WindowSession::show(const Review& review) {
-  take(review.look);
+  show(review.look);
   state.looks = review.looks;
   state.paths = review.paths;
   state.inspection.regions = review.regions;

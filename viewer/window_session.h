@@ -74,6 +74,8 @@ class WindowSession {
   std::uint64_t revision() const { return revision_; }
   /// The number of these changes that replaced a material.
   std::uint64_t material_revision() const { return material_revision_; }
+  /// How often a whole look has been taken.
+  std::uint64_t looks_taken() const { return looks_taken_; }
   void fill_facts(EditorFacts* facts) const;
   bool loading() const { return scene_file_.valid() || environment_file_.valid() || !btf_in_work_.empty(); }
   float scene_radius() const { return bounds_.radius(); }
@@ -112,6 +114,7 @@ class WindowSession {
   void begin_look(const SceneOptions& options);
   void open_review(const std::string& file);
   Review review_now() const;
+  void show(const Look& look);
   /// Look, looks and paths of a review of the present scene.
   void show(const Review& review);
   void begin_review(std::unique_ptr<OpenReview> review, const std::string& look);
@@ -172,7 +175,7 @@ class WindowSession {
   Metered metered_;
   int frames_metered_ = 0;  ///< since then
   std::uint32_t seed_ = 0;
-  std::uint64_t revision_ = 0, material_revision_ = 0;
+  std::uint64_t revision_ = 0, material_revision_ = 0, looks_taken_ = 0;
 };
 
 }  // namespace maquette

@@ -34,6 +34,7 @@ constexpr Part kParts[] = {
     {"moving", "frames of the default picture while the camera flies or the light turns", measure_moving},
     {"pictures", "what the default mode shows over time, against all light paths", measure_pictures},
     {"interactive", "rotating light, first frame, swaps", measure_interactive},
+    {"looks", "the window: first picture of another look, frames while a path plays", measure_looks},
     {"reflections", "reflection points on patches and triangles, a million each", measure_reflections},
     {"reflection-frames", "reflector techniques: time, growth with the scene, outlines", measure_reflection_frames},
     {"skipped-rays", "mirrored rays that need not be traced: share, time, FLIP", measure_skipping},

@@ -127,6 +127,7 @@ Figures measure_equal_quality(Stage& stage);
 Figures measure_validation(Stage& stage);
 Figures measure_multisampling(Stage& stage);
 Figures measure_interactive(Stage& stage);
+Figures measure_looks(Stage& stage);
 Figures measure_moving(Stage& stage);
 Figures measure_pictures(Stage& stage);
 Figures measure_scaling(Stage& stage);

@@ -145,6 +145,7 @@ struct EditorFacts {
   std::vector<std::string> cameras;                      ///< bookmarks, in order of the keys 1 to 9
   std::vector<BackgroundWork> background;
   std::map<std::string, double> seconds_left;  ///< of `background`, once it can be told
+  std::string picture_in_work;                 ///< file that is being drawn; empty: none
   std::string loading;                         ///< what is being read; empty: nothing
   std::string device;
   std::vector<std::string> environment_files;  ///< opened so far, besides the built-in ones
@@ -187,10 +188,11 @@ struct EditorActions {
   bool new_path = false, turntable = false, add_key = false, record_path = false, play_path = false;
   bool export_path = false;
   bool save_picture = false;  ///< as `EditorState::picture_file` says
-  std::string drop_source;    ///< of a material, let go over what is under the mouse
-  int add_animation = -1;     ///< index of one of the scene: a path that it plays along
-  int step_path = 0;          ///< frames
-  std::string open_path;      ///< scene, environment or BRDF, by its extension
+  bool cancel_picture = false;
+  std::string drop_source;  ///< of a material, let go over what is under the mouse
+  int add_animation = -1;   ///< index of one of the scene: a path that it plays along
+  int step_path = 0;        ///< frames
+  std::string open_path;    ///< scene, environment or BRDF, by its extension
   int go_to_camera = -1;
   bool frame_scene = false;
   bool meter_exposure = false;

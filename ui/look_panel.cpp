@@ -34,6 +34,12 @@ void draw_cameras(Ui& ui) {
   mark_item(ui, "copy as command");
   tooltip(ui.facts.command);
   CameraView& camera = ui.state.camera;
+  CameraView view = camera;
+  row_label("Eye, m", "Where the camera is, in the scene");
+  number_fields(ui, "camera/eye", &view.eye.x, 3, "%.3f");
+  row_label("Target, m", "What it looks at");
+  number_fields(ui, "camera/target", &view.target.x, 3, "%.3f");
+  if (glm::distance(view.eye, view.target) > 1e-6f * (1.0f + glm::length(view.eye))) camera = view;
   bool orthographic = camera.is_orthographic();
   row_label("Orthographic", "Parallel rays: equal lengths look equal at every distance");
   if (ImGui::Checkbox("##orthographic", &orthographic)) set_orthographic(&camera, orthographic);

@@ -165,6 +165,12 @@ void draw_picture_file(Ui& ui) {
   mark_item(ui, "file/png");
   tooltip("Tone mapped, instead of linear EXR");
   ImGui::SameLine();
+  if (!ui.facts.picture_in_work.empty()) {
+    if (ImGui::Button("Cancel the picture")) ui.actions.cancel_picture = true;
+    mark_item(ui, "file/cancel");
+    tooltip(ui.facts.picture_in_work + " is being drawn");
+    return;
+  }
   if (ImGui::Button("Save the picture")) ui.actions.save_picture = true;
   mark_item(ui, "file/save");
   tooltip("Beside the review, drawn by a program of its own while you work on");

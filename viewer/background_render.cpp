@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <vector>
 
@@ -55,6 +56,16 @@ void BackgroundRender::start(const Review& review, const SettledFrame& settled, 
     _exit(127);
   }
   if (process_ < 0) throw Error(output, "no other program can be started for it", "close other programs");
+}
+
+double BackgroundRender::progress() const {
+  try {
+    const std::string told = read_text_file(log_);
+    const std::size_t at = told.rfind("render: ");
+    return at == std::string::npos ? 0.0 : 0.01 * std::strtod(told.c_str() + at + 8, nullptr);
+  } catch (const Error&) {
+    return 0.0;  // nothing yet
+  }
 }
 
 void BackgroundRender::cancel() {

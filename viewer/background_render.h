@@ -22,6 +22,8 @@ class BackgroundRender {
   bool busy() const { return process_ > 0; }
   /// True once, when it has ended; `error` is then empty, or what it said.
   bool poll(std::string* error);
+  /// Share that is done, as the program has told.
+  double progress() const;
   const std::string& output() const { return output_; }
 
  private:

@@ -115,7 +115,10 @@ FrameStats LookStage::render(const Look& look, const SettledFrame& settled) {
   renderer_->forget_frames();
   renderer_->finish_background_work(request_);
   FrameStats stats;
-  for (int i = 0; i < std::max(settled.frames, 1); ++i) stats = renderer_->render(request_, true);
+  for (int i = 0; i < std::max(settled.frames, 1); ++i) {
+    if (progress_ && i > 0) progress_(static_cast<double>(i) / settled.frames);
+    stats = renderer_->render(request_, true);
+  }
   return stats;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,6 +27,8 @@ class LookStage {
   /// `scene`: as the file has it.
   explicit LookStage(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)), rest_(rest_pose(*scene_)) {}
 
+  /// Told the share of the frames that are drawn, while more than one is averaged.
+  void set_progress(std::function<void(double share)> progress) { progress_ = std::move(progress); }
   /// Draws; the renderer then has the picture. Throws Error: a file that cannot be used, a mode that cannot draw it.
   FrameStats render(const Look& look, const SettledFrame& settled);
   /// Of the last `render`.
@@ -52,6 +55,7 @@ class LookStage {
   PlayedAnimation animation_;  ///< as they are shown
   std::vector<NodeTurn> turns_;
   FrameRequest request_;
+  std::function<void(double share)> progress_;
 };
 
 }  // namespace maquette

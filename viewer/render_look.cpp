@@ -7,6 +7,7 @@
 #include "viewer/command_line.h"
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
+#include "viewer/progress_lines.h"
 #include "viewer/review_options.h"
 #include "viewer/stats.h"
 
@@ -36,6 +37,7 @@ int render_look(const CommandLine& line) {
   const GlContext context = GlContext::create_headless();
   const DeviceInfo device = query_device();
   LookStage stage(scene);
+  stage.set_progress([tell = print_progress()](double share) mutable { tell("render", share); });
   SettledFrame settled;
   settled.size = {options.width, options.height, options.msaa, options.samples, options.seed};
   settled.frames = options.average;

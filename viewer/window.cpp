@@ -172,6 +172,9 @@ class App {
 
   void collect_facts() {
     session_.fill_facts(&facts_);
+    const std::optional<BackgroundWork> file = compare_.picture_in_work();
+    facts_.picture_in_work = file ? file->what : "";
+    if (file) facts_.background.push_back(*file);
     facts_.seconds_left = bake_clock_.update(glfwGetTime(), facts_.background);
     facts_.stats = picture_.stats() ? &*picture_.stats() : nullptr;
     facts_.frame_history_ms = picture_.history_ms();
@@ -331,6 +334,7 @@ class App {
     if (actions.frame_scene)
       session_.frame_scene(editor_.layout.picture.width / std::max(editor_.layout.picture.height, 1.0f));
     if (actions.save_picture) compare_.save_picture(&session_);
+    if (actions.cancel_picture) compare_.cancel_picture(&session_);
     if (actions.meter_exposure) session_.request_metering();
     if (actions.measure_curve) meter_.measure_curve();
     if (actions.compare_reflectors) meter_.compare_reflectors();

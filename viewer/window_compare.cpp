@@ -117,6 +117,17 @@ void WindowCompare::save_picture(WindowSession* session) {
   start_file(session, settled, file.png ? ".png" : ".exr");
 }
 
+void WindowCompare::cancel_picture(WindowSession* session) {
+  if (!file_.busy()) return;
+  file_.cancel();
+  session->add_message(MessageLevel::warning, "cancelled: " + file_.output());
+}
+
+std::optional<BackgroundWork> WindowCompare::picture_in_work() const {
+  if (!file_.busy()) return std::nullopt;
+  return BackgroundWork{fs::path(file_.output()).filename().string(), file_.progress()};
+}
+
 void WindowCompare::start_file(WindowSession* session, const SettledFrame& settled, const std::string& ending) {
   if (file_.busy()) return session->add_message(MessageLevel::warning, file_.output() + " is still in work");
   try {

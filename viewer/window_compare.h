@@ -26,6 +26,9 @@ class WindowCompare {
   void render_file(WindowSession* session, const WindowPicture& picture);
   /// The same in the size and the format that the panel names.
   void save_picture(WindowSession* session);
+  void cancel_picture(WindowSession* session);
+  /// The file that is being drawn, and how far it is.
+  std::optional<BackgroundWork> picture_in_work() const;
   /// A picture is in work: the window's own may wait.
   bool drawing() const { return drawing_.busy() || file_.busy(); }
   /// Whether the event moves the wiper, and is nobody else's.

@@ -52,7 +52,9 @@ TEST_F(InspectionStory, EyeProbeRegionSweepExport) {
   press(&at, "inspection/region");
   const float x = picture.x + 0.3f * picture.width, y = picture.y + 0.4f * picture.height;
   drag(x, y, x + 0.3f * picture.width, y + 0.2f * picture.height);
-  ASSERT_TRUE(wait_for_review([](const Review& r) { return r.regions.size() == 1; })) << "the review keeps the region";
+  // The journal has it while it is still drawn.
+  ASSERT_TRUE(wait_for_review([](const Review& r) { return r.regions.size() == 1 && r.regions[0].width > 0.28f; }))
+      << "the review keeps the region";
   const InspectedRegion region = review()->regions[0];
   EXPECT_NEAR(region.x, 0.3f, 0.01f);
   EXPECT_NEAR(region.width, 0.3f, 0.02f);

@@ -439,6 +439,45 @@ TEST(Panels, ALookHasANote) {
   EXPECT_EQ(editor.state.note, "too dark");
 }
 
+TEST(Panels, APictureInWorkIsCancelled) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  editor.state.right_tab = 1;
+  editor.step(3);
+  EXPECT_FALSE(editor.frame.items.contains("file/cancel"));
+  editor.facts.picture_in_work = "look.exr";
+  ASSERT_TRUE(editor.click("file/cancel"));
+  EXPECT_TRUE(editor.actions.cancel_picture);
+  EXPECT_FALSE(editor.frame.items.contains("file/save"));
+}
+
+TEST(Panels, EyeAndTargetAreSeenAndTyped) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.state.camera.eye = {0.0f, 1.0f, 5.0f};
+  editor.state.camera.target = {0.0f, 1.0f, 0.0f};
+  editor.step(3);
+  ASSERT_TRUE(editor.click("camera/eye/2"));
+  ImGui::GetIO().KeyCtrl = true;
+  editor.press(ImGuiKey_A);
+  ImGui::GetIO().KeyCtrl = false;
+  ImGui::GetIO().AddInputCharactersUTF8("2.5");
+  editor.step(2);
+  editor.press(ImGuiKey_Enter);
+  EXPECT_EQ(editor.state.camera.eye, glm::vec3(0.0f, 2.5f, 5.0f));
+  editor.state.camera.eye = {0.0f, 1.0f, 5.0f};
+  ASSERT_TRUE(editor.click("camera/eye/3"));
+  ImGui::GetIO().KeyCtrl = true;
+  editor.press(ImGuiKey_A);
+  ImGui::GetIO().KeyCtrl = false;
+  ImGui::GetIO().AddInputCharactersUTF8("0");
+  editor.step(2);
+  editor.press(ImGuiKey_Enter);
+  EXPECT_NE(editor.state.camera.eye, editor.state.camera.target) << "a camera looks somewhere";
+}
+
 TEST(Panels, BakesCanBeStoppedAndMade) {
   const Scene scene = small_scene();
   FrameStats stats;

@@ -36,7 +36,7 @@ struct InspectionSetup {
 };
 
 /// Limits of what a review holds and a panel offers.
-inline constexpr float kMostLuminance_cdm2 = 1e9f, kMostEyeBox_mm = 1000.0f, kMostPlace = 1e6f;
+inline constexpr float kMostLuminance_cdm2 = 1e9f, kMostEyeBox_mm = 1000.0f;
 inline constexpr int kMostGrid = 8, kMostSweepSteps = 24;
 
 /// The quantities that a sweep varies, in the order of `InspectionSetup::sweep`.

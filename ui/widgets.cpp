@@ -22,6 +22,7 @@ const ImVec4 kError{0.93f, 0.45f, 0.42f, 1.0f};
 namespace {
 constexpr float kThemeFontSize = 15.0f;
 constexpr float kLabelWidth = 104.0f;
+constexpr float kMostTyped = 1e9f;  // `1e39` would be infinite, and no review could be read again
 
 std::string pretty(std::string name) {
   if (const std::size_t dot = name.find('.'); dot != std::string::npos) name.erase(0, dot + 1);
@@ -256,6 +257,7 @@ void number_fields(Ui& ui, const std::string& name, float* values, int count, co
     if (i > 0) ImGui::SameLine(0.0f, gap);
     ImGui::SetNextItemWidth(width);
     ImGui::InputFloat(("##" + name + std::to_string(i)).c_str(), values + i, 0.0f, 0.0f, format);
+    values[i] = std::clamp(values[i], -kMostTyped, kMostTyped);
     mark_item(ui, i == 0 ? name : name + "/" + std::to_string(i + 1));
   }
 }

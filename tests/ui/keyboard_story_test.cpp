@@ -17,7 +17,7 @@ class KeyboardStory : public Story {
     keys("Down", 2);
     key("Right");
     keep_screen("keyboard-menu");
-    key("space");
+    key("Return");
     return wait_for_review([&](const Review& r) { return r.looks.size() == count; });
   }
 };

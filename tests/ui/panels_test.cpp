@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 
 #include "render/technique/registry.h"
@@ -476,6 +477,17 @@ TEST(Panels, EyeAndTargetAreSeenAndTyped) {
   editor.step(2);
   editor.press(ImGuiKey_Enter);
   EXPECT_NE(editor.state.camera.eye, editor.state.camera.target) << "a camera looks somewhere";
+}
+
+TEST(Panels, TypedNumbersStayFinite) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 720.0f);
+  editor.facts.scene = &scene;
+  editor.step(3);
+  ASSERT_TRUE(editor.click("camera/eye"));
+  ImGui::GetIO().AddInputCharactersUTF8("1e39");
+  editor.step(3);
+  EXPECT_TRUE(std::isfinite(editor.state.camera.eye.x));
 }
 
 TEST(Panels, BakesCanBeStoppedAndMade) {

@@ -6,36 +6,13 @@
 #include "render/technique/registry.h"
 #include "scenes/brdf.h"
 #include "tests/ui/headless_editor.h"
+#include "tests/ui/small_scene.h"
 
 namespace maquette {
 namespace {
 
 using test::HeadlessEditor;
-
-Scene small_scene() {
-  Scene scene;
-  scene.name = "small.glb";
-  for (const char* name : {"paint", "leather", "a material with a name that is much too long for its row"}) {
-    Material material;
-    material.name = name;
-    scene.materials.push_back(material);
-  }
-  Mesh mesh;
-  mesh.name = "door";
-  mesh.primitives.resize(1);
-  mesh.primitives[0].material = 1;
-  scene.meshes.push_back(mesh);
-  Node root, door;
-  root.name = "car";
-  root.children = {1};
-  door.name = "door_left";
-  door.parent = 0;
-  door.mesh = 0;
-  scene.nodes = {root, door};
-  scene.roots = {0};
-  scene.variants = {"base", "touring"};
-  return scene;
-}
+using test::small_scene;
 
 FrameStats busy_stats() {
   FrameStats stats;
@@ -329,115 +306,6 @@ TEST(Panels, APictureIsSavedInTheSizeThatIsAsked) {
   EXPECT_TRUE(editor.state.picture_file.png);
   ASSERT_TRUE(editor.click("file/save"));
   EXPECT_TRUE(editor.actions.save_picture);
-}
-
-TEST(Panels, TheContrastIsOfWhatIsSeenOrOfAnObject) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 1400.0f);
-  editor.facts.scene = &scene;
-  editor.state.right_tab = 4;
-  editor.step(3);
-  EXPECT_FALSE(editor.frame.items.contains("inspection/background"));
-  ASSERT_TRUE(editor.click("inspection/contrast"));
-  editor.press(ImGuiKey_DownArrow);
-  editor.press(ImGuiKey_Space);
-  ASSERT_TRUE(editor.state.inspection.background_given);
-  EXPECT_TRUE(editor.frame.items.contains("inspection/background"));
-  EXPECT_TRUE(editor.frame.items.contains("inspection/eye box/2")) << "width and height";
-}
-
-TEST(Panels, AMeasurementInWorkCanBeCancelled) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 1400.0f);
-  editor.facts.scene = &scene;
-  editor.facts.inspection.sweep_names = sweep_names();
-  editor.state.right_tab = 4;
-  editor.step(3);
-  EXPECT_FALSE(editor.frame.items.contains("inspection/cancel"));
-  editor.facts.inspection.job = "Sweep of rake";
-  editor.facts.inspection.job_share = 0.25f;
-  editor.facts.inspection.job_seconds_left = 12.0;
-  ASSERT_TRUE(editor.click("inspection/cancel"));
-  EXPECT_TRUE(editor.actions.inspection.cancel);
-  ASSERT_TRUE(editor.click("inspection/run"));
-  EXPECT_FALSE(editor.actions.inspection.run_sweep) << "one at a time";
-}
-
-TEST(Panels, TheLegendHasItsNumbersWhereTheyBelong) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 720.0f);
-  editor.facts.scene = &scene;
-  editor.state.right_tab = 4;
-  editor.state.inspection.false_color = true;
-  for (const bool in_ev : {false, true}) {
-    editor.state.inspection.in_ev = in_ev;
-    editor.step(3);
-    const Rect bar = editor.frame.items.at("inspection/legend");
-    const auto text = [&](int i) { return editor.frame.items.at("inspection/legend/" + std::to_string(i)); };
-    EXPECT_NEAR(text(0).x, bar.x, 1.0f);
-    EXPECT_NEAR(text(1).x + 0.5f * text(1).width, bar.x + 0.5f * bar.width, 1.5f);
-    EXPECT_NEAR(text(2).x + text(2).width, bar.x + bar.width, 1.5f);
-  }
-}
-
-TEST(Panels, AKeyIsDraggedAlongTheTimeline) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 1400.0f);
-  editor.facts.scene = &scene;
-  CameraPath path;
-  path.name = "way";
-  path.keys.resize(3);
-  path.keys[1].camera.eye.x = 1.0f;
-  path.keys[2].camera.eye.x = 2.0f;
-  editor.state.paths = {path};
-  editor.state.left_tab = 3;
-  editor.step(3);
-  const Rect first = editor.frame.items.at("timeline/1"), second = editor.frame.items.at("timeline/2");
-  const float two_seconds = second.x - first.x;
-  ASSERT_GT(two_seconds, 20.0f);
-  ASSERT_TRUE(editor.drag("timeline/2", 0.5f * two_seconds, 0.0f));
-  const std::vector<double> times = key_times_s(editor.state.paths[0]);
-  EXPECT_NEAR(times[1], 3.0, 0.1);
-  EXPECT_NEAR(times[2], 4.0, 1e-9) << "its neighbours stay";
-  EXPECT_EQ(editor.state.path_view.key, 1) << "it is the chosen one";
-  EXPECT_NEAR(editor.state.path_view.time_s, times[1], 1e-9) << "the picture shows it";
-  ASSERT_TRUE(editor.drag("timeline/3", 0.25f * two_seconds, 0.0f));
-  EXPECT_NEAR(path_duration_s(editor.state.paths[0]), 4.5, 0.1) << "the last one makes the path longer";
-  ASSERT_TRUE(editor.click("timeline/1"));
-  EXPECT_EQ(editor.state.path_view.key, 0);
-  EXPECT_EQ(editor.state.path_view.time_s, 0.0);
-}
-
-TEST(Panels, LateFramesDoNotMoveTheKeys) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 1400.0f);
-  editor.facts.scene = &scene;
-  CameraPath path;
-  path.name = "way";
-  path.keys.resize(2);
-  path.keys[1].camera.eye.x = 1.0f;
-  editor.state.paths = {path};
-  editor.state.left_tab = 3;
-  editor.step(3);
-  const float before = editor.frame.items.at("key/1").y;
-  editor.state.path_view.late_frames = 1234;
-  editor.step(3);
-  EXPECT_EQ(editor.frame.items.at("key/1").y, before);
-}
-
-TEST(Panels, ALookHasANote) {
-  const Scene scene = small_scene();
-  HeadlessEditor editor(1280.0f, 720.0f);
-  editor.facts.scene = &scene;
-  editor.state.name = "day";
-  editor.state.looks = {editor.state};
-  editor.state.left_tab = 3;
-  editor.step(3);
-  ASSERT_TRUE(editor.click("look note"));
-  ImGui::GetIO().AddInputCharactersUTF8("too dark");
-  editor.step(2);
-  EXPECT_EQ(editor.state.looks[0].note, "too dark");
-  EXPECT_EQ(editor.state.note, "too dark");
 }
 
 TEST(Panels, APictureInWorkIsCancelled) {

@@ -199,7 +199,7 @@ class TransferBench {
   }
 
   CameraView camera(const Scene& scene) const {
-    return find_camera(scene, getenv("BENCHCAM") ? getenv("BENCHCAM") : "left");
+    return find_camera(scene, "left");
   }
 
   FrameRequest request(const Scene& scene, double turn_rad, int coefficients) const {

@@ -68,7 +68,9 @@ TEST_F(WindowPictures, AnotherLookIsShownCoarselyOnlyWhereFramesAreSlow) {
     session.take(other);
     const int first = turn(&session, slow ? 20.0 : 10.0);
     EXPECT_EQ(first < kWidth / 2, slow) << first;
-    if (slow) EXPECT_EQ(turn(&session, 20.001), kWidth) << "and as it is wanted right after that";
+    if (slow) {
+      EXPECT_EQ(turn(&session, 20.001), kWidth) << "and as it is wanted right after that";
+    }
     other.camera.eye.x += 0.2f;
   }
   session.state.camera.eye.x += 0.2f;

@@ -8,6 +8,7 @@
 
 #include "render/math/low_discrepancy.h"
 #include "render/raytraced/embree_ray.h"
+#include "render/raytraced/ray_device.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -44,7 +45,7 @@ void for_blocks(std::size_t count, const Body& body) {
 }  // namespace
 
 TileRays::TileRays(const SmallGeometry& geometry)
-    : side_(geometry.side), border_(std::max(4, geometry.side / 8)), device_(rtcNewDevice(nullptr)) {
+    : side_(geometry.side), border_(std::max(4, geometry.side / 8)), device_(new_ray_device()) {
   if (!device_) throw Error("btf", "the ray tracer does not start", "see `maquette doctor`");
   build_cells(geometry);
   scene_.reset(rtcNewScene(device_.get()));

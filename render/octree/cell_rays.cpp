@@ -5,11 +5,12 @@
 
 #include "render/octree/octree_triangles.h"
 #include "render/raytraced/embree_ray.h"
+#include "render/raytraced/ray_device.h"
 #include "scenes/error.h"
 
 namespace maquette {
 
-CellRays::CellRays(const OctreeSource& source, const OctreeGrid& grid) : device_(rtcNewDevice(nullptr)) {
+CellRays::CellRays(const OctreeSource& source, const OctreeGrid& grid) : device_(new_ray_device()) {
   if (!device_) throw Error("octree", "the ray tracer does not start", "see `maquette doctor`");
   scene_.reset(rtcNewScene(device_.get()));
   rtcSetSceneFlags(scene_.get(), RTC_SCENE_FLAG_ROBUST);

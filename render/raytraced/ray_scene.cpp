@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/raytraced/embree_ray.h"
+#include "render/raytraced/ray_device.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -41,7 +42,7 @@ RayScene build_ray_scene(const FlatGeometry& geometry, const std::vector<bool>& 
     for (std::uint32_t k = 0; k < item.index_count; ++k) indices.push_back(geometry.indices[item.first_index + k]);
     for (std::uint32_t k = 0; k < item.index_count / 3; ++k) out.numbers.push_back(item.first_index / 3 + k);
   }
-  out.device = RayScene::DevicePointer(rtcNewDevice(nullptr), &rtcReleaseDevice);
+  out.device = RayScene::DevicePointer(new_ray_device(), &rtcReleaseDevice);
   out.scene = RayScene::ScenePointer(rtcNewScene(out.device.get()), &rtcReleaseScene);
   rtcSetSceneFlags(out.scene.get(), RTC_SCENE_FLAG_ROBUST);
   RTCGeometry mesh = rtcNewGeometry(out.device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);

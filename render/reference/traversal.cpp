@@ -6,6 +6,7 @@
 
 #include "render/math/low_discrepancy.h"
 #include "render/raytraced/embree_ray.h"
+#include "render/raytraced/ray_device.h"
 #include "render/reference/surface.h"
 #include "scenes/error.h"
 
@@ -180,7 +181,7 @@ void add_mesh(PathScene* scene, std::size_t mesh) {
 }  // namespace
 
 void build_hierarchy(PathScene* scene) {
-  scene->device.reset(rtcNewDevice(nullptr));
+  scene->device.reset(new_ray_device());
   if (!scene->device) throw Error("reference", "the ray tracer does not start", "use another --mode");
   scene->embree.reset(rtcNewScene(scene->device.get()));
   rtcSetSceneFlags(scene->embree.get(),

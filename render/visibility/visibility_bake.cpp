@@ -13,6 +13,7 @@
 #include <type_traits>
 
 #include "render/math/shared_formulas.h"
+#include "render/raytraced/ray_device.h"
 #include "render/visibility/visibility_points.h"
 #include "scenes/error.h"
 
@@ -258,7 +259,7 @@ Traced trace_points(const VisibilityPoints& points, const Panes& panes, const st
   if (points.triangles.empty())
     for (VisibilityBits& open : traced.bits) open.fill(0xffffffffu);
   if (points.triangles.empty() && panes.passages.empty()) return traced;
-  const DevicePointer device(rtcNewDevice(nullptr), &rtcReleaseDevice);
+  const DevicePointer device(new_ray_device(), &rtcReleaseDevice);
   if (!device) throw Error("visibility", "the ray tracer does not start", "set shading.visibility=none");
   Triangles occluders{{}, points.triangles};
   for (const VisibilityPoint& point : points.points) occluders.positions.push_back(point.position);

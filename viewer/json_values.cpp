@@ -31,9 +31,11 @@ Json plan_json(const FramePlan& plan) {
 Json status_json(const FrameStatus& status) {
   Json json = {{"bakes", Json::object()}};
   static const char* const kStates[] = {"absent", "running", "partial", "ready", "failed"};
-  for (const auto& [name, bake] : status.bakes())
+  for (const auto& [name, bake] : status.bakes()) {
     json["bakes"][name] = {{"state", kStates[static_cast<std::size_t>(bake.state)]},
                            {"progress", number(bake.progress)}};
+    if (!bake.notes.empty()) json["bakes"][name]["notes"] = bake.notes;
+  }
   if (!status.fitting.empty())
     json["bakes"]["patch_fit"] = {{"state", "running"}, {"progress", number(status.fit_progress)}};
   json["frames_before"] = status.accumulated;

@@ -161,6 +161,7 @@ class App {
     const bool panels_alone = !std::exchange(shown_, true);
     drew_ = !panels_alone && picture_.update(&session_, update);
     if (drew_) ++drawn_frames_;
+    if (drew_ && picture_.stats()) note_bakes(picture_.stats()->status);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, width, height);
     glClearColor(0.08f, 0.08f, 0.085f, 1.0f);
@@ -168,6 +169,14 @@ class App {
     if (panels_alone) return draw_note("The first picture is being prepared", rect);
     picture_.blit(x, height - y - h);
     if (drawn_frames_ > 1) swatches_.update();
+  }
+
+  /// What bakes say of themselves, as long as they do.
+  void note_bakes(const FrameStatus& status) {
+    std::string notes;
+    for (const auto& [name, bake] : status.own_bakes)
+      for (const std::string& note : bake.notes) notes += (notes.empty() ? "" : "; ") + name + ": " + note;
+    session_.set_advice({MessageLevel::warning, notes, true, "bakes"});
   }
 
   void collect_facts() {

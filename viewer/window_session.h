@@ -54,6 +54,8 @@ class WindowSession {
   /// `continued`: the picture is the previous one with more samples; no background result has been added to it.
   void meter_if_requested(bool continued);
   void add_message(MessageLevel level, const std::string& text);
+  /// Replaces the message of its topic; with an empty text it goes.
+  void set_advice(Message advice);
   void dismiss_messages();
 
   /// Begins a press with the dent tool; false (and a message) when there is nothing to dent.
@@ -90,7 +92,6 @@ class WindowSession {
   void use_environment(EnvironmentPointer environment, const std::string& source);
   /// Advice goes when it is stale.
   void advise();
-  void set_advice(Message advice);
   void apply_ground(bool busy);
   /// The renderer has a new scene and nothing of the edits.
   void forget_applied();

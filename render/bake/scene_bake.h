@@ -33,6 +33,8 @@ class SceneBake {
   }
   /// Of what it draws with, how the error follows the strength of compression; null where it compresses nothing.
   virtual CompressionTableJob compression_table() const { return {}; }
+  /// What of it is not as the scene is now or cannot be shown as asked, a line each.
+  virtual std::vector<std::string> notes() const { return {}; }
 };
 
 }  // namespace maquette

@@ -143,7 +143,9 @@ void SceneBakes::report(const FramePlan& wanted, const SceneState& scene, FrameS
   for (const ShadingPlan& layer : wanted.layers) {
     const auto own = own_.find(layer.own_bake);
     if (own == own_.end()) continue;
-    status->own_bakes[layer.own_bake] = status_of(own->second->bake());
+    BakeStatus& of_own = status->own_bakes[layer.own_bake];
+    of_own = status_of(own->second->bake());
+    of_own.notes = own->second->notes();
   }
   if (wanted.prepares("build_shadow_rays")) status->shadow_rays = status_of(shadow_scene_);
   if (wanted.octree) status->octree = status_of(octree_);

@@ -13,10 +13,11 @@ struct BakeStatus {
   bool ready = true;
   double progress = 1.0;  ///< of the one in work, in [0, 1]
   BakeState state = BakeState::ready;
-  bool wanted = false;  ///< by this frame
+  bool wanted = false;                  ///< by this frame
+  std::vector<std::string> notes = {};  ///< SceneBake::notes
 };
 /// Of one that a frame wants.
-inline BakeStatus status_of(const Bake& bake) { return {bake.ready(), bake.progress(), bake.state(), true}; }
+inline BakeStatus status_of(const Bake& bake) { return {bake.ready(), bake.progress(), bake.state(), true, {}}; }
 
 /// What this frame can do: settings say what is wanted. A plain value; as it stands by default everything is ready and
 /// the frame is the first of its picture.

@@ -86,11 +86,13 @@ std::string read_kind(const BakeFile& file) {
 }
 
 /// Reads the texels of a block, `masked.size()` of them: radiance [texel][bin][RGB]. Throws Error.
-void read_block(const std::string& path, const std::string& key, std::span<float> radiance,
+void read_block(const std::string& path, const std::string& key, std::size_t block, std::span<float> radiance,
                 std::span<std::uint32_t> masked) {
   const BakeFile file = load_bake_file(path);
   if (read_kind(file) != kBlockKind) throw Error(path, "the file holds no incident light");
   if (attribute(path, file, "key") != key) throw Error(path, "the block is of another bake", "bake it again");
+  if (attribute(path, file, "block") != std::to_string(block))
+    throw Error(path, "the block is another one of the bake", "bake it again");
   const auto& stored = file.integers(path, "texels", "masked");
   if (stored.size() < masked.size()) throw Error(path, "the block is too short", "bake it again");
   static constexpr const char* kNames[] = {"R", "G", "B"};
@@ -207,7 +209,7 @@ class Run {
     if (!fs::exists(path, ignored)) return false;
     try {
       read_block(
-          path, key_of(bake_->provenance),
+          path, key_of(bake_->provenance), block,
           std::span(bake_->field.radiance).subspan(first(block) * stride(), (end(block) - first(block)) * stride()),
           std::span(masked_).subspan(first(block), end(block) - first(block)));
     } catch (const Error&) {
@@ -384,7 +386,7 @@ IncidentField load_incident(const std::string& folder, const IncidentSummary& su
     const std::size_t first = b * kIncidentBlock, count = std::min(kIncidentBlock, summary.texels - first);
     std::vector<std::uint32_t> masked(count);
     std::vector<float> radiance(count * stride);
-    read_block(block_path(folder, b), key, radiance, masked);
+    read_block(block_path(folder, b), key, b, radiance, masked);
     field.radiance.insert(field.radiance.end(), radiance.begin(), radiance.end());
     for (const std::uint32_t m : masked) field.masked.push_back(m != 0);
   }

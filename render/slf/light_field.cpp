@@ -123,6 +123,21 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
   return warnings;
 }
 
+std::vector<std::string> notes_of(const LightField& field) {
+  std::vector<std::string> notes = field.warnings;
+  if (!field.stale.empty()) notes.push_back("the light field is stale: " + field.stale);
+  if (!field.made_from.scene || !field.made_from.incident.scene) return notes;
+  const std::vector<Material>&shown = field.made_from.scene->materials,
+        &baked = field.made_from.incident.scene->materials;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(shown.size(), baked.size()); ++i)
+    if (shown[i].measured != baked[i].measured || numbers_of(shown[i]) != numbers_of(baked[i]))
+      names += (names.empty() ? "" : ", ") + shown[i].name;
+  if (!names.empty())
+    notes.push_back("since the bake exchanged, light from them onto other parts is the old one: " + names);
+  return notes;
+}
+
 std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, LightFieldMemory* memory,
                                                    const std::atomic<bool>& cancel,
                                                    const std::function<void(double)>& progress) {

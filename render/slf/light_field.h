@@ -46,6 +46,10 @@ struct LightField {
   bool compressed() const { return fit.pca.cluster_count() > 0; }
 };
 
+/// Materials too specular, light that is another now, and materials whose reflection onto others is still that of the
+/// material that was baked; a line each.
+std::vector<std::string> notes_of(const LightField& field);
+
 /// What is kept between light fields of one incident bake, so that an exchange of materials traces nothing.
 struct LightFieldMemory {
   std::string folder;

@@ -67,6 +67,10 @@ std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, st
   return describe_texel(*field_, *texel);
 }
 
+std::vector<std::string> LightFieldStore::notes() const {
+  return field_ ? notes_of(*field_) : std::vector<std::string>();
+}
+
 CompressionTableJob LightFieldStore::compression_table() const {
   if (!field_) return {};
   return [field = field_](const std::atomic<bool>& cancel, const std::function<void(double)>& progress) {

@@ -31,6 +31,7 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   std::optional<PointReport> describe(const SceneState& scene, std::uint32_t triangle, bool back,
                                       const glm::vec3& position) const override;
   CompressionTableJob compression_table() const override;
+  std::vector<std::string> notes() const override;
   bool ready() const override { return buffers_.has_value(); }
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 

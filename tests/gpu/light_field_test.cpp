@@ -183,6 +183,31 @@ TEST(LightFieldMode, TheSecondRouteShowsWhatTheFirstStores) {
 }
 
 // A matte wall sends as much light everywhere, so that the middle of its lumisphere is what the picture shows.
+TEST(LightFieldMode, SaysWhatIsTooSpecularAndWhatWasExchanged) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto scene = lit_box();
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(0.1f));
+  FrameRequest request = request_for(64);
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  const auto notes = [&] {
+    renderer.finish_background_work(request);
+    const FrameStats stats = renderer.render(request);
+    std::string all;
+    for (const std::string& note : stats.status.own_bakes.at("slf").notes) all += note + "\n";
+    return all;
+  };
+  EXPECT_EQ(notes(), "");
+  renderer.set_material("gloss", "builtin:metal-chrome");
+  const std::string told = notes();
+  EXPECT_NE(told.find("too specular"), std::string::npos) << told;
+  EXPECT_NE(told.find("since the bake exchanged"), std::string::npos) << told;
+  EXPECT_NE(told.find("gloss"), std::string::npos) << told;
+  renderer.set_material("gloss", "");
+  EXPECT_EQ(notes(), "");
+}
+
 TEST(LightFieldMode, TellsWhatATexelStores) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

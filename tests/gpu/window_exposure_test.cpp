@@ -41,9 +41,12 @@ class WindowExposure : public testing::TemporaryFolder {
   }
   /// The exposure once everything has been read and baked and the picture rests.
   static float settled_ev(WindowSession* session) {
-    for (int k = 0; k < 8 || session->loading(); ++k) {
+    for (int rests = 0; rests < 8; ++rests) {
       session->update(false, 0.0);
-      if (session->loading()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      if (session->loading()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        rests = 0;
+      }
       session->renderer().finish_background_work(session->make_frame_request(kWidth, kHeight));
       step(session);
     }

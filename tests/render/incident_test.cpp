@@ -271,6 +271,9 @@ TEST_F(IncidentBakeFolder, SaysWhatIsWrongWithAFolder) {
   const auto mended = bake_incident(small_job(at), {}, kNever, {});
   EXPECT_EQ(mended->reused % kIncidentBlock, mended->atlas.texels.size() % kIncidentBlock);
   EXPECT_EQ(failure_of(show), "");
+  // Another block of the same bake in its place.
+  write_file_atomically(block, read_file(at + "/incident-00000.exr"));
+  EXPECT_NE(failure_of(show).find("another one of the bake"), std::string::npos) << failure_of(show);
   std::filesystem::remove(block);
   EXPECT_NE(failure_of(show).find("not complete"), std::string::npos);
 }

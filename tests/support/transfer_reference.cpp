@@ -70,8 +70,19 @@ std::vector<const TransferMesh::Triangle*> by_source(const TransferReference& r)
   return triangles;
 }
 
+/// Weights of a mesh triangle's second and third corner at a hit: the path scene rotates the corners of its triangles.
+glm::vec2 weights_in_mesh(const TransferReference& r, const TransferMesh::Triangle& triangle, const RayHit& hit) {
+  const glm::vec3& first = r.vertices->vertices[r.vertices->grid[triangle.first]].position;
+  const auto& corners = r.scene.triangles[hit.triangle].positions;
+  const float traced[3] = {1.0f - hit.barycentric.x - hit.barycentric.y, hit.barycentric.x, hit.barycentric.y};
+  std::size_t nearest = 0;
+  for (std::size_t k = 1; k < 3; ++k)
+    if (glm::distance(corners[k], first) < glm::distance(corners[nearest], first)) nearest = k;
+  return {traced[(nearest + 1) % 3], traced[(nearest + 2) % 3]};
+}
+
 glm::vec3 shade(const TransferReference& r, const SurfacePoint& p, const TransferMesh::Triangle* triangle,
-                const glm::vec2& barycentric) {
+                const RayHit& hit) {
   const Btf& btf = *p.material->btf;
   const auto components = static_cast<std::size_t>(std::min(r.components, btf.components));
   const DirectionWeights views = btf.view_mesh.find(p.wo);
@@ -85,7 +96,7 @@ glm::vec3 shade(const TransferReference& r, const SurfacePoint& p, const Transfe
     read_btf_factors(btf, *near.back().view, p.btf, near.back().factors.data());
   }
   if (triangle) {
-    const TransferCorners corners = find_transfer_corners(*r.vertices, *triangle, barycentric);
+    const TransferCorners corners = find_transfer_corners(*r.vertices, *triangle, weights_in_mesh(r, *triangle, hit));
     for (int i = 0; i < 3; ++i) {
       const TransferVertex& v = r.vertices->vertices[r.light_of[corners.vertex[i]]];
       add_light(r, {transfer_ray_origin(v), v.n, v.t, v.b}, static_cast<double>(corners.share[i]), &near);
@@ -120,7 +131,7 @@ Image trace_transfer_reference(const TransferReference& r, const CameraView& cam
     const SurfacePoint p = resolve_surface(r.scene, ray, hit, {&differential});
     if (!p.material->btf || !p.front) return;
     const std::uint32_t source = r.scene.triangles[hit.triangle].source;
-    const glm::vec3 radiance = shade(r, p, source < triangles.size() ? triangles[source] : nullptr, hit.barycentric);
+    const glm::vec3 radiance = shade(r, p, source < triangles.size() ? triangles[source] : nullptr, hit);
     for (int c = 0; c < 3; ++c) picture.at(i % width, i / width, c) = radiance[c];
     picture.at(i % width, i / width, 3) = 1.0f;
   });

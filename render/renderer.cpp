@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "render/bake/scene_bakes.h"
 #include "render/bezier/patch_fit.h"
 #include "render/picture/presenter.h"
 #include "render/renderer_impl.h"

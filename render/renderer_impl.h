@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/bake/scene_bakes.h"
 #include "render/frame/constants.h"
 #include "render/glass/panes.h"
 #include "render/glossy/glossy.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "render/bake/scene_bakes.h"
 #include "render/math/shared_formulas.h"
 #include "render/picture/presenter.h"
 #include "render/picture/tonemap.h"

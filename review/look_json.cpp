@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "render/picture/tonemap.h"
 #include "review/json_reader.h"

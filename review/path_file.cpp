@@ -1,5 +1,6 @@
 // `NAME.path.json`, and paths within a review.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "review/camera_path.h"

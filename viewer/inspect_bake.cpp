@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "render/technique/registry.h"
 #include "scenes/bake_file.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "render/btf/btf_source.h"
 #include "viewer/btf_preparation.h"

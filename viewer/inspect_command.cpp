@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "render/btf/btf_source.h"
 #include "render/btf/builtin_geometry.h"

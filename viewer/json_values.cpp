@@ -1,6 +1,7 @@
 #include "viewer/json_values.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace maquette {
 

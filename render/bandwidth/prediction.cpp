@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/materials/bandwidth.h"
 #include "render/math/shared_formulas.h"

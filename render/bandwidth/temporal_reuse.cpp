@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 
 namespace maquette {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "render/bake/scene_bakes.h"
 #include "render/frame/frame.h"
 #include "render/frame/frame_constants.h"
 #include "render/frame/plan.h"
@@ -14,6 +13,8 @@
 #include "render/technique/registry.h"
 
 namespace maquette {
+
+class SceneBakes;
 
 /// The frame at hand, as every pass may see it. Passes know besides only their own resources and what they are handed.
 struct FrameContext {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/gl/raster_state.h"
 #include "render/scene_state/material_overrides.h"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/glass/depth_order.h"
 #include "render/scene_state/material_overrides.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
 #include "render/views/read_texture.h"

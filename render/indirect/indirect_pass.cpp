@@ -1,5 +1,6 @@
 #include "render/indirect/indirect_pass.h"
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "render/frame/context.h"
+#include "render/indirect/indirect_buffers.h"
 
 namespace maquette {
 

@@ -4,6 +4,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "render/gl/bindings.h"
+#include "render/octree/cell_brdf_bake.h"
 #include "render/octree/octree_shared.h"
 
 namespace maquette {

@@ -3,9 +3,11 @@
 #include <cstddef>
 
 #include "render/gl/objects.h"
-#include "render/octree/cell_brdf_bake.h"
 
 namespace maquette {
+
+struct CellBrdfIndex;
+class LocalPca;
 
 /// Cell BRDFs on the GPU, read through shaders/octree/cells.glsl.
 class CellBrdfBuffers {

@@ -5,6 +5,7 @@
 #include <map>
 #include <span>
 
+#include "render/materials/mip_chain.h"
 #include "render/materials/texels.h"
 #include "scenes/files.h"
 

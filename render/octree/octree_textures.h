@@ -3,10 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "render/materials/mip_chain.h"
 #include "scenes/scene.h"
 
 namespace maquette {
+
+struct MipLevel;
 
 /// Mean colours of textures for the octree's cells: small mip chains of linear RGBA on the CPU.
 class OctreeTextures {

@@ -6,6 +6,7 @@
 
 #include "render/gl/bindings.h"
 #include "render/gl/dispatch.h"
+#include "render/octree/cell_brdf_buffers.h"
 #include "render/octree/octree_buffers.h"
 
 namespace maquette {
@@ -121,6 +122,8 @@ std::vector<ShaderVariant> octree_reflection_shader_variants() {
 }
 
 std::unique_ptr<ReflectorTechnique> make_octree_reflections() { return std::make_unique<OctreeReflections>(false); }
-std::unique_ptr<ReflectorTechnique> make_glossy_octree_reflections() { return std::make_unique<OctreeReflections>(true); }
+std::unique_ptr<ReflectorTechnique> make_glossy_octree_reflections() {
+  return std::make_unique<OctreeReflections>(true);
+}
 
 }  // namespace maquette

@@ -1,5 +1,6 @@
 #include "render/picture/composer.h"
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 
 namespace maquette {

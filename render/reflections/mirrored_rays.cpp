@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gbuffer/surfaces.h"
 #include "render/gl/bindings.h"
 #include "render/indirect/bind.h"

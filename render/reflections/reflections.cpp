@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "render/bake/scene_bakes.h"
 #include "render/frame/constants.h"
 #include "render/gl/bindings.h"
 #include "render/gl/raster_state.h"

@@ -10,7 +10,6 @@
 #include "render/frame/frame_constants.h"
 #include "render/frame/pass_timer.h"
 #include "render/gl/program_cache.h"
-#include "render/octree/cell_brdf_buffers.h"
 #include "render/octree/octree_buffers.h"
 #include "render/reflections/reflectors.h"
 #include "render/reflections/targets.h"
@@ -19,6 +18,7 @@
 
 namespace maquette {
 
+class CellBrdfBuffers;
 struct PathScene;
 
 /// How far from the ray that a pane's front mirrors the one that its back mirrors may be, for every pixel of the pane:

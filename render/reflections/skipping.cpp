@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/scene_state/material_overrides.h"
 

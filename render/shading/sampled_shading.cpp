@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/views/read_texture.h"
 

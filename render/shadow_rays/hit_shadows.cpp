@@ -3,6 +3,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "render/bake/scene_bakes.h"
+
 namespace maquette {
 
 void HitShadows::begin(const ReflectionTargets& t) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "render/bake/scene_bakes.h"
 #include "render/gl/bindings.h"
 #include "render/shadow_rays/point_rays.h"
 

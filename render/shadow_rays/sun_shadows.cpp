@@ -5,6 +5,7 @@
 
 #include <atomic>
 
+#include "render/bake/scene_bakes.h"
 #include "render/environment/environment_buffers.h"
 #include "render/frame/constants.h"
 #include "render/gbuffer/surfaces.h"

@@ -1,6 +1,7 @@
 #include "viewer/report/journal.h"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "scenes/error.h"
 #include "scenes/files.h"

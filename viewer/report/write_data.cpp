@@ -1,6 +1,7 @@
 #include "viewer/report/write_data.h"
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "viewer/json_values.h"
 #include "viewer/report/figures.h"

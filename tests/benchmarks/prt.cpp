@@ -198,9 +198,7 @@ class TransferBench {
     }
   }
 
-  CameraView camera(const Scene& scene) const {
-    return find_camera(scene, "left");
-  }
+  CameraView camera(const Scene& scene) const { return find_camera(scene, "left"); }
 
   FrameRequest request(const Scene& scene, double turn_rad, int coefficients) const {
     FrameRequest r;

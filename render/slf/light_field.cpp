@@ -123,19 +123,46 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
   return warnings;
 }
 
+std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightFieldAtlas& atlas) {
+  std::vector<std::string> warnings;
+  for (const auto& [item, fault] : atlas.own_charts) {
+    if (fault == kNoSecondUvs) continue;
+    const int node = job.geometry->items[item].node;
+    warnings.push_back((node < 0 ? "a part" : job.scene->nodes[static_cast<std::size_t>(node)].name) +
+                       ": charts are made here, as its second UV set cannot be used: " + fault);
+  }
+  return warnings;
+}
+
 std::vector<std::string> notes_of(const LightField& field) {
   std::vector<std::string> notes = field.warnings;
   if (!field.stale.empty()) notes.push_back("the light field is stale: " + field.stale);
-  if (!field.made_from.scene || !field.made_from.incident.scene) return notes;
-  const std::vector<Material>&shown = field.made_from.scene->materials,
-        &baked = field.made_from.incident.scene->materials;
+  if (!field.made_from.scene || !field.incident) return notes;
+  const std::vector<Material>& shown = field.made_from.scene->materials;
+  const std::vector<std::uint64_t>& baked = field.incident->contents.materials;
   std::string names;
   for (std::size_t i = 0; i < std::min(shown.size(), baked.size()); ++i)
-    if (shown[i].measured != baked[i].measured || numbers_of(shown[i]) != numbers_of(baked[i]))
-      names += (names.empty() ? "" : ", ") + shown[i].name;
+    if (hash_of(shown[i]) != baked[i]) names += (names.empty() ? "" : ", ") + shown[i].name;
   if (!names.empty())
     notes.push_back("since the bake exchanged, light from them onto other parts is the old one: " + names);
   return notes;
+}
+
+std::vector<std::string> changes_since(const LightField& field, const LightFieldJob& now) {
+  std::vector<std::string> changes;
+  const IncidentProvenance wanted = provenance_of(now.incident), &baked = field.incident->provenance;
+  if (wanted.geometry != baked.geometry) {
+    const std::string which = name_difference(field.incident->contents, contents_of(now.incident));
+    changes.push_back("stale: the light field was baked from other surfaces" +
+                      (which.empty() ? "" : " (" + which + ")"));
+  }
+  if (wanted.light != baked.light) changes.emplace_back("stale: the light field was baked under other light");
+  std::string names;
+  const auto &shown = now.scene->materials, &made = field.made_from.scene->materials;
+  for (std::size_t i = 0; i < std::min(shown.size(), made.size()); ++i)
+    if (hash_of(shown[i]) != hash_of(made[i])) names += (names.empty() ? "" : ", ") + shown[i].name;
+  if (!names.empty()) changes.push_back("the light field shows these materials as they were: " + names);
+  return changes;
 }
 
 std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, LightFieldMemory* memory,
@@ -159,6 +186,8 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->made_from = job;
   const OutgoingOptions options = outgoing_options(job, incident->atlas);
   field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
+  for (const std::string& line : job.left_out) field->warnings.push_back(line);
+  for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);
     field->interactions =

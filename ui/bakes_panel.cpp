@@ -83,9 +83,12 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
     const std::string change = change_text(*ui.facts.registry, name);
     if (!change.empty()) dim_text("It will change: " + change + ".");
   }
-  if (stops && (busy || held)) {
-    if (ImGui::Button(held ? "Bake" : "Stop")) ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
+  if (stops) {
+    if (ImGui::Button(held ? "Bake" : busy ? "Stop" : "Hold"))
+      ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
     mark_item(ui, (held ? "bake/" : "stop/") + name);
+    tooltip(held ? "Makes what is missing or no longer as the scene is"
+                 : "Keeps what is there whatever changes, and says what has changed");
   }
   if (has_setting(*ui.facts.registry, name + ".parts")) draw_parts(ui, name);
   ImGui::PopID();

@@ -416,7 +416,7 @@ IncidentSummary summarize_incident(const std::string& folder) {
 
 IncidentField load_incident(const std::string& folder, const IncidentSummary& summary) {
   const IncidentProvenance& p = summary.provenance;
-  if (p.lumisphere_side < 1 || p.lumisphere_side > 64 ||
+  if (p.lumisphere_side < 1 || p.lumisphere_side > Lumisphere::kLargestSide ||
       summary.texels > static_cast<std::size_t>(kLargestAtlas) * static_cast<std::size_t>(kLargestAtlas))
     throw Error(folder, "the sizes of the light field are out of range", "bake it again");
   IncidentField field;

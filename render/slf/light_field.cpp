@@ -117,8 +117,9 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
     const int wanted = lumisphere_side_for(peak_half_width(p));
     if (wanted <= side) continue;
     warnings.push_back("material " + p.material->values.name + " is too specular for lumispheres of " +
-                       std::to_string(side) + " x " + std::to_string(side) + " directions; " + std::to_string(wanted) +
-                       " would do (slf.directions)");
+                       std::to_string(side) + " x " + std::to_string(side) + " directions; " +
+                       (wanted <= Lumisphere::kLargestSide ? std::to_string(wanted) + " would do (slf.directions)"
+                                                           : "another mode would do (--mode-of)"));
   }
   return warnings;
 }

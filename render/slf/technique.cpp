@@ -30,7 +30,7 @@ std::vector<SettingDeclaration> light_field_settings() {
       {.name = "slf.directions",
        .default_value = Lumisphere::kDefaultSide,
        .min = 1,
-       .max = 64,
+       .max = Lumisphere::kLargestSide,
        .unit = "bins",
        .help = "side of the parabolic maps of directions at a texel"},
       {.name = "slf.paths",
@@ -96,6 +96,9 @@ Technique slf_technique() {
   info.name = "slf";
   info.help = "surface light fields: the radiance that leaves each texel in each direction, baked with all light paths";
   info.settings = light_field_settings();
+  for (const auto& [clusters, components] : {std::pair(1, 0), std::pair(1, 4), std::pair(8, 4), std::pair(32, 4),
+                                             std::pair(128, 4), std::pair(128, 8), std::pair(0, 8)})
+    info.quality_steps.push_back({.settings = {{"slf.clusters", clusters}, {"slf.components", components}}});
   info.make_mode = make_light_field_mode;
   info.shader_variants = light_field_shader_variants;
   info.own_bake = OwnBake{"slf", "the radiance that leaves its surfaces is looked up",

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "scenes/bake_file.h"
 #include "test_paths.h"
@@ -88,6 +89,23 @@ TEST(BakeCommand, InspectTabulatesTheLightThatLeaves) {
   const ProgramResult other = run_maquette({"inspect", at, "builtin:seat", "--json"});
   EXPECT_EQ(other.exit_code, 1) << other.out;
   EXPECT_NE(other.error.find("scene sphere"), std::string::npos) << other.error;
+}
+
+TEST(BakeCommand, TheReportMeasuresABakeThatIsNamed) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("bake");
+  ASSERT_EQ(bake({"-o", at}).exit_code, 0);
+  const ProgramResult result = run_maquette(
+      with_light_field({"report", "--size", "24x16", "--repeats", "1", "--budget", "12", "-o", folder.file("report")},
+                       {"--set", "slf.bake=" + at}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const auto json = nlohmann::json::parse(read_text(folder.file("report/report.json")));
+  int points = 0;
+  for (const auto& point : json.at("points")) points += point.at("technique") == "slf" ? 1 : 0;
+  EXPECT_GE(points, 1);
+  for (const auto& left_out : json.at("left_out"))
+    if (left_out.at("technique") == "prt" && left_out.at("what") == "prt")
+      EXPECT_NE(left_out.at("why").get<std::string>().find("maquette bake prt"), std::string::npos);
 }
 
 /// Of the columns of all blocks, in the order of their names.

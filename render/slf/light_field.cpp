@@ -1,9 +1,11 @@
 #include "render/slf/light_field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 
+#include "render/bake/kept_bakes.h"
 #include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 
@@ -11,6 +13,8 @@ namespace maquette {
 
 namespace {
 
+/// Bytes of outgoing light that are kept beside the compressed field.
+constexpr std::size_t kMostKept = std::size_t{256} << 20;
 /// Share of the progress that incident light takes.
 constexpr double kIncidentShare = 0.9;
 
@@ -29,6 +33,31 @@ std::shared_ptr<const IncidentBake> find_incident(const LightFieldJob& job, Ligh
   memory->folder = job.incident.folder;
   memory->provenance = wanted;
   return baked;
+}
+
+/// Everything that outgoing light depends on besides the light that arrives.
+std::vector<std::uint64_t> outgoing_key(const LightFieldJob& job, const OutgoingOptions& options) {
+  std::vector<std::uint64_t> key{static_cast<std::uint64_t>(options.basis),
+                                 std::bit_cast<std::uint64_t>(options.haar_error),
+                                 std::bit_cast<std::uint32_t>(options.texel_m)};
+  for (const Material& material : job.scene->materials) key.push_back(hash_of(material));
+  for (const TextureImage& image : job.scene->images) key.push_back(chain_hash(image.rgba, 0));
+  return key;
+}
+
+std::shared_ptr<const OutgoingField> find_outgoing(const LightFieldJob& job, const PathScene& materials,
+                                                   const std::shared_ptr<const IncidentBake>& incident,
+                                                   LightFieldMemory* memory, const std::atomic<bool>& cancel) {
+  const OutgoingOptions options = outgoing_options(job, incident->atlas);
+  std::vector<std::uint64_t> key = outgoing_key(job, options);
+  if (memory->outgoing && memory->outgoing_of == incident && memory->outgoing_key == key) return memory->outgoing;
+  memory->outgoing = nullptr;
+  const auto outgoing = compute_outgoing(materials, incident->atlas, incident->field, options, cancel);
+  if (!outgoing || static_cast<std::size_t>(outgoing->radiance.size()) * sizeof(float) > kMostKept) return outgoing;
+  memory->outgoing = outgoing;
+  memory->outgoing_of = incident;
+  memory->outgoing_key = std::move(key);
+  return outgoing;
 }
 
 }  // namespace
@@ -185,19 +214,18 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   field->incident = incident;
   field->made_from = job;
-  const OutgoingOptions options = outgoing_options(job, incident->atlas);
   field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
   for (const std::string& line : job.left_out) field->warnings.push_back(line);
   for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);
-    field->interactions =
-        compute_interactions(*materials, incident->atlas, incident->field, {.texel_m = options.texel_m}, cancel);
+    field->interactions = compute_interactions(*materials, incident->atlas, incident->field,
+                                               {.texel_m = outgoing_options(job, incident->atlas).texel_m}, cancel);
     if (!field->interactions) return nullptr;
     if (progress) progress(1.0);
     return field;
   }
-  const auto outgoing = compute_outgoing(*materials, incident->atlas, incident->field, options, cancel);
+  const auto outgoing = find_outgoing(job, *materials, incident, memory, cancel);
   if (!outgoing) return nullptr;
   field->coefficients = outgoing->coefficients;
   compress(outgoing, job.compression, cancel, field.get());

@@ -60,6 +60,10 @@ struct LightFieldMemory {
   IncidentProvenance provenance;
   std::shared_ptr<const IncidentBake> incident;
   MeasuredLibrary library;
+  /// Of the last field, unless it is large, with what it was computed from: another compression computes none.
+  std::shared_ptr<const OutgoingField> outgoing;
+  std::shared_ptr<const IncidentBake> outgoing_of;
+  std::vector<std::uint64_t> outgoing_key;
 };
 
 /// Geometry and materials to show; nothing is traced with it. `library`: is filled.

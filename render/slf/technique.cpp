@@ -96,7 +96,7 @@ Technique slf_technique() {
   info.name = "slf";
   info.help = "surface light fields: the radiance that leaves each texel in each direction, baked with all light paths";
   info.settings = light_field_settings();
-  for (const auto& [clusters, components] : {std::pair(1, 0), std::pair(1, 4), std::pair(8, 4), std::pair(32, 4),
+  for (const auto& [clusters, components] : {std::pair(1, 4), std::pair(8, 4), std::pair(32, 4),
                                              std::pair(128, 4), std::pair(128, 8), std::pair(0, 8)})
     info.quality_steps.push_back({.settings = {{"slf.clusters", clusters}, {"slf.components", components}}});
   info.make_mode = make_light_field_mode;

@@ -131,6 +131,31 @@ TEST(LightFieldMode, SaysWhatIsTooSpecularAndWhatWasExchanged) {
   EXPECT_EQ(notes(), "");
 }
 
+/// Light that leaves is kept between compressions: not a moment longer than it is right.
+TEST(LightFieldMode, WhatIsKeptMakesNoDifference) {
+  const GlContext context = GlContext::create_headless();
+  FrameRequest request = request_for(32);
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  const auto picture = [&](Renderer* renderer, int clusters, const std::string& gloss) {
+    renderer->set_material("gloss", gloss);
+    request.settings.set("slf.clusters", clusters);
+    return draw(renderer, request).picture.data;
+  };
+  const auto open = [](Renderer* renderer) {
+    renderer->set_scene(lit_box());
+    renderer->set_environment(test::constant_sky(0.1f));
+  };
+  Renderer kept, fresh;
+  open(&kept);
+  open(&fresh);
+  const auto first = picture(&kept, 0, "");
+  picture(&kept, 4, "");
+  const auto covered = picture(&kept, 4, "builtin:fabric-grey");
+  EXPECT_EQ(covered, picture(&fresh, 4, "builtin:fabric-grey"));
+  EXPECT_NE(covered, picture(&kept, 4, ""));
+  EXPECT_EQ(first, picture(&kept, 0, ""));
+}
+
 TEST(LightFieldMode, WhatIsHeldSaysWhatHasChanged) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

@@ -13,9 +13,7 @@ std::vector<bool> nodes_of_layer(const Scene& scene, const FrameRequest& request
   std::vector<std::string> modes{request.mode};
   for (const PartMode& part : request.part_modes)
     if (std::find(modes.begin(), modes.end(), part.mode) == modes.end()) modes.push_back(part.mode);
-  const bool is_default = layer.nodes.empty();
-  const auto own = std::find(modes.begin() + 1, modes.end(), layer.mode);
-  const int index = is_default ? 0 : static_cast<int>(own - modes.begin());
+  const int index = static_cast<int>(std::find(modes.begin(), modes.end(), layer.mode) - modes.begin());
   std::vector<bool> wanted;
   for (const int mode : layers_of_nodes(scene, request.part_modes, modes)) wanted.push_back(mode == index);
   return wanted;

@@ -51,6 +51,19 @@ double error_of(const Image& picture, const References& references, const Image&
   return std::sqrt(std::max(squares, 0.0) / count) / (light / count);
 }
 
+/// Its own mode may be named for a part, too, as windows do that leave the rest to another one.
+TEST(LightFieldPictures, AreTheSameWhereAPartIsNamed) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(lit_box());
+  renderer.set_environment(test::constant_sky(0.1f));
+  FrameRequest request = request_for(48);
+  request.camera.target = {0.0f, -0.1f, -1.0f};
+  const Image all = draw(&renderer, request).picture;
+  request.part_modes = {{"panel", "slf"}};
+  EXPECT_EQ(draw(&renderer, request).picture.data, all.data);
+}
+
 /// 1 in the middle third of the picture.
 Image middle_of(const FrameRequest& r) {
   Image mask(r.width, r.height, 4);

@@ -13,6 +13,7 @@ namespace {
 constexpr int kMaxStripLines = 3;
 constexpr ImGuiSelectableFlags kStaysOpen = ImGuiSelectableFlags_DontClosePopups;
 constexpr float kCameraWidth = 118.0f;
+constexpr float kLeastWork = 60.0f;  // of the line that says what is in work
 
 std::string scene_title(const EditorFacts& facts) {
   if (!facts.scene) return "no scene";
@@ -259,6 +260,7 @@ void draw_status(Ui& ui) {
     ImGui::SameLine(0.0f, scaled(20.0f));
   }
   for (const BackgroundWork& work : facts.background) {
+    if (room_right() < scaled(kLeastWork)) break;
     const std::string said = work_text(facts, work);
     ImGui::TextColored(kWarning, "%s", elide(said, room_right()).c_str());
     mark_item(ui, "work/" + work.what);

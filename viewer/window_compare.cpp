@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kAveraged = 4, kAveragedFile = 16;  // frames
-constexpr float kWiperReach = 7.0f;               // units to each side of the line
+constexpr int kAveraged = 4, kAveragedSmooth = 16, kAveragedFile = 16;  // frames
+constexpr float kWiperReach = 7.0f;                                     // units to each side of the line
 
 /// A file in a folder that is not there yet: NAME.exr, NAME 2.exr, ...
 std::string free_file(const fs::path& folder, std::string name, const std::string& ending) {
@@ -195,17 +195,23 @@ void WindowCompare::draw_other(WindowSession* session, const WindowPicture& pict
   const bool known = wanted_ && *wanted_ == wanted;
   if (!known) {
     ready_ = false;
+    mean_flip_ = -1.0;
     drawing_.cancel();
   }
-  if (!known && picture.still()) {
+  // Once the present picture has smooth edges the other one gets them too: a difference would show them as dots.
+  const int msaa = std::max(picture.drawn().msaa, known ? wanted_msaa_ : 1);
+  const bool smoother = known && msaa > wanted_msaa_ && !drawing_.busy();
+  if ((!known || smoother) && picture.still()) {
     Review review = session->review().review();
     review.look = wanted.look;
     SettledFrame settled;
     settled.size.width = wanted.width;
     settled.size.height = wanted.height;
-    settled.frames = kAveraged;
+    settled.size.msaa = msaa;
+    settled.frames = smoother ? kAveragedSmooth : kAveraged;
     drawing_.start(review, settled, state_folder() + "/compare-" + std::to_string(::getpid()) + ".exr");
     wanted_ = wanted;
+    wanted_msaa_ = msaa;
   }
   std::string error;
   if (!drawing_.poll(&error)) return;
@@ -252,7 +258,6 @@ void WindowCompare::show(float exposure_ev) {
   for (std::size_t i = 3; i < display_.data.size(); i += 4) display_.data[i] = 1.0f;
   texture_ = overlay_texture(display_, "other look", GL_LINEAR);
   compared_frames_ = 0;
-  mean_flip_ = -1.0;
 }
 
 namespace {

@@ -57,6 +57,7 @@ class WindowCompare {
   float wiper_ = 0.5f;           ///< share of the picture's width, from the left, that shows the present look
   BackgroundRender drawing_, file_;
   std::optional<Wanted> wanted_;
+  int wanted_msaa_ = 1;       ///< samples a pixel that it is drawn with
   Image radiance_, display_;  ///< of the other look
   Texture texture_, difference_;
   float shown_ev_ = 0.0f;

@@ -99,9 +99,11 @@ void draw_save_popup(Ui& ui) {
 void draw_camera_combo(Ui& ui) {
   ImGui::SetNextItemWidth(scaled(kCameraWidth));
   if (!ImGui::BeginCombo("##camera", "Cameras")) {
+    mark_item(ui, "cameras");
     tooltip("Scene cameras, also on the keys 1 to 9");
     return;
   }
+  mark_item(ui, "cameras");
   if (ui.facts.cameras.empty()) dim_text("the scene has none");
   for (std::size_t i = 0; i < ui.facts.cameras.size(); ++i) {
     ImGui::PushID(static_cast<int>(i));

@@ -77,6 +77,10 @@ void draw_timings(Ui& ui) {
   const FrameStats& stats = *ui.facts.stats;
   char text[64];
   draw_history(ui);
+  // Above the passes, whose number changes from frame to frame.
+  if (ImGui::Button("Copy the times")) ImGui::SetClipboardText(history_csv(ui.facts).c_str());
+  mark_item(ui, "frame/copy");
+  tooltip("Of the last frames and of each of their passes, as CSV");
   double total = 0.0;
   for (const PassTime& pass : ui.facts.smooth_passes) total += pass.ms;
   for (const PassTime& pass : ui.facts.smooth_passes) {
@@ -87,9 +91,6 @@ void draw_timings(Ui& ui) {
     mark_item(ui, "pass/" + title);
     tooltip("Click: its times in the last frames");
   }
-  if (ImGui::Button("Copy the times")) ImGui::SetClipboardText(history_csv(ui.facts).c_str());
-  mark_item(ui, "frame/copy");
-  tooltip("Of the last frames and of each of their passes, as CSV");
   ImGui::Spacing();
   value_row("Visible points", thousands(stats.visible_pixels));
   std::string shaded = thousands(stats.shaded_pixels);

@@ -125,7 +125,7 @@ void draw_library(Ui& ui, const Material& material) {
 void draw_materials_panel(Ui& ui) {
   if (!ui.facts.scene) return;
   const Scene& scene = *ui.facts.scene;
-  search_box("##search", "Search materials", ui.state.material_search.data(), ui.state.material_search.size());
+  search_box(ui, "Search materials", ui.state.material_search.data(), ui.state.material_search.size());
   const float room = ImGui::GetContentRegionAvail().y;
   const bool chosen =
       ui.state.selected_material >= 0 && ui.state.selected_material < static_cast<int>(scene.materials.size());

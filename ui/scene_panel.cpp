@@ -222,8 +222,7 @@ void draw_turn(Ui& ui) {
 void draw_scene_panel(Ui& ui) {
   if (!ui.facts.scene) return;
   const Scene& scene = *ui.facts.scene;
-  const bool searching =
-      search_box("##search", "Search nodes", ui.state.node_search.data(), ui.state.node_search.size());
+  const bool searching = search_box(ui, "Search nodes", ui.state.node_search.data(), ui.state.node_search.size());
   const float rows =
       (ui.state.edits.section == glm::vec4(0.0f) ? 1.0f : 2.0f) + (ui.state.selected_node >= 0 ? 1.0f : 0.0f);
   const float foot = ImGui::GetTextLineHeightWithSpacing() + rows * ImGui::GetFrameHeightWithSpacing();

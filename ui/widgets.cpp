@@ -262,9 +262,10 @@ void number_fields(Ui& ui, const std::string& name, float* values, int count, co
   }
 }
 
-bool search_box(const char* id, const char* hint, char* text, std::size_t size) {
+bool search_box(Ui& ui, const char* hint, char* text, std::size_t size) {
   ImGui::SetNextItemWidth(-FLT_MIN);
-  ImGui::InputTextWithHint(id, hint, text, size);
+  ImGui::InputTextWithHint("##search", hint, text, size);
+  mark_item(ui, hint);
   return text[0] != 0;
 }
 

@@ -48,8 +48,8 @@ std::string elide(const std::string& text, float width);
 /// A part of a panel that scrolls by itself, to the bottom where its height is 0; ends with ImGui::EndChild. The
 /// keyboard walks in and out of it.
 bool begin_list(const char* id, float height, float width = 0.0f);
-/// Search field over the whole width; true when it has text.
-bool search_box(const char* id, const char* hint, char* text, std::size_t size);
+/// Search field over the whole width, marked by its hint; true when it has text.
+bool search_box(Ui& ui, const char* hint, char* text, std::size_t size);
 /// Case-insensitive.
 bool contains(const std::string& text, const char* part);
 /// Combo over names; true when `value` changed.

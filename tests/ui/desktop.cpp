@@ -1,5 +1,6 @@
 #include "tests/ui/desktop.h"
 
+#include <GLFW/glfw3.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -209,6 +210,23 @@ bool Desktop::wait_until(const std::function<bool(const ScreenPicture&)>& done, 
     pause_ms(150);
   } while (std::chrono::steady_clock::now() < end);
   return false;
+}
+
+std::string Desktop::clipboard() const {
+  const char* own = std::getenv("DISPLAY");
+  const std::string before = own ? own : "";
+  ::setenv("DISPLAY", display_.substr(display_.find('=') + 1).c_str(), 1);
+  std::string text;
+  if (glfwInit() == GLFW_TRUE) {
+    const char* found = glfwGetClipboardString(nullptr);
+    if (found) text = found;
+    glfwTerminate();
+  }
+  if (own)
+    ::setenv("DISPLAY", before.c_str(), 1);
+  else
+    ::unsetenv("DISPLAY");
+  return text;
 }
 
 std::string Desktop::errors() const {

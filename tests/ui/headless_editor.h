@@ -1,6 +1,7 @@
 #pragma once
 
 #include <imgui.h>
+#include <imgui_internal.h>
 
 #include <string>
 
@@ -39,8 +40,11 @@ class HeadlessEditor {
     step(2);
     const auto found = frame.items.find(item);
     if (found == frame.items.end()) return false;
+    click_at(found->second, button);
+    return true;
+  }
+  void click_at(const Rect& r, int button = 0) {
     ImGuiIO& io = ImGui::GetIO();
-    const Rect& r = found->second;
     io.MousePos = {r.x + 0.5f * r.width, r.y + 0.5f * r.height};
     step();
     io.MouseDown[button] = true;
@@ -51,7 +55,16 @@ class HeadlessEditor {
     io.MousePos = {-1.0f, -1.0f};
     step(2);
     actions = done;
-    return true;
+  }
+  /// A line of the list of names that is open.
+  Rect choice(int line) {
+    step(2);
+    const ImGuiWindow* list = ImGui::FindWindowByName("##Combo_00");
+    if (!list) return {};
+    const float height = ImGui::GetTextLineHeight(), step_y = ImGui::GetTextLineHeightWithSpacing();
+    return {list->Pos.x + list->WindowPadding.x,
+            list->Pos.y + list->WindowPadding.y + step_y * static_cast<float>(line),
+            list->Size.x - 2.0f * list->WindowPadding.x, height};
   }
 
   /// Drags from the middle of an item by so much.

@@ -54,6 +54,11 @@ class Story : public Window {
     desktop_->click(at->item(item));
     at->press(item);
   }
+  /// Takes a line of a list of names.
+  void choose(Controls* at, const std::string& list, int line) {
+    press(at, list);
+    desktop_->click(at->choose(line));
+  }
   /// Clicks away the message below the picture, which is smaller meanwhile.
   void dismiss(Controls* at, const std::string& message) {
     const std::vector<Message> shown = {{MessageLevel::warning, message}};

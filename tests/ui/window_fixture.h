@@ -55,6 +55,12 @@ class Controls {
   EditorFacts& facts() { return editor_.facts; }
   /// The same click as in the window.
   void press(const std::string& name) { editor_.click(name); }
+  /// A line of the list of names that is open; chosen here, too.
+  Rect choose(int line) {
+    const Rect rect = editor_.choice(line);
+    editor_.click_at(rect);
+    return rect;
+  }
 
  private:
   HeadlessEditor editor_;

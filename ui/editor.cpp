@@ -18,7 +18,8 @@ using panels::Ui;
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
                                     ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoSavedSettings |
-                                    ImGuiWindowFlags_NoBringToFrontOnFocus;
+                                    ImGuiWindowFlags_NoBringToFrontOnFocus |
+                                    ImGuiWindowFlags_NoFocusOnAppearing;  // which would close dialogs
 
 bool begin_part(Ui& ui, const char* name, const Rect& rect, ImGuiWindowFlags flags = 0) {
   if (rect.empty()) return false;

@@ -192,6 +192,25 @@ TEST(Keyboard, EnterPressesAsSpaceDoes) {
   }
 }
 
+TEST(Keyboard, DialogsStayOpenUntilTheyAreLeft) {
+  Prepared prepared;
+  HeadlessEditor editor(1280.0f, 720.0f);
+  prepared.fill(&editor);
+  editor.state.start_popup = true;  // in the very first frame, as in a window without a file
+  editor.step(6);
+  EXPECT_TRUE(editor.frame.items.contains("start/builtin:sphere"));
+  editor.press(ImGuiKey_Escape);
+  EXPECT_FALSE(editor.frame.items.contains("start/builtin:sphere"));
+  editor.state.open_path_popup = true;
+  editor.step(5);
+  ASSERT_TRUE(editor.frame.items.contains("dialog/path"));
+  const std::vector<Message> messages = {{MessageLevel::error, "a message comes", true}};
+  editor.facts.messages = &messages;
+  editor.step(5);
+  EXPECT_TRUE(editor.frame.windows.contains("strip"));
+  EXPECT_TRUE(editor.frame.items.contains("dialog/path")) << "a message does not close it";
+}
+
 TEST(Keyboard, EnterPressesInDialogs) {
   Prepared prepared;
   HeadlessEditor editor(1280.0f, 720.0f);

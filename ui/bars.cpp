@@ -284,11 +284,23 @@ void draw_status(Ui& ui) {
 
 namespace {
 
-const Message* last_unread(const EditorFacts& facts) {
+bool in_strip(const Message& message) { return message.unread && message.level != MessageLevel::note; }
+
+/// Errors come first, advice last, and of equal ones the latest.
+int weight(const Message& message) {
+  return message.level == MessageLevel::error ? 2 : message.topic.empty() && message.remedy.empty() ? 1 : 0;
+}
+
+const Message* shown_message(const EditorFacts& facts) {
+  const Message* shown = nullptr;
   if (!facts.messages) return nullptr;
-  for (auto it = facts.messages->rbegin(); it != facts.messages->rend(); ++it)
-    if (it->unread && it->level != MessageLevel::note) return &*it;
-  return nullptr;
+  for (const Message& message : *facts.messages)
+    if (in_strip(message) && (!shown || weight(message) >= weight(*shown))) shown = &message;
+  return shown;
+}
+
+std::size_t unread_count(const EditorFacts& facts) {
+  return static_cast<std::size_t>(std::ranges::count_if(*facts.messages, in_strip));
 }
 
 float remedy_width(const Message& message) {
@@ -299,17 +311,19 @@ float remedy_width(const Message& message) {
 }  // namespace
 
 float strip_height(const EditorFacts& facts, float width) {
-  const Message* message = last_unread(facts);
+  const Message* message = shown_message(facts);
   if (!message) return 0.0f;
   const float line = ImGui::GetTextLineHeight();
   const float wrap = std::max(width - scaled(110.0f) - remedy_width(*message), scaled(80.0f));
   const float text = ImGui::CalcTextSize(message->text.c_str(), nullptr, false, wrap).y;
-  return std::min(text, kMaxStripLines * line) + scaled(18.0f);
+  const float buttons = unread_count(facts) > 1 ? line + ImGui::GetTextLineHeightWithSpacing() : line;
+  return std::clamp(text, std::min(buttons, kMaxStripLines * line), kMaxStripLines * line) + scaled(18.0f);
 }
 
 void draw_strip(Ui& ui) {
-  const Message* message = last_unread(ui.facts);
+  const Message* message = shown_message(ui.facts);
   if (!message) return;
+  const int index = static_cast<int>(message - ui.facts.messages->data());
   const float wrap = std::max(ImGui::GetWindowWidth() - scaled(110.0f) - remedy_width(*message), scaled(80.0f));
   ImGui::PushStyleColor(ImGuiCol_Text, message->level == MessageLevel::error ? kError : kWarning);
   ImGui::SetCursorPosY(scaled(9.0f));
@@ -322,13 +336,19 @@ void draw_strip(Ui& ui) {
     ImGui::SetCursorPos({ImGui::GetWindowWidth() - scaled(92.0f) - remedy_width(*message), scaled(7.0f)});
     if (ImGui::SmallButton(message->remedy.c_str())) {
       message->carry_out(&ui.state);
-      ui.actions.dismiss_messages = true;
+      ui.actions.dismiss_message = index;
     }
     mark_item(ui, "remedy");
   }
   ImGui::SetCursorPos({ImGui::GetWindowWidth() - scaled(82.0f), scaled(7.0f)});
-  if (ImGui::SmallButton("Dismiss")) ui.actions.dismiss_messages = true;
+  if (ImGui::SmallButton("Dismiss")) ui.actions.dismiss_message = index;
   mark_item(ui, "dismiss");
+  const std::size_t count = unread_count(ui.facts);
+  if (count < 2) return;
+  ImGui::SetCursorPosX(ImGui::GetWindowWidth() - scaled(82.0f));
+  if (ImGui::SmallButton(("All " + std::to_string(count)).c_str())) ui.actions.dismiss_messages = true;
+  mark_item(ui, "dismiss all");
+  tooltip("Dismisses the others too; the tab Frame keeps them");
 }
 
 }  // namespace maquette::panels

@@ -197,7 +197,8 @@ struct EditorActions {
   bool frame_scene = false;
   bool meter_exposure = false;
   bool undo = false, redo = false;
-  bool dismiss_messages = false;
+  int dismiss_message = -1;       ///< index of the one that was read
+  bool dismiss_messages = false;  ///< all of them
   bool compare_reflectors = false;
   bool measure_curve = false;  ///< of the present mode in the present view
   InspectionActions inspection;

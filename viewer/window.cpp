@@ -355,6 +355,7 @@ class App {
     if (!actions.save_path.empty()) session_.save(actions.save_path);
     if (actions.save && !session_.review().file().empty()) session_.save(session_.review().file());
     if (actions.save && session_.review().file().empty()) session_.state.save_path_popup = true;
+    session_.dismiss_message(actions.dismiss_message);
     if (actions.dismiss_messages) session_.dismiss_messages();
   }
 

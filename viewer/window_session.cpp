@@ -394,7 +394,7 @@ bool WindowSession::begin_dent(const Renderer::Pick& pick) {
   const Node& node = scene_->nodes[static_cast<std::size_t>(pick.node)];
   if (node.mesh < 0 || !scene_->meshes[static_cast<std::size_t>(node.mesh)].cage)
     return refuse(node.name + " is not a subdivision surface; try the door of builtin:cockpit");
-  dismiss_messages();
+  for (Message& message : messages_) message.unread = message.unread && message.level == MessageLevel::error;
   dragged_dent_ = state.edits.dents.size();
   const auto part = static_cast<std::size_t>(pick.node);
   glm::vec3 at = pick.position;
@@ -448,6 +448,11 @@ void WindowSession::add_message(MessageLevel level, const std::string& text) {
   constexpr std::size_t kMost = 200;
   if (messages_.size() >= kMost) messages_.erase(messages_.begin());
   messages_.push_back({level, text, true});
+}
+
+void WindowSession::dismiss_message(int index) {
+  if (index >= 0 && index < static_cast<int>(messages_.size()))
+    messages_[static_cast<std::size_t>(index)].unread = false;
 }
 
 void WindowSession::dismiss_messages() {

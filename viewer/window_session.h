@@ -56,6 +56,7 @@ class WindowSession {
   void add_message(MessageLevel level, const std::string& text);
   /// Replaces the message of its topic; with an empty text it goes.
   void set_advice(Message advice);
+  void dismiss_message(int index);
   void dismiss_messages();
 
   /// Begins a press with the dent tool; false (and a message) when there is nothing to dent.

@@ -250,11 +250,29 @@ TEST(Panels, AdviceIsCarriedOutByItsButton) {
   editor.step(2);
   ASSERT_TRUE(editor.click("remedy"));
   EXPECT_EQ(editor.state.edits.env_scale, 900.0f);
-  EXPECT_TRUE(editor.actions.dismiss_messages);
+  EXPECT_EQ(editor.actions.dismiss_message, 0);
   messages[0].remedy.clear();
   editor.step(2);
   EXPECT_FALSE(editor.frame.items.contains("remedy"));
   EXPECT_TRUE(editor.frame.items.contains("dismiss"));
+}
+
+TEST(Panels, EachMessageStaysUntilItIsRead) {
+  HeadlessEditor editor(1280.0f, 900.0f);
+  std::vector<Message> messages{
+      {MessageLevel::warning, "the review is open in another window"},
+      {MessageLevel::error, "a material cannot be read"},
+      {MessageLevel::warning, "paint looks like chalk", true, "gloss", "Open the library", [](EditorState*) {}}};
+  editor.facts.messages = &messages;
+  for (const int expected : {1, 0, 2}) {  // advice that came later hides neither
+    ASSERT_TRUE(editor.click("dismiss"));
+    EXPECT_EQ(editor.actions.dismiss_message, expected);
+    EXPECT_FALSE(editor.actions.dismiss_messages);
+    messages[static_cast<std::size_t>(expected)].unread = false;
+  }
+  for (Message& message : messages) message.unread = true;
+  ASSERT_TRUE(editor.click("dismiss all"));
+  EXPECT_TRUE(editor.actions.dismiss_messages);
 }
 
 TEST(Panels, TheErrorTabMeasuresOnlyWhileInSight) {

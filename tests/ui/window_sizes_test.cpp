@@ -24,7 +24,8 @@ bool inside(const Rect& rect, const Rect& other) {
 struct Prepared {
   Scene scene = load_scene("builtin:cockpit");
   FrameStats stats;
-  std::vector<Message> messages = {{MessageLevel::error, std::string(300, 'x') + " a long error", true}};
+  std::vector<Message> messages = {{MessageLevel::error, std::string(300, 'x') + " a long error", true},
+                                   {MessageLevel::warning, "and a warning", true}};
   Prepared() {
     stats.frame_ms = 1234.5;
     for (int i = 0; i < 12; ++i) stats.passes.push_back({"pass " + std::to_string(i), 1.0 * i});

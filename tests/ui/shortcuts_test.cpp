@@ -7,6 +7,9 @@
 
 #include <set>
 
+#include "render/technique/registry.h"
+#include "review/json_reader.h"
+#include "test_paths.h"
 #include "viewer/manual.h"
 #include "viewer/window_events.h"
 
@@ -69,6 +72,22 @@ TEST(Shortcuts, TheManualListsThem) {
   for (const ShortcutGroup& group : shortcut_groups())
     for (const Shortcut& shortcut : group.shortcuts)
       EXPECT_NE(manual.find(shortcut.keys), std::string::npos) << shortcut.keys;
+}
+
+TEST(Manual, EveryTechniqueIsDescribed) {
+  const std::string source = std::string(MAQUETTE_SOURCE_DIR) + "/docs/";
+  const std::string modes = read_text_file(source + "modes.md"),
+                    reflections = read_text_file(source + "reflections.md");
+  for (const Technique& technique : builtin_registry().techniques) {
+    const std::string name = "`" + technique.name + "`";
+    if (technique.kind == TechniqueKind::reflector) EXPECT_NE(reflections.find("| " + name), std::string::npos) << name;
+    if (technique.kind != TechniqueKind::mode) continue;
+    const std::size_t begin = modes.find("## " + name);
+    ASSERT_NE(begin, std::string::npos) << name;
+    const std::string section = modes.substr(begin, modes.find("\n## ", begin) - begin);
+    for (const char* part : {"*What.*", "*When.*", "*Cost.*", "*Error.*", "*Limits.*"})
+      EXPECT_NE(section.find(part), std::string::npos) << name << " " << part;
+  }
 }
 
 }  // namespace

@@ -341,6 +341,7 @@ FrameStats Renderer::Impl::stats_of(const FramePlan& plan, const FrameStatus& st
   (*bytes)["shading"] = targets.sky.tiles.tiles.bytes() + targets.composer.bytes();
   bakes.add_bytes(bytes);
   bakes.add_counters(&stats.technique);
+  layers.add_bytes_at_rest(bytes);
   for (std::size_t k = 0; k < layers.size(); ++k) {
     layers[k].add_bytes(bytes);
     layers[k].mode->add_counters(&stats.technique);

@@ -19,6 +19,7 @@ void Layer::add_bytes(std::map<std::string, std::size_t>* bytes) const {
 bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry& registry,
                    const std::function<void(int)>& made) try {
   bool any = layers_.size() != wanted.layers.size();
+  for (std::size_t k = wanted.layers.size(); k < layers_.size(); ++k) rest(&layers_[k]);
   layers_.resize(wanted.layers.size());
   for (std::size_t k = 0; k < layers_.size(); ++k) {
     const ShadingPlan& shading = wanted.layers[k];
@@ -28,10 +29,12 @@ bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry
         layer->surfaces.has_details() == wanted.details)
       continue;
     any = true;
-    layer.reset();  // both at once may not fit
+    rest(&layer);  // both at once may not fit
     layer = std::make_unique<Layer>();
     layer->mode_name = shading.mode;
-    layer->mode = registry.find_mode(shading.mode).make_mode();
+    const auto rested = at_rest_.find(shading.mode);
+    layer->mode = rested == at_rest_.end() ? registry.find_mode(shading.mode).make_mode() : std::move(rested->second);
+    if (rested != at_rest_.end()) at_rest_.erase(rested);
     layer->surfaces.fit(size, layer->mode->band_rows(size), shading.texture_bandwidth, wanted.details);
     layer->radiance = Texture::make_2d("radiance", GL_RGBA32F, size.grid_width(), size.grid_height());
     layer->mode->fit(size);
@@ -41,6 +44,21 @@ bool LayerSet::fit(const FramePlan& wanted, const GridSize& size, const Registry
 } catch (...) {
   layers_.clear();  // none half made
   throw;
+}
+
+void LayerSet::rest(std::unique_ptr<Layer>* layer) {
+  if (*layer && (*layer)->mode && (*layer)->mode->keeps_tables())
+    at_rest_[(*layer)->mode_name] = std::move((*layer)->mode);
+  layer->reset();
+}
+
+void LayerSet::clear() {
+  for (std::unique_ptr<Layer>& layer : layers_) rest(&layer);
+  layers_.clear();
+}
+
+void LayerSet::add_bytes_at_rest(std::map<std::string, std::size_t>* bytes) const {
+  for (const auto& [name, mode] : at_rest_) mode->add_bytes(bytes);
 }
 
 Continuation LayerSet::compare(const FrameChange& change) const {

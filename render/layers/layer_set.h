@@ -44,10 +44,15 @@ class LayerSet {
   /// `base`: what all have in common.
   void set_constants(const FrameConstants& base, const FrameStart& start, const FramePlan& plan);
   ShadingCounts counts() const;
-  void clear() { layers_.clear(); }
+  void clear();
+  /// Of the modes that rest.
+  void add_bytes_at_rest(std::map<std::string, std::size_t>* bytes) const;
 
  private:
+  void rest(std::unique_ptr<Layer>* layer);
+
   std::vector<std::unique_ptr<Layer>> layers_;
+  std::map<std::string, std::unique_ptr<ShadingMode>> at_rest_;  ///< by name: ShadingMode::keeps_tables
 };
 
 /// What carries out the passes of the G-buffer and of indirect light of a layer.

@@ -22,18 +22,18 @@ class LookupMode : public ShadingMode {
   void fit(const GridSize& size) override {
     marks_ = Texture::make_2d("marks", GL_RGBA8UI, size.grid_width(), size.grid_height());
   }
+  bool keeps_tables() const override { return tables_ != nullptr; }
   void set_constants(const FrameStart& start, const ShadingPlan&, FrameConstants* constants) const override {
     const int samples = std::max(start.request.samples, 1);
     constants->sampling = {samples, std::max(samples, 2), start.accumulated * samples,
                            static_cast<int>(start.request.seed)};
   }
   std::vector<Pass> passes(const LayerContext& layer) override {
-    return {
-        {.names = {"prefilter"},
-         .layer = layer.index,
-         .key = [&layer] { return Key::of(layer.frame.scene.revisions().sky, layer.frame.scene.materials().count()); },
-         .run = [this, &layer] { prefilter(layer); }},
-        {.names = {"shade"}, .layer = layer.index, .run = [this, &layer] { shade(layer); }}};
+    return {{.names = {"prefilter"},
+             .layer = layer.index,
+             .skip = [this, &layer] { return is_current(layer) ? std::string("its tables are those of before") : ""; },
+             .run = [this, &layer] { prefilter(layer); }},
+            {.names = {"shade"}, .layer = layer.index, .run = [this, &layer] { shade(layer); }}};
   }
   void shade_hits(const HitShading& hits) override {
     const ReflectionTargets& t = hits.targets;
@@ -48,10 +48,15 @@ class LookupMode : public ShadingMode {
   }
 
  private:
+  bool is_current(const LayerContext& layer) const {
+    const SceneState& scene = layer.frame.scene;
+    return tables_ && sky_ == scene.revisions().sky && material_count_ == scene.materials().count();
+  }
   void prefilter(const LayerContext& layer) {
     SceneState& scene = layer.frame.scene;
     if (!tables_ || sky_ != scene.revisions().sky) tables_ = make_(scene.environment().environment());
     sky_ = scene.revisions().sky;
+    material_count_ = scene.materials().count();
     tables_->update(scene.materials());
   }
   void run(const ShaderVariant& variant, const Texture& radiance, const Texture& marks, const TileList& tiles,
@@ -74,6 +79,7 @@ class LookupMode : public ShadingMode {
   Maker make_;
   std::unique_ptr<LookupTables> tables_;
   std::uint32_t sky_ = 0;  ///< revision that they are of
+  std::size_t material_count_ = 0;
   Texture marks_;
   Buffer counters_ = Buffer("lookup counters", 2 * sizeof(unsigned));
   ShadingCounts counts_;

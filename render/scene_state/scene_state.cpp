@@ -159,14 +159,19 @@ void SceneState::update(int variant) {
 }
 
 void SceneState::drop_lights() {
-  lights_.reset();
-  lights_listed_.reset();
+  if (!lights_listed_) return;
+  lights_at_rest_ = std::exchange(lights_, std::nullopt);
+  at_rest_listed_ = std::exchange(lights_listed_, std::nullopt);
 }
 
 void SceneState::list_lights() {
   if (lights_are_listed()) return;
-  lights_.reset();
+  const bool rested = at_rest_listed_ == revisions_.lights;
+  lights_ = rested ? std::exchange(lights_at_rest_, std::nullopt) : std::nullopt;
+  lights_at_rest_.reset();
+  at_rest_listed_.reset();
   lights_listed_ = revisions_.lights;
+  if (rested) return;
   const LightList list = build_light_list(edited_scene(), geometry(), buffers_variant_);
   if (!list.lights.empty()) lights_.emplace(list);
 }
@@ -285,6 +290,7 @@ void SceneState::add_bytes(std::map<std::string, std::size_t>* bytes) const {
   if (materials_.count() > 0) (*bytes)["materials"] = materials_.bytes();
   (*bytes)["environment"] = environment_->bytes();
   if (lights_) (*bytes)["lights"] = lights_->bytes();
+  if (lights_at_rest_) (*bytes)["lights"] += lights_at_rest_->bytes();
 }
 
 }  // namespace maquette

@@ -36,7 +36,7 @@ class SceneState {
   /// Lists the lights anew if they have changed since.
   void list_lights();
   bool lights_are_listed() const { return lights_listed_ == revisions_.lights; }
-  void drop_lights();
+  void drop_lights();  ///< they are kept for when they are listed again
 
   /// Throws Error when there is no scene.
   void require_scene() const;
@@ -99,6 +99,8 @@ class SceneState {
   std::optional<EnvironmentBuffers> environment_;
   std::optional<LightBuffers> lights_;
   std::optional<std::uint32_t> lights_listed_;  ///< revision that `lights_` is of
+  std::optional<LightBuffers> lights_at_rest_;
+  std::optional<std::uint32_t> at_rest_listed_;  ///< revision that `lights_at_rest_` is of
   Revisions revisions_;
   SceneFacts facts_;
   int facts_variant_ = kNone;

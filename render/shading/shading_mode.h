@@ -72,6 +72,9 @@ class ShadingMode {
   virtual int band_rows(const GridSize& size) const = 0;
   /// The layer's surfaces have this size from now on: what was kept of others is gone.
   virtual void fit(const GridSize& size) = 0;
+  /// Has tables of light or materials that took long and know by themselves whether they are stale: it is kept while
+  /// another mode draws, or another size is made.
+  virtual bool keeps_tables() const { return false; }
   virtual Continuation compare(const FrameChange&) const { return {}; }
   /// Called before the plan is made; writes what the plan should know into `status`.
   virtual void begin(const FrameStart&, FrameStatus* /*status*/) {}

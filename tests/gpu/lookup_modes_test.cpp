@@ -284,6 +284,32 @@ TEST_P(LookupModes, ResourcesExistOnlyOnceUsed) {
     })) << name;
 }
 
+TEST_P(LookupModes, TablesAreKeptWhileAnotherModeDrawsOrTheSizeChanges) {
+  Renderer renderer;
+  const auto scene = sphere_of(white_lambert());
+  renderer.set_scene(scene);
+  renderer.set_environment(make_sky(32, smooth_radiance));
+  FrameRequest request = sphere_request(*scene, GetParam());
+  const auto filters = [](const FrameStats& stats) {
+    return std::ranges::any_of(stats.passes, [](const PassTime& pass) { return pass.name == "prefilter"; });
+  };
+  EXPECT_TRUE(filters(renderer.render(request)));
+  const Image first = renderer.read_radiance();
+  request.mode = "uniform";
+  EXPECT_FALSE(filters(renderer.render(request)));
+  request.mode = GetParam();
+  request.width = request.height = kSize / 2;
+  const FrameStats small = renderer.render(request);
+  EXPECT_FALSE(filters(small));
+  EXPECT_GT(small.gpu_bytes.at("prefilter"), 0u);
+  renderer.forget_frames();
+  request.width = request.height = kSize;
+  EXPECT_FALSE(filters(renderer.render(request)));
+  EXPECT_EQ(renderer.read_radiance().data, first.data) << "the same picture";
+  renderer.set_environment(make_sky(32, [](const glm::dvec3& d) { return 2.0 * smooth_radiance(d); }));
+  EXPECT_TRUE(filters(renderer.render(request))) << "another light needs others";
+}
+
 INSTANTIATE_TEST_SUITE_P(Modes, LookupModes, testing::Values("splitsum", "sg"),
                          [](const auto& mode) { return std::string(mode.param); });
 

@@ -80,7 +80,9 @@ TEST(Manual, EveryTechniqueIsDescribed) {
                     reflections = read_text_file(source + "reflections.md");
   for (const Technique& technique : builtin_registry().techniques) {
     const std::string name = "`" + technique.name + "`";
-    if (technique.kind == TechniqueKind::reflector) EXPECT_NE(reflections.find("| " + name), std::string::npos) << name;
+    if (technique.kind == TechniqueKind::reflector) {
+      EXPECT_NE(reflections.find("| " + name), std::string::npos) << name;
+    }
     if (technique.kind != TechniqueKind::mode) continue;
     const std::size_t begin = modes.find("## " + name);
     ASSERT_NE(begin, std::string::npos) << name;

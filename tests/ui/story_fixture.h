@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -105,9 +106,23 @@ class Story : public Window {
     return desktop_->wait_until([&](const ScreenPicture& p) { return difference(wanted, p, rect) < 0.4 * far; },
                                 kStoryPatience_s);
   }
-  /// For the manual; nothing in other runs.
+  /// For the manual, once bakes and averaging change nothing any more; nothing in other runs.
   void keep_screen(const std::string& name) {
-    if (!pictures_.empty()) desktop_->save_screen(pictures_ + "/" + name + ".png");
+    if (pictures_.empty()) return;
+    constexpr double kUnchanged = 0.25;
+    constexpr std::chrono::seconds kCalm{10}, kLongest{300};
+    using Clock = std::chrono::steady_clock;
+    const Rect screen{0.0f, 0.0f, static_cast<float>(width_), static_cast<float>(height_)};
+    const Clock::time_point begin = Clock::now();
+    Clock::time_point since = begin;
+    ScreenPicture last = desktop_->grab();
+    while (Clock::now() - since < kCalm && Clock::now() - begin < kLongest) {
+      const ScreenPicture now = desktop_->grab();
+      if (difference(last, now, screen) < kUnchanged) continue;
+      last = now;
+      since = Clock::now();
+    }
+    desktop_->save_screen(pictures_ + "/" + name + ".png");
   }
 
   std::string pictures_;

@@ -110,7 +110,7 @@ class Story : public Window {
   void keep_screen(const std::string& name) {
     if (pictures_.empty()) return;
     constexpr double kUnchanged = 0.25;
-    constexpr std::chrono::seconds kCalm{10}, kLongest{300};
+    constexpr std::chrono::seconds kCalm{25}, kLongest{300};
     using Clock = std::chrono::steady_clock;
     const Rect screen{0.0f, 0.0f, static_cast<float>(width_), static_cast<float>(height_)};
     const Clock::time_point begin = Clock::now();

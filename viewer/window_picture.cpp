@@ -18,6 +18,14 @@ constexpr double kQuickEnough_ms = 800.0;
 /// Bakes that are done are taken over by the next frame.
 constexpr double kLongestYield_ms = 1000.0;
 constexpr float kFirstScale = 0.35f;  // of the first picture of another look
+constexpr int kFirstSamples = 16;     // of each of its points
+
+/// For a first picture, unless the request asks for a count.
+void take_few_samples(FrameRequest* request) {
+  const Technique& mode = builtin_registry().find_mode(request->mode);
+  if (request->samples > 0 || mode.samples_setting.empty() || mode.can.traces_picture) return;
+  request->samples = std::min(kFirstSamples, request->settings.get_int(mode.samples_setting));
+}
 
 std::set<std::string> reflectors_of(const FrameRequest& request) {
   return {request.reflectors.begin(), request.reflectors.end()};
@@ -74,6 +82,7 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   FrameRequest request = wanted;
   request.width = std::max(static_cast<int>(std::lround(static_cast<float>(width_px) * scale)), 1);
   request.height = std::max(static_cast<int>(std::lround(static_cast<float>(height_px) * scale)), 1);
+  if (first_look) take_few_samples(&request);
   const bool background = !session->renderer().background_work().empty();
   const bool background_done = background_ && !background;
   background_ = background;
@@ -95,7 +104,7 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   const bool same_size = stats_ && request.width == drawn_.width && request.height == drawn_.height;
   if (due) drawn_s_ = now_s;
   if (due) draw(session, request, request == drawn_ && (!changed || material_only));
-  if (due && !failed_) note_cost(moved && same_size && !begins);
+  if (due && !failed_ && !first_look) note_cost(moved && same_size && !begins);
   if (due && !failed_ && !moving_) session->meter_if_requested(stats_->accumulated_frames > 1);
   const EditorState& state = session->state;
   const bool better = due && !(stats_ && still_edges_.hidden(stats_->accumulated_frames));

@@ -58,6 +58,7 @@ TEST_F(WindowPictures, NothingIsRefinedWhileAPathRestsAtAKey) {
 
 TEST_F(WindowPictures, AnotherLookIsShownCoarselyOnlyWhereFramesAreSlow) {
   WindowSession session(options());
+  session.state.settings.set("uniform.samples", 32);
   turn(&session, 0.0);
   Look other = session.state;
   other.name = "other";
@@ -68,8 +69,10 @@ TEST_F(WindowPictures, AnotherLookIsShownCoarselyOnlyWhereFramesAreSlow) {
     session.take(other);
     const int first = turn(&session, slow ? 20.0 : 10.0);
     EXPECT_EQ(first < kWidth / 2, slow) << first;
+    EXPECT_EQ(picture_.drawn().samples, slow ? 16 : 0);
     if (slow) {
       EXPECT_EQ(turn(&session, 20.001), kWidth) << "and as it is wanted right after that";
+      EXPECT_EQ(picture_.drawn().samples, 0);
     }
     other.camera.eye.x += 0.2f;
   }

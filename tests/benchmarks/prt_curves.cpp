@@ -214,7 +214,12 @@ class ClothBench {
   static double lost(const CubeLight& light, const KeptLight& kept) {
     double rest = light.cast<double>().squaredNorm();
     const double all = rest;
-    for (const glm::vec3& v : kept.values) rest -= static_cast<double>(glm::dot(v, v));
+    for (std::size_t k = 0; k < kept.coefficients.size(); ++k) {
+      const glm::vec3 whole(light(kept.coefficients[k], 0), light(kept.coefficients[k], 1),
+                            light(kept.coefficients[k], 2)),
+          missing = whole - kept.values[k];
+      rest -= static_cast<double>(glm::dot(whole, whole) - glm::dot(missing, missing));
+    }
     return std::sqrt(std::max(rest, 0.0) / all);
   }
 

@@ -14,6 +14,7 @@
 #include "scenes/image_io.h"
 #include "tests/benchmarks/prt_curves.h"
 #include "tests/benchmarks/stage.h"
+#include "tests/support/sparse_transfer.h"
 #include "tests/support/transfer_reference.h"
 
 namespace maquette::bench {
@@ -196,11 +197,39 @@ class TransferBench {
                     " coefficients a face (AVX and F16C; AVX-512 is not used)",
                 number(quantile(lanes, 0.5)) + " ms; by plain code " + number(quantile(plain, 0.5)) + " ms"));
     }
+    compare_sparse(table, light);
   }
 
-  CameraView camera(const Scene& scene) const {
-    return find_camera(scene, "left");
+  /// The thesis' light side: of each row the largest coefficients alone.
+  void compare_sparse(const RelightTable& table, const CubeLight& light) {
+    std::vector<glm::vec4> whole, sparse;
+    for (const std::size_t of_row : {std::size_t{16}, std::size_t{64}, std::size_t{256}}) {
+      const test::SparseTransfer rows(table, of_row);
+      std::string text = number(1e-6 * static_cast<double>(rows.bytes())) + " MB (dense " +
+                         number(1e-6 * static_cast<double>(table.bytes())) + "), misses " + percent(rows.error()) +
+                         " of q";
+      for (const std::size_t coefficients : {std::size_t{20}, std::size_t{120}}) {
+        const KeptLight kept = choose_coefficients(light, table.importance(), 6 * coefficients);
+        table.sums(kept, &whole);
+        std::vector<double> times;
+        for (int i = 0; i < 5; ++i) {
+          const Clock begin = now();
+          rows.sums(kept, &sparse);
+          times.push_back((now() - begin).wall_ms);
+        }
+        double missed = 0.0, all = 0.0;
+        for (std::size_t r = 0; r < whole.size(); ++r) {
+          missed += static_cast<double>(glm::dot(sparse[r] - whole[r], sparse[r] - whole[r]));
+          all += static_cast<double>(glm::dot(whole[r], whole[r]));
+        }
+        text += "; " + std::to_string(coefficients) + " of the light: " + number(quantile(times, 0.5)) +
+                " ms, sums miss " + percent(std::sqrt(missed / std::max(all, 1e-300)));
+      }
+      figures_.push_back(shown("sparse q with " + std::to_string(of_row) + " coefficients a row", text));
+    }
   }
+
+  CameraView camera(const Scene& scene) const { return find_camera(scene, "left"); }
 
   FrameRequest request(const Scene& scene, double turn_rad, int coefficients) const {
     FrameRequest r;

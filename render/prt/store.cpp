@@ -57,7 +57,7 @@ bool TransferStore::update(const SceneState& scene, const FrameRequest& request,
     light_of_.reset();
     changed = true;
   }
-  return (buffers_ && update_light(scene, request)) || changed;
+  return (buffers_ && scene.has_environment() && update_light(scene, request)) || changed;
 }
 
 bool TransferStore::update_light(const SceneState& scene, const FrameRequest& request) {

@@ -65,6 +65,7 @@ class ClothBench {
     const std::string& data = stage.options().data;
     sky_ = std::make_shared<const Environment>(
         load_environment(data.empty() ? "builtin:clear-sky" : data + "/environments/autoshop_01_1k.hdr"));
+    stage_.renderer().set_environment(sky_);
     camera_.eye = {0.5f, 0.75f, 0.9f};
     camera_.target = {0.0f, 0.08f, 0.0f};
     camera_.fov_y_rad = 0.62f;
@@ -96,7 +97,6 @@ class ClothBench {
     cover_ = name;
     scene_ = cloth_covered("builtin:btf-" + name);
     stage_.renderer().set_scene(scene_);
-    stage_.renderer().set_environment(sky_);
   }
 
   Settings settings(int faces = 16, int components = 6) const {
@@ -460,7 +460,7 @@ class ClothBench {
     figures_.push_back(svg ? shown("chart", folder + "/" + name + ".svg") : absent("chart", "", problem));
   }
 
-  /// Side by side.
+  /// Side by side, without the sky behind them.
   void save(const std::string& name, const std::vector<Image>& pictures) const {
     if (stage_.options().charts.empty() || pictures.empty()) return;
     std::filesystem::create_directories(stage_.options().charts);
@@ -469,10 +469,12 @@ class ClothBench {
     const auto count = static_cast<int>(pictures.size());
     Image all(stacked ? width : count * width, stacked ? count * height : height, 3);
     for (int y = 0; y < all.height; ++y)
-      for (int x = 0; x < all.width; ++x)
-        for (int c = 0; c < 3; ++c)
-          all.at(x, y, c) =
-              pictures[static_cast<std::size_t>(stacked ? y / height : x / width)].at(x % width, y % height, c);
+      for (int x = 0; x < all.width; ++x) {
+        const Image& picture = pictures[static_cast<std::size_t>(stacked ? y / height : x / width)];
+        const int px = x % width, py = y % height;
+        if (picture.channels == 4 && picture.at(px, py, 3) < 1.0f) continue;
+        for (int c = 0; c < 3; ++c) all.at(x, y, c) = picture.at(px, py, c);
+      }
     save_exr((std::filesystem::path(stage_.options().charts) / (name + ".exr")).string(), all);
   }
 

@@ -195,6 +195,17 @@ TEST_F(TransferMode, SaysThatItsBakeIsStale) {
   EXPECT_EQ(notes(request), "");
 }
 
+TEST_F(TransferMode, IsBakedBeforeThereIsAnEnvironment) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  const FrameRequest request = look(small_request());
+  EXPECT_TRUE(renderer.finish_background_work(request));
+  EXPECT_THROW(renderer.render(request), Error);
+  renderer.set_environment(test::constant_sky(1.0f));
+  EXPECT_GT(draw(&renderer, request).picture.at(32, 24, 1), 0.0f);
+}
+
 TEST_F(TransferMode, ErrorOfVerticesFallsWithComponents) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

@@ -339,6 +339,16 @@ TEST_F(TransferMode, ShowsNoSeamsWhereTheNearestViewsChange) {
   }
 }
 
+TEST_F(TransferMode, ViewsOfLightAreToneMapped) {
+  int of_light = 0;
+  for (const DebugViewInfo& view : builtin_registry().find_mode("prt").views) {
+    if (view.help.find("cd/m2") == std::string::npos) continue;
+    ++of_light;
+    EXPECT_EQ(view.colors, ViewColors::radiance) << view.name;
+  }
+  EXPECT_EQ(of_light, 3);
+}
+
 TEST_F(TransferMode, StandsBesideOtherModesAndCostsNothingElsewhere) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;

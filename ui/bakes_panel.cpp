@@ -13,8 +13,9 @@ namespace maquette::panels {
 
 namespace {
 
-/// A bake that can be stopped has a setting NAME.run with the choices auto and hold.
-bool can_hold(const Registry& registry, const std::string& setting) {
+/// A bake that can be stopped has a setting NAME.run with the choices auto and hold; one of chosen parts NAME.parts,
+/// names of nodes with semicolons between.
+bool has_setting(const Registry& registry, const std::string& setting) {
   for (const Technique& technique : registry.techniques)
     for (const SettingDeclaration& s : technique.settings)
       if (s.name == setting) return true;
@@ -35,12 +36,34 @@ const std::map<std::string, const char*>& changes_of_bakes() {
   return kChanges;
 }
 
+/// Which parts it is made of: all, or those that were clicked in the picture or the tree and added here.
+void draw_parts(Ui& ui, const std::string& bake) {
+  const std::string setting = bake + ".parts", parts = ui.state.settings.get_string(setting);
+  const int node = ui.state.selected_node;
+  const std::string chosen = node >= 0 && ui.facts.scene && node < static_cast<int>(ui.facts.scene->nodes.size())
+                                 ? ui.facts.scene->nodes[static_cast<std::size_t>(node)].name
+                                 : std::string();
+  value_row("Parts", parts.empty() ? "all that the mode shades" : parts);
+  const bool there = (";" + parts + ";").find(";" + chosen + ";") != std::string::npos;
+  ImGui::BeginDisabled(chosen.empty() || there);
+  if (ImGui::Button(parts.empty() ? "Only the chosen part" : "Add the chosen part"))
+    ui.state.settings.set(setting, parts.empty() ? chosen : parts + ";" + chosen);
+  ImGui::EndDisabled();
+  mark_item(ui, "parts/add/" + bake);
+  tooltip(chosen.empty() ? std::string("Choose one first: click on it in the picture or in the tab Scene")
+                         : "The bake is to hold light for " + chosen);
+  if (parts.empty()) return;
+  ImGui::SameLine();
+  if (ImGui::Button("All parts")) ui.state.settings.set(setting, std::string());
+  mark_item(ui, "parts/all/" + bake);
+}
+
 void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
   const auto work = std::find_if(ui.facts.background.begin(), ui.facts.background.end(),
                                  [&](const BackgroundWork& w) { return w.what == name; });
   const bool busy = work != ui.facts.background.end();
   const std::string setting = name + ".run";
-  const bool stops = can_hold(*ui.facts.registry, setting);
+  const bool stops = has_setting(*ui.facts.registry, setting);
   const bool held = stops && ui.state.settings.get_string(setting) == "hold";
   ImGui::PushID(name.c_str());
   value_row(name.c_str(), bake_state_text(bake, busy, held));
@@ -53,10 +76,14 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
     const std::string change = change_text(*ui.facts.registry, name);
     if (!change.empty()) dim_text("It will change: " + change + ".");
   }
-  if (stops && (busy || held)) {
-    if (ImGui::Button(held ? "Bake" : "Stop")) ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
+  if (stops) {
+    if (ImGui::Button(held ? "Bake" : busy ? "Stop" : "Hold"))
+      ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
     mark_item(ui, (held ? "bake/" : "stop/") + name);
+    tooltip(held ? "Makes what is missing or no longer as the scene is"
+                 : "Keeps what is there whatever changes, and says what has changed");
   }
+  if (has_setting(*ui.facts.registry, name + ".parts")) draw_parts(ui, name);
   ImGui::PopID();
 }
 

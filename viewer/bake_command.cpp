@@ -28,6 +28,11 @@ int run_bake(const CommandLine& line) {
                             [&] { return std::make_shared<const Environment>(load_environment(options.environment)); },
                             glm::radians(options.env_rotation_deg),
                             options.env_scale};
+  const SceneOptions usual;
+  if (!command.of_light && (options.environment != usual.environment ||
+                            options.env_rotation_deg != usual.env_rotation_deg || options.env_scale != usual.env_scale))
+    std::fprintf(stderr, "warning: bake %s depends on no environment; its options are not used\n",
+                 command.name.c_str());
   const InterruptGuard guard;
   command.run(request, {InterruptGuard::flag(), print_progress(),
                         [](const std::string& text) { std::printf("%s\n", text.c_str()); }});

@@ -49,10 +49,9 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "what a pane of glass adds to what an eye sees: luminances, reflectances, angles, regions and sweeps, as JSON "
        "or CSV",
        ""},
-      {"inspect", "FILE", 1, 1,
-       "what is in a scene, BRDF, environment or bake (bake.exr of its folder), what it would need, and the frame "
-       "plan; `library` lists the built-in "
-       "materials and environments",
+      {"inspect", "FILE [SCENE]", 1, 2,
+       "what is in a scene, BRDF, environment or bake (its folder; SCENE: the one that it was baked of), what it would "
+       "need, and the frame plan; `library` lists the built-in materials and environments",
        ""},
       {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},
       {"help", "[WORD]", 0, 1,

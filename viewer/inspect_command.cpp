@@ -271,7 +271,9 @@ Json inspect_builtin(const CommandLine& line, const std::string& name) {
 Json inspect(const CommandLine& line) {
   const std::string& source = line.files[0];
   if (source == "library") return inspect_library();
-  if (const auto bake = inspect_bake(source)) return *bake;
+  if (const auto bake = inspect_bake(line)) return *bake;
+  if (line.files.size() > 1)
+    throw UsageError(line.files[1], "only a bake is inspected with its scene", "leave it out, or name a bake's folder");
   const std::string btf = with_btf_reading(source, line.options.settings);
   if (is_btf_source(source) && (lower_extension(source) != ".exr" || is_factorised_btf(source)))
     return inspect_btf(btf);

@@ -136,17 +136,19 @@ std::string environment_choices() {
 std::vector<OptionDeclaration> light_and_material_options() {
   using O = SceneOptions;
   return {
-      several_environments(shared("--env", "FILE",
-                                  "environment: .hdr, .exr or " + environment_choices() +
-                                      " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
-                                  [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); })),
-      shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",
-             [](O* o, const std::string& t) {
-               o->env_rotation_deg = static_cast<float>(parse_in(t, "--env-rotation", -36000.0, 36000.0));
-             }),
-      shared(
-          "--env-scale", "X", "cd/m2 per stored unit (1)",
-          [](O* o, const std::string& t) { o->env_scale = static_cast<float>(parse_in(t, "--env-scale", 0.0, 1e12)); }),
+      several_environments(
+          bake_option(shared("--env", "FILE",
+                             "environment: .hdr, .exr or " + environment_choices() +
+                                 " (builtin:clear-sky); builtin:clear-sky:DEG has the sun so high",
+                             [](O* o, const std::string& t) { o->environment = check_file_name(t, "--env"); }))),
+      bake_option(shared("--env-rotation", "DEG", "rotates the environment about +Y, from +Z towards +X",
+                         [](O* o, const std::string& t) {
+                           o->env_rotation_deg = static_cast<float>(parse_in(t, "--env-rotation", -36000.0, 36000.0));
+                         })),
+      bake_option(shared("--env-scale", "X", "cd/m2 per stored unit (1)",
+                         [](O* o, const std::string& t) {
+                           o->env_scale = static_cast<float>(parse_in(t, "--env-scale", 0.0, 1e12));
+                         })),
       shared("--exposure", "EV",
              "stops; only of the picture for the eye, never of .exr (what suits the environment, more where the "
              "picture is dark, less where lamps glare)",
@@ -155,7 +157,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
              }),
       shared("--tonemap", "NAME", join(tonemap_names()) + " (pbr-neutral)",
              [](O* o, const std::string& t) { o->tonemap = check_name(t, "--tonemap", tonemap_names()); }),
-      shared(
+      bake_option(shared(
           "--material", "NAME=FILE",
           "gives the material of that name (* for all) a measured BRDF: MERL .binary, builtin:LIBRARY-NAME, "
           "builtin:glass; or a BTF: a folder of images, .btf, builtin:btf-leather; `maquette inspect library` lists "
@@ -165,7 +167,7 @@ std::vector<OptionDeclaration> light_and_material_options() {
             if (o->materials.back().second.empty())
               throw UsageError("--material", "\"" + t + "\" names no FILE; leave the option out to keep the material");
           },
-          true),
+          true)),
       bake_option(plan_option(shared("--scene", "NAME", "scene of a glTF file, by name or index (its default)",
                                      [](O* o, const std::string& t) { o->scene_of_file = t; }))),
       bake_option(plan_option(
@@ -235,8 +237,8 @@ std::vector<OptionDeclaration> quality_options() {
       one_picture(shared(
           "--view", "NAME", "a debug view instead of the picture: " + join(Renderer::debug_view_names()),
           [](O* o, const std::string& t) { o->debug_view = check_name(t, "--view", Renderer::debug_view_names()); })),
-      shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)", parse_dent,
-             true),
+      bake_option(shared("--dent", "x,y,z,depth,radius", "presses a dent into the subdivision surfaces there (metres)",
+                         parse_dent, true)),
       bake_option(plan_option(shared("--turn", "NODE=x,y,z,DEG",
                                      "turns a node with what is below it about an axis through its origin; *: all that "
                                      "is drawn, about that of the "

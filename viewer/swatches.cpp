@@ -5,6 +5,9 @@
 #include <glm/gtc/constants.hpp>
 #include <random>
 
+#include "render/btf/btf_source.h"
+#include "scenes/error.h"
+
 namespace maquette {
 
 namespace {
@@ -99,9 +102,17 @@ std::vector<std::uint8_t> draw_brdf_ball(const BrdfTable& table, int side) {
   return rgba;
 }
 
-void Swatches::update() {
-  if (!worker_) {
-    worker_ = std::make_unique<Worker>(
+void Swatches::add(const Ball& ball) {
+  Texture texture = Texture::make_2d("swatch", GL_RGBA8, kSide, kSide);
+  texture.set_filter(GL_LINEAR, GL_LINEAR);
+  texture.upload(0, kSide, kSide, GL_RGBA, GL_UNSIGNED_BYTE, ball.rgba.data());
+  textures_[ball.source] = texture.get();
+  owners_.push_back(std::move(texture));
+}
+
+void Swatches::update_library() {
+  if (!library_) {
+    library_ = std::make_unique<Library>(
         [](std::monostate, const BackgroundTask<std::vector<Ball>>& task) -> std::optional<std::vector<Ball>> {
           std::vector<Ball> balls;
           for (const BuiltinBrdf& brdf : builtin_brdfs()) {
@@ -111,16 +122,35 @@ void Swatches::update() {
           }
           return std::nullopt;
         });
-    worker_->submit({});
+    for (const BuiltinBrdf& brdf : builtin_brdfs()) tried_.insert("builtin:" + brdf.name);
+    library_->submit({});
   }
-  const std::vector<Ball> balls = worker_->take().value_or(std::vector<Ball>());
-  for (std::size_t i = owners_.size(); i < balls.size(); ++i) {
-    const Ball& ball = balls[i];
-    Texture texture = Texture::make_2d("swatch", GL_RGBA8, kSide, kSide);
-    texture.set_filter(GL_LINEAR, GL_LINEAR);
-    texture.upload(0, kSide, kSide, GL_RGBA, GL_UNSIGNED_BYTE, ball.rgba.data());
-    textures_[ball.source] = texture.get();
-    owners_.push_back(std::move(texture));
+  const std::vector<Ball> balls = library_->take().value_or(std::vector<Ball>());
+  for (; of_library_ < balls.size(); ++of_library_) add(balls[of_library_]);
+}
+
+void Swatches::update(const std::vector<std::string>& drawn) {
+  update_library();
+  if (busy_) {
+    const std::optional<Ball> ball = others_->take();
+    if (!ball) return;
+    busy_ = false;
+    if (!ball->rgba.empty()) add(*ball);
+  }
+  for (const std::string& source : drawn) {
+    if (!tried_.insert(source).second) continue;
+    if (!others_)
+      others_ =
+          std::make_unique<Others>([](const std::string& wanted, const BackgroundTask<Ball>&) -> std::optional<Ball> {
+            try {
+              return Ball{wanted, draw_brdf_ball(load_material_table(wanted), kSide)};
+            } catch (const Error&) {  // glass, and files that are gone: who draws with them says so
+              return Ball{wanted, {}};
+            }
+          });
+    others_->submit(source);
+    busy_ = true;
+    return;
   }
 }
 

@@ -168,7 +168,7 @@ class App {
     glClear(GL_COLOR_BUFFER_BIT);
     if (panels_alone) return draw_note("The first picture is being prepared", rect);
     picture_.blit(x, height - y - h);
-    if (drawn_frames_ > 1) swatches_.update();
+    if (drawn_frames_ > 1) swatches_.update(session_.drawn_sources());
   }
 
   /// What bakes say of themselves, as long as they do.

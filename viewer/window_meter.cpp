@@ -107,7 +107,7 @@ void WindowMeter::judge(WindowSession* session, const WindowPicture& picture, do
 void WindowMeter::continue_curve(WindowSession* session, const WindowPicture& picture) {
   const Technique& mode = builtin_registry().find_mode(picture.drawn().mode);
   if (curve_step_ == 0) curve_ = {"this view, just measured", {}};
-  bool over = mode.quality_steps.empty();
+  bool over = mode.quality_steps.empty() || mode.quality_steps.front().samples == 0;
   FrameRequest request = picture.drawn();
   if (!over) request.samples = mode.quality_steps[static_cast<std::size_t>(curve_step_)].samples;
   try {

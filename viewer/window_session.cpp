@@ -264,6 +264,15 @@ void WindowSession::update(bool busy, double now_s) {
   advise();
 }
 
+std::vector<std::string> WindowSession::drawn_sources() const {
+  std::vector<std::string> sources;
+  for (const auto& [name, source] : applied_.materials)
+    if (!source.empty()) sources.push_back(source);
+  for (const Material& material : scene_->materials)
+    if (!material.measured.empty() && !is_btf_source(material.measured)) sources.push_back(material.measured);
+  return sources;
+}
+
 bool WindowSession::is_ready(const std::string& source) {
   if (source.empty() || !is_btf_source(source) || ready_btfs_.contains(source)) return true;
   if (!btf_in_work_.empty()) return false;

@@ -84,6 +84,9 @@ class WindowSession {
   const Scene& scene() const { return *scene_; }
   const Bounds& bounds() const { return bounds_; }
 
+  /// Sources of the measured materials that the picture is drawn with.
+  std::vector<std::string> drawn_sources() const;
+
  private:
   using ScenePointer = std::shared_ptr<Scene>;
   using EnvironmentPointer = std::shared_ptr<Environment>;

@@ -42,8 +42,10 @@ struct BakeCommand {
   std::string help;
   /// Throws Error, also when it was cancelled; what is done by then is kept, and the same request resumes it.
   std::function<void(const BakeRequest&, const BakeControl&)> run;
-  /// Of a folder of this bake; nothing for what is none of its own, or not whole. Null: has none. Throws Error.
-  std::function<std::optional<BakeFigures>(const std::string& folder)> inspect = {};
+  /// Of a folder of this bake; nothing for what is none of its own, or not whole. `scene`: that it was baked of, or
+  /// null. Null: has none. Throws Error.
+  std::function<std::optional<BakeFigures>(const std::string& folder, const Scene* scene)> inspect = {};
+  bool of_light = false;  ///< reads the environment
 };
 
 }  // namespace maquette

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 
 namespace maquette {
@@ -8,9 +10,27 @@ namespace maquette {
 /// of the others.
 struct BakeRanks {
   int rank = 0, count = 1;
+  double patience_s = 60.0;  ///< see RankPatience
   bool has(std::size_t block) const {
     return count == 1 || static_cast<int>(block % static_cast<std::size_t>(count)) == rank;
   }
+};
+/// How long a process waits for files of others while none comes, before it makes what is missing itself: a process
+/// that was lost holds up nobody, and what two of them make is the same. Ten times its own slowest block, at least
+/// BakeRanks::patience_s.
+class RankPatience {
+ public:
+  using Clock = std::chrono::steady_clock;
+  explicit RankPatience(const BakeRanks& ranks) : patience_s_(ranks.patience_s) {}
+  void made_block(Clock::time_point begin) {
+    patience_s_ = std::max(patience_s_, 10.0 * std::chrono::duration<double>(Clock::now() - begin).count());
+  }
+  void block_came() { since_ = Clock::now(); }
+  bool is_over() const { return std::chrono::duration<double>(Clock::now() - since_).count() >= patience_s_; }
+
+ private:
+  double patience_s_;
+  Clock::time_point since_ = Clock::now();
 };
 /// Of `mpirun`: its variables OMPI_COMM_WORLD_RANK and _SIZE, or PMI_RANK and PMI_SIZE; else one process.
 BakeRanks ranks_from_environment();

@@ -28,6 +28,12 @@ std::string hidden_reason(const Planning& p) {
   return text;
 }
 
+/// Why a pass has nothing to do for a mode that cannot take what it makes.
+std::string lacks(const Technique& mode, const std::string& nothing, const std::string& what) {
+  return mode.own_bake ? what + " that mode " + mode.name + " shows are in what it bakes"
+                       : "mode " + mode.name + " knows " + nothing;
+}
+
 }  // namespace
 
 bool wants_baked(const Planning& p, const Technique& mode) {
@@ -47,7 +53,7 @@ void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* s
   if (mode.can.traces_picture) return;
   const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("shadow_rays", why, by); };
   const std::string& asked = p.in.settings.get_string("shading.visibility");
-  if (!mode.can.shadows) return leave_out("mode " + mode.name + " knows no shadows", kMode);
+  if (!mode.can.shadows) return leave_out(lacks(mode, "no shadows", "shadows"), kMode);
   if (asked != "auto" && asked != "rays") return leave_out("shading.visibility is " + asked, "shading.visibility");
   if (!p.in.status.has_geometry) return leave_out("nothing is there to occlude", kScene);
   if (!p.in.status.shadow_rays.ready) return leave_out("what they meet is not built yet", kStatus);
@@ -59,7 +65,7 @@ void decide_shadow_rays(const Planning& p, const Technique& mode, ShadingPlan* s
 void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   if (mode.can.traces_picture) return;  // its own rays; add_passes says so
   const std::string& asked = p.in.settings.get_string("shading.visibility");
-  if (!mode.can.shadows) return p.leave_out("visibility", "mode " + mode.name + " knows none", kMode);
+  if (!mode.can.shadows) return p.leave_out("visibility", lacks(mode, "none", "shadows"), kMode);
   if (asked == "traced") {
     if (!p.in.status.octree.ready) return p.leave_out("visibility", "its octree is not built yet", kStatus);
     shading->visibility = "traced";
@@ -85,7 +91,7 @@ void decide_visibility(const Planning& p, const Technique& mode, ShadingPlan* sh
 void decide_indirect(const Planning& p, const Technique& mode, ShadingPlan* shading) {
   if (mode.can.traces_picture) return;
   const auto leave_out = [&](const std::string& why, const std::string& by) { p.leave_out("indirect", why, by); };
-  if (!mode.can.indirect) return leave_out("mode " + mode.name + " knows none", kMode);
+  if (!mode.can.indirect) return leave_out(lacks(mode, "none", "light between surfaces"), kMode);
   if (p.in.settings.get_string("shading.indirect") == "none")
     return leave_out("shading.indirect is none", "shading.indirect");
   const bool traced = p.in.settings.get_string("shading.visibility") == "traced";

@@ -123,6 +123,8 @@ Technique prt_technique() {
   info.help = "precomputed radiance transfer: BTFs and other materials with shadows, under a sky that turns";
   info.settings = compression_settings();
   for (SettingDeclaration& setting : bake_settings()) info.settings.push_back(std::move(setting));
+  for (const int coefficients : {4, 16, 20, 64, 120})
+    info.quality_steps.push_back({.settings = {{"prt.coefficients", coefficients}}});
   info.make_mode = make_transfer_mode;
   info.shader_variants = transfer_shader_variants;
   info.own_bake = OwnBake{"prt", "the light of its vertices is a sum over precomputed transfer",

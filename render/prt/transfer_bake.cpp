@@ -62,7 +62,8 @@ class Run {
         cancel_(cancel),
         progress_(progress),
         cube_(job.options.faces),
-        bake_(std::make_shared<TransferBake>()) {}
+        bake_(std::make_shared<TransferBake>()),
+        patience_(ranks) {}
 
   std::shared_ptr<const Transfer> make(const std::shared_ptr<const TransferBake>& last) {
     auto transfer = std::make_shared<Transfer>();
@@ -86,7 +87,7 @@ class Run {
     baked_from_world_ = transfer->baked_from_world;
     load_blocks();
     if (!job_.may_make && done_ < blocks_.size()) fail_incomplete();
-    if (!make_blocks(transfer->mesh) || !await_others()) return nullptr;
+    if (!make_blocks(transfer->mesh, false) || !await_others(transfer->mesh)) return nullptr;
     assemble(job_, joints_, transfer->mesh, std::move(blocks_), bake_.get());
     transfer->bake = bake_;
     if (progress_) progress_(1.0);
@@ -187,7 +188,8 @@ class Run {
     return places_[b].view < 0 ? 1 : static_cast<std::size_t>(components_of(job_, places_[b].group));
   }
 
-  bool make_blocks(const TransferMesh& mesh) {
+  /// Those of this process, or `all` that are missing.
+  bool make_blocks(const TransferMesh& mesh, bool all) {
     if (done_ == blocks_.size()) return !cancel_;
     ArrivingLight arriving;
     std::unique_ptr<LightTable> table;
@@ -199,8 +201,9 @@ class Run {
         shown = true;
         show_means(mesh);
       }
-      if (!blocks_[b].empty() || !ranks_.has(b)) continue;
+      if (!blocks_[b].empty() || (all ? load_block(b) : !ranks_.has(b))) continue;
       if (cancel_) return false;
+      const auto begin = RankPatience::Clock::now();
       if (arriving.first.empty()) {
         arriving = trace_light(mesh);
         if (cancel_) return false;
@@ -221,6 +224,7 @@ class Run {
       save_block(b, block);
       blocks_[b] = std::move(block);
       ++done_;
+      patience_.made_block(begin);
       report();
     }
     return true;
@@ -320,13 +324,19 @@ class Run {
     job_.preview(transfer);
   }
 
-  bool await_others() {
+  bool await_others(const TransferMesh& mesh) {
+    patience_.block_came();
     while (done_ < blocks_.size()) {
       if (cancel_) return false;
       bool any = false;
       for (std::size_t b = 0; b < blocks_.size(); ++b)
         if (blocks_[b].empty()) any |= load_block(b);
-      if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (any)
+        patience_.block_came();
+      else if (patience_.is_over())
+        return make_blocks(mesh, true);
+      else
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
     }
     return true;
   }
@@ -402,6 +412,7 @@ class Run {
   JointBtfs joints_;
   std::vector<TransferBlock> blocks_;
   std::size_t done_ = 0;
+  RankPatience patience_;
 };
 
 }  // namespace

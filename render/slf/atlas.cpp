@@ -241,7 +241,7 @@ std::string check_second_uvs(const FlatGeometry& g, std::size_t index) {
     }
     at.push_back(corners);
   }
-  if (!differs) return "there is none";
+  if (!differs) return kNoSecondUvs;
   for (const ChartTriangle& t : chart_triangles(g, item, false)) {
     const auto& c = at[t.triangle - item.first_index / 3];
     const glm::dvec2 a = c[1] - c[0], b = c[2] - c[0];
@@ -256,7 +256,7 @@ LightFieldAtlas make_atlas(const FlatGeometry& geometry, const std::vector<Atlas
   std::vector<Chart> charts;
   for (const AtlasPart& part : parts) {
     const std::string fault = check_second_uvs(geometry, part.item);
-    if (!fault.empty()) atlas.own_charts.push_back("item " + std::to_string(part.item) + ": " + fault);
+    if (!fault.empty()) atlas.own_charts.emplace_back(part.item, fault);
     for (const bool back : {false, true}) {
       if (back && !part.both_sides) continue;
       const auto triangles = chart_triangles(geometry, geometry.items[part.item], back);

@@ -5,6 +5,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "render/scene_state/geometry.h"
@@ -53,12 +54,13 @@ struct LightFieldAtlas {
   /// [y * side + x] index in `texels` of what is read there: its own, or in gutters the nearest of the chart; kNone
   /// where no chart is.
   std::vector<std::uint32_t> texel_of_cell;
-  /// A line for each part whose second UV set is not used: why.
-  std::vector<std::string> own_charts;
+  /// Parts whose second UV set is not used, by item, and why.
+  std::vector<std::pair<std::size_t, std::string>> own_charts;
 };
 
-/// Why a part's second UV set cannot be used, or an empty text: there is none, it is not finite, out of range, without
-/// area, or overlaps itself.
+inline constexpr const char* kNoSecondUvs = "there is none";
+/// Why a part's second UV set cannot be used, or an empty text: there is none (kNoSecondUvs), it is not finite, out of
+/// range, without area, or overlaps itself.
 std::string check_second_uvs(const FlatGeometry& geometry, std::size_t item);
 
 /// Makes the atlas: of the second UV set of each part where it is valid, else of charts made here (cones of normals,

@@ -37,6 +37,9 @@ LightFieldJob make_job(const BakeRequest& request) {
     input.environment = dark;
   }
   LightFieldJob job = make_light_field_job(input, request.settings);
+  if (!request.materials.empty() && request.folder.empty() && request.settings.get_string("slf.bake").empty())
+    throw Error("--material", "a render looks in the cache only for light that the scene's own materials reflect",
+                "name a folder: -o DIR, and show it with --set slf.bake=DIR");
   const std::string& folder = request.folder.empty() ? request.settings.get_string("slf.bake") : request.folder;
   job.incident.folder = incident_folder(folder, job.incident);
   if (job.incident.folder.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
@@ -57,6 +60,8 @@ void check_materials(const LightFieldJob& job, const BakeControl& control) {
                                        .geometry = job.incident.geometry.get()});
   for (const std::string& line : warn_of_specular(*scene, atlas, job.incident.options.side))
     control.report("warning: " + line);
+  for (const std::string& line : job.left_out) control.report("warning: " + line);
+  for (const std::string& line : warn_of_second_uvs(job.incident, atlas)) control.report("warning: " + line);
   char text[160];
   std::snprintf(text, sizeof text, "%zu parts, %zu charts, %zu texels of %.1f mm", job.incident.parts.size(),
                 atlas.axes.size(), atlas.texels.size(), atlas.texels_per_m > 0.0 ? 1000.0 / atlas.texels_per_m : 0.0);
@@ -102,7 +107,7 @@ void run(const BakeRequest& request, const BakeControl& control) {
 
 BakeCommand light_field_bake_command() {
   return {"slf", "light that arrives at the texels of surface light fields; under mpirun processes share the work", run,
-          inspect_light_field};
+          inspect_light_field, true};
 }
 
 }  // namespace maquette

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <mutex>
 #include <thread>
 
 #include "render/bake/bake_attributes.h"
@@ -19,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char *kManifestKind = "slf", *kBlockKind = "slf-incident";
-constexpr const char* kVersion = "2";
+constexpr const char* kVersion = "3";
 
 /// What shines besides the environment's texels.
 std::vector<float> numbers_of_light(const IncidentJob& job) {
@@ -65,7 +64,7 @@ std::string block_path(const std::string& folder, std::size_t block) {
 
 std::size_t block_count(std::size_t texels) { return (texels + kIncidentBlock - 1) / kIncidentBlock; }
 
-/// Text of what differs, or empty. Light and materials apart.
+/// Text of what differs besides surfaces, or empty. Light and materials apart.
 std::string difference(const IncidentProvenance& found, const IncidentProvenance& wanted) {
   if (found.scene != wanted.scene) return "scene " + found.scene + " instead of " + wanted.scene;
   if (found.atlas_side != wanted.atlas_side)
@@ -74,7 +73,6 @@ std::string difference(const IncidentProvenance& found, const IncidentProvenance
   if (found.lumisphere_side != wanted.lumisphere_side)
     return "lumispheres of " + std::to_string(found.lumisphere_side) + " bins a side instead of " +
            std::to_string(wanted.lumisphere_side);
-  if (found.geometry != wanted.geometry) return "another geometry, or other parts, of scene " + found.scene;
   return {};
 }
 
@@ -109,12 +107,18 @@ class Run {
  public:
   Run(const IncidentJob& job, const BakeRanks& ranks, const std::atomic<bool>& cancel,
       const std::function<void(double)>& progress)
-      : job_(job), ranks_(ranks), cancel_(cancel), progress_(progress), bake_(std::make_shared<IncidentBake>()) {}
+      : job_(job),
+        ranks_(ranks),
+        cancel_(cancel),
+        progress_(progress),
+        bake_(std::make_shared<IncidentBake>()),
+        patience_(ranks) {}
 
   std::shared_ptr<const IncidentBake> make() {
     bake_->atlas = make_atlas(*job_.geometry, job_.parts, job_.atlas);
     bake_->provenance = provenance_of(job_);
     bake_->provenance.atlas_side = bake_->atlas.side;
+    bake_->contents = contents_of(job_);
     const Lumisphere lumisphere(job_.options.side);
     IncidentField& field = bake_->field;
     field.side = lumisphere.side();
@@ -148,8 +152,11 @@ class Run {
       if (ranks_.rank == 0 || ranks_.count == 1) write_manifest(path);
       return;
     }
+    IncidentContents contents;
     try {
-      found_ = read_provenance(path, load_bake_file(path));
+      const BakeFile file = load_bake_file(path);
+      found_ = read_provenance(path, file);
+      contents = read_contents(file.attributes);
     } catch (const Error&) {
       if (!job_.may_make) throw;
       return write_manifest(path);
@@ -158,11 +165,20 @@ class Run {
     if (const std::string other = difference(found_, wanted); !other.empty())
       throw Error(job_.folder, "the light field was baked from " + other,
                   "name another folder, or remove it and bake again");
+    if (found_.geometry != wanted.geometry) {
+      const std::string which = name_difference(contents, bake_->contents);
+      throw Error(job_.folder,
+                  "the light field was baked from another geometry of scene " + found_.scene +
+                      (which.empty() ? " (normals, texture coordinates or order)" : " (" + which + ")"),
+                  "name another folder, or remove it and bake again");
+    }
     if (found_.light != wanted.light) {
       bake_->stale = "its light was another";
       if (job_.may_make || !job_.show_stale)
         throw Error(job_.folder, "the light field is stale: it was baked under other light",
-                    job_.may_make ? "remove it and bake again" : "bake it again, or show it: --set slf.stale=show");
+                    job_.may_make ? "remove it and bake again"
+                                  : "bake it again under this light (maquette bake slf takes --env, --env-rotation and "
+                                    "--env-scale), or show it: --set slf.stale=show");
     }
     if (job_.may_make && (found_.materials != wanted.materials || found_.paths != wanted.paths))
       throw Error(job_.folder,
@@ -170,7 +186,9 @@ class Run {
                       ? "the light field was begun with " + std::to_string(found_.paths) + " paths a bin"
                       : "the light field was begun with other materials",
                   "name another folder, or remove it and bake again");
-    if (!job_.may_make) wanted = found_;
+    if (job_.may_make) return;
+    wanted = found_;
+    bake_->contents = std::move(contents);
   }
 
   void write_manifest(const std::string& path) {
@@ -181,6 +199,8 @@ class Run {
       file.attributes = attributes_of(bake_->provenance);
       file.attributes["kind"] = kManifestKind;
       file.attributes["texels"] = std::to_string(texels());
+      file.attributes["scene_file"] = job_.scene->name;
+      write_contents(bake_->contents, &file.attributes);
       BakeTable table{"texels", {}, {}};
       auto &x = table.integers["x"], &y = table.integers["y"], &triangle = table.integers["triangle_number"];
       for (const AtlasTexel& t : bake_->atlas.texels) {
@@ -247,31 +267,46 @@ class Run {
   }
 
   bool trace_blocks() {
-    std::unique_ptr<IncidentTracer> tracer;
-    for (std::size_t b = 0; b < blocks(); ++b) {
-      if (have_[b] || !ranks_.has(b)) continue;
-      if (cancel_) return false;
-      if (!tracer) tracer = make_tracer();
-      tbb::parallel_for(first(b), end(b), [&](std::size_t t) {
-        if (cancel_) return;
-        masked_[t] = tracer->trace(t, std::span(bake_->field.radiance).subspan(t * stride(), stride())) ? 1u : 0u;
-      });
-      if (cancel_) return false;
-      save_block(b);
-      have_[b] = true;
-      ++done_;
-      report();
-    }
+    for (std::size_t b = 0; b < blocks(); ++b)
+      if (!have_[b] && ranks_.has(b) && !trace_block(b)) return false;
+    return true;
+  }
+
+  bool trace_block(std::size_t b) {
+    if (cancel_) return false;
+    const auto begin = RankPatience::Clock::now();
+    if (!tracer_) tracer_ = make_tracer();
+    tbb::parallel_for(first(b), end(b), [&](std::size_t t) {
+      if (cancel_) return;
+      masked_[t] = tracer_->trace(t, std::span(bake_->field.radiance).subspan(t * stride(), stride())) ? 1u : 0u;
+    });
+    if (cancel_) return false;
+    save_block(b);
+    have_[b] = true;
+    ++done_;
+    patience_.made_block(begin);
+    report();
     return true;
   }
 
   bool await_others() {
+    patience_.block_came();
     while (done_ < blocks()) {
       if (cancel_) return false;
       bool any = false;
-      for (std::size_t b = 0; b < blocks(); ++b)
-        if (!have_[b]) any |= load_block(b);
-      if (!any) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      std::size_t missing = blocks();  // the last one: a process that is only slow goes through them from the first
+      for (std::size_t b = 0; b < blocks(); ++b) {
+        if (have_[b]) continue;
+        const bool came = load_block(b);
+        any |= came;
+        if (!came) missing = b;
+      }
+      if (any) patience_.block_came();
+      if (missing == blocks() || any) continue;
+      if (!patience_.is_over())
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      else if (!trace_block(missing))
+        return false;
     }
     return true;
   }
@@ -303,6 +338,8 @@ class Run {
   std::vector<std::uint32_t> masked_;  ///< words: threads write neighbours
   std::vector<bool> have_;
   std::size_t done_ = 0;
+  std::unique_ptr<IncidentTracer> tracer_;
+  RankPatience patience_;
 };
 
 }  // namespace
@@ -310,7 +347,7 @@ class Run {
 IncidentProvenance provenance_of(const IncidentJob& job) {
   const FlatGeometry& g = *job.geometry;
   IncidentProvenance p;
-  p.scene = job.scene->name;
+  p.scene = bake_name_of_scene(job.scene->name);
   std::vector<std::uint64_t> parts;
   for (const AtlasPart& part : job.parts) parts.push_back(2 * part.item + (part.both_sides ? 1 : 0));
   p.geometry = chain_hash(parts, 0);
@@ -336,6 +373,8 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
 
 std::string incident_folder(const std::string& folder, const IncidentJob& job) {
   if (!folder.empty()) {
+    std::error_code ignored;
+    if (fs::exists(manifest_path(folder), ignored)) return folder;
     return (fs::path(folder) / (bake_name_of_scene(job.scene->name) + "-slf")).string();
   }
   const auto cache = cache_folder();
@@ -366,6 +405,9 @@ IncidentSummary summarize_incident(const std::string& folder) {
   summary.provenance = read_provenance(path, file);
   summary.texels = std::strtoull(attribute(path, file, "texels").c_str(), nullptr, 10);
   summary.blocks = block_count(summary.texels);
+  const auto scene = file.attributes.find("scene_file");
+  if (scene != file.attributes.end()) summary.scene_file = scene->second;
+  summary.contents = read_contents(file.attributes);
   std::error_code ignored;
   for (std::size_t b = 0; b < summary.blocks; ++b)
     summary.blocks_done += fs::exists(block_path(folder, b), ignored) ? 1 : 0;
@@ -374,7 +416,7 @@ IncidentSummary summarize_incident(const std::string& folder) {
 
 IncidentField load_incident(const std::string& folder, const IncidentSummary& summary) {
   const IncidentProvenance& p = summary.provenance;
-  if (p.lumisphere_side < 1 || p.lumisphere_side > 64 ||
+  if (p.lumisphere_side < 1 || p.lumisphere_side > Lumisphere::kLargestSide ||
       summary.texels > static_cast<std::size_t>(kLargestAtlas) * static_cast<std::size_t>(kLargestAtlas))
     throw Error(folder, "the sizes of the light field are out of range", "bake it again");
   IncidentField field;

@@ -8,6 +8,7 @@
 
 #include "render/bake/bake_ranks.h"
 #include "render/slf/incident.h"
+#include "render/slf/incident_contents.h"
 #include "scenes/environment.h"
 
 namespace maquette {
@@ -41,8 +42,9 @@ struct IncidentBake {
   LightFieldAtlas atlas;  ///< masked texels filled
   IncidentField field;
   IncidentProvenance provenance;
-  std::size_t reused = 0;  ///< texels that an earlier run had made
-  std::string stale;       ///< what it was made of that has changed; empty: nothing
+  IncidentContents contents;  ///< of what it was baked from
+  std::size_t reused = 0;     ///< texels that an earlier run had made
+  std::string stale;          ///< what it was made of that has changed; empty: nothing
 };
 
 IncidentProvenance provenance_of(const IncidentJob& job);
@@ -64,6 +66,8 @@ std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const 
 /// What a folder holds, without the scene that it was made of.
 struct IncidentSummary {
   IncidentProvenance provenance;
+  IncidentContents contents;
+  std::string scene_file;  ///< as it was named for the bake
   std::size_t texels = 0, blocks = 0, blocks_done = 0;
 };
 /// Whether the folder holds a bake of this kind, whole or not.

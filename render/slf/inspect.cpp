@@ -1,9 +1,12 @@
 #include "render/slf/inspect.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "render/math/local_pca_fit.h"
+#include "render/parts/baked_parts.h"
 #include "render/slf/incident_bake.h"
+#include "scenes/node_paths.h"
 
 namespace maquette {
 
@@ -33,30 +36,85 @@ Eigen::MatrixXf light_of(const IncidentField& field) {
   return light;
 }
 
-void add_light(const IncidentField& field, BakeFigures* out) {
+/// [3 bin + channel]
+Eigen::VectorXf projected_measure(const IncidentField& field) {
   const Lumisphere sphere(field.side);
   Eigen::VectorXf measure(3 * sphere.count());
   for (int b = 0; b < sphere.count(); ++b)
     measure.segment(3 * b, 3).setConstant(static_cast<float>(sphere.projected(b)));
+  return measure;
+}
+
+double mean_of(const Eigen::MatrixXf& light, const Eigen::VectorXf& measure) {
+  if (light.cols() == 0) return 0.0;
+  return (measure.transpose().cast<double>() * light.cast<double>()).sum() /
+         (measure.cast<double>().sum() * static_cast<double>(light.cols()));
+}
+
+void add_light(const IncidentField& field, BakeFigures* out) {
   std::size_t masked = 0;
   for (const bool m : field.masked) masked += m ? 1 : 0;
   out->emplace_back("inside_other_bodies", static_cast<double>(masked));
+  out->emplace_back("mean_radiance_cdm2", mean_of(light_of(field), projected_measure(field)));
+}
+
+std::string table_entry(const char* light, int clusters, int components) {
+  return std::string("rms_of_local_pca.of_light_that_") + light + "." + std::to_string(clusters) + "_clusters." +
+         std::to_string(components) + "_components";
+}
+
+void add_table_of_arriving(const IncidentField& field, BakeFigures* out) {
   const Eigen::MatrixXf light = light_of(field);
-  if (light.cols() == 0) return;
-  const double all = measure.cast<double>().sum() * static_cast<double>(light.cols());
-  const double mean = (measure.transpose().cast<double>() * light.cast<double>()).sum() / all;
-  out->emplace_back("mean_radiance_cdm2", mean);
+  const Eigen::VectorXf measure = projected_measure(field);
+  const double mean = mean_of(light, measure);
   if (!(mean > 0.0)) return;
+  const double all = measure.cast<double>().sum() * static_cast<double>(light.cols());
   out->emplace_back("rms_of_local_pca.of_texels", static_cast<double>(light.cols()));
   for (const int clusters : kClusters)
     for (const int components : kComponents) {
       const LocalPcaFit fit = fit_local_pca(light, measure, {.clusters = clusters, .components = components});
       double squares = 0.0;
       for (const double e : fit.errors) squares += e;
-      out->emplace_back(
-          "rms_of_local_pca." + std::to_string(clusters) + "_clusters." + std::to_string(components) + "_components",
-          std::sqrt(squares / all) / mean);
+      out->emplace_back(table_entry("arrives", clusters, components), std::sqrt(squares / all) / mean);
     }
+}
+
+/// The field of the folder, uncompressed, over the scene with its own materials. Throws Error where the scene is not
+/// the one that was baked.
+std::shared_ptr<const LightField> load_field(const std::string& folder, const IncidentSummary& summary,
+                                             const Scene& scene) {
+  LightFieldJob job;
+  job.scene = std::make_shared<const Scene>(scene);
+  IncidentJob& incident = job.incident;
+  incident.scene = job.scene;
+  incident.geometry = std::make_shared<const FlatGeometry>(flatten(scene));
+  const std::vector<std::string> paths = node_paths(scene);
+  for (std::size_t i = 0; i < incident.geometry->items.size(); ++i) {
+    const DrawItem& item = incident.geometry->items[i];
+    if (item.node < 0 || std::ranges::find(summary.contents.parts, paths[static_cast<std::size_t>(item.node)]) ==
+                             summary.contents.parts.end())
+      continue;
+    const int material = material_of_item(scene, item, incident.variant);
+    incident.parts.push_back({i, material >= 0 && scene.materials[static_cast<std::size_t>(material)].double_sided});
+  }
+  incident.atlas.side = summary.provenance.atlas_side;
+  incident.options.side = summary.provenance.lumisphere_side;
+  incident.options.paths = summary.provenance.paths;
+  incident.folder = folder;
+  incident.must_work = incident.show_stale = true;  // what light it was is as it was
+  incident.may_make = false;
+  job.compression.clusters = 0;
+  LightFieldMemory memory;
+  return make_light_field(job, &memory, std::atomic<bool>{false}, {});
+}
+
+void add_table_of_leaving(const LightField& field, BakeFigures* out) {
+  const auto table = tabulate_compression(field, std::atomic<bool>{false}, [](double) {});
+  if (!table) return;
+  out->emplace_back("rms_of_local_pca.of_texels", static_cast<double>(table->vectors));
+  for (std::size_t k = 0; k < table->clusters.size(); ++k)
+    for (std::size_t c = 0; c < table->components.size(); ++c)
+      out->emplace_back(table_entry("leaves", table->clusters[k], table->components[c]), table->error(c, k));
 }
 
 }  // namespace
@@ -86,12 +144,17 @@ std::optional<CompressionTable> tabulate_compression(const LightField& field, co
   return cancel ? std::nullopt : std::optional(table);
 }
 
-std::optional<BakeFigures> inspect_light_field(const std::string& folder) {
+std::optional<BakeFigures> inspect_light_field(const std::string& folder, const Scene* scene) {
   if (!is_incident_folder(folder)) return std::nullopt;
   const IncidentSummary summary = summarize_incident(folder);
   if (summary.blocks_done < summary.blocks) return std::nullopt;
   BakeFigures figures;
-  add_light(load_incident(folder, summary), &figures);
+  const IncidentField light = load_incident(folder, summary);
+  add_light(light, &figures);
+  if (scene)
+    add_table_of_leaving(*load_field(folder, summary, *scene), &figures);
+  else
+    add_table_of_arriving(light, &figures);
   return figures;
 }
 

@@ -1,5 +1,7 @@
 #include "render/slf/job.h"
 
+#include <algorithm>
+
 #include "render/parts/baked_parts.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
@@ -10,7 +12,8 @@ LightBasis light_basis(const std::string& name) {
   return name == "bins" ? LightBasis::bins : name == "harmonics" ? LightBasis::harmonics : LightBasis::haar;
 }
 
-std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, const Settings& settings) {
+std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, const Settings& settings,
+                                              std::vector<std::string>* left_out) {
   const Scene& scene = *input.scene;
   const std::vector<bool> named = named_nodes(scene, settings.get_string("slf.parts"));
   std::vector<AtlasPart> parts;
@@ -21,7 +24,11 @@ std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, cons
     if (node && input.wants && !input.wants(item.node)) continue;
     const int index = material_of_item(scene, item, input.variant);
     const Material material = index >= 0 ? input.shown->materials[static_cast<std::size_t>(index)] : Material();
-    if (pane_share(material) > 0.0f || material.alpha_mode == AlphaMode::blend) continue;
+    if (pane_share(material) > 0.0f || material.alpha_mode == AlphaMode::blend) {
+      const std::string line = "no texels for surfaces of " + material.name + ": they are glass or blended";
+      if (left_out && std::ranges::find(*left_out, line) == left_out->end()) left_out->push_back(line);
+      continue;
+    }
     parts.push_back({i, material.double_sided});
   }
   return parts;
@@ -34,7 +41,7 @@ LightFieldJob make_light_field_job(const LightFieldInput& input, const Settings&
   incident.geometry = input.geometry;
   incident.environment = input.environment;
   incident.variant = input.variant;
-  incident.parts = find_light_field_parts(input, settings);
+  incident.parts = find_light_field_parts(input, settings, &job.left_out);
   incident.atlas.side = settings.get_int("slf.texels");
   if (!settings.changed().contains("slf.texels")) incident.atlas.texels_per_m = settings.get_double("slf.texels_per_m");
   incident.options.side = settings.get_int("slf.directions");

@@ -19,7 +19,9 @@ struct LightFieldInput {
 };
 
 /// Opaque, visible items of the wanted nodes and of those that `slf.parts` names, with what is below them.
-std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, const Settings& settings);
+/// `left_out`: gets a line for each material of these nodes that is not opaque.
+std::vector<AtlasPart> find_light_field_parts(const LightFieldInput& input, const Settings& settings,
+                                              std::vector<std::string>* left_out = nullptr);
 
 /// The job for these settings; its folder: `folder`, or else where `slf.bake` or the cache keep it. Throws Error.
 LightFieldJob make_light_field_job(const LightFieldInput& input, const Settings& settings);

@@ -1,9 +1,11 @@
 #include "render/slf/light_field.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <set>
 
+#include "render/bake/kept_bakes.h"
 #include "render/parts/baked_parts.h"
 #include "render/reference/path_scene.h"
 
@@ -11,6 +13,8 @@ namespace maquette {
 
 namespace {
 
+/// Bytes of outgoing light that are kept beside the compressed field.
+constexpr std::size_t kMostKept = std::size_t{256} << 20;
 /// Share of the progress that incident light takes.
 constexpr double kIncidentShare = 0.9;
 
@@ -29,6 +33,31 @@ std::shared_ptr<const IncidentBake> find_incident(const LightFieldJob& job, Ligh
   memory->folder = job.incident.folder;
   memory->provenance = wanted;
   return baked;
+}
+
+/// Everything that outgoing light depends on besides the light that arrives.
+std::vector<std::uint64_t> outgoing_key(const LightFieldJob& job, const OutgoingOptions& options) {
+  std::vector<std::uint64_t> key{static_cast<std::uint64_t>(options.basis),
+                                 std::bit_cast<std::uint64_t>(options.haar_error),
+                                 std::bit_cast<std::uint32_t>(options.texel_m)};
+  for (const Material& material : job.scene->materials) key.push_back(hash_of(material));
+  for (const TextureImage& image : job.scene->images) key.push_back(chain_hash(image.rgba, 0));
+  return key;
+}
+
+std::shared_ptr<const OutgoingField> find_outgoing(const LightFieldJob& job, const PathScene& materials,
+                                                   const std::shared_ptr<const IncidentBake>& incident,
+                                                   LightFieldMemory* memory, const std::atomic<bool>& cancel) {
+  const OutgoingOptions options = outgoing_options(job, incident->atlas);
+  std::vector<std::uint64_t> key = outgoing_key(job, options);
+  if (memory->outgoing && memory->outgoing_of == incident && memory->outgoing_key == key) return memory->outgoing;
+  memory->outgoing = nullptr;
+  const auto outgoing = compute_outgoing(materials, incident->atlas, incident->field, options, cancel);
+  if (!outgoing || static_cast<std::size_t>(outgoing->radiance.size()) * sizeof(float) > kMostKept) return outgoing;
+  memory->outgoing = outgoing;
+  memory->outgoing_of = incident;
+  memory->outgoing_key = std::move(key);
+  return outgoing;
 }
 
 }  // namespace
@@ -117,8 +146,20 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
     const int wanted = lumisphere_side_for(peak_half_width(p));
     if (wanted <= side) continue;
     warnings.push_back("material " + p.material->values.name + " is too specular for lumispheres of " +
-                       std::to_string(side) + " x " + std::to_string(side) + " directions; " + std::to_string(wanted) +
-                       " would do (slf.directions)");
+                       std::to_string(side) + " x " + std::to_string(side) + " directions; " +
+                       (wanted <= Lumisphere::kLargestSide ? std::to_string(wanted) + " would do (slf.directions)"
+                                                           : "another mode would do (--mode-of)"));
+  }
+  return warnings;
+}
+
+std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightFieldAtlas& atlas) {
+  std::vector<std::string> warnings;
+  for (const auto& [item, fault] : atlas.own_charts) {
+    if (fault == kNoSecondUvs) continue;
+    const int node = job.geometry->items[item].node;
+    warnings.push_back((node < 0 ? "a part" : job.scene->nodes[static_cast<std::size_t>(node)].name) +
+                       ": charts are made here, as its second UV set cannot be used: " + fault);
   }
   return warnings;
 }
@@ -126,16 +167,32 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
 std::vector<std::string> notes_of(const LightField& field) {
   std::vector<std::string> notes = field.warnings;
   if (!field.stale.empty()) notes.push_back("the light field is stale: " + field.stale);
-  if (!field.made_from.scene || !field.made_from.incident.scene) return notes;
-  const std::vector<Material>&shown = field.made_from.scene->materials,
-        &baked = field.made_from.incident.scene->materials;
+  if (!field.made_from.scene || !field.incident) return notes;
+  const std::vector<Material>& shown = field.made_from.scene->materials;
+  const std::vector<std::uint64_t>& baked = field.incident->contents.materials;
   std::string names;
   for (std::size_t i = 0; i < std::min(shown.size(), baked.size()); ++i)
-    if (shown[i].measured != baked[i].measured || numbers_of(shown[i]) != numbers_of(baked[i]))
-      names += (names.empty() ? "" : ", ") + shown[i].name;
+    if (hash_of(shown[i]) != baked[i]) names += (names.empty() ? "" : ", ") + shown[i].name;
   if (!names.empty())
     notes.push_back("since the bake exchanged, light from them onto other parts is the old one: " + names);
   return notes;
+}
+
+std::vector<std::string> changes_since(const LightField& field, const LightFieldJob& now) {
+  std::vector<std::string> changes;
+  const IncidentProvenance wanted = provenance_of(now.incident), &baked = field.incident->provenance;
+  if (wanted.geometry != baked.geometry) {
+    const std::string which = name_difference(field.incident->contents, contents_of(now.incident));
+    changes.push_back("stale: the light field was baked from other surfaces" +
+                      (which.empty() ? "" : " (" + which + ")"));
+  }
+  if (wanted.light != baked.light) changes.emplace_back("stale: the light field was baked under other light");
+  std::string names;
+  const auto &shown = now.scene->materials, &made = field.made_from.scene->materials;
+  for (std::size_t i = 0; i < std::min(shown.size(), made.size()); ++i)
+    if (hash_of(shown[i]) != hash_of(made[i])) names += (names.empty() ? "" : ", ") + shown[i].name;
+  if (!names.empty()) changes.push_back("the light field shows these materials as they were: " + names);
+  return changes;
 }
 
 std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, LightFieldMemory* memory,
@@ -157,17 +214,18 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   field->incident = incident;
   field->made_from = job;
-  const OutgoingOptions options = outgoing_options(job, incident->atlas);
   field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
+  for (const std::string& line : job.left_out) field->warnings.push_back(line);
+  for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);
-    field->interactions =
-        compute_interactions(*materials, incident->atlas, incident->field, {.texel_m = options.texel_m}, cancel);
+    field->interactions = compute_interactions(*materials, incident->atlas, incident->field,
+                                               {.texel_m = outgoing_options(job, incident->atlas).texel_m}, cancel);
     if (!field->interactions) return nullptr;
     if (progress) progress(1.0);
     return field;
   }
-  const auto outgoing = compute_outgoing(*materials, incident->atlas, incident->field, options, cancel);
+  const auto outgoing = find_outgoing(job, *materials, incident, memory, cancel);
   if (!outgoing) return nullptr;
   field->coefficients = outgoing->coefficients;
   compress(outgoing, job.compression, cancel, field.get());

@@ -24,7 +24,8 @@ struct LightFieldJob {
   std::shared_ptr<const Scene> scene;  ///< with the materials to show
   OutgoingOptions outgoing;
   CompressionOptions compression;
-  bool interactions = false;  ///< slf.route=clusters
+  bool interactions = false;          ///< slf.route=clusters
+  std::vector<std::string> left_out;  ///< surfaces that get no texels although they were asked for, a line each
 };
 
 /// Outgoing radiance of an atlas, ready to be drawn.
@@ -41,7 +42,7 @@ struct LightField {
   double coefficients = 0.0;                         ///< of incident light, used per texel and channel
   std::size_t reused = 0;                            ///< texels whose incident light an earlier run had made
   std::string stale;
-  /// Materials too specular for the lumispheres, a line each.
+  /// Materials too specular for the lumispheres, surfaces without texels, and UV sets that are not used, a line each.
   std::vector<std::string> warnings;
   bool compressed() const { return fit.pca.cluster_count() > 0; }
 };
@@ -50,12 +51,19 @@ struct LightField {
 /// material that was baked; a line each.
 std::vector<std::string> notes_of(const LightField& field);
 
+/// What is not as it was when the field was made, a line each: `now` is the job that would make it anew.
+std::vector<std::string> changes_since(const LightField& field, const LightFieldJob& now);
+
 /// What is kept between light fields of one incident bake, so that an exchange of materials traces nothing.
 struct LightFieldMemory {
   std::string folder;
   IncidentProvenance provenance;
   std::shared_ptr<const IncidentBake> incident;
   MeasuredLibrary library;
+  /// Of the last field, unless it is large, with what it was computed from: another compression computes none.
+  std::shared_ptr<const OutgoingField> outgoing;
+  std::shared_ptr<const IncidentBake> outgoing_of;
+  std::vector<std::uint64_t> outgoing_key;
 };
 
 /// Geometry and materials to show; nothing is traced with it. `library`: is filled.
@@ -75,6 +83,9 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
 /// A line for each material of the parts that is too specular for lumispheres of this side, with the side that would
 /// do. `scene`: built from the materials to show.
 std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side);
+
+/// A line for each part that has a second UV set which cannot be used.
+std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightFieldAtlas& atlas);
 
 /// Light that leaves some texels, computed anew from the light that arrives and the materials that are shown. Null once
 /// cancelled. Throws Error.

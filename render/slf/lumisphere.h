@@ -10,7 +10,7 @@ namespace maquette {
 /// Only bins that reach above the horizon are numbered, row by row; row 0 is at y = -1.
 class Lumisphere {
  public:
-  static constexpr int kDefaultSide = 16;
+  static constexpr int kDefaultSide = 16, kLargestSide = 64;
   explicit Lumisphere(int side = kDefaultSide);
 
   int side() const { return side_; }

@@ -12,7 +12,16 @@ namespace maquette {
 namespace {
 
 constexpr const char *kShade = "slf/shade.comp", *kView = "slf/view.comp";
-constexpr std::array<const char*, 5> kViews{"slf_texels", "slf_charts", "slf_clusters", "slf_errors", "slf_weights"};
+constexpr std::array<const char*, 6> kViews{"slf_texels", "slf_charts",  "slf_clusters",
+                                            "slf_errors", "slf_weights", "slf_slice"};
+constexpr std::size_t kSlice = 5;
+
+ShaderVariant view_variant(std::size_t view) {
+  ShaderVariant variant{kView, "", {}};
+  if (view == kSlice) variant.defines.emplace_back("SLICE", "1");
+  return variant;
+}
+
 /// Of the environment, for cells with BRDFs: a mode without noise shows none there.
 constexpr int kSamplesOfCells = 64;
 
@@ -52,7 +61,7 @@ class LightFieldMode : public ShadingMode {
   }
   std::optional<PointValue> view(const std::string& name, const LayerContext& layer) const override {
     for (std::size_t i = 0; i < kViews.size(); ++i)
-      if (name == kViews[i]) return read_view(static_cast<int>(i), layer);
+      if (name == kViews[i]) return read_view(i, layer);
     return std::nullopt;
   }
 
@@ -70,15 +79,23 @@ class LightFieldMode : public ShadingMode {
     if (!baked) program.set("u_preview_cdm2", preview_cdm2(frame));
     dispatch_tiles(program, tiles, kPerPoint);
   }
-  PointValue read_view(int view, const LayerContext& layer) const {
+  PointValue read_view(std::size_t view, const LayerContext& layer) const {
     const GridSize& size = layer.surfaces.size();
     const Texture values = Texture::make_2d("view", GL_RGBA32F, size.grid_width(), size.grid_height());
     const float black[4] = {};
     glClearTexImage(values.get(), 0, GL_RGBA, GL_FLOAT, black);
     if (!layer.plan.own_bake.empty()) {
       layer.surfaces.bind();
-      const Program& program = layer.frame.programs.get({kView, "", {}});
-      program.set("u_view", view);
+      const Program& program = layer.frame.programs.get(view_variant(view));
+      const auto angle = [&](const char* setting) {
+        return glm::radians(static_cast<float>(layer.frame.request.settings.get_double(setting)));
+      };
+      if (view == kSlice) {
+        program.set("u_slice_tilt", angle("slf.slice_tilt"));
+        program.set("u_slice_turn", angle("slf.slice_turn"));
+      } else {
+        program.set("u_view", static_cast<int>(view));
+      }
       glBindImageTexture(kImageRadiance, values.get(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
       dispatch_tiles(program, layer.surfaces.tiles(), kPerPoint);
     }
@@ -96,7 +113,7 @@ class LightFieldMode : public ShadingMode {
 std::unique_ptr<ShadingMode> make_light_field_mode() { return std::make_unique<LightFieldMode>(); }
 
 std::vector<ShaderVariant> light_field_shader_variants() {
-  std::vector<ShaderVariant> variants{{kView, "", {}}};
+  std::vector<ShaderVariant> variants{view_variant(0), view_variant(kSlice)};
   for (const bool baked : {false, true}) {
     variants.push_back({kShade, "", {{"BAKED", flag(baked)}}});
     variants.push_back({kShade, "", {{"REFLECTED", "1"}, {"BAKED", flag(baked)}}});

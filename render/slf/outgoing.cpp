@@ -249,8 +249,10 @@ std::size_t LightTransport::apply_haar(const std::array<Eigen::MatrixXf, 3>& inc
 
 void require_light_field_material(const Material& m) {
   if (const std::string fault = check_light_field_material(m); !fault.empty())
-    throw Error("material " + m.name, "a surface light field cannot hold it: " + fault,
-                "shade its parts by another mode (--mode-of), or give it another material (--material)");
+    throw Error(
+        "material " + m.name, "a surface light field cannot hold it: " + fault,
+        "leave its parts out (slf.parts), shade them by another mode (--mode-of), or give them another material "
+        "(--material)");
 }
 
 std::string check_light_field_material(const Material& m) {

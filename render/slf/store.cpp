@@ -16,7 +16,7 @@ namespace {
 Key key_of(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
   Key key = Key::of(scene.revisions().all(), request.env_rotation_rad, request.env_scale, request.variant, nodes);
   for (const auto& [name, value] : request.settings.changed()) {
-    if (!name.starts_with("slf.")) continue;
+    if (!name.starts_with("slf.") || name == "slf.run" || name.starts_with("slf.slice")) continue;
     key.add(name);
     key.add(to_text(value));
   }
@@ -50,12 +50,26 @@ Baked<LightField> LightFieldKind::run(const LightFieldJob& job, const Baked<Ligh
 
 bool LightFieldStore::update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
   const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
-  require(key_of(scene, request, nodes), [&] { return make_job(scene, request, nodes); });
+  const Key key = key_of(scene, request, nodes);
+  const bool held = request.settings.get_string("slf.run") == "hold";
+  if (held && busy()) cancel();
+  if (!held) {
+    require(key, [&] { return make_job(scene, request, nodes); });
+    changes_.clear();
+    changes_of_.reset();
+  } else if (field_ && changes_of_ != key) {
+    changes_ = changes_since(*field_, make_job(scene, request, nodes));
+    changes_of_ = key;
+  }
+  const std::size_t triangles = scene.geometry().indices.size() / 3;
+  const bool lost = buffers_ && triangles_ != triangles;
+  if (lost) buffers_.reset();
   const std::shared_ptr<const LightField> field = take();
-  if (!field) return false;
+  if (!field) return lost;
   buffers_.reset();
   field_ = field;
-  buffers_.emplace(*field, scene.geometry().indices.size() / 3);
+  triangles_ = triangles;
+  buffers_.emplace(*field, triangles);
   return true;
 }
 
@@ -68,7 +82,9 @@ std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, st
 }
 
 std::vector<std::string> LightFieldStore::notes() const {
-  return field_ ? notes_of(*field_) : std::vector<std::string>();
+  std::vector<std::string> notes = field_ ? notes_of(*field_) : std::vector<std::string>();
+  notes.insert(notes.end(), changes_.begin(), changes_.end());
+  return notes;
 }
 
 CompressionTableJob LightFieldStore::compression_table() const {

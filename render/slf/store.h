@@ -38,6 +38,10 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
  private:
   std::shared_ptr<const LightField> field_;  ///< that the buffers hold
   std::optional<LightFieldBuffers> buffers_;
+  std::size_t triangles_ = 0;  ///< of the geometry that the buffers are for
+  /// While no bake may run: what is no longer as it was in `field_`, and the key for which that was found.
+  std::vector<std::string> changes_;
+  std::optional<Key> changes_of_;
 };
 
 }  // namespace maquette

@@ -30,7 +30,7 @@ std::vector<SettingDeclaration> light_field_settings() {
       {.name = "slf.directions",
        .default_value = Lumisphere::kDefaultSide,
        .min = 1,
-       .max = 64,
+       .max = Lumisphere::kLargestSide,
        .unit = "bins",
        .help = "side of the parabolic maps of directions at a texel"},
       {.name = "slf.paths",
@@ -65,6 +65,23 @@ std::vector<SettingDeclaration> light_field_settings() {
        .max = kMostComponents,
        .help = "components of each cluster; 0: its mean alone"},
       {.name = "slf.bake", .default_value = std::string(), .help = "folder of `maquette bake slf`; empty: the cache"},
+      {.name = "slf.run",
+       .default_value = std::string("auto"),
+       .help = "auto: what is not baked is baked as soon as a frame needs it; hold: it is not, and a bake in work ends "
+               "(what it has made is kept in the cache); what is there is shown, with a note of what has changed since",
+       .choices = {"auto", "hold"}},
+      {.name = "slf.slice_tilt",
+       .default_value = 0.0,
+       .min = 0.0,
+       .max = 85.0,
+       .unit = "degrees",
+       .help = "of the direction of the view slf_slice from the normal of each texel"},
+      {.name = "slf.slice_turn",
+       .default_value = 0.0,
+       .min = -360.0,
+       .max = 360.0,
+       .unit = "degrees",
+       .help = "of that direction about the normal, from the texel's first tangent"},
       {.name = "slf.stale",
        .default_value = std::string("refuse"),
        .help = "a bake in slf.bake that was made under other light: refuse or show",
@@ -79,6 +96,9 @@ Technique slf_technique() {
   info.name = "slf";
   info.help = "surface light fields: the radiance that leaves each texel in each direction, baked with all light paths";
   info.settings = light_field_settings();
+  for (const auto& [clusters, components] : {std::pair(1, 4), std::pair(8, 4), std::pair(32, 4),
+                                             std::pair(128, 4), std::pair(128, 8), std::pair(0, 8)})
+    info.quality_steps.push_back({.settings = {{"slf.clusters", clusters}, {"slf.components", components}}});
   info.make_mode = make_light_field_mode;
   info.shader_variants = light_field_shader_variants;
   info.own_bake = OwnBake{"slf", "the radiance that leaves its surfaces is looked up",
@@ -100,7 +120,11 @@ Technique slf_technique() {
       {"slf_clusters", "clusters of the compressed light field", ViewColors::color},
       {"slf_errors", "RMS that compression adds to a texel, relative to the mean of all"},
       {"slf_weights", "the first three weights of the compressed light field, as the colour of their direction",
-       ViewColors::color}};
+       ViewColors::color},
+      {"slf_slice",
+       "radiance that leaves every texel in one direction of its frame (slf.slice_tilt, slf.slice_turn): a slice of "
+       "the light field, as it is drawn",
+       ViewColors::radiance}};
   info.words = {{Word::Kind::feature, "slf", "the surface light field"},
                 {Word::Kind::counter, "slf_pixels", "that the light field showed"},
                 {Word::Kind::counter, "slf_pixels_without", "of the mode's parts that have no texels, and stay black"},

@@ -16,6 +16,10 @@ layout(binding = kUnitLightFieldCells) uniform usampler2D t_cells;        // [y]
 layout(binding = kUnitLightFieldRadiance) uniform usamplerBuffer t_field;  // [texel][y][x of the lumisphere], half floats
 layout(binding = kUnitLightFieldErrors) uniform sampler2D t_errors;       // [y][x]
 
+#ifdef SLICE
+uniform float u_slice_tilt, u_slice_turn;  // rad, of the direction of a texel's frame that is read instead of that to the eye
+#endif
+
 struct FieldConstants {
   float scale;     // cd/m2 of a stored unit
   int directions;  // side of a lumisphere
@@ -81,6 +85,9 @@ FieldPoint load_field_point(ivec2 pixel) {
 /// Direction in the frame of a texel (its word of t_clusters) in which it mirrors what the point mirrors. Texels whose normals differ then show one
 /// highlight at one place; with the direction to the eye itself it would lie between theirs, blurred by their angle.
 vec3 direction_at(FieldPoint p, uint cell) {
+#ifdef SLICE
+  return vec3(sin(u_slice_tilt) * vec2(cos(u_slice_turn), sin(u_slice_turn)), cos(u_slice_tilt));
+#endif
   vec3 n = direction_from_octahedral(vec2(float((cell >> 8u) & 4095u), float(cell >> 20u)) / 4095.0);
   CarriedFrame frame = carried_frame(p.axis, n);
   return normalize(vec3(-dot(frame.t, p.mirrored), -dot(frame.b, p.mirrored), max(dot(n, p.mirrored), 1e-3)));

@@ -40,6 +40,7 @@ void main() {
   atomicAdd(b_visible, 1u);
   Surface s = unpack_surface(texelFetch(t_surface, pixel, 0));
   float facing = abs(dot(s.normal, normalize(view_ray(pixel))));
-  imageStore(o_radiance, pixel, vec4(s.base_color * (u_preview_cdm2 * (0.3 + 0.7 * facing)), 1.0));
+  const float kGloss = 0.05;  // without it black leather has no shape
+  imageStore(o_radiance, pixel, vec4((s.base_color + kGloss) * (u_preview_cdm2 * (0.3 + 0.7 * facing)), 1.0));
 #endif
 }

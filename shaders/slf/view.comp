@@ -10,7 +10,9 @@ layout(local_size_x = 64) in;
 #include "shared/gbuffer.glsl"
 #include "slf/light_field.glsl"
 layout(binding = kImageRadiance, rgba32f) uniform writeonly image2D o_value;
+#ifndef SLICE
 uniform int u_view;  // 0: texels, 1: charts, 2: clusters, 3: errors, 4: weights
+#endif
 
 vec3 color_of(uint number) {
   uint h = (number + 1u) * 0x9e3779b9u;
@@ -24,6 +26,9 @@ void main() {
   ivec2 pixel = tile_point();
   if (pixel.x < 0) return;
   FieldPoint p = load_field_point(pixel);
+#ifdef SLICE
+  vec3 value = field_radiance(p);
+#else
   FieldConstants k = field_constants();
   ivec2 cell = clamp_cell(ivec2(floor(p.at)), k.side);
   vec3 value = color_of(uint(p.chart));
@@ -34,5 +39,6 @@ void main() {
     vec3 w = texelFetch(t_weights, ivec3(cell, 0), 0).rgb;
     value = 0.5 + 0.5 * w / max(length(w), 1e-20);
   }
+#endif
   imageStore(o_value, pixel, vec4(p.known ? value : vec3(0.0), 1.0));
 }

@@ -1,5 +1,6 @@
 // Surface light fields: the seat in its box, against the path tracer.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "render/slf/job.h"
 #include "render/technique/registry.h"
 #include "scenes/image_io.h"
+#include "tests/benchmarks/slf_checks.h"
 #include "tests/benchmarks/slf_pictures.h"
 #include "tests/benchmarks/slf_size.h"
 #include "tests/benchmarks/stage.h"
@@ -77,7 +79,7 @@ struct Sums {
   }
   void add(const Sums& other) { squares += other.squares, light += other.light, count += other.count; }
 };
-Sums compare(const Image& picture, const Image references[2], const Image& mask) {
+Sums compare(const Image& picture, const Image* references, const Image& mask) {
   Sums sums;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
@@ -106,8 +108,15 @@ class SeatBench {
 
   Figures measure() {
     Figures figures;
+    const Options& options = stage_.options();
+    const auto add = [&](const Figures& more) { figures.insert(figures.end(), more.begin(), more.end()); };
+    if (options.wants("checks")) add(check_incident_light(stage_));
     for (const Cover& cover : covers())
-      if (stage_.options().wants(cover.name)) measure_cover(cover, &figures);
+      if (options.wants(cover.name)) measure_cover(cover, &figures);
+    if (options.wants("exchange")) measure_exchange(&figures);
+    if (options.wants("library"))
+      add(check_library(*seat_covered(covers().front().material), *bake_of(covers().front())));
+    if (options.wants("ranks")) add(measure_ranks(options));
     return figures;
   }
 
@@ -122,9 +131,63 @@ class SeatBench {
     return r;
   }
 
+  /// Narrow lobes show the noise of single bins.
+  void set_paths(const Cover& cover) {
+    if (!stage_.options().gives("slf.paths")) settings_.set("slf.paths", cover.name == "GGX 0.3" ? 32 : 16);
+  }
+
+  std::shared_ptr<const IncidentBake> bake_of(const Cover& cover) {
+    set_paths(cover);
+    LightFieldInput input;
+    input.scene = input.shown = seat_covered(cover.material);
+    input.geometry = std::make_shared<const FlatGeometry>(flatten(*input.scene));
+    input.environment = test::constant_sky(0.0f);
+    return bake_incident(make_light_field_job(input, settings_).incident, {}, std::atomic<bool>{false}, {});
+  }
+
+  /// Baked with one material and shown with another: light between the surfaces is still that of the first.
+  void measure_exchange(Figures* figures) {
+    const std::vector<Cover> all = covers();
+    const Cover &baked = all[0], &shows = all[1];
+    Sums exchanged;
+    Renderer& renderer = stage_.renderer();
+    set_paths(baked);
+    const auto scene = seat_covered(baked.material), truth = seat_covered(shows.material);
+    const auto sky = test::constant_sky(0.0f);
+    renderer.set_scene(scene);
+    renderer.set_environment(sky);
+    for (const char* material : {"Seat", "SeatInsert"}) renderer.set_material(material, shows.material.measured);
+    const auto path_scene = build_path_scene({.scene = *truth, .environment = sky});
+    for (const Camera& camera : scene->cameras) {
+      FrameRequest r = request(*scene, camera.name);
+      r.settings.set("slf.clusters", 0);
+      const auto references = references_of(path_scene, r);
+      renderer.finish_background_work(r);
+      renderer.render(r);
+      exchanged.add(compare(renderer.read_radiance(), references.data(), renderer.read_debug_view("slf_texels")));
+    }
+    figures->push_back(
+        shown("baked as " + baked.name + ", shown as " + shows.name + ", uncompressed, against mode reference with " +
+                  shows.name,
+              percent(exchanged.relative()) + " (the case \"" + shows.name + "\" is that of its own bake)"));
+    for (const char* material : {"Seat", "SeatInsert"}) renderer.set_material(material, "");
+  }
+
+  std::array<Image, 2> references_of(const std::shared_ptr<const PathScene>& scene, const FrameRequest& r) const {
+    std::array<Image, 2> references;
+    for (std::uint32_t k = 0; k < 2; ++k) {
+      PictureRequest p{.camera = r.camera, .width = kWidth, .height = kHeight, .seed = 100 + k, .paths = {}};
+      ReferencePicture picture(scene, p);
+      picture.add(paths_);
+      references[k] = picture.mean();
+    }
+    return references;
+  }
+
   bool large() const { return settings_.get_int("slf.texels") >= 1024; }
 
   void measure_cover(const Cover& cover, Figures* figures) {
+    set_paths(cover);
     const auto scene = seat_covered(cover.material);
     const auto sky = test::constant_sky(0.0f);
     Renderer& renderer = stage_.renderer();
@@ -139,13 +202,7 @@ class SeatBench {
     double bake_s = 0.0;
     for (const Camera& camera : scene->cameras) {
       FrameRequest r = request(*scene, camera.name);
-      Image references[2];
-      for (std::uint32_t k = 0; k < 2; ++k) {
-        PictureRequest p{.camera = r.camera, .width = kWidth, .height = kHeight, .seed = 100 + k, .paths = {}};
-        ReferencePicture picture(path_scene, p);
-        picture.add(paths_);
-        references[k] = picture.mean();
-      }
+      const std::array<Image, 2> references = references_of(path_scene, r);
       for (const bool packs : {false, true}) {
         r.settings.set("slf.clusters", packs ? 128 : 0);
         const Clock begin = now();
@@ -153,15 +210,18 @@ class SeatBench {
         if (camera.name == scene->cameras.front().name && !packs) bake_s = 1e-3 * (now() - begin).wall_ms;
         renderer.render(r);
         const Image picture = renderer.read_radiance();
-        const Sums sums = compare(picture, references, renderer.read_debug_view("slf_texels"));
+        const Image mask = renderer.read_debug_view("slf_texels");
+        const Sums sums = compare(picture, references.data(), mask);
         (packs ? compressed : stored).add(sums);
+        if (!stage_.options().charts.empty() && packs) save_picture("mask-" + camera.name, mask, picture);
         if (!stage_.options().charts.empty())
           save_picture(cover.name + "-" + camera.name + (packs ? "-128x8" : "-stored"), picture, references[0]);
       }
     }
     const std::string texels = std::to_string(settings_.get_int("slf.texels"));
-    const std::string name =
-        "light field of the seat, " + cover.name + ", " + texels + "^2 texels, uncompressed, against mode reference";
+    const std::string name = "light field of the seat, " + cover.name + ", " + texels + "^2 texels, " +
+                             std::to_string(settings_.get_int("slf.paths")) +
+                             " paths a bin, uncompressed, against mode reference";
     const std::string packed = "the same, 128 clusters, 8 components";
     figures->push_back(cover.btf ? shown(name, percent(stored.relative()))
                                  : judged(name, "<= 3 %", percent(stored.relative()), stored.relative() <= 0.03));
@@ -246,13 +306,19 @@ class SeatBench {
     const Eigen::VectorXf measure = outgoing_measure(Lumisphere(incident->field.side));
     OutgoingOptions options = outgoing_options(job, incident->atlas);
     std::shared_ptr<const OutgoingField> bins;
+    double bins_s = 0.0;
     for (const auto& [basis, name] : {std::pair(LightBasis::bins, "bins"), std::pair(LightBasis::haar, "haar"),
                                       std::pair(LightBasis::harmonics, "harmonics")}) {
       const Clock begin = now();
       options.basis = basis;
       const auto out = compute_outgoing(*dark, incident->atlas, incident->field, options, never);
       const double seconds = 1e-3 * (now() - begin).wall_ms;
-      if (!bins) bins = out;
+      if (!bins) bins = out, bins_s = seconds;
+      if (basis == LightBasis::haar && !large())
+        figures->push_back(
+            shown("time of direct bins over haar, " + cover.name + "; the paper's, both projected: (768 / 36)^2 = 455",
+                  number(bins_s / seconds) + ": " + number(bins_s) + " s and " + number(seconds) +
+                      " s (the paper: 180 h and 25 min)"));
       if (large()) break;
       const double error = field_error(out->radiance, bins->radiance, measure);
       const std::string text =

@@ -127,7 +127,7 @@ TEST(LightFieldAtlas, BadSecondUvSetsAreNamedAndReplaced) {
     EXPECT_EQ(check_second_uvs(g, 0), fault);
     const LightFieldAtlas atlas = make_atlas(g, all_parts(g), {.side = 40});
     ASSERT_EQ(atlas.own_charts.size(), 1u);
-    EXPECT_NE(atlas.own_charts[0].find(fault), std::string::npos);
+    EXPECT_NE(atlas.own_charts[0].second.find(fault), std::string::npos);
     EXPECT_EQ(atlas.axes.size(), 1u);
     expect_sound(g, atlas);
     expect_texels_on_their_sides(atlas);
@@ -237,8 +237,7 @@ TEST(LightFieldAtlas, MaskedTexelsTakeTheirNeighbours) {
   std::vector<bool> masked(atlas.texels.size());
   for (std::size_t t = 0; t < masked.size(); ++t) masked[t] = atlas.texels[t].x < 9;
   fill_masked_texels(masked, &atlas);
-  for (const std::uint32_t t : atlas.texel_of_cell)
-    EXPECT_TRUE(t == LightFieldAtlas::kNone || !masked[t]);
+  for (const std::uint32_t t : atlas.texel_of_cell) EXPECT_TRUE(t == LightFieldAtlas::kNone || !masked[t]);
   LightFieldAtlas other = make_atlas(g, all_parts(g), {.side = 18});
   fill_masked_texels(std::vector<bool>(other.texels.size(), true), &other);
   EXPECT_NE(other.texel_of_cell[static_cast<std::size_t>(5 * 18 + 5)], LightFieldAtlas::kNone);

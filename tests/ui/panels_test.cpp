@@ -394,5 +394,25 @@ TEST(Panels, ABakeSaysWhetherItIsStopped) {
   EXPECT_EQ(panels::bake_state_text(ready, true, false), "in work; the last one is shown");
 }
 
+TEST(Panels, ABakeIsGivenThePartsThatAreChosen) {
+  Scene scene = small_scene();
+  scene.nodes.front().name = "seat";
+  FrameStats stats;
+  stats.status.own_bakes["slf"] = {true, 1.0, BakeState::absent, true};
+  HeadlessEditor editor(1280.0f, 900.0f);
+  editor.facts.scene = &scene;
+  editor.facts.stats = &stats;
+  editor.state.right_tab = 2;
+  ASSERT_TRUE(editor.click("parts/add/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "") << "nothing is chosen";
+  editor.state.selected_node = 0;
+  ASSERT_TRUE(editor.click("parts/add/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "seat");
+  ASSERT_TRUE(editor.click("parts/add/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "seat") << "once";
+  ASSERT_TRUE(editor.click("parts/all/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "");
+}
+
 }  // namespace
 }  // namespace maquette

@@ -264,8 +264,27 @@ TEST(ReportSweep, EveryRegisteredTechniqueTakesPart) {
     EXPECT_FALSE(swept[i].steps.empty());
     const auto info = std::find_if(builtin_registry().techniques.begin(), builtin_registry().techniques.end(),
                                    [&](const Technique& t) { return t.name == names[i]; });
-    EXPECT_EQ(swept[i].refused.has_value(), info->own_bake.has_value()) << "a bake of minutes is measured apart";
+    EXPECT_EQ(swept[i].refused.has_value(), info->own_bake.has_value()) << "a bake of minutes is made before";
   }
+}
+
+TEST(ReportSweep, BakesThatAreNamedAreMeasured) {
+  const SceneFacts facts = compute_facts(build_builtin_scene("cockpit"), -1);
+  int found = 0;
+  for (const Technique& info : builtin_registry().techniques) {
+    if (!info.own_bake) continue;
+    Settings settings;
+    settings.set_from_text(info.own_bake->name + ".bake", "folder");
+    for (const SweptTechnique& t : swept_techniques(facts, settings, 0)) {
+      if (t.name != info.name) continue;
+      ++found;
+      EXPECT_FALSE(t.refused) << t.name;
+      EXPECT_GT(t.steps.size(), 3u) << "its error follows what is kept";
+      EXPECT_NE(request_of({}, t, t.steps[0], Scope::model).settings.changed(),
+                request_of({}, t, t.steps[1], Scope::model).settings.changed());
+    }
+  }
+  EXPECT_EQ(found, 2);
 }
 
 /// Error and time of the kinds of visibility side by side: only where something shadows the sky.

@@ -161,6 +161,10 @@ std::vector<Conductor::Ladder> Conductor::make_ladders() const {
         ladders.push_back({c, t, {Scope::model}, 0.0, 0, 0, {}, false});
         continue;
       }
+      if (builtin_registry().find_mode(technique.mode).own_bake) {  // of all light, which no setting restricts
+        ladders.push_back({c, t, {Scope::model}, 0.0, 0, 0, {}, false});
+        continue;
+      }
       // The plan shows restricted settings that techniques share, but not necessarily the technique's own.
       const bool same = builtin_registry().find_mode(technique.mode).restricted_settings.empty() &&
                         passes(technique, Scope::estimator) == passes(technique, Scope::model);

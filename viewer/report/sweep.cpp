@@ -41,6 +41,16 @@ void append_visibilities(const SweptTechnique& as_asked, const std::string& visi
   }
 }
 
+/// A bake takes minutes, which are no part of a frame: it is measured where it was made before and is named.
+std::optional<std::string> why_not_baked(const OwnBake& bake, const Technique& info, const Settings& settings) {
+  const std::string setting = bake.name + ".bake";
+  const bool can_be_named =
+      std::ranges::any_of(info.settings, [&](const SettingDeclaration& s) { return s.name == setting; });
+  if (can_be_named && !settings.get_string(setting).empty()) return std::nullopt;
+  return "it draws with a bake of minutes; make it first (maquette bake " + bake.name +
+         " SCENE -o DIR) and name it: --set " + setting + "=DIR";
+}
+
 }  // namespace
 
 std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Settings& settings, std::size_t reflectors,
@@ -63,8 +73,7 @@ std::vector<SweptTechnique> swept_techniques(const SceneFacts& facts, const Sett
         const auto why = std::find_if(frame.left_out.begin(), frame.left_out.end(),
                                       [](const LeftOut& l) { return l.what == "reflections"; });
         if (kind == TechniqueKind::reflector && why != frame.left_out.end()) technique.refused = why->why;
-        if (info.own_bake)
-          technique.refused = "it draws with a bake of its own of minutes: `maquette_bench` measures it";
+        if (info.own_bake) technique.refused = why_not_baked(*info.own_bake, info, settings);
       } catch (const Error& error) {
         technique.refused = error.what();
       }

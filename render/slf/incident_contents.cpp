@@ -1,0 +1,108 @@
+#include "render/slf/incident_contents.h"
+
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+#include "render/bake/bake_attributes.h"
+#include "render/bake/kept_bakes.h"
+#include "render/slf/incident_bake.h"
+#include "scenes/node_paths.h"
+#include "scenes/suggest.h"
+
+namespace maquette {
+
+namespace {
+
+constexpr const char *kSurfaces = "list.surfaces", *kParts = "list.parts", *kMaterials = "list.materials";
+constexpr std::size_t kMostNames = 4;  // in a message
+
+std::uint64_t read_hash(const std::string& text) { return std::strtoull(text.c_str(), nullptr, 16); }
+
+std::string some_of(const std::vector<std::string>& names) {
+  if (names.size() <= kMostNames) return join(names);
+  return join({names.begin(), names.begin() + kMostNames}) + " and " + std::to_string(names.size() - kMostNames) +
+         " more";
+}
+
+std::string path_of_item(const std::vector<std::string>& paths, const DrawItem& item) {
+  return item.node < 0 ? "/" : paths[static_cast<std::size_t>(item.node)];
+}
+
+}  // namespace
+
+std::uint64_t hash_of(const Material& material) {
+  return chain_hash(numbers_of(material), content_hash(std::as_bytes(std::span(material.measured))));
+}
+
+IncidentContents contents_of(const IncidentJob& job) {
+  IncidentContents contents;
+  const std::vector<std::string> paths = node_paths(*job.scene);
+  const FlatGeometry& g = *job.geometry;
+  for (const DrawItem& item : g.items) {
+    std::vector<glm::vec3> corners;
+    for (std::uint32_t i = item.first_index; i < item.first_index + item.index_count; ++i)
+      corners.push_back(g.positions[g.indices[i]]);
+    std::uint64_t& hash = contents.surfaces[path_of_item(paths, item)];
+    hash = chain_hash(corners, hash);
+  }
+  std::set<std::string> parts;
+  for (const AtlasPart& part : job.parts) parts.insert(path_of_item(paths, g.items[part.item]));
+  contents.parts.assign(parts.begin(), parts.end());
+  for (const Material& m : job.scene->materials) contents.materials.push_back(hash_of(m));
+  return contents;
+}
+
+void write_contents(const IncidentContents& contents, std::map<std::string, std::string>* attributes) {
+  std::string &surfaces = (*attributes)[kSurfaces], &parts = (*attributes)[kParts],
+              &materials = (*attributes)[kMaterials];
+  for (const auto& [path, hash] : contents.surfaces) surfaces += hex(hash) + " " + path + "\n";
+  for (const std::string& path : contents.parts) parts += path + "\n";
+  for (const std::uint64_t hash : contents.materials) materials += hex(hash) + "\n";
+}
+
+IncidentContents read_contents(const std::map<std::string, std::string>& attributes) {
+  IncidentContents contents;
+  const auto for_each_line = [&](const char* name, const auto& read) {
+    const auto found = attributes.find(name);
+    std::istringstream stream(found == attributes.end() ? std::string() : found->second);
+    for (std::string line; std::getline(stream, line);) read(line);
+  };
+  for_each_line(kSurfaces, [&](const std::string& line) {
+    const std::size_t space = line.find(' ');
+    if (space != std::string::npos) contents.surfaces[line.substr(space + 1)] = read_hash(line.substr(0, space));
+  });
+  for_each_line(kParts, [&](const std::string& line) { contents.parts.push_back(line); });
+  for_each_line(kMaterials, [&](const std::string& line) { contents.materials.push_back(read_hash(line)); });
+  return contents;
+}
+
+std::string name_difference(const IncidentContents& baked, const IncidentContents& now) {
+  std::vector<std::string> moved, gone, added, texels, without;
+  for (const auto& [path, hash] : now.surfaces) {
+    const auto found = baked.surfaces.find(path);
+    if (found == baked.surfaces.end())
+      added.push_back(path);
+    else if (found->second != hash)
+      moved.push_back(path);
+  }
+  for (const auto& [path, hash] : baked.surfaces)
+    if (!now.surfaces.contains(path)) gone.push_back(path);
+  const std::set<std::string> before(baked.parts.begin(), baked.parts.end()), after(now.parts.begin(), now.parts.end());
+  for (const std::string& path : after)
+    if (!before.contains(path)) texels.push_back(path);
+  for (const std::string& path : before)
+    if (!after.contains(path)) without.push_back(path);
+  std::vector<std::string> differences;
+  const auto add = [&](const char* what, const std::vector<std::string>& names) {
+    if (!names.empty()) differences.push_back(what + some_of(names));
+  };
+  add("moved or dented: ", moved);
+  add("not there any more: ", gone);
+  add("new: ", added);
+  add("without texels in it: ", texels);
+  add("with texels only in it: ", without);
+  return join(differences, "; ");
+}
+
+}  // namespace maquette

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "scenes/bake_file.h"
+#include "scenes/scene.h"
+
+namespace maquette {
+
+struct IncidentJob;
+
+/// What a bake of incident light was made of, piece by piece, so that what differs can be named.
+struct IncidentContents {
+  std::map<std::string, std::uint64_t> surfaces;  ///< by path of the node: hash of where its surfaces lie
+  std::vector<std::string> parts;                 ///< paths of the nodes with texels
+  std::vector<std::uint64_t> materials;           ///< [material] hash_of
+};
+
+IncidentContents contents_of(const IncidentJob& job);
+/// Of all that it looks like, images apart.
+std::uint64_t hash_of(const Material& material);
+
+void write_contents(const IncidentContents& contents, std::map<std::string, std::string>* attributes);
+/// Empty where the attributes have none.
+IncidentContents read_contents(const std::map<std::string, std::string>& attributes);
+
+/// What of the surfaces or the parts with texels is another, by name; empty: nothing that has one.
+std::string name_difference(const IncidentContents& baked, const IncidentContents& now);
+
+}  // namespace maquette

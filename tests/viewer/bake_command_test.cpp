@@ -1,0 +1,144 @@
+// `maquette bake` as users and mpirun call it.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "scenes/bake_file.h"
+#include "test_paths.h"
+#include "tests/viewer/run_program.h"
+
+namespace maquette {
+namespace {
+
+using Words = std::vector<std::string>;
+
+/// A few hundred texels of a sphere of few directions.
+Words with_light_field(Words words, const Words& more) {
+  words.insert(words.end(), {"builtin:sphere", "--set", "slf.texels=48", "--set", "slf.directions=4", "--set",
+                             "slf.paths=1", "--env", "builtin:studio"});
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+ProgramResult bake(const Words& more) { return run_maquette(with_light_field({"bake", "slf"}, more)); }
+
+ProgramResult render(const TemporaryFolder& folder, const Words& more) {
+  return run_maquette(with_light_field(
+      {"render", "--mode", "slf", "--size", "16x12", "-o", folder.file("a.exr"), "--set", "ground.kind=none"}, more));
+}
+
+TEST(BakeCommand, LightIsBakedAsTheRenderHasIt) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("turned");
+  ProgramResult result = bake({"--env-rotation", "30", "--env-scale", "2", "-o", at});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const Words shown{"--set", "slf.bake=" + at};
+  const auto with = [&](Words more) {
+    more.insert(more.end(), shown.begin(), shown.end());
+    return render(folder, more);
+  };
+  result = with({"--env-rotation", "30"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.error.find("stale"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("--env-rotation"), std::string::npos) << "and how it is made anew: " << result.error;
+  result = with({"--env-rotation", "30", "--env-scale", "2"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  // The folder inside is taken as well.
+  result = render(folder, {"--env-rotation", "30", "--env-scale", "2", "--set", "slf.bake=" + at + "/sphere-slf"});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+}
+
+TEST(BakeCommand, LightOfOtherMaterialsNeedsAFolder) {
+  const TemporaryFolder folder;
+  const Words other{"--material", "*=builtin:fabric-grey"};
+  ProgramResult result = bake(other);
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.error.find("name a folder"), std::string::npos) << result.error;
+  const std::string at = folder.file("covered");
+  result = bake({other[0], other[1], "-o", at});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  // Shown with the materials that it was baked with, nothing has been exchanged.
+  const std::string shown = "slf.bake=" + at;
+  result = render(folder, {other[0], other[1], "--set", shown});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(result.error.find("exchanged"), std::string::npos) << result.error;
+  result = render(folder, {"--set", shown});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE((result.out + result.error).find("exchanged"), std::string::npos) << result.out << result.error;
+}
+
+TEST(BakeCommand, WhatNoBakeReadsIsSaid) {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_maquette({"bake", "octree", "builtin:sphere", "--set", "octree.depth=4",
+                                             "--env-rotation", "30", "-o", folder.file("tree")});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.error.find("depends on no environment"), std::string::npos) << result.error;
+}
+
+TEST(BakeCommand, InspectTabulatesTheLightThatLeaves) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("bake");
+  ASSERT_EQ(bake({"-o", at}).exit_code, 0);
+  const ProgramResult result = run_maquette({"inspect", at, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_NE(result.out.find("of_light_that_leaves"), std::string::npos) << result.out;
+  EXPECT_EQ(result.out.find("list."), std::string::npos) << "hashes are no figures: " << result.out;
+  const ProgramResult other = run_maquette({"inspect", at, "builtin:seat", "--json"});
+  EXPECT_EQ(other.exit_code, 1) << other.out;
+  EXPECT_NE(other.error.find("scene sphere"), std::string::npos) << other.error;
+}
+
+TEST(BakeCommand, TheReportMeasuresABakeThatIsNamed) {
+  const TemporaryFolder folder;
+  const std::string at = folder.file("bake");
+  ASSERT_EQ(bake({"-o", at}).exit_code, 0);
+  const ProgramResult result = run_maquette(
+      with_light_field({"report", "--size", "24x16", "--repeats", "1", "--budget", "12", "-o", folder.file("report")},
+                       {"--set", "slf.bake=" + at}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const auto json = nlohmann::json::parse(read_text(folder.file("report/report.json")));
+  int points = 0;
+  for (const auto& point : json.at("points")) points += point.at("technique") == "slf" ? 1 : 0;
+  EXPECT_GE(points, 1);
+  for (const auto& left_out : json.at("left_out"))
+    if (left_out.at("technique") == "prt" && left_out.at("what") == "prt")
+      EXPECT_NE(left_out.at("why").get<std::string>().find("maquette bake prt"), std::string::npos);
+}
+
+/// Of the columns of all blocks, in the order of their names.
+std::vector<float> light_in(const std::string& folder) {
+  std::vector<std::string> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  std::vector<float> light;
+  for (const std::string& file : files) {
+    if (file.find("incident-") == std::string::npos) continue;
+    const BakeFile block = load_bake_file(file);
+    for (const char* channel : {"R", "G", "B"}) {
+      const std::vector<float>& values = block.floats(file, "radiance", channel);
+      light.insert(light.end(), values.begin(), values.end());
+    }
+  }
+  return light;
+}
+
+TEST(BakeCommand, ProcessesOfMpirunShareABake) {
+  if (std::system("mpirun --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "mpirun is not there (openmpi-bin)";
+  const TemporaryFolder folder;
+  const Words sized{"--set", "slf.texels=96"};
+  ASSERT_EQ(bake({sized[0], sized[1], "-o", folder.file("one")}).exit_code, 0);
+  Words words{"--allow-run-as-root", "--oversubscribe", "-n", "3", MAQUETTE_PROGRAM};
+  const Words call = with_light_field({"bake", "slf"}, {sized[0], sized[1], "-o", folder.file("three")});
+  words.insert(words.end(), call.begin(), call.end());
+  const ProgramResult result = run_in_folder(folder.path().string(), "mpirun", words);
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const std::vector<float> one = light_in(folder.file("one/sphere-slf"));
+  EXPECT_GT(one.size(), 1000u);
+  EXPECT_EQ(one, light_in(folder.file("three/sphere-slf")));
+}
+
+}  // namespace
+}  // namespace maquette

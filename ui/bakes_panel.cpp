@@ -73,9 +73,10 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
     std::snprintf(done, sizeof(done), "%.0f %%%s", std::floor(100.0 * work->fraction),
                   left == ui.facts.seconds_left.end() ? "" : (", " + time_left_text(left->second)).c_str());
     ImGui::ProgressBar(static_cast<float>(work->fraction), ImVec2(-1.0f, 0.0f), done);
-    const std::string change = change_text(*ui.facts.registry, name);
+    const std::string change = change_text(*ui.facts.registry, name, bake.ready);
     if (!change.empty()) dim_text("It will change: " + change + ".");
   }
+  for (const std::string& note : bake.notes) dim_text(note);
   if (stops) {
     if (ImGui::Button(held ? "Bake" : busy ? "Stop" : "Hold"))
       ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
@@ -93,8 +94,8 @@ std::string bake_state_text(const BakeStatus& bake, bool busy, bool held) {
   if (bake.state == BakeState::failed) return "failed; see the messages";
   if (bake.state == BakeState::partial) return held && !busy ? "stopped; a part is shown" : "in work; a part is shown";
   if (busy) return bake.ready ? "in work; the last one is shown" : "in work";
-  if (bake.ready) return "ready";
-  return held ? "stopped" : "not there";
+  if (bake.ready) return held ? bake.notes.empty() ? "held" : "held; the last one is shown" : "ready";
+  return held ? "stopped; nothing is baked" : "not there";
 }
 
 std::string time_left_text(double seconds) {
@@ -106,11 +107,12 @@ std::string time_left_text(double seconds) {
   return text;
 }
 
-std::string change_text(const Registry& registry, const std::string& bake) {
+std::string change_text(const Registry& registry, const std::string& bake, bool last_is_shown) {
   const auto known = changes_of_bakes().find(bake);
   if (known != changes_of_bakes().end()) return known->second;
   const bool of_mode = std::ranges::any_of(registry.techniques, [&](const Technique& t) { return t.name == bake; });
-  return of_mode ? "all light that mode " + bake + " shows; a preview is shown now" : "";
+  if (!of_mode) return "";
+  return "all light that mode " + bake + " shows; " + (last_is_shown ? "the last one" : "a preview") + " is shown now";
 }
 
 void draw_bakes(Ui& ui) {

@@ -232,7 +232,10 @@ std::string work_text(const EditorFacts& facts, const BackgroundWork& work) {
   std::string said = text;
   if (const auto left = facts.seconds_left.find(work.what); left != facts.seconds_left.end())
     said += ", " + time_left_text(left->second);
-  const std::string change = change_text(*facts.registry, work.what);
+  const std::map<std::string, BakeStatus> bakes =
+      facts.stats ? facts.stats->status.bakes() : std::map<std::string, BakeStatus>();
+  const auto bake = bakes.find(work.what);
+  const std::string change = change_text(*facts.registry, work.what, bake != bakes.end() && bake->second.ready);
   return change.empty() ? said : said + ": it will change " + change;
 }
 

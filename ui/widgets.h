@@ -91,7 +91,7 @@ void draw_render_panel(Ui& ui);
 void draw_frame_panel(Ui& ui);
 void draw_bakes(Ui& ui);
 /// What the picture gains when a bake is done; empty: nobody knows.
-std::string change_text(const Registry& registry, const std::string& bake);
+std::string change_text(const Registry& registry, const std::string& bake, bool last_is_shown);
 std::string time_left_text(double seconds);
 void draw_error_panel(Ui& ui);
 void draw_inspection_panel(Ui& ui);

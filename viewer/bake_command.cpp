@@ -19,7 +19,7 @@ int run_bake(const CommandLine& line) {
   if (!options.output.empty()) prepare_folder("--output", options.output);
   const std::shared_ptr<Scene> scene = load_session_scene(options);
   for (const std::string& warning : scene->warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  prepare_btfs(options, *scene);
+  prepare_btfs(options, *scene, false);
   const BakeRequest request{*scene,
                             find_variant(*scene, options.variant),
                             options.settings,

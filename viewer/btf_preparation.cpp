@@ -23,13 +23,13 @@ void prepare_btf(const std::string& source) {
   load_material_table(source, print_btf_task(InterruptGuard::flag()));
 }
 
-void prepare_btfs(const SceneOptions& options, const Scene& scene) {
+void prepare_btfs(const SceneOptions& options, const Scene& scene, bool draws) {
   std::set<std::string> sources;
   for (const auto& [name, source] : options.materials) sources.insert(source);
   for (const Material& material : scene.materials) sources.insert(material.measured);
   const Registry& registry = builtin_registry();
   const Technique& mode = registry.find_mode(options.mode);
-  const bool exact = mode.can.traces_picture || mode.own_bake;  // whose bakes hold whole BTFs
+  const bool exact = !draws || mode.can.traces_picture || mode.own_bake;  // whose bakes hold whole BTFs
   for (const std::string& source : sources) {
     if (!is_btf_source(source)) continue;
     prepare_btf(source);

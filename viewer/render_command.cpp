@@ -313,8 +313,12 @@ int run_render(const CommandLine& line) {
   else
     render_frames(&renderer, request, options, &report);
   warn_of_light_left_out(report.frames.back().plan);
-  for (const auto& [name, bake] : report.frames.back().status.own_bakes)
+  for (const auto& [name, bake] : report.frames.back().status.own_bakes) {
+    if (!bake.ready)
+      std::fprintf(stderr, "warning: %s: nothing is baked; a preview is drawn (%s.run is hold)\n", name.c_str(),
+                   name.c_str());
     for (const std::string& note : bake.notes) std::fprintf(stderr, "warning: %s: %s\n", name.c_str(), note.c_str());
+  }
   const Image radiance = renderer.read_radiance();
   if (reference) report.error = measure_error(radiance, *reference).figures;
   if (!options.output.empty()) {

@@ -338,6 +338,31 @@ void set_mode_of_ground(const Scene& scene, FrameRequest* request) {
     request->part_modes.push_back({kGroundName, builtin_registry().default_mode});
 }
 
+/// A mode with a setting NAME.parts shades those that it names, and the default mode the rest.
+void set_modes_of_parts(const Scene& scene, FrameRequest* request) {
+  const std::string setting = request->mode + ".parts";
+  if (!find_setting(setting)) return;
+  const std::string names = request->settings.get_string(setting);
+  if (names.empty()) return;
+  std::set<std::string> parts;
+  std::istringstream in(names);
+  for (std::string name; std::getline(in, name, ';');) parts.insert(name);
+  std::vector<PartMode> modes;
+  std::vector<int> open = scene.roots;
+  while (!open.empty()) {  // the first nodes from the roots on that have a name
+    const Node& node = scene.nodes[static_cast<std::size_t>(open.back())];
+    open.pop_back();
+    if (node.name.empty())
+      open.insert(open.end(), node.children.begin(), node.children.end());
+    else if (!parts.contains(node.name))
+      modes.push_back({node.name, builtin_registry().default_mode});
+  }
+  for (const std::string& name : parts)
+    if (!name.empty()) modes.push_back({name, request->mode});
+  // Those that were given come later and win.
+  request->part_modes.insert(request->part_modes.begin(), modes.begin(), modes.end());
+}
+
 }  // namespace
 
 FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize& size) {
@@ -359,6 +384,7 @@ FrameRequest make_request(const Scene& scene, const Look& look, const FrameSize&
   request.settings = look.settings;
   // A mode that draws whole pictures shares none; the parts' modes are there again when another is chosen.
   if (builtin_registry().find_mode(look.mode).can.traces_picture) return request;
+  set_modes_of_parts(scene, &request);
   set_mode_of_ground(scene, &request);
   if (look.edits.part_modes.empty()) return request;
   const std::vector<std::string> paths = node_paths(scene);
@@ -372,7 +398,10 @@ FrameRequest make_request(const Scene& scene, const SceneOptions& options) {
                                       {options.width, options.height, options.msaa, options.samples, options.seed});
   request.reflectors = options.reflectors;  // as they were called, for messages and stats
   request.part_modes = options.part_modes;
-  if (!builtin_registry().find_mode(request.mode).can.traces_picture) set_mode_of_ground(scene, &request);
+  if (!builtin_registry().find_mode(request.mode).can.traces_picture) {
+    set_modes_of_parts(scene, &request);
+    set_mode_of_ground(scene, &request);
+  }
   const Technique* reflector = builtin_registry().find_reflector(request.reflections);
   if (reflector && reflector->can.needs_eye && request.camera.is_orthographic())
     throw UsageError("--reflections " + request.reflections, "it projects from an eye, and the camera is orthographic",

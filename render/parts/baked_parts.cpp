@@ -24,9 +24,12 @@ std::vector<bool> nodes_of_layer(const Scene& scene, const FrameRequest& request
 std::vector<bool> named_nodes(const Scene& scene, const std::string& names) {
   std::vector<bool> named(scene.nodes.size(), names.empty());
   std::istringstream in(names);
-  for (std::string name; std::getline(in, name, ';');)
+  for (std::string name; std::getline(in, name, ';');) {
+    name.erase(0, name.find_first_not_of(' '));
+    name.erase(name.find_last_not_of(' ') + 1);
     if (!name.empty())
       for (const int node : find_nodes(scene, name)) named[static_cast<std::size_t>(node)] = true;
+  }
   // Parents come before or after their children: nodes are visited from the roots.
   std::vector<int> open = scene.roots;
   while (!open.empty()) {

@@ -29,7 +29,10 @@ TransferJob make_job(const BakeRequest& request) {
 
 void run(const BakeRequest& request, const BakeControl& control) {
   const TransferJob job = make_job(request);
-  const BakeRanks ranks = ranks_from_environment();
+  BakeRanks ranks = ranks_from_environment();
+  ranks.say = [&](const std::string& text) {
+    if (ranks.rank == 0) control.report(text);
+  };
   const auto begin = std::chrono::steady_clock::now();
   const auto transfer = bake_transfer(job, ranks, nullptr, control.cancel, [&](double share) {
     if (ranks.rank == 0) control.progress("radiance transfer", share);

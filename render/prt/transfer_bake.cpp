@@ -325,7 +325,7 @@ class Run {
   }
 
   bool await_others(const TransferMesh& mesh) {
-    patience_.block_came();
+    patience_.begin(blocks_.size() - done_);
     while (done_ < blocks_.size()) {
       if (cancel_) return false;
       bool any = false;

@@ -40,6 +40,8 @@ LightFieldJob make_job(const BakeRequest& request) {
   if (!request.materials.empty() && request.folder.empty() && request.settings.get_string("slf.bake").empty())
     throw Error("--material", "a render looks in the cache only for light that the scene's own materials reflect",
                 "name a folder: -o DIR, and show it with --set slf.bake=DIR");
+  if (job.incident.parts.empty())
+    throw Error("maquette bake slf", "no opaque surface is left that could get texels", "name other parts: slf.parts");
   const std::string& folder = request.folder.empty() ? request.settings.get_string("slf.bake") : request.folder;
   job.incident.folder = incident_folder(folder, job.incident);
   if (job.incident.folder.empty()) throw Error("maquette bake", "the cache is switched off", "name a folder: -o DIR");
@@ -78,7 +80,10 @@ std::string time_left(double share, double seconds) {
 
 void run(const BakeRequest& request, const BakeControl& control) {
   const LightFieldJob job = make_job(request);
-  const BakeRanks ranks = ranks_from_environment();
+  BakeRanks ranks = ranks_from_environment();
+  ranks.say = [&](const std::string& text) {
+    if (ranks.rank == 0) control.report(text);
+  };
   if (ranks.rank == 0) check_materials(job, control);
   const auto begin = std::chrono::steady_clock::now();
   int tenths = -1;

@@ -3,8 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 #include <thread>
 
 #include "render/bake/bake_attributes.h"
@@ -23,7 +25,8 @@ constexpr const char* kVersion = "3";
 /// What shines besides the environment's texels.
 std::vector<float> numbers_of_light(const IncidentJob& job) {
   const Scene& scene = *job.scene;
-  std::vector<float> numbers{job.options.env_rotation_rad, job.options.env_scale};
+  std::vector<float> numbers{std::remainder(job.options.env_rotation_rad, 2.0f * std::numbers::pi_v<float>),
+                             job.options.env_scale};
   const std::vector<float> lamps = light_numbers(scene);
   numbers.insert(numbers.end(), lamps.begin(), lamps.end());
   for (const Material& m : scene.materials)
@@ -168,16 +171,19 @@ class Run {
     if (found_.geometry != wanted.geometry) {
       const std::string which = name_difference(contents, bake_->contents);
       throw Error(job_.folder,
-                  "the light field was baked from another geometry of scene " + found_.scene +
-                      (which.empty() ? " (normals, texture coordinates or order)" : " (" + which + ")"),
+                  contents.surfaces == bake_->contents.surfaces && !which.empty()
+                      ? "the light field was baked for other parts of scene " + found_.scene + " (" + which + ")"
+                      : "the light field was baked from another geometry of scene " + found_.scene +
+                            (which.empty() ? " (normals, texture coordinates or order)" : " (" + which + ")"),
                   "name another folder, or remove it and bake again");
     }
     if (found_.light != wanted.light) {
-      bake_->stale = "its light was another";
+      const std::string which = light_difference(contents, bake_->contents);
+      bake_->stale = "it was baked under other light" + (which.empty() ? "" : " (" + which + ")");
       if (job_.may_make || !job_.show_stale)
-        throw Error(job_.folder, "the light field is stale: it was baked under other light",
-                    job_.may_make ? "remove it and bake again"
-                                  : "bake it again under this light (maquette bake slf takes --env, --env-rotation and "
+        throw Error(job_.folder, "the light field is stale: " + bake_->stale,
+                    job_.may_make ? "name another folder, or remove it and bake again"
+                                  : "bake it under this light (maquette bake slf takes --env, --env-rotation and "
                                     "--env-scale), or show it: --set slf.stale=show");
     }
     if (job_.may_make && (found_.materials != wanted.materials || found_.paths != wanted.paths))
@@ -290,7 +296,7 @@ class Run {
   }
 
   bool await_others() {
-    patience_.block_came();
+    patience_.begin(blocks() - done_);
     while (done_ < blocks()) {
       if (cancel_) return false;
       bool any = false;

@@ -1,11 +1,14 @@
 #include "render/slf/incident_contents.h"
 
+#include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <set>
 #include <sstream>
 
 #include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
+#include "render/lights/light_numbers.h"
 #include "render/slf/incident_bake.h"
 #include "scenes/node_paths.h"
 #include "scenes/suggest.h"
@@ -14,7 +17,8 @@ namespace maquette {
 
 namespace {
 
-constexpr const char *kSurfaces = "list.surfaces", *kParts = "list.parts", *kMaterials = "list.materials";
+constexpr const char *kSurfaces = "list.surfaces", *kParts = "list.parts", *kMaterials = "list.materials",
+                     *kLight = "list.light";
 constexpr std::size_t kMostNames = 4;  // in a message
 
 std::uint64_t read_hash(const std::string& text) { return std::strtoull(text.c_str(), nullptr, 16); }
@@ -27,6 +31,22 @@ std::string some_of(const std::vector<std::string>& names) {
 
 std::string path_of_item(const std::vector<std::string>& paths, const DrawItem& item) {
   return item.node < 0 ? "/" : paths[static_cast<std::size_t>(item.node)];
+}
+
+std::map<std::string, std::string> light_of(const IncidentJob& job) {
+  std::map<std::string, std::string> light;
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g",
+                static_cast<double>(job.options.env_rotation_rad) * 180.0 / std::numbers::pi);
+  light["rotation in degrees"] = text;
+  std::snprintf(text, sizeof text, "%.6g", static_cast<double>(job.options.env_scale));
+  light["scale"] = text;
+  if (job.environment)
+    light["environment"] = job.environment->name + " (" + hex(chain_hash(job.environment->rgb, 0)).substr(0, 8) + ")";
+  std::vector<float> lamps = light_numbers(*job.scene);
+  for (const Material& m : job.scene->materials) lamps.insert(lamps.end(), {m.emissive.x, m.emissive.y, m.emissive.z});
+  light["lamps and what glows"] = hex(chain_hash(lamps, 0)).substr(0, 8);
+  return light;
 }
 
 }  // namespace
@@ -50,6 +70,7 @@ IncidentContents contents_of(const IncidentJob& job) {
   for (const AtlasPart& part : job.parts) parts.insert(path_of_item(paths, g.items[part.item]));
   contents.parts.assign(parts.begin(), parts.end());
   for (const Material& m : job.scene->materials) contents.materials.push_back(hash_of(m));
+  contents.light = light_of(job);
   return contents;
 }
 
@@ -59,6 +80,8 @@ void write_contents(const IncidentContents& contents, std::map<std::string, std:
   for (const auto& [path, hash] : contents.surfaces) surfaces += hex(hash) + " " + path + "\n";
   for (const std::string& path : contents.parts) parts += path + "\n";
   for (const std::uint64_t hash : contents.materials) materials += hex(hash) + "\n";
+  std::string& light = (*attributes)[kLight];
+  for (const auto& [what, value] : contents.light) light += what + "\t" + value + "\n";
 }
 
 IncidentContents read_contents(const std::map<std::string, std::string>& attributes) {
@@ -74,7 +97,21 @@ IncidentContents read_contents(const std::map<std::string, std::string>& attribu
   });
   for_each_line(kParts, [&](const std::string& line) { contents.parts.push_back(line); });
   for_each_line(kMaterials, [&](const std::string& line) { contents.materials.push_back(read_hash(line)); });
+  for_each_line(kLight, [&](const std::string& line) {
+    const std::size_t tab = line.find('\t');
+    if (tab != std::string::npos) contents.light[line.substr(0, tab)] = line.substr(tab + 1);
+  });
   return contents;
+}
+
+std::string light_difference(const IncidentContents& baked, const IncidentContents& now) {
+  std::vector<std::string> differences;
+  for (const auto& [what, value] : now.light) {
+    const auto found = baked.light.find(what);
+    if (found != baked.light.end() && found->second != value)
+      differences.push_back(what + " " + found->second + ", now " + value);
+  }
+  return join(differences, "; ");
 }
 
 std::string name_difference(const IncidentContents& baked, const IncidentContents& now) {

@@ -17,6 +17,7 @@ struct IncidentContents {
   std::map<std::string, std::uint64_t> surfaces;  ///< by path of the node: hash of where its surfaces lie
   std::vector<std::string> parts;                 ///< paths of the nodes with texels
   std::vector<std::uint64_t> materials;           ///< [material] hash_of
+  std::map<std::string, std::string> light;       ///< environment, rotation, scale, lamps
 };
 
 IncidentContents contents_of(const IncidentJob& job);
@@ -26,6 +27,9 @@ std::uint64_t hash_of(const Material& material);
 void write_contents(const IncidentContents& contents, std::map<std::string, std::string>* attributes);
 /// Empty where the attributes have none.
 IncidentContents read_contents(const std::map<std::string, std::string>& attributes);
+
+/// What of the light is another, by name, as it is in the bake and now; empty: nothing that has one.
+std::string light_difference(const IncidentContents& baked, const IncidentContents& now);
 
 /// What of the surfaces or the parts with texels is another, by name; empty: nothing that has one.
 std::string name_difference(const IncidentContents& baked, const IncidentContents& now);

@@ -6,6 +6,7 @@
 #include "render/math/local_pca_fit.h"
 #include "render/parts/baked_parts.h"
 #include "render/slf/incident_bake.h"
+#include "scenes/error.h"
 #include "scenes/node_paths.h"
 
 namespace maquette {
@@ -147,12 +148,18 @@ std::optional<CompressionTable> tabulate_compression(const LightField& field, co
 std::optional<BakeFigures> inspect_light_field(const std::string& folder, const Scene* scene) {
   if (!is_incident_folder(folder)) return std::nullopt;
   const IncidentSummary summary = summarize_incident(folder);
-  if (summary.blocks_done < summary.blocks) return std::nullopt;
-  BakeFigures figures;
+  BakeFigures figures{{"blocks", static_cast<double>(summary.blocks)}};
+  if (summary.blocks_done < summary.blocks) return figures;
   const IncidentField light = load_incident(folder, summary);
   add_light(light, &figures);
-  if (scene)
-    add_table_of_leaving(*load_field(folder, summary, *scene), &figures);
+  std::shared_ptr<const LightField> field;
+  try {
+    if (scene) field = load_field(folder, summary, *scene);
+  } catch (const Error&) {  // dented, turned, or another one
+  }
+  figures.emplace_back("is_of_the_scene", field ? 1.0 : 0.0);
+  if (field)
+    add_table_of_leaving(*field, &figures);
   else
     add_table_of_arriving(light, &figures);
   return figures;

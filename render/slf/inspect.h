@@ -10,7 +10,8 @@
 namespace maquette {
 
 /// Of a whole bake of incident light: its light, and the RMS that local PCA has over clusters and components, of the
-/// light that leaves the scene's materials (tabulate_compression), or, without a scene, of that which arrives. Nothing
+/// light that leaves the scene's materials (tabulate_compression), or, without a scene
+/// that is the one that was baked, of that which arrives. Nothing
 /// for other folders. Throws Error.
 std::optional<BakeFigures> inspect_light_field(const std::string& folder, const Scene* scene);
 

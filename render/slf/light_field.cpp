@@ -130,13 +130,15 @@ Eigen::VectorXf decode_texel(const LightField& field, std::size_t texel) {
   return field.fit.pca.decode({field.fit.owner[texel], field.fit.weights.col(static_cast<Eigen::Index>(texel))});
 }
 
-std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side) {
+namespace {
+
+std::vector<std::string> warn_of_triangles(const PathScene& scene, const std::set<std::uint32_t>& triangles, int side) {
   std::vector<std::string> warnings;
   std::set<const TracedMaterial*> seen;
   std::vector<std::uint32_t> traced_of(scene.geometry.indices.size() / 3, 0);
   for (std::uint32_t i = 0; i < scene.triangles.size(); ++i) traced_of[scene.triangles[i].source] = i;
-  for (const AtlasSide& s : atlas.sides) {
-    const std::uint32_t triangle = traced_of[s.triangle];
+  for (const std::uint32_t source : triangles) {
+    const std::uint32_t triangle = traced_of[source];
     if (!seen.insert(&scene.material_of(triangle)).second) continue;
     const glm::vec3 n = scene.triangles[triangle].geometric;
     const glm::vec3 middle = (scene.triangles[triangle].positions[0] + scene.triangles[triangle].positions[1] +
@@ -148,9 +150,26 @@ std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFie
     warnings.push_back("material " + p.material->values.name + " is too specular for lumispheres of " +
                        std::to_string(side) + " x " + std::to_string(side) + " directions; " +
                        (wanted <= Lumisphere::kLargestSide ? std::to_string(wanted) + " would do (slf.directions)"
-                                                           : "another mode would do (--mode-of)"));
+                                                           : "another mode would do"));
   }
   return warnings;
+}
+
+}  // namespace
+
+std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side) {
+  std::set<std::uint32_t> triangles;
+  for (const AtlasSide& s : atlas.sides) triangles.insert(s.triangle);
+  return warn_of_triangles(scene, triangles, side);
+}
+
+std::vector<std::string> warn_of_specular(const PathScene& scene, const std::vector<AtlasPart>& parts, int side) {
+  std::set<std::uint32_t> triangles;
+  for (const AtlasPart& part : parts) {
+    const DrawItem& item = scene.geometry.items[part.item];
+    for (std::uint32_t i = 0; i + 2 < item.index_count; i += 3) triangles.insert((item.first_index + i) / 3);
+  }
+  return warn_of_triangles(scene, triangles, side);
 }
 
 std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightFieldAtlas& atlas) {
@@ -174,7 +193,7 @@ std::vector<std::string> notes_of(const LightField& field) {
   for (std::size_t i = 0; i < std::min(shown.size(), baked.size()); ++i)
     if (hash_of(shown[i]) != baked[i]) names += (names.empty() ? "" : ", ") + shown[i].name;
   if (!names.empty())
-    notes.push_back("since the bake exchanged, light from them onto other parts is the old one: " + names);
+    notes.push_back("exchanged since the bake: " + names + "; light from them onto other parts is that of before");
   return notes;
 }
 
@@ -186,7 +205,10 @@ std::vector<std::string> changes_since(const LightField& field, const LightField
     changes.push_back("stale: the light field was baked from other surfaces" +
                       (which.empty() ? "" : " (" + which + ")"));
   }
-  if (wanted.light != baked.light) changes.emplace_back("stale: the light field was baked under other light");
+  if (wanted.light != baked.light) {
+    const std::string which = light_difference(field.incident->contents, contents_of(now.incident));
+    changes.push_back("stale: the light field was baked under other light" + (which.empty() ? "" : " (" + which + ")"));
+  }
   std::string names;
   const auto &shown = now.scene->materials, &made = field.made_from.scene->materials;
   for (std::size_t i = 0; i < std::min(shown.size(), made.size()); ++i)

@@ -83,6 +83,7 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
 /// A line for each material of the parts that is too specular for lumispheres of this side, with the side that would
 /// do. `scene`: built from the materials to show.
 std::vector<std::string> warn_of_specular(const PathScene& scene, const LightFieldAtlas& atlas, int side);
+std::vector<std::string> warn_of_specular(const PathScene& scene, const std::vector<AtlasPart>& parts, int side);
 
 /// A line for each part that has a second UV set which cannot be used.
 std::vector<std::string> warn_of_second_uvs(const IncidentJob& job, const LightFieldAtlas& atlas);

@@ -44,6 +44,13 @@ LightFieldJob make_job(const SceneState& scene, const FrameRequest& request, con
 
 Baked<LightField> LightFieldKind::run(const LightFieldJob& job, const Baked<LightField>&,
                                       const BakeTask<LightField>& task) {
+  {
+    const auto materials = build_material_scene(job, &memory_.library);
+    std::vector<std::string> notes = warn_of_specular(*materials, job.incident.parts, job.incident.options.side);
+    notes.insert(notes.end(), job.left_out.begin(), job.left_out.end());
+    const std::lock_guard lock(mutex_);
+    early_notes_ = std::move(notes);
+  }
   const auto field = make_light_field(job, &memory_, task.cancel, task.progress);
   return {field, field != nullptr, true};
 }
@@ -82,8 +89,9 @@ std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, st
 }
 
 std::vector<std::string> LightFieldStore::notes() const {
-  std::vector<std::string> notes = field_ ? notes_of(*field_) : std::vector<std::string>();
-  notes.insert(notes.end(), changes_.begin(), changes_.end());
+  std::vector<std::string> notes = changes_;
+  const std::vector<std::string> more = field_ ? notes_of(*field_) : kind_->early_notes();
+  notes.insert(notes.end(), more.begin(), more.end());
   return notes;
 }
 

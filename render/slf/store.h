@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "render/bake/bake_runner.h"
@@ -15,15 +16,22 @@ namespace maquette {
 class LightFieldKind : public BakeKind<LightFieldJob, LightField> {
  public:
   Baked<LightField> run(const LightFieldJob& job, const Baked<LightField>&, const BakeTask<LightField>& task) override;
+  /// What of the run in work will not be shown as asked, before it is done.
+  std::vector<std::string> early_notes() const {
+    const std::lock_guard lock(mutex_);
+    return early_notes_;
+  }
 
  private:
   LightFieldMemory memory_;
+  mutable std::mutex mutex_;
+  std::vector<std::string> early_notes_;
 };
 
 /// The light field of a scene on the GPU.
 class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, public SceneBake {
  public:
-  LightFieldStore() : KeyedBake(std::make_shared<LightFieldKind>()) {}
+  LightFieldStore() : LightFieldStore(std::make_shared<LightFieldKind>()) {}
   const char* name() const override { return "slf"; }
   Bake& bake() override { return *this; }
   bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
@@ -36,6 +44,9 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 
  private:
+  explicit LightFieldStore(std::shared_ptr<LightFieldKind> kind) : KeyedBake(kind), kind_(std::move(kind)) {}
+
+  std::shared_ptr<LightFieldKind> kind_;
   std::shared_ptr<const LightField> field_;  ///< that the buffers hold
   std::optional<LightFieldBuffers> buffers_;
   std::size_t triangles_ = 0;  ///< of the geometry that the buffers are for

@@ -34,11 +34,11 @@ std::vector<SettingDeclaration> light_field_settings() {
        .unit = "bins",
        .help = "side of the parabolic maps of directions at a texel"},
       {.name = "slf.paths",
-       .default_value = 16,
+       .default_value = 32,
        .min = 1,
        .max = 4096,
        .unit = "paths",
-       .help = "light paths through each bin of each texel"},
+       .help = "light paths through each bin of each texel; 16 will do for broad lobes"},
       {.name = "slf.basis",
        .default_value = std::string("haar"),
        .help = "how arriving light is multiplied with materials: bins: all of them; harmonics: of bands 0 to 5; haar: "
@@ -96,8 +96,8 @@ Technique slf_technique() {
   info.name = "slf";
   info.help = "surface light fields: the radiance that leaves each texel in each direction, baked with all light paths";
   info.settings = light_field_settings();
-  for (const auto& [clusters, components] : {std::pair(1, 4), std::pair(8, 4), std::pair(32, 4),
-                                             std::pair(128, 4), std::pair(128, 8), std::pair(0, 8)})
+  for (const auto& [clusters, components] :
+       {std::pair(1, 4), std::pair(8, 4), std::pair(32, 4), std::pair(128, 4), std::pair(128, 8), std::pair(0, 8)})
     info.quality_steps.push_back({.settings = {{"slf.clusters", clusters}, {"slf.components", components}}});
   info.make_mode = make_light_field_mode;
   info.shader_variants = light_field_shader_variants;

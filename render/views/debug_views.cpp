@@ -35,7 +35,7 @@ glm::vec3 decode_base_color(std::uint32_t packed) {
 Image at_mean_grey(Image values) {
   double sum = 0.0, count = 1e-30;
   for (std::size_t i = 0; i < values.data.size(); i += 4) {
-    if (values.data[i + 3] <= 0.0f) continue;
+    if (values.data[i + 3] <= 0.0f || values.data[i + 1] <= 0.0f) continue;  // nothing is shown there
     sum += static_cast<double>(values.data[i + 1]);
     count += 1.0;
   }

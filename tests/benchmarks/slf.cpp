@@ -131,13 +131,7 @@ class SeatBench {
     return r;
   }
 
-  /// Narrow lobes show the noise of single bins.
-  void set_paths(const Cover& cover) {
-    if (!stage_.options().gives("slf.paths")) settings_.set("slf.paths", cover.name == "GGX 0.3" ? 32 : 16);
-  }
-
   std::shared_ptr<const IncidentBake> bake_of(const Cover& cover) {
-    set_paths(cover);
     LightFieldInput input;
     input.scene = input.shown = seat_covered(cover.material);
     input.geometry = std::make_shared<const FlatGeometry>(flatten(*input.scene));
@@ -151,7 +145,6 @@ class SeatBench {
     const Cover &baked = all[0], &shows = all[1];
     Sums exchanged;
     Renderer& renderer = stage_.renderer();
-    set_paths(baked);
     const auto scene = seat_covered(baked.material), truth = seat_covered(shows.material);
     const auto sky = test::constant_sky(0.0f);
     renderer.set_scene(scene);
@@ -187,7 +180,6 @@ class SeatBench {
   bool large() const { return settings_.get_int("slf.texels") >= 1024; }
 
   void measure_cover(const Cover& cover, Figures* figures) {
-    set_paths(cover);
     const auto scene = seat_covered(cover.material);
     const auto sky = test::constant_sky(0.0f);
     Renderer& renderer = stage_.renderer();

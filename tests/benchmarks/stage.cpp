@@ -24,10 +24,6 @@ bool Options::wants(const std::string& name) const {
   return std::any_of(only.begin(), only.end(), [&](const std::string& o) { return name.find(o) != std::string::npos; });
 }
 
-bool Options::gives(const std::string& setting) const {
-  return std::ranges::any_of(settings, [&](const auto& given) { return given.first == setting; });
-}
-
 Figure judged(std::string name, std::string target, std::string measured, bool met) {
   return {std::move(name), std::move(target), std::move(measured),
           met ? Figure::Verdict::met : Figure::Verdict::missed};

@@ -30,7 +30,6 @@ struct Options {
   double sweep_seconds = 20.0;      ///< no single frame longer than this
   bool fresh = false;               ///< make references again
   bool wants(const std::string& name) const;
-  bool gives(const std::string& setting) const;  ///< by --set
 };
 
 /// One line of the table: target and measured value.

@@ -180,7 +180,12 @@ TEST_F(IncidentBakeFolder, IsTheSameForAnyThreadsRanksAndInterruptions) {
   EXPECT_EQ(second->field.radiance, alone->field.radiance);
   // A process that waits for one that was lost makes what is missing itself.
   const std::string lonely = path("lost");
-  const auto lost = bake_incident(small_job(lonely), {.rank = 0, .count = 2, .patience_s = 0.05}, kNever, {});
+  std::vector<std::string> said;
+  const BakeRanks of_two{
+      .rank = 0, .count = 2, .patience_s = 0.05, .say = [&](const std::string& text) { said.push_back(text); }};
+  const auto lost = bake_incident(small_job(lonely), of_two, kNever, {});
+  ASSERT_EQ(said.size(), 2u);
+  EXPECT_NE(said[0].find("waiting for 1 blocks"), std::string::npos) << said[0];
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->field.radiance, alone->field.radiance);
   EXPECT_EQ(summarize_incident(lonely).blocks_done, summarize_incident(lonely).blocks);

@@ -389,8 +389,9 @@ TEST(Panels, ABakeSaysWhetherItIsStopped) {
       absent{false, 0.0, BakeState::absent, true};
   EXPECT_EQ(panels::bake_state_text(part, true, false), "in work; a part is shown");
   EXPECT_EQ(panels::bake_state_text(part, false, true), "stopped; a part is shown");
-  EXPECT_EQ(panels::bake_state_text(absent, false, true), "stopped");
-  EXPECT_EQ(panels::bake_state_text(ready, false, true), "ready");
+  EXPECT_EQ(panels::bake_state_text(absent, false, true), "stopped; nothing is baked");
+  EXPECT_EQ(panels::bake_state_text(ready, false, false), "ready");
+  EXPECT_EQ(panels::bake_state_text(ready, false, true), "held");
   EXPECT_EQ(panels::bake_state_text(ready, true, false), "in work; the last one is shown");
 }
 

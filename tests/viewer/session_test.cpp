@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "render/parts/parts.h"
 #include "render/technique/registry.h"
 #include "scenes/error.h"
 #include "scenes/ground.h"
@@ -155,6 +156,25 @@ TEST(Session, AModeThatHoldsNoGroundLeavesItToTheDefaultMode) {
   EXPECT_TRUE(make_request(scene, options).part_modes.empty());
   options.mode = "slf";
   EXPECT_TRUE(make_request(scene, options).part_modes.empty());
+}
+
+TEST(Session, WhatIsNotAPartOfAModeIsLeftToTheDefaultMode) {
+  const Scene scene = load_scene("builtin:seat");
+  SceneOptions options;
+  options.mode = "slf";
+  EXPECT_TRUE(make_request(scene, options).part_modes.empty());
+  options.settings.set("slf.parts", std::string("seat_cushion;seat_headrest"));
+  const FrameRequest request = make_request(scene, options);
+  const std::vector<int> layers =
+      layers_of_nodes(scene, request.part_modes, {options.mode, builtin_registry().default_mode});
+  int own = 0;
+  for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
+    if (scene.nodes[n].mesh < 0) continue;
+    const bool part = scene.nodes[n].name == "seat_cushion" || scene.nodes[n].name == "seat_headrest";
+    EXPECT_EQ(layers[n], part ? 0 : 1) << scene.nodes[n].name;
+    own += part ? 1 : 0;
+  }
+  EXPECT_EQ(own, 2);
 }
 
 TEST(Session, ADentGoesInwardsAndStaysLocal) {

@@ -240,6 +240,8 @@ void Conductor::measure(Ladder* ladder, int step, Report* report) {
   try {
     studio_->renderer().finish_background_work(frame);
     measurement = measure_frames(&studio_->renderer(), frame, warm, studio_->options().repeats);
+    for (const auto& [name, bake] : measurement.stats.status.own_bakes)
+      if (!bake.ready) throw Error("mode " + frame.mode, "its bake " + name + " is not there", "see the first message");
   } catch (const Error& error) {
     // Some errors show only when drawing, such as a mirror that no patches fit. The others are still measured.
     report->skipped.push_back(technique.name + ", camera " + cameras_[ladder->camera].name + ": " + error.what());

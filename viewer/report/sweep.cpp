@@ -44,9 +44,12 @@ void append_visibilities(const SweptTechnique& as_asked, const std::string& visi
 /// A bake takes minutes, which are no part of a frame: it is measured where it was made before and is named.
 std::optional<std::string> why_not_baked(const OwnBake& bake, const Technique& info, const Settings& settings) {
   const std::string setting = bake.name + ".bake";
-  const bool can_be_named =
-      std::ranges::any_of(info.settings, [&](const SettingDeclaration& s) { return s.name == setting; });
-  if (can_be_named && !settings.get_string(setting).empty()) return std::nullopt;
+  const auto given = [&](const std::string& name) {
+    const bool known = std::ranges::any_of(info.settings, [&](const SettingDeclaration& s) { return s.name == name; });
+    return known && !settings.get_string(name).empty();
+  };
+  if (given(bake.name + ".parts")) return "only parts of the scene would be drawn (" + bake.name + ".parts)";
+  if (given(setting)) return std::nullopt;
   return "it draws with a bake of minutes; make it first (maquette bake " + bake.name +
          " SCENE -o DIR) and name it: --set " + setting + "=DIR";
 }

@@ -6,6 +6,7 @@
 
 #include "render/frame/vocabulary.h"
 #include "render/technique/registry.h"
+#include "ui/bake_state.h"
 #include "ui/widgets.h"
 
 namespace maquette::panels {
@@ -33,14 +34,6 @@ const std::map<std::string, const char*>& changes_of_bakes() {
       {"patch_fit", "mirror images in curved parts, which are hatched or absent now"},
   };
   return kChanges;
-}
-
-std::string state_text(const BakeStatus& bake, bool busy, bool held) {
-  if (bake.state == BakeState::failed) return "failed; see the messages";
-  if (bake.state == BakeState::partial) return "in work; a part is shown";
-  if (busy) return bake.ready ? "in work; the last one is shown" : "in work";
-  if (bake.ready) return held ? bake.notes.empty() ? "held" : "held; the last one is shown" : "ready";
-  return held ? "stopped; nothing is baked" : "not there";
 }
 
 /// Which parts it is made of: all, or those that were clicked in the picture or the tree and added here.
@@ -73,7 +66,7 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
   const bool stops = has_setting(*ui.facts.registry, setting);
   const bool held = stops && ui.state.settings.get_string(setting) == "hold";
   ImGui::PushID(name.c_str());
-  value_row(name.c_str(), state_text(bake, busy, held));
+  value_row(name.c_str(), bake_state_text(bake, busy, held));
   if (busy) {
     char done[64];
     const auto left = ui.facts.seconds_left.find(name);
@@ -96,6 +89,14 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
 }
 
 }  // namespace
+
+std::string bake_state_text(const BakeStatus& bake, bool busy, bool held) {
+  if (bake.state == BakeState::failed) return "failed; see the messages";
+  if (bake.state == BakeState::partial) return held && !busy ? "stopped; a part is shown" : "in work; a part is shown";
+  if (busy) return bake.ready ? "in work; the last one is shown" : "in work";
+  if (bake.ready) return held ? bake.notes.empty() ? "held" : "held; the last one is shown" : "ready";
+  return held ? "stopped; nothing is baked" : "not there";
+}
 
 std::string time_left_text(double seconds) {
   char text[32];

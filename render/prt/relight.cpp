@@ -76,6 +76,11 @@ bool has_lanes() {
 #endif
 }
 
+/// Coefficients whose worth exceeds that of the best one that is left away by less than this share of it are dimmed.
+/// Of a knitted cloth with 64 a face, the largest change by 0.1 degrees is 1.4 times that with all coefficients (3.4
+/// times where none is dimmed; 1.7 and 2.6 with shares of 1 and 3, which follow the choice too far up).
+constexpr float kDimmed = 0.5f;
+
 float largest_of(const CubeLight& light, Eigen::Index i) {
   return std::max({std::abs(light(i, 0)), std::abs(light(i, 1)), std::abs(light(i, 2))});
 }
@@ -89,16 +94,23 @@ KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& 
     worth[i] = largest_of(light, static_cast<Eigen::Index>(i)) * importance[i];
     if (worth[i] > 0.0f) order.push_back(static_cast<std::uint32_t>(i));
   }
+  float left_away = 0.0f, best = 0.0f;
   if (order.size() > count) {
     std::nth_element(
         order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
         [&](std::uint32_t a, std::uint32_t b) { return worth[a] != worth[b] ? worth[a] > worth[b] : a < b; });
+    left_away = worth[order[count]];
     order.resize(count);
   }
   std::sort(order.begin(), order.end());
   KeptLight kept;
   kept.coefficients = std::move(order);
-  for (const std::uint32_t i : kept.coefficients) kept.values.emplace_back(light(i, 0), light(i, 1), light(i, 2));
+  for (const std::uint32_t i : kept.coefficients) best = std::max(best, worth[i]);
+  const float band = std::min(kDimmed * left_away, best - left_away);
+  for (const std::uint32_t i : kept.coefficients) {
+    const float share = band > 0.0f ? std::min((worth[i] - left_away) / band, 1.0f) : 1.0f;
+    kept.values.push_back(share * glm::vec3(light(i, 0), light(i, 1), light(i, 2)));
+  }
   return kept;
 }
 

@@ -17,6 +17,8 @@ struct KeptLight {
 };
 
 /// `light`: [coefficient][rgb], after haar_transform_faces. `importance`: [coefficient]. `count`: at most so many.
+/// The weakest of them are dimmed, down to nothing beside the best one that is left away: what is kept changes steadily
+/// with the light, and nothing pops in and out while it turns.
 KeptLight choose_coefficients(const CubeLight& light, const std::vector<float>& importance, std::size_t count);
 
 /// The light that is left of it: radiance of each direction.

@@ -35,25 +35,29 @@ Baked<Transfer> TransferKind::run(const TransferInput& input, const Baked<Transf
 
 bool TransferStore::update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
   const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
-  const bool held = request.settings.get_string("prt.run") == "hold";
-  if (held && busy()) cancel();
-  if (!held)
-    require(key_of(scene, request, nodes), [&] {
+  held_ = request.settings.get_string("prt.run") == "hold";
+  wanted_ = key_of(scene, request, nodes);
+  if (held_ && busy()) cancel();
+  if (!held_) {
+    begun_ = wanted_;
+    require(*wanted_, [&] {
       return TransferInput{std::make_shared<Scene>(scene.edited_scene()),
                            std::make_shared<const FlatGeometry>(scene.geometry()), request.variant, nodes,
                            request.settings};
     });
+  }
   bool changed = false;
   if (const std::shared_ptr<const Transfer> made = take()) {
     buffers_.reset();
     buffers_.emplace(*made, scene.geometry().indices.size() / 3);
     if (!transfer_ || transfer_->bake != made->bake) importance_ = made->bake->table.importance();
     transfer_ = made;
+    shown_ = begun_;
     cube_.emplace(made->bake->options.faces);
     light_of_.reset();
     changed = true;
   }
-  return (buffers_ && update_light(scene, request)) || changed;
+  return (buffers_ && scene.has_environment() && update_light(scene, request)) || changed;
 }
 
 bool TransferStore::update_light(const SceneState& scene, const FrameRequest& request) {
@@ -77,6 +81,17 @@ bool TransferStore::update_light(const SceneState& scene, const FrameRequest& re
   light_ = {std::move(kept),
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count()};
   return true;
+}
+
+std::vector<std::string> TransferStore::notes() const {
+  std::vector<std::string> notes;
+  if (!transfer_) return notes;
+  if (!transfer_->stale.empty()) notes.push_back("the radiance transfer is stale: " + transfer_->stale);
+  if (held_ && shown_ != wanted_)
+    notes.push_back(
+        "the radiance transfer is stale: the scene or its settings changed since it was baked; bake it again "
+        "(prt.run=auto)");
+  return notes;
 }
 
 std::function<glm::vec3(const glm::dvec3&)> TransferStore::kept_sky() const {

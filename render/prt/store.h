@@ -40,6 +40,8 @@ class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, publ
   bool ready() const override { return buffers_.has_value(); }
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
 
+  std::vector<std::string> notes() const override;
+
   const TransferBuffers& buffers() const { return *buffers_; }
   const Transfer& transfer() const { return *transfer_; }
   const LightUpdate& light() const { return light_; }
@@ -49,6 +51,8 @@ class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, publ
  private:
   bool update_light(const SceneState& scene, const FrameRequest& request);
 
+  bool held_ = false;                          ///< prt.run
+  std::optional<Key> wanted_, begun_, shown_;  ///< of the last frame, of the last bake begun, of the one shown
   std::shared_ptr<const Transfer> transfer_;
   std::optional<TransferBuffers> buffers_;
   std::vector<float> importance_;

@@ -150,8 +150,10 @@ Technique prt_technique() {
   info.views = {
       {"prt_vertices", "the vertex nearest to each point", ViewColors::color},
       {"prt_clusters", "clusters of the transfer of the materials' means", ViewColors::color},
-      {"prt_light", "light on the materials' means: cosine and shadow times the environment, cd/m2", ViewColors::color},
-      {"prt_component", "light on the first component of the materials", ViewColors::color},
+      {"prt_light", "light on the materials' means: cosine and shadow times the environment, cd/m2",
+       ViewColors::radiance},
+      {"prt_component", "light on the first component of the materials, cd/m2; black where it takes light away",
+       ViewColors::radiance},
       {"prt_error", "RMS error of the vertices' compressed transfer, relative to the mean of their material"},
       {"prt_kept", "light of the kept coefficients: over the sky, and what of it falls on parts, cd/m2",
        ViewColors::radiance}};

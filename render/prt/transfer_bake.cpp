@@ -25,6 +25,16 @@ struct BlockPlace {
   int view = -1;  ///< -1: the mean; in the joint form a function of the material
 };
 using JointBtfs = std::vector<std::shared_ptr<const JointBtf>>;  ///< [group]
+
+std::uint64_t hash_of_fits(const JointBtfs& joints) {
+  std::uint64_t hash = 0;
+  for (const auto& joint : joints) {
+    for (const std::vector<float>& functions : joint->functions) hash = chain_hash(functions, hash);
+    hash = chain_hash(joint->texels, hash);
+  }
+  return hash;
+}
+
 int components_of(const TransferJob& job, std::size_t group) {
   return std::min(job.options.btf_components, job.materials[group]->components);
 }
@@ -70,6 +80,7 @@ class Run {
       }
     }
     if (!fit_materials()) return nullptr;
+    wanted_.fit = hash_of_fits(joints_);
     places_ = places_of(job_, joints_);
     blocks_.resize(places_.size());
     check_manifest(transfer.get());
@@ -112,6 +123,8 @@ class Run {
       if (!job_.may_make) throw;
       return write_manifest(path);
     }
+    // The cache's name does not tell factorisations: its blocks are made again.
+    if (found.provenance.fit != wanted_.fit && !job_.must_work) return write_manifest(path);
     if (const std::string other = option_difference(found.provenance, wanted_); !other.empty())
       throw Error(job_.folder, "the radiance transfer was baked with " + other,
                   "name another folder, or remove it and bake again");

@@ -59,6 +59,9 @@ struct TransferProvenance {
   std::uint64_t shape = 0;      ///< hash of what a rigid motion leaves as it is
   int faces = 0, rays = 0, clusters = 0, components = 0, btf_components = 0, bounces = 0;
   int texel_clusters = 0;  ///< 0: the form by views
+  /// Hash of the joint factorisations of the materials, whose functions the blocks are transfer of; 0: the form by
+  /// views, or not computed yet.
+  std::uint64_t fit = 0;
   bool operator==(const TransferProvenance&) const = default;
 };
 

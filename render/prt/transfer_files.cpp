@@ -27,6 +27,7 @@ std::map<std::string, std::string> attributes_of(const TransferProvenance& p) {
                                                 {"btf_components", std::to_string(p.btf_components)}};
   if (p.bounces > 0) attributes["bounces"] = std::to_string(p.bounces);
   if (p.texel_clusters > 0) attributes["texel_clusters"] = std::to_string(p.texel_clusters);
+  if (p.fit != 0) attributes["fit"] = hex(p.fit);
   return attributes;
 }
 
@@ -111,7 +112,8 @@ TransferManifest load_transfer_manifest(const std::string& path) {
                          small("components"),
                          small("btf_components"),
                          file.attributes.contains("bounces") ? small("bounces") : 0,
-                         file.attributes.contains("texel_clusters") ? small("texel_clusters") : 0};
+                         file.attributes.contains("texel_clusters") ? small("texel_clusters") : 0,
+                         file.attributes.contains("fit") ? hash("fit") : 0};
   manifest.positions = points_of(path, file, "vertices", number(path, file, "vertices"));
   manifest.occluders = points_of(path, file, "occluders", number(path, file, "occluder_points"));
   manifest.blocks = number(path, file, "blocks");

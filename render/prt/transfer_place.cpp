@@ -34,19 +34,23 @@ std::string option_difference(const TransferProvenance& found, const TransferPro
   const auto differ = [](const char* what, int a, int b) {
     return std::string(what) + " " + std::to_string(a) + " instead of " + std::to_string(b);
   };
+  const bool joint = wanted.texel_clusters > 0;
+  if ((found.texel_clusters > 0) != joint)
+    return joint ? "prt.form=views instead of joint" : "prt.form=joint instead of views";
   if (found.faces != wanted.faces) return differ("prt.faces", found.faces, wanted.faces);
   if (found.rays != wanted.rays) return differ("prt.rays", found.rays, wanted.rays);
-  if (found.clusters != wanted.clusters) return differ("prt.clusters", found.clusters, wanted.clusters);
+  if (found.clusters != wanted.clusters)
+    return differ(joint ? "prt.joint_clusters" : "prt.clusters", found.clusters, wanted.clusters);
   if (found.components != wanted.components) return differ("prt.components", found.components, wanted.components);
   if (found.btf_components != wanted.btf_components)
     return differ("prt.btf_components", found.btf_components, wanted.btf_components);
   if (found.bounces != wanted.bounces) return differ("prt.bounces", found.bounces, wanted.bounces);
-  if ((found.texel_clusters > 0) != (wanted.texel_clusters > 0))
-    return wanted.texel_clusters > 0 ? "prt.form=views instead of joint" : "prt.form=joint instead of views";
   if (found.texel_clusters != wanted.texel_clusters)
     return differ("prt.texel_clusters", found.texel_clusters, wanted.texel_clusters);
   if (found.shape != wanted.shape) return "another mesh, or other parts, of scene " + found.scene;
   if (found.materials != wanted.materials) return "other materials of scene " + found.scene;
+  // Not known before the materials were factorised.
+  if (found.fit != wanted.fit && wanted.fit != 0) return "another joint factorisation of the materials";
   return {};
 }
 

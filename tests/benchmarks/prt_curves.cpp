@@ -18,8 +18,8 @@
 #include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
 #include "scenes/image_io.h"
+#include "tests/benchmarks/prt_cloth.h"
 #include "tests/benchmarks/stage.h"
-#include "tests/support/test_scenes.h"
 #include "tests/support/transfer_reference.h"
 #include "viewer/report/charts.h"
 
@@ -27,39 +27,7 @@ namespace maquette::bench {
 namespace {
 
 constexpr int kWidth = 160, kHeight = 120;
-constexpr int kSide = 58;  ///< 58 x 58 vertices
 const std::atomic<bool> kNever{false};
-
-/// A cloth of 0.8 m that lies over a ball and falls in folds around it.
-Primitive draped_cloth() {
-  Primitive cloth = test::make_grid({-0.4f, 0.0f, 0.4f}, {0.8f, 0.0f, 0.0f}, {0.0f, 0.0f, -0.8f}, kSide - 1, 0);
-  for (glm::vec3& p : cloth.positions) {
-    const float radius = std::sqrt(p.x * p.x + p.z * p.z), angle = std::atan2(p.z, p.x);
-    cloth.uvs[0].emplace_back(p.x / 0.8f + 0.5f, p.z / 0.8f + 0.5f);
-    const float fall = std::max(radius - 0.12f, 0.0f);
-    p.y = 0.25f - 0.9f * radius * radius / (radius + 0.25f) + 0.16f * fall * std::sin(9.0f * angle) +
-          0.03f * fall * std::sin(31.0f * radius + 3.0f * angle);
-  }
-  std::fill(cloth.normals.begin(), cloth.normals.end(), glm::vec3(0.0f));
-  for (std::size_t i = 0; i + 2 < cloth.indices.size(); i += 3) {
-    const glm::vec3 a = cloth.positions[cloth.indices[i]];
-    const glm::vec3 n =
-        glm::cross(cloth.positions[cloth.indices[i + 1]] - a, cloth.positions[cloth.indices[i + 2]] - a);
-    for (std::size_t k = 0; k < 3; ++k) cloth.normals[cloth.indices[i + k]] += n;
-  }
-  for (glm::vec3& n : cloth.normals) n = glm::normalize(n);
-  return cloth;
-}
-
-std::shared_ptr<const Scene> cloth_covered(const std::string& cover) {
-  auto scene = std::make_shared<Scene>();
-  scene->name = "cloth";
-  scene->materials.push_back(test::matte(glm::vec3(0.5f)));
-  scene->materials[0].name = "cover";
-  scene->materials[0].measured = cover;
-  test::add(scene.get(), draped_cloth(), "cloth");
-  return scene;
-}
 
 struct Curve {
   std::string name;
@@ -97,6 +65,7 @@ class ClothBench {
     const std::string& data = stage.options().data;
     sky_ = std::make_shared<const Environment>(
         load_environment(data.empty() ? "builtin:clear-sky" : data + "/environments/autoshop_01_1k.hdr"));
+    stage_.renderer().set_environment(sky_);
     camera_.eye = {0.5f, 0.75f, 0.9f};
     camera_.target = {0.0f, 0.08f, 0.0f};
     camera_.fov_y_rad = 0.62f;
@@ -107,8 +76,9 @@ class ClothBench {
     std::string under = "leather";
     for (const std::string& only : stage_.options().only)
       if (only.starts_with("on ")) under = only.substr(3);
-    if (std::ranges::any_of(std::array{"compression", "light", "resolution", "components", "forms", "bounces"},
-                            [&](const char* part) { return wanted(part); }))
+    if (std::ranges::any_of(
+            std::array{"compression", "light", "resolution", "components", "forms", "bounces", "popping"},
+            [&](const char* part) { return wanted(part); }))
       cover(under);
     if (wanted("compression")) measure_compression();
     if (wanted("light")) measure_light();
@@ -116,6 +86,7 @@ class ClothBench {
     if (wanted("components")) measure_components();
     measure_forms();
     measure_bounces();
+    if (wanted("popping")) measure_popping();
     measure_covers();
     measure_directions();
     return std::move(figures_);
@@ -126,7 +97,6 @@ class ClothBench {
     cover_ = name;
     scene_ = cloth_covered("builtin:btf-" + name);
     stage_.renderer().set_scene(scene_);
-    stage_.renderer().set_environment(sky_);
   }
 
   Settings settings(int faces = 16, int components = 6) const {
@@ -136,7 +106,8 @@ class ClothBench {
     s.set("shading.visibility", std::string("none"));
     for (const auto& [name, value] : stage_.options().settings) s.set_from_text(name, value);
     s.set("prt.bake", (std::filesystem::path(stage_.options().scratch) /
-                       ("prt-cloth-" + cover_ + "-" + std::to_string(faces) + "-" + std::to_string(components)))
+                       ("prt-cloth-" + cover_ + "-" + std::to_string(s.get_int("prt.faces")) + "-" +
+                        std::to_string(s.get_int("prt.components"))))
                           .string());
     return s;
   }
@@ -173,9 +144,10 @@ class ClothBench {
   Image reference(int faces, int components = 2) const {
     const auto traced = build_path_scene({.scene = *scene_, .environment = sky_});
     const CubeDirections cube(faces);
+    const int rays = faces > 16 ? 1 : settings().get_int("prt.rays");
     return test::trace_transfer_reference(
-        {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), faces > 16 ? 1 : 2, components},
-        camera_, kWidth, kHeight);
+        {*traced, cube, CubePyramid(*sky_).resample(cube, environment_rotation(0.0)), rays, components}, camera_,
+        kWidth, kHeight);
   }
 
   /// Figure 10.8: principal components of all vertices against those of clusters, at equal counts.
@@ -218,7 +190,9 @@ class ClothBench {
     std::string text;
     std::vector<Image> pictures{picture_of_light(light, kFaces)};
     for (const int count : {1, 4, 16, 64, 128, 256}) {
-      const KeptLight kept = choose_coefficients(light, equal, static_cast<std::size_t>(6 * count));
+      KeptLight kept = choose_coefficients(light, equal, static_cast<std::size_t>(6 * count));
+      for (std::size_t k = 0; k < kept.coefficients.size(); ++k)  // whole, as in the thesis: a still light does not pop
+        for (int c = 0; c < 3; ++c) kept.values[k][c] = light(kept.coefficients[k], c);
       KeptLight coarse;
       for (std::uint32_t i = 0; i < n; ++i)
         if (static_cast<int>(i % kPerFace) < count) {
@@ -284,7 +258,7 @@ class ClothBench {
 
   /// Figure 10.17: components of the transfer.
   void measure_components() {
-    const Image truth = reference(16);
+    const Image truth = reference(settings().get_int("prt.faces"));
     Curve curve{"64 coefficients", {}};
     std::string text;
     std::vector<Image> pictures{truth};
@@ -365,6 +339,29 @@ class ClothBench {
       pictures.push_back(picture);
     }
     save("forms", pictures);
+  }
+
+  /// Change of the picture by 0.1 degrees, relative to the change with all coefficients.
+  void measure_popping() {
+    const Settings s = settings();
+    bake(s);
+    const auto change = [&](double degrees, int coefficients) {
+      FrameRequest r = request(s, coefficients);
+      r.env_rotation_rad = glm::radians(static_cast<float>(degrees));
+      const Image before = draw(r);
+      r.env_rotation_rad = glm::radians(static_cast<float>(degrees + 0.1));
+      return error_of_covered(draw(r), before);
+    };
+    for (const int coefficients : {20, 64, 120}) {
+      std::vector<double> ratios;
+      for (int i = 0; i < 24; ++i)
+        ratios.push_back(change(15.3 * i, coefficients) / std::max(change(15.3 * i, 1024), 1e-12));
+      figures_.push_back(
+          shown("change by 0.1 degrees, " + std::to_string(coefficients) + " coefficients a face over all",
+                "median " + number(median(ratios)) + ", largest of 24 " +
+                    number(*std::max_element(ratios.begin(), ratios.end())) + ", error " +
+                    percent(error_of_covered(draw(request(s, coefficients)), draw(request(s, 1024))))));
+    }
   }
 
   /// Reflections between folds, against the path tracer with as many.
@@ -460,7 +457,7 @@ class ClothBench {
     figures_.push_back(svg ? shown("chart", folder + "/" + name + ".svg") : absent("chart", "", problem));
   }
 
-  /// Side by side.
+  /// Side by side, without the sky behind them.
   void save(const std::string& name, const std::vector<Image>& pictures) const {
     if (stage_.options().charts.empty() || pictures.empty()) return;
     std::filesystem::create_directories(stage_.options().charts);
@@ -469,10 +466,12 @@ class ClothBench {
     const auto count = static_cast<int>(pictures.size());
     Image all(stacked ? width : count * width, stacked ? count * height : height, 3);
     for (int y = 0; y < all.height; ++y)
-      for (int x = 0; x < all.width; ++x)
-        for (int c = 0; c < 3; ++c)
-          all.at(x, y, c) =
-              pictures[static_cast<std::size_t>(stacked ? y / height : x / width)].at(x % width, y % height, c);
+      for (int x = 0; x < all.width; ++x) {
+        const Image& picture = pictures[static_cast<std::size_t>(stacked ? y / height : x / width)];
+        const int px = x % width, py = y % height;
+        if (picture.channels == 4 && picture.at(px, py, 3) < 1.0f) continue;
+        for (int c = 0; c < 3; ++c) all.at(x, y, c) = picture.at(px, py, c);
+      }
     save_exr((std::filesystem::path(stage_.options().charts) / (name + ".exr")).string(), all);
   }
 

@@ -157,6 +157,55 @@ TEST_F(TransferMode, HoldsItsBakeAndShowsWhatIsThere) {
   EXPECT_EQ(draw(&renderer, request).picture.data, baked.data);
 }
 
+TEST_F(TransferMode, SaysThatItsBakeIsStale) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const auto scene = covered_plate();
+  renderer.set_scene(scene);
+  renderer.set_environment(test::constant_sky(1.0f));
+  FrameRequest request = look(small_request());
+  request.settings.set("prt.parts", std::string("plate"));
+  const auto notes = [&](const FrameRequest& r) {
+    std::string all;
+    const FrameStats stats = draw(&renderer, r).stats;
+    for (const std::string& note : stats.status.own_bakes.at("prt").notes) all += note + "; ";
+    return all;
+  };
+  const std::atomic<bool> never{false};
+  builtin_registry().find_bake("prt").run({*scene, -1, request.settings, {}, path("bakes")},
+                                          {never, [](const std::string&, double) {}, [](const std::string&) {}});
+  EXPECT_EQ(notes(request), "");
+  // What casts shadows moves while bakes are held, and comes back.
+  auto moved = std::make_shared<Scene>(*scene);
+  moved->nodes[1].local = glm::translate(glm::mat4(1.0f), glm::vec3(0.3f, 0.0f, 0.2f)) * moved->nodes[1].local;
+  FrameRequest held = request;
+  held.settings.set("prt.run", std::string("hold"));
+  ASSERT_TRUE(renderer.move_nodes(moved));
+  EXPECT_NE(notes(held).find("changed since it was baked"), std::string::npos) << notes(held);
+  EXPECT_EQ(notes(request), "") << "it is baked again";
+  ASSERT_TRUE(renderer.move_nodes(scene));
+  draw(&renderer, request);
+  EXPECT_EQ(notes(held), "");
+  // A bake in a folder.
+  request.settings.set("prt.bake", path("bakes"));
+  request.settings.set("prt.stale", std::string("show"));
+  renderer.set_scene(moved);
+  EXPECT_NE(notes(request).find("what casts shadows did not turn along"), std::string::npos) << notes(request);
+  renderer.set_scene(scene);
+  EXPECT_EQ(notes(request), "");
+}
+
+TEST_F(TransferMode, IsBakedBeforeThereIsAnEnvironment) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  renderer.set_scene(covered_plate());
+  const FrameRequest request = look(small_request());
+  EXPECT_TRUE(renderer.finish_background_work(request));
+  EXPECT_THROW(renderer.render(request), Error);
+  renderer.set_environment(test::constant_sky(1.0f));
+  EXPECT_GT(draw(&renderer, request).picture.at(32, 24, 1), 0.0f);
+}
+
 TEST_F(TransferMode, ErrorOfVerticesFallsWithComponents) {
   const GlContext context = GlContext::create_headless();
   Renderer renderer;
@@ -288,6 +337,16 @@ TEST_F(TransferMode, ShowsNoSeamsWhereTheNearestViewsChange) {
     ASSERT_GT(count, 300);
     EXPECT_LT(most, 0.03 * mean / count) << x;
   }
+}
+
+TEST_F(TransferMode, ViewsOfLightAreToneMapped) {
+  int of_light = 0;
+  for (const DebugViewInfo& view : builtin_registry().find_mode("prt").views) {
+    if (view.help.find("cd/m2") == std::string::npos) continue;
+    ++of_light;
+    EXPECT_EQ(view.colors, ViewColors::radiance) << view.name;
+  }
+  EXPECT_EQ(of_light, 3);
 }
 
 TEST_F(TransferMode, StandsBesideOtherModesAndCostsNothingElsewhere) {

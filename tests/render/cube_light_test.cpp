@@ -8,6 +8,7 @@
 
 #include "render/prt/relight.h"
 #include "scenes/btf/half_floats.h"
+#include "tests/support/sparse_transfer.h"
 
 namespace maquette {
 namespace {
@@ -205,6 +206,38 @@ TEST(KeptLight, TakesTheLargestProductsOfAllFaces) {
   EXPECT_EQ(choose_coefficients(hot, std::vector<float>(96, 1.0f), 96).coefficients.size(), 1u + 3u * 2u);
 }
 
+TEST(KeptLight, ChangesSteadilyWithTheLight) {
+  const CubeLight a = CubeLight::Random(96, 3), b = CubeLight::Random(96, 3);
+  std::mt19937 random(9);
+  std::vector<float> importance;
+  for (int i = 0; i < 96; ++i) importance.push_back(std::uniform_real_distribution<float>(0.1f, 1.0f)(random));
+  const auto kept_at = [&](float angle) {
+    const KeptLight kept = choose_coefficients(std::cos(angle) * a + std::sin(angle) * b, importance, 20);
+    CubeLight light = CubeLight::Zero(96, 3);
+    for (std::size_t k = 0; k < kept.coefficients.size(); ++k)
+      for (int c = 0; c < 3; ++c) light(kept.coefficients[k], c) = importance[kept.coefficients[k]] * kept.values[k][c];
+    return light;
+  };
+  constexpr float kStep = 1e-3f;
+  float largest = 0.0f, exchanged = 0.0f;
+  CubeLight last = kept_at(0.0f);
+  for (int i = 1; i <= 1500; ++i) {
+    const CubeLight now = kept_at(kStep * static_cast<float>(i));
+    largest = std::max(largest, (now - last).cwiseAbs().maxCoeff());
+    for (Eigen::Index k = 0; k < 96; ++k) exchanged += (now.row(k).isZero() != last.row(k).isZero()) ? 1.0f : 0.0f;
+    last = now;
+  }
+  EXPECT_GT(exchanged, 20.0f);
+  EXPECT_LT(largest, 12.0f * kStep) << "what appears or goes has about 0.5";
+}
+
+TEST(KeptLight, StandsCoefficientsOfTheSameWorth) {
+  // None of them is better than the best that is left away.
+  const KeptLight kept = choose_coefficients(CubeLight::Ones(96, 3), std::vector<float>(96, 1.0f), 20);
+  ASSERT_EQ(kept.values.size(), 20u);
+  for (const glm::vec3& v : kept.values) EXPECT_EQ(v, glm::vec3(1.0f));
+}
+
 TEST(RelightTable, SumsAreThoseOfPlainProducts) {
   std::mt19937 random(11);
   std::normal_distribution<float> normal(0.0f, 0.02f);
@@ -229,12 +262,44 @@ TEST(RelightTable, SumsAreThoseOfPlainProducts) {
     EXPECT_EQ(fast[row], plain[row]);
     for (int c = 0; c < 3; ++c) {
       double expected = 0.0;
-      for (const std::uint32_t j : kept.coefficients)
-        expected += static_cast<double>(float_of_half(matrices[row / 250].q[j * 250 + row % 250])) *
-                    static_cast<double>(light(j, c));
+      for (std::size_t k = 0; k < kept.coefficients.size(); ++k)
+        expected += static_cast<double>(float_of_half(matrices[row / 250].q[kept.coefficients[k] * 250 + row % 250])) *
+                    static_cast<double>(kept.values[k][c]);
       EXPECT_NEAR(fast[row][c], expected, 1e-5);
     }
   }
+}
+
+TEST(SparseTransfer, IsTheWholeTableWithAllCoefficientsAndNearerToItWithMore) {
+  std::mt19937 random(12);
+  std::normal_distribution<float> normal(0.0f, 0.02f);
+  TransferMatrix matrix;
+  matrix.clusters = 100;
+  matrix.components = 2;
+  for (std::size_t i = 0; i < matrix.rows() * 96; ++i)
+    matrix.q.push_back(half_of_float(std::pow(10.0f * normal(random), 3.0f)));  // a few large values
+  for (int v = 0; v < 100; ++v) matrix.owner.push_back(static_cast<std::uint16_t>(v));
+  matrix.weights.assign(200, 0);
+  RelightTable table(4, matrix.rows());
+  table.add(matrix);
+  const KeptLight kept = choose_coefficients(CubeLight::Random(96, 3), table.importance(), 60);
+  std::vector<glm::vec4> whole, sparse;
+  table.sums(kept, &whole);
+  double last_error = 1.0, last_distance = 1e9;
+  for (const std::size_t count : {std::size_t{8}, std::size_t{32}, std::size_t{96}}) {
+    const test::SparseTransfer transfer(table, count);
+    transfer.sums(kept, &sparse);
+    ASSERT_EQ(sparse.size(), whole.size());
+    double distance = 0.0;
+    for (std::size_t r = 0; r < whole.size(); ++r)
+      distance = std::max(distance, static_cast<double>(glm::length(sparse[r] - whole[r])));
+    EXPECT_LT(transfer.error(), last_error);
+    EXPECT_LT(distance, last_distance);
+    EXPECT_LE(transfer.bytes(), matrix.rows() * count * 4 + (matrix.rows() + 1) * 4);
+    last_error = transfer.error(), last_distance = distance;
+  }
+  EXPECT_EQ(last_error, 0.0);
+  EXPECT_LT(last_distance, 1e-5);
 }
 
 }  // namespace

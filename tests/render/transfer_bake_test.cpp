@@ -225,6 +225,40 @@ TEST_F(TransferBakeTest, RefusesWhatItIsNotOf) {
   EXPECT_EQ(bake_transfer(job, {}, nullptr, kNever, {})->bake->reused, 19u);
 }
 
+TEST_F(TransferBakeTest, KnowsAnotherJointFactorisation) {
+  TransferJob job = job_of(plate_and_block(), path("bake"));
+  job.options.joint = true;
+  job.options.texel_clusters = 2;
+  job.options.joint_clusters = 3;
+  ASSERT_TRUE(bake_transfer(job, {}, nullptr, kNever, {}));
+  EXPECT_EQ(bake_transfer(job, {}, nullptr, kNever, {})->bake->reused, 6u);
+  const auto refused = [&](const TransferJob& other) {
+    return message([&] { bake_transfer(other, {}, nullptr, kNever, {}); });
+  };
+  TransferJob clusters = job;
+  clusters.options.joint_clusters = 4;
+  EXPECT_NE(refused(clusters).find("prt.joint_clusters 3 instead of 4"), std::string::npos) << refused(clusters);
+  clusters = job;
+  clusters.options.texel_clusters = 3;
+  EXPECT_NE(refused(clusters).find("prt.texel_clusters 2 instead of 3"), std::string::npos) << refused(clusters);
+  // As of a program that factorises the same material in another way.
+  Btf other = *job.materials[0];
+  for (BtfView& view : other.views)
+    for (float& w : view.light_weights) w *= 1.25f;
+  TransferJob refitted = job;
+  refitted.materials = {std::make_shared<const Btf>(other)};
+  ASSERT_EQ(refitted.materials[0]->hash, job.materials[0]->hash);
+  EXPECT_NE(refused(refitted).find("another joint factorisation"), std::string::npos) << refused(refitted);
+  // In a folder of the cache it is made again.
+  refitted.must_work = false;
+  const auto again = bake_transfer(refitted, {}, nullptr, kNever, {});
+  EXPECT_EQ(again->bake->reused, 0u);
+  TransferJob apart = refitted;
+  apart.folder.clear();
+  EXPECT_EQ(content(*again), content(*bake_transfer(apart, {}, nullptr, kNever, {})));
+  EXPECT_EQ(bake_transfer(refitted, {}, nullptr, kNever, {})->bake->reused, 6u);
+}
+
 TEST_F(TransferBakeTest, RefusesDamagedManifestsAndMakesThemAgain) {
   TransferJob job = job_of(plate_and_block(), path("bake"));
   ASSERT_TRUE(bake_transfer(job, {}, nullptr, kNever, {}));

@@ -7,6 +7,7 @@
 #include "scenes/brdf.h"
 #include "tests/ui/headless_editor.h"
 #include "tests/ui/small_scene.h"
+#include "ui/bake_state.h"
 
 namespace maquette {
 namespace {
@@ -399,6 +400,17 @@ TEST(Panels, BakesCanBeStoppedAndMade) {
   EXPECT_FALSE(editor.click("stop/prt"));
   ASSERT_TRUE(editor.click("bake/prt"));
   EXPECT_EQ(editor.state.settings.get_string("prt.run"), "auto");
+}
+
+TEST(Panels, ABakeSaysWhetherItIsStopped) {
+  const BakeStatus part{true, 0.3, BakeState::partial, true}, ready{true, 1.0, BakeState::ready, true},
+      absent{false, 0.0, BakeState::absent, true};
+  EXPECT_EQ(panels::bake_state_text(part, true, false), "in work; a part is shown");
+  EXPECT_EQ(panels::bake_state_text(part, false, true), "stopped; a part is shown");
+  EXPECT_EQ(panels::bake_state_text(absent, false, true), "stopped; nothing is baked");
+  EXPECT_EQ(panels::bake_state_text(ready, false, false), "ready");
+  EXPECT_EQ(panels::bake_state_text(ready, false, true), "held");
+  EXPECT_EQ(panels::bake_state_text(ready, true, false), "in work; the last one is shown");
 }
 
 TEST(Panels, ABakeIsGivenThePartsThatAreChosen) {

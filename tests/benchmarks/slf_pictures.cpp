@@ -140,7 +140,7 @@ void save_beside_local_lighting(Stage& stage, const FrameRequest& r, const std::
     renderer.render(request);
     return renderer.read_radiance();
   };
-  const Image field = draw(r);
+  const Image field = draw(r), covered = renderer.read_debug_view("slf_texels");
   FrameRequest local = r;
   local.mode = "uniform";
   local.samples = 256;
@@ -151,7 +151,9 @@ void save_beside_local_lighting(Stage& stage, const FrameRequest& r, const std::
   for (int y = 0; y < field.height; ++y)
     for (int x = 0; x < field.width; ++x)
       for (int c = 0; c < 4; ++c) {
-        both.at(x, y, c) = field.at(x, y, c);
+        // Around the parts that have texels both show local lighting.
+        const bool own = covered.at(x, y, 0) + covered.at(x, y, 1) + covered.at(x, y, 2) > 0.0f;
+        both.at(x, y, c) = own ? field.at(x, y, c) : alone.at(x, y, c);
         both.at(field.width + kGap + x, y, c) = alone.at(x, y, c);
       }
   std::filesystem::create_directories(folder);

@@ -1,5 +1,6 @@
 // The keys of a camera path along their time, to be dragged.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ui/widgets.h"
@@ -33,6 +34,13 @@ void draw_diamond(const ImVec2& middle, float half, bool chosen, bool skipped) {
     list->AddQuadFilled(top, right, low, left, color);
 }
 
+/// From where the button was pressed to where the mouse is now.
+bool was_dragged() {
+  const ImGuiIO& io = ImGui::GetIO();
+  const ImVec2 begin = io.MouseClickedPos[ImGuiMouseButton_Left];
+  return std::hypot(io.MousePos.x - begin.x, io.MousePos.y - begin.y) >= io.MouseDragThreshold;
+}
+
 }  // namespace
 
 void draw_timeline(Ui& ui, CameraPath* path) {
@@ -53,9 +61,11 @@ void draw_timeline(Ui& ui, CameraPath* path) {
     ImGui::SetCursorScreenPos({x - half, at.y});
     ImGui::InvisibleButton("key", {2.0f * half, height});
     if (ImGui::IsItemActivated()) view.key = static_cast<int>(i);
-    if (ImGui::IsItemActive()) {
-      dragging = true;
-      if (ImGui::IsMouseDragging(ImGuiMouseButton_Left))
+    // In a slow frame the last way and the release come together.
+    const bool released = ImGui::IsItemDeactivated() && ImGui::IsMouseReleased(ImGuiMouseButton_Left);
+    if (ImGui::IsItemActive() || released) {
+      dragging = !released;
+      if (ImGui::IsMouseDragging(ImGuiMouseButton_Left) || (released && was_dragged()))
         move_key(path, i, static_cast<double>((ImGui::GetIO().MousePos.x - at.x) / width * end_s));
       view.time_s = key_times_s(*path)[i];
       view.goes_there = true;

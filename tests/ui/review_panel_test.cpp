@@ -38,6 +38,31 @@ TEST(ReviewPanel, AKeyIsDraggedAlongTheTimeline) {
   EXPECT_EQ(editor.state.path_view.time_s, 0.0);
 }
 
+/// In a slow frame the way of the mouse and its release come together.
+TEST(ReviewPanel, AKeyIsDraggedWithinOneFrame) {
+  const Scene scene = small_scene();
+  HeadlessEditor editor(1280.0f, 1400.0f);
+  editor.facts.scene = &scene;
+  CameraPath path;
+  path.name = "way";
+  path.keys.resize(3);
+  editor.state.paths = {path};
+  editor.state.left_tab = 3;
+  editor.step(3);
+  const Rect first = editor.frame.items.at("timeline/1"), second = editor.frame.items.at("timeline/2");
+  ImGuiIO& io = ImGui::GetIO();
+  io.MousePos = {second.x + 0.5f * second.width, second.y + 0.5f * second.height};
+  editor.step();
+  io.MouseDown[0] = true;
+  editor.step();
+  io.MousePos.x += 0.5f * (second.x - first.x);
+  io.MouseDown[0] = false;
+  editor.step();
+  EXPECT_NEAR(key_times_s(editor.state.paths[0])[1], 3.0, 0.1);
+  editor.step(3);
+  EXPECT_NEAR(key_times_s(editor.state.paths[0])[1], 3.0, 0.1) << "and stays";
+}
+
 TEST(ReviewPanel, LateFramesDoNotMoveTheKeys) {
   const Scene scene = small_scene();
   HeadlessEditor editor(1280.0f, 1400.0f);

@@ -10,9 +10,8 @@
 namespace maquette {
 
 /// Of a whole bake of incident light: its light, and the RMS that local PCA has over clusters and components, of the
-/// light that leaves the scene's materials (tabulate_compression), or, without a scene
-/// that is the one that was baked, of that which arrives. Nothing
-/// for other folders. Throws Error.
+/// light that leaves the scene's materials (tabulate_compression), or, without the scene that was baked, of that which
+/// arrives. Nothing for other folders. Throws Error.
 std::optional<BakeFigures> inspect_light_field(const std::string& folder, const Scene* scene);
 
 /// Of the light that leaves evenly spaced texels, which is computed anew. Nothing once cancelled or where all is black.

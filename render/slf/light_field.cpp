@@ -227,6 +227,9 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
     if (index < 0) continue;
     require_light_field_material(job.scene->materials[static_cast<std::size_t>(index)]);
   }
+  std::vector<std::string> warnings = warn_of_specular(*materials, job.incident.parts, job.incident.options.side);
+  warnings.insert(warnings.end(), job.left_out.begin(), job.left_out.end());
+  if (memory->warn) memory->warn(warnings);
   const auto incident = find_incident(job, memory, cancel, progress);
   if (!incident) return nullptr;
   auto field = std::make_shared<LightField>();
@@ -236,8 +239,7 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   field->stale = incident->stale;
   field->incident = incident;
   field->made_from = job;
-  field->warnings = warn_of_specular(*materials, incident->atlas, field->side);
-  for (const std::string& line : job.left_out) field->warnings.push_back(line);
+  field->warnings = std::move(warnings);
   for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);

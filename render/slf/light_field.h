@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -60,6 +61,8 @@ struct LightFieldMemory {
   IncidentProvenance provenance;
   std::shared_ptr<const IncidentBake> incident;
   MeasuredLibrary library;
+  /// Takes LightField::warnings that are known before anything is traced; may be empty.
+  std::function<void(const std::vector<std::string>&)> warn = {};
   /// Of the last field, unless it is large, with what it was computed from: another compression computes none.
   std::shared_ptr<const OutgoingField> outgoing;
   std::shared_ptr<const IncidentBake> outgoing_of;

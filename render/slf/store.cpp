@@ -44,13 +44,10 @@ LightFieldJob make_job(const SceneState& scene, const FrameRequest& request, con
 
 Baked<LightField> LightFieldKind::run(const LightFieldJob& job, const Baked<LightField>&,
                                       const BakeTask<LightField>& task) {
-  {
-    const auto materials = build_material_scene(job, &memory_.library);
-    std::vector<std::string> notes = warn_of_specular(*materials, job.incident.parts, job.incident.options.side);
-    notes.insert(notes.end(), job.left_out.begin(), job.left_out.end());
+  memory_.warn = [this](const std::vector<std::string>& warnings) {
     const std::lock_guard lock(mutex_);
-    early_notes_ = std::move(notes);
-  }
+    early_notes_ = warnings;
+  };
   const auto field = make_light_field(job, &memory_, task.cancel, task.progress);
   return {field, field != nullptr, true};
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "render/renderer.h"
+#include "tests/gpu/drawn.h"
 #include "tests/support/test_scenes.h"
 
 /// Small pictures of mode slf.
@@ -20,18 +21,6 @@ inline FrameRequest request_for(int texels) {
   r.settings.set("slf.paths", 2);
   r.settings.set("shading.visibility", std::string("none"));
   return r;
-}
-
-struct Drawn {
-  Image picture;
-  FrameStats stats;
-};
-inline Drawn draw(Renderer* renderer, const FrameRequest& request) {
-  EXPECT_TRUE(renderer->finish_background_work(request));
-  Drawn drawn;
-  drawn.stats = renderer->render(request);
-  drawn.picture = renderer->read_radiance();
-  return drawn;
 }
 
 /// A box with a lamp, its back wall of two colours: interreflection, shadows and the seams between walls.

@@ -7,6 +7,7 @@
 #include "render/gl/context.h"
 #include "render/renderer.h"
 #include "scenes/btf/btf_file.h"
+#include "tests/gpu/drawn.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
@@ -25,18 +26,6 @@ inline FrameRequest small_request() {
   r.settings.set("prt.coefficients", 64);
   r.settings.set("shading.visibility", std::string("none"));
   return r;
-}
-
-struct Drawn {
-  Image picture;
-  FrameStats stats;
-};
-inline Drawn draw(Renderer* renderer, const FrameRequest& request) {
-  EXPECT_TRUE(renderer->finish_background_work(request));
-  Drawn drawn;
-  drawn.stats = renderer->render(request);
-  drawn.picture = renderer->read_radiance();
-  return drawn;
 }
 
 /// RMSE over the mean, where `b` shows a surface.

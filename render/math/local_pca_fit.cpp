@@ -114,6 +114,12 @@ class LocalPcaFitter {
     return std::move(fit_);
   }
 
+  LocalPcaSketch sketch() {
+    make_sketch();
+    const double all = (scaled_.cast<double>().colwise() - mean_).squaredNorm();
+    return {std::move(small_), fit_.lost * all / static_cast<double>(scaled_.cols())};
+  }
+
  private:
   struct Cluster {
     Eigen::VectorXf mean;
@@ -300,6 +306,14 @@ LocalPcaFit fit_local_pca(const Eigen::MatrixXf& samples, const Eigen::VectorXf&
                           const LocalPcaOptions& options, int sketch) {
   assert(samples.cols() > 0 && (measure.size() == 0 || measure.size() == samples.rows()));
   return LocalPcaFitter(samples, measure, options, sketch).fit();
+}
+
+LocalPcaSketch sketch_for_local_pca(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure,
+                                    Eigen::Index most_samples, int sketch) {
+  const Index count = std::min(samples.cols(), most_samples);
+  Eigen::MatrixXf some(samples.rows(), count);
+  for (Index i = 0; i < count; ++i) some.col(i) = samples.col(i * samples.cols() / count);
+  return LocalPcaFitter(some, measure, {}, sketch).sketch();
 }
 
 }  // namespace maquette

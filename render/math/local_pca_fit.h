@@ -23,4 +23,12 @@ struct LocalPcaFit {
 LocalPcaFit fit_local_pca(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure,
                           const LocalPcaOptions& options, int sketch = 64);
 
+/// What a fit is told apart by at a fraction of its cost: evenly spaced vectors in the coordinates of their sketch.
+struct LocalPcaSketch {
+  Eigen::MatrixXf samples;  ///< [sketch][sample]; errors are sums of difference^2
+  double lost = 0.0;        ///< mean squared error of a vector that the sketch does not hold
+};
+LocalPcaSketch sketch_for_local_pca(const Eigen::MatrixXf& samples, const Eigen::VectorXf& measure,
+                                    Eigen::Index most_samples, int sketch = 64);
+
 }  // namespace maquette

@@ -17,15 +17,10 @@ namespace {
 
 constexpr float kLargestStored = 1024.0f;  ///< well within half floats
 
-/// Light weights are divided by this, and what they multiply is multiplied.
-float light_unit(const Interactions& i) {
-  return i.light_weights.size() > 0 ? std::max(i.light_weights.cwiseAbs().maxCoeff(), 1e-30f) : 1.0f;
-}
-
 float largest_of(const LightField& field) {
   float largest = 0.0f;
   if (field.interactions) {
-    largest = field.interactions->table.cwiseAbs().maxCoeff() * light_unit(*field.interactions);
+    largest = field.interactions->table.cwiseAbs().maxCoeff();
   } else if (field.compressed()) {
     for (int k = 0; k < field.fit.pca.cluster_count(); ++k)
       largest = std::max(largest, field.fit.pca.mean(k).cwiseAbs().maxCoeff());
@@ -194,11 +189,7 @@ void LightFieldBuffers::upload_coefficients(const char* name, const Eigen::Matri
 
 void LightFieldBuffers::upload_interactions(const LightField& field) {
   const Interactions& i = *field.interactions;
-  const float unit = light_unit(i);
-  Eigen::MatrixXf table = i.table;
-  for (Eigen::Index column = 0; column < table.cols(); ++column)
-    if (column / i.material_terms % i.light_terms > 0) table.col(column) *= unit;
-  upload_coefficients("light field table", table, field.side);
+  upload_coefficients("light field table", i.table, field.side);
   const int side = field.atlas.side, light_layers = (i.light_terms + 2) / 4;
   const std::size_t cells = field.atlas.texel_of_cell.size();
   std::vector<std::uint32_t> codes(cells, 0);
@@ -215,7 +206,7 @@ void LightFieldBuffers::upload_interactions(const LightField& field) {
       const int term = l - light_layers;
       for (int k = 0; k < 4; ++k) {
         if (term >= 0 && k < 3) four[k] = i.material_weights(3 * term + k, t);
-        if (term < 0 && 4 * l + k < i.light_weights.rows()) four[k] = i.light_weights(4 * l + k, t) / unit;
+        if (term < 0 && 4 * l + k < i.light_weights.rows()) four[k] = i.light_weights(4 * l + k, t);
       }
       weights[static_cast<std::size_t>(l) * cells + c] = glm::packHalf4x16(four);
     }

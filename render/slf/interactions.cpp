@@ -9,6 +9,7 @@
 
 #include "render/math/local_pca_fit.h"
 #include "render/reference/path_scene.h"
+#include "render/slf/interaction_counts.h"
 #include "render/slf/texel_materials.h"
 #include "scenes/error.h"
 
@@ -43,6 +44,15 @@ struct MaterialCluster {
   std::vector<const LightResponse*> responses;  ///< of others: [term]
 };
 
+/// Texels of one BTF, and what it makes of light there.
+struct BtfGroup {
+  const TexelGroup* group = nullptr;
+  BtfTexels places;
+  std::unique_ptr<BtfResponse> response;
+  Eigen::MatrixXf factors;  ///< [(view, factor), 3 channels][texel]
+  Eigen::VectorXf measure;  ///< of their errors: squared outgoing light of one texel
+};
+
 class Builder {
  public:
   Builder(const PathScene& scene, const LightFieldAtlas& atlas, const IncidentField& incident,
@@ -62,22 +72,27 @@ class Builder {
     out_->light_cluster.assign(texels, 0);
     out_->material_cluster.assign(texels, 0);
     out_->turns.assign(texels, BtfTurn());
+    out_->material_weights = Eigen::MatrixXf::Zero(6, static_cast<Eigen::Index>(texels));
     for (const TexelGroup& group : groups) {
       if (group.kind == TexelGroup::Kind::each)
         throw Error("material " + group.point.material->values.name,
                     "it differs from texel to texel in more than its base colour, which slf.route=clusters cannot hold",
                     "take --set slf.route=fields");
-      const bool btf = group.kind == TexelGroup::Kind::btf;
-      out_->material_terms = std::max(out_->material_terms, btf ? 1 + options_.material_components
-                                                            : group.kind == TexelGroup::Kind::base_linear ? 2
-                                                                                                          : 1);
     }
     place(groups);
     turn_light();
-    out_->light_terms = 1 + options_.light_components;
-    compress_materials(groups);
+    for (const TexelGroup& group : groups)
+      if (group.kind == TexelGroup::Kind::btf)
+        read_btf(group);
+      else
+        add_uniform(group);
+    if (cancel_) return nullptr;
+    weigh_light();
+    counts_ = options_.counts ? *options_.counts : best_counts();
+    compress_materials();
     if (cancel_ || !compress_light()) return nullptr;
     fill_table();
+    if (!cancel_) move_scales_to_table();
     return cancel_ ? nullptr : out_;
   }
 
@@ -85,8 +100,11 @@ class Builder {
   void place(const std::vector<TexelGroup>& groups) {
     for (const TexelGroup& group : groups) {
       if (group.kind != TexelGroup::Kind::btf) continue;
-      places_.push_back(place_btf_texels(scene_, atlas_, group.texels, options_.texel_m));
-      for (std::size_t i = 0; i < group.texels.size(); ++i) out_->turns[group.texels[i]] = places_.back().turns[i];
+      BtfGroup own;
+      own.group = &group;
+      own.places = place_btf_texels(scene_, atlas_, group.texels, options_.texel_m);
+      for (std::size_t i = 0; i < group.texels.size(); ++i) out_->turns[group.texels[i]] = own.places.turns[i];
+      btfs_.push_back(std::move(own));
     }
   }
 
@@ -111,8 +129,8 @@ class Builder {
     });
   }
 
-  /// Local PCA of the light by what the materials see of it: in a space where distances are those of outgoing light.
-  bool compress_light() {
+  /// Brings the light into a space where distances are those of outgoing light: by what the materials see of it.
+  void weigh_light() {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(light_metric_);
     const double most = solver.eigenvalues()[solver.eigenvalues().size() - 1];
     const Eigen::VectorXd roots = most > 0.0 ? solver.eigenvalues().cwiseMax(kLeastSeen * most).cwiseSqrt().eval()
@@ -124,8 +142,45 @@ class Builder {
       Eigen::Map<Colors> own(arriving_.col(t).data(), incident_.bins, 3);
       own = (into * own).eval();
     });
+  }
+
+  LocalPcaOptions pca_options(int clusters, int components, int rounds = 14) const {
+    LocalPcaOptions o;
+    o.clusters = clusters;
+    o.components = components;
+    o.rounds = rounds;
+    o.stop = [this] { return cancel_.load(); };
+    return o;
+  }
+
+  int material_terms(const InteractionCounts& counts) const {
+    int most = btfs_.empty() ? 1 : 1 + counts.material_components;
+    for (const MaterialCluster& cluster : clusters_) most = std::max(most, static_cast<int>(cluster.terms()));
+    return most;
+  }
+
+  /// Of each BTF: as many as the table has room for beside the clusters of the light and the other materials.
+  int clusters_of_btf(const InteractionCounts& counts) const {
+    const std::size_t pair = static_cast<std::size_t>(incident_.side * incident_.side) * kTableBytes *
+                             static_cast<std::size_t>((1 + counts.light_components) * material_terms(counts));
+    const std::size_t most = options_.most_bytes / pair / static_cast<std::size_t>(std::max(counts.light_clusters, 1));
+    const int room = static_cast<int>(std::clamp<std::size_t>(most, 1, kMostMaterialClusters));
+    return std::max((room - static_cast<int>(uniform_clusters_)) / std::max(static_cast<int>(btfs_.size()), 1), 1);
+  }
+
+  InteractionCounts best_counts() const {
+    std::vector<InteractionMaterial> materials;
+    for (const BtfGroup& btf : btfs_)
+      materials.push_back(
+          {sketch_interactions(btf.factors, btf.measure), static_cast<double>(btf.group->texels.size())});
+    return choose_interaction_counts(
+        sketch_interactions(arriving_, {}), materials,
+        [this](const InteractionCounts& counts) { return clusters_of_btf(counts); }, cancel_);
+  }
+
+  bool compress_light() {
     light_ = fit_local_pca(arriving_, Eigen::VectorXf::Ones(arriving_.rows()),
-                           pca_options(options_.light_clusters, options_.light_components));
+                           pca_options(counts_.light_clusters, counts_.light_components));
     arriving_.resize(0, 0);
     if (cancel_) return false;
     out_->light_clusters = light_.pca.cluster_count();
@@ -136,37 +191,14 @@ class Builder {
     return true;
   }
 
-  LocalPcaOptions pca_options(int clusters, int components) const {
-    LocalPcaOptions o;
-    o.clusters = clusters;
-    o.components = components;
-    o.rounds = 14;
-    o.stop = [this] { return cancel_.load(); };
-    return o;
-  }
-
-  /// As many as the table has room for beside the clusters of the light.
-  int most_material_clusters() const {
-    const std::size_t pair = static_cast<std::size_t>(incident_.side * incident_.side) * kTableBytes *
-                             static_cast<std::size_t>(out_->light_terms) *
-                             static_cast<std::size_t>(out_->material_terms);
-    const std::size_t most =
-        options_.most_bytes / pair / static_cast<std::size_t>(std::max(options_.light_clusters, 1));
-    return static_cast<int>(std::clamp<std::size_t>(most, 1, kMostMaterialClusters));
-  }
-
-  void compress_materials(const std::vector<TexelGroup>& groups) {
-    out_->material_weights =
-        Eigen::MatrixXf::Zero(3 * out_->material_terms, static_cast<Eigen::Index>(atlas_.texels.size()));
-    const auto btfs = static_cast<int>(places_.size()), others = static_cast<int>(groups.size()) - btfs;
-    const int each = btfs > 0 ? std::max((most_material_clusters() - others) / btfs, 1) : 0;
-    std::size_t place = 0;
-    for (const TexelGroup& group : groups) {
+  void compress_materials() {
+    out_->material_terms = material_terms(counts_);
+    out_->material_weights.conservativeResizeLike(
+        Eigen::MatrixXf::Zero(3 * out_->material_terms, out_->material_weights.cols()));
+    const int each = clusters_of_btf(counts_);
+    for (BtfGroup& btf : btfs_) {
       if (cancel_) return;
-      if (group.kind == TexelGroup::Kind::btf)
-        add_btf(group, places_[place++], each);
-      else
-        add_uniform(group);
+      compress_btf(&btf, each);
     }
     out_->material_clusters = static_cast<int>(clusters_.size());
   }
@@ -208,6 +240,7 @@ class Builder {
         light_metric_ += share * r.transpose() * area.asDiagonal() * r;
       }
     clusters_.push_back(std::move(cluster));
+    ++uniform_clusters_;
   }
 
   /// Adds what a BTF's texels see of light: sum over views of area * L^T E[F F^T] L, with its factors F and the light L
@@ -246,31 +279,37 @@ class Builder {
                           : Eigen::VectorXf::Ones(measure.size()).eval();
   }
 
-  void add_btf(const TexelGroup& group, const BtfTexels& places, int clusters) {
+  void read_btf(const TexelGroup& group) {
+    BtfGroup& own = *std::ranges::find(btfs_, &group, &BtfGroup::group);
     const Btf& btf = *group.point.material->btf;
-    btfs_.push_back(std::make_unique<BtfResponse>(btf, spline_, BtfTurn()));
+    own.response = std::make_unique<BtfResponse>(btf, spline_, BtfTurn());
     const std::size_t terms = static_cast<std::size_t>(btf.components) + 1, views = btf.views.size();
-    Eigen::MatrixXf factors(static_cast<Eigen::Index>(3 * terms * views),
-                            static_cast<Eigen::Index>(group.texels.size()));
+    own.factors.resize(static_cast<Eigen::Index>(3 * terms * views), static_cast<Eigen::Index>(group.texels.size()));
     tbb::parallel_for(std::size_t{0}, group.texels.size(), [&](std::size_t i) {
       if (cancel_) return;
       std::vector<glm::vec3> colors(terms);
       for (std::size_t v = 0; v < views; ++v) {
-        read_btf_factors(btf, btf.views[v], places.lookups[i], colors.data());
+        read_btf_factors(btf, btf.views[v], own.places.lookups[i], colors.data());
         for (std::size_t k = 0; k < terms; ++k)
           for (int c = 0; c < 3; ++c)
-            factors(static_cast<Eigen::Index>(3 * (v * terms + k)) + c, static_cast<Eigen::Index>(i)) = colors[k][c];
+            own.factors(static_cast<Eigen::Index>(3 * (v * terms + k)) + c, static_cast<Eigen::Index>(i)) =
+                colors[k][c];
       }
     });
-    if (cancel_) return;
-    const Eigen::VectorXf measure =
-        add_btf_metric(group, *btfs_.back(), factors, btf.view_mesh.quadrature().solid_angle);
-    const LocalPcaFit fit = fit_local_pca(factors, measure, pca_options(clusters, options_.material_components));
+    if (!cancel_)
+      own.measure = add_btf_metric(group, *own.response, own.factors, btf.view_mesh.quadrature().solid_angle);
+  }
+
+  void compress_btf(BtfGroup* btf, int clusters) {
+    const TexelGroup& group = *btf->group;
+    const LocalPcaFit fit =
+        fit_local_pca(btf->factors, btf->measure, pca_options(clusters, counts_.material_components));
+    btf->factors.resize(0, 0);
     const std::size_t first = clusters_.size();
     for (int k = 0; k < fit.pca.cluster_count(); ++k) {
       MaterialCluster cluster;
-      cluster.btf = btfs_.back().get();
-      cluster.factors.resize(factors.rows(), 1 + fit.weights.rows());
+      cluster.btf = btf->response.get();
+      cluster.factors.resize(fit.pca.dimension(), 1 + fit.weights.rows());
       cluster.factors.col(0) = fit.pca.mean(k);
       if (fit.weights.rows() > 0) cluster.factors.rightCols(fit.weights.rows()) = fit.pca.components(k);
       clusters_.push_back(std::move(cluster));
@@ -310,7 +349,7 @@ class Builder {
       const Eigen::VectorXf incident = Eigen::Map<const Eigen::VectorXf, 0, Eigen::InnerStride<>>(
           vector.data() + c, incident_.bins, Eigen::InnerStride<>(3));
       std::map<const BtfResponse*, Eigen::VectorXf> of_btf;
-      for (const auto& btf : btfs_) of_btf[btf.get()] = btf->light_of_terms(incident);
+      for (const BtfGroup& btf : btfs_) of_btf[btf.response.get()] = btf.response->light_of_terms(incident);
       for (int m = 0; m < o.material_clusters; ++m) {
         const MaterialCluster& cluster = clusters_[static_cast<std::size_t>(m)];
         for (Eigen::Index k = 0; k < cluster.terms(); ++k) {
@@ -325,6 +364,38 @@ class Builder {
     }
   }
 
+  /// Weights of each term of each cluster are at most 1 afterwards: sunlit and dark clusters then both fit half floats.
+  void move_scales_to_table() {
+    Interactions& o = *out_;
+    const auto texels = static_cast<Eigen::Index>(o.light_cluster.size());
+    Eigen::MatrixXf of_light = Eigen::MatrixXf::Zero(o.light_terms - 1, o.light_clusters),
+                    of_material = Eigen::MatrixXf::Zero(o.material_terms, o.material_clusters);
+    for (const bool divides : {false, true})
+      for (Eigen::Index t = 0; t < texels; ++t) {
+        const auto at = static_cast<std::size_t>(t);
+        auto light = of_light.col(o.light_cluster[at]), material = of_material.col(o.material_cluster[at]);
+        for (Eigen::Index i = 0; i < light.size(); ++i)
+          if (divides)
+            o.light_weights(i, t) /= light[i] > 0.0f ? light[i] : 1.0f;
+          else
+            light[i] = std::max(light[i], std::abs(o.light_weights(i, t)));
+        for (Eigen::Index k = 0; k < material.size(); ++k) {
+          auto weights = o.material_weights.col(t).segment<3>(3 * k);
+          if (divides)
+            weights /= material[k] > 0.0f ? material[k] : 1.0f;
+          else
+            material[k] = std::max(material[k], weights.cwiseAbs().maxCoeff());
+        }
+      }
+    tbb::parallel_for(0, o.light_clusters, [&](int light) {
+      for (int m = 0; m < o.material_clusters; ++m)
+        for (int i = 0; i < o.light_terms; ++i)
+          for (int k = 0; k < o.material_terms; ++k)
+            o.table.col(static_cast<Eigen::Index>(o.column(light, m, i, k))) *=
+                (i == 0 ? 1.0f : of_light(i - 1, light)) * of_material(k, m);
+    });
+  }
+
   const PathScene& scene_;
   const LightFieldAtlas& atlas_;
   const IncidentField& incident_;
@@ -332,14 +403,15 @@ class Builder {
   const std::atomic<bool>& cancel_;
   DirectionSpline spline_;
   std::shared_ptr<Interactions> out_;
-  std::vector<BtfTexels> places_;  ///< of the groups with a BTF
+  InteractionCounts counts_;
+  std::vector<BtfGroup> btfs_;
   Eigen::MatrixXf arriving_;       ///< [3 bin + channel][texel] in the materials' frames, until it is compressed
   Eigen::MatrixXd light_metric_;   ///< [bin][bin] squared outgoing light of light, mean over materials, any unit
   Eigen::MatrixXf out_of_metric_;  ///< from its compressed form to light
   LocalPcaFit light_;
-  std::vector<MaterialCluster> clusters_;
+  std::vector<MaterialCluster> clusters_;  ///< of uniform materials, then of BTFs
+  std::size_t uniform_clusters_ = 0;
   std::vector<std::unique_ptr<LightResponse>> responses_;
-  std::vector<std::unique_ptr<BtfResponse>> btfs_;
 };
 
 }  // namespace

@@ -3,16 +3,18 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "render/slf/btf_response.h"
 #include "render/slf/incident.h"
+#include "render/slf/interaction_counts.h"
 #include "render/slf/outgoing.h"
 
 namespace maquette {
 
 struct InteractionOptions {
-  int light_clusters = 64, light_components = 8, material_components = 4;
+  std::optional<InteractionCounts> counts = {};     ///< none: those that leave the least error
   std::size_t most_bytes = std::size_t{128} << 20;  ///< of the table: decides the number of material clusters
   float texel_m = 0.0f;                             ///< textures are filtered over this; 0: not
 };
@@ -27,7 +29,7 @@ struct Interactions {
   int light_clusters = 0, material_clusters = 0;
   std::vector<std::uint16_t> light_cluster, material_cluster;  ///< [texel]
   std::vector<BtfTurn> turns;                                  ///< [texel]
-  Eigen::MatrixXf light_weights;                               ///< [component][texel]
+  Eigen::MatrixXf light_weights;                               ///< [component][texel], at most 1, as the next
   Eigen::MatrixXf material_weights;  ///< [3 term + channel][texel]: coloured, for tints and base colours
   /// [3 bin + channel][((light cluster, material cluster), light term, material term)]: coefficients of a
   /// DirectionSpline.

@@ -51,8 +51,9 @@ std::vector<SettingDeclaration> light_field_settings() {
        .help = "share of outgoing light that leaving out Haar coefficients may change"},
       {.name = "slf.route",
        .default_value = std::string("fields"),
-       .help = "fields: outgoing light is computed and compressed; clusters: arriving light and materials are "
-               "compressed, and drawn by a table of what they make of each other (64 clusters of light)",
+       .help =
+           "fields: outgoing light is computed and compressed; clusters: arriving light and materials are "
+           "compressed, and drawn by a table of what they make of each other (its 128 MiB are shared by their errors)",
        .choices = {"fields", "clusters"}},
       {.name = "slf.clusters",
        .default_value = 128,

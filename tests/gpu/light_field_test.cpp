@@ -1,12 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "render/gl/context.h"
 #include "render/reference/reference.h"
 #include "render/renderer.h"
+#include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
 #include "tests/gpu/light_field_stage.h"
+#include "tests/support/small_btf.h"
 #include "tests/support/test_scenes.h"
 
 namespace maquette {
@@ -105,6 +109,33 @@ TEST(LightFieldMode, TheSecondRouteShowsWhatTheFirstStores) {
   EXPECT_TRUE(take_gl_errors().empty());
 }
 
+/// Sunlit floor, shaded walls and a mirror in one table: all fit the half floats of the device.
+TEST(LightFieldMode, TheSecondRouteHoldsSunlightBesideShade) {
+  const GlContext context = GlContext::create_headless();
+  Renderer renderer;
+  const std::string cover = (std::filesystem::path(testing::TempDir()) / "second-route.exr").string();
+  save_btf(cover, *test::small_btf(3, 4));
+  renderer.set_scene(std::make_shared<Scene>(load_scene("builtin:seat")));
+  renderer.set_material("Seat", cover);
+  renderer.set_environment(std::make_shared<Environment>(load_environment("builtin:clear-sky")));
+  FrameRequest request = request_for(32);
+  request.settings.set("slf.directions", 8);
+  request.camera.eye = {0.75f, 1.35f, 2.6f};
+  request.camera.target = {0.5f, 1.14f, 1.66f};
+  request.camera.fov_y_rad = 0.63f;
+  const Image first = draw(&renderer, request).picture;
+  request.settings.set("slf.route", std::string("clusters"));
+  const Image second = draw(&renderer, request).picture;
+  std::vector<float> ratios;
+  for (std::size_t i = 0; i < first.data.size(); ++i)
+    if (i % 4 == 1 && first.data[i] > 0.0f) ratios.push_back(second.data[i] / first.data[i]);
+  ASSERT_GT(ratios.size(), 1000u);
+  std::sort(ratios.begin(), ratios.end());
+  EXPECT_GT(ratios[ratios.size() / 10], 0.5f) << "0 while all terms had one unit";
+  EXPECT_LT(ratios[ratios.size() * 9 / 10], 2.0f);
+  std::filesystem::remove(cover);
+}
+
 // A matte wall sends as much light everywhere, so that the middle of its lumisphere is what the picture shows.
 TEST(LightFieldMode, SaysWhatIsTooSpecularAndWhatWasExchanged) {
   const GlContext context = GlContext::create_headless();
@@ -178,7 +209,9 @@ TEST(LightFieldMode, WhatIsHeldSaysWhatHasChanged) {
   EXPECT_NE(told.find("under other light"), std::string::npos) << told;
   const Image shown = renderer.read_radiance();
   for (std::size_t i = 0; i < first.data.size(); ++i)
-    if (first.data[i - i % 4 + 3] == 1.0f) ASSERT_EQ(shown.data[i], first.data[i]) << "what is there is shown";
+    if (first.data[i - i % 4 + 3] == 1.0f) {
+      ASSERT_EQ(shown.data[i], first.data[i]) << "what is there is shown";
+    }
   renderer.set_material("gloss", "builtin:fabric-grey");
   told = held();
   EXPECT_NE(told.find("as they were: gloss"), std::string::npos) << told;

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <glm/gtc/packing.hpp>
 #include <random>
 
 #include "render/reference/path_scene.h"
@@ -29,7 +30,9 @@ Sheet sheet_of(const Material& material, float angle, int side) {
   Scene scene;
   scene.materials.push_back(material);
   const glm::vec3 x(std::cos(angle), std::sin(angle), 0.0f), y(-x.y, x.x, 0.0f);
-  test::add(&scene, test::make_grid(-x - y, 2.0f * x, 2.0f * y, 1, 0), "sheet");
+  Primitive quad = test::make_grid(-x - y, 2.0f * x, 2.0f * y, 1, 0);
+  quad.uvs[0] = {{0.0f, 0.0f}, {1.0f, 0.0f}, {0.0f, 1.0f}, {1.0f, 1.0f}};
+  test::add(&scene, quad, "sheet");
   Sheet sheet;
   sheet.scene = build_path_scene({.scene = scene, .environment = test::constant_sky(0.0f)});
   sheet.atlas = make_atlas(sheet.scene->geometry, {{0, false}}, {.side = side});
@@ -64,7 +67,7 @@ TEST(Interactions, OfEnoughTermsAreWhatIsStored) {
   const std::string file = (std::filesystem::path(testing::TempDir()) / "interactions-btf.exr").string();
   save_btf(file, *test::small_btf(3, 4));
   // The light wanders in few dimensions and the BTF has nine texels: so many terms hold both.
-  const InteractionOptions many{.light_clusters = 48, .light_components = 4, .material_components = 4};
+  const InteractionOptions many{.counts = InteractionCounts{48, 4, 4}};
   EXPECT_LT(error_of(sheet_of(covered_with(file), 0.0f, 12), many), 0.005);
   EXPECT_LT(error_of(sheet_of(covered_with(file), 0.4f, 12), many), 0.02);  // light is read at turned directions
   Material gloss;
@@ -79,17 +82,47 @@ TEST(Interactions, OfFewTermsAreWorseAndFitTheirTable) {
   const std::string file = (std::filesystem::path(testing::TempDir()) / "interactions-few.exr").string();
   save_btf(file, *test::small_btf(3, 4));
   const Sheet sheet = sheet_of(covered_with(file), 0.0f, 12);
-  const double few = error_of(sheet, {.light_clusters = 2, .light_components = 0, .material_components = 0}),
-               more = error_of(sheet, {.light_clusters = 8, .light_components = 2, .material_components = 2});
+  const double few = error_of(sheet, {.counts = InteractionCounts{2, 0, 0}}),
+               more = error_of(sheet, {.counts = InteractionCounts{8, 2, 2}});
   EXPECT_GT(few, more);
   EXPECT_GT(few, 0.02);
   // Room for two clusters of light with three of the material.
-  EXPECT_LT(
-      error_of(
-          sheet,
-          {.light_clusters = 2, .light_components = 2, .material_components = 2, .most_bytes = 256 * 8 * 9 * 2 * 3}),
-      few);
+  EXPECT_LT(error_of(sheet, {.counts = InteractionCounts{2, 2, 2}, .most_bytes = 256 * 8 * 9 * 2 * 3}), few);
   std::filesystem::remove(file);
+}
+
+/// A BTF of noise: no two texels alike, each view for itself.
+std::shared_ptr<const Btf> noisy_btf(int side) {
+  auto btf = std::make_shared<Btf>(*test::small_btf(side, 4));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> tone(0.4f, 1.6f);
+  for (BtfView& view : btf->views)
+    for (std::uint16_t& value : view.factors) value = glm::packHalf1x16(tone(random) * glm::unpackHalf1x16(value));
+  complete_btf(btf.get());
+  return btf;
+}
+
+TEST(Interactions, ShareTheTableByTheErrorOfLightAndMaterial) {
+  const std::string smooth = (std::filesystem::path(testing::TempDir()) / "interactions-smooth.exr").string(),
+                    noisy = (std::filesystem::path(testing::TempDir()) / "interactions-noisy.exr").string();
+  save_btf(smooth, *test::small_btf(3, 4));
+  save_btf(noisy, *noisy_btf(24));
+  Sheet calm = sheet_of(covered_with(noisy), 0.0f, 24), lively = sheet_of(covered_with(smooth), 0.0f, 24);
+  const auto per_texel = static_cast<std::size_t>(3 * calm.incident.bins);
+  for (std::size_t i = per_texel; i < calm.incident.radiance.size(); ++i)  // the light of the first texel everywhere
+    calm.incident.radiance[i] = calm.incident.radiance[i % per_texel];
+  std::mt19937 random(9);
+  for (float& value : lively.incident.radiance) value *= 1e-9f * static_cast<float>(random() >> 2u);
+  constexpr std::size_t kRoom = std::size_t{8} << 20;  // for 4,096 products of terms
+  const auto error = [&](const Sheet& sheet, std::optional<InteractionCounts> counts) {
+    return error_of(sheet, {.counts = counts, .most_bytes = kRoom});
+  };
+  const InteractionCounts for_light{64, 8, 4}, for_material{8, 4, 16};
+  EXPECT_LT(error(calm, for_material), 0.7 * error(calm, for_light));
+  EXPECT_LT(error(lively, for_light), 0.7 * error(lively, for_material));
+  EXPECT_LE(error(calm, {}), 1.05 * error(calm, for_material));
+  EXPECT_LE(error(lively, {}), 1.05 * error(lively, for_light));
+  for (const std::string& file : {smooth, noisy}) std::filesystem::remove(file);
 }
 
 TEST(Interactions, RefuseWhatVariesInMoreThanItsColour) {

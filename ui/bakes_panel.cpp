@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <sstream>
 
 #include "render/frame/vocabulary.h"
 #include "render/technique/registry.h"
@@ -36,6 +37,15 @@ const std::map<std::string, const char*>& changes_of_bakes() {
   return kChanges;
 }
 
+/// Names with semicolons between, less one.
+std::string without(const std::string& names, const std::string& name) {
+  std::string rest;
+  std::istringstream in(names);
+  for (std::string one; std::getline(in, one, ';');)
+    if (one != name) rest += (rest.empty() ? "" : ";") + one;
+  return rest;
+}
+
 /// Which parts it is made of: all, or those that were clicked in the picture or the tree and added here.
 void draw_parts(Ui& ui, const std::string& bake) {
   const std::string setting = bake + ".parts", parts = ui.state.settings.get_string(setting);
@@ -44,13 +54,17 @@ void draw_parts(Ui& ui, const std::string& bake) {
                                  ? ui.facts.scene->nodes[static_cast<std::size_t>(node)].name
                                  : std::string();
   value_row("Parts", parts.empty() ? "all that the mode shades" : parts);
-  const bool there = (";" + parts + ";").find(";" + chosen + ";") != std::string::npos;
-  ImGui::BeginDisabled(chosen.empty() || there);
-  if (ImGui::Button(parts.empty() ? "Only the chosen part" : "Add the chosen part"))
-    ui.state.settings.set(setting, parts.empty() ? chosen : parts + ";" + chosen);
+  const std::string others = without(parts, chosen);
+  const bool there = !chosen.empty() && others != parts;
+  ImGui::BeginDisabled(chosen.empty() || (there && others.empty()));
+  if (ImGui::Button(there           ? "Leave the chosen part out"
+                    : parts.empty() ? "Only the chosen part"
+                                    : "Add the chosen part"))
+    ui.state.settings.set(setting, there ? others : parts.empty() ? chosen : parts + ";" + chosen);
   ImGui::EndDisabled();
-  mark_item(ui, "parts/add/" + bake);
+  mark_item(ui, (there ? "parts/remove/" : "parts/add/") + bake);
   tooltip(chosen.empty() ? std::string("Choose one first: click on it in the picture or in the tab Scene")
+          : there        ? "The default mode is to shade " + chosen
                          : "The bake is to hold light for " + chosen);
   if (parts.empty()) return;
   ImGui::SameLine();

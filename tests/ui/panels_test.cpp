@@ -427,8 +427,13 @@ TEST(Panels, ABakeIsGivenThePartsThatAreChosen) {
   editor.state.selected_node = 0;
   ASSERT_TRUE(editor.click("parts/add/slf"));
   EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "seat");
+  ASSERT_TRUE(editor.click("parts/remove/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "seat") << "the last one stays: none would be all";
+  editor.state.settings.set("slf.parts", std::string("wall;seat;lamp"));
+  ASSERT_TRUE(editor.click("parts/remove/slf"));
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "wall;lamp");
   ASSERT_TRUE(editor.click("parts/add/slf"));
-  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "seat") << "once";
+  EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "wall;lamp;seat");
   ASSERT_TRUE(editor.click("parts/all/slf"));
   EXPECT_EQ(editor.state.settings.get_string("slf.parts"), "");
 }

@@ -273,7 +273,7 @@ std::vector<Pass> Renderer::Impl::picture_passes(const MirroredScene& mirrored,
   };
   passes.push_back(raster);
   const bool averages_points = registry.find_mode(plan.shading().mode).can.averages_points;
-  if (!plan.glossy) mirrors.glossy.clear();
+  if (!plan.glossy) mirrors.glossy.rest();
   passes.push_back({.names = {"glossy"}, .run = [this, &mirrored, surfaces, averages_points] {
                       mirrors.glossy.run(mirrored, *registry.find_reflector(mirrored.frame.request.reflections),
                                          surfaces(), averages_points);

@@ -66,6 +66,13 @@ int glossy_in_view(const SceneState& scene, const ReflectorSet& reflectors, cons
 
 void Glossy::clear() { *this = Glossy(); }
 
+void Glossy::rest() {
+  Glossy resting;
+  resting.technique_ = std::move(technique_);
+  resting.technique_name_ = std::move(technique_name_);
+  *this = std::move(resting);
+}
+
 void Glossy::set_uniforms(const MirroredScene& scene, const Program& program) const {
   const FrameRequest& request = scene.frame.request;
   std::array<glm::ivec2, kMaxReflectors> triangles{};

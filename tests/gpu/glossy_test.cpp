@@ -295,6 +295,30 @@ TEST_P(Glossy, WhatIsNotNeededCostsNothing) {
   EXPECT_EQ(seen.data, draw(away).picture.data);
 }
 
+/// What rays meet is kept while no gloss is drawn: it is that of the scene afterwards, whatever changed meanwhile.
+TEST_P(Glossy, ShowsWhatChangedWhileItWasOff) {
+  const auto wall = [](int k) { return unlit(wall_color(k)); };
+  const Scene scene = room_with_sphere(5, wall, metal(glm::vec3(0.9f), 0.1f));
+  int back = 0;
+  while (scene.nodes[static_cast<std::size_t>(back)].mesh != 1) ++back;
+  const FrameRequest request = request_of(GetParam(), "0.3");
+  FrameRequest none = request;
+  none.settings.set_from_text("reflections.glossy", "0");
+  const auto hidden_picture = [&](bool draws_before) {
+    set(scene, test::constant_sky(1.0f));
+    Image before;
+    if (draws_before) before = draw(request).picture;
+    draw(none);
+    renderer_.set_node_visible(back, false);
+    draw(none);
+    const Image after = draw(request).picture;
+    EXPECT_NE(after.data, before.data);
+    return after;
+  };
+  const Image fresh = hidden_picture(false);  // nothing is kept over a change of scene
+  EXPECT_EQ(hidden_picture(true).data, fresh.data);
+}
+
 /// Only a named part mirrors, whatever reflections.glossy is; techniques that project refuse it.
 TEST_P(Glossy, ANamedPartMirrors) {
   Scene scene = room_with_sphere(

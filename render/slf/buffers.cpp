@@ -70,7 +70,7 @@ void LightFieldBuffers::upload_sides(const LightField& field, std::size_t triang
   std::vector<glm::vec4> sides{
       glm::vec4(scale_, static_cast<float>(field.side), components, field.compressed() ? 1.0f : 0.0f),
       glm::vec4(static_cast<float>(std::max(field.atlas.side, 1)), 0.0f, 0.0f, 0.0f)};
-  if (const Interactions* i = field.interactions.get())
+  if (const InteractionCodes* i = field.interactions ? &field.interactions->codes : nullptr)
     sides[1] = glm::vec4(sides[1].x, static_cast<float>(i->light_terms), static_cast<float>(i->material_terms),
                          static_cast<float>(i->material_clusters));
   for (std::size_t s = 0; s < field.atlas.sides.size(); ++s) {
@@ -188,8 +188,8 @@ void LightFieldBuffers::upload_coefficients(const char* name, const Eigen::Matri
 }
 
 void LightFieldBuffers::upload_interactions(const LightField& field) {
-  const Interactions& i = *field.interactions;
-  upload_coefficients("light field table", i.table, field.side);
+  const InteractionCodes& i = field.interactions->codes;
+  upload_coefficients("light field table", field.interactions->table, field.side);
   const int side = field.atlas.side, light_layers = (i.light_terms + 2) / 4;
   const std::size_t cells = field.atlas.texel_of_cell.size();
   std::vector<std::uint32_t> codes(cells, 0);

@@ -15,6 +15,8 @@ namespace {
 
 /// Bytes of outgoing light that are kept beside the compressed field.
 constexpr std::size_t kMostKept = std::size_t{256} << 20;
+/// Covers whose compressed terms are kept, some ten megabytes each.
+constexpr std::size_t kMostTerms = 4;
 /// Share of the progress that incident light takes.
 constexpr double kIncidentShare = 0.9;
 
@@ -58,6 +60,27 @@ std::shared_ptr<const OutgoingField> find_outgoing(const LightFieldJob& job, con
   memory->outgoing_of = incident;
   memory->outgoing_key = std::move(key);
   return outgoing;
+}
+
+std::shared_ptr<const InteractionTerms> find_terms(const LightFieldJob& job, const PathScene& materials,
+                                                   const std::shared_ptr<const IncidentBake>& incident,
+                                                   LightFieldMemory* memory, const std::atomic<bool>& cancel) {
+  const OutgoingOptions options = outgoing_options(job, incident->atlas);
+  LightFieldMemory::Terms wanted{incident, outgoing_key(job, options), nullptr};
+  const auto known = std::ranges::find_if(
+      memory->terms, [&](const LightFieldMemory::Terms& t) { return t.incident == incident && t.key == wanted.key; });
+  if (known != memory->terms.end()) {
+    wanted.terms = known->terms;
+    memory->terms.erase(known);
+  } else {
+    wanted.terms =
+        compress_interactions(materials, incident->atlas, incident->field, {.texel_m = options.texel_m}, cancel);
+    if (!wanted.terms) return nullptr;
+  }
+  std::erase_if(memory->terms, [&](const LightFieldMemory::Terms& t) { return t.incident != incident; });
+  memory->terms.push_front(wanted);
+  if (memory->terms.size() > kMostTerms) memory->terms.pop_back();
+  return wanted.terms;
 }
 
 }  // namespace
@@ -243,8 +266,8 @@ std::shared_ptr<const LightField> make_light_field(const LightFieldJob& job, Lig
   for (const std::string& line : warn_of_second_uvs(job.incident, incident->atlas)) field->warnings.push_back(line);
   if (job.interactions) {
     field->errors.assign(field->atlas.texels.size(), 0.0f);
-    field->interactions = compute_interactions(*materials, incident->atlas, incident->field,
-                                               {.texel_m = outgoing_options(job, incident->atlas).texel_m}, cancel);
+    const auto terms = find_terms(job, *materials, incident, memory, cancel);
+    field->interactions = terms ? compute_interactions(*terms, cancel) : nullptr;
     if (!field->interactions) return nullptr;
     if (progress) progress(1.0);
     return field;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <span>
@@ -67,6 +68,13 @@ struct LightFieldMemory {
   std::shared_ptr<const OutgoingField> outgoing;
   std::shared_ptr<const IncidentBake> outgoing_of;
   std::vector<std::uint64_t> outgoing_key;
+  /// Of the covers that were shown last by slf.route=clusters, newest first: one that comes again costs its table.
+  struct Terms {
+    std::shared_ptr<const IncidentBake> incident;
+    std::vector<std::uint64_t> key;
+    std::shared_ptr<const InteractionTerms> terms;
+  };
+  std::deque<Terms> terms;
 };
 
 /// Geometry and materials to show; nothing is traced with it. `library`: is filled.

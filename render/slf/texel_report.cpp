@@ -48,7 +48,7 @@ Eigen::VectorXf outgoing_light(const LightField& field, std::size_t texel) {
 
 void add_codes(const LightField& field, std::size_t texel, PointReport* report) {
   if (field.interactions) {
-    const Interactions& table = *field.interactions;
+    const InteractionCodes& table = field.interactions->codes;
     report->values.emplace_back("Clusters", "light " + std::to_string(table.light_cluster[texel]) + ", material " +
                                                 std::to_string(table.material_cluster[texel]));
     return;
@@ -109,7 +109,7 @@ PointReport describe_texel(const LightField& field, std::size_t texel) {
   const Eigen::VectorXf computed = outgoing_light(field, texel);
   const Eigen::VectorXf drawn = field.interactions ? field.interactions->decode(texel) : decode_texel(field, texel);
   const auto towards = [&](const glm::vec3& d) {
-    return read(spline, drawn, field.interactions ? field.interactions->turns[texel].to_btf(d) : d);
+    return read(spline, drawn, field.interactions ? field.interactions->codes.turns[texel].to_btf(d) : d);
   };
   double squares = 0.0, light = 0.0, all = 0.0;
   for (int b = 0; b < lumisphere.count(); ++b) {

@@ -185,6 +185,12 @@ TEST(LightFieldMode, WhatIsKeptMakesNoDifference) {
   EXPECT_EQ(covered, picture(&fresh, 4, "builtin:fabric-grey"));
   EXPECT_NE(covered, picture(&kept, 4, ""));
   EXPECT_EQ(first, picture(&kept, 0, ""));
+  request.settings.set("slf.route", std::string("clusters"));  // which keeps what covers were compressed to
+  const auto plain = picture(&kept, 4, ""), by_table = picture(&kept, 4, "builtin:fabric-grey");
+  EXPECT_NE(plain, by_table);
+  EXPECT_EQ(plain, picture(&kept, 4, ""));
+  EXPECT_EQ(by_table, picture(&kept, 4, "builtin:fabric-grey"));
+  EXPECT_EQ(by_table, picture(&fresh, 4, "builtin:fabric-grey"));
 }
 
 TEST(LightFieldMode, WhatIsHeldSaysWhatHasChanged) {

@@ -52,7 +52,12 @@ Sheet sheet_of(const Material& material, float angle, int side) {
 
 double error_of(const Sheet& sheet, const InteractionOptions& options) {
   const auto stored = compute_outgoing(*sheet.scene, sheet.atlas, sheet.incident, {.basis = LightBasis::bins}, kNever);
-  const auto apart = compute_interactions(*sheet.scene, sheet.atlas, sheet.incident, options, kNever);
+  const auto terms = compress_interactions(*sheet.scene, sheet.atlas, sheet.incident, options, kNever);
+  const auto apart = compute_interactions(*terms, kNever);
+  if (apart->codes.light_terms > 1) {
+    EXPECT_LE(apart->codes.light_weights.cwiseAbs().maxCoeff(), 1.0f);
+  }
+  EXPECT_LE(apart->codes.material_weights.cwiseAbs().maxCoeff(), 1.0f);
   EXPECT_LE(static_cast<std::size_t>(apart->table.cols()) * 256 * 8, options.most_bytes);
   return interaction_error(*apart, *stored, sheet.incident.side, 3);
 }
@@ -140,7 +145,7 @@ TEST(Interactions, RefuseWhatVariesInMoreThanItsColour) {
   incident.masked.assign(atlas.texels.size(), false);
   incident.radiance.assign(atlas.texels.size() * static_cast<std::size_t>(3 * incident.bins), 1.0f);
   try {
-    compute_interactions(*traced, atlas, incident, {}, kNever);
+    compress_interactions(*traced, atlas, incident, {}, kNever);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("Worn"), std::string::npos);
@@ -150,7 +155,9 @@ TEST(Interactions, RefuseWhatVariesInMoreThanItsColour) {
 TEST(Interactions, AreNotFinishedOnceCancelled) {
   const std::atomic<bool> cancelled{true};
   const Sheet sheet = sheet_of(test::matte(glm::vec3(0.5f)), 0.0f, 6);
-  EXPECT_EQ(compute_interactions(*sheet.scene, sheet.atlas, sheet.incident, {}, cancelled), nullptr);
+  EXPECT_EQ(compress_interactions(*sheet.scene, sheet.atlas, sheet.incident, {}, cancelled), nullptr);
+  const auto terms = compress_interactions(*sheet.scene, sheet.atlas, sheet.incident, {}, kNever);
+  EXPECT_EQ(compute_interactions(*terms, cancelled), nullptr);
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ std::string named_folder(const Settings& settings, const std::string& bake) {
 
 std::string owners_text(const ReviewBake& bake) {
   constexpr std::size_t kNamed = 4;
-  std::vector<std::string> names(bake.looks.begin(), bake.looks.begin() + std::min(bake.looks.size(), kNamed));
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(bake.looks.size(), kNamed); ++i) names.push_back("\"" + bake.looks[i] + "\"");
   if (bake.looks.size() > kNamed) names.push_back("and " + std::to_string(bake.looks.size() - kNamed) + " more");
   const std::string looks = (names.size() == 1 ? "look " : "looks ") + join(names);
   if (names.empty()) return "the state at hand";

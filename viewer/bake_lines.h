@@ -27,7 +27,7 @@ enum class BakeFound { there, to_be_made, changed, changed_and_there };
 /// Throws what `key_now` throws.
 BakeFound find_bake(const ReviewedBakes& of, const ReviewBake& bake);
 
-/// The looks that draw with a bake: "the state at hand and looks a, b".
+/// The looks that draw with a bake: the state at hand and looks "a", "b".
 std::string owners_text(const ReviewBake& bake);
 
 /// A line for each that is not there as the review says: the scene is another now, or it has to be made; which looks

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 
+#include "scenes/node_paths.h"
 #include "tests/gpu/light_field_stage.h"
 #include "tests/gpu/transfer_fixture.h"
 #include "tests/support/test_scenes.h"
+#include "viewer/look_stage.h"
 #include "viewer/window_session.h"
 
 namespace maquette {
@@ -308,6 +311,54 @@ TEST_F(WindowBakes, KeptLooksHaveTheirOwn) {
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_NE(lines[2].find("visibility of looks \"evening\", \"noon\" is not in the cache"), std::string::npos)
       << lines[2];
+}
+
+/// Dents, turns, hidden parts, materials and a ground come to the renderer in another order in a window than in the
+/// commands, which compare with what it saved.
+TEST_F(WindowBakes, AreThoseThatCommandsFind) {
+  std::vector<Look> looks;
+  {
+    SceneOptions car = options();
+    car.scene = "builtin:cockpit";
+    WindowSession session(car);
+    EditorState& state = session.state;
+    const Scene& scene = session.scene();
+    const auto shown = [&](const char* name) {
+      for (int i = 0; i < 3 || session.loading(); ++i) session.update(false, 0.0);
+      Look look = state;
+      look.name = name;
+      state.looks.push_back(look);
+      session.update(false, 0.0);
+      looks.push_back(look);
+    };
+    shown("plain");
+    state.edits.env_rotation_deg = 33.3f;
+    state.edits.env_scale = 1.7f;
+    shown("light");
+    state.edits.materials[scene.materials.front().name] = "builtin:paint-pearl-white";
+    shown("paint");
+    state.edits.hidden_nodes = {node_paths(scene)[3]};
+    shown("hidden");
+    state.edits.dents.push_back({glm::vec3(0.8f, 0.7f, 0.2f), 0.02f, 0.3f});
+    shown("dent");
+    state.edits.turns.push_back({node_paths(scene)[2], glm::vec3(0.0f, 1.0f, 0.0f), 12.0f});
+    shown("turn");
+    state.edits.environment = "builtin:clear-sky";
+    state.settings.set("ground.kind", std::string("projected"));
+    shown("ground");
+    session.save(file_);
+  }
+  LookStage stage(std::make_shared<const Scene>(load_scene("builtin:cockpit")));
+  std::set<std::string> indirect, visibility;
+  for (const Look& look : looks) {
+    const BakeKeys saved = keys_of_look(bakes(), look.name);
+    ASSERT_EQ(names(saved), (std::vector<std::string>{"indirect", "visibility"})) << look.name;
+    for (const auto& [name, key] : saved) EXPECT_EQ(stage.bake_key(look, name), key) << look.name << " " << name;
+    indirect.insert(saved.at("indirect"));
+    visibility.insert(saved.at("visibility"));
+  }
+  EXPECT_EQ(indirect.size(), looks.size());
+  EXPECT_EQ(visibility.size(), 5u) << "neither light nor paint changes what surfaces hide";
 }
 
 }  // namespace

@@ -423,6 +423,35 @@ bool Renderer::finish_background_work(const FrameRequest& asked) {
   return true;
 }
 
+std::optional<BakeKeys> Renderer::bake_keys(const FrameRequest& asked) {
+  Impl& s = *impl_;
+  const FrameRequest request = s.with_defaults(asked);
+  ViewInfo view = s.look_at(request);
+  const bool counted = view.hidden_share.has_value();
+  const auto wanted_bakes = [&](double hidden_share) {
+    view.hidden_share = hidden_share;
+    const FramePlan wanted = maquette::plan(s.scene.facts(), request.mode, request.settings, view, {}, s.registry);
+    std::vector<std::string> names;
+    for (const std::string& bake : keyed_bakes(s.registry))
+      if (wanted.prepares("bake_" + bake)) names.push_back(bake);
+    return names;
+  };
+  const std::vector<std::string> names = wanted_bakes(view.hidden_share.value_or(0.0));
+  if (!counted && names != wanted_bakes(1.0)) return std::nullopt;
+  BakeKeys keys;
+  for (const std::string& bake : names)
+    if (std::string key = bake_key(request, bake); !key.empty()) keys[bake] = std::move(key);
+  return keys;
+}
+
+std::string Renderer::bake_key(const FrameRequest& asked, const std::string& bake) {
+  Impl& s = *impl_;
+  const FrameRequest request = s.with_defaults(asked);
+  const ViewInfo view = s.look_at(request);
+  return s.bakes.key(bake, maquette::plan(s.scene.facts(), request.mode, request.settings, view, {}, s.registry),
+                     s.scene, request);
+}
+
 std::vector<BackgroundWork> Renderer::background_work() const {
   const Impl& s = *impl_;
   std::vector<BackgroundWork> work;

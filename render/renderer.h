@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/bake/bake_keys.h"
 #include "render/frame/camera.h"
 #include "render/frame/request.h"
 #include "render/frame/stats.h"
@@ -62,6 +63,12 @@ class Renderer {
   /// Waits until the bakes that the plan of `request` wants are done (batch rendering). True when all is ready.
   bool finish_background_work(const FrameRequest& request);
   std::vector<BackgroundWork> background_work() const;
+  /// Keys of the bakes that `request` wants, for the scene as it is now; nothing is made for them. Nothing while it is
+  /// not known which are wanted. Throws Error.
+  std::optional<BakeKeys> bake_keys(const FrameRequest& request);
+  /// Of one of them, whether it is known to be wanted or not; empty: no mode of the request draws with it, or nothing
+  /// keeps it.
+  std::string bake_key(const FrameRequest& request, const std::string& bake);
 
   /// The frame just drawn: linear RGBA, alpha 0 where only the sky is seen. Includes env_scale, no exposure.
   Image read_radiance() const;

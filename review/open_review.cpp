@@ -79,8 +79,9 @@ OpenReview::OpenReview(const std::string& file) : history_(Json()), file_(fs::ab
     notes_.push_back(std::string(error.what()) + ". Changes are kept once the review is saved elsewhere");
   }
   std::string damage;
+  Review saved;
   try {
-    review_ = parse_review(text, file_);
+    review_ = saved = parse_review(text, file_, &bakes_);
     saved_ = review_document(review_);
     history_ = History(saved_);
   } catch (const Error& error) {
@@ -113,6 +114,7 @@ OpenReview::OpenReview(const std::string& file) : history_(Json()), file_(fs::ab
   if (!read_only_ && access(file_.c_str(), W_OK) != 0)
     notes_.push_back(file_ + " cannot be written: save the review under another name");
   changed_ = history_.document() != saved_;
+  bakes_ = bakes_that_hold(bakes_, saved, review_);
 }
 
 std::unique_ptr<OpenReview> OpenReview::continued(const std::string& name) {
@@ -223,7 +225,7 @@ void OpenReview::save(const std::string& name) {
     next = std::make_unique<Journal>(journal_file(target));
     if (!next->locked()) throw Error(target, "another window has it open", "choose another name");
   }
-  const std::string text = review_text(review_, target);
+  const std::string text = review_text(review_, target, bakes_);
   if (!other) write({{"saving", hash_of(text)}});
   write_file_atomically(target, std::as_bytes(std::span(text.data(), text.size())));
   saved_ = history_.document();

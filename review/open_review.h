@@ -29,6 +29,10 @@ class OpenReview {
   const std::string& file() const { return file_; }  ///< empty: untitled
   bool read_only() const { return read_only_; }      ///< another window has it
   bool changed() const { return changed_; }          ///< since it was saved
+  /// What the file says of the bakes of looks that are still as they were when it was saved, or what it is to say.
+  const std::vector<ReviewBake>& bakes() const { return bakes_; }
+  /// For the next time that it is saved: no change of the review.
+  void set_bakes(std::vector<ReviewBake> bakes) { bakes_ = std::move(bakes); }
   /// What a user should know of how it was opened.
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
@@ -60,6 +64,7 @@ class OpenReview {
 
   History history_;
   Review review_;
+  std::vector<ReviewBake> bakes_;
   std::string file_, saved_hash_;
   nlohmann::json saved_;  ///< document in the file
   std::unique_ptr<Journal> journal_;

@@ -159,7 +159,7 @@ Review review_from_document(const Json& document, const std::string& where) {
   return review;
 }
 
-std::string review_text(const Review& review, const std::string& file) {
+std::string review_text(const Review& review, const std::string& file, const std::vector<ReviewBake>& bakes) {
   const std::string folder = folder_of(file);
   Json json = document_json(review, [&](const std::string& source) { return relative_source(source, folder); });
   json["maquette_review"] = kFormat;
@@ -167,10 +167,11 @@ std::string review_text(const Review& review, const std::string& file) {
   json["files"] = Json::object();
   for (const std::string& source : review_sources(review))
     if (fs::exists(place_of(source))) json["files"][relative_source(source, folder)] = source_hash(source);
+  json["bakes"] = bakes_json(bakes, review);
   return json.dump(1) + "\n";
 }
 
-Review parse_review(const std::string& text, const std::string& file) {
+Review parse_review(const std::string& text, const std::string& file, std::vector<ReviewBake>* bakes) {
   const Json json = parse_json(text, file);
   JsonReader reader(json, file + ": ");
   if (reader.count("maquette_review", 1, 1000000) > kFormat)
@@ -179,14 +180,20 @@ Review parse_review(const std::string& text, const std::string& file) {
   reader.object("files");
   const std::string folder = folder_of(file);
   Review review = read_document(&reader, [&](const std::string& source) { return absolute_source(source, folder); });
+  std::vector<ReviewBake> named;
+  if (reader.has("bakes"))  // reviews had none at first
+    named = bakes_from_json(reader.list("bakes"), review, reader.where("bakes"));
   reader.finish();
+  if (bakes) *bakes = std::move(named);
   return review;
 }
 
-Review load_review(const std::string& file) { return parse_review(read_text_file(file), file); }
+Review load_review(const std::string& file, std::vector<ReviewBake>* bakes) {
+  return parse_review(read_text_file(file), file, bakes);
+}
 
-void save_review(const std::string& file, const Review& review) {
-  const std::string text = review_text(review, file);
+void save_review(const std::string& file, const Review& review, const std::vector<ReviewBake>& bakes) {
+  const std::string text = review_text(review, file, bakes);
   write_file_atomically(file, std::as_bytes(std::span(text.data(), text.size())));
 }
 

@@ -8,6 +8,7 @@
 #include "review/camera_path.h"
 #include "review/inspection_setup.h"
 #include "review/look.h"
+#include "review/review_bakes.h"
 
 namespace maquette {
 
@@ -38,14 +39,16 @@ nlohmann::json review_document(const Review& review);
 /// `where`: for messages. Throws Error: what look_from_json and path_from_json throw, and names that are there twice.
 Review review_from_document(const nlohmann::json& document, const std::string& where);
 
-/// Text of a `.maquette.json` (docs/formats.md): sources relative to its folder, with hashes of their contents.
-std::string review_text(const Review& review, const std::string& file);
+/// Text of a `.maquette.json` (docs/formats.md): sources relative to its folder, with hashes of their contents. Bakes
+/// of looks that the review does not have are left out.
+std::string review_text(const Review& review, const std::string& file, const std::vector<ReviewBake>& bakes = {});
 /// Throws Error: no such file, JSON that is damaged, a newer version, unknown members (the nearest names).
-Review load_review(const std::string& file);
+/// `bakes`: what the file says of them; may be null.
+Review load_review(const std::string& file, std::vector<ReviewBake>* bakes = nullptr);
 /// Of the text itself; `file` gives the folder, and the name for messages.
-Review parse_review(const std::string& text, const std::string& file);
+Review parse_review(const std::string& text, const std::string& file, std::vector<ReviewBake>* bakes = nullptr);
 /// Writes beside and renames. Throws Error.
-void save_review(const std::string& file, const Review& review);
+void save_review(const std::string& file, const Review& review, const std::vector<ReviewBake>& bakes = {});
 
 /// Files that the review names, each once: the scene first.
 std::vector<std::string> review_sources(const Review& review);

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "scenes/cache_entry.h"
 #include "scenes/error.h"
 
 namespace maquette {
@@ -183,26 +184,44 @@ std::uint64_t content_hash(std::span<const std::byte> bytes, std::uint64_t seed)
   return XXH3_64bits_withSeed(bytes.data(), bytes.size(), seed);
 }
 
-std::optional<std::vector<std::byte>> cache_load(const std::string& kind, int version, std::uint64_t key) {
-  const std::optional<fs::path> folder = cache_folder();
-  if (!folder) return std::nullopt;
-  std::ifstream stream(cache_entry(*folder, kind, version, key), std::ios::binary | std::ios::ate);
-  if (!stream) return std::nullopt;
-  const std::streamoff length = stream.tellg();
-  stream.seekg(0);
+namespace {
+
+/// The header of an entry of this content, which the stream is read behind; nothing where it is none.
+std::optional<CacheHeader> read_cache_header(std::ifstream* stream, int version, std::uint64_t key) {
+  if (!*stream) return std::nullopt;
+  const std::streamoff length = stream->tellg();
+  stream->seekg(0);
   const CacheHeader expected;
   CacheHeader header;
   if (length < static_cast<std::streamoff>(sizeof header)) return std::nullopt;
-  stream.read(reinterpret_cast<char*>(&header), sizeof header);
-  if (!stream || std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 ||
+  stream->read(reinterpret_cast<char*>(&header), sizeof header);
+  if (!*stream || std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 ||
       header.version != static_cast<std::uint64_t>(version) || header.key != key ||
       header.size != static_cast<std::uint64_t>(length) - sizeof header) {
     return std::nullopt;
   }
-  std::vector<std::byte> payload(header.size);
+  return header;
+}
+
+}  // namespace
+
+std::optional<std::vector<std::byte>> cache_load(const std::string& kind, int version, std::uint64_t key) {
+  const std::optional<fs::path> folder = cache_folder();
+  if (!folder) return std::nullopt;
+  std::ifstream stream(cache_entry(*folder, kind, version, key), std::ios::binary | std::ios::ate);
+  const std::optional<CacheHeader> header = read_cache_header(&stream, version, key);
+  if (!header) return std::nullopt;
+  std::vector<std::byte> payload(header->size);
   stream.read(reinterpret_cast<char*>(payload.data()), static_cast<std::streamsize>(payload.size()));
-  if (!stream || content_hash(payload, key) != header.checksum) return std::nullopt;
+  if (!stream || content_hash(payload, key) != header->checksum) return std::nullopt;
   return payload;
+}
+
+bool cache_holds(const std::string& kind, int version, std::uint64_t key) {
+  const std::optional<fs::path> folder = cache_folder();
+  if (!folder) return false;
+  std::ifstream stream(cache_entry(*folder, kind, version, key), std::ios::binary | std::ios::ate);
+  return read_cache_header(&stream, version, key).has_value();
 }
 
 void cache_store(const std::string& kind, int version, std::uint64_t key, std::span<const std::byte> bytes) {

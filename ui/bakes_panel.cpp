@@ -121,12 +121,17 @@ std::string time_left_text(double seconds) {
   return text;
 }
 
-std::string change_text(const Registry& registry, const std::string& bake, bool last_is_shown) {
+std::string bake_effect(const Registry& registry, const std::string& bake) {
   const auto known = changes_of_bakes().find(bake);
   if (known != changes_of_bakes().end()) return known->second;
   const bool of_mode = std::ranges::any_of(registry.techniques, [&](const Technique& t) { return t.name == bake; });
-  if (!of_mode) return "";
-  return "all light that mode " + bake + " shows; " + (last_is_shown ? "the last one" : "a preview") + " is shown now";
+  return of_mode ? "all light that mode " + bake + " shows" : "";
+}
+
+std::string change_text(const Registry& registry, const std::string& bake, bool last_is_shown) {
+  const std::string effect = bake_effect(registry, bake);
+  if (effect.empty() || changes_of_bakes().contains(bake)) return effect;
+  return effect + "; " + (last_is_shown ? "the last one" : "a preview") + " is shown now";
 }
 
 void draw_bakes(Ui& ui) {

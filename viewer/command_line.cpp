@@ -50,8 +50,8 @@ const std::vector<CommandDeclaration>& command_declarations() {
        "or CSV",
        ""},
       {"inspect", "FILE [SCENE]", 1, 2,
-       "what is in a scene, BRDF, environment or bake (its folder; SCENE: the one that it was baked of), what it would "
-       "need, and the frame plan; `library` lists the built-in materials and environments",
+       "what is in a scene, BRDF, environment, review or bake (its folder; SCENE: the one that it was baked of), what "
+       "it would need, and the frame plan; `library` lists the built-in materials and environments",
        ""},
       {"doctor", "", 0, 0, "graphics context, limits, libraries; what will not work here and why", ""},
       {"help", "[WORD]", 0, 1,

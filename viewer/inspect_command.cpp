@@ -9,6 +9,7 @@
 #include "render/environment/environment_tables.h"
 #include "render/materials/brdf_tables.h"
 #include "render/parts/parts.h"
+#include "review/review.h"
 #include "scenes/btf/btf_file.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
@@ -18,6 +19,7 @@
 #include "viewer/commands.h"
 #include "viewer/inspect_bake.h"
 #include "viewer/inspect_btf.h"
+#include "viewer/inspect_review.h"
 #include "viewer/json_values.h"
 #include "viewer/report_text.h"
 #include "viewer/session.h"
@@ -272,6 +274,7 @@ Json inspect(const CommandLine& line) {
   const std::string& source = line.files[0];
   if (source == "library") return inspect_library();
   if (const auto bake = inspect_bake(line)) return *bake;
+  if (is_review_file(source)) return inspect_review(source);
   if (line.files.size() > 1)
     throw UsageError(line.files[1], "only a bake is inspected with its scene", "leave it out, or name a bake's folder");
   const std::string btf = with_btf_reading(source, line.options.settings);
@@ -286,8 +289,8 @@ Json inspect(const CommandLine& line) {
   if (!std::filesystem::exists(source, error))
     throw Error(source, "does not exist", "check the path; `maquette inspect library` lists what is built in");
   throw UsageError(source,
-                   "neither a scene (.gltf, .glb), a BRDF (.binary), a BTF (folder, .btf), a bake (folder) nor an "
-                   "environment (.hdr, .exr)",
+                   "neither a scene (.gltf, .glb), a BRDF (.binary), a BTF (folder, .btf), a bake (folder), an "
+                   "environment (.hdr, .exr) nor a review (.maquette.json)",
                    "`maquette inspect library` lists what is built in");
 }
 

@@ -122,6 +122,11 @@ FrameStats LookStage::render(const Look& look, const SettledFrame& settled) {
   return stats;
 }
 
+std::string LookStage::bake_key(const Look& look, const std::string& bake) {
+  show(look);
+  return renderer_->bake_key(make_request(*drawn_, look, FrameSize()), bake);
+}
+
 float LookStage::suited_exposure_ev(const Look& look) {
   const float scale = look.edits.env_scale;
   return scale > 0.0f ? suggest_exposure_ev(*environment(look.edits.environment)) - std::log2(scale) : 0.0f;

@@ -31,6 +31,8 @@ class LookStage {
   void set_progress(std::function<void(double share)> progress) { progress_ = std::move(progress); }
   /// Draws; the renderer then has the picture. Throws Error: a file that cannot be used, a mode that cannot draw it.
   FrameStats render(const Look& look, const SettledFrame& settled);
+  /// Of a bake that the look draws with, as the scene is now (Renderer::bake_key); it is not made. Throws Error.
+  std::string bake_key(const Look& look, const std::string& bake);
   /// Of the last `render`.
   const Renderer& renderer() const { return *renderer_; }
   const FrameRequest& request() const { return request_; }

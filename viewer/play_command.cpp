@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "render/gl/context.h"
 #include "review/json_reader.h"
@@ -13,6 +14,7 @@
 #include "scenes/error.h"
 #include "scenes/files.h"
 #include "scenes/image_io.h"
+#include "viewer/bake_lines.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
 #include "viewer/interrupt.h"
@@ -139,11 +141,13 @@ void begin_folder(const Play& play, const std::string& key, bool resumes_anythin
 /// Draws frames of a path; which ones, and in which order, does not matter to any of them.
 class Player {
  public:
-  Player(const Play& play, std::shared_ptr<const Scene> scene) : play_(play), stage_(std::move(scene)) {}
+  Player(const Play& play, const SceneOptions& options, std::shared_ptr<const Scene> scene)
+      : play_(play), options_(options), stage_(std::move(scene)) {}
 
   void draw(int frame) {
     const PathMoment moment = path_at(play_.path, frame / play_.fps);
     Look look = moment.look ? find_look(play_.review, *moment.look) : play_.review.look;
+    if (!std::exchange(told_, true)) warn(moment.look.value_or(""), look);
     float exposure_ev = 0.0f;
     if (!play_.exr)
       exposure_ev = moment.exposure_ev ? *moment.exposure_ev : exposure_of_look(moment.look.value_or(""), look);
@@ -159,6 +163,13 @@ class Player {
   }
 
  private:
+  /// Of bakes that are to be made, before the first frame waits for them.
+  void warn(const std::string& name, const Look& look) {
+    std::vector<std::string> looks{path_at(play_.path, 0.0).look.value_or("")};
+    for (const PathKey& key : play_.path.keys)
+      if (key.look && !key.skip && *key.look != looks.front()) looks.push_back(*key.look);
+    warn_of_bakes(options_, looks, name, look, [&](const std::string& bake) { return stage_.bake_key(look, bake); });
+  }
   /// One for all frames of a look, so that brightness does not jump.
   float exposure_of_look(const std::string& name, const Look& look) {
     const auto found = exposures_.find(name);
@@ -167,7 +178,9 @@ class Player {
   }
 
   const Play& play_;
+  const SceneOptions& options_;
   LookStage stage_;
+  bool told_ = false;
   std::map<std::string, float> exposures_;
 };
 
@@ -188,9 +201,9 @@ class Progress {
   Clock::time_point begin_ = Clock::now();
 };
 
-int play_frames(const Play& play, std::shared_ptr<const Scene> scene) {
+int play_frames(const Play& play, const SceneOptions& options, std::shared_ptr<const Scene> scene) {
   const InterruptGuard guard;
-  Player player(play, std::move(scene));
+  Player player(play, options, std::move(scene));
   Progress progress(play.count);
   std::unique_ptr<VideoPipe> video;
   if (!play.video.empty()) video = std::make_unique<VideoPipe>(play.video, play.fps);
@@ -246,7 +259,7 @@ int run_play(const CommandLine& line) {
   begin_folder(play, key_of(play, *scene), !play.video.empty());
   const GlContext context = GlContext::create_headless();
   query_device();
-  const int drawn = play_frames(play, scene);
+  const int drawn = play_frames(play, options, scene);
   std::printf("%s: %d frames of %dx%d, %d of them drawn now\n", options.output.c_str(), play.count,
               play.settled.size.width, play.settled.size.height, drawn);
   return 0;

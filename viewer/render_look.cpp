@@ -4,6 +4,7 @@
 
 #include "render/gl/context.h"
 #include "scenes/image_io.h"
+#include "viewer/bake_lines.h"
 #include "viewer/command_line.h"
 #include "viewer/look_stage.h"
 #include "viewer/outputs.h"
@@ -41,6 +42,8 @@ int render_look(const CommandLine& line) {
   SettledFrame settled;
   settled.size = {options.width, options.height, options.msaa, options.samples, options.seed};
   settled.frames = options.average;
+  warn_of_bakes(options, {options.look}, options.look, look,
+                [&](const std::string& bake) { return stage.bake_key(look, bake); });
   const bool png = !options.output.empty() && picture_format(options.output) == PictureFormat::png;
   const float exposure_ev = png ? stage.exposure_ev(look) : 0.0f;
   RenderReport report;

@@ -65,9 +65,9 @@ Look look_of_review(const Review& review, const Scene& scene, const SceneOptions
   return look;
 }
 
-void take_review(SceneOptions* options) {
+std::optional<Look> take_review(SceneOptions* options) {
   const std::optional<Review> review = review_of(*options);
-  if (!review) return;
+  if (!review) return std::nullopt;
   options->scene = review->scene;
   options->scene_of_file = review->scene_of_file;
   const Look look = look_of_review(*review, load_scene(review->scene, review->scene_of_file), *options);
@@ -99,6 +99,7 @@ void take_review(SceneOptions* options) {
     options->orthographic_m = look.camera.height_m;
   else
     options->fov_deg = glm::degrees(look.camera.fov_y_rad);
+  return look;
 }
 
 }  // namespace maquette

@@ -15,7 +15,8 @@ std::optional<Review> review_of(const SceneOptions& options);
 /// names.
 Look look_of_review(const Review& review, const Scene& scene, const SceneOptions& options);
 
-/// For commands that vary a look by themselves: the review's scene and look as options. Nothing without a review.
-void take_review(SceneOptions* options);
+/// For commands that vary a look by themselves: the review's scene and look as options; gives the look. Nothing without
+/// a review.
+std::optional<Look> take_review(SceneOptions* options);
 
 }  // namespace maquette

@@ -52,6 +52,11 @@ void WindowSession::begin_review(std::unique_ptr<OpenReview> review, const std::
   if (!missing.empty())
     add_message(MessageLevel::warning, fs::path(review_->file()).filename().string() +
                                            ": these files are missing, what they give is left out: " + join(missing));
+  for (const Look& kept : review_->review().looks)
+    if (const BakeKeys keys = keys_of_look(review_->bakes(), kept.name); !keys.empty()) known_bakes_.set(kept, keys);
+  if (const BakeKeys keys = keys_of_look(review_->bakes(), ""); !keys.empty())
+    known_bakes_.set(review_->review().look, keys);
+  untold_bakes_ = look;
   report_notes();
 }
 
@@ -101,6 +106,7 @@ void WindowSession::report_notes() {
 void WindowSession::save(const std::string& file) {
   try {
     review_->observe(review_now(), false);
+    review_->set_bakes(bakes_to_save());
     review_->save(file);
     add_message(MessageLevel::note, "saved " + file);
   } catch (const Error& error) {

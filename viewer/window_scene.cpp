@@ -74,6 +74,7 @@ void WindowSession::watch_files(double now_s) {
   if (!applied_.environment.starts_with("builtin:") && has_changed(applied_.environment)) {
     add_message(MessageLevel::note, applied_.environment + " has changed: it is read again");
     applied_.environment.clear();
+    known_bakes_.forget();
   }
 }
 
@@ -107,6 +108,21 @@ void WindowSession::apply_ground(bool busy) {
   ground_rotation_deg_ = state.edits.env_rotation_deg;
   renderer_.set_texture_offset(kGroundName, ground_texture_offset(radians(ground_rotation_deg_)));
   ++revision_;
+}
+
+void WindowSession::add_message(MessageLevel level, const std::string& text) {
+  constexpr std::size_t kMost = 200;
+  if (messages_.size() >= kMost) messages_.erase(messages_.begin());
+  messages_.push_back({level, text, true});
+}
+
+void WindowSession::dismiss_message(int index) {
+  if (index >= 0 && index < static_cast<int>(messages_.size()))
+    messages_[static_cast<std::size_t>(index)].unread = false;
+}
+
+void WindowSession::dismiss_messages() {
+  for (Message& message : messages_) message.unread = false;
 }
 
 void WindowSession::set_advice(Message advice) {

@@ -129,6 +129,7 @@ void WindowSession::use_scene(ScenePointer scene) {
   fresh.env_rotation_deg = state.edits.env_rotation_deg;
   fresh.env_scale = state.edits.env_scale;
   forget_applied();
+  known_bakes_.forget();
   state.edits = fresh;
   state.selected_node = state.selected_material = state.reveal_node = -1;
   request_metering();
@@ -260,6 +261,7 @@ void WindowSession::update(bool busy, double now_s) {
   if (state.edits.hidden_nodes != applied_.hidden_nodes) apply_visibility();
   // While a scene is being exchanged there is no one state.
   if (!opening_) review_->observe(review_now(), busy || dragged_dent_.has_value());
+  watch_bakes(busy || dragged_dent_.has_value());
   report_notes();
   advise();
 }
@@ -443,21 +445,6 @@ void WindowSession::set_camera(const CameraView& camera) {
 }
 
 void WindowSession::frame_scene(float aspect) { frame_bounds(&state.camera, bounds_, aspect); }
-
-void WindowSession::add_message(MessageLevel level, const std::string& text) {
-  constexpr std::size_t kMost = 200;
-  if (messages_.size() >= kMost) messages_.erase(messages_.begin());
-  messages_.push_back({level, text, true});
-}
-
-void WindowSession::dismiss_message(int index) {
-  if (index >= 0 && index < static_cast<int>(messages_.size()))
-    messages_[static_cast<std::size_t>(index)].unread = false;
-}
-
-void WindowSession::dismiss_messages() {
-  for (Message& message : messages_) message.unread = false;
-}
 
 FrameRequest WindowSession::make_frame_request(int width, int height) const {
   FrameSize size;

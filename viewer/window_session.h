@@ -16,6 +16,7 @@
 #include "render/renderer.h"
 #include "review/open_review.h"
 #include "ui/editor_state.h"
+#include "viewer/bake_lines.h"
 #include "viewer/dents.h"
 #include "viewer/options.h"
 #include "viewer/pose.h"
@@ -124,6 +125,16 @@ class WindowSession {
   void show(const Review& review);
   void begin_review(std::unique_ptr<OpenReview> review, const std::string& look);
   void report_notes();
+  /// Whether the renderer has all that the state says.
+  bool shows_state() const;
+  /// Keys of the bakes of the state; nothing while they are not known.
+  std::optional<BakeKeys> bake_keys_now();
+  /// Says once, after a review was opened, which of its bakes are to be made, and notes the keys of kept looks when
+  /// they are shown.
+  void watch_bakes(bool busy);
+  void tell_bakes();
+  /// Keys for the file, as far as they are known.
+  std::vector<ReviewBake> bakes_to_save();
   void offer_left_behind();
   void continue_review(const std::string& journal);
 
@@ -147,8 +158,10 @@ class WindowSession {
   std::unique_ptr<OpenReview> review_;
   bool keeps_journal_ = true;
   std::string scene_of_file_;
-  std::set<std::string> missing_;        ///< sources of the review that are not there: kept, and not applied
-  std::unique_ptr<OpenReview> opening_;  ///< whose scene is being read
+  KnownBakes known_bakes_;
+  std::optional<std::string> untold_bakes_;  ///< name of the look that was opened, while its bakes are not told of
+  std::set<std::string> missing_;            ///< sources of the review that are not there: kept, and not applied
+  std::unique_ptr<OpenReview> opening_;      ///< whose scene is being read
   std::vector<Message> messages_;
   std::vector<std::string> environment_files_, brdf_files_;
   std::future<ScenePointer> scene_file_;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace maquette {
@@ -32,6 +33,9 @@ template <typename Input, typename Value>
 class BakeKind {
  public:
   virtual ~BakeKind() = default;
+  /// Hash of all that the result depends on, by which it is kept (BakeKeys); empty: it is kept otherwise or not at all.
+  /// May be called on any thread.
+  virtual std::string key(const Input&) const { return {}; }
   /// What an earlier run left of `input`, in memory, the cache or a file: whole, or for `run` to go on from.
   virtual Baked<Value> load(const Input&) { return {}; }
   /// Makes what `kept` (perhaps nothing) lacks. When cancelled it gives what is worth keeping, not complete, or

@@ -54,6 +54,8 @@ class BakeRunner : public Bake {
   explicit BakeRunner(std::shared_ptr<BakeKind<Input, Value>> kind, typename Worker::Spare spare = {})
       : kind_(std::move(kind)), spare_(std::move(spare)) {}
 
+  const BakeKind<Input, Value>& kind() const { return *kind_; }
+
   /// Cancels the run in work, unless it is spared, and starts this one. Does not wait.
   void submit(Input input) {
     if (!worker_) worker_ = std::make_unique<Worker>(kind_, spare_);

@@ -2,13 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "render/bake/bake_attributes.h"
+#include "render/bake/bake_keys.h"
 #include "render/bake/bake_kind.h"
+#include "scenes/cache_entry.h"
 #include "scenes/error.h"
 #include "scenes/files.h"
 
@@ -40,6 +44,14 @@ class CachedBakeKind : public BakeKind<Input, Value> {
   void save(const Input& input, const Value& value, bool complete) override {
     if (!complete) return;
     if (const auto key = cache_key(input)) cache_store(name_, version_, *key, pack(value));
+  }
+  std::string key(const Input& input) const override {
+    const std::optional<std::uint64_t> key = cache_key(input);
+    return key ? hex(*key) : std::string();
+  }
+  /// Whether the cache has the result of this key.
+  bool keeps(const std::string& key) const {
+    return is_bake_key(key) && cache_holds(name_, version_, std::strtoull(key.c_str(), nullptr, 16));
   }
 
  protected:

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "render/bake/bake.h"
 #include "render/technique/compression_table.h"
@@ -13,6 +15,7 @@ namespace maquette {
 class SceneState;
 struct FrameRequest;
 struct ShadingPlan;
+class Settings;
 
 /// A bake that a technique of its own draws with (Technique::own_bake): SceneBakes starts it, waits for it and lists
 /// it. Its class derives from KeyedBake, too.
@@ -24,6 +27,13 @@ class SceneBake {
   /// not wait. True when what is drawn with has changed. Throws what made a run fail, once.
   /// `layer`: whose parts it is for.
   virtual bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) = 0;
+  /// Hash of all that it depends on as the scene is now, by which its files are kept (BakeKeys); empty: they are not.
+  /// Nothing is made for it. Throws Error, as a run would.
+  virtual std::string key(const SceneState&, const FrameRequest&, const ShadingPlan&) { return {}; }
+  /// Whether the files of this key are whole where settings of this scene (its name) have it look for them.
+  virtual bool is_kept(const std::string& /*key*/, const std::string& /*scene*/, const Settings&) const {
+    return false;
+  }
   /// Binds its textures and buffers, before the passes of a layer.
   virtual void bind() const = 0;
   /// What is stored for a point of a triangle's side; nothing where it has none, or nothing to show. Throws Error.

@@ -43,10 +43,24 @@ void SceneBakes::clear() {
 }
 
 void SceneBakes::update_own(const ShadingPlan& layer, const SceneState& scene, const FrameRequest& request) {
-  if (layer.own_bake.empty()) return;
+  if (!layer.own_bake.empty() && own_of(layer).update(scene, request, layer)) ++own_revision_;
+}
+
+SceneBake& SceneBakes::own_of(const ShadingPlan& layer) {
   std::unique_ptr<SceneBake>& own = own_[layer.own_bake];
   if (!own) own = registry_.find_mode(layer.mode).own_bake->make();
-  if (own->update(scene, request, layer)) ++own_revision_;
+  return *own;
+}
+
+std::string SceneBakes::key(const std::string& bake, const FramePlan& wanted, const SceneState& scene,
+                            const FrameRequest& request) {
+  if (scene.geometry().positions.empty()) return {};
+  if (bake == visibility_.name())
+    return visibility_.key(scene.geometry(), scene.transmitting_items(), scene.passages());
+  if (bake == indirect_.name()) return indirect_.key(make_indirect_job(scene, request));
+  for (const ShadingPlan& layer : wanted.layers)
+    if (layer.own_bake == bake) return own_of(layer).key(scene, request, layer);
+  return {};
 }
 
 std::vector<const Bake*> SceneBakes::list() const {
@@ -83,14 +97,22 @@ std::shared_ptr<const IndirectInput> SceneBakes::make_indirect_input(const Scene
 
 void SceneBakes::update_indirect(const SceneState& scene, const FrameRequest& request) {
   if (!visibility_.ready()) return;
-  const Key now = Key::of(scene.revisions().bounces(), request.variant);
-  IndirectJob job;
-  job.input =
-      indirect_of_ != now || !indirect_.input() ? make_indirect_input(scene, request.variant) : indirect_.input();
-  indirect_of_ = now;
+  IndirectJob job = make_indirect_job(scene, request);
   job.visibility = visibility_.bake();
-  job.sky = {scene.environment().shared_environment(), request.env_rotation_rad, request.env_scale};
+  indirect_of_ = indirect_key(scene, request);
   if (indirect_.update(job)) ++indirect_revision_;
+}
+
+Key SceneBakes::indirect_key(const SceneState& scene, const FrameRequest& request) {
+  return Key::of(scene.revisions().bounces(), request.variant);
+}
+
+IndirectJob SceneBakes::make_indirect_job(const SceneState& scene, const FrameRequest& request) const {
+  const bool known = indirect_.input() && indirect_of_ == indirect_key(scene, request);
+  IndirectJob job;
+  job.input = known ? indirect_.input() : make_indirect_input(scene, request.variant);
+  job.sky = {scene.environment().shared_environment(), request.env_rotation_rad, request.env_scale};
+  return job;
 }
 
 OctreeJob SceneBakes::make_octree_job(const SceneState& scene, const OctreeState& state,

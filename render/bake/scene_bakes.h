@@ -45,6 +45,10 @@ class SceneBakes {
 
   /// Says in `status` what of `wanted` is there.
   void report(const FramePlan& wanted, const SceneState& scene, FrameStatus* status) const;
+  /// The key (BakeKeys) of a bake for the scene as it is now, without making it; empty: it is not kept by one, or none
+  /// of the layers draws with it. Throws Error.
+  std::string key(const std::string& bake, const FramePlan& wanted, const SceneState& scene,
+                  const FrameRequest& request);
   /// Starts what `wanted` needs and waits until it is there. False when something could not be made.
   bool finish(const FramePlan& wanted, const SceneState& scene, const FrameRequest& request);
 
@@ -74,6 +78,10 @@ class SceneBakes {
  private:
   OctreeJob make_octree_job(const SceneState& scene, const OctreeState& state, const std::string& folder) const;
   std::shared_ptr<const IndirectInput> make_indirect_input(const SceneState& scene, int variant) const;
+  /// What the input of indirect light is made of.
+  static Key indirect_key(const SceneState& scene, const FrameRequest& request);
+  IndirectJob make_indirect_job(const SceneState& scene, const FrameRequest& request) const;
+  SceneBake& own_of(const ShadingPlan& layer);
 
   bool interactive_ = false;
   VisibilityBuffers visibility_;

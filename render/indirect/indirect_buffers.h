@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "render/bake/bake_runner.h"
@@ -32,6 +33,8 @@ class IndirectBuffers final : public BakeRunner<IndirectJob, IndirectResult> {
   /// Starts a bake where `job` differs from the last one, and uploads one that is done; until then the old ones stay,
   /// lit as they were. True when there is another key than before. Throws what made a bake fail, once.
   bool update(const IndirectJob& job);
+  /// By which the cache keeps the bake of `job`, whose visibility it does not need.
+  std::string key(const IndirectJob& job) const { return kind().key(job); }
   void wait() override;  ///< until the very light that `update` was given is done
   void cancel() override {
     BakeRunner::cancel();

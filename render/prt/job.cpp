@@ -5,6 +5,7 @@
 
 #include "render/parts/baked_parts.h"
 #include "render/prt/material_btf.h"
+#include "render/prt/transfer_files.h"
 #include "render/scene_state/facts.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
@@ -172,7 +173,8 @@ TransferJob make_transfer_job(const TransferInput& input, const std::string& fol
                                           kMostVerticesByError, cancel ? *cancel : never, &job.parts);
   }
   const std::string& named = folder.empty() ? input.settings.get_string("prt.bake") : folder;
-  job.folder = transfer_folder(named, job, make_transfer_mesh(*job.geometry, job.parts, job.options.vertices));
+  job.key = transfer_key(provenance_of(job, make_transfer_mesh(*job.geometry, job.parts, job.options.vertices)));
+  job.folder = transfer_folder(named, job.scene, job.key);
   job.must_work = !named.empty();
   job.may_make = named.empty();
   job.show_stale = input.settings.get_string("prt.stale") == "show";

@@ -23,6 +23,11 @@ Key key_of(const SceneState& scene, const FrameRequest& request, const std::vect
   return key;
 }
 
+TransferInput make_input(const SceneState& scene, const FrameRequest& request, const std::vector<bool>& nodes) {
+  return {std::make_shared<Scene>(scene.edited_scene()), std::make_shared<const FlatGeometry>(scene.geometry()),
+          request.variant, nodes, request.settings};
+}
+
 }  // namespace
 
 Baked<Transfer> TransferKind::run(const TransferInput& input, const Baked<Transfer>&, const BakeTask<Transfer>& task) {
@@ -40,11 +45,7 @@ bool TransferStore::update(const SceneState& scene, const FrameRequest& request,
   if (held_ && busy()) cancel();
   if (!held_) {
     begun_ = wanted_;
-    require(*wanted_, [&] {
-      return TransferInput{std::make_shared<Scene>(scene.edited_scene()),
-                           std::make_shared<const FlatGeometry>(scene.geometry()), request.variant, nodes,
-                           request.settings};
-    });
+    require(*wanted_, [&] { return make_input(scene, request, nodes); });
   }
   bool changed = false;
   if (const std::shared_ptr<const Transfer> made = take()) {
@@ -52,12 +53,28 @@ bool TransferStore::update(const SceneState& scene, const FrameRequest& request,
     buffers_.emplace(*made, scene.geometry().indices.size() / 3);
     if (!transfer_ || transfer_->bake != made->bake) importance_ = made->bake->table.importance();
     transfer_ = made;
-    shown_ = begun_;
+    shown_ = digits_of_ = begun_;
+    digits_ = made->key;
     cube_.emplace(made->bake->options.faces);
     light_of_.reset();
     changed = true;
   }
   return (buffers_ && scene.has_environment() && update_light(scene, request)) || changed;
+}
+
+std::string TransferStore::key(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
+  const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
+  const Key now = key_of(scene, request, nodes);
+  if (digits_of_ != now) {
+    MeasuredLibrary library;
+    digits_ = make_transfer_job(make_input(scene, request, nodes), {}, &library).key;
+  }
+  digits_of_ = now;
+  return digits_;
+}
+
+bool TransferStore::is_kept(const std::string& key, const std::string& scene, const Settings& settings) const {
+  return is_whole_transfer(transfer_folder(settings.get_string("prt.bake"), scene, key));
 }
 
 bool TransferStore::update_light(const SceneState& scene, const FrameRequest& request) {

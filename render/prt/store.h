@@ -36,6 +36,8 @@ class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, publ
   const char* name() const override { return "prt"; }
   Bake& bake() override { return *this; }
   bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  std::string key(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  bool is_kept(const std::string& key, const std::string& scene, const Settings& settings) const override;
   void bind() const override { buffers_->bind(); }
   bool ready() const override { return buffers_.has_value(); }
   std::size_t bytes() const override { return buffers_ ? buffers_->bytes() : 0; }
@@ -53,6 +55,8 @@ class TransferStore final : public KeyedBake<Key, TransferInput, Transfer>, publ
 
   bool held_ = false;                          ///< prt.run
   std::optional<Key> wanted_, begun_, shown_;  ///< of the last frame, of the last bake begun, of the one shown
+  std::string digits_;                         ///< the key of the files, and that for which it was found
+  std::optional<Key> digits_of_;
   std::shared_ptr<const Transfer> transfer_;
   std::optional<TransferBuffers> buffers_;
   std::vector<float> importance_;

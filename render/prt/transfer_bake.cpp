@@ -67,6 +67,7 @@ class Run {
 
   std::shared_ptr<const Transfer> make(const std::shared_ptr<const TransferBake>& last) {
     auto transfer = std::make_shared<Transfer>();
+    transfer->key = job_.key;
     transfer->mesh = make_transfer_mesh(*job_.geometry, job_.parts, job_.options.vertices);
     occluders_ = occluder_points(job_);
     wanted_ = provenance_of(job_, transfer->mesh);
@@ -312,6 +313,7 @@ class Run {
     for (const TransferBlock& block : means)
       if (block.empty()) return;  // another process makes it
     Transfer transfer;
+    transfer.key = job_.key;
     transfer.mesh = mesh;
     transfer.baked_from_world = baked_from_world_;
     TransferJob of_means = job_;
@@ -422,11 +424,10 @@ std::size_t TransferBake::bytes_per_vertex(const TransferGroup& group) const {
   return records * static_cast<std::size_t>(1 + options.components) * sizeof(std::uint16_t);
 }
 
-std::string transfer_folder(const std::string& folder, const TransferJob& job, const TransferMesh& mesh) {
-  if (!folder.empty()) return (fs::path(folder) / (bake_name_of_scene(job.scene) + "-prt")).string();
+std::string transfer_folder(const std::string& folder, const std::string& scene, const std::string& key) {
+  if (!folder.empty()) return (fs::path(folder) / (bake_name_of_scene(scene) + "-prt")).string();
   const auto cache = cache_folder();
-  if (!cache) return {};
-  return (*cache / ("prt-" + transfer_key(provenance_of(job, mesh)))).string();
+  return cache ? (*cache / ("prt-" + key)).string() : std::string();
 }
 
 std::shared_ptr<const Transfer> bake_transfer(const TransferJob& job, const BakeRanks& ranks,
@@ -443,6 +444,17 @@ TransferSummary summarize_transfer(const std::string& folder) {
   for (std::size_t b = 0; b < summary.blocks; ++b)
     summary.blocks_done += fs::exists(transfer_block_path(folder, b), ignored) ? 1 : 0;
   return summary;
+}
+
+bool is_whole_transfer(const std::string& folder) {
+  try {
+    std::error_code ignored;
+    if (!fs::exists(transfer_manifest_path(folder), ignored)) return false;
+    const TransferSummary summary = summarize_transfer(folder);
+    return summary.blocks_done == summary.blocks;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 }  // namespace maquette

@@ -41,6 +41,7 @@ struct TransferJob {
   std::vector<std::shared_ptr<const Btf>> materials;  ///< [group]
   std::vector<bool> occluding;                        ///< [item]
   TransferOptions options;
+  std::string key;          ///< of all that the bake depends on, before materials are factorised: transfer_key
   std::string folder;       ///< of the bake's files; empty: it is kept in memory only
   bool must_work = false;   ///< the folder was named by the user: what is damaged or cannot be written is an error
   bool may_make = true;     ///< false: only what the folder holds is taken, and it must be whole
@@ -103,12 +104,13 @@ struct Transfer {
   std::shared_ptr<const TransferBake> bake;
   glm::dmat3 baked_from_world{1.0};  ///< rotation: the parts may have been turned since
   std::string stale;                 ///< what has changed; empty: nothing
+  std::string key;                   ///< TransferJob::key
 };
 
 TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mesh);
-/// Where the bake of a job is kept: below `folder`, or, where that is empty, in the cache by content. Empty without
+/// Where the bake of a scene is kept: below `folder`, or, where that is empty, in the cache by `key`. Empty without
 /// either.
-std::string transfer_folder(const std::string& folder, const TransferJob& job, const TransferMesh& mesh);
+std::string transfer_folder(const std::string& folder, const std::string& scene, const std::string& key);
 
 /// Loads the blocks that the folder holds (a block: one view of one material), makes the others and writes each when it
 /// is done. One block's matrices are in memory in full at a time. Null once `cancel` is set. Throws Error: a bake of
@@ -136,5 +138,7 @@ struct TransferSummary {
   std::size_t vertices = 0, blocks = 0, blocks_done = 0;
 };
 TransferSummary summarize_transfer(const std::string& folder);
+/// Whether a folder holds all of a bake.
+bool is_whole_transfer(const std::string& folder);
 
 }  // namespace maquette

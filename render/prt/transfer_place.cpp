@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "render/bake/bake_attributes.h"
 #include "render/bake/kept_bakes.h"
 
 namespace maquette {
@@ -90,7 +91,8 @@ Placement place(const TransferProvenance& found, const std::vector<glm::vec3>& p
 
 TransferProvenance provenance_of(const TransferJob& job, const TransferMesh& mesh) {
   TransferProvenance p;
-  p.scene = job.scene;
+  // A file's name without its folder: the same scene elsewhere is the same.
+  p.scene = job.scene.starts_with("builtin:") ? job.scene : bake_name_of_scene(job.scene);
   std::vector<std::uint64_t> shape{mesh.vertices.size(), mesh.triangles.size()};
   for (const TransferPart& part : mesh.parts) shape.push_back(part.group);
   for (const auto& t : mesh.triangles) shape.push_back(static_cast<std::uint64_t>(t.level));

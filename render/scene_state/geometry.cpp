@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 
+#include "render/scene_state/geometry_edit.h"
 #include "scenes/error.h"
 #include "scenes/subdivision.h"
 
@@ -277,6 +278,11 @@ FlatGeometry flatten(const Scene& scene) {
   tbb::parallel_for(std::size_t{0}, instances.size(),
                     [&](std::size_t i) { InstanceWriter(instances[i], &out).write(); });
   return out;
+}
+
+void write_item(const Scene& scene, const Primitive& primitive, const glm::mat4& world_from_node, const DrawItem& item,
+                FlatGeometry* geometry) {
+  InstanceWriter({&primitive, world_from_node, mapped_texture(scene, primitive), item}, geometry).write();
 }
 
 }  // namespace maquette

@@ -9,6 +9,7 @@
 #include "render/gl/bindings.h"
 #include "render/materials/texture_atlas.h"
 #include "render/materials/texture_bandwidth.h"
+#include "render/scene_state/geometry_edit.h"
 #include "render/scene_state/material_overrides.h"
 #include "scenes/error.h"
 
@@ -224,15 +225,13 @@ bool SceneBuffers::update_materials(const std::vector<Material>& materials, cons
 void SceneBuffers::update_mesh(const Scene& scene, int mesh, const std::vector<glm::vec3>& positions,
                                const std::vector<glm::vec3>& normals) {
   const std::vector<glm::mat4> world = compute_world_transforms(scene);
+  Primitive moved = scene.meshes[static_cast<std::size_t>(mesh)].primitives[0];
+  moved.positions = positions;
+  moved.normals = normals;
   for (std::size_t i = 0; i < geometry_.items.size(); ++i) {
     const DrawItem& item = geometry_.items[i];
     if (item.mesh != mesh || item.primitive != 0) continue;
-    const glm::mat4& m = world[static_cast<std::size_t>(item.node)];
-    const glm::mat3 normal_matrix = glm::transpose(glm::inverse(glm::mat3(m)));
-    for (std::uint32_t v = 0; v < item.vertex_count && v < positions.size(); ++v) {
-      geometry_.positions[item.first_vertex + v] = glm::vec3(m * glm::vec4(positions[v], 1.0f));
-      geometry_.normals[item.first_vertex + v] = glm::normalize(normal_matrix * normals[v]);
-    }
+    write_item(scene, moved, world[static_cast<std::size_t>(item.node)], item, &geometry_);
     positions_.update(item.first_vertex * sizeof(glm::vec3), item.vertex_count * sizeof(glm::vec3),
                       &geometry_.positions[item.first_vertex]);
     upload_vertices(item.first_vertex, item.vertex_count);

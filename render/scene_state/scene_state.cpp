@@ -10,6 +10,17 @@
 
 namespace maquette {
 
+namespace {
+
+/// What is added to a scene, as a ground, comes last, and a material of the scene may have its name.
+Material* last_named(std::vector<Material>* materials, const std::string& name) {
+  const auto found =
+      std::find_if(materials->rbegin(), materials->rend(), [&](const Material& m) { return m.name == name; });
+  return found == materials->rend() ? nullptr : &*found;
+}
+
+}  // namespace
+
 void SceneState::require_scene() const {
   if (!scene_ || !buffers_) throw Error("renderer", "no scene has been set");
 }
@@ -67,17 +78,16 @@ void SceneState::set_material(const std::string& material_name, const std::strin
 
 void SceneState::find_effective_materials() {
   effective_ = maquette::effective_materials(*scene_, overrides_);
-  for (Material& material : effective_)
-    if (const auto offset = texture_offsets_.find(material.name); offset != texture_offsets_.end())
-      material.base_color_texture.offset = offset->second;
+  for (const auto& [name, offset] : texture_offsets_)
+    if (Material* material = last_named(&effective_, name)) material->base_color_texture.offset = offset;
 }
 
 void SceneState::set_texture_offset(const std::string& material_name, const glm::vec2& offset) {
   require_scene();
   texture_offsets_[material_name] = offset;
   find_effective_materials();
-  for (std::size_t i = 0; i < effective_.size(); ++i)
-    if (effective_[i].name == material_name) buffers_->set_texture_offset(i, offset);
+  if (const Material* moved = last_named(&effective_, material_name))
+    buffers_->set_texture_offset(static_cast<std::size_t>(moved - effective_.data()), offset);
   ++revisions_.surfaces;
 }
 

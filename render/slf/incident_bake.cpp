@@ -377,18 +377,25 @@ IncidentProvenance provenance_of(const IncidentJob& job) {
   return p;
 }
 
-std::string incident_folder(const std::string& folder, const IncidentJob& job) {
-  if (!folder.empty()) {
-    std::error_code ignored;
-    if (fs::exists(manifest_path(folder), ignored)) return folder;
-    return (fs::path(folder) / (bake_name_of_scene(job.scene->name) + "-slf")).string();
-  }
-  const auto cache = cache_folder();
-  if (!cache) return {};
+std::string incident_key(const IncidentJob& job) {
   std::string text;
   for (const auto& [name, value] : attributes_of(provenance_of(job))) text += name + "=" + value + ";";
   text += std::to_string(job.atlas.texels_per_m);
-  return (*cache / ("slf-" + hex(content_hash(std::as_bytes(std::span(text)))))).string();
+  return hex(content_hash(std::as_bytes(std::span(text))));
+}
+
+std::string incident_folder(const std::string& folder, const std::string& scene, const std::string& key) {
+  if (!folder.empty()) {
+    std::error_code ignored;
+    if (fs::exists(manifest_path(folder), ignored)) return folder;
+    return (fs::path(folder) / (bake_name_of_scene(scene) + "-slf")).string();
+  }
+  const auto cache = cache_folder();
+  return cache ? (*cache / ("slf-" + key)).string() : std::string();
+}
+
+std::string incident_folder(const std::string& folder, const IncidentJob& job) {
+  return incident_folder(folder, job.scene->name, folder.empty() ? incident_key(job) : std::string());
 }
 
 std::shared_ptr<const IncidentBake> bake_incident(const IncidentJob& job, const BakeRanks& ranks,
@@ -418,6 +425,16 @@ IncidentSummary summarize_incident(const std::string& folder) {
   for (std::size_t b = 0; b < summary.blocks; ++b)
     summary.blocks_done += fs::exists(block_path(folder, b), ignored) ? 1 : 0;
   return summary;
+}
+
+bool is_whole_incident(const std::string& folder) {
+  try {
+    if (!is_incident_folder(folder)) return false;
+    const IncidentSummary summary = summarize_incident(folder);
+    return summary.blocks_done == summary.blocks;
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 IncidentField load_incident(const std::string& folder, const IncidentSummary& summary) {

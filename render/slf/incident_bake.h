@@ -48,9 +48,12 @@ struct IncidentBake {
 };
 
 IncidentProvenance provenance_of(const IncidentJob& job);
-/// Where the bake of a job is kept: below `folder`, or, where that is empty, in the cache by content. Empty without
+/// Of all that the bake of a job depends on, before its atlas is made: 16 hexadecimal digits.
+std::string incident_key(const IncidentJob& job);
+/// Where the bake of a scene is kept: below `folder`, or, where that is empty, in the cache by `key`. Empty without
 /// either.
-std::string incident_folder(const std::string& folder, const IncidentJob& job);
+std::string incident_folder(const std::string& folder, const std::string& scene, const std::string& key);
+std::string incident_folder(const std::string& folder, const IncidentJob& job);  ///< the same of a job
 
 /// Texels are traced and written in blocks of so many: what a run that was stopped leaves whole.
 inline constexpr std::size_t kIncidentBlock = 1024;
@@ -73,6 +76,8 @@ struct IncidentSummary {
 /// Whether the folder holds a bake of this kind, whole or not.
 bool is_incident_folder(const std::string& folder);
 IncidentSummary summarize_incident(const std::string& folder);  ///< Throws Error.
+/// Whether it holds all of one.
+bool is_whole_incident(const std::string& folder);
 /// The light of a whole bake. Throws Error where a block is missing or damaged.
 IncidentField load_incident(const std::string& folder, const IncidentSummary& summary);
 

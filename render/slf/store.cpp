@@ -77,6 +77,18 @@ bool LightFieldStore::update(const SceneState& scene, const FrameRequest& reques
   return true;
 }
 
+std::string LightFieldStore::key(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) {
+  const std::vector<bool> nodes = nodes_of_layer(scene.scene(), request, layer);
+  const Key now = key_of(scene, request, nodes);
+  if (digits_of_ != now) digits_ = incident_key(make_job(scene, request, nodes).incident);
+  digits_of_ = now;
+  return digits_;
+}
+
+bool LightFieldStore::is_kept(const std::string& key, const std::string& scene, const Settings& settings) const {
+  return is_whole_incident(incident_folder(settings.get_string("slf.bake"), scene, key));
+}
+
 std::optional<PointReport> LightFieldStore::describe(const SceneState& scene, std::uint32_t triangle, bool back,
                                                      const glm::vec3& position) const {
   if (!field_) return std::nullopt;

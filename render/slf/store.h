@@ -35,6 +35,8 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   const char* name() const override { return "slf"; }
   Bake& bake() override { return *this; }
   bool update(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  std::string key(const SceneState& scene, const FrameRequest& request, const ShadingPlan& layer) override;
+  bool is_kept(const std::string& key, const std::string& scene, const Settings& settings) const override;
   void bind() const override { buffers_->bind(); }
   std::optional<PointReport> describe(const SceneState& scene, std::uint32_t triangle, bool back,
                                       const glm::vec3& position) const override;
@@ -53,6 +55,8 @@ class LightFieldStore final : public KeyedBake<Key, LightFieldJob, LightField>, 
   /// While no bake may run: what is no longer as it was in `field_`, and the key for which that was found.
   std::vector<std::string> changes_;
   std::optional<Key> changes_of_;
+  std::string digits_;  ///< the key of the files, and that for which it was found
+  std::optional<Key> digits_of_;
 };
 
 }  // namespace maquette

@@ -7,6 +7,27 @@
 
 namespace maquette {
 
+namespace {
+
+VisibilityJob make_job(const FlatGeometry& geometry, const std::vector<bool>& transmits,
+                       const std::vector<Passage>& passages) {
+  VisibilityJob job;
+  job.geometry.positions = geometry.positions;
+  job.geometry.normals = geometry.normals;
+  job.geometry.indices = geometry.indices;
+  job.geometry.items = geometry.items;
+  job.transmits = transmits;
+  job.passages = passages;
+  return job;
+}
+
+}  // namespace
+
+std::string VisibilityBuffers::key(const FlatGeometry& geometry, const std::vector<bool>& transmits,
+                                   const std::vector<Passage>& passages) const {
+  return kind().key(make_job(geometry, transmits, passages));
+}
+
 bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<bool>& transmits,
                                const std::vector<Passage>& passages, std::uint32_t geometry_epoch) {
   require({geometry_epoch, transmits, passages}, [&] {
@@ -15,14 +36,7 @@ bool VisibilityBuffers::update(const FlatGeometry& geometry, const std::vector<b
     if (geometry.positions.size() * 2 * kVisibilityWords > static_cast<std::size_t>(max_texels))
       throw Error("visibility", std::to_string(geometry.positions.size()) + " vertices are more than this driver holds",
                   "set shading.visibility=none");
-    VisibilityJob job;
-    job.geometry.positions = geometry.positions;
-    job.geometry.normals = geometry.normals;
-    job.geometry.indices = geometry.indices;
-    job.geometry.items = geometry.items;
-    job.transmits = transmits;
-    job.passages = passages;
-    return job;
+    return make_job(geometry, transmits, passages);
   });
   const std::shared_ptr<const DrawnVisibility> drawn = take();
   if (!drawn || drawn->bake->vertices.empty()) return false;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "render/bake/bake_runner.h"
@@ -28,6 +29,9 @@ class VisibilityBuffers final : public KeyedBake<VisibilityKey, VisibilityJob, D
   /// once.
   bool update(const FlatGeometry& geometry, const std::vector<bool>& transmits, const std::vector<Passage>& passages,
               std::uint32_t geometry_epoch);
+  /// By which the cache keeps the bake of this.
+  std::string key(const FlatGeometry& geometry, const std::vector<bool>& transmits,
+                  const std::vector<Passage>& passages) const;
   /// Forgets the bake: another scene.
   void clear();
 

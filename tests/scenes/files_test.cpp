@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "scenes/cache_entry.h"
 #include "scenes/error.h"
 
 namespace {
@@ -127,6 +128,10 @@ TEST_F(FilesTest, CacheKeepsKindsVersionsAndKeysApart) {
   EXPECT_FALSE(cache_load("table", 2, 7));
   EXPECT_FALSE(cache_load("table", 1, 8));
   EXPECT_FALSE(cache_load("other", 1, 7));
+  EXPECT_TRUE(cache_holds("table", 1, 7));
+  EXPECT_FALSE(cache_holds("table", 2, 7));
+  EXPECT_FALSE(cache_holds("table", 1, 8));
+  EXPECT_FALSE(cache_holds("other", 1, 7));
 }
 
 TEST_F(FilesTest, DamagedCacheEntryCountsAsAbsent) {
@@ -140,6 +145,7 @@ TEST_F(FilesTest, DamagedCacheEntryCountsAsAbsent) {
   for (std::size_t length : {std::size_t{0}, std::size_t{5}, whole.size() - 1}) {
     write_file_atomically(entry.string(), std::span(whole).first(length));
     EXPECT_FALSE(cache_load("table", 1, 7)) << length;
+    EXPECT_FALSE(cache_holds("table", 1, 7)) << length;
   }
   write_file_atomically(entry.string(), whole);
   EXPECT_TRUE(cache_load("table", 1, 7));

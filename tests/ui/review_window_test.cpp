@@ -1,9 +1,12 @@
 // The review story in the real window: paints are swapped, looks kept, compared, saved; a kill; reopening.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <cstring>
 
+#include "review/json_reader.h"
 #include "scenes/image_io.h"
+#include "tests/support/test_scenes.h"
 #include "tests/ui/story_fixture.h"
 
 namespace maquette {
@@ -154,6 +157,43 @@ TEST_F(ReviewStory, KeysWithoutAPauseArriveInTheirOrder) {
   EXPECT_TRUE(saved.looks[0].auto_exposure);
   EXPECT_FALSE(saved.looks[1].auto_exposure);
   EXPECT_FLOAT_EQ(saved.looks[2].exposure_ev, saved.looks[1].exposure_ev + 0.5f);
+}
+
+/// What the window saves of bakes is what the command looks for, and says where the cache is another.
+TEST_F(ReviewStory, TheFileNamesItsBakes) {
+  const std::string room = (folder_ / "room.glb").string(), file = (folder_ / "c.maquette.json").string();
+  const Scene scene = test::box_scene(5, 3, test::matte(glm::vec3(0.4f)));
+  save_glb(room, scene);
+  const Rect picture = controls(scene).picture();
+  begin({room, "--mode", "uniform", "--set", "shading.visibility=baked", "--set", "ground.kind=none"});
+  ASSERT_TRUE(wait_for_picture(middle_of(picture))) << desktop_->errors();
+  desktop_->move(picture.x + 20.0f, picture.y + 20.0f);
+  key("l");
+  ASSERT_TRUE(wait_for_review([](const Review& r) { return r.looks.size() == 1; }));
+  settled(middle_of(picture));
+  key("ctrl+s");
+  desktop_->input({"type", "--delay", "20", file});
+  key("Return");
+  ASSERT_TRUE(wait_for_file(file)) << desktop_->errors();
+  key("ctrl+q");
+  EXPECT_EQ(desktop_->wait_for_exit(kPatience_s), 0) << desktop_->errors();
+  std::vector<ReviewBake> bakes;
+  load_review(file, &bakes);
+  ASSERT_EQ(bakes.size(), 2u);
+  for (const ReviewBake& bake : bakes) EXPECT_TRUE(bake.at_hand && bake.looks == std::vector<std::string>{"look 1"});
+  const auto said = [&](const std::string& cache) {
+    const std::string text = (folder_ / "said.txt").string();
+    const std::string command = cache + " '" + std::string(MAQUETTE_PROGRAM) + "' render '" + file +
+                                "' --look 'look 1' --size 48x32 -o '" + (folder_ / "c.exr").string() +
+                                "' > /dev/null 2> '" + text + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return read_text_file(text);
+  };
+  EXPECT_EQ(said(""), "");
+  const std::string elsewhere = said("MAQUETTE_CACHE='" + (folder_ / "elsewhere").string() + "'");
+  for (const std::string bake : {"visibility", "indirect"})
+    EXPECT_NE(elsewhere.find("bake " + bake + " of look \"look 1\" is not in the cache: to be made"), std::string::npos)
+        << elsewhere;
 }
 
 }  // namespace

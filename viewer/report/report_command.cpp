@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "scenes/error.h"
+#include "viewer/bake_lines.h"
 #include "viewer/budget_curve.h"
 #include "viewer/command_line.h"
 #include "viewer/commands.h"
@@ -16,6 +17,7 @@
 #include "viewer/report/page.h"
 #include "viewer/report/write_data.h"
 #include "viewer/review_options.h"
+#include "viewer/session.h"
 
 namespace maquette {
 
@@ -91,7 +93,7 @@ std::string command_text(const SceneOptions& options) {
 
 int run_report(const CommandLine& line) {
   SceneOptions options = line.options;
-  take_review(&options);
+  const std::optional<Look> look = take_review(&options);
   const std::string& folder = options.output;
   prepare_folder("--output", folder);
   const InterruptGuard stop;
@@ -107,6 +109,10 @@ int run_report(const CommandLine& line) {
     Journal journal(folder);
     if (!journal.note().empty()) std::fprintf(stderr, "warning: %s\n", journal.note().c_str());
     Studio studio(options);
+    if (look)
+      warn_of_bakes(options, {options.look}, options.look, *look, [&](const std::string& bake) {
+        return studio.renderer().bake_key(make_request(*studio.scene(), options), bake);
+      });
     report.machine = describe_machine(studio.device());
     Conductor conductor(&studio, &journal, folder, [&](const std::string& text) { progress.say(text); });
     conductor.run(&report);

@@ -213,15 +213,16 @@ void name_step(const InspectionFacts& facts) {
   const float share = (ImGui::GetIO().MousePos.x - low.x) / std::max(high.x - low.x, 1.0f);
   const float last = static_cast<float>(facts.sweep_y.size() - 1);
   const auto at = static_cast<std::size_t>(std::clamp(std::round(share * last), 0.0f, last));
-  ImGui::SetTooltip("%s %s: %s cd/m2", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
-                    facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str());
+  ImGui::SetTooltip("%s %s: %s %s", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
+                    facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str(),
+                    facts.sweep_measure.c_str());
 }
 
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
   const float top = ImGui::GetCursorPosY();
-  dim_text(facts.sun.empty() ? "No sun in this environment" : facts.sun);
+  dim_text(facts.sun);
   hold_lines(top, 2.0f);
   row_label("Vary", "Sun, rake and the rest, from this eye, path traced on few pixels");
   if (facts.sweep_names.empty()) return;
@@ -250,9 +251,9 @@ void draw_sweep(Ui& ui) {
   mark_item(ui, "inspection/plot");
   const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
   char text[160];
-  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s cd/m2 at %.4g",
-                static_cast<double>(facts.sweep_x.front()), static_cast<double>(facts.sweep_x.back()),
-                facts.sweep_unit.c_str(), plain_number(static_cast<double>(most)).c_str(),
+  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s %s at %.4g", static_cast<double>(facts.sweep_x.front()),
+                static_cast<double>(facts.sweep_x.back()), facts.sweep_unit.c_str(),
+                plain_number(static_cast<double>(most)).c_str(), facts.sweep_measure.c_str(),
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
 }

@@ -96,12 +96,17 @@ std::string interval_text(const Interval& i) {
   return text;
 }
 
-std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps) {
+bool changes_glass_alone(const std::string& sweep) { return sweep == "wedge" || sweep == "thickness"; }
+
+std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps, bool ghost) {
   std::vector<float> worst(steps.size(), 0.0f);
   for (const EyeValues& eye : result.eyes)
-    for (std::size_t i = 0; i < steps.size(); ++i)
-      if (!eye.step.empty() && !eye.regions.empty() && static_cast<float>(eye.step.front().second) == steps[i])
-        worst[i] = std::max(worst[i], static_cast<float>(eye.regions.front().reflected.mean));
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (eye.step.empty() || eye.regions.empty() || static_cast<float>(eye.step.front().second) != steps[i]) continue;
+      const RegionValues& region = eye.regions.front();
+      const double angle = region.ghost_arcmin ? region.ghost_arcmin->mean : 0.0;
+      worst[i] = std::max(worst[i], static_cast<float>(ghost ? angle : region.reflected.mean));
+    }
   return worst;
 }
 
@@ -116,6 +121,9 @@ std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& r
   rows.emplace_back("Reflected",
                     plain_number(region.reflected.mean) + " cd/m2, at most " + plain_number(region.reflected.max));
   rows.emplace_back("Contrast kept", plain_number(100.0 * region.contrast) + " %");
+  if (region.ghost_arcmin)
+    rows.emplace_back("Ghost angle", plain_number(region.ghost_arcmin->mean) + " arc minutes, at most " +
+                                         plain_number(region.ghost_arcmin->max));
   if (eye.light) {
     rows.emplace_back("On the glass", plain_number(eye.light->illuminance_lx) + " lx");
     rows.emplace_back("Rake", plain_number(eye.light->rake_deg) + " deg from the vertical");

@@ -35,7 +35,9 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
   const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
   options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
   options.samples = exports ? 16 : 8;
+  if (state.edits.section != glm::vec4(0.0f)) options.section = state.edits.section;
   MeasureOptions measured = measure_options_of(view);
+  measured.edits = state.edits;
   if (exports) {
     measured.paths = 64;
     measured.layers = "exr";
@@ -53,7 +55,8 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
       sweep_x_.push_back(static_cast<float>(sweep.values.back()));
     }
     measured.sweeps = {sweep};
-    sweep_title_ = "reflected cd/m2 over " + name;
+    sweep_of_ghost_ = changes_glass_alone(name);
+    sweep_title_ = std::string(sweep_of_ghost_ ? "ghost angle" : "reflected light") + " over " + name;
   }
   const std::string path = view.export_path.data();
   job_ = std::make_unique<Job>();
@@ -87,7 +90,7 @@ void WindowInspection::finish_job(WindowSession* session) {
       const std::string path = session->state.inspection.export_path.data();
       session->add_message(MessageLevel::warning, "written: " + path + " and its layers");
     } else {
-      sweep_y_ = worst_of_steps(result, sweep_x_);
+      sweep_y_ = worst_of_steps(result, sweep_x_, sweep_of_ghost_);
     }
     worst_ = worst_rows(result);
   } catch (const std::exception& error) {

@@ -185,7 +185,7 @@ TEST_F(FlatDashboard, PathsAndProbesAgreeWithTheClosedForm) {
 TEST_F(FlatDashboard, SunglassesRemoveWhatIsPolarisedSideways) {
   const std::shared_ptr<const PathScene> paths = build_path_scene({.scene = *scene_, .environment = sky_});
   const glm::vec3 eye(0.0f, 0.9f, -0.5f), middle = kLow + 0.5f * kAcross + 0.5f * kUp;
-  const Sight sight = look_along(*paths, eye, glm::normalize(middle - eye), {0.0, 1.0, 0.0});
+  const Sight sight = look_along(*paths, {eye, glm::normalize(middle - eye)}, {0.0, 1.0, 0.0});
   ASSERT_TRUE(sight.pane);
   EXPECT_NEAR(sight.pane->s_through_sunglasses, 0.0, 1e-9);
   const Polarised& r = sight.pane->optics.reflected;
@@ -195,6 +195,62 @@ TEST_F(FlatDashboard, SunglassesRemoveWhatIsPolarisedSideways) {
       polarisation_factor(sight.pane, Polarisation::s, true) + polarisation_factor(sight.pane, Polarisation::p, true),
       2.0, 1e-12);
   EXPECT_EQ(polarisation_factor(std::nullopt, Polarisation::sunglasses, false), 0.5);
+}
+
+SceneOptions measured_view(const std::string& mode) {
+  SceneOptions options;
+  options.mode = mode;
+  options.width = 48;
+  options.height = 32;
+  options.samples = mode == "reference" ? 64 : 0;
+  options.eye = {0.1f, 0.9f, -0.5f};
+  options.target = {0.0f, 0.4f, 0.8f};
+  options.fov_deg = 28.0f;
+  options.settings.set("shading.visibility", std::string("none"));
+  options.settings.set("shading.indirect", std::string("none"));
+  return options;
+}
+
+/// All paths find that the pane dims what lights the dashboard; direct ones have the closed form, and so do the modes
+/// that compute no more.
+TEST(MeasureDashboard, TheTransportIsTheOneThatIsAsked) {
+  const auto share = [](const SceneOptions& options) {
+    const RegionValues region = measure(options, {}, dashboard_scene(), even_sky()).eyes[0].regions[0];
+    return region.reflected.mean / (static_cast<double>(kSky * kDash) * region.reflectance.mean);
+  };
+  SceneOptions paths = measured_view("reference");
+  EXPECT_LT(share(paths), 0.98);
+  paths.settings.set("reference.transport", std::string("direct"));
+  EXPECT_NEAR(share(paths), 1.0, 0.01);
+  EXPECT_NEAR(share(measured_view("splitsum")), 1.0, 0.01);
+}
+
+/// A section plane takes from the figures what it takes from the picture, on either side of the eye.
+TEST(MeasureDashboard, ASectionPlaneCutsWhatIsMeasured) {
+  const auto region = [](SceneOptions options, std::optional<glm::vec4> section) {
+    options.settings.set("reference.transport", std::string("direct"));
+    options.section = section;
+    return measure(options, {}, dashboard_scene(), even_sky()).eyes[0].regions[0];
+  };
+  const RegionValues whole = region(measured_view("reference"), std::nullopt);
+  struct Case {
+    glm::vec4 section;
+    bool cuts_pane, opens_sky;
+  };
+  for (const Case& c : {Case{{1, 0, 0, 0.1f}, true, false}, Case{{0, 0, -1, -0.7f}, true, false},
+                        Case{{0, 0, 1, 0.8f}, true, true}, Case{{0, 0, 1, 2.5f}, false, true}}) {
+    const RegionValues traced = region(measured_view("reference"), c.section),
+                       drawn = region(measured_view("splitsum"), c.section);
+    EXPECT_EQ(traced.pane_pixels, drawn.pane_pixels);
+    if (c.cuts_pane)
+      EXPECT_LT(traced.pane_pixels, 9 * whole.pane_pixels / 10) << c.section.x << c.section.z;
+    else
+      EXPECT_EQ(traced.pane_pixels, whole.pane_pixels);
+    EXPECT_EQ(traced.transmitted.mean > 3.0 * whole.transmitted.mean, c.opens_sky) << traced.transmitted.mean;
+    EXPECT_GT(drawn.reflected.min, 0.0) << "each pixel of the region shows the pane";
+    EXPECT_NEAR(drawn.reflected.mean, traced.reflected.mean, 0.01 * traced.reflected.mean);
+    EXPECT_NEAR(drawn.transmitted.mean, traced.transmitted.mean, 0.01 * traced.transmitted.mean);
+  }
 }
 
 /// The whole measurement, without a graphics context: a pane over a dashboard that the sky lights through it.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace maquette {
 namespace {
 
@@ -114,12 +116,20 @@ TEST(InspectionOptions, TheWorstEyeOfEachStepCounts) {
   add(60.0, 30.0);
   add(60.0, 20.0);
   result.worst = 2;
-  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}), (std::vector<float>{12.0f, 30.0f}));
+  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}, false), (std::vector<float>{12.0f, 30.0f}));
   const auto rows = worst_rows(result);
   ASSERT_GE(rows.size(), 2u);
   EXPECT_EQ(rows[0].second, "row 1, column 3, rake 60");
   EXPECT_EQ(rows[1].second.substr(0, 8), "30 cd/m2");
   EXPECT_TRUE(worst_rows({}).empty());
+  const std::array<double, 4> angles = {3.0, 2.0, 4.0, 6.0};
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    result.eyes[i].regions[0].ghost_arcmin.emplace();
+    result.eyes[i].regions[0].ghost_arcmin->mean = angles[i];
+  }
+  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}, true), (std::vector<float>{3.0f, 6.0f}));
+  for (const std::string& name : sweep_names())
+    EXPECT_EQ(changes_glass_alone(name), name == "wedge" || name == "thickness") << name;
 }
 
 TEST(InspectionOptions, RegionsCoverAtLeastAPixel) {

@@ -2,14 +2,12 @@
 #include "render/renderer.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
-#include "viewer/measure/measurement.h"
+#include "viewer/measure/measure_run.h"
 #include "viewer/session.h"
 
 namespace maquette {
 
 namespace {
-
-constexpr int kFrames = 4;  ///< in the mean, unless --frames says otherwise
 
 /// Layers as frames of a mode that rasterises.
 class FrameLayers : public LayerSource {
@@ -35,7 +33,7 @@ class FrameLayers : public LayerSource {
  private:
   Image frame(FrameRequest request, const std::string& layer, int frames) {
     request.settings.set("reflections.layer", layer);
-    for (int i = 0; i < (frames > 0 ? frames : kFrames); ++i) renderer_.render(request, true);
+    for (int i = 0; i < (frames > 0 ? frames : kFramesOfLayer); ++i) renderer_.render(request, true);
     return renderer_.read_radiance();
   }
 

@@ -59,6 +59,7 @@ CameraView view_from(const glm::dvec3& eye, const Scene& scene, const SceneOptio
   CameraView view = camera_of_options(scene, options);
   const glm::vec3 ahead = view.target - view.eye;
   view.eye = glm::vec3(eye);
+  view.section = options.section.value_or(glm::vec4(0.0f));
   if (!options.target) view.target = view.eye + ahead;
   if (!options.up) view.up = glm::vec3(axes.up);
   return view;
@@ -67,7 +68,8 @@ CameraView view_from(const glm::dvec3& eye, const Scene& scene, const SceneOptio
 std::vector<NamedEye> eyes_of(const Scene& scene, const SceneOptions& scene_options, const MeasureOptions& options) {
   const VehicleAxes axes = vehicle_axes(options.axes);
   std::vector<NamedEye> eyes;
-  const CameraView camera = camera_of_options(scene, scene_options);
+  CameraView camera = camera_of_options(scene, scene_options);
+  camera.section = scene_options.section.value_or(glm::vec4(0.0f));
   glm::dvec3 middle(camera.eye);
   std::string name = "camera";
   if (options.eye) {
@@ -230,6 +232,13 @@ class Steps {
   std::optional<PaneLight> plain_;
 };
 
+/// A larger veil; where both have the same one, as when only the glass changes, a larger ghost angle.
+bool worse(const RegionValues& a, const RegionValues& b) {
+  const double more = a.reflected.mean - b.reflected.mean;
+  if (std::abs(more) > 1e-6 * std::abs(b.reflected.mean)) return more > 0.0;
+  return a.ghost_arcmin && b.ghost_arcmin && a.ghost_arcmin->mean > b.ghost_arcmin->mean;
+}
+
 }  // namespace
 
 Measurement measure(const SceneOptions& scene_options, const MeasureOptions& options,
@@ -272,7 +281,9 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
         for (const glm::ivec2& p : options.probes)
           if (p.x >= 0 && p.y >= 0 && p.x < own.width && p.y < own.height)
             pixels.push_back(static_cast<std::size_t>(p.y * own.width + p.x));
-        pictures = trace_layers(*s.paths, context.paths, rays, pixels, {own.width, own.height},
+        PathOptions asked = context.paths;
+        if (own.settings.get_string("reference.transport") == "direct") asked.transport = Transport::direct;
+        pictures = trace_layers(*s.paths, asked, rays, pixels, {own.width, own.height},
                                 own.samples > 0 ? own.samples : kPathsOfAPixel, own.seed);
       }
       EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, s.light, s.sun, {}, {}};
@@ -289,8 +300,7 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
     }
   }
   for (std::size_t i = 0; i < result.eyes.size(); ++i)
-    if (result.eyes[i].regions.front().reflected.mean > result.eyes[result.worst].regions.front().reflected.mean)
-      result.worst = i;
+    if (worse(result.eyes[i].regions.front(), result.eyes[result.worst].regions.front())) result.worst = i;
   add_assumptions(scene_options, options, *scene, steps.pane(), steps.has_dash() ? steps.dash_name() : "", &result);
   return result;
 }

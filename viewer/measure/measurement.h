@@ -62,7 +62,7 @@ struct Measurement {
   std::vector<EyeValues> eyes;
   std::vector<std::pair<std::string, std::string>> assumptions;
   std::vector<std::string> not_modelled;
-  /// Index in `eyes` of the largest mean veil of the first region.
+  /// Index in `eyes` of the largest mean veil of the first region; of equal ones, of the largest mean ghost angle.
   std::size_t worst = 0;
 };
 

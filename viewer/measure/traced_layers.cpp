@@ -18,6 +18,19 @@ glm::vec3 mean_radiance(const PathScene& scene, const PathOptions& options, cons
   return glm::vec3(sum / static_cast<double>(paths));
 }
 
+/// The ray from where nothing is before the sky.
+Ray beyond_scene(const PathScene& scene, const Ray& ray) {
+  const glm::vec3 middle = 0.5f * (scene.bounds.min + scene.bounds.max);
+  const float reach = glm::length(scene.bounds.max - scene.bounds.min) + glm::distance(ray.origin, middle);
+  return {ray.origin + 2.0f * reach * ray.direction, ray.direction};
+}
+
+/// What is traced of a ray that ends where a section plane cuts: behind it is the sky.
+Ray traced_ray(const PathScene& scene, const Ray& ray, bool meets_something) {
+  if (!meets_something) return beyond_scene(scene, ray);
+  return {ray.origin + ray.near * ray.direction, ray.direction};
+}
+
 std::uint32_t seed_of(std::uint32_t seed, std::size_t pixel, std::uint32_t side) {
   // Source: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", PCG.
   std::uint32_t x = (static_cast<std::uint32_t>(pixel) * 2u + side) ^ (seed * 0x9e3779b9u);
@@ -38,17 +51,21 @@ LayerPictures trace_layers(const PathScene& scene, const PathOptions& options, c
   LayerPictures out{Image(size.x, size.y, 3), Image(size.x, size.y, 3), std::nullopt};
   tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
     const std::size_t pixel = pixels[k];
-    const Ray ray{rays.origins[pixel], rays.directions[pixel]};
+    const Ray ray = rays.at(pixel);
+    const bool cut = ray.far < Ray().far;
     RayHit hit;
     const bool met = intersect(scene, ray, RayKind::camera, 0x80000000u, &hit);
     if (!met || !(scene.material_of(hit.triangle).clear() > 0.0f)) {
-      set(&out.transmitted, pixel, mean_radiance(scene, options, ray, paths, seed_of(seed, pixel, 0u)));
+      set(&out.transmitted, pixel,
+          mean_radiance(scene, options, traced_ray(scene, ray, met || !cut), paths, seed_of(seed, pixel, 0u)));
       return;
     }
     const SurfacePoint p = resolve_surface(scene, ray, hit, {});
     const PaneRays pane = rays_of_pane(p, ray);
     const glm::vec3 mirrored = mean_radiance(scene, options, pane.mirrored, paths, seed_of(seed, pixel, 1u));
-    const glm::vec3 passed = mean_radiance(scene, options, pane.passed, paths, seed_of(seed, pixel, 0u));
+    const bool ends = !cut || look_along(scene, ray, {0.0, 1.0, 0.0}).behind.surface;
+    const glm::vec3 passed =
+        mean_radiance(scene, options, traced_ray(scene, pane.passed, ends), paths, seed_of(seed, pixel, 0u));
     set(&out.reflected, pixel, p.pane * pane.shares.reflected * mirrored);
     set(&out.transmitted, pixel, p.pane * (pane.shares.transmitted * passed + p.emission));
   });

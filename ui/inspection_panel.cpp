@@ -183,15 +183,12 @@ void draw_conditions(Ui& ui) {
            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     mark_item(ui, "inspection/lux");
   }
-  row_label("Eyes", "Across and down the eye box, measured each; the worst is named");
-  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (i > 0) ImGui::SameLine(0.0f, gap);
-    ImGui::SetNextItemWidth(width);
-    ImGui::SliderInt(i == 0 ? "##columns" : "##rows", &view.grid[i], 1, kMostGrid, i == 0 ? "%d across" : "%d down",
-                     ImGuiSliderFlags_AlwaysClamp);
-    mark_item(ui, i == 0 ? "inspection/columns" : "inspection/rows");
-  }
+  row_label("Eyes across", "Across and down the eye box, measured each; the worst is named");
+  slider("##columns", &view.grid[0], 1, kMostGrid);
+  mark_item(ui, "inspection/columns");
+  row_label("Eyes down");
+  slider("##rows", &view.grid[1], 1, kMostGrid);
+  mark_item(ui, "inspection/rows");
   row_label("Eye box, mm", "Width and height in which these eyes lie, around the eye of the camera");
   number_fields(ui, "inspection/eye box", view.eye_box_mm.data(), 2, "%.0f");
   for (float& side : view.eye_box_mm) side = std::clamp(side, 0.0f, kMostEyeBox_mm);
@@ -237,7 +234,7 @@ void draw_sweep(Ui& ui) {
   row_label(elide("In " + facts.sweep_unit, scaled(104.0f)).c_str(), "From and to");
   number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
-  ImGui::SliderInt("##steps", &view.sweep_count, 2, kMostSweepSteps);
+  slider("##steps", &view.sweep_count, 2, kMostSweepSteps);
   mark_item(ui, "inspection/steps");
   ImGui::BeginDisabled(!facts.job.empty());
   if (ImGui::Button("Run")) ui.actions.inspection.run_sweep = true;

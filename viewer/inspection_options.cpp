@@ -30,6 +30,28 @@ MeasureOptions measure_options_of(const InspectionSetup& view) {
   return options;
 }
 
+SceneOptions inspected_options(const Look& shown, const std::string& scene) {
+  SceneOptions options;
+  options.scene = scene;
+  options.environment = shown.edits.environment;
+  options.env_rotation_deg = shown.edits.env_rotation_deg;
+  options.env_scale = shown.edits.env_scale;
+  options.variant = shown.edits.variant;
+  if (shown.edits.section != glm::vec4(0.0f)) options.section = shown.edits.section;
+  for (const Technique& technique : builtin_registry().techniques)
+    if (technique.can.traces_picture) options.mode = technique.name;
+  options.settings = shown.settings;
+  options.settings.reset("reflections.layer");
+  options.eye = shown.camera.eye;
+  options.target = shown.camera.target;
+  options.up = shown.camera.up;
+  if (shown.camera.is_orthographic())
+    options.orthographic_m = shown.camera.height_m;
+  else
+    options.fov_deg = glm::degrees(shown.camera.fov_y_rad);
+  return options;
+}
+
 bool has_r_point(const Scene& scene) {
   return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
 }

@@ -17,6 +17,10 @@ glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height);
 /// polarisation.
 MeasureOptions measure_options_of(const InspectionSetup& setup);
 
+/// What the tab Inspect measures of the scene that a window shows, by paths; size and samples are still open. Parts and
+/// materials are taken as changed already.
+SceneOptions inspected_options(const Look& shown, const std::string& scene);
+
 bool has_r_point(const Scene& scene);
 
 /// What the options do not name is as the review has it.

@@ -17,25 +17,12 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
   }
   const InspectionView& view = session->state.inspection;
   const EditorState& state = session->state;
-  SceneOptions options;
-  options.scene = traced_->scene->name;
-  options.environment = state.edits.environment;
-  options.env_rotation_deg = state.edits.env_rotation_deg;
-  options.env_scale = state.edits.env_scale;
-  for (const Technique& technique : builtin_registry().techniques)
-    if (technique.can.traces_picture) options.mode = technique.name;
-  options.settings = state.settings;
-  options.settings.reset("reflections.layer");
-  options.eye = state.camera.eye;
-  options.target = state.camera.target;
-  options.up = state.camera.up;
-  options.fov_deg = glm::degrees(state.camera.fov_y_rad);
+  SceneOptions options = inspected_options(state, traced_->scene->name);
   constexpr int kSweepHeight = 54, kExportHeight = 180;
   options.height = exports ? kExportHeight : kSweepHeight;
   const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
   options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
   options.samples = exports ? 16 : 8;
-  if (state.edits.section != glm::vec4(0.0f)) options.section = state.edits.section;
   MeasureOptions measured = measure_options_of(view);
   measured.edits = state.edits;
   if (exports) {

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "viewer/session.h"
+
 namespace maquette {
 namespace {
 
@@ -130,6 +132,33 @@ TEST(InspectionOptions, TheWorstEyeOfEachStepCounts) {
   EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}, true), (std::vector<float>{3.0f, 6.0f}));
   for (const std::string& name : sweep_names())
     EXPECT_EQ(changes_glass_alone(name), name == "wedge" || name == "thickness") << name;
+}
+
+TEST(InspectionOptions, AWindowsTabMeasuresWhatItsWindowShows) {
+  Scene scene;
+  scene.variants = {"Day", "Night"};
+  Look shown;
+  shown.edits.variant = "Night";
+  shown.edits.env_rotation_deg = 20.0f;
+  shown.edits.env_scale = 2.0f;
+  shown.edits.section = {1.0f, 0.0f, 0.0f, 0.5f};
+  shown.settings.set("reflections.wedge", 0.5);
+  shown.settings.set("reflections.layer", std::string("ghost"));
+  shown.camera.eye = {1.0f, 2.0f, 3.0f};
+  shown.camera.target = {0.0f, 1.0f, 0.0f};
+  shown.camera.fov_y_rad = 0.4f;
+  for (const float height_m : {0.0f, 1.5f}) {
+    shown.camera.height_m = height_m;
+    const SceneOptions options = inspected_options(shown, "car.glb");
+    const Look measured = look_of_options(scene, options);
+    EXPECT_EQ(measured.edits, shown.edits);
+    EXPECT_EQ(measured.camera.eye, shown.camera.eye);
+    EXPECT_EQ(measured.camera.target, shown.camera.target);
+    EXPECT_EQ(measured.camera.height_m, height_m);
+    if (height_m == 0.0f) EXPECT_NEAR(measured.camera.fov_y_rad, shown.camera.fov_y_rad, 1e-6f);
+    EXPECT_EQ(measured.settings.get_double("reflections.wedge"), 0.5);
+    EXPECT_EQ(measured.settings.get_string("reflections.layer"), "all") << "every layer is measured";
+  }
 }
 
 TEST(InspectionOptions, RegionsCoverAtLeastAPixel) {

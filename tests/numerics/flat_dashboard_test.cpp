@@ -253,6 +253,52 @@ TEST(MeasureDashboard, ASectionPlaneCutsWhatIsMeasured) {
   }
 }
 
+/// Bright stripes, which the first and the second image show at different places.
+std::shared_ptr<const Scene> striped_dashboard() {
+  auto scene = std::make_shared<Scene>(*dashboard_scene());
+  scene->materials.push_back(scene->materials[0]);
+  scene->materials[2].base_color = glm::vec4(glm::vec3(0.8f), 1.0f);
+  for (int k = 0; k < 12; ++k)
+    test::add(scene.get(),
+              test::make_grid({-3.0f, 0.001f, -0.2f + 0.16f * static_cast<float>(k)}, {6, 0, 0}, {0, 0, 0.08f}, 4, 2),
+              "stripe");
+  return scene;
+}
+
+/// The layers that are kept have the second image, whether it is part of the picture or not, and whether frames or
+/// paths draw it; both find it where the glass puts it.
+TEST(MeasureDashboard, TheGhostIsAmongTheLayers) {
+  const auto drawn = [](const std::string& mode, double thickness_mm) {
+    SceneOptions options = measured_view(mode);
+    options.settings.set("reference.transport", std::string("direct"));
+    options.settings.set("reflections.thickness", thickness_mm);
+    options.settings.set("reflections.resolution", std::string("full"));
+    if (options.samples > 0) options.samples = 512;
+    MeasureOptions kept;
+    kept.layers = "kept.exr";
+    LastEye last;
+    measure(options, kept, striped_dashboard(), even_sky(), {}, &last);
+    return last;
+  };
+  const LastEye frames = drawn("splitsum", 50.0), paths = drawn("reference", 50.0), thin = drawn("reference", 0.01);
+  ASSERT_TRUE(frames.pictures.ghost && paths.pictures.ghost && thin.pictures.ghost);
+  double apart = 0.0, moved = 0.0, light = 0.0;
+  for (std::size_t i = 0; i < frames.sights.size(); ++i) {
+    if (!frames.sights[i].pane) continue;
+    const double of_paths = luminance_of(*paths.pictures.ghost, i);
+    apart += std::abs(luminance_of(*frames.pictures.ghost, i) - of_paths);
+    moved += std::abs(luminance_of(*thin.pictures.ghost, i) - of_paths);
+    light += of_paths;
+    const PaneOptics& o = frames.sights[i].pane->optics;
+    const double first = luminance_of(thin.pictures.reflected, i) / o.reflected.mean();
+    EXPECT_NEAR(luminance_of(*thin.pictures.ghost, i), first * (o.reflected.mean() - o.surface.mean()), 0.1 * first)
+        << i;
+  }
+  EXPECT_GT(light, 0.0);
+  EXPECT_GT(moved, 0.3 * light) << "the second image is beside the first one";
+  EXPECT_LT(apart, 0.3 * moved) << "where frames have it, whose edges are smoothed";
+}
+
 /// The whole measurement, without a graphics context: a pane over a dashboard that the sky lights through it.
 TEST(MeasureDashboard, ScalesWithLightAndReflectance) {
   SceneOptions options;

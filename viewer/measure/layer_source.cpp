@@ -13,7 +13,7 @@ namespace {
 class FrameLayers : public LayerSource {
  public:
   LayerPictures draw(const std::shared_ptr<const Scene>& scene, const std::shared_ptr<const Environment>& environment,
-                     const SceneOptions& options, const std::vector<Sight>&) override {
+                     const SceneOptions& options, bool with_ghost) override {
     if (scene != scene_) {
       renderer_.set_scene(scene);
       for (const auto& [name, source] : options.materials) renderer_.set_material(name, source);
@@ -26,7 +26,9 @@ class FrameLayers : public LayerSource {
     LayerPictures out;
     out.transmitted = frame(request, "transmitted", options.frames);
     out.reflected = frame(request, "reflected", options.frames);
-    if (options.settings.get_bool("reflections.ghost")) out.ghost = frame(request, "ghost", options.frames);
+    if (!with_ghost) return out;
+    request.settings.set("reflections.ghost", true);
+    out.ghost = frame(request, "ghost", options.frames);
     return out;
   }
 

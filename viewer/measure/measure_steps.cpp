@@ -239,6 +239,28 @@ bool worse(const RegionValues& a, const RegionValues& b) {
   return a.ghost_arcmin && b.ghost_arcmin && a.ghost_arcmin->mean > b.ghost_arcmin->mean;
 }
 
+bool shows_ghost(const SceneOptions& options) { return options.settings.get_bool("reflections.ghost"); }
+
+/// The layers of one eye by paths: of the panes' pixels and those that are probed, of all where the picture is kept.
+LayerPictures traced_pictures(const StepScene& s, const EyeContext& context, const SceneOptions& own,
+                              const EyeRays& rays, const std::vector<Sight>& sights, const MeasureOptions& options,
+                              bool shown) {
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (sights[i].pane || shown) pixels.push_back(i);
+  for (const glm::ivec2& p : options.probes)
+    if (p.x >= 0 && p.y >= 0 && p.x < own.width && p.y < own.height)
+      pixels.push_back(static_cast<std::size_t>(p.y * own.width + p.x));
+  PathOptions asked = context.paths;
+  if (own.settings.get_string("reference.transport") == "direct") asked.transport = Transport::direct;
+  std::optional<GhostSheet> ghost;
+  if (shown || shows_ghost(own))
+    ghost = {static_cast<float>(context.sheet.thickness_m), static_cast<float>(context.sheet.wedge_rad),
+             shows_ghost(own)};
+  return trace_layers(*s.paths, asked, rays, pixels, {own.width, own.height},
+                      own.samples > 0 ? own.samples : kPathsOfAPixel, own.seed, ghost);
+}
+
 }  // namespace
 
 Measurement measure(const SceneOptions& scene_options, const MeasureOptions& options,
@@ -256,7 +278,8 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
     const StepScene s = steps.make(step);
     for (const NamedEye& eye : eyes_of(*s.scene, s.options, s.measure)) {
       if (InterruptGuard::asked()) throw Error("maquette measure", "interrupted", "nothing was written");
-      if (progress) progress(static_cast<double>(done++) / static_cast<double>(all.size() * eye_count));
+      if (progress) progress(static_cast<double>(done) / static_cast<double>(all.size() * eye_count));
+      ++done;
       SceneOptions own = s.options;
       own.camera.clear();
       own.eye = eye.view.eye;
@@ -271,21 +294,9 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       context.paths.env_rotation_rad = radians(own.env_rotation_deg);
       context.paths.env_scale = own.env_scale;
       context.paths.max_bounces = own.settings.get_int("reference.bounces");
-      LayerPictures pictures;
-      if (source) {
-        pictures = source->draw(s.scene, s.environment, own, sights);
-      } else {
-        std::vector<std::size_t> pixels;
-        for (std::size_t i = 0; i < sights.size(); ++i)
-          if (sights[i].pane || !options.layers.empty()) pixels.push_back(i);
-        for (const glm::ivec2& p : options.probes)
-          if (p.x >= 0 && p.y >= 0 && p.x < own.width && p.y < own.height)
-            pixels.push_back(static_cast<std::size_t>(p.y * own.width + p.x));
-        PathOptions asked = context.paths;
-        if (own.settings.get_string("reference.transport") == "direct") asked.transport = Transport::direct;
-        pictures = trace_layers(*s.paths, asked, rays, pixels, {own.width, own.height},
-                                own.samples > 0 ? own.samples : kPathsOfAPixel, own.seed);
-      }
+      const bool shown = !options.layers.empty() && done == all.size() * eye_count;
+      LayerPictures pictures = source ? source->draw(s.scene, s.environment, own, shown || shows_ghost(own))
+                                      : traced_pictures(s, context, own, rays, sights, options, shown);
       EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, s.light, s.sun, {}, {}};
       for (const PictureRegion& region : regions) {
         values.regions.push_back(region_values(context, region, pictures, sights));

@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "render/math/shared_formulas.h"
 #include "render/reference/surface.h"
 
 namespace maquette {
@@ -31,6 +32,16 @@ Ray traced_ray(const PathScene& scene, const Ray& ray, bool meets_something) {
   return {ray.origin + ray.near * ray.direction, ray.direction};
 }
 
+/// The ray of the second image, from a little way along it, clear of the pane.
+std::optional<Ray> ghost_ray(const SurfacePoint& p, const Ray& ray, const GhostSheet& sheet) {
+  const glm::vec3 up = glm::vec3(0.0f, 1.0f, 0.0f) - p.n * p.n.y;
+  const bool level = glm::dot(up, up) <= 1e-6f;
+  const glm::vec3 back = level ? p.n : glm::normalize(p.n + sheet.wedge_rad * glm::normalize(up));
+  const shared::GhostRay ghost = shared::pane_ghost(ray.direction, p.n, back, p.n, p.faces.index.y, sheet.thickness_m);
+  if (!ghost.valid || glm::dot(ghost.direction, p.normal) <= 0.0f) return std::nullopt;
+  return Ray{p.position + ghost.offset + sheet.thickness_m * ghost.direction, ghost.direction};
+}
+
 std::uint32_t seed_of(std::uint32_t seed, std::size_t pixel, std::uint32_t side) {
   // Source: Jarzynski and Olano 2020, "Hash Functions for GPU Rendering", PCG.
   std::uint32_t x = (static_cast<std::uint32_t>(pixel) * 2u + side) ^ (seed * 0x9e3779b9u);
@@ -47,8 +58,10 @@ void set(Image* image, std::size_t pixel, const glm::vec3& value) {
 }  // namespace
 
 LayerPictures trace_layers(const PathScene& scene, const PathOptions& options, const EyeRays& rays,
-                           const std::vector<std::size_t>& pixels, glm::ivec2 size, int paths, std::uint32_t seed) {
+                           const std::vector<std::size_t>& pixels, glm::ivec2 size, int paths, std::uint32_t seed,
+                           const std::optional<GhostSheet>& ghost) {
   LayerPictures out{Image(size.x, size.y, 3), Image(size.x, size.y, 3), std::nullopt};
+  if (ghost) out.ghost.emplace(size.x, size.y, 3);
   tbb::parallel_for(std::size_t{0}, pixels.size(), [&](std::size_t k) {
     const std::size_t pixel = pixels[k];
     const Ray ray = rays.at(pixel);
@@ -66,7 +79,20 @@ LayerPictures trace_layers(const PathScene& scene, const PathOptions& options, c
     const bool ends = !cut || look_along(scene, ray, {0.0, 1.0, 0.0}).behind.surface;
     const glm::vec3 passed =
         mean_radiance(scene, options, traced_ray(scene, pane.passed, ends), paths, seed_of(seed, pixel, 0u));
-    set(&out.reflected, pixel, p.pane * pane.shares.reflected * mirrored);
+    glm::vec3 reflected = p.pane * pane.shares.reflected * mirrored;
+    if (ghost) {
+      // An opaque inside leaves what the front face mirrors.
+      const glm::vec3 back =
+          pane.shares.reflected -
+          glm::min(shares_of_pane(p.wo.z, p.faces, glm::vec3(0.0f)).reflected, pane.shares.reflected);
+      const std::optional<Ray> second = ghost_ray(p, ray, *ghost);
+      const glm::vec3 light =
+          second ? p.pane * back * mean_radiance(scene, options, *second, paths, seed_of(seed, pixel, 1u))
+                 : glm::vec3(0.0f);
+      set(&*out.ghost, pixel, light);
+      if (ghost->in_reflected) reflected += light - p.pane * back * mirrored;
+    }
+    set(&out.reflected, pixel, reflected);
     set(&out.transmitted, pixel, p.pane * (pane.shares.transmitted * passed + p.emission));
   });
   return out;

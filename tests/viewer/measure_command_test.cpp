@@ -148,6 +148,9 @@ TEST(MeasureCommand, WrongCallsAreNamed) {
       {measure_words({"--eye-grid", "0x2"}), 2, "it goes from 1 to 32"},
       {measure_words({"--sweep", "rakes=1,2"}), 2, "did you mean rake?"},
       {measure_words({"--sweep", "rake="}), 2, "--sweep"},
+      {measure_words({"--dash", "SoftTuch"}), 2,
+       "--dash SoftTuch: builtin:cockpit has no such material; did you mean SoftTouch?"},
+      {measure_words({"--dash", "*"}), 2, "--dash *: builtin:cockpit has no such material"},
       {measure_words({"--night", "--lux-on-glass", "1000"}), 2, "it excludes --lux-on-glass"},
       {{"measure", "builtin:plate", "--eye-point", "V1"}, 1, "has no node r_point; give the R-point"},
       {{"measure", "builtin:plate"}, 1, "no pixel shows a pane of glass"}};

@@ -8,6 +8,7 @@
 #include "render/scene_state/material_overrides.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
+#include "scenes/suggest.h"
 #include "viewer/interrupt.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/measure/scene_edits.h"
@@ -173,9 +174,12 @@ class Steps {
 
   int dash_of(const std::vector<Sight>& sights) const {
     if (!measure_.dash.empty()) {
-      check_material_name(*scene_, measure_.dash);
-      for (std::size_t i = 0; i < scene_->materials.size(); ++i)
-        if (scene_->materials[i].name == measure_.dash) return static_cast<int>(i);
+      std::vector<std::string> names;
+      for (const Material& material : scene_->materials) names.push_back(material.name);
+      const auto found = std::ranges::find(names, measure_.dash);
+      if (found != names.end()) return static_cast<int>(found - names.begin());
+      throw UsageError("--dash " + measure_.dash, scene_->name + " has no such material",
+                       did_you_mean(measure_.dash, names));
     }
     std::vector<std::size_t> counts(scene_->materials.size() + 1, 0);
     for (const Sight& sight : sights)

@@ -83,7 +83,8 @@ bool path_popup(Ui& ui, const char* title, bool* open, const char* hint, const c
 void draw_open_popup(Ui& ui) {
   std::string browsed;
   if (path_popup(ui, "Path of a scene, an environment or a measured material", &ui.state.open_path_popup,
-                 ".glb .gltf | .hdr .exr | .binary | builtin:NAME (files can be dropped as well)", "Open", &browsed))
+                 ".glb .gltf | .hdr .exr | .binary | .json | builtin:NAME (files can be dropped as well)", "Open",
+                 &browsed))
     ui.actions.open_path = ui.state.path.data();
   if (!browsed.empty()) ui.actions.open_path = browsed;
 }

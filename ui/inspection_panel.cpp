@@ -183,15 +183,12 @@ void draw_conditions(Ui& ui) {
            ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     mark_item(ui, "inspection/lux");
   }
-  row_label("Eyes", "Across and down the eye box, measured each; the worst is named");
-  const float gap = ImGui::GetStyle().ItemInnerSpacing.x, width = 0.5f * (ImGui::GetContentRegionAvail().x - gap);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (i > 0) ImGui::SameLine(0.0f, gap);
-    ImGui::SetNextItemWidth(width);
-    ImGui::SliderInt(i == 0 ? "##columns" : "##rows", &view.grid[i], 1, kMostGrid, i == 0 ? "%d across" : "%d down",
-                     ImGuiSliderFlags_AlwaysClamp);
-    mark_item(ui, i == 0 ? "inspection/columns" : "inspection/rows");
-  }
+  row_label("Eyes across", "Across and down the eye box, measured each; the worst is named");
+  slider("##columns", &view.grid[0], 1, kMostGrid);
+  mark_item(ui, "inspection/columns");
+  row_label("Eyes down");
+  slider("##rows", &view.grid[1], 1, kMostGrid);
+  mark_item(ui, "inspection/rows");
   row_label("Eye box, mm", "Width and height in which these eyes lie, around the eye of the camera");
   number_fields(ui, "inspection/eye box", view.eye_box_mm.data(), 2, "%.0f");
   for (float& side : view.eye_box_mm) side = std::clamp(side, 0.0f, kMostEyeBox_mm);
@@ -213,15 +210,16 @@ void name_step(const InspectionFacts& facts) {
   const float share = (ImGui::GetIO().MousePos.x - low.x) / std::max(high.x - low.x, 1.0f);
   const float last = static_cast<float>(facts.sweep_y.size() - 1);
   const auto at = static_cast<std::size_t>(std::clamp(std::round(share * last), 0.0f, last));
-  ImGui::SetTooltip("%s %s: %s cd/m2", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
-                    facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str());
+  ImGui::SetTooltip("%s %s: %s %s", plain_number(static_cast<double>(facts.sweep_x[at])).c_str(),
+                    facts.sweep_unit.c_str(), plain_number(static_cast<double>(facts.sweep_y[at])).c_str(),
+                    facts.sweep_measure.c_str());
 }
 
 void draw_sweep(Ui& ui) {
   InspectionView& view = ui.state.inspection;
   const InspectionFacts& facts = ui.facts.inspection;
   const float top = ImGui::GetCursorPosY();
-  dim_text(facts.sun.empty() ? "No sun in this environment" : facts.sun);
+  dim_text(facts.sun);
   hold_lines(top, 2.0f);
   row_label("Vary", "Sun, rake and the rest, from this eye, path traced on few pixels");
   if (facts.sweep_names.empty()) return;
@@ -236,7 +234,7 @@ void draw_sweep(Ui& ui) {
   row_label(elide("In " + facts.sweep_unit, scaled(104.0f)).c_str(), "From and to");
   number_fields(ui, "inspection/range", view.sweep_range.data(), 2, "%.4g");
   row_label("Steps");
-  ImGui::SliderInt("##steps", &view.sweep_count, 2, kMostSweepSteps);
+  slider("##steps", &view.sweep_count, 2, kMostSweepSteps);
   mark_item(ui, "inspection/steps");
   ImGui::BeginDisabled(!facts.job.empty());
   if (ImGui::Button("Run")) ui.actions.inspection.run_sweep = true;
@@ -250,9 +248,9 @@ void draw_sweep(Ui& ui) {
   mark_item(ui, "inspection/plot");
   const auto worst = std::max_element(facts.sweep_y.begin(), facts.sweep_y.end()) - facts.sweep_y.begin();
   char text[160];
-  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s cd/m2 at %.4g",
-                static_cast<double>(facts.sweep_x.front()), static_cast<double>(facts.sweep_x.back()),
-                facts.sweep_unit.c_str(), plain_number(static_cast<double>(most)).c_str(),
+  std::snprintf(text, sizeof text, "%.4g to %.4g %s; largest %s %s at %.4g", static_cast<double>(facts.sweep_x.front()),
+                static_cast<double>(facts.sweep_x.back()), facts.sweep_unit.c_str(),
+                plain_number(static_cast<double>(most)).c_str(), facts.sweep_measure.c_str(),
                 static_cast<double>(facts.sweep_x[static_cast<std::size_t>(worst)]));
   ImGui::TextWrapped("%s", text);
 }

@@ -46,9 +46,9 @@ struct InspectionFacts {
   };
   std::vector<Region> regions;
   std::vector<std::string> sweep_names;
-  std::string sweep_unit;
-  std::vector<float> sweep_x, sweep_y;  ///< mean reflected luminance, cd/m2
-  std::string sweep_title, job;         ///< what is being computed
+  std::string sweep_unit, sweep_measure;  ///< of `sweep_x` and `sweep_y`
+  std::vector<float> sweep_x, sweep_y;    ///< mean reflected luminance, or ghost angle
+  std::string sweep_title, job;           ///< what is being computed
   float job_share = 0.0f;
   double job_seconds_left = -1.0;                          ///< negative: not known yet
   std::vector<std::pair<std::string, std::string>> worst;  ///< of the last sweep or export

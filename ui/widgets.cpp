@@ -114,6 +114,14 @@ bool slider(const char* id, float* value, float low, float high, const char* for
   return changed;
 }
 
+bool slider(const char* id, int* value, int low, int high, const char* format) {
+  auto real = static_cast<float>(*value);
+  const bool changed =
+      slider(id, &real, static_cast<float>(low), static_cast<float>(high), format, ImGuiSliderFlags_AlwaysClamp);
+  if (changed) *value = static_cast<int>(std::lround(real));
+  return changed;
+}
+
 float scaled(float units) { return std::round(units * ImGui::GetFontSize() / kThemeFontSize); }
 
 void mark_item(Ui& ui, const std::string& name) {

@@ -57,6 +57,8 @@ bool combo(const char* id, std::string* value, const std::vector<std::string>& n
 /// A slider whose value stands beside it, as printf's `format` writes and rounds it; Ctrl+click types one. Takes the
 /// width that was set for the next item.
 bool slider(const char* id, float* value, float low, float high, const char* format, ImGuiSliderFlags flags = 0);
+/// Of whole numbers; the format is that of a float without decimals.
+bool slider(const char* id, int* value, int low, int high, const char* format = "%.0f");
 /// Fields for some numbers in a row, over the rest of it.
 void number_fields(Ui& ui, const std::string& name, float* values, int count, const char* format);
 /// Slider, combo or box made from the declaration, with its unit, its help, and a reset button if it was changed.

@@ -30,6 +30,28 @@ MeasureOptions measure_options_of(const InspectionSetup& view) {
   return options;
 }
 
+SceneOptions inspected_options(const Look& shown, const std::string& scene) {
+  SceneOptions options;
+  options.scene = scene;
+  options.environment = shown.edits.environment;
+  options.env_rotation_deg = shown.edits.env_rotation_deg;
+  options.env_scale = shown.edits.env_scale;
+  options.variant = shown.edits.variant;
+  if (shown.edits.section != glm::vec4(0.0f)) options.section = shown.edits.section;
+  for (const Technique& technique : builtin_registry().techniques)
+    if (technique.can.traces_picture) options.mode = technique.name;
+  options.settings = shown.settings;
+  options.settings.reset("reflections.layer");
+  options.eye = shown.camera.eye;
+  options.target = shown.camera.target;
+  options.up = shown.camera.up;
+  if (shown.camera.is_orthographic())
+    options.orthographic_m = shown.camera.height_m;
+  else
+    options.fov_deg = glm::degrees(shown.camera.fov_y_rad);
+  return options;
+}
+
 bool has_r_point(const Scene& scene) {
   return std::ranges::any_of(scene.nodes, [](const Node& node) { return node.name == "r_point"; });
 }
@@ -96,12 +118,17 @@ std::string interval_text(const Interval& i) {
   return text;
 }
 
-std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps) {
+bool changes_glass_alone(const std::string& sweep) { return sweep == "wedge" || sweep == "thickness"; }
+
+std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps, bool ghost) {
   std::vector<float> worst(steps.size(), 0.0f);
   for (const EyeValues& eye : result.eyes)
-    for (std::size_t i = 0; i < steps.size(); ++i)
-      if (!eye.step.empty() && !eye.regions.empty() && static_cast<float>(eye.step.front().second) == steps[i])
-        worst[i] = std::max(worst[i], static_cast<float>(eye.regions.front().reflected.mean));
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      if (eye.step.empty() || eye.regions.empty() || static_cast<float>(eye.step.front().second) != steps[i]) continue;
+      const RegionValues& region = eye.regions.front();
+      const double angle = region.ghost_arcmin ? region.ghost_arcmin->mean : 0.0;
+      worst[i] = std::max(worst[i], static_cast<float>(ghost ? angle : region.reflected.mean));
+    }
   return worst;
 }
 
@@ -116,6 +143,9 @@ std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& r
   rows.emplace_back("Reflected",
                     plain_number(region.reflected.mean) + " cd/m2, at most " + plain_number(region.reflected.max));
   rows.emplace_back("Contrast kept", plain_number(100.0 * region.contrast) + " %");
+  if (region.ghost_arcmin)
+    rows.emplace_back("Ghost angle", plain_number(region.ghost_arcmin->mean) + " arc minutes, at most " +
+                                         plain_number(region.ghost_arcmin->max));
   if (eye.light) {
     rows.emplace_back("On the glass", plain_number(eye.light->illuminance_lx) + " lx");
     rows.emplace_back("Rake", plain_number(eye.light->rake_deg) + " deg from the vertical");

@@ -17,6 +17,10 @@ glm::ivec4 pixels_of(const InspectedRegion& region, int width, int height);
 /// polarisation.
 MeasureOptions measure_options_of(const InspectionSetup& setup);
 
+/// What the tab Inspect measures of the scene that a window shows, by paths; size and samples are still open. Parts and
+/// materials are taken as changed already.
+SceneOptions inspected_options(const Look& shown, const std::string& scene);
+
 bool has_r_point(const Scene& scene);
 
 /// What the options do not name is as the review has it.
@@ -32,8 +36,11 @@ glm::dvec3 eye_of_button(int button, const InspectionView& view, const glm::dvec
 /// `3989 +- 110 cd/m2`: two digits of the half-width, never with an exponent.
 std::string interval_text(const Interval& interval);
 
-/// Of each step of a sweep the largest mean of the reflected light over all eyes, cd/m2.
-std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps);
+/// A sweep that leaves the veil as it is: its trend is that of the ghost.
+bool changes_glass_alone(const std::string& sweep);
+/// Of each step of a sweep the largest mean over all eyes: of the reflected light, cd/m2, or of the ghost angle, arc
+/// minutes.
+std::vector<float> worst_of_steps(const Measurement& result, const std::vector<float>& steps, bool ghost);
 
 /// The worst eye and step, light on the glass, veil per lux, in words.
 std::vector<std::pair<std::string, std::string>> worst_rows(const Measurement& result);

@@ -442,8 +442,9 @@ int run_window(const SceneOptions& options) {
   Inbox inbox;
   WindowMemory memory;
   if (options.screenshot.empty()) memory = load_window_memory();
-  const bool sized = options.given.contains("--size") || memory.width == 0;
-  GlfwWindow window(sized ? options.width : memory.width, sized ? options.height : memory.height, &inbox);
+  const bool asked = options.given.contains("--size"), remembered = !asked && memory.width > 0;
+  GlfwWindow window(remembered ? memory.width : options.width, remembered ? memory.height : options.height,
+                    asked || remembered, &inbox);
   query_device();
   install_debug_output();
   App app(options, memory, &window, &inbox);

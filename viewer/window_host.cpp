@@ -89,16 +89,28 @@ void install_callbacks(GLFWwindow* window) {
   });
 }
 
+/// A window that the display's scale has made larger than its screen.
+void keep_on_screen(GLFWwindow* window) {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (!monitor) return;
+  int x = 0, y = 0, most_width = 0, most_height = 0, width = 0, height = 0;
+  glfwGetMonitorWorkarea(monitor, &x, &y, &most_width, &most_height);
+  glfwGetWindowSize(window, &width, &height);
+  if (most_width < 1 || most_height < 1 || (width <= most_width && height <= most_height)) return;
+  glfwSetWindowSize(window, std::min(width, most_width), std::min(height, most_height));
+  glfwSetWindowPos(window, x, y);
+}
+
 }  // namespace
 
-GlfwWindow::GlfwWindow(int width, int height, Inbox* inbox) {
+GlfwWindow::GlfwWindow(int width, int height, bool known, Inbox* inbox) {
   if (!glfwInit())
     throw Error("maquette view", "there is no display (" + glfw_fault() + ")",
                 "maquette render --output FILE.png draws without one");
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
   glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, known ? GLFW_FALSE : GLFW_TRUE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   window_ = glfwCreateWindow(width, height, "Maquette", nullptr, nullptr);
@@ -108,6 +120,7 @@ GlfwWindow::GlfwWindow(int width, int height, Inbox* inbox) {
     throw Error("graphics", "OpenGL 4.5 core is needed for a window (" + fault + ")",
                 "install a newer driver or Mesa's llvmpipe (libgl1-mesa-dri); `maquette doctor` says more");
   }
+  if (!known) keep_on_screen(window_);
   glfwMakeContextCurrent(window_);
   glfwSwapInterval(1);
   glfwSetWindowUserPointer(window_, inbox);

@@ -13,8 +13,9 @@ namespace maquette {
 /// GLFW, its window and its OpenGL 4.5 context, current on this thread.
 class GlfwWindow {
  public:
-  /// Throws Error without a display, or below OpenGL 4.5. `inbox` outlives the window.
-  GlfwWindow(int width, int height, Inbox* inbox);
+  /// Throws Error without a display, or below OpenGL 4.5. `known`: the size is one that was asked for, or that a window
+  /// had; else the display's scale makes it larger, as far as the screen has room. `inbox` outlives the window.
+  GlfwWindow(int width, int height, bool known, Inbox* inbox);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;

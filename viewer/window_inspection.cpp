@@ -201,8 +201,7 @@ void WindowInspection::probe(const WindowSession& session, const WindowPicture& 
   const EyeRays rays = eye_rays(request.camera, request.width, request.height, traced_->paths->bounds);
   const std::size_t pixel =
       static_cast<std::size_t>(px.y) * static_cast<std::size_t>(request.width) + static_cast<std::size_t>(px.x);
-  const Sight sight = look_along(*traced_->paths, rays.origins[pixel], rays.directions[pixel],
-                                 glm::dvec3(glm::normalize(request.camera.up)));
+  const Sight sight = look_along(*traced_->paths, rays.at(pixel), glm::dvec3(glm::normalize(request.camera.up)));
   const double sum = luminance(picture_, px.x, px.y);
   char text[96];
   probe_.clear();
@@ -264,8 +263,7 @@ void WindowInspection::measure_regions(const WindowSession& session, const Windo
         if (k % stride != 0) continue;
         const std::size_t pixel =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(request.width) + static_cast<std::size_t>(x);
-        const Sight sight = look_along(*traced.paths, rays.origins[pixel], rays.directions[pixel],
-                                       glm::dvec3(glm::normalize(request.camera.up)));
+        const Sight sight = look_along(*traced.paths, rays.at(pixel), glm::dvec3(glm::normalize(request.camera.up)));
         if (!sight.pane) continue;
         incidence.push_back(sight.pane->incidence_rad * kDegrees);
         pixels.push_back(pixel);
@@ -318,11 +316,12 @@ void WindowInspection::carry_out(const InspectionActions& actions, WindowSession
 
 void WindowInspection::fill_facts(const WindowSession& session, InspectionFacts* facts) const {
   *facts = {};
+  facts->sweep_names = sweep_names();
   if (!session.state.inspection.open) return;
   facts->status = status_;
-  facts->sun = sun_;
+  facts->sun = !sun_.empty() ? sun_ : traced_ ? "No sun in this environment" : "";
   facts->regions = regions_.values;
-  facts->sweep_names = sweep_names();
+  facts->sweep_measure = sweep_of_ghost_ ? "arc minutes" : "cd/m2";
   static const char* const kUnits[] = {"degrees", "degrees", "degrees from the vertical", "share of the light",
                                        "mrad",    "mm"};
   facts->sweep_unit = kUnits[std::clamp(session.state.inspection.sweep, 0, 5)];

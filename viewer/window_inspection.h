@@ -84,6 +84,7 @@ class WindowInspection {
   InspectionSetup regions_setup_, probed_setup_;
   std::unique_ptr<Job> job_;
   std::vector<float> sweep_x_, sweep_y_;
+  bool sweep_of_ghost_ = false;  ///< `sweep_y_` are arc minutes, else cd/m2
   std::string sweep_title_, status_, sun_;
   std::vector<std::pair<std::string, std::string>> worst_;
   Texture colors_;

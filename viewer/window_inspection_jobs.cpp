@@ -17,25 +17,14 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
   }
   const InspectionView& view = session->state.inspection;
   const EditorState& state = session->state;
-  SceneOptions options;
-  options.scene = traced_->scene->name;
-  options.environment = state.edits.environment;
-  options.env_rotation_deg = state.edits.env_rotation_deg;
-  options.env_scale = state.edits.env_scale;
-  for (const Technique& technique : builtin_registry().techniques)
-    if (technique.can.traces_picture) options.mode = technique.name;
-  options.settings = state.settings;
-  options.settings.reset("reflections.layer");
-  options.eye = state.camera.eye;
-  options.target = state.camera.target;
-  options.up = state.camera.up;
-  options.fov_deg = glm::degrees(state.camera.fov_y_rad);
+  SceneOptions options = inspected_options(state, traced_->scene->name);
   constexpr int kSweepHeight = 54, kExportHeight = 180;
   options.height = exports ? kExportHeight : kSweepHeight;
   const float aspect = static_cast<float>(std::max(seen_.width, 1)) / static_cast<float>(std::max(seen_.height, 1));
   options.width = std::max(1, static_cast<int>(std::lround(aspect * static_cast<float>(options.height))));
   options.samples = exports ? 16 : 8;
   MeasureOptions measured = measure_options_of(view);
+  measured.edits = state.edits;
   if (exports) {
     measured.paths = 64;
     measured.layers = "exr";
@@ -53,7 +42,8 @@ void WindowInspection::start_job(WindowSession* session, bool exports) {
       sweep_x_.push_back(static_cast<float>(sweep.values.back()));
     }
     measured.sweeps = {sweep};
-    sweep_title_ = "reflected cd/m2 over " + name;
+    sweep_of_ghost_ = changes_glass_alone(name);
+    sweep_title_ = std::string(sweep_of_ghost_ ? "ghost angle" : "reflected light") + " over " + name;
   }
   const std::string path = view.export_path.data();
   job_ = std::make_unique<Job>();
@@ -87,7 +77,7 @@ void WindowInspection::finish_job(WindowSession* session) {
       const std::string path = session->state.inspection.export_path.data();
       session->add_message(MessageLevel::warning, "written: " + path + " and its layers");
     } else {
-      sweep_y_ = worst_of_steps(result, sweep_x_);
+      sweep_y_ = worst_of_steps(result, sweep_x_, sweep_of_ghost_);
     }
     worst_ = worst_rows(result);
   } catch (const std::exception& error) {

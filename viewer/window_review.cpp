@@ -78,6 +78,18 @@ void WindowSession::open_review(const std::string& file) {
   }
 }
 
+void WindowSession::open_path(const std::string& source) {
+  try {
+    CameraPath path = load_path(source);
+    path.name = free_name(state.paths, path.name.empty() ? "path" : path.name);
+    add_message(MessageLevel::warning, "camera path " + path.name + " added, tab Review; Space plays it");
+    state.paths.push_back(std::move(path));
+    state.path_view.path = static_cast<int>(state.paths.size()) - 1;
+  } catch (const Error& error) {
+    add_message(MessageLevel::error, error.what());
+  }
+}
+
 void WindowSession::offer_left_behind() {
   for (const std::string& journal : OpenReview::left_behind())
     messages_.push_back({MessageLevel::warning, "An untitled review was not saved when its window closed.", true,

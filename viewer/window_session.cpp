@@ -162,15 +162,8 @@ void WindowSession::open(const std::string& named, int material) {
   const std::string extension = lower_extension(source);
   if (is_review_file(source)) {
     open_review(source);
-  } else if (source.ends_with(".path.json")) {
-    try {
-      CameraPath path = load_path(source);
-      path.name = free_name(state.paths, path.name.empty() ? "path" : path.name);
-      state.paths.push_back(std::move(path));
-      state.path_view.path = static_cast<int>(state.paths.size()) - 1;
-    } catch (const Error& error) {
-      add_message(MessageLevel::error, error.what());
-    }
+  } else if (extension == ".json") {
+    open_path(source);
   } else if (contains_name({".hdr", ".exr", ".pic"}, extension) ||
              (source.starts_with("builtin:") && (contains_name(builtin_environment_names(), source) ||
                                                  contains_name(builtin_environment_names(), source.substr(8))))) {
@@ -195,7 +188,7 @@ void WindowSession::open(const std::string& named, int material) {
   } else {
     add_message(MessageLevel::error, source +
                                          ": what this is cannot be told from its extension; known are .glb, "
-                                         ".gltf, .hdr, .exr, .binary, .btf and .maquette.json");
+                                         ".gltf, .hdr, .exr, .binary, .btf, .maquette.json and .path.json");
   }
 }
 

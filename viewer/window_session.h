@@ -34,6 +34,8 @@ class WindowSession {
 
   /// A scene, an environment or a BRDF by its extension (or a built-in name); a BRDF goes to `material`.
   void open(const std::string& source, int material);
+  /// Adds the camera path of a file.
+  void open_path(const std::string& source);
   /// Uses files that have been read, and applies the edits. `busy`: a control or the mouse is held.
   void update(bool busy, double now_s);
   void undo();

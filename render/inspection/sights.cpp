@@ -56,6 +56,8 @@ Met follow(const PathScene& scene, Ray ray, RayKind kind, double before_m) {
     const SurfacePoint p = resolve_surface(scene, ray, hit, {});
     before_m += static_cast<double>(glm::distance(ray.origin, p.position));
     ray.origin = offset_from_surface(p.position, p.error, -p.normal);
+    ray.near = 0.0f;
+    ray.far = std::max(ray.far - hit.distance, 0.0f);
   }
   return {};
 }
@@ -84,8 +86,7 @@ PaneSight pane_sight(const PathScene& scene, const Ray& ray, const RayHit& hit, 
 
 }  // namespace
 
-Sight look_along(const PathScene& scene, const glm::vec3& origin, const glm::vec3& direction, const glm::dvec3& up) {
-  const Ray ray{origin, direction};
+Sight look_along(const PathScene& scene, const Ray& ray, const glm::dvec3& up) {
   Sight sight;
   RayHit hit;
   if (intersect(scene, ray, RayKind::camera, 0x80000000u, &hit) && scene.material_of(hit.triangle).clear() > 0.0f)

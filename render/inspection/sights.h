@@ -6,6 +6,7 @@
 
 #include "render/inspection/pane_optics.h"
 #include "render/reference/reference.h"
+#include "render/reference/traversal.h"
 
 namespace maquette {
 
@@ -39,8 +40,9 @@ struct Sight {
   Met behind;                     ///< what is seen through all panes; distance from the eye
 };
 
-/// Follows eye rays through the scene. `up`: unit, of the eye, for sunglasses. Thread-safe.
-Sight look_along(const PathScene& scene, const glm::vec3& origin, const glm::vec3& direction, const glm::dvec3& up);
+/// Follows an eye ray, its direction unit, through the scene, from `near` to `far`; mirror images are whole. `up`:
+/// unit, of the eye, for sunglasses. Thread-safe.
+Sight look_along(const PathScene& scene, const Ray& ray, const glm::dvec3& up);
 
 /// By which factor light changes where only one polarisation, or what sunglasses let through, is counted.
 enum class Polarisation { all, s, p, sunglasses };

@@ -185,7 +185,7 @@ TEST_F(FlatDashboard, PathsAndProbesAgreeWithTheClosedForm) {
 TEST_F(FlatDashboard, SunglassesRemoveWhatIsPolarisedSideways) {
   const std::shared_ptr<const PathScene> paths = build_path_scene({.scene = *scene_, .environment = sky_});
   const glm::vec3 eye(0.0f, 0.9f, -0.5f), middle = kLow + 0.5f * kAcross + 0.5f * kUp;
-  const Sight sight = look_along(*paths, eye, glm::normalize(middle - eye), {0.0, 1.0, 0.0});
+  const Sight sight = look_along(*paths, {eye, glm::normalize(middle - eye)}, {0.0, 1.0, 0.0});
   ASSERT_TRUE(sight.pane);
   EXPECT_NEAR(sight.pane->s_through_sunglasses, 0.0, 1e-9);
   const Polarised& r = sight.pane->optics.reflected;
@@ -195,6 +195,108 @@ TEST_F(FlatDashboard, SunglassesRemoveWhatIsPolarisedSideways) {
       polarisation_factor(sight.pane, Polarisation::s, true) + polarisation_factor(sight.pane, Polarisation::p, true),
       2.0, 1e-12);
   EXPECT_EQ(polarisation_factor(std::nullopt, Polarisation::sunglasses, false), 0.5);
+}
+
+SceneOptions measured_view(const std::string& mode) {
+  SceneOptions options;
+  options.mode = mode;
+  options.width = 48;
+  options.height = 32;
+  options.samples = mode == "reference" ? 64 : 0;
+  options.eye = {0.1f, 0.9f, -0.5f};
+  options.target = {0.0f, 0.4f, 0.8f};
+  options.fov_deg = 28.0f;
+  options.settings.set("shading.visibility", std::string("none"));
+  options.settings.set("shading.indirect", std::string("none"));
+  return options;
+}
+
+/// All paths find that the pane dims what lights the dashboard; direct ones have the closed form, and so do the modes
+/// that compute no more.
+TEST(MeasureDashboard, TheTransportIsTheOneThatIsAsked) {
+  const auto share = [](const SceneOptions& options) {
+    const RegionValues region = measure(options, {}, dashboard_scene(), even_sky()).eyes[0].regions[0];
+    return region.reflected.mean / (static_cast<double>(kSky * kDash) * region.reflectance.mean);
+  };
+  SceneOptions paths = measured_view("reference");
+  EXPECT_LT(share(paths), 0.98);
+  paths.settings.set("reference.transport", std::string("direct"));
+  EXPECT_NEAR(share(paths), 1.0, 0.01);
+  EXPECT_NEAR(share(measured_view("splitsum")), 1.0, 0.01);
+}
+
+/// A section plane takes from the figures what it takes from the picture, on either side of the eye.
+TEST(MeasureDashboard, ASectionPlaneCutsWhatIsMeasured) {
+  const auto region = [](SceneOptions options, std::optional<glm::vec4> section) {
+    options.settings.set("reference.transport", std::string("direct"));
+    options.section = section;
+    return measure(options, {}, dashboard_scene(), even_sky()).eyes[0].regions[0];
+  };
+  const RegionValues whole = region(measured_view("reference"), std::nullopt);
+  struct Case {
+    glm::vec4 section;
+    bool cuts_pane, opens_sky;
+  };
+  for (const Case& c : {Case{{1, 0, 0, 0.1f}, true, false}, Case{{0, 0, -1, -0.7f}, true, false},
+                        Case{{0, 0, 1, 0.8f}, true, true}, Case{{0, 0, 1, 2.5f}, false, true}}) {
+    const RegionValues traced = region(measured_view("reference"), c.section),
+                       drawn = region(measured_view("splitsum"), c.section);
+    EXPECT_EQ(traced.pane_pixels, drawn.pane_pixels);
+    if (c.cuts_pane)
+      EXPECT_LT(traced.pane_pixels, 9 * whole.pane_pixels / 10) << c.section.x << c.section.z;
+    else
+      EXPECT_EQ(traced.pane_pixels, whole.pane_pixels);
+    EXPECT_EQ(traced.transmitted.mean > 3.0 * whole.transmitted.mean, c.opens_sky) << traced.transmitted.mean;
+    EXPECT_GT(drawn.reflected.min, 0.0) << "each pixel of the region shows the pane";
+    EXPECT_NEAR(drawn.reflected.mean, traced.reflected.mean, 0.01 * traced.reflected.mean);
+    EXPECT_NEAR(drawn.transmitted.mean, traced.transmitted.mean, 0.01 * traced.transmitted.mean);
+  }
+}
+
+/// Bright stripes, which the first and the second image show at different places.
+std::shared_ptr<const Scene> striped_dashboard() {
+  auto scene = std::make_shared<Scene>(*dashboard_scene());
+  scene->materials.push_back(scene->materials[0]);
+  scene->materials[2].base_color = glm::vec4(glm::vec3(0.8f), 1.0f);
+  for (int k = 0; k < 12; ++k)
+    test::add(scene.get(),
+              test::make_grid({-3.0f, 0.001f, -0.2f + 0.16f * static_cast<float>(k)}, {6, 0, 0}, {0, 0, 0.08f}, 4, 2),
+              "stripe");
+  return scene;
+}
+
+/// The layers that are kept have the second image, whether it is part of the picture or not, and whether frames or
+/// paths draw it; both find it where the glass puts it.
+TEST(MeasureDashboard, TheGhostIsAmongTheLayers) {
+  const auto drawn = [](const std::string& mode, double thickness_mm) {
+    SceneOptions options = measured_view(mode);
+    options.settings.set("reference.transport", std::string("direct"));
+    options.settings.set("reflections.thickness", thickness_mm);
+    options.settings.set("reflections.resolution", std::string("full"));
+    if (options.samples > 0) options.samples = 512;
+    MeasureOptions kept;
+    kept.layers = "kept.exr";
+    LastEye last;
+    measure(options, kept, striped_dashboard(), even_sky(), {}, &last);
+    return last;
+  };
+  const LastEye frames = drawn("splitsum", 50.0), paths = drawn("reference", 50.0), thin = drawn("reference", 0.01);
+  ASSERT_TRUE(frames.pictures.ghost && paths.pictures.ghost && thin.pictures.ghost);
+  double apart = 0.0, moved = 0.0, light = 0.0;
+  for (std::size_t i = 0; i < frames.sights.size(); ++i) {
+    if (!frames.sights[i].pane) continue;
+    const double of_paths = luminance_of(*paths.pictures.ghost, i);
+    apart += std::abs(luminance_of(*frames.pictures.ghost, i) - of_paths);
+    moved += std::abs(luminance_of(*thin.pictures.ghost, i) - of_paths);
+    light += of_paths;
+    const PaneOptics& o = frames.sights[i].pane->optics;
+    const double first = luminance_of(thin.pictures.reflected, i) / o.reflected.mean();
+    EXPECT_NEAR(luminance_of(*thin.pictures.ghost, i), first * (o.reflected.mean() - o.surface.mean()), 0.1 * first)
+        << i;
+  }
+  EXPECT_GT(light, 0.0);
+  EXPECT_GT(moved, 0.3 * light) << "the second image is beside the first one";
+  EXPECT_LT(apart, 0.3 * moved) << "where frames have it, whose edges are smoothed";
 }
 
 /// The whole measurement, without a graphics context: a pane over a dashboard that the sky lights through it.

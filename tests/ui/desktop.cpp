@@ -212,10 +212,12 @@ bool Desktop::wait_until(const std::function<bool(const ScreenPicture&)>& done, 
   return false;
 }
 
+std::string Desktop::display() const { return display_.substr(display_.find('=') + 1); }
+
 std::string Desktop::clipboard() const {
   const char* own = std::getenv("DISPLAY");
   const std::string before = own ? own : "";
-  ::setenv("DISPLAY", display_.substr(display_.find('=') + 1).c_str(), 1);
+  ::setenv("DISPLAY", display().c_str(), 1);
   std::string text;
   if (glfwInit() == GLFW_TRUE) {
     const char* found = glfwGetClipboardString(nullptr);

@@ -44,6 +44,8 @@ class Desktop {
   void click(const Rect& rect) const;
   /// Polls until the screen meets the condition; false after `seconds`.
   bool wait_until(const std::function<bool(const ScreenPicture&)>& done, double seconds) const;
+  /// As X11 names it, `:7`.
+  std::string display() const;
   /// What another program would paste.
   std::string clipboard() const;
   /// What the program wrote to standard error.

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "render/technique/registry.h"
 #include "scenes/brdf.h"
+#include "test_paths.h"
 #include "tests/ui/headless_editor.h"
 #include "tests/ui/small_scene.h"
 #include "ui/bake_state.h"
@@ -92,6 +95,21 @@ TEST(Panels, SlidersLeaveRoomForWhatStandsBehindThem) {
       EXPECT_LE(rect.x + rect.width, flip.x + flip.width + 0.5f) << name << " at " << width;
     }
   }
+}
+
+/// The grab would cover a value that stands on it.
+TEST(Panels, EverySliderHasItsValueBesideIt) {
+  std::size_t sliders = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(MAQUETTE_SOURCE_DIR) + "/ui")) {
+    if (entry.path().extension() != ".cpp" || entry.path().filename() == "widgets.cpp") continue;
+    std::ifstream stream(entry.path());
+    for (std::string line; std::getline(stream, line);) {
+      sliders += line.find("slider(\"##") != std::string::npos ? 1 : 0;
+      const bool plain = line.find("ImGui::Slider") != std::string::npos && line.find("\"\");") == std::string::npos;
+      EXPECT_FALSE(plain) << entry.path().filename() << ": " << line;
+    }
+  }
+  EXPECT_GT(sliders, 5u);
 }
 
 TEST(Panels, PartsTakeAModeInTheSceneTree) {

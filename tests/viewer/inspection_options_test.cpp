@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
+#include "viewer/session.h"
+
 namespace maquette {
 namespace {
 
@@ -114,12 +118,47 @@ TEST(InspectionOptions, TheWorstEyeOfEachStepCounts) {
   add(60.0, 30.0);
   add(60.0, 20.0);
   result.worst = 2;
-  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}), (std::vector<float>{12.0f, 30.0f}));
+  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}, false), (std::vector<float>{12.0f, 30.0f}));
   const auto rows = worst_rows(result);
   ASSERT_GE(rows.size(), 2u);
   EXPECT_EQ(rows[0].second, "row 1, column 3, rake 60");
   EXPECT_EQ(rows[1].second.substr(0, 8), "30 cd/m2");
   EXPECT_TRUE(worst_rows({}).empty());
+  const std::array<double, 4> angles = {3.0, 2.0, 4.0, 6.0};
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    result.eyes[i].regions[0].ghost_arcmin.emplace();
+    result.eyes[i].regions[0].ghost_arcmin->mean = angles[i];
+  }
+  EXPECT_EQ(worst_of_steps(result, {45.0f, 60.0f}, true), (std::vector<float>{3.0f, 6.0f}));
+  for (const std::string& name : sweep_names())
+    EXPECT_EQ(changes_glass_alone(name), name == "wedge" || name == "thickness") << name;
+}
+
+TEST(InspectionOptions, AWindowsTabMeasuresWhatItsWindowShows) {
+  Scene scene;
+  scene.variants = {"Day", "Night"};
+  Look shown;
+  shown.edits.variant = "Night";
+  shown.edits.env_rotation_deg = 20.0f;
+  shown.edits.env_scale = 2.0f;
+  shown.edits.section = {1.0f, 0.0f, 0.0f, 0.5f};
+  shown.settings.set("reflections.wedge", 0.5);
+  shown.settings.set("reflections.layer", std::string("ghost"));
+  shown.camera.eye = {1.0f, 2.0f, 3.0f};
+  shown.camera.target = {0.0f, 1.0f, 0.0f};
+  shown.camera.fov_y_rad = 0.4f;
+  for (const float height_m : {0.0f, 1.5f}) {
+    shown.camera.height_m = height_m;
+    const SceneOptions options = inspected_options(shown, "car.glb");
+    const Look measured = look_of_options(scene, options);
+    EXPECT_EQ(measured.edits, shown.edits);
+    EXPECT_EQ(measured.camera.eye, shown.camera.eye);
+    EXPECT_EQ(measured.camera.target, shown.camera.target);
+    EXPECT_EQ(measured.camera.height_m, height_m);
+    if (height_m == 0.0f) EXPECT_NEAR(measured.camera.fov_y_rad, shown.camera.fov_y_rad, 1e-6f);
+    EXPECT_EQ(measured.settings.get_double("reflections.wedge"), 0.5);
+    EXPECT_EQ(measured.settings.get_string("reflections.layer"), "all") << "every layer is measured";
+  }
 }
 
 TEST(InspectionOptions, RegionsCoverAtLeastAPixel) {

@@ -70,6 +70,48 @@ TEST(MeasureCommand, AtNightTheDisplaysAloneAreSeen) {
   EXPECT_LT(through(night), 1.0);
 }
 
+// Every figure can be had again from its file: what was changed, where the eye is, which settings are not as declared.
+TEST(MeasureCommand, FilesSayWhatTheirFiguresRestOn) {
+  const TemporaryFolder folder;
+  const Json json = measured(
+      folder, {"--material", "SoftTouch=builtin:paint-solid-white", "--turn", "mirror_glass_left=0,1,0,5", "--dent",
+               "0.3,0.9,0.7,0.01,0.7", "--section", "0,1,0,1.5", "--set", "reflections.wedge=0.5", "--seed", "3"});
+  const Json& said = json.at("assumptions");
+  const auto text = [&](const char* name) { return said.value(name, std::string("(missing)")); };
+  EXPECT_EQ(text("materials"), "SoftTouch=builtin:paint-solid-white");
+  EXPECT_NE(text("turned parts").find("mirror_glass_left by 5 degrees about 0, 1, 0"), std::string::npos)
+      << text("turned parts");
+  EXPECT_EQ(text("dents"), "0.01 m deep, radius 0.7 m, at 0.3, 0.9, 0.7");
+  EXPECT_EQ(text("section plane"), "what is seen has p . (0, 1, 0) <= 1.5 m");
+  EXPECT_EQ(text("settings"), "reflections.wedge=0.5");
+  EXPECT_EQ(text("samples"), "1 paths a pixel and side of the pane, seed 3");
+  const Json& position = json.at("eyes").at(0).at("position_m");
+  const std::string csv = folder.file("m.csv"), exr = folder.file("m.exr");
+  const ProgramResult result = run_maquette(measure_words({"--sweep", "thickness=4,5", "-o", csv, "--layers", exr}));
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  char eye[96];
+  std::snprintf(eye, sizeof eye, "region,V1,%.7g,%.7g,%.7g,4,pane", position[0].get<double>(),
+                position[1].get<double>(), position[2].get<double>());
+  EXPECT_NE(read_text(csv).find(eye), std::string::npos) << eye;
+  EXPECT_NE(read_text(csv).find("# R-point: "), std::string::npos);
+  EXPECT_NE(read_text(exr).find("V1: eye "), std::string::npos);
+  EXPECT_NE(read_text(exr).find("thickness 5"), std::string::npos) << "the layers are of the last step";
+}
+
+// The veil does not depend on the wedge; the ghost does.
+TEST(MeasureCommand, TheWorstWedgeIsTheOneWithTheLargestGhost) {
+  const TemporaryFolder folder;
+  const Json json = measured(folder, {"--sweep", "wedge=1,-1,0"});
+  EXPECT_EQ(json.at("worst").at("step").at("wedge").get<double>(), -1.0) << json.at("worst").dump();
+  const Json& eyes = json.at("eyes");
+  const auto ghost = [&](std::size_t i) {
+    return eyes.at(i).at("regions").at(0).at("ghost_angle_arcmin").at("mean").get<double>();
+  };
+  EXPECT_GT(ghost(1), ghost(2));
+  EXPECT_GT(ghost(2), ghost(0));
+  EXPECT_EQ(json.at("worst").at("ghost_angle_arcmin").get<double>(), ghost(1));
+}
+
 // The order that is known from measurements: a flatter windshield and a brighter dashboard veil more.
 TEST(MeasureCommand, TheVeilGrowsWithRakeAndWithTheDashboard) {
   const TemporaryFolder folder;
@@ -106,6 +148,9 @@ TEST(MeasureCommand, WrongCallsAreNamed) {
       {measure_words({"--eye-grid", "0x2"}), 2, "it goes from 1 to 32"},
       {measure_words({"--sweep", "rakes=1,2"}), 2, "did you mean rake?"},
       {measure_words({"--sweep", "rake="}), 2, "--sweep"},
+      {measure_words({"--dash", "SoftTuch"}), 2,
+       "--dash SoftTuch: builtin:cockpit has no such material; did you mean SoftTouch?"},
+      {measure_words({"--dash", "*"}), 2, "--dash *: builtin:cockpit has no such material"},
       {measure_words({"--night", "--lux-on-glass", "1000"}), 2, "it excludes --lux-on-glass"},
       {{"measure", "builtin:plate", "--eye-point", "V1"}, 1, "has no node r_point; give the R-point"},
       {{"measure", "builtin:plate"}, 1, "no pixel shows a pane of glass"}};

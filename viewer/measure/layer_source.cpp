@@ -2,20 +2,18 @@
 #include "render/renderer.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
-#include "viewer/measure/measurement.h"
+#include "viewer/measure/measure_run.h"
 #include "viewer/session.h"
 
 namespace maquette {
 
 namespace {
 
-constexpr int kFrames = 4;  ///< in the mean, unless --frames says otherwise
-
 /// Layers as frames of a mode that rasterises.
 class FrameLayers : public LayerSource {
  public:
   LayerPictures draw(const std::shared_ptr<const Scene>& scene, const std::shared_ptr<const Environment>& environment,
-                     const SceneOptions& options, const std::vector<Sight>&) override {
+                     const SceneOptions& options, bool with_ghost) override {
     if (scene != scene_) {
       renderer_.set_scene(scene);
       for (const auto& [name, source] : options.materials) renderer_.set_material(name, source);
@@ -28,14 +26,16 @@ class FrameLayers : public LayerSource {
     LayerPictures out;
     out.transmitted = frame(request, "transmitted", options.frames);
     out.reflected = frame(request, "reflected", options.frames);
-    if (options.settings.get_bool("reflections.ghost")) out.ghost = frame(request, "ghost", options.frames);
+    if (!with_ghost) return out;
+    request.settings.set("reflections.ghost", true);
+    out.ghost = frame(request, "ghost", options.frames);
     return out;
   }
 
  private:
   Image frame(FrameRequest request, const std::string& layer, int frames) {
     request.settings.set("reflections.layer", layer);
-    for (int i = 0; i < (frames > 0 ? frames : kFrames); ++i) renderer_.render(request, true);
+    for (int i = 0; i < (frames > 0 ? frames : kFramesOfLayer); ++i) renderer_.render(request, true);
     return renderer_.read_radiance();
   }
 

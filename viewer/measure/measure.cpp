@@ -45,6 +45,7 @@ EyeRays eye_rays(const CameraView& camera, int width, int height, const Bounds& 
   const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   rays.origins.resize(count);
   rays.directions.resize(count);
+  rays.seen_m.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const auto x = static_cast<float>(i % static_cast<std::size_t>(width)),
                y = static_cast<float>(i / static_cast<std::size_t>(width));
@@ -52,6 +53,8 @@ EyeRays eye_rays(const CameraView& camera, int width, int height, const Bounds& 
         {(2.0f * x + 1.0f) / static_cast<float>(width) - 1.0f, 1.0f - (2.0f * y + 1.0f) / static_cast<float>(height)});
     rays.origins[i] = ray.origin;
     rays.directions[i] = glm::normalize(ray.direction);
+    const glm::vec2 depths = frame.seen_depths(ray);
+    rays.seen_m[i] = glm::min(depths, glm::vec2(Ray().far / glm::length(ray.direction))) * glm::length(ray.direction);
   }
   return rays;
 }
@@ -59,7 +62,7 @@ EyeRays eye_rays(const CameraView& camera, int width, int height, const Bounds& 
 std::vector<Sight> look_at_all(const PathScene& scene, const EyeRays& rays, const glm::dvec3& up) {
   std::vector<Sight> sights(rays.origins.size());
   tbb::parallel_for(std::size_t{0}, sights.size(),
-                    [&](std::size_t i) { sights[i] = look_along(scene, rays.origins[i], rays.directions[i], up); });
+                    [&](std::size_t i) { sights[i] = look_along(scene, rays.at(i), up); });
   return sights;
 }
 

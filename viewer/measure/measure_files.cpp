@@ -130,9 +130,16 @@ std::string statistics_names(const std::string& name, bool threshold) {
   return text + (threshold ? "," + name + "_share_over_threshold" : "");
 }
 
-std::string region_line(const EyeValues& e, const RegionValues& r) {
-  std::string line = "region," + quoted(e.eye);
+/// What both tables begin with.
+std::string line_begin(const char* kind, const EyeValues& e) {
+  std::string line = kind + ("," + quoted(e.eye));
+  for (int c = 0; c < 3; ++c) line += "," + cell(e.position[c]);
   for (const auto& [name, value] : e.step) line += "," + cell(value);
+  return line;
+}
+
+std::string region_line(const EyeValues& e, const RegionValues& r) {
+  std::string line = line_begin("region", e);
   line +=
       "," + quoted(r.name) + "," + std::to_string(r.pane_pixels) + "," + cell(e.light ? e.light->illuminance_lx : NAN);
   add_statistics(r.reflected, true, &line);
@@ -150,8 +157,7 @@ std::string region_line(const EyeValues& e, const RegionValues& r) {
 }
 
 std::string probe_line(const EyeValues& e, const ProbeValues& p) {
-  std::string line = "probe," + quoted(e.eye);
-  for (const auto& [name, value] : e.step) line += "," + cell(value);
+  std::string line = line_begin("probe", e);
   line += "," + std::to_string(p.pixel.x) + "," + std::to_string(p.pixel.y) + "," + cell(p.reflected) + "," +
           cell(p.transmitted) + "," + cell(p.reflected + p.transmitted);
   const std::optional<PaneSight>& pane = p.sight.pane;
@@ -176,13 +182,15 @@ std::string measurement_json(const Measurement& m) {
   if (m.eyes.size() > 1) {
     json["worst"] = {{"eye", m.eyes[m.worst].eye},
                      {"reflected_cdm2", number(m.eyes[m.worst].regions.front().reflected.mean)}};
+    if (const auto& ghost = m.eyes[m.worst].regions.front().ghost_arcmin)
+      json["worst"]["ghost_angle_arcmin"] = number(ghost->mean);
     for (const auto& [name, value] : m.eyes[m.worst].step) json["worst"]["step"][name] = number(value);
   }
   return json.dump(2) + "\n";
 }
 
 std::string measurement_csv(const Measurement& m) {
-  std::string text, steps;
+  std::string text, steps = ",eye_x_m,eye_y_m,eye_z_m";
   for (const auto& [name, value] : m.assumptions) text += "# " + name + ": " + value + "\n";
   for (const std::string& line : m.not_modelled) text += "# not modelled: " + line + "\n";
   for (const auto& [name, value] : m.eyes.front().step) steps += "," + name;
@@ -268,6 +276,30 @@ std::string measurement_text(const Measurement& m) {
   return text;
 }
 
+namespace {
+
+/// What is of the last eye alone: where it is, and what the sweeps' last step is.
+std::vector<std::pair<std::string, std::string>> last_lines(const Measurement& m, const LastEye& last) {
+  const auto point = [](const glm::vec3& p) {
+    return cell(static_cast<double>(p.x)) + ", " + cell(static_cast<double>(p.y)) + ", " +
+           cell(static_cast<double>(p.z));
+  };
+  const EyeValues& eye = m.eyes.back();
+  std::string steps;
+  for (const auto& [name, value] : eye.step) steps += (steps.empty() ? "" : ", ") + name + " " + cell(value);
+  std::vector<std::pair<std::string, std::string>> lines = {
+      {"camera", eye.eye + ": eye " + point(last.options.eye.value_or(glm::vec3(eye.position))) + " m, target " +
+                     point(last.options.target.value_or(glm::vec3(0.0f))) + " m, up " +
+                     point(last.options.up.value_or(glm::vec3(0.0f, 1.0f, 0.0f)))}};
+  if (last.options.fov_deg)
+    lines.back().second += ", " + cell(static_cast<double>(*last.options.fov_deg)) + " degrees high";
+  if (!steps.empty()) lines.emplace_back("step", steps);
+  if (eye.light) lines.emplace_back("light on the glass", cell(eye.light->illuminance_lx) + " lx");
+  return lines;
+}
+
+}  // namespace
+
 void write_layers(const std::string& path, const Measurement& measurement, const LastEye& last) {
   const Image& reflected = last.pictures.reflected;
   Image sum(reflected.width, reflected.height, 4, 1.0f), angles(reflected.width, reflected.height, 3);
@@ -291,6 +323,7 @@ void write_layers(const std::string& path, const Measurement& measurement, const
   if (last.pictures.ghost) layers.emplace("ghost", rgb(*last.pictures.ghost));
   std::map<std::string, std::string> attributes;
   for (const auto& [name, value] : measurement.assumptions) attributes["maquette." + name] = value;
+  for (const auto& [name, value] : last_lines(measurement, last)) attributes["maquette." + name] = value;
   attributes["maquette.not modelled"] = join(measurement.not_modelled, "; ");
   attributes["maquette.angles"] = "R: incidence in degrees, G: reflectance of the front face, B: of the pane";
   save_exr(path, sum, attributes, layers);

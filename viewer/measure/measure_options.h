@@ -8,6 +8,7 @@
 #include "render/inspection/eye_points.h"
 #include "render/inspection/sights.h"
 #include "review/inspection_setup.h"
+#include "review/look.h"
 
 namespace maquette {
 
@@ -47,6 +48,8 @@ struct MeasureOptions {
   std::vector<Sweep> sweeps;
   int paths = 0;       ///< of the path-traced values with their intervals, a pixel; 0: none
   std::string layers;  ///< EXR file; empty: none
+  /// What was done to the scene before it is measured, to be stated; absent: what the scene's options do.
+  std::optional<Edits> edits;
 };
 
 }  // namespace maquette

@@ -28,6 +28,8 @@ struct EyeContext {
 
 /// Of mode reference, unless --samples says otherwise.
 constexpr int kPathsOfAPixel = 16;
+/// In the mean of other modes' pictures, unless --frames says otherwise.
+constexpr int kFramesOfLayer = 4;
 
 /// Adds what the figures rest on, and what is not modelled.
 void add_assumptions(const SceneOptions& scene_options, const MeasureOptions& options, const Scene& scene, int pane,

@@ -8,6 +8,7 @@
 #include "render/scene_state/material_overrides.h"
 #include "scenes/angles.h"
 #include "scenes/error.h"
+#include "scenes/suggest.h"
 #include "viewer/interrupt.h"
 #include "viewer/measure/measure_run.h"
 #include "viewer/measure/scene_edits.h"
@@ -59,6 +60,7 @@ CameraView view_from(const glm::dvec3& eye, const Scene& scene, const SceneOptio
   CameraView view = camera_of_options(scene, options);
   const glm::vec3 ahead = view.target - view.eye;
   view.eye = glm::vec3(eye);
+  view.section = options.section.value_or(glm::vec4(0.0f));
   if (!options.target) view.target = view.eye + ahead;
   if (!options.up) view.up = glm::vec3(axes.up);
   return view;
@@ -67,7 +69,8 @@ CameraView view_from(const glm::dvec3& eye, const Scene& scene, const SceneOptio
 std::vector<NamedEye> eyes_of(const Scene& scene, const SceneOptions& scene_options, const MeasureOptions& options) {
   const VehicleAxes axes = vehicle_axes(options.axes);
   std::vector<NamedEye> eyes;
-  const CameraView camera = camera_of_options(scene, scene_options);
+  CameraView camera = camera_of_options(scene, scene_options);
+  camera.section = scene_options.section.value_or(glm::vec4(0.0f));
   glm::dvec3 middle(camera.eye);
   std::string name = "camera";
   if (options.eye) {
@@ -171,9 +174,12 @@ class Steps {
 
   int dash_of(const std::vector<Sight>& sights) const {
     if (!measure_.dash.empty()) {
-      check_material_name(*scene_, measure_.dash);
-      for (std::size_t i = 0; i < scene_->materials.size(); ++i)
-        if (scene_->materials[i].name == measure_.dash) return static_cast<int>(i);
+      std::vector<std::string> names;
+      for (const Material& material : scene_->materials) names.push_back(material.name);
+      const auto found = std::ranges::find(names, measure_.dash);
+      if (found != names.end()) return static_cast<int>(found - names.begin());
+      throw UsageError("--dash " + measure_.dash, scene_->name + " has no such material",
+                       did_you_mean(measure_.dash, names));
     }
     std::vector<std::size_t> counts(scene_->materials.size() + 1, 0);
     for (const Sight& sight : sights)
@@ -230,6 +236,35 @@ class Steps {
   std::optional<PaneLight> plain_;
 };
 
+/// A larger veil; where both have the same one, as when only the glass changes, a larger ghost angle.
+bool worse(const RegionValues& a, const RegionValues& b) {
+  const double more = a.reflected.mean - b.reflected.mean;
+  if (std::abs(more) > 1e-6 * std::abs(b.reflected.mean)) return more > 0.0;
+  return a.ghost_arcmin && b.ghost_arcmin && a.ghost_arcmin->mean > b.ghost_arcmin->mean;
+}
+
+bool shows_ghost(const SceneOptions& options) { return options.settings.get_bool("reflections.ghost"); }
+
+/// The layers of one eye by paths: of the panes' pixels and those that are probed, of all where the picture is kept.
+LayerPictures traced_pictures(const StepScene& s, const EyeContext& context, const SceneOptions& own,
+                              const EyeRays& rays, const std::vector<Sight>& sights, const MeasureOptions& options,
+                              bool shown) {
+  std::vector<std::size_t> pixels;
+  for (std::size_t i = 0; i < sights.size(); ++i)
+    if (sights[i].pane || shown) pixels.push_back(i);
+  for (const glm::ivec2& p : options.probes)
+    if (p.x >= 0 && p.y >= 0 && p.x < own.width && p.y < own.height)
+      pixels.push_back(static_cast<std::size_t>(p.y * own.width + p.x));
+  PathOptions asked = context.paths;
+  if (own.settings.get_string("reference.transport") == "direct") asked.transport = Transport::direct;
+  std::optional<GhostSheet> ghost;
+  if (shown || shows_ghost(own))
+    ghost = {static_cast<float>(context.sheet.thickness_m), static_cast<float>(context.sheet.wedge_rad),
+             shows_ghost(own)};
+  return trace_layers(*s.paths, asked, rays, pixels, {own.width, own.height},
+                      own.samples > 0 ? own.samples : kPathsOfAPixel, own.seed, ghost);
+}
+
 }  // namespace
 
 Measurement measure(const SceneOptions& scene_options, const MeasureOptions& options,
@@ -247,7 +282,8 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
     const StepScene s = steps.make(step);
     for (const NamedEye& eye : eyes_of(*s.scene, s.options, s.measure)) {
       if (InterruptGuard::asked()) throw Error("maquette measure", "interrupted", "nothing was written");
-      if (progress) progress(static_cast<double>(done++) / static_cast<double>(all.size() * eye_count));
+      if (progress) progress(static_cast<double>(done) / static_cast<double>(all.size() * eye_count));
+      ++done;
       SceneOptions own = s.options;
       own.camera.clear();
       own.eye = eye.view.eye;
@@ -262,19 +298,9 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
       context.paths.env_rotation_rad = radians(own.env_rotation_deg);
       context.paths.env_scale = own.env_scale;
       context.paths.max_bounces = own.settings.get_int("reference.bounces");
-      LayerPictures pictures;
-      if (source) {
-        pictures = source->draw(s.scene, s.environment, own, sights);
-      } else {
-        std::vector<std::size_t> pixels;
-        for (std::size_t i = 0; i < sights.size(); ++i)
-          if (sights[i].pane || !options.layers.empty()) pixels.push_back(i);
-        for (const glm::ivec2& p : options.probes)
-          if (p.x >= 0 && p.y >= 0 && p.x < own.width && p.y < own.height)
-            pixels.push_back(static_cast<std::size_t>(p.y * own.width + p.x));
-        pictures = trace_layers(*s.paths, context.paths, rays, pixels, {own.width, own.height},
-                                own.samples > 0 ? own.samples : kPathsOfAPixel, own.seed);
-      }
+      const bool shown = !options.layers.empty() && done == all.size() * eye_count;
+      LayerPictures pictures = source ? source->draw(s.scene, s.environment, own, shown || shows_ghost(own))
+                                      : traced_pictures(s, context, own, rays, sights, options, shown);
       EyeValues values{eye.name, glm::dvec3(eye.view.eye), step, s.light, s.sun, {}, {}};
       for (const PictureRegion& region : regions) {
         values.regions.push_back(region_values(context, region, pictures, sights));
@@ -289,8 +315,7 @@ Measurement measure(const SceneOptions& scene_options, const MeasureOptions& opt
     }
   }
   for (std::size_t i = 0; i < result.eyes.size(); ++i)
-    if (result.eyes[i].regions.front().reflected.mean > result.eyes[result.worst].regions.front().reflected.mean)
-      result.worst = i;
+    if (worse(result.eyes[i].regions.front(), result.eyes[result.worst].regions.front())) result.worst = i;
   add_assumptions(scene_options, options, *scene, steps.pane(), steps.has_dash() ? steps.dash_name() : "", &result);
   return result;
 }

@@ -62,7 +62,7 @@ struct Measurement {
   std::vector<EyeValues> eyes;
   std::vector<std::pair<std::string, std::string>> assumptions;
   std::vector<std::string> not_modelled;
-  /// Index in `eyes` of the largest mean veil of the first region.
+  /// Index in `eyes` of the largest mean veil of the first region; of equal ones, of the largest mean ghost angle.
   std::size_t worst = 0;
 };
 
@@ -78,7 +78,7 @@ class LayerSource {
   virtual ~LayerSource() = default;
   virtual LayerPictures draw(const std::shared_ptr<const Scene>& scene,
                              const std::shared_ptr<const Environment>& environment, const SceneOptions& options,
-                             const std::vector<Sight>& sights) = 0;
+                             bool with_ghost) = 0;
 };
 /// Frames of the options' mode by the renderer; needs a graphics context. For mode reference paths, without one.
 std::unique_ptr<LayerSource> make_layer_source(const SceneOptions& options);

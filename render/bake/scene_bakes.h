@@ -62,9 +62,9 @@ class SceneBakes {
     return found == own_.end() ? nullptr : found->second.get();
   }
   std::uint32_t visibility_revision() const { return visibility_revision_; }
-  /// Of all that points depend on besides indirect light.
+  /// Of all that points depend on besides indirect light; shadows of the sky come once that is there.
   Key without_indirect() const {
-    return Key::of(visibility_revision_, octree_revision_, own_revision_, shadow_scene_.ready());
+    return Key::of(visibility_revision_, octree_revision_, own_revision_, shadow_scene_.ready(), indirect_.ready());
   }
   Key all() const { return Key::of(without_indirect(), indirect_revision_, shadow_revision_); }
 

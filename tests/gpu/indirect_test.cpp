@@ -85,6 +85,39 @@ TEST_P(Indirect, RoomIsAsBrightAsThePathTracerSays) {
 }
 
 /// A mirror in place of the wall that the camera looks at.
+/// Shadows of the sky wait for it: points that were shaded before are not of the picture that it belongs to.
+TEST_P(Indirect, ItsShadowsRenewWhatWasShadedBefore) {
+  const auto scene = std::make_shared<Scene>(room());
+  const auto sky = test::constant_sky(1.0f);
+  const FrameRequest request = into_room(GetParam(), 48, 64);
+  constexpr int kMore = 4;
+  Renderer waits, ready;
+  for (Renderer* r : {&waits, &ready}) {
+    r->set_scene(scene);
+    r->set_environment(sky);
+  }
+  FrameStats stats = waits.render(request, true);
+  EXPECT_EQ(stats.plan.shading().visibility, "none");
+  for (int frame = 0; frame < 20000 && stats.plan.shading().indirect != "baked"; ++frame) {
+    stats = waits.render(request, true);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_EQ(stats.plan.shading().indirect, "baked");
+  EXPECT_TRUE(ready.finish_background_work(request));
+  ready.render(request, true);
+  for (int frame = 0; frame < kMore; ++frame)
+    for (Renderer* r : {&waits, &ready}) stats = r->render(request, true);
+  const Image picture = waits.read_radiance(), expected = ready.read_radiance();
+  double squares = 0.0, light = 0.0;
+  for (std::size_t i = 0; i < picture.data.size(); ++i) {
+    if (i % 4 == 3) continue;
+    squares += std::pow(static_cast<double>(picture.data[i] - expected.data[i]), 2.0);
+    light += static_cast<double>(expected.data[i]);
+  }
+  const auto count = static_cast<double>(picture.data.size() / 4 * 3);
+  EXPECT_LT(std::sqrt(squares / count) / (light / count), 0.02);
+}
+
 TEST_P(Indirect, AMirrorShowsTheLightOfTheRoom) {
   Scene scene = room();
   Material metal;

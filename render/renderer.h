@@ -48,7 +48,7 @@ class Renderer {
   /// The same scene with nodes elsewhere: materials, textures and what is hidden stay, meshes are as `scene` has them.
   /// False, and nothing is changed, where its geometry is no longer the same triangles: `set_scene` is for that.
   bool move_nodes(std::shared_ptr<const Scene> scene);
-  /// Moves the base colour texture of the material named so, in its UV coordinates, until the next scene.
+  /// Moves the base colour texture of the last material named so, in its UV coordinates, until the next scene.
   void set_texture_offset(const std::string& material_name, const glm::vec2& offset);
   /// For a window: modes that draw whole pictures then work on a thread of their own, `render` shows what there is so
   /// far and does not wait, and `accumulated_frames` counts the paths of a pixel.

@@ -49,6 +49,8 @@ ReviewBake bake_from_json(const Json& json, const std::vector<std::string>& look
       throw Error(reader.where("looks"), "the review has no look \"" + look + "\"",
                   looks.empty() ? "it has none at all" : did_you_mean(look, looks));
   reader.finish();
+  if (!bake.at_hand && bake.looks.empty())
+    throw Error(where, "it belongs to no look and not to the state at hand", "name looks of the review, or remove it");
   return bake;
 }
 

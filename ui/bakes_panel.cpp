@@ -81,6 +81,15 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
   const bool held = stops && ui.state.settings.get_string(setting) == "hold";
   ImGui::PushID(name.c_str());
   value_row(name.c_str(), bake_state_text(bake, busy, held));
+  // Controls first: what comes and goes below does not move them.
+  if (stops) {
+    if (ImGui::Button(held ? "Bake" : busy ? "Stop" : "Hold"))
+      ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
+    mark_item(ui, (held ? "bake/" : "stop/") + name);
+    tooltip(held ? "Makes what is missing or no longer as the scene is"
+                 : "Keeps what is there whatever changes, and says what has changed");
+  }
+  if (has_setting(*ui.facts.registry, name + ".parts")) draw_parts(ui, name);
   if (busy) {
     char done[64];
     const auto left = ui.facts.seconds_left.find(name);
@@ -91,14 +100,6 @@ void draw_bake(Ui& ui, const std::string& name, const BakeStatus& bake) {
     if (!change.empty()) dim_text("It will change: " + change + ".");
   }
   for (const std::string& note : bake.notes) dim_text(note);
-  if (stops) {
-    if (ImGui::Button(held ? "Bake" : busy ? "Stop" : "Hold"))
-      ui.state.settings.set(setting, std::string(held ? "auto" : "hold"));
-    mark_item(ui, (held ? "bake/" : "stop/") + name);
-    tooltip(held ? "Makes what is missing or no longer as the scene is"
-                 : "Keeps what is there whatever changes, and says what has changed");
-  }
-  if (has_setting(*ui.facts.registry, name + ".parts")) draw_parts(ui, name);
   ImGui::PopID();
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/inspection/not_modelled.h"
 #include "render/views/false_color.h"
 #include "ui/widgets.h"
 
@@ -293,7 +294,9 @@ void draw_inspection_panel(Ui& ui) {
     if (ImGui::Button("Cancel")) ui.actions.inspection.cancel = true;
     mark_item(ui, "inspection/cancel");
   }
-  dim_text("Not modelled: scatter in and on the pane, its coatings, glare inside the eye.");
+  std::string left_out;
+  for (const char* what : kNotModelled) left_out += (left_out.empty() ? "Not modelled: " : "; ") + std::string(what);
+  dim_text(left_out + ".");
 }
 
 }  // namespace maquette::panels

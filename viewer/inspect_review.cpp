@@ -34,7 +34,7 @@ nlohmann::ordered_json inspect_review(const std::string& file) {
     json["bakes"].push_back({{"bake", bake.bake},
                              {"key", bake.key},
                              {"of", owners_text(bake)},
-                             {"state", find_bake({review, bakes}, bake) == BakeFound::there ? "there" : "to be made"}});
+                             {"state", find_bake({review, bakes}, bake) == BakeFound::there ? "kept" : "to be made"}});
   return json;
 }
 

@@ -93,6 +93,11 @@ TEST_F(ReviewBakes, BadOnesAreRefused) {
   EXPECT_TRUE(contains(with("looks", {"nigt"}), "the review has no look \"nigt\"; did you mean night"))
       << with("looks", {"nigt"});
   EXPECT_TRUE(contains(with("kay", kOne), "did you mean key")) << with("kay", kOne);
+  Json of_none = good;
+  of_none["at_hand"] = false;
+  of_none["looks"] = Json::array();
+  EXPECT_TRUE(contains(problem(Json::array({of_none})), "bakes[0]: it belongs to no look"))
+      << problem(Json::array({of_none}));
   Json other = good;
   other["key"] = kTwo;
   other["at_hand"] = false;

@@ -96,7 +96,7 @@ TEST(BakeCommand, TheReportMeasuresABakeThatIsNamed) {
   const std::string at = folder.file("bake");
   ASSERT_EQ(bake({"-o", at}).exit_code, 0);
   const ProgramResult result = run_maquette(
-      with_light_field({"report", "--size", "24x16", "--repeats", "1", "--budget", "12", "-o", folder.file("report")},
+      with_light_field({"report", "--size", "24x16", "--repeats", "1", "--budget", "90", "-o", folder.file("report")},
                        {"--set", "slf.bake=" + at}));
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const auto json = nlohmann::json::parse(read_text(folder.file("report/report.json")));

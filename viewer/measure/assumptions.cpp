@@ -1,6 +1,7 @@
 // What the figures of a measurement rest on, in words.
 #include <cstdio>
 
+#include "render/inspection/not_modelled.h"
 #include "render/scene_state/material_overrides.h"
 #include "render/technique/registry.h"
 #include "scenes/suggest.h"
@@ -124,10 +125,7 @@ void add_assumptions(const SceneOptions& s, const MeasureOptions& o, const Scene
                          number_text(s.settings.get_double("reflections.thickness")) + " mm, wedge " +
                          number_text(s.settings.get_double("reflections.wedge")) + " mrad upwards");
   add("threshold", number_text(o.threshold_cdm2) + " cd/m2");
-  m->not_modelled = {"scatter on and in the pane (dust, scratches, haze)",
-                     "coatings, interference and films of the pane",
-                     "polarisation of the light before it meets the pane", "the shift of what is seen through the pane",
-                     "glare inside the eye"};
+  m->not_modelled.assign(kNotModelled.begin(), kNotModelled.end());
 }
 
 }  // namespace maquette

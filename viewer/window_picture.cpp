@@ -89,8 +89,9 @@ bool WindowPicture::update(WindowSession* session, const PictureUpdate& input) {
   StillEdges::Input edges;
   edges.moving_samples = wanted.msaa;
   edges.still_samples = session->state.still_msaa;
-  edges.changed = changed;
-  edges.disturbed = moving_ || (changed && !material_only);
+  // What a bake brings is another picture: it is shown at once, before its edges are smoothed.
+  edges.changed = changed || background_done;
+  edges.disturbed = moving_ || (changed && !material_only) || background_done;
   edges.may_begin = !background && !session->loading() && !session->state.error_view.open && !failed_ && stats_ &&
                     stats_->frame_ms < kQuickEnough_ms;
   edges.frames = stats_ ? stats_->accumulated_frames : 0;

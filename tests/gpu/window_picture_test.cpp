@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "render/gl/context.h"
 #include "tests/scenes/temporary_folder.h"
 #include "tests/support/test_scenes.h"
@@ -79,6 +82,26 @@ TEST_F(WindowPictures, AnotherLookIsShownCoarselyOnlyWhereFramesAreSlow) {
   session.state.camera.eye.x += 0.2f;
   session.state.moving_scale = 0.7f;
   EXPECT_EQ(turn(&session, 30.0), static_cast<int>(0.7f * kWidth)) << "a move of the camera is no other look";
+}
+
+TEST_F(WindowPictures, WhatABakeBringsIsShownBeforeItsEdgesAreSmoothed) {
+  SceneOptions with_bake = options();
+  with_bake.mode = "slf";
+  with_bake.settings = Settings();
+  with_bake.settings.set("slf.texels", 32);
+  with_bake.settings.set("slf.paths", 4);
+  WindowSession session(with_bake);
+  double now_s = 0.0;
+  turn(&session, now_s);
+  int rested = 0;
+  for (; !session.renderer().background_work().empty(); ++rested) {
+    ASSERT_LT(rested, 20000);
+    turn(&session, now_s += 0.5);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_GT(rested, 4) << "the preview rests meanwhile";
+  EXPECT_EQ(turn(&session, now_s += 0.5), kWidth);
+  EXPECT_EQ(picture_.drawn().msaa, 1);
 }
 
 }  // namespace

@@ -91,6 +91,7 @@ TEST_F(WindowPictures, WhatABakeBringsIsShownBeforeItsEdgesAreSmoothed) {
   with_bake.settings.set("slf.texels", 32);
   with_bake.settings.set("slf.paths", 4);
   WindowSession session(with_bake);
+  session.state.still_msaa = 4;
   double now_s = 0.0;
   turn(&session, now_s);
   int rested = 0;
